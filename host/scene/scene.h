@@ -1,0 +1,80 @@
+// A scene: one case of a study, resolved, in SI units (m, N, N/m, rad). What is evaluated, where, and what is written.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace forceshade {
+
+enum class SurfaceKind { bump, cylinder_bump, height_map };
+enum class FacetSpacing { equal_arc, equal_x };
+enum class Shading { none, reference, height_map };
+enum class DepthReading { vertical, normal };
+enum class ReferenceDirection { normal, radial };
+enum class MapFunction { cylinder, dip, sine, gaussian, file };
+enum class Compression { none, zip1, zip, pxr24 };
+enum class PixelType { float32, half };
+enum class Precision { f32, f64 };
+
+/// G3: U(x, y) over the plane, analytic or from an image file.
+struct HeightMapSpec {
+    MapFunction function = MapFunction::cylinder;
+    double width = 0.0254;              /* m: cylinder and dip: W = 2a; sine: wavelength along x */
+    double radius = 0.01524;            /* m: cylinder and dip: R >= a; gaussian: where U is height/e */
+    double height = 0.001;              /* m: sine and gaussian: peak; file: what a sample of 1 means */
+    std::string file;                   /* as written in the scene; resolved by `path` */
+    std::string path;                   /* absolute path of the file, never written into results */
+    std::string sha256;                 /* of the file's bytes, lower-case hex; empty until the file is read */
+    std::array<double, 2> size{0.0254, 0.0254}; /* m: extent in x and y between the outermost samples */
+};
+
+struct SurfaceSpec {
+    SurfaceKind kind = SurfaceKind::bump;
+    double width = 0.0254;              /* m: W = 2a */
+    double radius = 0.01524;            /* m: R >= a */
+    std::uint32_t facets = 1;           /* n >= 1 */
+    FacetSpacing facet_spacing = FacetSpacing::equal_arc;
+    HeightMapSpec map;                  /* kind height_map only */
+};
+
+struct ForceSpec {
+    double stiffness = 1000.0;          /* K, N/m */
+    Shading shading = Shading::none;
+    DepthReading depth = DepthReading::vertical;
+    ReferenceDirection reference = ReferenceDirection::normal;
+};
+
+struct TextureSpec {
+    double stiffness = 0.0;             /* K_t, N/m */
+    HeightMapSpec map;
+};
+
+/// Voxel (i, j, k) samples origin + spacing * (i, j, k).
+struct GridSpec {
+    std::array<std::uint64_t, 3> size{256, 64, 128};
+    std::array<double, 3> origin{-0.025, -0.006, -0.010}; /* m */
+    std::array<double, 3> spacing{0.0002, 0.0002, 0.0002}; /* m */
+};
+
+struct OutputSpec {
+    std::uint32_t channels = 1;         /* layout::kChannel... bits; force is always among them */
+    Compression compression = Compression::zip;
+    PixelType pixel = PixelType::float32;
+};
+
+struct Scene {
+    SurfaceSpec surface;
+    ForceSpec force;
+    std::optional<TextureSpec> texture;
+    GridSpec grid;
+    OutputSpec output;
+    Precision precision = Precision::f32;
+};
+
+/// True if the force depends on y, so that a grid must be evaluated at every y.
+bool depends_on_y(const Scene& scene);
+
+} // namespace forceshade

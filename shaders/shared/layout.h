@@ -1,0 +1,158 @@
+// The nouns that kernels and CPU oracle share: structs, enums, binding and constant numbers. No verbs: nothing here computes.
+// Read by C++ and by GLSL. Structs hold scalars only, largest first, so that std430 offsets equal C++'s (a test compares them).
+// `real` is float or double: a template parameter in C++, a macro in GLSL. Laws G1 to L8: shaders/README.md.
+#ifdef __cplusplus
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <span>
+namespace forceshade::layout {
+using uint = std::uint32_t;
+#define FS_CONSTANT inline constexpr uint
+#define FS_STRUCT template <typename real> struct
+#define FS_REAL_STRUCT(name) name<real>
+#else
+#define FS_CONSTANT const uint
+#define FS_STRUCT struct
+#define FS_REAL_STRUCT(name) name
+#endif
+
+// Which law gives the nominal surface.
+FS_CONSTANT kSurfaceBump = 0u;         // L1, L3, L4: n facets on a plane
+FS_CONSTANT kSurfaceCylinderBump = 1u; // L2: plane and cylinder superposed
+FS_CONSTANT kSurfaceHeightMap = 2u;    // L5: the plane, shaded by a height map
+// Where the force direction comes from.
+FS_CONSTANT kShadingNone = 0u;
+FS_CONSTANT kShadingReference = 1u; // L4: the smooth cylinder
+FS_CONSTANT kShadingHeightMap = 2u; // L5: the height map's normal
+// How penetration into a facet is read (L3).
+FS_CONSTANT kDepthVertical = 0u;
+FS_CONSTANT kDepthNormal = 1u;
+// Which direction the smooth cylinder lends (L4).
+FS_CONSTANT kReferenceNormal = 0u; // the surface normal above the probe
+FS_CONSTANT kReferenceRadial = 1u; // away from the axis, at the probe itself
+// Height maps (G3), for shading and for texture.
+FS_CONSTANT kMapNone = 0u;
+FS_CONSTANT kMapCylinder = 1u;
+FS_CONSTANT kMapDip = 2u;
+FS_CONSTANT kMapSine = 3u;
+FS_CONSTANT kMapGaussian = 4u;
+FS_CONSTANT kMapSamples = 5u;
+// Channels a field may write, as bits.
+FS_CONSTANT kChannelForce = 1u;    // N, 3 reals a voxel
+FS_CONSTANT kChannelDepth = 2u;    // m, 1 real a voxel
+FS_CONSTANT kChannelFacet = 4u;    // id, 1 uint a voxel
+FS_CONSTANT kChannelProxy = 8u;    // m, 3 reals a voxel
+FS_CONSTANT kChannelUnshaded = 16u; // N, 3 reals a voxel: what shading "none" would give
+
+FS_CONSTANT kNoFacet = 0xFFFFFFFFu; // facet id of a voxel out of contact
+
+// Bindings of the field kernel, all storage buffers in set 0.
+FS_CONSTANT kBindLaw = 0u;
+FS_CONSTANT kBindAxes = 1u;
+FS_CONSTANT kBindFacetVertices = 2u;
+FS_CONSTANT kBindMapGradients = 3u;
+FS_CONSTANT kBindTextureGradients = 4u;
+FS_CONSTANT kBindStatus = 5u;
+FS_CONSTANT kBindForce = 6u;
+FS_CONSTANT kBindDepth = 7u;
+FS_CONSTANT kBindFacet = 8u;
+FS_CONSTANT kBindProxy = 9u;
+FS_CONSTANT kBindUnshaded = 10u;
+FS_CONSTANT kBindCount = 11u;
+
+// Specialization constants of the field kernel.
+FS_CONSTANT kSpecLocalX = 0u;
+FS_CONSTANT kSpecLocalY = 1u;
+FS_CONSTANT kSpecSurface = 2u;
+FS_CONSTANT kSpecShading = 3u;
+FS_CONSTANT kSpecDepth = 4u;
+FS_CONSTANT kSpecReference = 5u;
+FS_CONSTANT kSpecMap = 6u;
+FS_CONSTANT kSpecTexture = 7u;
+FS_CONSTANT kSpecChannels = 8u;
+FS_CONSTANT kSpecLayers = 9u; // z samples an invocation evaluates
+FS_CONSTANT kSpecCount = 10u;
+
+// Bits a kernel raises in its status word.
+FS_CONSTANT kStatusUnfinished = 1u; // a loop ended before its work was done
+
+// A height map U(x, y) in metres, seen through its gradient: no force law needs U itself (L5, L8).
+FS_STRUCT MapParams {
+    real half_width;     // m: a of G1, or half the sampled size along x
+    real half_length;    // m: half the sampled size along y
+    real radius;         // m: R of G1, or the 1/e radius of the Gaussian
+    real slope;          // 1: the sine's largest gradient; the Gaussian's 2 h / radius
+    real inverse_length; // 1/m: 1 / wavelength of the sine, 1 / radius of the Gaussian
+    real nodes_per_x;    // 1/m: sample columns a metre
+    real nodes_per_y;    // 1/m: sample rows a metre
+    uint columns;        // samples along x
+    uint rows;           // samples along y
+};
+
+FS_STRUCT LawParams {
+    real stiffness;         // K, N/m
+    real texture_stiffness; // K_t, N/m
+    real half_width;        // a, m
+    real radius;            // R, m
+    real centre_depth;      // sqrt((R-a)(R+a)), m: the cylinder's axis lies this far below the plane
+    FS_REAL_STRUCT(MapParams) map;
+    FS_REAL_STRUCT(MapParams) texture;
+    uint facets; // n
+    uint reserved;
+};
+
+// What one dispatch covers, as push constants. A row is the x_count samples of one (y, z); rows are stored at x_pitch samples.
+struct ChunkParams {
+    uint x_count;
+    uint x_pitch; // x_count, rounded up to an even number
+    uint y_first;
+    uint y_count;
+    uint y_axis; // where the y coordinates begin in the axis table
+    uint z_first;
+    uint z_count;
+    uint z_axis; // where the z coordinates begin in the axis table
+};
+
+#ifdef __cplusplus
+// What a scene uses; everything else is left out of the compiled kernel.
+struct Features {
+    uint surface = kSurfaceBump;
+    uint shading = kShadingNone;
+    uint depth = kDepthVertical;
+    uint reference = kReferenceNormal;
+    uint map = kMapNone;
+    uint texture = kMapNone;
+    uint channels = kChannelForce;
+    friend bool operator==(const Features&, const Features&) = default;
+};
+
+// A field over a grid, ready to evaluate. The spans must outlive the evaluation.
+template <typename real>
+struct FieldInput {
+    Features features;
+    LawParams<real> law;
+    std::span<const real> x, y, z;          // m, sample coordinates, each rounded once from double
+    std::span<const real> facet_vertices;   // m, n + 1 increasing x coordinates (bump only)
+    std::span<const real> map_gradients;    // 1, rows * columns pairs (dU/dx, dU/dy), row 0 at the smallest y
+    std::span<const real> texture_gradients; // likewise for the texture
+};
+
+// Consecutive rows of an evaluated field: z in [z_first, z_first + z_count), y likewise. Row r = (z - z_first) * y_count + (y - y_first)
+// begins at sample r * x_pitch. Channels that the features lack are empty. The spans die with the callback that receives them.
+template <typename real>
+struct FieldChunk {
+    std::size_t x_count, x_pitch;
+    std::size_t y_first, y_count;
+    std::size_t z_first, z_count;
+    std::span<const real> force;    // N, 3 a sample
+    std::span<const real> depth;    // m
+    std::span<const uint> facet;    // id
+    std::span<const real> proxy;    // m, 3 a sample
+    std::span<const real> unshaded; // N, 3 a sample
+};
+} // namespace forceshade::layout
+#endif
+#undef FS_CONSTANT
+#undef FS_STRUCT
+#undef FS_REAL_STRUCT
