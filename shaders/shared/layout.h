@@ -127,15 +127,21 @@ struct Features {
     friend bool operator==(const Features&, const Features&) = default;
 };
 
-// A field over a grid, ready to evaluate. The spans must outlive the evaluation.
+// A force law, ready to evaluate at any point. The spans must outlive it.
+template <typename real>
+struct Law {
+    Features features;
+    LawParams<real> params;
+    std::span<const real> facet_vertices;    // m, n + 1 increasing x coordinates (bump only)
+    std::span<const real> map_gradients;     // 1, rows * columns pairs (dU/dx, dU/dy), row 0 at the smallest y
+    std::span<const real> texture_gradients; // likewise for the texture
+};
+
+// A law over a grid.
 template <typename real>
 struct FieldInput {
-    Features features;
-    LawParams<real> law;
-    std::span<const real> x, y, z;          // m, sample coordinates, each rounded once from double
-    std::span<const real> facet_vertices;   // m, n + 1 increasing x coordinates (bump only)
-    std::span<const real> map_gradients;    // 1, rows * columns pairs (dU/dx, dU/dy), row 0 at the smallest y
-    std::span<const real> texture_gradients; // likewise for the texture
+    Law<real> law;
+    std::span<const real> x, y, z; // m, sample coordinates, each rounded once from double
 };
 
 // Consecutive rows of an evaluated field: z in [z_first, z_first + z_count), y likewise. Row r = (z - z_first) * y_count + (y - y_first)

@@ -1,0 +1,58 @@
+// cos and exp out of + - * and exact steps only, step for step as shaders/laws/elementary.glsl.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <type_traits>
+
+namespace forceshade::reference {
+
+/// cos(2 pi turns), within a few ULP of 1. The argument is reduced to a quarter turn exactly.
+template <typename T> T cosine_of_turns(T turns) noexcept {
+    // (2 pi)^23 / 23!, and so on down to 2 pi, signs alternating.
+    constexpr std::array<double, 12> kSeries{-8.823533599243006e-05, 0.0011309237482517963, -0.012031585942120627,
+                                             0.10422916220813984,    -0.7181223017785006,   3.819952584848282,
+                                             -15.09464257682299,     42.058693944897655,    -76.70585975306139,
+                                             81.60524927607506,      -41.34170224039976,    6.283185307179586};
+    const T folded = std::abs(turns - std::floor(turns + T(0.5)));
+    const T s = T(0.25) - folded;
+    const T q = s * s;
+    T sum = T(kSeries[0]);
+    for (std::size_t i = 1; i < kSeries.size(); ++i)
+        sum = sum * q + T(kSeries[i]);
+    return sum * s;
+}
+
+/// exp(-u) for u >= 0; 0 where the result would be no normal number, and for u infinite.
+template <typename T> T exponential_decay(T u) noexcept {
+    constexpr bool kDouble = std::is_same_v<T, double>;
+    constexpr T kLargest = kDouble ? T(708.0) : T(87.0);
+    constexpr T kLn2High = kDouble ? T(0.693147180559663) : T(0.693115234375);
+    constexpr T kLn2Low = kDouble ? T(2.8235290563031577e-13) : T(3.1946184945309415e-05);
+    // 1 / 14!, and so on down to 1.
+    constexpr std::array<double, 15> kSeries{1.1470745597729725e-11,
+                                             1.6059043836821613e-10,
+                                             2.08767569878681e-09,
+                                             2.505210838544172e-08,
+                                             2.755731922398589e-07,
+                                             2.7557319223985893e-06,
+                                             2.48015873015873e-05,
+                                             0.0001984126984126984,
+                                             0.001388888888888889,
+                                             0.008333333333333333,
+                                             0.041666666666666664,
+                                             0.16666666666666666,
+                                             0.5,
+                                             1.0,
+                                             1.0};
+    if (!(u < kLargest))
+        return T(0);
+    const T k = std::floor(u * T(1.4426950408889634) + T(0.5));
+    const T r = (k * kLn2High - u) + k * kLn2Low;
+    T sum = T(kSeries[0]);
+    for (std::size_t i = 1; i < kSeries.size(); ++i)
+        sum = sum * r + T(kSeries[i]);
+    return sum * std::ldexp(T(1), -static_cast<int>(k));
+}
+
+} // namespace forceshade::reference

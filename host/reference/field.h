@@ -1,0 +1,28 @@
+// The CPU oracle over a grid: the reference law at every sample, on all cores. Also the `--engine cpu` of the command
+// line.
+#pragma once
+
+#include <functional>
+
+#include "shaders/shared/layout.h"
+
+namespace forceshade::reference {
+
+/// What the evaluation may use.
+struct FieldOptions {
+    unsigned threads = 0;                            /* 0: as many as the machine has cores */
+    std::size_t chunk_bytes = std::size_t(32) << 20; /* most bytes of results held at once */
+};
+
+/// Evaluates the law at every sample of the grid, in T, and hands over consecutive chunks of rows in order (z, then y).
+/// The channels are those of `input.law.features`. Stops early when `consume` throws.
+template <typename T>
+void evaluate_field(const layout::FieldInput<T>& input, const FieldOptions& options,
+                    const std::function<void(const layout::FieldChunk<T>&)>& consume);
+
+extern template void evaluate_field<float>(const layout::FieldInput<float>&, const FieldOptions&,
+                                           const std::function<void(const layout::FieldChunk<float>&)>&);
+extern template void evaluate_field<double>(const layout::FieldInput<double>&, const FieldOptions&,
+                                            const std::function<void(const layout::FieldChunk<double>&)>&);
+
+} // namespace forceshade::reference

@@ -1,0 +1,69 @@
+// What every law needs of the probe's (x, y) alone: computed once for all z above it.
+
+struct Column {
+    real x;
+    real y;
+    Facet facet;      // L3: the nominal surface below the probe
+    real3 direction;  // L4, L5: the smooth surface's unit normal above the probe
+    Gradient texture; // L8
+    bool on_bump;     // |x| < a
+};
+
+Gradient map_gradient(real x, real y) {
+    if (MAP == kMapCylinder || MAP == kMapDip)
+        return cylinder_gradient(law.map, x, MAP == kMapDip);
+    if (MAP == kMapSine)
+        return sine_gradient(law.map, x);
+    if (MAP == kMapGaussian)
+        return gaussian_gradient(law.map, x, y);
+    if (MAP == kMapSamples)
+        return sampled_map_gradient(law.map, x, y);
+    return Gradient(ZERO, ZERO);
+}
+
+Gradient texture_gradient(real x, real y) {
+    if (TEXTURE == kMapCylinder || TEXTURE == kMapDip)
+        return cylinder_gradient(law.texture, x, TEXTURE == kMapDip);
+    if (TEXTURE == kMapSine)
+        return sine_gradient(law.texture, x);
+    if (TEXTURE == kMapGaussian)
+        return gaussian_gradient(law.texture, x, y);
+    if (TEXTURE == kMapSamples)
+        return sampled_texture_gradient(law.texture, x, y);
+    return Gradient(ZERO, ZERO);
+}
+
+// G1: N(x) on the bump, z elsewhere.
+real3 reference_normal(real x, bool on_bump) {
+    if (!on_bump)
+        return real3(ZERO, ZERO, ONE);
+    precise real normal_x = x / law.radius;
+    precise real normal_z = circle_rise(law.radius, x) / law.radius;
+    return real3(normal_x, ZERO, normal_z);
+}
+
+// L5: the unit normal of the height map.
+real3 map_normal(real x, real y) {
+    Gradient gradient = map_gradient(x, y);
+    precise real normal_z = ONE / sqrt(gradient.x * gradient.x + gradient.y * gradient.y + ONE);
+    precise real normal_x = -(gradient.x * normal_z);
+    precise real normal_y = -(gradient.y * normal_z);
+    return real3(normal_x, normal_y, normal_z);
+}
+
+Column column_at(real x, real y) {
+    Column column;
+    column.x = x;
+    column.y = y;
+    column.on_bump = abs(x) < law.half_width;
+    column.facet = Facet(ZERO, ZERO, ONE, 0u);
+    if (SURFACE == kSurfaceBump)
+        column.facet = facet_at(x);
+    column.direction = real3(ZERO, ZERO, ONE);
+    if (SHADING == kShadingReference && REFERENCE == kReferenceNormal)
+        column.direction = reference_normal(x, column.on_bump);
+    if (SHADING == kShadingHeightMap)
+        column.direction = map_normal(x, y);
+    column.texture = texture_gradient(x, y);
+    return column;
+}

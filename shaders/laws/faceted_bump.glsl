@@ -1,0 +1,42 @@
+// G2 and L3: the bump of n flat facets inscribed in the reference cylinder, on the plane.
+
+struct Facet {
+    real height;   // m: the nominal surface above the plane at the probe's x
+    real normal_x; // 1: unit normal (normal_x, 0, normal_z)
+    real normal_z;
+    uint id; // 0 .. n-1 from left to right, n for the plane beside the bump
+};
+
+// The facet [x_i, x_i+1) that holds x, by bisection; needs x_0 <= x < x_n.
+uint facet_index(real x, uint facets) {
+    uint low = 0u;
+    uint high = facets;
+    while (high - low > 1u) {
+        uint middle = low + (high - low) / 2u;
+        if (facet_vertices[middle] <= x)
+            low = middle;
+        else
+            high = middle;
+    }
+    return low;
+}
+
+Facet facet_at(real x) {
+    Facet facet = Facet(ZERO, ZERO, ONE, law.facets);
+    if (!(x >= -law.half_width && x < law.half_width))
+        return facet;
+    facet.id = facet_index(x, law.facets);
+    real left = facet_vertices[facet.id];
+    real right = facet_vertices[facet.id + 1u];
+    // The chord of a circle descends by (x_i + x_i+1) / (rise_i + rise_i+1): no difference of heights, so nothing cancels.
+    precise real rises = circle_rise(law.radius, left) + circle_rise(law.radius, right);
+    precise real descent = rises > ZERO ? (left + right) / rises : ZERO;
+    precise real height =
+        cylinder_height(law.half_width, law.radius, law.centre_depth, left) - descent * (x - left);
+    precise real normal_z = ONE / sqrt(ONE + descent * descent);
+    precise real normal_x = descent * normal_z;
+    facet.height = height;
+    facet.normal_x = normal_x;
+    facet.normal_z = normal_z;
+    return facet;
+}

@@ -1,0 +1,12 @@
+// The precision a kernel is compiled for. Constants are written real(0.5LF): rounded once, by the compiler.
+#ifdef FS_F64
+#define real double
+#define real3 dvec3
+#define SMALLEST_NORMAL 2.2250738585072014e-308LF
+#else
+#define real float
+#define real3 vec3
+#define SMALLEST_NORMAL 1.1754943508222875e-38
+#endif
+#define ZERO real(0.0LF)
+#define ONE real(1.0LF)
