@@ -1,0 +1,79 @@
+// Vulkan devices: what there is, why one is refused, and the one that is used.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace forceshade::compute {
+
+/// What went wrong on or with a device, in words for the user.
+class DeviceError : public std::runtime_error {
+public:
+    enum class Kind { no_such_device, out_of_memory, device_lost, unfinished, unsupported };
+    DeviceError(Kind kind, const std::string& message) : std::runtime_error(message), kind_(kind) {}
+    Kind kind() const noexcept { return kind_; }
+
+private:
+    Kind kind_;
+};
+
+/// A device as the driver describes it.
+struct DeviceReport {
+    std::uint32_t index = 0; /* as listed, from 0 */
+    std::string name;
+    std::string uuid;   /* 32 hex digits */
+    std::string type;   /* "software", "integrated", "discrete", "virtual" or "other" */
+    std::string driver; /* name and version */
+    std::string api;    /* Vulkan version, "1.3.230" */
+    bool software = false;
+    bool f64 = false;                  /* double precision in kernels */
+    bool int64 = false;                /* 64-bit integers in kernels: stores travel in pairs */
+    std::uint64_t memory = 0;          /* bytes of the largest device-local heap */
+    std::uint64_t buffer_range = 0;    /* bytes that one storage buffer may span */
+    std::uint32_t subgroup = 0;        /* invocations; informative, nothing assumes it */
+    std::vector<std::string> refusals; /* why this device cannot run the kernels; empty if it can */
+};
+
+/// Every Vulkan device and, for each, why it cannot be used. Empty if the loader finds none.
+/// \throws DeviceError (no_such_device) if there is no Vulkan loader.
+std::vector<DeviceReport> list_devices();
+
+/// Picks a device from a list. `wanted` is a part of the name (any case), a UUID, an index, or empty: then the first
+/// software device that is not refused, else the first that is not refused. `needs_f64` refuses devices without double
+/// precision. \throws DeviceError (no_such_device) with the list and the reasons.
+const DeviceReport& choose_device(const std::vector<DeviceReport>& devices, const std::string& wanted, bool needs_f64);
+
+struct DeviceOptions {
+    std::string wanted; /* as in choose_device */
+    bool needs_f64 = false;
+    bool validation = false; /* core and synchronization validation; messages in validation_messages() */
+    std::span<const std::byte> pipeline_cache; /* of an earlier run on this device; ignored where it does not fit */
+};
+
+/// A device, open, with one compute queue.
+class Device {
+public:
+    explicit Device(const DeviceOptions& options = {});
+    ~Device();
+    Device(Device&&) noexcept;
+    Device& operator=(Device&&) noexcept;
+
+    const DeviceReport& report() const;
+    /// What the validation layers said so far; empty unless asked for.
+    std::vector<std::string> validation_messages() const;
+    /// The pipelines compiled so far, to be kept for a later run; empty if the driver gives none.
+    std::vector<std::byte> pipeline_cache() const;
+
+    struct Implementation;
+    Implementation& implementation() { return *implementation_; }
+
+private:
+    std::unique_ptr<Implementation> implementation_;
+};
+
+} // namespace forceshade::compute

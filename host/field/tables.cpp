@@ -1,0 +1,171 @@
+#include "host/field/tables.h"
+
+#include <cmath>
+#include <numbers>
+
+#include <fmt/format.h>
+
+#include "host/error.h"
+#include "host/io/height_image.h"
+#include "host/surface/facet_vertices.h"
+#include "host/surface/map_gradients.h"
+
+namespace forceshade {
+namespace {
+
+template <typename T> T rounded(double value, const char* what) {
+    const T result = static_cast<T>(value);
+    if (!std::isfinite(result))
+        throw UsageError(fmt::format("{} = {} is beyond single precision: use precision f64", what, value));
+    return result;
+}
+
+layout::uint map_kind(MapFunction function) {
+    switch (function) {
+    case MapFunction::cylinder:
+        return layout::kMapCylinder;
+    case MapFunction::dip:
+        return layout::kMapDip;
+    case MapFunction::sine:
+        return layout::kMapSine;
+    case MapFunction::gaussian:
+        return layout::kMapGaussian;
+    case MapFunction::file:
+        return layout::kMapSamples;
+    }
+    return layout::kMapNone;
+}
+
+// Values of a map that its kind does not read stay zero, so that a wrong read shows.
+template <typename T> layout::MapParams<T> map_params(const HeightMapSpec& map, const HeightImage* image) {
+    layout::MapParams<T> params{};
+    switch (map.function) {
+    case MapFunction::cylinder:
+    case MapFunction::dip:
+        params.half_width = rounded<T>(map.width / 2, "a height map's half width");
+        params.radius = rounded<T>(map.radius, "a height map's radius");
+        break;
+    case MapFunction::sine:
+        params.slope = rounded<T>(2 * std::numbers::pi * map.height / map.width, "the sine's slope");
+        params.inverse_length = rounded<T>(1 / map.width, "1 / wavelength");
+        break;
+    case MapFunction::gaussian:
+        params.slope = rounded<T>(2 * map.height / map.radius, "the Gaussian's slope");
+        params.inverse_length = rounded<T>(1 / map.radius, "1 / radius");
+        break;
+    case MapFunction::file:
+        params.half_width = rounded<T>(map.size[0] / 2, "a height map's half size");
+        params.half_length = rounded<T>(map.size[1] / 2, "a height map's half size");
+        params.nodes_per_x =
+            rounded<T>(static_cast<double>(image->columns - 1) / map.size[0], "a height map's sampling");
+        params.nodes_per_y = rounded<T>(static_cast<double>(image->rows - 1) / map.size[1], "a height map's sampling");
+        params.columns = static_cast<layout::uint>(image->columns);
+        params.rows = static_cast<layout::uint>(image->rows);
+        break;
+    }
+    return params;
+}
+
+template <typename T> std::vector<T> gradients(const HeightMapSpec& map, const HeightImage* image) {
+    if (map.function != MapFunction::file)
+        return {};
+    return map_gradients<T>(image->samples, image->columns, image->rows, map.size[0], map.size[1], map.height);
+}
+
+template <typename T> std::vector<T> axis(const GridSpec& grid, std::size_t which, bool whole) {
+    std::vector<T> samples(whole ? grid.size[which] : 1);
+    for (std::size_t i = 0; i < samples.size(); ++i)
+        samples[i] = rounded<T>(grid.origin[which] + grid.spacing[which] * static_cast<double>(i), "a grid coordinate");
+    return samples;
+}
+
+bool is_shaded_by_map(const Scene& scene) {
+    return scene.surface.kind == SurfaceKind::height_map && scene.force.shading == Shading::height_map;
+}
+
+} // namespace
+
+layout::Features features_of(const Scene& scene) {
+    layout::Features features;
+    const bool bump = scene.surface.kind == SurfaceKind::bump;
+    features.surface = bump                                               ? layout::kSurfaceBump
+                       : scene.surface.kind == SurfaceKind::cylinder_bump ? layout::kSurfaceCylinderBump
+                                                                          : layout::kSurfaceHeightMap;
+    features.shading = is_shaded_by_map(scene)                     ? layout::kShadingHeightMap
+                       : scene.force.shading == Shading::reference ? layout::kShadingReference
+                                                                   : layout::kShadingNone;
+    // Only facets that slope tell the two readings apart.
+    if (bump && scene.force.depth == DepthReading::normal)
+        features.depth = layout::kDepthNormal;
+    if (features.shading == layout::kShadingReference && scene.force.reference == ReferenceDirection::radial)
+        features.reference = layout::kReferenceRadial;
+    if (is_shaded_by_map(scene))
+        features.map = map_kind(scene.surface.map.function);
+    if (scene.texture && scene.texture->stiffness != 0)
+        features.texture = map_kind(scene.texture->map.function);
+    features.channels = scene.output.channels | layout::kChannelForce;
+    return features;
+}
+
+bool depends_on_y(const layout::Features& features) {
+    const auto varies = [](layout::uint map) { return map == layout::kMapGaussian || map == layout::kMapSamples; };
+    return varies(features.map) || varies(features.texture) || (features.channels & layout::kChannelProxy);
+}
+
+std::vector<std::string> omissions(const Scene& scene) {
+    const layout::Features features = features_of(scene);
+    std::vector<std::string> left_out;
+    if (features.shading == layout::kShadingNone)
+        left_out.push_back("shading");
+    if (features.texture == layout::kMapNone)
+        left_out.push_back("texture");
+    if (features.map != layout::kMapSamples && features.texture != layout::kMapSamples)
+        left_out.push_back("sampled height maps");
+    const auto channel = [&](layout::uint bit, const char* name) {
+        if (!(features.channels & bit))
+            left_out.push_back(name);
+    };
+    channel(layout::kChannelDepth, "depth channel");
+    channel(layout::kChannelFacet, "facet channel");
+    channel(layout::kChannelProxy, "proxy channel");
+    channel(layout::kChannelUnshaded, "unshaded channel");
+    if (!depends_on_y(features) && scene.grid.size[1] > 1)
+        left_out.push_back(fmt::format("{} of {} y samples, alike", scene.grid.size[1] - 1, scene.grid.size[1]));
+    return left_out;
+}
+
+template <typename T> FieldTables<T> make_tables(const Scene& scene, const SceneImages& images, Extent extent) {
+    FieldTables<T> tables;
+    tables.features = features_of(scene);
+    layout::LawParams<T>& params = tables.params;
+    params.stiffness = rounded<T>(scene.force.stiffness, "stiffness");
+    if (scene.surface.kind != SurfaceKind::height_map) {
+        const double half_width = scene.surface.width / 2, radius = scene.surface.radius;
+        params.half_width = rounded<T>(half_width, "the half width");
+        params.radius = rounded<T>(radius, "radius");
+        params.centre_depth = rounded<T>(std::sqrt((radius - half_width) * (radius + half_width)), "the axis' depth");
+    }
+    if (scene.surface.kind == SurfaceKind::bump) {
+        params.facets = scene.surface.facets;
+        tables.facet_vertices = facet_vertices<T>(scene.surface.facets, scene.surface.width / 2, scene.surface.radius,
+                                                  scene.surface.facet_spacing);
+    }
+    if (tables.features.map != layout::kMapNone) {
+        params.map = map_params<T>(scene.surface.map, images.map.get());
+        tables.map_gradients = gradients<T>(scene.surface.map, images.map.get());
+    }
+    if (tables.features.texture != layout::kMapNone) {
+        params.texture_stiffness = rounded<T>(scene.texture->stiffness, "the texture's stiffness");
+        params.texture = map_params<T>(scene.texture->map, images.texture.get());
+        tables.texture_gradients = gradients<T>(scene.texture->map, images.texture.get());
+    }
+    tables.x = axis<T>(scene.grid, 0, true);
+    tables.y = axis<T>(scene.grid, 1, extent == Extent::everything || depends_on_y(tables.features));
+    tables.z = axis<T>(scene.grid, 2, true);
+    return tables;
+}
+
+template FieldTables<float> make_tables<float>(const Scene&, const SceneImages&, Extent);
+template FieldTables<double> make_tables<double>(const Scene&, const SceneImages&, Extent);
+
+} // namespace forceshade

@@ -1,0 +1,16 @@
+// The embedded SPIR-V of every kernel.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+namespace forceshade::kernels {
+
+/// shaders/field.comp in single precision, one 32-bit store a real.
+std::span<const std::uint32_t> field_f32();
+/// The same with two reals a 64-bit store; needs shaderInt64.
+std::span<const std::uint32_t> field_f32_packed();
+/// shaders/field.comp in double precision; needs shaderFloat64.
+std::span<const std::uint32_t> field_f64();
+
+} // namespace forceshade::kernels
