@@ -1,0 +1,196 @@
+// The arrow plot: |F| as colour, the in-plane force as arrows, the surfaces as lines.
+#include "host/picture/frame.h"
+#include "host/picture/legend.h"
+#include "host/picture/picture.h"
+#include "host/picture/polyline.h"
+#include "host/picture/raster.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <fmt/format.h>
+
+namespace forceshade::picture {
+namespace {
+
+constexpr double kMostPlotHeight = 860; // pixels
+constexpr double kLeastPlotSide = 40;
+constexpr double kLeastArrowPitch = 40; // pixels between arrows
+constexpr double kLongestArrow = 90;
+constexpr double kBarGap = 34;
+constexpr Rgb8 kQuietInk{110, 110, 110};
+constexpr TextStyle kAxisStyle{kTextSize, false, Horizontal::centre, Vertical::top, false};
+constexpr TextStyle kUpAxisStyle{kTextSize, false, Horizontal::right, Vertical::middle, true};
+constexpr TextStyle kNoteStyle{kTextSize, false, Horizontal::centre, Vertical::middle, false};
+
+struct ArrowPlot {
+    const FieldSlice& slice;
+    MagnitudeSlice magnitude;
+    Census census;
+    PlaneAxes axes;
+    Box plot{}; // pixels, whole
+    Axis horizontal{}, vertical{};
+    std::vector<std::size_t> columns{}, rows{}; // samples that carry an arrow
+    double longest_arrow = 0;                   // pixels, for largest_in_plane
+    double largest_in_plane = 0;                /* N */
+
+    Point place(std::size_t column, std::size_t row) const {
+        const SliceAxes& s = slice.axes;
+        return place_at(s.u[column] - s.u[0], s.v[row] - s.v[0]);
+    }
+    // Coordinates from the first sample, m.
+    Point place_at(double u, double v) const {
+        const SliceAxes& s = slice.axes;
+        return {plot.x + (u + s.u_spacing / 2) / axis_extent(s.u, s.u_spacing) * plot.width,
+                plot.y + plot.height - (v + s.v_spacing / 2) / axis_extent(s.v, s.v_spacing) * plot.height};
+    }
+};
+
+// Every n-th sample, so that arrows stand at least kLeastArrowPitch apart, the same distance from both ends.
+std::vector<std::size_t> arrow_samples(std::size_t samples, double pixels) {
+    const double apart = pixels / static_cast<double>(samples);
+    const auto stride = static_cast<std::size_t>(std::max(1.0, std::ceil(kLeastArrowPitch / apart)));
+    std::vector<std::size_t> chosen;
+    for (std::size_t i = (samples - 1) % stride / 2; i < samples; i += stride)
+        chosen.push_back(i);
+    return chosen;
+}
+
+void plan_arrows(ArrowPlot& p) {
+    const SliceAxes& s = p.slice.axes;
+    p.columns = arrow_samples(s.u.size(), p.plot.width);
+    p.rows = arrow_samples(s.v.size(), p.plot.height);
+    for (const auto& force : p.slice.force) {
+        const double in_plane = std::hypot(force[0], force[2]);
+        if (std::isfinite(in_plane) && std::isfinite(force[1]))
+            p.largest_in_plane = std::max(p.largest_in_plane, in_plane);
+    }
+    const auto apart = [](const std::vector<std::size_t>& chosen, std::size_t samples, double pixels) {
+        const std::size_t stride = chosen.size() > 1 ? chosen[1] - chosen[0] : samples;
+        return static_cast<double>(stride) * pixels / static_cast<double>(samples);
+    };
+    const double pitch = std::min(apart(p.columns, s.u.size(), p.plot.width), apart(p.rows, s.v.size(), p.plot.height));
+    p.longest_arrow = std::min(pitch, kLongestArrow);
+}
+
+void draw_force_arrows(Canvas& canvas, const ArrowPlot& p) {
+    for (const std::size_t row : p.rows)
+        for (const std::size_t column : p.columns) {
+            const std::size_t sample = row * p.slice.axes.u.size() + column;
+            const auto& force = p.slice.force[sample];
+            const double magnitude = p.magnitude.magnitude[sample];
+            if (!std::isfinite(magnitude) || magnitude == 0 || p.largest_in_plane == 0)
+                continue;
+            const double x = force[0] / p.largest_in_plane * p.longest_arrow;
+            const double z = force[2] / p.largest_in_plane * p.longest_arrow;
+            const Point middle = p.place(column, row);
+            draw_arrow(canvas, {middle.x - x / 2, middle.y + z / 2}, {middle.x + x / 2, middle.y - z / 2});
+        }
+}
+
+void draw_line(Canvas& canvas, const ArrowPlot& p, const std::vector<LinePoint>& line, Sign sign) {
+    std::vector<Point> points;
+    for (const LinePoint& point : line)
+        points.push_back(p.place_at(point.x - p.slice.axes.u[0], point.z - p.slice.axes.v[0]));
+    for (const std::vector<Point>& piece : visible_pieces(points, p.plot))
+        draw_surface_line(canvas, piece, sign);
+}
+
+std::vector<std::string> notes_of(const ArrowPlot& p) {
+    const SliceAxes& s = p.slice.axes;
+    const std::string where = position_labels("y", {s.at}, std::min(s.u_spacing, s.v_spacing), p.axes.u_unit).front();
+    std::vector<std::string> notes{fmt::format("x–z slice at {}: force magnitude |F| as colour{}, in-plane force (Fx, "
+                                               "Fz) as arrows centred on their samples",
+                                               where, largest_note(p.census.largest))};
+    if (!p.axes.stretch_note.empty())
+        notes.push_back(p.axes.stretch_note + "; arrows keep their true direction");
+    if (const std::string sampling = sampling_note(p.axes); !sampling.empty())
+        notes.push_back(sampling);
+    return notes;
+}
+
+std::vector<LegendItem> legend_of(const ArrowPlot& p, const SurfaceLines& lines) {
+    std::vector<LegendItem> items;
+    if (p.largest_in_plane > 0) {
+        const double key = round_below(p.largest_in_plane);
+        const Unit unit = choose_unit(key, "N");
+        items.push_back({Sign::arrow,
+                         "in-plane force of " + with_unit(decimal(divide_by_power_of_ten(key, unit.exponent), 0), unit),
+                         key / p.largest_in_plane * p.longest_arrow});
+    }
+    if (!lines.nominal.empty())
+        items.push_back({Sign::nominal_surface, "nominal surface"});
+    if (!lines.smooth.empty())
+        items.push_back({Sign::smooth_shape, "smooth shape"});
+    if (p.census.zero > 0)
+        items.push_back({Sign::no_force, "no force (|F| = 0)"});
+    if (p.census.non_finite > 0)
+        items.push_back({Sign::non_finite,
+                         fmt::format("not a finite number ({} of {} samples)", p.census.non_finite, p.census.samples)});
+    return items;
+}
+
+ArrowPlot plan_plot(const FieldSlice& slice) {
+    ArrowPlot p{
+        .slice = slice, .magnitude = magnitude_of(slice), .census = {}, .axes = plan_axes("x", "z", slice.axes)};
+    p.census = take_census(p.magnitude.magnitude);
+    const double left = left_labels_width(fit_vertical(p.axes, kMostPlotHeight)) + 40;
+    const double right = kBarGap + colour_bar_width(p.census.largest, kMostPlotHeight) + 10;
+    const double room = kSheetWidth - 2 * kMargin - left - right;
+    const double aspect = p.axes.v_length / p.axes.u_length;
+    p.plot.width = std::max(std::floor(std::min(room, kMostPlotHeight / aspect)), kLeastPlotSide);
+    p.plot.height = std::max(std::round(p.plot.width * aspect), kLeastPlotSide);
+    p.horizontal = fit_horizontal(p.axes, p.plot.width);
+    p.vertical = fit_vertical(p.axes, p.plot.height);
+    plan_arrows(p);
+    return p;
+}
+
+void draw_plot(Canvas& canvas, const ArrowPlot& p, const SurfaceLines& lines) {
+    const auto width = static_cast<int>(p.plot.width), height = static_cast<int>(p.plot.height);
+    canvas.image(static_cast<int>(p.plot.x), static_cast<int>(p.plot.y), width, height,
+                 rasterise(p.magnitude, width, height, p.census.largest));
+    canvas.begin_clip(p.plot);
+    draw_force_arrows(canvas, p);
+    draw_line(canvas, p, lines.nominal, Sign::nominal_surface);
+    draw_line(canvas, p, lines.smooth, Sign::smooth_shape);
+    canvas.end_clip();
+    canvas.outline({p.plot.x - 0.5, p.plot.y - 0.5, p.plot.width + 1, p.plot.height + 1}, {});
+    draw_bottom_ticks(canvas, p.plot, p.horizontal, true);
+    draw_left_ticks(canvas, p.plot, p.vertical, true);
+    const Point middle{p.plot.x + p.plot.width / 2, p.plot.y + p.plot.height / 2};
+    if (p.census.zero == p.census.samples)
+        canvas.text("no force in this slice", middle, kNoteStyle, kQuietInk);
+    canvas.text(p.horizontal.title, {middle.x, p.plot.y + p.plot.height + bottom_labels_height() + 4}, kAxisStyle);
+    canvas.text(p.vertical.title, {p.plot.x - left_labels_width(p.vertical) - 8, middle.y}, kUpAxisStyle);
+}
+
+} // namespace
+
+Picture draw_arrows(const std::string& name, const FieldSlice& slice, const SurfaceLines& lines) {
+    assert(slice.force.size() == slice.axes.u.size() * slice.axes.v.size() && !slice.force.empty());
+    ArrowPlot p = plan_plot(slice);
+    const double largest = p.census.largest;
+    const Heading heading = plan_heading(name, notes_of(p));
+    const std::vector<LegendItem> legend = legend_of(p, lines);
+    const Extent vertical_title = measure(p.vertical.title, kUpAxisStyle);
+
+    const double body = std::ceil(std::max({p.plot.height, colour_bar_least_height(largest), vertical_title.height}));
+    const double left = left_labels_width(p.vertical) + 8 + vertical_title.width;
+    const double width = left + p.plot.width + kBarGap + colour_bar_width(largest, body);
+    const double top = std::ceil(kMargin + heading.height + 18);
+    p.plot.x = std::round((kSheetWidth - width) / 2 + left);
+    p.plot.y = top + std::round((body - p.plot.height) / 2);
+    const double below = top + body + bottom_labels_height() + 4 + measure("x", kAxisStyle).height + 14;
+
+    const double legend_width = kSheetWidth - 2 * kMargin;
+    Canvas canvas(static_cast<int>(kSheetWidth),
+                  static_cast<int>(std::ceil(below + legend_height(legend, legend_width) + kMargin / 2)));
+    draw_heading(canvas, heading);
+    draw_plot(canvas, p, lines);
+    draw_colour_bar(canvas, {p.plot.x + p.plot.width + kBarGap, top}, body, largest);
+    draw_legend(canvas, legend, {kMargin, below}, legend_width);
+    return canvas.finish();
+}
+
+} // namespace forceshade::picture

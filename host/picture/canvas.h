@@ -1,0 +1,85 @@
+// A sheet to draw on: boxes, lines, images, text that knows its size, and out comes a PNG. Units are pixels, y runs
+// down.
+#pragma once
+
+#include "host/picture/colour_map.h"
+#include "host/picture/picture.h"
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace forceshade::picture {
+
+struct Point {
+    double x = 0, y = 0;
+};
+
+inline constexpr Rgb8 kInk{26, 26, 26};
+inline constexpr Rgb8 kPaper{255, 255, 255};
+inline constexpr double kTextSize = 16; // pixels
+inline constexpr double kSmallTextSize = 14.5;
+inline constexpr double kTitleSize = 21;
+
+enum class Horizontal { left, centre, right };
+enum class Vertical { top, middle, bottom };
+
+struct TextStyle {
+    double size = kTextSize;
+    bool bold = false;
+    Horizontal horizontal = Horizontal::left; // which side of the text its anchor is
+    Vertical vertical = Vertical::middle;
+    bool upwards = false; // turned to read from below; horizontal and vertical are then those of the turned box
+};
+
+struct Stroke {
+    Rgb8 colour = kInk;
+    double width = 1;
+    std::vector<double> dashes; // lengths of dash and gap in turn; empty: solid
+    bool round_joins = false;
+};
+
+struct Extent {
+    double width = 0, height = 0;
+};
+
+/// The space that `text` takes: advance width, line height; of the turned box if upwards.
+Extent measure(std::string_view text, const TextStyle& style);
+
+/// Valid UTF-8 on one line: bad bytes become U+FFFD, control characters a space.
+std::string printable(std::string_view text);
+
+/// `text` in lines no wider than `width` (pixels), broken after a space, '_', '-' or '/', or anywhere if it must be.
+std::vector<std::string> wrap(std::string_view text, const TextStyle& style, double width);
+
+class Canvas {
+public:
+    Canvas(int width, int height);
+    ~Canvas();
+
+    void fill(const Box& box, Rgb8 colour);
+    void outline(const Box& box, const Stroke& stroke);
+    void polyline(std::span<const Point> points, const Stroke& stroke);
+    /// A filled polygon with an outline of that stroke drawn beneath the filling.
+    void polygon(std::span<const Point> points, Rgb8 filling, const Stroke& stroke);
+    void disc(Point centre, double radius, Rgb8 colour);
+    /// `pixels`: 0x00RRGGBB, row 0 at the top, width * height of them, placed with the upper left corner at whole (x,
+    /// y).
+    void image(int x, int y, int width, int height, std::span<const std::uint32_t> pixels);
+    /// From here on only what lies within `box` is drawn, until end_clip.
+    void begin_clip(const Box& box);
+    void end_clip();
+    void text(std::string_view text, Point anchor, const TextStyle& style, Rgb8 colour = kInk);
+
+    /// The finished picture. Throws std::runtime_error if the drawing library failed (out of memory).
+    Picture finish() const;
+
+private:
+    struct Sheet;
+    std::unique_ptr<Sheet> sheet_;
+};
+
+} // namespace forceshade::picture

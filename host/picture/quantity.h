@@ -1,0 +1,41 @@
+// Numbers as a reader of a picture meets them: SI prefixes, decimal text, round values. Independent of the locale.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace forceshade::picture {
+
+/// A power of ten of a base unit: "mm" (-3), "kN" (3); beyond the prefixes "10⁻³⁰ N".
+struct Unit {
+    int exponent = 0;
+    std::string name;
+};
+
+/// Exponent of the leading decimal digit of `value` > 0, finite: 3 for 1000 and for 9999.
+int decade(double value);
+
+/// value / 10^exponent, also where 10^exponent alone would overflow or be denormal.
+double divide_by_power_of_ten(double value, int exponent);
+
+/// The unit in which `largest` > 0 reads as 1 to 999; lengths stay in km up to 10⁶ km. `base` is "N" or "m".
+Unit choose_unit(double largest, std::string_view base);
+
+/// "5 mm", or "5 × 10⁹ m" where there is no prefix.
+std::string with_unit(const std::string& number, const Unit& unit);
+/// " / mm", or " / (10⁹ m)", to follow the name of a quantity whose numbers are in that unit.
+std::string per_unit(const Unit& unit);
+
+/// `value` with that many decimals, true minus sign (U+2212), no negative zero.
+std::string decimal(double value, int decimals);
+
+/// The same without trailing zeros behind the point.
+std::string trimmed(double value, int decimals);
+
+/// The number of decimals, at most `most`, that `value` needs to be written to within 10^-most / 2.
+int needed_decimals(double value, int most);
+
+/// The largest 1, 2 or 5 times a power of ten that does not exceed `value` > 0.
+double round_below(double value);
+
+} // namespace forceshade::picture

@@ -1,0 +1,54 @@
+// Axes in words and numbers: round ticks at steps of 1, 2 or 5, units, and an offset where the grid is far from the
+// origin.
+#pragma once
+
+#include "host/picture/quantity.h"
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace forceshade::picture {
+
+/// Multiples of `step` = {1, 2, 5} * 10^k within [low, high], and how many decimals they need.
+struct RoundTicks {
+    std::vector<double> values;
+    double step = 1;
+    int decimals = 0;
+};
+
+/// At most `most` >= 1 ticks in [low, high], high > low, with the smallest step that allows it; at least one if most
+/// >= 2.
+RoundTicks round_ticks(double low, double high, std::size_t most);
+
+struct AxisTick {
+    double fraction; // of the axis length, in [0, 1]
+    std::string label;
+};
+
+struct Axis {
+    std::string title; // "x / mm", or "(x − 1000 m) / mm": each label is the offset coordinate in that unit
+    std::vector<AxisTick> ticks;
+    double offset = 0; /* m */
+    Unit unit;
+};
+
+/// The length from the outer edge of the first sample's cell to that of the last one's. /* m */
+double axis_extent(const std::vector<double>& samples, double spacing);
+
+/// The axis of increasing `samples` (m); a lone sample gets a tick that names it. `unit` is usually that of
+/// axis_extent.
+Axis make_axis(std::string_view name, const std::vector<double>& samples, double spacing, const Unit& unit,
+               std::size_t most_ticks);
+
+/// "z = −4.2 mm" for each increasing coordinate (m), in one unit, with the decimals that tell them apart.
+/// `spacing` of the grid (m) sets the resolution where there is one coordinate only. `preferred`: the unit to use where
+/// its numbers are handy, between 0.001 and 10000.
+std::vector<std::string> position_labels(std::string_view name, const std::vector<double>& at, double spacing,
+                                         const Unit& preferred);
+
+/// The ticks of a scale from 0 to `largest` > 0, finite, titled "force magnitude / N".
+Axis magnitude_axis(double largest, std::size_t most_ticks);
+
+} // namespace forceshade::picture

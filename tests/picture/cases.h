@@ -1,0 +1,38 @@
+// Fields to draw: a two-facet bump by the laws, and the odd cases that a picture must survive.
+#pragma once
+
+#include "host/picture/picture.h"
+#include "host/scene/scene.h"
+
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace forceshade::picture::test {
+
+/// Force (N) of a position (m).
+using Law = std::function<std::array<double, 3>(double x, double y, double z)>;
+
+/// L3 (shaded = false) or L4 (true): two facets over W = 1000 mil, R = 600 mil, vertical depth.
+Law two_facet_bump(double stiffness /* N/m */, bool shaded);
+/// The outlines of that bump: facets, and the cylinder.
+SurfaceLines two_facet_lines();
+
+/// The slices of a law over a grid as the collector would hand them over, fed plane by plane.
+struct Slices {
+    FieldSlice xz;
+    std::vector<MagnitudeSlice> tiles;
+};
+Slices collect(const GridSpec& grid, const Law& law, bool repeat_y = false);
+
+struct Case {
+    std::string file; // name for a file
+    std::string name; // the title
+    GridSpec grid;
+    Law law;
+    SurfaceLines lines;
+};
+/// Ordinary and odd ones, drawn within seconds.
+std::vector<Case> cases();
+
+} // namespace forceshade::picture::test
