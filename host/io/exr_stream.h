@@ -1,0 +1,67 @@
+// OpenEXR's streams over our files, so that what goes wrong is known exactly; only for .cpp files that use OpenEXR.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <ImfIO.h>
+
+#include "host/error.h"
+#include "host/io/readable_file.h"
+#include "host/io/temporary_file.h"
+
+namespace forceshade::exr {
+
+/// OpenEXR retells some exceptions and swallows those in its destructors, so the first failure is kept here.
+class WriteStream final : public Imf::OStream {
+public:
+    explicit WriteStream(TemporaryFile& file) : Imf::OStream(file.path().c_str()), file_(file) {}
+    void write(const char bytes[], int count) override;
+    std::uint64_t tellp() override { return file_.tell(); }
+    void seekp(std::uint64_t position) override;
+    const std::optional<IoError>& failure() const noexcept { return failure_; }
+
+private:
+    TemporaryFile& file_;
+    std::optional<IoError> failure_;
+};
+
+class ReadStream final : public Imf::IStream {
+public:
+    /// `name` is what messages call the file.
+    ReadStream(const ReadableFile& file, const std::filesystem::path& name);
+    bool read(char bytes[], int count) override;
+    std::uint64_t tellg() override { return position_; }
+    void seekg(std::uint64_t position) override { position_ = position; }
+    const std::optional<IoError>& failure() const noexcept { return failure_; }
+
+private:
+    void fill();
+    [[noreturn]] void fail(const IoError& error);
+
+    const ReadableFile& file_;
+    std::uint64_t position_ = 0;
+    std::uint64_t buffer_position_ = 0; /* where in the file the buffer begins */
+    std::vector<std::byte> buffer_;
+    std::optional<IoError> failure_;
+};
+
+/// Runs `work` and turns what OpenEXR throws into an IoError: the stream's own failure if there is one, else
+/// `cannot VERB PATH: what OpenEXR says`. Our own errors pass.
+template <typename Stream, typename Work>
+decltype(auto) guarded(const Stream& stream, const char* verb, const std::filesystem::path& path, Work&& work) {
+    try {
+        return work();
+    } catch (const Error&) {
+        throw;
+    } catch (const std::exception& error) {
+        if (stream.failure())
+            throw IoError(*stream.failure());
+        throw IoError(std::string("cannot ") + verb + " " + path.string() + ": " + error.what());
+    }
+}
+
+} // namespace forceshade::exr

@@ -1,0 +1,25 @@
+// Height maps from pictures: PNG with 8 or 16 bits (and fewer), OpenEXR with half, float or integer pixels.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace forceshade {
+
+struct HeightImage {
+    std::size_t columns = 0;
+    std::size_t rows = 0;
+    std::vector<double> samples; /* 1: rows x columns, row 0 is the image's top row, the largest y */
+    std::string sha256;          /* of the file's bytes, lower-case hex */
+};
+
+/// Reads a grey image; the format is told by its contents. Integers are fractions of their full scale (a white PNG
+/// pixel is 1), without gamma; floats are taken as they are. Of an EXR the channel Y is taken, else its only channel,
+/// else R if the colours are alike. The map covers the display window: pixels outside of the data window are 0. At most
+/// 2^28 samples. Throws IoError for files that are missing, truncated or damaged; UsageError for pictures that are no
+/// height map, with the row and column (from 0) of a coloured, infinite or NaN pixel.
+HeightImage read_height_image(const std::filesystem::path& path);
+
+} // namespace forceshade
