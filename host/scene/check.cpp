@@ -1,0 +1,215 @@
+#include "host/scene/check.h"
+
+#include "host/error.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include <fmt/format.h>
+
+namespace forceshade {
+
+namespace {
+
+constexpr double kLargestRows = 2147483647;     // an EXR's height is a 32-bit integer
+constexpr double kMostVoxels = 281474976710656; // 2^48: byte counts stay far below 2^64
+constexpr std::array<const char*, 3> kAxisNames{"x", "y", "z"};
+
+// Ranges in which squares of lengths, and a stiffness times a length, are normal numbers of the run's precision.
+struct Range {
+    const char* name;
+    double smallest_length, largest_length;       /* m */
+    double smallest_stiffness, largest_stiffness; /* N/m */
+    double steepest;                              // slope of a height map
+};
+constexpr Range kRangeF32{"f32", 1e-15, 1e15, 1e-20, 1e20, 1e15};
+constexpr Range kRangeF64{"f64", 1e-150, 1e150, 1e-150, 1e150, 1e150};
+
+std::string length_text(double metres) {
+    const double size = std::abs(metres);
+    if (size >= 1e3 && size < 1e6)
+        return fmt::format("{:.4g} km", metres / 1e3);
+    if (size < 1 && size >= 1e-3)
+        return fmt::format("{:.4g} mm", metres * 1e3);
+    return fmt::format("{:.4g} m", metres);
+}
+
+// The distance from a number to the next larger one.
+double step_at(double magnitude, Precision precision) {
+    if (precision == Precision::f64)
+        return std::nextafter(magnitude, std::numeric_limits<double>::infinity()) - magnitude;
+    const auto single = static_cast<float>(magnitude);
+    return static_cast<double>(std::nextafter(single, std::numeric_limits<float>::infinity())) -
+           static_cast<double>(single);
+}
+
+class Checker {
+public:
+    Checker(const Scene& scene, const Selection& selection, const std::string& source,
+            std::vector<std::string>& warnings)
+        : scene_(scene), selection_(selection), source_(source), warnings_(warnings),
+          range_(scene.precision == Precision::f32 ? kRangeF32 : kRangeF64) {}
+
+    void check() {
+        check_surface();
+        check_force();
+        if (scene_.texture)
+            check_texture(*scene_.texture);
+        check_grid();
+    }
+
+private:
+    const Value* find(const std::string& path) const { return selection_[static_cast<std::size_t>(find_key(path))]; }
+
+    // The first of the keys that stands in the file; a default has no place.
+    Location place(std::initializer_list<std::string> paths, std::size_t part = 0) const {
+        for (const std::string& path : paths)
+            if (const Value* value = find(path); value && value->where.line > 0)
+                return value->parts[value->one_for_all ? 0 : part];
+        return {};
+    }
+
+    void check_length(const std::string& path, double metres, std::size_t part = 0) const {
+        const double size = std::abs(metres);
+        if (size < range_.smallest_length || size > range_.largest_length)
+            fail(source_, place({path, "run.precision"}, part),
+                 fmt::format("{} must be from {} m to {} m in {}, so that its square is a normal number; got {} m",
+                             path, range_.smallest_length, range_.largest_length, range_.name, metres));
+    }
+
+    void check_stiffness(const std::string& path, double stiffness) const {
+        if (stiffness < range_.smallest_stiffness || stiffness > range_.largest_stiffness)
+            fail(source_, place({path, "run.precision"}),
+                 fmt::format("{} must be from {} N/m to {} N/m in {}; got {} N/m", path, range_.smallest_stiffness,
+                             range_.largest_stiffness, range_.name, stiffness));
+    }
+
+    void check_circle(const std::string& table, double width, double radius) const {
+        check_length(table + ".width", width);
+        check_length(table + ".radius", radius);
+        if (radius < width / 2)
+            fail(source_, place({table + ".radius", table + ".width"}),
+                 fmt::format("radius must be at least half of width: {} m is less than {} m", radius, width / 2));
+    }
+
+    void check_map(const std::string& table, const HeightMapSpec& map) const {
+        switch (map.function) {
+        case MapFunction::cylinder:
+        case MapFunction::dip:
+            return check_circle(table, map.width, map.radius);
+        case MapFunction::sine:
+            check_length(table + ".width", map.width);
+            return check_slope(table, map.height, map.width);
+        case MapFunction::gaussian:
+            check_length(table + ".radius", map.radius);
+            return check_slope(table, map.height, map.radius);
+        case MapFunction::file:
+            check_length(table + ".size", map.size[0], 0);
+            check_length(table + ".size", map.size[1], 1);
+            return check_slope(table, map.height, std::min(map.size[0], map.size[1]));
+        }
+    }
+
+    void check_slope(const std::string& table, double height, double length) const {
+        if (!(std::abs(height) <= range_.largest_length) || !(std::abs(height) / length <= range_.steepest))
+            fail(source_, place({table + ".height", table + ".radius", table + ".width", table + ".size"}),
+                 fmt::format("{}.height {} m is too large for {}: its size may be {} m, and {} times the length over "
+                             "which it rises",
+                             table, height, range_.name, range_.largest_length, range_.steepest));
+    }
+
+    void check_surface() {
+        const SurfaceSpec& surface = scene_.surface;
+        if (surface.kind == SurfaceKind::height_map)
+            return check_map("surface", surface.map);
+        check_circle("surface", surface.width, surface.radius);
+        const double facet = surface.width / surface.facets; /* m */
+        const double step = step_at(surface.width / 2, scene_.precision);
+        if (surface.kind == SurfaceKind::bump && facet < step)
+            warn(place({"surface.facets", "surface.width"}),
+                 fmt::format("facets of {:.2g} m are below the {} step {:.2g} m at the bump's edge: neighbouring "
+                             "vertices coincide",
+                             facet, range_.name, step));
+    }
+
+    void check_force() const {
+        check_stiffness("force.stiffness", scene_.force.stiffness);
+        const Shading shading = scene_.force.shading;
+        const char* allowed = "none";
+        bool fits = shading == Shading::none;
+        if (scene_.surface.kind == SurfaceKind::bump) {
+            allowed = "none or reference";
+            fits = fits || shading == Shading::reference;
+        } else if (scene_.surface.kind == SurfaceKind::height_map) {
+            allowed = "none or height_map";
+            fits = fits || shading == Shading::height_map;
+        }
+        if (!fits)
+            fail(source_, place({"force.shading", "surface.kind"}),
+                 fmt::format("shading \"{}\" does not fit kind \"{}\", whose shading is {}",
+                             find("force.shading")->texts.front(), find("surface.kind")->texts.front(), allowed));
+    }
+
+    void check_texture(const TextureSpec& texture) const {
+        if (texture.stiffness != 0)
+            check_stiffness("texture.stiffness", texture.stiffness);
+        check_map("texture", texture.map);
+    }
+
+    void check_grid() {
+        const GridSpec& grid = scene_.grid;
+        const double rows = static_cast<double>(grid.size[1]) * static_cast<double>(grid.size[2]);
+        if (rows > kLargestRows)
+            fail(source_, place({"grid.size"}, 1),
+                 fmt::format("size has {:.0f} rows, y times z; an EXR holds up to {:.0f}", rows, kLargestRows));
+        const double voxels = rows * static_cast<double>(grid.size[0]);
+        if (voxels > kMostVoxels)
+            fail(source_, place({"grid.size"}),
+                 fmt::format("size has {:.0f} voxels; the limit is {:.0f}, 2^48", voxels, kMostVoxels));
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            check_axis(axis);
+    }
+
+    void check_axis(std::size_t axis) {
+        const GridSpec& grid = scene_.grid;
+        const double last = grid.origin[axis] + grid.spacing[axis] * static_cast<double>(grid.size[axis] - 1);
+        const double farthest = std::max(std::abs(grid.origin[axis]), std::abs(last));
+        if (!(farthest <= range_.largest_length))
+            fail(source_, place({"grid.origin", "grid.spacing", "grid.size"}, axis),
+                 fmt::format("the grid reaches {:.4g} m along {}; {} allows {} m", farthest, kAxisNames[axis],
+                             range_.name, range_.largest_length));
+        const double step = step_at(farthest, scene_.precision);
+        if (grid.size[axis] < 2 || grid.spacing[axis] >= step)
+            return;
+        const Value& spacing = *find("grid.spacing");
+        const bool single = scene_.precision == Precision::f32;
+        warn(place({"grid.spacing", "grid.origin", "grid.size"}, axis),
+             fmt::format("spacing {} is below the {} step {:.2g} m at {}: neighbouring voxels sample the same point; "
+                         "{}move the grid",
+                         spacing.texts[spacing.one_for_all ? 0 : axis], range_.name, step, length_text(farthest),
+                         single ? "use precision f64 or " : ""));
+    }
+
+    void warn(Location where, const std::string& message) {
+        const std::string text = location_prefix(source_, where) + message;
+        if (std::find(warnings_.begin(), warnings_.end(), text) == warnings_.end())
+            warnings_.push_back(text);
+    }
+
+    const Scene& scene_;
+    const Selection& selection_;
+    const std::string& source_;
+    std::vector<std::string>& warnings_;
+    const Range& range_;
+};
+
+} // namespace
+
+void check_scene(const Scene& scene, const Selection& selection, const std::string& source,
+                 std::vector<std::string>& warnings) {
+    Checker(scene, selection, source, warnings).check();
+}
+
+} // namespace forceshade

@@ -1,0 +1,16 @@
+// Checks of a whole scene that no single key can make: the cylinder's shape, ranges of the arithmetic, the limits of a
+// grid.
+#pragma once
+
+#include "host/scene/selection.h"
+
+#include <string>
+#include <vector>
+
+namespace forceshade {
+
+/// Throws UsageError at the offending key's place. Adds warnings that are not there yet.
+void check_scene(const Scene& scene, const Selection& selection, const std::string& source,
+                 std::vector<std::string>& warnings);
+
+} // namespace forceshade

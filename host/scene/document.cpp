@@ -1,0 +1,271 @@
+#include "host/scene/document.h"
+
+#include "host/error.h"
+#include "host/scene/nearest.h"
+#include "host/scene/schema.h"
+#include "host/scene/toml_tree.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+namespace forceshade {
+
+namespace {
+
+using Type = TomlNode::Type;
+using Override = std::pair<std::string, std::string>;
+
+constexpr std::string_view kVariant = "variant";
+
+std::vector<std::string> table_names() {
+    std::vector<std::string> names;
+    for (const Key& key : schema_keys())
+        if (std::find(names.begin(), names.end(), key.table) == names.end())
+            names.emplace_back(key.table);
+    return names;
+}
+
+std::vector<std::string> key_names(std::string_view table) {
+    std::vector<std::string> names;
+    for (const Key& key : schema_keys())
+        if (key.table == table)
+            names.emplace_back(key.name);
+    return names;
+}
+
+// "[surface] or [texture]": the tables that have a key of this name.
+std::string tables_with(std::string_view name) {
+    std::vector<std::string> tables;
+    for (const Key& key : schema_keys())
+        if (key.name == name)
+            tables.push_back(fmt::format("[{}]", key.table));
+    return fmt::format("{}", fmt::join(tables, " or "));
+}
+
+class LayerReader {
+public:
+    LayerReader(const std::string& source, const std::string& folder) : source_(source), folder_(folder) {}
+
+    Layer read(const TomlNode& node) {
+        layer_.where = node.where;
+        for (const TomlMember& member : node.members)
+            read_table(member);
+        fold_digests();
+        return std::move(layer_);
+    }
+
+    void read_entry(std::size_t index, const TomlMember& member) {
+        const Key& key = schema_keys()[index];
+        for (const Entry& entry : layer_.entries)
+            if (replaces(index, entry.key))
+                fail(source_, member.where, "give \"function\" or \"file\", not both");
+        layer_.entries.push_back({index, read_values(key, member.value, source_, folder_), member.where});
+    }
+
+private:
+    void read_table(const TomlMember& member) {
+        const std::vector<std::string> tables = table_names();
+        if (std::find(tables.begin(), tables.end(), member.key) == tables.end())
+            refuse_table(member, tables);
+        if (member.value.type != Type::table)
+            fail(source_, member.where,
+                 fmt::format("[{}] is a table of keys; got {}", member.key, describe(member.value)));
+        layer_.texture = layer_.texture || member.key == "texture";
+        for (const TomlMember& item : member.value.members) {
+            const int key = find_key(member.key + '.' + item.key);
+            if (key < 0 || item.key.find('.') != std::string::npos)
+                refuse_key(item, member.key);
+            read_entry(static_cast<std::size_t>(key), item);
+        }
+    }
+
+    [[noreturn]] void refuse_table(const TomlMember& member, std::vector<std::string> tables) const {
+        if (member.key == kVariant)
+            fail(source_, member.where,
+                 "variants stand at the top of the file, each as [[variant]], with two brackets");
+        const std::string with = tables_with(member.key);
+        if (!with.empty())
+            fail(source_, member.where, fmt::format("\"{}\" stands in no table; it belongs in {}", member.key, with));
+        tables.emplace_back(kVariant);
+        const std::string_view near = nearest(member.key, tables);
+        const std::string hint = near.empty() ? fmt::format("known are [{}]", fmt::join(tables, "], ["))
+                                              : fmt::format("did you mean [{}]?", near);
+        const bool table = member.value.type == Type::table;
+        fail(source_, member.where,
+             fmt::format("unknown {}; {}",
+                         table ? fmt::format("table [{}]", member.key) : fmt::format("key \"{}\"", member.key), hint));
+    }
+
+    [[noreturn]] void refuse_key(const TomlMember& member, const std::string& table) const {
+        const std::vector<std::string> names = key_names(table);
+        std::string hint = did_you_mean(member.key, names);
+        if (const std::string with = tables_with(member.key); hint.empty() && !with.empty())
+            hint = fmt::format("; it belongs in {}", with);
+        if (hint.empty())
+            hint = fmt::format("; it has {}", fmt::join(names, ", "));
+        fail(source_, member.where, fmt::format("unknown key \"{}\" in [{}]{}", member.key, table, hint));
+    }
+
+    // A digest is part of its file's value: one for each file of an axis.
+    void fold_digests() {
+        auto& entries = layer_.entries;
+        for (const Entry& digest : entries) {
+            const Key& key = schema_keys()[digest.key];
+            if (key.kind != ValueKind::digest)
+                continue;
+            const auto file = std::find_if(entries.begin(), entries.end(), [&](const Entry& entry) {
+                return schema_keys()[entry.key].kind == ValueKind::file && schema_keys()[entry.key].table == key.table;
+            });
+            if (file == entries.end())
+                fail(source_, digest.where, "\"sha256\" needs \"file\" beside it");
+            if (file->values.size() != digest.values.size())
+                fail(source_, digest.where,
+                     fmt::format("\"sha256\" needs one digest for each file: {} for {}", digest.values.size(),
+                                 file->values.size()));
+            for (std::size_t i = 0; i < digest.values.size(); ++i)
+                file->values[i].sha256 = digest.values[i].texts.front();
+        }
+        std::erase_if(entries, [](const Entry& entry) { return schema_keys()[entry.key].kind == ValueKind::digest; });
+    }
+
+    const std::string& source_;
+    const std::string& folder_;
+    Layer layer_;
+};
+
+void read_variants(const TomlMember& member, const std::string& folder, Document& document) {
+    const auto is_table = [](const TomlNode& item) { return item.type == Type::table; };
+    const auto& items = member.value.items;
+    if (member.value.type != Type::array || items.empty() || !std::all_of(items.begin(), items.end(), is_table))
+        fail(document.source, member.where, "variants are tables, each written as [[variant]], with two brackets");
+    for (const TomlNode& item : items)
+        document.variants.push_back(LayerReader(document.source, folder).read(item));
+}
+
+// An override's value as TOML would have it: a list or an integer as it stands, everything else as a string.
+TomlMember override_member(const Key& key, const std::string& text, const std::string& source) {
+    TomlMember member;
+    if (text.starts_with('[') || key.kind == ValueKind::integer) {
+        TomlNode root = parse_toml("value = " + text, source);
+        if (root.members.size() != 1)
+            fail(source, {}, fmt::format("\"{}\" is not one value", text));
+        member.value = std::move(root.members.front().value);
+    } else {
+        member.value.type = Type::string;
+        member.value.text = text;
+    }
+    member.value.where = {};
+    for (TomlNode& item : member.value.items)
+        item.where = {};
+    return member;
+}
+
+Layer read_overrides(std::span<const Override> overrides, const std::string& folder) {
+    Layer layer;
+    for (const auto& [path, text] : overrides) {
+        const std::string source = "override " + path;
+        const int index = find_key(path);
+        if (index < 0 || schema_keys()[static_cast<std::size_t>(index)].kind == ValueKind::digest) {
+            std::vector<std::string> paths;
+            for (const Key& key : schema_keys())
+                paths.push_back(key.path());
+            fail(source, {}, fmt::format("unknown key \"{}\"{}", path, did_you_mean(path, paths)));
+        }
+        const Key& key = schema_keys()[static_cast<std::size_t>(index)];
+        const auto key_index = static_cast<std::size_t>(index);
+        layer.texture = layer.texture || key.table == "texture";
+        std::erase_if(layer.entries, [&](const Entry& e) { return e.key == key_index || replaces(key_index, e.key); });
+        layer.entries.push_back(
+            {key_index, read_values(key, override_member(key, text, source).value, source, folder), {}});
+    }
+    return layer;
+}
+
+void add_to_order(std::size_t key, std::vector<std::size_t>& order) {
+    if (std::find(order.begin(), order.end(), key) == order.end())
+        order.push_back(key);
+    for (std::size_t other = 0; other < schema_keys().size(); ++other)
+        if (replaces(key, other) && std::find(order.begin(), order.end(), other) == order.end())
+            order.push_back(other);
+}
+
+std::vector<std::size_t> name_order(const Document& document) {
+    std::vector<const Layer*> layers{&document.base, &document.overrides};
+    for (const Layer& variant : document.variants)
+        layers.push_back(&variant);
+    std::vector<std::string_view> tables;
+    for (const Layer* layer : layers)
+        for (const Entry& entry : layer->entries)
+            if (const auto table = schema_keys()[entry.key].table;
+                std::find(tables.begin(), tables.end(), table) == tables.end())
+                tables.push_back(table);
+    // A texture that only variants have comes last: the resolved text cannot mention it in its base.
+    if (!document.base.texture && !document.overrides.texture)
+        std::stable_partition(tables.begin(), tables.end(), [](std::string_view table) { return table != "texture"; });
+    std::vector<std::size_t> order;
+    for (const std::string_view table : tables)
+        for (const Layer* layer : layers)
+            for (const Entry& entry : layer->entries)
+                if (schema_keys()[entry.key].table == table)
+                    add_to_order(entry.key, order);
+    return order;
+}
+
+std::vector<Entry> read_defaults() {
+    std::vector<Entry> entries;
+    for (std::size_t i = 0; i < schema_keys().size(); ++i) {
+        const Key& key = schema_keys()[i];
+        Entry entry{i, {}, {}};
+        if (!key.default_text.empty()) {
+            const TomlNode root = parse_toml(fmt::format("value = {}", key.default_text), key.path());
+            entry.values = read_values(key, root.members.front().value, key.path(), "");
+            for (Value& value : entry.values) {
+                value.where = {};
+                std::fill(value.parts.begin(), value.parts.end(), Location{});
+            }
+        }
+        entries.push_back(std::move(entry));
+    }
+    return entries;
+}
+
+} // namespace
+
+const Entry* Layer::find(std::size_t key) const {
+    const auto found =
+        std::find_if(entries.begin(), entries.end(), [key](const Entry& entry) { return entry.key == key; });
+    return found == entries.end() ? nullptr : &*found;
+}
+
+bool replaces(std::size_t key, std::size_t other) {
+    const Key& a = schema_keys()[key];
+    const Key& b = schema_keys()[other];
+    return a.table == b.table &&
+           ((a.name == "function" && b.name == "file") || (a.name == "file" && b.name == "function"));
+}
+
+const std::vector<Entry>& default_entries() {
+    static const std::vector<Entry> entries = read_defaults();
+    return entries;
+}
+
+Document read_document(std::string_view text, const std::string& source, const std::string& folder,
+                       std::span<const std::pair<std::string, std::string>> overrides) {
+    Document document;
+    document.source = source;
+    TomlNode root = parse_toml(text, source);
+    const auto variant = std::find_if(root.members.begin(), root.members.end(),
+                                      [](const TomlMember& member) { return member.key == kVariant; });
+    if (variant != root.members.end()) {
+        read_variants(*variant, folder, document);
+        root.members.erase(variant);
+    }
+    document.base = LayerReader(document.source, folder).read(root);
+    document.overrides = read_overrides(overrides, folder);
+    document.order = name_order(document);
+    return document;
+}
+
+} // namespace forceshade

@@ -1,0 +1,54 @@
+// A scene or study as read: a base layer, variants over it, and overrides on top, checked key by key against the
+// schema.
+#pragma once
+
+#include "host/scene/value.h"
+
+#include <cstddef>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace forceshade {
+
+/// A key given in a layer. More than one value: a sweep axis.
+struct Entry {
+    std::size_t key = 0; // index in schema_keys()
+    std::vector<Value> values;
+    Location where;
+};
+
+struct Layer {
+    Location where;
+    std::vector<Entry> entries; // in file order
+    bool texture = false;       // has a [texture] table, be it empty
+
+    const Entry* find(std::size_t key) const;
+};
+
+struct Document {
+    std::string source;
+    Layer base;
+    std::vector<Layer> variants;
+    Layer overrides;
+
+    /// Keys given anywhere, in the order in which names and axes list them: tables by their first key, keys by their
+    /// first place, the base and overrides before the variants. `function` and `file` share a place, since one stands
+    /// for the other.
+    std::vector<std::size_t> order;
+};
+
+/// `overrides`: paths of keys ("run.precision") and values as text, without quotes unless in a list.
+/// Throws UsageError `source:line:column: message`. File names are relative to `folder`.
+Document read_document(std::string_view text, const std::string& source, const std::string& folder,
+                       std::span<const std::pair<std::string, std::string>> overrides);
+
+/// The default of each key of the schema, by key; no values where it has none.
+const std::vector<Entry>& default_entries();
+
+/// True for the two keys of a table that each replace the other, `function` and `file`.
+bool replaces(std::size_t key, std::size_t other);
+
+} // namespace forceshade

@@ -1,0 +1,186 @@
+#include "host/scene/study.h"
+
+#include "host/scene/document.h"
+#include "host/scene/selection.h"
+#include "host/scene/toml_tree.h"
+
+#include <algorithm>
+#include <map>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+namespace forceshade {
+
+namespace {
+
+// Appends `key = value`, under a table header wherever the table changes.
+class TomlWriter {
+public:
+    void add(std::string_view table, std::string_view name, std::string_view literal) {
+        if (table != table_) {
+            text_ += fmt::format("{}[{}]\n", text_.empty() ? "" : "\n", table);
+            table_ = table;
+        }
+        text_ += fmt::format("{} = {}\n", name, literal);
+    }
+
+    void begin_variant() { text_ += text_.empty() ? "[[variant]]\n" : "\n[[variant]]\n"; }
+    void add_dotted(const std::string& path, std::string_view literal) {
+        text_ += fmt::format("{} = {}\n", path, literal);
+    }
+
+    std::string take() { return std::move(text_); }
+
+private:
+    std::string text_;
+    std::string_view table_;
+};
+
+// "u.exr" -> digest, of the files whose digest is known.
+using Digests = std::map<std::string, std::string>;
+
+void add_digest(const HeightMapSpec& map, Digests& digests) {
+    if (map.function == MapFunction::file && !map.sha256.empty())
+        digests[map.path] = map.sha256;
+}
+
+Digests known_digests(const Study& study) {
+    Digests digests;
+    for (const Case& one : study.cases) {
+        add_digest(one.scene.surface.map, digests);
+        if (one.scene.texture)
+            add_digest(one.scene.texture->map, digests);
+    }
+    return digests;
+}
+
+// One value, or a list of them.
+std::string axis_literal(const std::vector<std::string>& values) {
+    return values.size() == 1 ? values.front() : fmt::format("[{}]", fmt::join(values, ", "));
+}
+
+std::string literal(const Key& key, const Entry& entry) {
+    std::vector<std::string> values;
+    for (const Value& value : entry.values) {
+        // In an axis of a key that is a list itself, a value that stands for all components needs brackets of its own.
+        const std::string text = literal(key, value);
+        values.push_back(value.one_for_all && entry.values.size() > 1 ? fmt::format("[{}]", text) : text);
+    }
+    // An axis of one vector must not look like a vector of vectors.
+    return axis_literal(values);
+}
+
+// The digests of an entry's files, if all are known.
+std::string digest_literal(const Entry& entry, const Digests& digests) {
+    std::vector<std::string> values;
+    for (const Value& value : entry.values) {
+        const auto known = digests.find(value.path);
+        if (known == digests.end() && value.sha256.empty())
+            return "";
+        values.push_back(toml_string(known == digests.end() ? value.sha256 : known->second));
+    }
+    return axis_literal(values);
+}
+
+class StudyPrinter {
+public:
+    explicit StudyPrinter(const Study& study)
+        : document_(*study.document), digests_(known_digests(study)),
+          base_(merge({&document_.base, &document_.overrides})) {
+        for (const Layer& variant : document_.variants)
+            add_forms(merge({&document_.base, &variant, &document_.overrides}));
+        if (document_.variants.empty())
+            add_forms(base_);
+    }
+
+    std::string print() {
+        for (const std::size_t key : base_order())
+            if (const Entry* entry = base_.entries[key]; entry && belongs_in_base(schema_keys()[key]))
+                print_base(*entry);
+        for (const Layer& variant : document_.variants)
+            print_variant(variant);
+        return writer_.take();
+    }
+
+private:
+    void add_forms(const Merged& merged) {
+        const std::vector<Forms> forms = possible_forms(merged);
+        forms_.insert(forms_.end(), forms.begin(), forms.end());
+    }
+
+    // The order of names first, so that reading it back gives the same names; tables stay together.
+    std::vector<std::size_t> base_order() const {
+        std::vector<std::size_t> order = document_.order;
+        for (std::size_t key = 0; key < schema_keys().size(); ++key)
+            if (std::find(order.begin(), order.end(), key) == order.end())
+                order.push_back(key);
+        std::vector<std::size_t> grouped;
+        for (const std::size_t first : order)
+            for (const std::size_t key : order)
+                if (schema_keys()[key].table == schema_keys()[first].table &&
+                    std::find(grouped.begin(), grouped.end(), key) == grouped.end())
+                    grouped.push_back(key);
+        return grouped;
+    }
+
+    bool belongs_in_base(const Key& key) const {
+        return applies_to_any(key, forms_) && (key.table != "texture" || base_.texture);
+    }
+
+    void print_base(const Entry& entry) {
+        const Key& key = schema_keys()[entry.key];
+        writer_.add(key.table, key.name, literal(key, entry));
+        if (const std::string digest = digest_literal(entry, digests_); key.kind == ValueKind::file && !digest.empty())
+            writer_.add(key.table, "sha256", digest);
+    }
+
+    void print_variant(const Layer& variant) {
+        writer_.begin_variant();
+        const auto overridden = [&](std::size_t key) {
+            const auto& entries = document_.overrides.entries;
+            return std::any_of(entries.begin(), entries.end(),
+                               [key](const Entry& entry) { return entry.key == key || replaces(entry.key, key); });
+        };
+        bool texture = false;
+        for (const Entry& entry : variant.entries) {
+            const Key& key = schema_keys()[entry.key];
+            if (overridden(entry.key) || !applies_to_any(key, forms_))
+                continue;
+            texture = texture || key.table == "texture";
+            writer_.add_dotted(key.path(), literal(key, entry));
+            if (const std::string digest = digest_literal(entry, digests_);
+                key.kind == ValueKind::file && !digest.empty())
+                writer_.add_dotted(fmt::format("{}.sha256", key.table), digest);
+        }
+        if (variant.texture && !texture)
+            writer_.add_dotted("texture", "{}");
+    }
+
+    const Document& document_;
+    Digests digests_;
+    Merged base_;
+    std::vector<Forms> forms_; // of all cases
+    TomlWriter writer_;
+};
+
+} // namespace
+
+std::string resolved_toml(const Case& one) {
+    TomlWriter writer;
+    for (const Setting& setting : one.settings) {
+        writer.add(setting.table, setting.name, setting.literal);
+        if (setting.name != "file")
+            continue;
+        const HeightMapSpec& map = setting.table == "texture" ? one.scene.texture->map : one.scene.surface.map;
+        if (!map.sha256.empty())
+            writer.add(setting.table, "sha256", toml_string(map.sha256));
+    }
+    return writer.take();
+}
+
+std::string resolved_toml(const Study& study) {
+    return StudyPrinter(study).print();
+}
+
+} // namespace forceshade

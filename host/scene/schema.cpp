@@ -1,0 +1,98 @@
+#include "host/scene/schema.h"
+
+#include "host/scene/schema_keys.h"
+
+#include <vector>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+namespace forceshade {
+
+namespace {
+
+std::string join_or(const std::vector<std::string_view>& names) {
+    if (names.size() < 2)
+        return fmt::format("{}", fmt::join(names, ""));
+    return fmt::format("{} or {}", fmt::join(names.begin(), names.end() - 1, ", "), names.back());
+}
+
+// The names of the height maps among some forms, "file" included.
+std::vector<std::string_view> map_names(std::uint32_t forms) {
+    std::vector<std::string_view> names;
+    for (std::size_t i = 0; i < kMapFunctions.size(); ++i)
+        if (forms & (kFormMapCylinder << i))
+            names.push_back(kMapFunctions[i]);
+    if (forms & kFormMapFile)
+        names.push_back("file");
+    return names;
+}
+
+} // namespace
+
+std::string Key::path() const {
+    return fmt::format("{}.{}", table, name);
+}
+
+std::span<const Key> schema_keys() {
+    static const std::vector<Key> keys = make_keys();
+    return keys;
+}
+
+int find_key(std::string_view path) {
+    const auto keys = schema_keys();
+    const std::size_t dot = path.find('.');
+    if (dot == std::string_view::npos)
+        return -1;
+    for (std::size_t i = 0; i < keys.size(); ++i)
+        if (keys[i].table == path.substr(0, dot) && keys[i].name == path.substr(dot + 1))
+            return static_cast<int>(i);
+    return -1;
+}
+
+bool applies(const Key& key, const Forms& forms) {
+    switch (key.subject) {
+    case Subject::none:
+        return true;
+    case Subject::surface:
+        return (key.forms & forms.surface) != 0;
+    case Subject::texture:
+        return (key.forms & forms.texture) != 0;
+    case Subject::shading:
+        return (key.forms & forms.surface) != 0 && forms.reference_shading;
+    }
+    return true;
+}
+
+std::string describe_forms(const Key& key, const Forms& forms) {
+    const std::uint32_t form = key.subject == Subject::texture ? forms.texture : forms.surface;
+    if (form == 0)
+        return "a scene without [texture]";
+    if (form & kFormBumps) {
+        const auto kind = kSurfaceKinds[form == kFormBump ? 0 : 1];
+        const bool shading = key.subject == Subject::shading && (key.forms & form);
+        return fmt::format("kind \"{}\"{}", kind, shading ? " without shading \"reference\"" : "");
+    }
+    const std::string map = form == kFormMapFile ? "a file" : fmt::format("function \"{}\"", map_names(form).front());
+    return key.subject == Subject::texture ? map : fmt::format("kind \"height_map\" with {}", map);
+}
+
+std::string describe_applicability(const Key& key) {
+    if (key.subject == Subject::none)
+        return "";
+    std::vector<std::string_view> kinds;
+    if (key.forms & kFormBump)
+        kinds.push_back(kSurfaceKinds[0]);
+    if (key.forms & kFormCylinderBump)
+        kinds.push_back(kSurfaceKinds[1]);
+    const std::string maps = join_or(map_names(key.forms));
+    if (key.subject == Subject::texture)
+        return maps;
+    if (key.subject == Subject::shading)
+        return "kind bump with shading reference";
+    const std::string bumps = kinds.empty() ? "" : fmt::format("kind {}", join_or(kinds));
+    const std::string map = maps.empty() ? "" : fmt::format("kind height_map with {}", maps);
+    return bumps.empty() || map.empty() ? bumps + map : fmt::format("{}; {}", bumps, map);
+}
+
+} // namespace forceshade

@@ -1,0 +1,85 @@
+// The schema: every key of a scene or study in one table, from which parsing, checks, resolved text and help are made.
+#pragma once
+
+#include "host/scene/quantity.h"
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace forceshade {
+
+struct Scene;
+struct Value;
+
+enum class ValueKind { quantity, integer, choice, choices, file, digest };
+enum class Sign { any, not_negative, positive };
+
+/// What a scene's surface or texture is, as far as it decides which keys apply. A bit each.
+enum Form : std::uint32_t {
+    kFormBump = 1,
+    kFormCylinderBump = 2,
+    kFormMapCylinder = 4,
+    kFormMapDip = 8,
+    kFormMapSine = 16,
+    kFormMapGaussian = 32,
+    kFormMapFile = 64,
+};
+
+/// What decides whether a key applies: nothing, the surface's form, the texture's form, or the shading of such a
+/// surface.
+enum class Subject { none, surface, texture, shading };
+
+struct Key {
+    std::string_view table;
+    std::string_view name;
+    ValueKind kind;
+    std::string_view default_text; // as TOML; empty: none
+    std::string_view doc;
+    void (*set)(Scene&, const Value&);
+    Subject subject = Subject::none;
+    std::uint32_t forms = 0;                 // bits of Form that it applies to, unless the subject is none
+    Dimension dimension = Dimension::length; // of a quantity
+    Sign sign = Sign::any;                   // of a quantity
+    std::uint64_t largest = 0;               // of an integer; the smallest is 1
+    std::span<const std::string_view> choices = {};
+    std::uint32_t count = 1;  // components
+    bool one_for_all = false; // one value may stand for all components
+    bool axis = true;         // a list where one value may stand is a sweep axis
+
+    /// "surface.radius"
+    std::string path() const;
+};
+
+/// The selectors' outcome for one case.
+struct Forms {
+    std::uint32_t surface = kFormBump;
+    std::uint32_t texture = 0; // 0: no texture
+    bool reference_shading = false;
+    friend bool operator==(const Forms&, const Forms&) = default;
+};
+
+/// All keys, tables together, in canonical order.
+std::span<const Key> schema_keys();
+
+/// The index in schema_keys() of "table.name", or -1.
+int find_key(std::string_view path);
+
+bool applies(const Key& key, const Forms& forms);
+
+/// `kind "height_map" with function "sine"`.
+std::string describe_forms(const Key& key, const Forms& forms);
+
+/// What a key applies to: `kind bump`, `function sine or gaussian`; empty if to everything.
+std::string describe_applicability(const Key& key);
+
+/// The schema as TOML with comments: each key with its default, unit or choices, and meaning. It parses as the default
+/// scene.
+std::string schema_text();
+
+/// The same as JSON: {"keys": [{"key", "type", "default", ...}]}.
+std::string schema_json();
+
+} // namespace forceshade

@@ -1,0 +1,20 @@
+// The rows of the schema's table, and the names that choose which of them apply.
+#pragma once
+
+#include "host/scene/schema.h"
+
+#include <array>
+#include <string_view>
+#include <vector>
+
+namespace forceshade {
+
+// In the order of SurfaceKind and of MapFunction, of which the last is no function but a file.
+inline constexpr std::array<std::string_view, 3> kSurfaceKinds{"bump", "cylinder_bump", "height_map"};
+inline constexpr std::array<std::string_view, 4> kMapFunctions{"cylinder", "dip", "sine", "gaussian"};
+
+inline constexpr std::uint32_t kFormBumps = kFormBump | kFormCylinderBump;
+
+std::vector<Key> make_keys();
+
+} // namespace forceshade

@@ -1,0 +1,131 @@
+#include "host/scene/selection.h"
+
+#include <algorithm>
+
+namespace forceshade {
+
+namespace {
+
+std::size_t key_index(std::string_view path) {
+    return static_cast<std::size_t>(find_key(path));
+}
+
+struct Selectors {
+    std::size_t kind = key_index("surface.kind");
+    std::size_t function = key_index("surface.function");
+    std::size_t file = key_index("surface.file");
+    std::size_t shading = key_index("force.shading");
+    std::size_t texture_function = key_index("texture.function");
+    std::size_t texture_file = key_index("texture.file");
+};
+
+const Selectors& selectors() {
+    static const Selectors indices;
+    return indices;
+}
+
+std::uint32_t map_form(const Value& function) {
+    return std::uint32_t{kFormMapCylinder} << function.integers.front();
+}
+
+std::uint32_t surface_form(const Value& kind, std::uint32_t map) {
+    switch (static_cast<SurfaceKind>(kind.integers.front())) {
+    case SurfaceKind::bump:
+        return kFormBump;
+    case SurfaceKind::cylinder_bump:
+        return kFormCylinderBump;
+    case SurfaceKind::height_map:
+        break;
+    }
+    return map;
+}
+
+bool is_reference(const Value& shading) {
+    return static_cast<Shading>(shading.integers.front()) == Shading::reference;
+}
+
+std::vector<std::uint32_t> map_forms(const Entry* function, const Entry* file) {
+    if (file)
+        return {kFormMapFile};
+    std::vector<std::uint32_t> forms;
+    for (const Value& value : function->values)
+        forms.push_back(map_form(value));
+    return forms;
+}
+
+} // namespace
+
+Merged merge(std::initializer_list<const Layer*> layers) {
+    Merged merged;
+    for (const Entry& entry : default_entries())
+        merged.entries.push_back(entry.values.empty() ? nullptr : &entry);
+    for (const Layer* layer : layers) {
+        if (!layer)
+            continue;
+        merged.texture = merged.texture || layer->texture;
+        for (const Entry& entry : layer->entries) {
+            merged.entries[entry.key] = &entry;
+            for (std::size_t other = 0; other < merged.entries.size(); ++other)
+                if (replaces(entry.key, other))
+                    merged.entries[other] = nullptr;
+        }
+    }
+    return merged;
+}
+
+std::vector<Forms> possible_forms(const Merged& merged) {
+    const Selectors& s = selectors();
+    const auto& entries = merged.entries;
+    std::vector<std::uint32_t> textures{0};
+    if (merged.texture)
+        textures = map_forms(entries[s.texture_function], entries[s.texture_file]);
+    std::vector<Forms> result;
+    for (const Value& kind : entries[s.kind]->values)
+        for (const std::uint32_t map : map_forms(entries[s.function], entries[s.file]))
+            for (const std::uint32_t texture : textures)
+                for (const Value& shading : entries[s.shading]->values) {
+                    const Forms forms{surface_form(kind, map), texture, is_reference(shading)};
+                    if (std::find(result.begin(), result.end(), forms) == result.end())
+                        result.push_back(forms);
+                }
+    return result;
+}
+
+bool applies_to_any(const Key& key, const std::vector<Forms>& forms) {
+    return std::any_of(forms.begin(), forms.end(), [&](const Forms& one) { return applies(key, one); });
+}
+
+void drop_inapplicable(Selection& selection, bool texture) {
+    const Selectors& s = selectors();
+    const std::uint32_t map = selection[s.file] ? std::uint32_t{kFormMapFile} : map_form(*selection[s.function]);
+    Forms forms{surface_form(*selection[s.kind], map), 0, is_reference(*selection[s.shading])};
+    if (texture)
+        forms.texture =
+            selection[s.texture_file] ? std::uint32_t{kFormMapFile} : map_form(*selection[s.texture_function]);
+    for (std::size_t i = 0; i < selection.size(); ++i)
+        if (!applies(schema_keys()[i], forms))
+            selection[i] = nullptr;
+}
+
+std::string identity(const Selection& selection) {
+    std::string result;
+    for (std::size_t i = 0; i < selection.size(); ++i)
+        if (selection[i])
+            result += schema_keys()[i].path() + '=' + identity(*selection[i]) + ';';
+    return result;
+}
+
+Scene build_scene(const Selection& selection) {
+    Scene scene;
+    for (std::size_t i = 0; i < selection.size(); ++i) {
+        if (!selection[i])
+            continue;
+        const Key& key = schema_keys()[i];
+        if (key.table == "texture" && !scene.texture)
+            scene.texture.emplace();
+        key.set(scene, *selection[i]);
+    }
+    return scene;
+}
+
+} // namespace forceshade

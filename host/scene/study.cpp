@@ -1,0 +1,222 @@
+#include "host/scene/study.h"
+
+#include "host/error.h"
+#include "host/scene/case_name.h"
+#include "host/scene/check.h"
+#include "host/scene/document.h"
+#include "host/scene/selection.h"
+
+#include <cerrno>
+#include <fstream>
+#include <iterator>
+#include <map>
+#include <system_error>
+#include <unordered_set>
+
+#include <fmt/format.h>
+
+namespace forceshade {
+
+namespace {
+
+std::string read_text(const std::filesystem::path& path) {
+    std::error_code error;
+    if (std::filesystem::is_directory(path, error))
+        throw IoError(fmt::format("cannot read {}: it is a folder, and a TOML file is wanted", path.string()));
+    errno = 0;
+    std::ifstream file(path, std::ios::binary);
+    std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+    if (!file.is_open() || file.bad())
+        throw IoError(fmt::format("cannot read {}: {}", path.string(), std::generic_category().message(errno)));
+    return text;
+}
+
+// The layers of one variant, or of the base alone.
+struct Stack {
+    const Layer* variant; // may be null
+    Merged merged;        // with overrides
+    std::vector<Forms> forms;
+};
+
+class StudyBuilder {
+public:
+    StudyBuilder(std::shared_ptr<const Document> document, bool one_scene)
+        : document_(std::move(document)), one_scene_(one_scene) {
+        study_.document = document_;
+    }
+
+    Study build() {
+        refuse_equal_file_names();
+        for (const Layer& variant : document_->variants)
+            add_stack(&variant);
+        if (document_->variants.empty())
+            add_stack(nullptr);
+        refuse_keys_of_no_case();
+        if (one_scene_)
+            refuse_sweep();
+        for (const Stack& stack : stacks_)
+            cross(stack);
+        name_cases(study_.cases, selections_, document_->order);
+        return std::move(study_);
+    }
+
+private:
+    const std::string& source() const { return document_->source; }
+
+    void add_stack(const Layer* variant) {
+        Stack stack{variant, merge({&document_->base, variant, &document_->overrides}), {}};
+        stack.forms = possible_forms(stack.merged);
+        stacks_.push_back(std::move(stack));
+    }
+
+    // Results name files by their base name alone.
+    void refuse_equal_file_names() const {
+        std::map<std::string, std::string> path_of;
+        std::vector<const Layer*> layers{&document_->base, &document_->overrides};
+        for (const Layer& variant : document_->variants)
+            layers.push_back(&variant);
+        for (const Layer* layer : layers)
+            for (const Entry& entry : layer->entries)
+                for (const Value& value : entry.values) {
+                    const std::string name = std::filesystem::path(value.path).filename().string();
+                    if (const auto [known, added] = path_of.emplace(name, value.path);
+                        !added && known->second != value.path)
+                        fail(source(), value.where,
+                             fmt::format("two files are named \"{}\"; results name files without their "
+                                         "folders, so rename one",
+                                         name));
+                }
+    }
+
+    // A key that applies neither to the choices of its own layer nor to any case below it is a mistake, if its own
+    // table makes the choice; elsewhere it is only useless. What a variant inherits and cannot use is dropped.
+    void refuse_keys_of_no_case() {
+        const auto check = [&](const Layer& layer, const std::vector<Forms>& own, const std::vector<Forms>& cases) {
+            for (const Entry& entry : layer.entries) {
+                const Key& key = schema_keys()[entry.key];
+                if (applies_to_any(key, own) || applies_to_any(key, cases))
+                    continue;
+                const std::string message = fmt::format("\"{}\" does not apply to {}; it applies to {}", key.name,
+                                                        describe_forms(key, own.front()), describe_applicability(key));
+                if (entry.where.line > 0 && key.subject != Subject::shading &&
+                    (key.table == "surface" || key.table == "texture"))
+                    fail(source(), entry.where, message);
+                study_.warnings.push_back(location_prefix(source(), entry.where) + message);
+            }
+        };
+        std::vector<Forms> all;
+        for (const Stack& stack : stacks_) {
+            all.insert(all.end(), stack.forms.begin(), stack.forms.end());
+            if (stack.variant) {
+                const auto own = possible_forms(merge({&document_->base, stack.variant}));
+                check(*stack.variant, own, own);
+            }
+        }
+        check(document_->base, possible_forms(merge({&document_->base})), all);
+        check(document_->overrides, all, all);
+    }
+
+    std::vector<const Entry*> axes(const Stack& stack) const {
+        std::vector<const Entry*> result;
+        for (const std::size_t key : document_->order)
+            if (const Entry* entry = stack.merged.entries[key];
+                entry && entry->values.size() > 1 && applies_to_any(schema_keys()[key], stack.forms))
+                result.push_back(entry);
+        return result;
+    }
+
+    void refuse_sweep() const {
+        for (const Stack& stack : stacks_)
+            for (const Entry* axis : axes(stack))
+                fail(source(), axis->where,
+                     fmt::format(
+                         "\"{}\" is a sweep axis of {} values; one scene is wanted here: leave one value, or use sweep",
+                         schema_keys()[axis->key].path(), axis->values.size()));
+        if (stacks_.size() > 1)
+            fail(source(), stacks_[1].variant->where,
+                 "a second [[variant]]; one scene is wanted here: leave one, or use sweep");
+    }
+
+    // Counts through all combinations, the last axis fastest.
+    void cross(const Stack& stack) {
+        const std::vector<const Entry*> axis_entries = axes(stack);
+        std::size_t count = 1;
+        for (const Entry* axis : axis_entries)
+            if (__builtin_mul_overflow(count, axis->values.size(), &count) || count + combinations_ > kMostCases)
+                fail(source(), axis->where,
+                     fmt::format("the axes cross to more than {} cases; split the study", kMostCases));
+        combinations_ += count;
+        for (std::size_t number = 0; number < count; ++number) {
+            Selection selection;
+            for (std::size_t key = 0; key < stack.merged.entries.size(); ++key) {
+                const Entry* entry = stack.merged.entries[key];
+                selection.push_back(entry ? &entry->values.front() : nullptr);
+            }
+            std::size_t rest = number;
+            for (std::size_t i = axis_entries.size(); i-- > 0;) {
+                const Entry& axis = *axis_entries[i];
+                selection[axis.key] = &axis.values[rest % axis.values.size()];
+                rest /= axis.values.size();
+            }
+            drop_inapplicable(selection, stack.merged.texture);
+            add_case(std::move(selection));
+        }
+    }
+
+    void add_case(Selection selection) {
+        if (!seen_.insert(identity(selection)).second)
+            return;
+        Case one;
+        one.scene = build_scene(selection);
+        check_scene(one.scene, selection, source(), study_.warnings);
+        for (std::size_t i = 0; i < selection.size(); ++i)
+            if (const Key& key = schema_keys()[i]; selection[i])
+                one.settings.push_back({key.table, key.name, literal(key, *selection[i])});
+        study_.cases.push_back(std::move(one));
+        selections_.push_back(std::move(selection));
+    }
+
+    std::shared_ptr<const Document> document_;
+    bool one_scene_;
+    Study study_;
+    std::vector<Stack> stacks_;
+    std::vector<Selection> selections_;
+    std::unordered_set<std::string> seen_;
+    std::size_t combinations_ = 0;
+};
+
+Study build_study(std::string_view text, const std::string& source, const std::filesystem::path& folder,
+                  std::span<const Override> overrides, bool one_scene) {
+    auto document = std::make_shared<const Document>(read_document(text, source, folder.string(), overrides));
+    return StudyBuilder(std::move(document), one_scene).build();
+}
+
+} // namespace
+
+Study parse_study(std::string_view text, const std::string& source, const std::filesystem::path& folder,
+                  std::span<const Override> overrides) {
+    return build_study(text, source, folder, overrides, false);
+}
+
+Study read_study(const std::filesystem::path& path, std::span<const Override> overrides) {
+    return parse_study(read_text(path), path.string(), path.parent_path(), overrides);
+}
+
+Case parse_scene(std::string_view text, const std::string& source, const std::filesystem::path& folder,
+                 std::span<const Override> overrides, std::vector<std::string>* warnings) {
+    Study study = build_study(text, source, folder, overrides, true);
+    if (warnings)
+        warnings->insert(warnings->end(), study.warnings.begin(), study.warnings.end());
+    return std::move(study.cases.front());
+}
+
+Case read_scene(const std::filesystem::path& path, std::span<const Override> overrides,
+                std::vector<std::string>* warnings) {
+    return parse_scene(read_text(path), path.string(), path.parent_path(), overrides, warnings);
+}
+
+Study default_study(std::span<const Override> overrides) {
+    return parse_study(default_study_toml(), "built-in study", {}, overrides);
+}
+
+} // namespace forceshade

@@ -1,0 +1,72 @@
+// Studies: TOML text to a checked list of resolved cases.
+#pragma once
+
+#include "host/scene/scene.h"
+
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace forceshade {
+
+struct Document;
+
+/// "surface.radius" or "run.precision", and its value as text, without quotes unless in a list. Replaces the key
+/// everywhere.
+using Override = std::pair<std::string, std::string>;
+
+struct Setting {
+    std::string_view table; // "surface"
+    std::string_view name;  // "radius"
+    std::string literal;    // as TOML: "\"600 mil\"", a file by its base name
+};
+
+struct Case {
+    std::string name; // unique in its study, also without regard to upper and lower case; at most 150 characters of
+                      // [A-Za-z0-9._+-]
+    Scene scene;
+    std::vector<std::pair<std::string, std::string>>
+        varied;                    // what the name lists: ("kind", "bump"), ("radius", "600 mil"), ...
+    std::vector<Setting> settings; // every key that applies, in the schema's order
+};
+
+struct Study {
+    std::vector<Case> cases; // in the order of the file's variants and axes, the last axis fastest; none twice
+    std::vector<std::string> warnings; // `source:line:column: ...`
+    std::shared_ptr<const Document> document;
+};
+
+/// The most combinations that a study may have.
+inline constexpr std::size_t kMostCases = 100000;
+
+/// Reads and resolves a study. Files that it names are neither opened nor looked for.
+/// Throws IoError if it cannot be read, UsageError `file:line:column: message` for what is wrong in it.
+Study read_study(const std::filesystem::path& path, std::span<const Override> overrides = {});
+
+/// The same from text. `source` is what errors call it; file names are relative to `folder`.
+Study parse_study(std::string_view text, const std::string& source, const std::filesystem::path& folder = {},
+                  std::span<const Override> overrides = {});
+
+/// One scene: as a study, but a sweep axis or a second variant is a UsageError that names it. Warnings are added to
+/// `warnings`.
+Case read_scene(const std::filesystem::path& path, std::span<const Override> overrides = {},
+                std::vector<std::string>* warnings = nullptr);
+Case parse_scene(std::string_view text, const std::string& source, const std::filesystem::path& folder = {},
+                 std::span<const Override> overrides = {}, std::vector<std::string>* warnings = nullptr);
+
+/// The paper's study: 7 bumps x 3 radii, and n = 4, 8, 16, 32, 64 shaded and unshaded; 51 cases.
+Study default_study(std::span<const Override> overrides = {});
+std::string_view default_study_toml();
+
+/// A case as complete, canonical TOML: every key that applies, in the user's text; files by base name, with the scene's
+/// sha256 where it is known. Reading it gives an equal scene.
+std::string resolved_toml(const Case& one);
+
+/// A study likewise, its axes and variants kept: reading it gives the same cases.
+std::string resolved_toml(const Study& study);
+
+} // namespace forceshade

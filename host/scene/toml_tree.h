@@ -1,0 +1,42 @@
+// TOML text to a plain tree in file order, each node with its location. The TOML library is known to the .cpp alone.
+#pragma once
+
+#include "host/scene/location.h"
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace forceshade {
+
+struct TomlMember;
+
+struct TomlNode {
+    enum class Type { string, integer, real, boolean, date, array, table };
+    Type type = Type::table;
+    Location where;
+    std::string text; // of a string
+    std::int64_t integer = 0;
+    double real = 0;
+    std::vector<TomlNode> items;     // of an array
+    std::vector<TomlMember> members; // of a table, in file order
+};
+
+struct TomlMember {
+    std::string key;
+    Location where; // of the key
+    TomlNode value;
+};
+
+/// "a table", "a boolean", `"text"`, `0.2`: how messages name what was found.
+std::string describe(const TomlNode& node);
+
+/// Parses a whole TOML document (UTF-8, with or without a byte order mark).
+/// Throws UsageError `source:line:column: message` for a syntax error, a key given twice, or text that is not UTF-8.
+TomlNode parse_toml(std::string_view text, const std::string& source);
+
+/// `text` as a TOML basic string, quotes included.
+std::string toml_string(std::string_view text);
+
+} // namespace forceshade

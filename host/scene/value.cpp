@@ -1,0 +1,215 @@
+#include "host/scene/value.h"
+
+#include "host/error.h"
+#include "host/scene/nearest.h"
+#include "host/scene/schema.h"
+#include "host/scene/toml_tree.h"
+
+#include <algorithm>
+#include <bit>
+#include <filesystem>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+namespace forceshade {
+
+namespace {
+
+using Type = TomlNode::Type;
+
+std::string base_name(std::string_view file) {
+    return std::filesystem::path(file).filename().string();
+}
+
+class ValueReader {
+public:
+    ValueReader(const Key& key, const std::string& source, const std::string& folder)
+        : key_(key), source_(source), folder_(folder) {}
+
+    bool is_vector() const { return key_.count > 1 || key_.kind == ValueKind::choices; }
+
+    Value read_one(const TomlNode& node) {
+        Value value;
+        value.where = node.where;
+        value.one_for_all = key_.one_for_all && (node.type != Type::array || node.items.size() == 1);
+        if (is_vector() && node.type == Type::array)
+            read_vector(node, value);
+        else if (!is_vector() || value.one_for_all)
+            read_part(node, value);
+        else
+            refuse(node,
+                   fmt::format("{} is a list, for example {}; got {}", key_.name, key_.default_text, describe(node)));
+        make_canonical(value);
+        return value;
+    }
+
+    [[noreturn]] void refuse(const TomlNode& node, const std::string& message) const {
+        fail(source_, node.where, message);
+    }
+
+private:
+    void read_vector(const TomlNode& node, Value& value) {
+        if (node.items.empty())
+            refuse(node, fmt::format("empty list: {} needs {}", key_.name,
+                                     key_.count > 1 ? fmt::format("{} values", key_.count) : "at least one value"));
+        if (key_.kind != ValueKind::choices && !value.one_for_all && node.items.size() != key_.count)
+            refuse(node, fmt::format("{} takes {} values, got {}; for a sweep write a list of lists", key_.name,
+                                     key_.count, node.items.size()));
+        for (const TomlNode& item : node.items) {
+            read_part(item, value);
+            if (key_.kind == ValueKind::choices &&
+                std::count(value.integers.begin(), value.integers.end(), value.integers.back()) > 1)
+                refuse(item, fmt::format("{} is given twice in {}", describe(item), key_.name));
+        }
+    }
+
+    // However it is written, one meaning has one content: the first channel is always written, and their order means
+    // nothing.
+    void make_canonical(Value& value) const {
+        if (value.one_for_all)
+            value.numbers.resize(key_.count, value.numbers.front());
+        if (key_.kind == ValueKind::choices) {
+            value.integers.push_back(0);
+            std::sort(value.integers.begin(), value.integers.end());
+            value.integers.erase(std::unique(value.integers.begin(), value.integers.end()), value.integers.end());
+        }
+    }
+
+    void read_part(const TomlNode& node, Value& value) {
+        value.parts.push_back(node.where);
+        switch (key_.kind) {
+        case ValueKind::quantity:
+            return read_quantity(node, value);
+        case ValueKind::integer:
+            return read_integer(node, value);
+        case ValueKind::choice:
+        case ValueKind::choices:
+            return read_choice(node, value);
+        case ValueKind::file:
+            return read_file(node, value);
+        case ValueKind::digest:
+            return read_digest(node, value);
+        }
+    }
+
+    void read_quantity(const TomlNode& node, Value& value) {
+        const std::string kind = dimension_with_article(key_.dimension);
+        const std::string_view example = dimension_example(key_.dimension);
+        if (node.type == Type::integer || node.type == Type::real)
+            refuse(node, fmt::format("{} needs a unit, for example \"{}\"; got {}", kind, example, describe(node)));
+        if (node.type != Type::string)
+            refuse(node, fmt::format("{} is {} with a unit, for example \"{}\"; got {}", key_.name, kind, example,
+                                     describe(node)));
+        double number = 0;
+        try {
+            number = parse_quantity(node.text, key_.dimension);
+        } catch (const UsageError& error) {
+            refuse(node, error.what());
+        }
+        if (key_.sign == Sign::positive && !(number > 0))
+            refuse(node, fmt::format("{} must be positive, got {}", key_.name, node.text));
+        if (key_.sign == Sign::not_negative && !(number >= 0))
+            refuse(node, fmt::format("{} must not be negative, got {}", key_.name, node.text));
+        value.numbers.push_back(number);
+        value.texts.push_back(node.text);
+    }
+
+    void read_integer(const TomlNode& node, Value& value) {
+        if (node.type != Type::integer)
+            refuse(node, fmt::format("{} is a whole number without quotes; got {}", key_.name, describe(node)));
+        if (node.integer < 1 || static_cast<std::uint64_t>(node.integer) > key_.largest)
+            refuse(node, fmt::format("{} must be from 1 to {}, got {}", key_.name, key_.largest, node.integer));
+        value.integers.push_back(static_cast<std::uint64_t>(node.integer));
+        value.texts.push_back(fmt::format("{}", node.integer));
+    }
+
+    void read_choice(const TomlNode& node, Value& value) {
+        const std::string all = fmt::format("{} is one of {}", key_.name, fmt::join(key_.choices, ", "));
+        if (node.type != Type::string)
+            refuse(node, fmt::format("{}, in quotes; got {}", all, describe(node)));
+        const auto found = std::find(key_.choices.begin(), key_.choices.end(), node.text);
+        if (found == key_.choices.end()) {
+            const std::vector<std::string> names(key_.choices.begin(), key_.choices.end());
+            refuse(node, fmt::format("{}; got {}{}", all, describe(node), did_you_mean(node.text, names)));
+        }
+        value.integers.push_back(static_cast<std::uint64_t>(found - key_.choices.begin()));
+        value.texts.push_back(node.text);
+    }
+
+    void read_file(const TomlNode& node, Value& value) {
+        if (node.type != Type::string)
+            refuse(node, fmt::format("{} is the name of a file, in quotes; got {}", key_.name, describe(node)));
+        if (node.text.find('\0') != std::string::npos || base_name(node.text).empty() || base_name(node.text) == "..")
+            refuse(node, fmt::format("{} names no file", describe(node)));
+        value.path =
+            (std::filesystem::absolute(folder_.empty() ? "." : folder_) / node.text).lexically_normal().string();
+        value.texts.push_back(node.text);
+    }
+
+    void read_digest(const TomlNode& node, Value& value) {
+        const auto is_hex = [](char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f'); };
+        if (node.type != Type::string || node.text.size() != 64 ||
+            !std::all_of(node.text.begin(), node.text.end(), is_hex))
+            refuse(node, fmt::format("{} is 64 lower-case hexadecimal digits in quotes, as sha256sum prints them",
+                                     key_.name));
+        value.texts.push_back(node.text);
+    }
+
+    const Key& key_;
+    const std::string& source_;
+    const std::string& folder_;
+};
+
+// For a key that is a list itself, only a list of lists is an axis.
+bool is_axis(const ValueReader& reader, const TomlNode& node) {
+    if (node.type != Type::array)
+        return false;
+    const auto is_array = [](const TomlNode& item) { return item.type == Type::array; };
+    return !reader.is_vector() || std::any_of(node.items.begin(), node.items.end(), is_array);
+}
+
+} // namespace
+
+std::string identity(const Value& value) {
+    std::string result;
+    for (const double number : value.numbers)
+        result += fmt::format("{:x},", std::bit_cast<std::uint64_t>(number));
+    for (const std::uint64_t integer : value.integers)
+        result += fmt::format("{},", integer);
+    return result + base_name(value.path);
+}
+
+std::string plain_text(const Value& value, char separator) {
+    return fmt::format("{}", fmt::join(value.texts, std::string_view(&separator, 1)));
+}
+
+std::string literal(const Key& key, const Value& value) {
+    std::vector<std::string> parts;
+    for (const std::string& text : value.texts)
+        parts.push_back(key.kind == ValueKind::integer ? text
+                        : key.kind == ValueKind::file  ? toml_string(base_name(text))
+                                                       : toml_string(text));
+    if (value.one_for_all || (key.count == 1 && key.kind != ValueKind::choices))
+        return parts.front();
+    return fmt::format("[{}]", fmt::join(parts, ", "));
+}
+
+std::vector<Value> read_values(const Key& key, const TomlNode& node, const std::string& source,
+                               const std::string& folder) {
+    ValueReader reader(key, source, folder);
+    if (!is_axis(reader, node))
+        return {reader.read_one(node)};
+    if (node.items.empty())
+        reader.refuse(node, fmt::format("empty list: {} needs at least one value", key.name));
+    std::vector<Value> values;
+    for (const TomlNode& item : node.items) {
+        if (item.type == Type::array && !reader.is_vector())
+            reader.refuse(item,
+                          fmt::format("a sweep axis of {} is a list of single values; got a list in it", key.name));
+        values.push_back(reader.read_one(item));
+    }
+    return values;
+}
+
+} // namespace forceshade

@@ -1,0 +1,40 @@
+// One value of one key, as read: its meaning in SI units or as an index, the user's text, and where it stands.
+#pragma once
+
+#include "host/scene/location.h"
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace forceshade {
+
+struct Key;
+struct TomlNode;
+
+struct Value {
+    std::vector<double> numbers;         // a quantity's components, in SI units
+    std::vector<std::uint64_t> integers; // integers, or the indices of choices
+    std::vector<std::string> texts;      // the parts as written
+    std::vector<Location> parts;         // where each part stands
+    Location where;
+    bool one_for_all = false; // one part stands for all components
+    std::string path;         // of a file: absolute
+    std::string sha256;       // of a file: as expected by the user, or empty
+};
+
+/// Equal text if and only if the values mean the same: "1000 mil" and "25.4 mm" are one value.
+std::string identity(const Value& value);
+
+/// The value as TOML, in the user's text; a file by its base name.
+std::string literal(const Key& key, const Value& value);
+
+/// The value in the user's text without quotes or brackets, parts joined by a separator.
+std::string plain_text(const Value& value, char separator);
+
+/// Reads one value, or each value of a sweep axis, of a key. File names are relative to `folder` (a path, may be
+/// empty). Throws UsageError `source:line:column: message` if it is of a wrong type, unit, length or range.
+std::vector<Value> read_values(const Key& key, const TomlNode& node, const std::string& source,
+                               const std::string& folder);
+
+} // namespace forceshade

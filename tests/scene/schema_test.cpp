@@ -1,0 +1,71 @@
+#include "host/scene/schema.h"
+
+#include "host/scene/nearest.h"
+#include "host/scene/scene.h"
+#include "host/scene/study.h"
+
+#include <set>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+namespace forceshade {
+namespace {
+
+TEST(Schema, TextParsesAsTheDefaultScene) {
+    const Study study = parse_study(schema_text(), "schema");
+    ASSERT_EQ(study.cases.size(), 1u);
+    EXPECT_EQ(study.cases.front().scene, Scene{});
+    EXPECT_TRUE(study.warnings.empty());
+}
+
+TEST(Schema, DefaultsAreThoseOfTheStructs) { EXPECT_EQ(parse_study("", "empty").cases.front().scene, Scene{}); }
+
+TEST(Schema, KeysAreUniqueAndDocumented) {
+    std::set<std::string> paths;
+    for (const Key& key : schema_keys()) {
+        EXPECT_TRUE(paths.insert(key.path()).second) << key.path();
+        EXPECT_FALSE(key.doc.empty()) << key.path();
+        EXPECT_EQ(&schema_keys()[static_cast<std::size_t>(find_key(key.path()))], &key);
+        EXPECT_NE(schema_text().find(std::string(key.name) + " = "), std::string::npos) << key.path();
+    }
+    EXPECT_EQ(find_key("surface"), -1);
+    EXPECT_EQ(find_key("surface.radius.x"), -1);
+}
+
+TEST(Schema, JsonHasEveryKey) {
+    const auto json = nlohmann::json::parse(schema_json());
+    ASSERT_EQ(json["keys"].size(), schema_keys().size());
+    EXPECT_EQ(json["keys"][2]["key"], "surface.radius");
+    EXPECT_EQ(json["keys"][2]["unit"], "m");
+}
+
+TEST(Nearest, FindsWhatWasMeant) {
+    EXPECT_EQ(edit_distance("stifness", "stiffness"), 1u);
+    EXPECT_EQ(edit_distance("raduis", "radius"), 1u);
+    EXPECT_EQ(edit_distance("", "abc"), 3u);
+    const std::vector<std::string> words{"mm", "Mm", "radius", "width"};
+    EXPECT_EQ(nearest("MM", words), "mm");
+    EXPECT_EQ(nearest("raidus", words), "radius");
+    EXPECT_EQ(nearest("facets", words), "");
+    EXPECT_EQ(nearest(std::string(100000, 'r'), words), "");
+}
+
+TEST(DependsOnY, OnlyForMapsInUseThatVaryAlongY) {
+    Scene scene;
+    EXPECT_FALSE(depends_on_y(scene));
+    scene.surface.kind = SurfaceKind::height_map;
+    scene.surface.map.function = MapFunction::gaussian;
+    EXPECT_FALSE(depends_on_y(scene)); // not in use: shading none
+    scene.force.shading = Shading::height_map;
+    EXPECT_TRUE(depends_on_y(scene));
+    scene.surface.map.function = MapFunction::sine;
+    EXPECT_FALSE(depends_on_y(scene));
+    scene.texture.emplace();
+    EXPECT_FALSE(depends_on_y(scene));
+    scene.texture->map.function = MapFunction::file;
+    EXPECT_TRUE(depends_on_y(scene));
+}
+
+} // namespace
+} // namespace forceshade
