@@ -179,7 +179,7 @@ void VolumeWriter::State::throw_if_refused() const {
         const auto& [value, voxel, found] = rows.watch.largest();
         if (rows.part.format == PixelFormat::half && overflows_half(static_cast<float>(value)))
             throw UsageError(fmt::format(
-                "{}: half cannot hold {} {} at voxel ({}, {}, {}), its largest is 65504: write "
+                "{}: half cannot hold {:.6g} {} at voxel ({}, {}, {}), its largest is 65504: write "
                 "pixel = \"float\"",
                 file.path().string(), static_cast<float>(value), rows.part.unit, voxel[0], voxel[1], voxel[2]));
     }

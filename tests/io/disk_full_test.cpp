@@ -1,0 +1,133 @@
+// What happens when the disk takes no more, without and (where mounting is allowed) with a real full disk.
+#include <csignal>
+#include <random>
+
+#include <gtest/gtest.h>
+#include <sys/mount.h>
+#include <sys/resource.h>
+
+#include "host/error.h"
+#include "host/io/exr_volume.h"
+#include "host/io/npy.h"
+#include "host/io/vti.h"
+#include "tests/io/folder.h"
+#include "tests/io/sample_field.h"
+
+namespace forceshade {
+namespace {
+
+using testing::Folder;
+using testing::message_of;
+using testing::sample_header;
+using testing::SampleField;
+
+constexpr std::array<std::uint64_t, 3> kSize{256, 32, 32};
+
+/// While it lives no file can grow beyond `bytes`: writes fail with EFBIG.
+class FileSizeLimit {
+public:
+    explicit FileSizeLimit(rlim_t bytes) : handler_(std::signal(SIGXFSZ, SIG_IGN)) {
+        ::getrlimit(RLIMIT_FSIZE, &before_);
+        const rlimit limit{bytes, before_.rlim_max};
+        ::setrlimit(RLIMIT_FSIZE, &limit);
+    }
+    ~FileSizeLimit() {
+        ::setrlimit(RLIMIT_FSIZE, &before_);
+        std::signal(SIGXFSZ, handler_);
+    }
+    FileSizeLimit(const FileSizeLimit&) = delete;
+    FileSizeLimit& operator=(const FileSizeLimit&) = delete;
+
+private:
+    rlimit before_{};
+    void (*handler_)(int);
+};
+
+/// White noise: nothing compresses it, so that the file's size is known about.
+SampleField<float> noise() {
+    SampleField field(kSize);
+    std::mt19937 random(3);
+    for (float& value : field.force)
+        value = static_cast<float>(random()) / 4294967296.0f;
+    return field;
+}
+
+std::string write_all(ChunkSink& sink, const SampleField<float>& field) {
+    return message_of<IoError>([&] {
+        field.write_in_pieces(sink, 5);
+        sink.finish();
+    });
+}
+
+TEST(DiskFull, ends_in_an_error_and_no_file) {
+    const Folder folder;
+    const SampleField field = noise();
+    for (const int threads : {0, 2})
+        for (const rlim_t bytes : {0, 100, 4096, 1 << 20, 2000000}) { // of about 2.7 MB
+            const FileSizeLimit limit(bytes);
+            VolumeHeader header = sample_header(kSize, layout::kChannelForce | layout::kChannelDepth);
+            header.threads = threads;
+            {
+                VolumeWriter writer(folder / "a.exr", header);
+                const std::string message = write_all(writer, field);
+                EXPECT_NE(message.find("a.exr: File too large; the file system or a limit"), std::string::npos)
+                    << message;
+            }
+            EXPECT_TRUE(folder.names().empty());
+        }
+}
+
+// The table of the blocks' offsets is written last, by a destructor of OpenEXR, into the file's beginning.
+TEST(DiskFull, at_any_byte_ends_in_an_error_and_no_file) {
+    const Folder folder;
+    const std::array<std::uint64_t, 3> size{16, 4, 4};
+    const SampleField field(size);
+    VolumeWriter writer(folder / "sound.exr", sample_header(size));
+    field.write_to(writer);
+    const std::uint64_t bytes = writer.finish().bytes;
+    for (rlim_t most = 0; most < bytes; most += 61) {
+        const FileSizeLimit limit(most);
+        {
+            VolumeWriter cut(folder / "a.exr", sample_header(size));
+            EXPECT_NE(write_all(cut, field), "") << most;
+        }
+        EXPECT_EQ(folder.names(), std::vector<std::string>{"sound.exr"}) << most;
+    }
+}
+
+TEST(DiskFull, ends_in_an_error_for_the_other_formats) {
+    const Folder folder;
+    const SampleField field = noise();
+    const FileSizeLimit limit(1 << 20);
+    {
+        NpyWriter npy(folder / "a.npy", kSize, layout::kChannelForce, Precision::f32);
+        EXPECT_NE(write_all(npy, field).find("a.npy: File too large"), std::string::npos);
+        VtiWriter vti(folder / "a.vti", {kSize, {}, {1, 1, 1}, layout::kChannelForce, Precision::f32});
+        EXPECT_NE(write_all(vti, field).find("a.vti: File too large"), std::string::npos);
+    }
+    EXPECT_TRUE(folder.names().empty());
+}
+
+TEST(DiskFull, of_a_real_file_system_says_so) {
+    const Folder folder;
+    std::filesystem::create_directory(folder / "small");
+    if (::mount("tmpfs", (folder / "small").c_str(), "tmpfs", 0, "size=1m") != 0)
+        GTEST_SKIP() << "mounting is not permitted here";
+    std::string message, read_only;
+    bool empty = false;
+    {
+        VolumeWriter writer(folder / "small/a.exr", sample_header(kSize, layout::kChannelForce));
+        message = write_all(writer, noise());
+    }
+    empty = std::filesystem::is_empty(folder / "small");
+    ::mount("tmpfs", (folder / "small").c_str(), "tmpfs", MS_REMOUNT | MS_RDONLY, nullptr);
+    read_only =
+        message_of<IoError>([&] { VolumeWriter(folder / "small/a.exr", sample_header(kSize, layout::kChannelForce)); });
+    ::umount((folder / "small").c_str());
+    EXPECT_NE(message.find("a.exr: No space left on device; free space there"), std::string::npos) << message;
+    EXPECT_TRUE(empty);
+    EXPECT_NE(read_only.find("a.exr: Read-only file system; choose a folder"), std::string::npos) << read_only;
+}
+
+} // namespace
+} // namespace forceshade

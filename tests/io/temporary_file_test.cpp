@@ -1,0 +1,176 @@
+#include "host/io/temporary_file.h"
+
+#include <csignal>
+#include <fstream>
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "host/io/readable_file.h"
+#include "tests/io/folder.h"
+
+namespace forceshade {
+namespace {
+
+using testing::Folder;
+using testing::message_of;
+
+TEST(TemporaryFile, appears_under_its_name_only_when_published) {
+    const Folder folder;
+    TemporaryFile file(folder / "a.exr");
+    file.write(std::string_view("hello"));
+    file.flush_to_disk();
+    EXPECT_EQ(read_file(file.temporary_path()), "hello");
+    ASSERT_EQ(folder.names().size(), 1u);
+    EXPECT_TRUE(folder.names()[0].starts_with(".a.exr."));
+    EXPECT_TRUE(folder.names()[0].ends_with(".tmp"));
+    file.publish();
+    EXPECT_EQ(folder.names(), std::vector<std::string>{"a.exr"});
+    EXPECT_EQ(read_file(folder / "a.exr"), "hello");
+}
+
+TEST(TemporaryFile, leaves_nothing_when_it_is_given_up) {
+    const Folder folder;
+    write_file_atomically(folder / "a", std::string_view("old"));
+    {
+        TemporaryFile file(folder / "a");
+        file.write(std::string_view("new"));
+        file.flush_to_disk();
+    }
+    EXPECT_EQ(folder.names(), std::vector<std::string>{"a"});
+    EXPECT_EQ(read_file(folder / "a"), "old");
+}
+
+TEST(TemporaryFile, writes_where_it_was_told_to) {
+    const Folder folder;
+    {
+        TemporaryFile file(folder / "a");
+        file.write(std::string(3 << 20, 'x'));
+        file.seek(5);
+        file.write(std::string_view("abc"));
+        EXPECT_EQ(file.tell(), 8u);
+        file.seek(3 << 20);
+        file.write(std::string_view("end"));
+        file.commit();
+    }
+    std::string expected(3 << 20, 'x');
+    expected.replace(5, 3, "abc");
+    EXPECT_TRUE(read_file(folder / "a") == expected + "end");
+}
+
+TEST(TemporaryFile, takes_two_writers_of_one_name) {
+    const Folder folder;
+    TemporaryFile first(folder / "a"), second(folder / "a");
+    first.write(std::string_view("first"));
+    second.write(std::string_view("second"));
+    second.commit();
+    EXPECT_EQ(read_file(folder / "a"), "second");
+    first.commit();
+    EXPECT_EQ(read_file(folder / "a"), "first");
+    EXPECT_EQ(folder.names(), std::vector<std::string>{"a"});
+}
+
+TEST(TemporaryFile, says_what_stands_in_its_way) {
+    const Folder folder;
+    write_file_atomically(folder / "file", std::string_view("x"));
+    std::filesystem::create_directory(folder / "folder");
+    const auto why = [](const std::filesystem::path& path) {
+        return message_of<IoError>([&] { write_file_atomically(path, std::string_view("x")); });
+    };
+    EXPECT_NE(why(folder / "missing/a.exr").find("missing/a.exr: No such file or directory; create its folder first"),
+              std::string::npos);
+    EXPECT_NE(why(folder / "file/a.exr").find("not a folder"), std::string::npos);
+    EXPECT_NE(why(folder / "folder").find("a folder has that name"), std::string::npos);
+    EXPECT_NE(why(folder / "").find("a folder has that name"), std::string::npos);
+    EXPECT_NE(why("/proc/a.exr").find("cannot write /proc/a.exr"), std::string::npos); // not even root may
+    EXPECT_EQ(folder.names(), (std::vector<std::string>{"file", "folder"}));
+}
+
+TEST(TemporaryFile, keeps_long_names_within_what_a_file_system_takes) {
+    const Folder folder;
+    write_file_atomically(folder / std::string(250, 'n'), std::string_view("x"));
+    EXPECT_EQ(folder.names(), std::vector<std::string>{std::string(250, 'n')});
+}
+
+/// A child process that holds a temporary of NAME until it is killed.
+class Holder {
+public:
+    Holder(const std::filesystem::path& path) {
+        int ready[2];
+        EXPECT_EQ(::pipe(ready), 0);
+        child_ = ::fork();
+        if (child_ == 0) {
+            TemporaryFile file(path);
+            file.write(std::string_view("unfinished"));
+            [[maybe_unused]] const auto told = ::write(ready[1], "r", 1);
+            for (;;)
+                ::pause();
+        }
+        char byte = 0;
+        EXPECT_EQ(::read(ready[0], &byte, 1), 1);
+        ::close(ready[0]), ::close(ready[1]);
+    }
+    ~Holder() { kill(); }
+    void kill() {
+        if (child_ > 0) {
+            ::kill(child_, SIGKILL);
+            ::waitpid(child_, nullptr, 0);
+        }
+        child_ = -1;
+    }
+
+private:
+    pid_t child_ = -1;
+};
+
+TEST(StaleTemporaries, are_those_that_no_live_process_holds) {
+    const Folder folder;
+    const std::vector<std::string> others{".a.exr.tmp", ".hidden", "a.exr", "a.fs0123456789abcdef.tmp",
+                                          ".a.exr.fs0123456789abcdeX.tmp"};
+    for (const std::string& name : others)
+        std::ofstream(folder / name) << name;
+    std::filesystem::create_directory(folder / ".d.fs0123456789abcdef.tmp");
+    Holder holder(folder / "b.exr");
+    const std::size_t before = folder.names().size();
+    EXPECT_EQ(clear_stale_temporaries(folder.path()), 0u);
+    EXPECT_EQ(folder.names().size(), before);
+    holder.kill();
+    EXPECT_EQ(folder.names().size(), before);
+    EXPECT_EQ(clear_stale_temporaries(folder.path()), 1u);
+    EXPECT_EQ(folder.names().size(), others.size() + 1);
+}
+
+TEST(StaleTemporaries, may_be_cleared_while_their_writers_work) {
+    const Folder folder;
+    int ready[2];
+    ASSERT_EQ(::pipe(ready), 0);
+    const pid_t cleaner = ::fork();
+    if (cleaner == 0) {
+        [[maybe_unused]] const auto told = ::write(ready[1], "r", 1);
+        for (;;)
+            clear_stale_temporaries(folder.path());
+    }
+    char byte = 0;
+    ASSERT_EQ(::read(ready[0], &byte, 1), 1);
+    for (int i = 0; i < 200; ++i)
+        EXPECT_NO_THROW(write_file_atomically(folder / std::to_string(i), std::to_string(i)));
+    ::kill(cleaner, SIGKILL);
+    ::waitpid(cleaner, nullptr, 0);
+    EXPECT_EQ(folder.names().size(), 200u);
+}
+
+TEST(StaleTemporaries, are_none_in_a_folder_that_is_not_there) {
+    EXPECT_EQ(clear_stale_temporaries("/no/such/folder"), 0u);
+}
+
+TEST(ReadableFile, says_what_stands_in_its_way) {
+    const Folder folder;
+    EXPECT_NE(message_of<IoError>([&] { read_file(folder / "missing"); }).find("missing: No such file or directory"),
+              std::string::npos);
+    EXPECT_NE(message_of<IoError>([&] { read_file(folder.path()); }).find("not a regular file"), std::string::npos);
+}
+
+} // namespace
+} // namespace forceshade

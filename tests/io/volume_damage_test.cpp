@@ -1,0 +1,89 @@
+// Files that were damaged after they were written: noticed, and never a crash.
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "host/error.h"
+#include "host/io/exr_volume.h"
+#include "host/io/readable_file.h"
+#include "host/io/temporary_file.h"
+#include "tests/io/folder.h"
+#include "tests/io/sample_field.h"
+
+namespace forceshade {
+namespace {
+
+using testing::Folder;
+using testing::kAllChannels;
+using testing::sample_header;
+using testing::SampleField;
+
+constexpr std::array<std::uint64_t, 3> kSize{37, 11, 7};
+
+struct Sound {
+    Folder folder;
+    std::string bytes, sha256;
+    std::filesystem::path path = folder / "a.exr";
+
+    explicit Sound(std::uint32_t channels) {
+        VolumeWriter writer(path, sample_header(kSize, channels));
+        SampleField(kSize).write_to(writer);
+        sha256 = writer.finish().sha256;
+        bytes = read_file(path);
+    }
+};
+
+void read_all(const std::filesystem::path& path) {
+    VolumeReader reader(path);
+    std::vector<float> values;
+    for (const std::uint32_t channel :
+         {layout::kChannelForce, layout::kChannelDepth, layout::kChannelProxy, layout::kChannelUnshaded})
+        if (reader.header().channels & channel)
+            reader.read(channel, 0, reader.rows(), values);
+    std::vector<std::uint32_t> ids;
+    if (reader.header().channels & layout::kChannelFacet)
+        reader.read_ids(0, reader.rows(), ids);
+}
+
+TEST(DamagedVolume, is_noticed_wherever_it_was_cut) {
+    const Sound sound(kAllChannels);
+    EXPECT_NO_THROW(read_all(sound.path));
+    for (std::size_t size = 0; size < sound.bytes.size(); size += 1 + size / 50) {
+        write_file_atomically(sound.path, std::string_view(sound.bytes).substr(0, size));
+        EXPECT_THROW(read_all(sound.path), IoError) << size;
+        EXPECT_FALSE(volume_is_intact(sound.path, sound.sha256));
+    }
+    std::filesystem::remove(sound.path);
+    EXPECT_THROW(read_all(sound.path), IoError);
+    EXPECT_FALSE(volume_is_intact(sound.path, sound.sha256));
+}
+
+TEST(DamagedVolume, never_does_more_than_throw_io_errors) {
+    for (const std::uint32_t channels : {1u, kAllChannels}) {
+        const Sound sound(channels);
+        std::mt19937 random(7);
+        for (int round = 0; round < 400; ++round) {
+            std::string bytes = sound.bytes;
+            // The header is small and the more dangerous half.
+            const std::size_t most = round % 2 ? bytes.size() : std::min<std::size_t>(bytes.size(), 3000);
+            for (std::uint32_t i = 0; i <= random() % 4; ++i)
+                bytes[random() % most] = static_cast<char>(random() % 3 ? random() : 0xff);
+            write_file_atomically(sound.path, bytes);
+            try {
+                read_all(sound.path);
+            } catch (const IoError&) {
+            }
+            EXPECT_EQ(volume_is_intact(sound.path, sound.sha256), bytes == sound.bytes);
+        }
+    }
+}
+
+TEST(DamagedVolume, is_not_taken_for_one_of_another_kind) {
+    const Folder folder;
+    write_file_atomically(folder / "a.exr", std::string_view("no EXR at all, but long enough to look into"));
+    EXPECT_THROW(read_all(folder / "a.exr"), IoError);
+    EXPECT_THROW(read_all(folder.path()), IoError);
+}
+
+} // namespace
+} // namespace forceshade

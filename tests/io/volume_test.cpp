@@ -1,0 +1,197 @@
+#include "host/io/exr_volume.h"
+
+#include <bit>
+#include <cstring>
+
+#include <gtest/gtest.h>
+
+#include "host/error.h"
+#include "host/io/pixel_rows.h"
+#include "host/io/readable_file.h"
+#include "tests/io/folder.h"
+#include "tests/io/sample_field.h"
+
+namespace forceshade {
+namespace {
+
+using testing::Folder;
+using testing::kAllChannels;
+using testing::sample_header;
+using testing::SampleField;
+using testing::tight;
+
+constexpr std::array<std::uint64_t, 3> kSize{37, 11, 7};
+constexpr std::array kCompressions{Compression::none, Compression::zip1, Compression::zip, Compression::pxr24};
+
+VolumeResult write_volume(const std::filesystem::path& path, const VolumeHeader& header, const auto& field) {
+    VolumeWriter writer(path, header);
+    field.write_to(writer);
+    return writer.finish();
+}
+
+std::vector<float> as_stored(std::vector<float> values, const VolumeHeader& header) {
+    for (float& value : values) {
+        if (header.pixel == PixelType::half) {
+            std::array<std::byte, 2> bytes{};
+            encode_row({&value, 1}, PixelFormat::half, bytes.data());
+            const auto bits = std::bit_cast<std::uint16_t>(bytes);
+            const int exponent = bits >> 10 & 31, fraction = bits & 1023; // spelt out: not the library's own way back
+            value =
+                std::ldexp(static_cast<float>(exponent == 0 ? fraction : fraction + 1024), std::max(exponent, 1) - 25) *
+                (bits >> 15 ? -1.0f : 1.0f);
+        } else if (header.compression == Compression::pxr24) {
+            value = round_to_float24(value);
+        }
+    }
+    return values;
+}
+
+void expect_same_bits(const std::vector<float>& expected, const std::vector<float>& found, const char* what) {
+    ASSERT_EQ(expected.size(), found.size()) << what;
+    EXPECT_EQ(std::memcmp(expected.data(), found.data(), expected.size() * sizeof(float)), 0) << what;
+}
+
+TEST(Volume, reads_back_bit_for_bit) {
+    const Folder folder;
+    const SampleField field(kSize);
+    for (const Compression compression : kCompressions)
+        for (const PixelType pixel : {PixelType::float32, PixelType::half})
+            for (const std::uint32_t channels : {1u, 3u, 5u, 9u, 17u, kAllChannels}) {
+                VolumeHeader header = sample_header(kSize, channels);
+                header.compression = compression;
+                header.pixel = pixel;
+                write_volume(folder / "a.exr", header, field);
+                VolumeReader reader(folder / "a.exr");
+                std::vector<float> values;
+                const auto expect = [&](std::uint32_t channel, const std::vector<float>& pitched,
+                                        std::size_t components) {
+                    if (!(channels & channel))
+                        return;
+                    reader.read(channel, 0, reader.rows(), values);
+                    expect_same_bits(as_stored(tight(pitched, kSize, field.pitch, components), header), values,
+                                     std::to_string(channel).c_str());
+                };
+                expect(layout::kChannelForce, field.force, 3);
+                expect(layout::kChannelDepth, field.depth, 1);
+                expect(layout::kChannelProxy, field.proxy, 3);
+                expect(layout::kChannelUnshaded, field.unshaded, 3);
+                if (channels & layout::kChannelFacet) {
+                    std::vector<std::uint32_t> ids;
+                    reader.read_ids(0, reader.rows(), ids);
+                    EXPECT_EQ(ids, tight(field.facet, kSize, field.pitch, 1));
+                }
+            }
+    EXPECT_EQ(folder.names(), std::vector<std::string>{"a.exr"});
+}
+
+TEST(Volume, keeps_what_its_header_says) {
+    const Folder folder;
+    VolumeHeader header = sample_header(kSize, layout::kChannelForce | layout::kChannelDepth);
+    header.compression = Compression::zip1;
+    write_volume(folder / "a.exr", header, SampleField(kSize));
+    VolumeReader reader(folder / "a.exr");
+    EXPECT_EQ(reader.header().size, kSize);
+    EXPECT_EQ(reader.header().origin, header.origin);
+    EXPECT_EQ(reader.header().spacing, header.spacing);
+    EXPECT_EQ(reader.header().channels, header.channels);
+    EXPECT_EQ(reader.header().compression, header.compression);
+    EXPECT_EQ(reader.header().scene, header.scene);
+    EXPECT_EQ(reader.header().version, header.version);
+    EXPECT_EQ(reader.header().omitted, header.omitted);
+    EXPECT_EQ(reader.rows(), 77u);
+    std::vector<float> values;
+    EXPECT_THROW(reader.read(layout::kChannelProxy, 0, 1, values), IoError);
+    EXPECT_THROW(reader.read(layout::kChannelForce, 70, 8, values), IoError);
+    std::vector<float> row;
+    reader.read(layout::kChannelForce, 0, 77, values);
+    reader.read(layout::kChannelForce, 40, 1, row);
+    EXPECT_TRUE(std::equal(row.begin(), row.end(), values.begin() + 40 * 37 * 3));
+}
+
+TEST(Volume, has_the_same_bytes_however_it_was_written) {
+    const Folder folder;
+    const std::array<std::uint64_t, 3> size{12000, 13, 3}; // groups of 16 rows, so that pieces cross them
+    const SampleField field(size);
+    for (const std::uint32_t channels : {1u, kAllChannels}) {
+        VolumeHeader header = sample_header(size, channels);
+        const VolumeResult whole = write_volume(folder / "a.exr", header, field);
+        EXPECT_EQ(whole.sha256, write_volume(folder / "a.exr", header, field).sha256);
+        for (const std::size_t most : {1u, 7u, 16u, 20u}) {
+            VolumeWriter writer(folder / "a.exr", header);
+            field.write_in_pieces(writer, most);
+            EXPECT_EQ(whole.sha256, writer.finish().sha256) << most;
+        }
+        header.threads = 2;
+        EXPECT_EQ(whole.sha256, write_volume(folder / "a.exr", header, field).sha256);
+        EXPECT_TRUE(volume_is_intact(folder / "a.exr", whole.sha256));
+        EXPECT_EQ(whole.bytes, std::filesystem::file_size(folder / "a.exr"));
+    }
+}
+
+TEST(Volume, repeats_rows_as_if_they_had_been_written_out) {
+    const Folder folder;
+    const std::array<std::uint64_t, 3> size{12000, 13, 3};
+    const SampleField field(size, false);
+    const VolumeResult whole = write_volume(folder / "a.exr", sample_header(size), field);
+    const SampleField row_a_layer({size[0], 1, size[2]}, false);
+    VolumeWriter writer(folder / "b.exr", sample_header(size));
+    auto chunk = row_a_layer.chunk(0, 2);
+    writer.write(chunk, size[1]);
+    chunk = row_a_layer.chunk(2, 1);
+    writer.write(chunk, size[1]);
+    const VolumeResult repeated = writer.finish();
+    EXPECT_EQ(whole.sha256, repeated.sha256);
+    EXPECT_EQ(whole.largest_force, repeated.largest_force);
+    EXPECT_EQ(whole.largest_voxel, repeated.largest_voxel);
+}
+
+TEST(Volume, rounds_doubles_to_floats) {
+    const Folder folder;
+    const SampleField<double> field(kSize);
+    write_volume(folder / "a.exr", sample_header(kSize), field);
+    std::vector<float> expected, found;
+    for (const double value : tight(field.force, kSize, field.pitch, 3))
+        expected.push_back(static_cast<float>(value));
+    VolumeReader(folder / "a.exr").read(layout::kChannelForce, 0, 77, found);
+    expect_same_bits(expected, found, "force");
+}
+
+TEST(Volume, finds_the_largest_force) {
+    const Folder folder;
+    SampleField field(kSize);
+    const std::size_t sample = ((5 * 11) + 4) * field.pitch + 30;
+    field.force[3 * sample] = -3.0f, field.force[3 * sample + 1] = 0.0f, field.force[3 * sample + 2] = 4.0f;
+    const VolumeResult result = write_volume(folder / "a.exr", sample_header(kSize), field);
+    EXPECT_EQ(result.largest_force, 5.0);
+    EXPECT_EQ(result.largest_voxel, (std::array<std::uint64_t, 3>{30, 4, 5}));
+    EXPECT_EQ(result.non_finite, 0u);
+}
+
+TEST(Volume, may_be_a_single_voxel) {
+    const Folder folder;
+    for (const Compression compression : kCompressions) {
+        VolumeHeader header = sample_header({1, 1, 1});
+        header.compression = compression;
+        SampleField field({1, 1, 1});
+        field.force = {1e-45f, -0.0f, 3.4028235e38f, 0, 0, 0};
+        write_volume(folder / "a.exr", header, field);
+        std::vector<float> values;
+        VolumeReader(folder / "a.exr").read(layout::kChannelForce, 0, 1, values);
+        expect_same_bits(as_stored({1e-45f, -0.0f, 3.4028235e38f}, header), values, "force");
+        EXPECT_TRUE(std::isfinite(values[2]));
+    }
+}
+
+TEST(Volume, wants_its_rows_in_order_and_all_of_them) {
+    const Folder folder;
+    const SampleField field(kSize);
+    VolumeWriter writer(folder / "a.exr", sample_header(kSize));
+    EXPECT_THROW(writer.write(field.chunk(11, 11), 1), std::logic_error);
+    writer.write(field.chunk(0, 11), 1);
+    EXPECT_THROW(writer.write(field.chunk(0, 11), 1), std::logic_error);
+    EXPECT_THROW(writer.finish(), std::logic_error);
+    EXPECT_FALSE(std::filesystem::exists(folder / "a.exr"));
+}
+
+} // namespace
+} // namespace forceshade
