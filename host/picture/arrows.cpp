@@ -15,9 +15,10 @@ namespace {
 
 constexpr double kMostPlotHeight = 860; // pixels
 constexpr double kLeastPlotSide = 40;
-constexpr double kLeastArrowPitch = 40; // pixels between arrows
+constexpr double kLeastArrowPitch = 44; // pixels between arrows
 constexpr double kLongestArrow = 90;
 constexpr double kBarGap = 34;
+constexpr std::string_view kNoForce = "no force in this slice";
 constexpr Rgb8 kQuietInk{110, 110, 110};
 constexpr TextStyle kAxisStyle{kTextSize, false, Horizontal::centre, Vertical::top, false};
 constexpr TextStyle kUpAxisStyle{kTextSize, false, Horizontal::right, Vertical::middle, true};
@@ -46,14 +47,24 @@ struct ArrowPlot {
     }
 };
 
-// Every n-th sample, so that arrows stand at least kLeastArrowPitch apart, the same distance from both ends.
+// Every n-th sample, so that arrows stand at least kLeastArrowPitch apart and half of that from both ends.
 std::vector<std::size_t> arrow_samples(std::size_t samples, double pixels) {
     const double apart = pixels / static_cast<double>(samples);
     const auto stride = static_cast<std::size_t>(std::max(1.0, std::ceil(kLeastArrowPitch / apart)));
-    std::vector<std::size_t> chosen;
-    for (std::size_t i = (samples - 1) % stride / 2; i < samples; i += stride)
-        chosen.push_back(i);
+    const std::size_t count = std::max<std::size_t>(1, samples / stride);
+    std::vector<std::size_t> chosen(count);
+    for (std::size_t i = 0; i < count; ++i)
+        chosen[i] = (samples - 1 - (count - 1) * stride) / 2 + i * stride;
     return chosen;
+}
+
+// So that arrows, centred on their samples, neither touch each other nor reach out of the plot.
+double longest_along(const std::vector<std::size_t>& chosen, std::size_t samples, double pixels) {
+    const double apart = pixels / static_cast<double>(samples);
+    const double stride = static_cast<double>(chosen.size() > 1 ? chosen[1] - chosen[0] : samples);
+    const double below = static_cast<double>(chosen.front()) + 0.5;
+    const double above = static_cast<double>(samples - chosen.back()) - 0.5;
+    return std::min({0.95 * stride, 2 * below, 2 * above}) * apart;
 }
 
 void plan_arrows(ArrowPlot& p) {
@@ -65,12 +76,9 @@ void plan_arrows(ArrowPlot& p) {
         if (std::isfinite(in_plane) && std::isfinite(force[1]))
             p.largest_in_plane = std::max(p.largest_in_plane, in_plane);
     }
-    const auto apart = [](const std::vector<std::size_t>& chosen, std::size_t samples, double pixels) {
-        const std::size_t stride = chosen.size() > 1 ? chosen[1] - chosen[0] : samples;
-        return static_cast<double>(stride) * pixels / static_cast<double>(samples);
-    };
-    const double pitch = std::min(apart(p.columns, s.u.size(), p.plot.width), apart(p.rows, s.v.size(), p.plot.height));
-    p.longest_arrow = std::min(pitch, kLongestArrow);
+    const double longest_u = longest_along(p.columns, s.u.size(), p.plot.width);
+    const double longest_v = longest_along(p.rows, s.v.size(), p.plot.height);
+    p.longest_arrow = std::min({longest_u, longest_v, kLongestArrow});
 }
 
 void draw_force_arrows(Canvas& canvas, const ArrowPlot& p) {
@@ -98,7 +106,7 @@ void draw_line(Canvas& canvas, const ArrowPlot& p, const std::vector<LinePoint>&
 
 std::vector<std::string> notes_of(const ArrowPlot& p) {
     const SliceAxes& s = p.slice.axes;
-    const std::string where = position_labels("y", {s.at}, std::min(s.u_spacing, s.v_spacing), p.axes.u_unit).front();
+    const std::string where = position_labels("y", {s.at}, s.at_spacing, p.axes.longer_unit).front();
     std::vector<std::string> notes{fmt::format("x–z slice at {}: force magnitude |F| as colour{}, in-plane force (Fx, "
                                                "Fz) as arrows centred on their samples",
                                                where, largest_note(p.census.largest))};
@@ -112,11 +120,13 @@ std::vector<std::string> notes_of(const ArrowPlot& p) {
 std::vector<LegendItem> legend_of(const ArrowPlot& p, const SurfaceLines& lines) {
     std::vector<LegendItem> items;
     if (p.largest_in_plane > 0) {
-        const double key = round_below(p.largest_in_plane);
-        const Unit unit = choose_unit(key, "N");
+        const Unit unit = choose_unit(p.largest_in_plane, "N");
+        const double largest = divide_by_power_of_ten(p.largest_in_plane, unit.exponent); // in that unit
+        const double key = round_below(largest), least = kLeastArrowLength / p.longest_arrow * largest;
         items.push_back({Sign::arrow,
-                         "in-plane force of " + with_unit(decimal(divide_by_power_of_ten(key, unit.exponent), 0), unit),
-                         key / p.largest_in_plane * p.longest_arrow});
+                         fmt::format("in-plane force of {} (dot: under {})", with_unit(decimal(key, 0), unit),
+                                     with_unit(three_digits(least), unit)),
+                         key / largest * p.longest_arrow});
     }
     if (!lines.nominal.empty())
         items.push_back({Sign::nominal_surface, "nominal surface"});
@@ -138,7 +148,9 @@ ArrowPlot plan_plot(const FieldSlice& slice) {
     const double right = kBarGap + colour_bar_width(p.census.largest, kMostPlotHeight) + 10;
     const double room = kSheetWidth - 2 * kMargin - left - right;
     const double aspect = p.axes.v_length / p.axes.u_length;
-    p.plot.width = std::max(std::floor(std::min(room, kMostPlotHeight / aspect)), kLeastPlotSide);
+    const double width = most_pixels(slice.axes.u.size(), room);
+    const double height = most_pixels(slice.axes.v.size(), kMostPlotHeight);
+    p.plot.width = std::max(std::floor(std::min(width, height / aspect)), kLeastPlotSide);
     p.plot.height = std::max(std::round(p.plot.width * aspect), kLeastPlotSide);
     p.horizontal = fit_horizontal(p.axes, p.plot.width);
     p.vertical = fit_vertical(p.axes, p.plot.height);
@@ -159,8 +171,11 @@ void draw_plot(Canvas& canvas, const ArrowPlot& p, const SurfaceLines& lines) {
     draw_bottom_ticks(canvas, p.plot, p.horizontal, true);
     draw_left_ticks(canvas, p.plot, p.vertical, true);
     const Point middle{p.plot.x + p.plot.width / 2, p.plot.y + p.plot.height / 2};
-    if (p.census.zero == p.census.samples)
-        canvas.text("no force in this slice", middle, kNoteStyle, kQuietInk);
+    if (p.census.zero == p.census.samples) {
+        const Extent size = measure(kNoForce, kNoteStyle);
+        canvas.fill({middle.x - size.width / 2 - 4, middle.y - size.height / 2, size.width + 8, size.height}, kPaper);
+        canvas.text(kNoForce, middle, kNoteStyle, kQuietInk);
+    }
     canvas.text(p.horizontal.title, {middle.x, p.plot.y + p.plot.height + bottom_labels_height() + 4}, kAxisStyle);
     canvas.text(p.vertical.title, {p.plot.x - left_labels_width(p.vertical) - 8, middle.y}, kUpAxisStyle);
 }

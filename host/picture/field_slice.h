@@ -13,6 +13,7 @@ struct SliceAxes {
     std::vector<double> v; /* m, at least one */
     double u_spacing = 0;  /* m, of the grid sliced: a sample stands for the cell of this width around it */
     double v_spacing = 0;  /* m */
+    double at_spacing = 0; /* m, of the grid along the third axis */
     double at = 0;         /* m: where the slice cuts the third axis */
 };
 

@@ -26,31 +26,34 @@ bool labels_clear(const Axis& axis, double pixels, bool vertical) {
     return true;
 }
 
+// The most ticks that look neither crowded nor bare; more rather than fewer than two; else the outer
+// ones, or one.
 template <typename MakeAxis> Axis fit(double pixels, bool vertical, MakeAxis make) {
-    const double roomy = vertical ? 45 : 80; // pixels between ticks that look neither crowded nor bare
-    for (auto most = static_cast<std::size_t>(std::clamp(pixels / roomy, 2.0, 12.0)); most > 1; --most) {
-        Axis axis = make(most);
-        if (labels_clear(axis, pixels, vertical))
-            return axis;
-    }
-    Axis axis = make(2);
-    axis.ticks.resize(1); // no room for two
+    const auto roomy = static_cast<std::size_t>(std::clamp(pixels / (vertical ? 45 : 80), 2.0, 12.0));
+    for (const bool upwards : {false, true})
+        for (std::size_t most = roomy; most >= 2 && most <= roomy + 4; upwards ? ++most : --most) {
+            Axis axis = make(most);
+            if (labels_clear(axis, pixels, vertical) && axis.ticks.size() >= 2)
+                return axis;
+        }
+    Axis axis = make(3);
+    axis.ticks.erase(axis.ticks.begin() + 1, std::max(axis.ticks.begin() + 1, axis.ticks.end() - 1));
+    if (!labels_clear(axis, pixels, vertical))
+        axis.ticks.resize(1);
     return axis;
 }
 
 } // namespace
 
+double most_pixels(std::size_t samples, double room) {
+    return std::min(room, std::max(360.0, 160.0 * static_cast<double>(samples)));
+}
+
 PlaneAxes plan_axes(std::string u_name, std::string v_name, const SliceAxes& samples) {
     const double u = axis_extent(samples.u, samples.u_spacing), v = axis_extent(samples.v, samples.v_spacing);
     const double longer = std::max(u, v), shorter = std::min(u, v);
-    PlaneAxes axes{std::move(u_name),
-                   std::move(v_name),
-                   samples,
-                   choose_unit(longer, "m"),
-                   choose_unit(longer, "m"),
-                   1,
-                   v / u,
-                   ""};
+    const Unit unit = choose_unit(longer, "m");
+    PlaneAxes axes{std::move(u_name), std::move(v_name), samples, unit, unit, unit, 1, v / u, ""};
     if (longer > kSharedUnitRatio * shorter) {
         axes.u_unit = choose_unit(u, "m");
         axes.v_unit = choose_unit(v, "m");
@@ -59,7 +62,7 @@ PlaneAxes plan_axes(std::string u_name, std::string v_name, const SliceAxes& sam
         const double factor = longer / shorter / kMaxAspect;
         axes.v_length = u > v ? 1 / kMaxAspect : kMaxAspect;
         axes.stretch_note = fmt::format("not to scale: {} is stretched {} times", u > v ? axes.v_name : axes.u_name,
-                                        factor < 1e6 ? fmt::format("{:.3g}", factor) : fmt::format("{:.1e}", factor));
+                                        three_digits(factor));
     }
     return axes;
 }

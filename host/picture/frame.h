@@ -17,11 +17,15 @@ inline constexpr double kMargin = 24;
 struct PlaneAxes {
     std::string u_name, v_name;
     SliceAxes samples;
-    Unit u_unit, v_unit;
+    Unit u_unit, v_unit; // the same unless the extents are far apart
+    Unit longer_unit;    // that of the longer axis
     double u_length = 1,
            v_length = 1;      // lengths to draw, in any common unit: the true extents, or one of them stretched
     std::string stretch_note; // says so if one is, else empty
 };
+
+/// How long a plot side of so many samples may be, at most `room` pixels: a handful of samples needs no whole sheet.
+double most_pixels(std::size_t samples, double room);
 
 PlaneAxes plan_axes(std::string u_name, std::string v_name, const SliceAxes& samples);
 

@@ -11,7 +11,7 @@ constexpr TextStyle kBarTickStyle{kSmallTextSize, false, Horizontal::left, Verti
 constexpr TextStyle kBarTitleStyle{kTextSize, false, Horizontal::left, Vertical::middle, true};
 
 Axis bar_axis(double largest, double height) {
-    return magnitude_axis(largest, static_cast<std::size_t>(std::clamp(height / 45, 3.0, 9.0)));
+    return magnitude_axis(largest, static_cast<std::size_t>(std::clamp(height / 38, 3.0, 9.0)));
 }
 
 } // namespace
@@ -56,7 +56,7 @@ std::string largest_note(double largest) {
         return "";
     const Unit unit = choose_unit(largest, "N");
     const double number = divide_by_power_of_ten(largest, unit.exponent);
-    return " (at most " + with_unit(trimmed(number, 2 - decade(number)), unit) + ")";
+    return " (at most " + with_unit(three_digits(number), unit) + ")";
 }
 
 Heading plan_heading(const std::string& name, const std::vector<std::string>& notes) {

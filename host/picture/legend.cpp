@@ -90,17 +90,16 @@ void draw_legend(Canvas& canvas, const std::vector<LegendItem>& items, Point upp
 }
 
 void draw_arrow(Canvas& canvas, Point tail, Point tip) {
-    constexpr double kDotLength = 4; // pixels: shorter arrows show no direction
     const double length = std::hypot(tip.x - tail.x, tip.y - tail.y);
-    if (length < kDotLength) {
+    if (length < kLeastArrowLength) {
         const Point middle{(tail.x + tip.x) / 2, (tail.y + tip.y) / 2};
         canvas.disc(middle, 2.2, kInk);
         canvas.disc(middle, 1.2, kPaper);
         return;
     }
     const double along_x = (tip.x - tail.x) / length, along_y = (tip.y - tail.y) / length;
-    const double head = std::min(0.45 * length, 11.0), half_head = std::max(0.45 * head, 2.0),
-                 half_shaft = std::min(1.1, 0.18 * head);
+    const double head = std::min(0.45 * length, 12.0), half_head = std::max(0.45 * head, 2.0),
+                 half_shaft = std::min(1.3, 0.18 * head);
     const std::array<Point, 7> local{{{0, half_shaft},
                                       {length - head, half_shaft},
                                       {length - head, half_head},

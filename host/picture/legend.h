@@ -20,7 +20,9 @@ struct LegendItem {
 double legend_height(const std::vector<LegendItem>& items, double width);
 void draw_legend(Canvas& canvas, const std::vector<LegendItem>& items, Point upper_left, double width);
 
-/// An arrow that stays readable on any colour: white, outlined in dark. A length near 0 leaves a dot.
+inline constexpr double kLeastArrowLength = 4; // pixels
+
+/// An arrow that stays readable on any colour: white, outlined in dark. One shorter than kLeastArrowLength is a dot.
 void draw_arrow(Canvas& canvas, Point tail, Point tip);
 /// The lines of the nominal surface (solid) and the smooth shape (dashed), each with a halo.
 void draw_surface_line(Canvas& canvas, const std::vector<Point>& points, Sign sign);

@@ -53,7 +53,7 @@ double widest_of(const std::vector<std::string>& labels) {
 // Tries every number of columns and keeps the one with the largest tiles.
 void arrange(Mosaic& mosaic, double available_width) {
     const double label_width = widest_of(mosaic.labels);
-    const double gap = widest_label(fit_horizontal(mosaic.axes, kMostTileWidth)) + 12;
+    const double gap = std::ceil(widest_label(fit_horizontal(mosaic.axes, kMostTileWidth)) + 12);
     mosaic.label_height = std::ceil(measure("z", kTileStyle).height + 4);
     double best = 0;
     const std::size_t count = mosaic.tiles.size();
@@ -62,7 +62,9 @@ void arrange(Mosaic& mosaic, double available_width) {
         const double across = static_cast<double>(columns), down = static_cast<double>(rows);
         const double room_x = (available_width - (across - 1) * gap) / across;
         const double room_y = kMostTilesHeight / down - mosaic.label_height - 10;
-        const double scale = std::min({room_x, kMostTileWidth, room_y * mosaic.axes.u_length / mosaic.axes.v_length});
+        const double most_x = most_pixels(mosaic.axes.samples.u.size(), std::min(room_x, kMostTileWidth));
+        const double most_y = most_pixels(mosaic.axes.samples.v.size(), room_y);
+        const double scale = std::min(most_x, most_y * mosaic.axes.u_length / mosaic.axes.v_length);
         const double width = std::max(std::floor(scale), kLeastTileSide);
         const double pitch = std::ceil(std::max(width, label_width) + gap);
         if (width <= best || (columns > 1 && pitch * (across - 1) + width > available_width))
@@ -141,8 +143,7 @@ Mosaic plan_mosaic(std::span<const MagnitudeSlice> tiles) {
         mosaic.census = mosaic.census + take_census(tile.magnitude);
         heights.push_back(tile.axes.at);
     }
-    mosaic.labels =
-        position_labels("z", heights, std::min(tiles[0].axes.u_spacing, tiles[0].axes.v_spacing), mosaic.axes.u_unit);
+    mosaic.labels = position_labels("z", heights, tiles[0].axes.at_spacing, mosaic.axes.longer_unit);
     const double bar = kBarGap + colour_bar_width(mosaic.census.largest, kMostTilesHeight);
     arrange(mosaic, kSheetWidth - 2 * kMargin - left_room(mosaic.axes) - bar);
     mosaic.horizontal = fit_horizontal(mosaic.axes, mosaic.tile_width);

@@ -32,8 +32,11 @@ std::optional<Segment> clip(Point from, Point to, const Box& box) {
     if (!within(-dx, from.x - box.x) || !within(dx, box.x + box.width - from.x) || !within(-dy, from.y - box.y) ||
         !within(dy, box.y + box.height - from.y))
         return std::nullopt;
-    return Segment{{from.x + enter * dx, from.y + enter * dy},
-                   leave == 1 ? to : Point{from.x + leave * dx, from.y + leave * dy}};
+    const auto at = [&](double t) { // far-away ends leave few digits: keep the cut on the box
+        return Point{std::clamp(from.x + t * dx, box.x, box.x + box.width),
+                     std::clamp(from.y + t * dy, box.y, box.y + box.height)};
+    };
+    return Segment{enter == 0 ? from : at(enter), leave == 1 ? to : at(leave)};
 }
 
 } // namespace

@@ -83,6 +83,13 @@ std::string trimmed(double value, int decimals) {
     return decimal(value, needed_decimals(value, decimals));
 }
 
+std::string three_digits(double value) {
+    const int exponent = decade(value);
+    if (exponent >= -2 && exponent < 5)
+        return trimmed(value, std::max(0, 2 - exponent));
+    return trimmed(divide_by_power_of_ten(value, exponent), 2) + " × 10" + superscript(exponent);
+}
+
 int needed_decimals(double value, int most) {
     const std::string text = decimal(value, most);
     const std::size_t point = text.find('.');

@@ -32,6 +32,9 @@ std::string decimal(double value, int decimals);
 /// The same without trailing zeros behind the point.
 std::string trimmed(double value, int decimals);
 
+/// `value` > 0 in three significant digits: "2.5", "31.2", "50000", "3.8 × 10⁶".
+std::string three_digits(double value);
+
 /// The number of decimals, at most `most`, that `value` needs to be written to within 10^-most / 2.
 int needed_decimals(double value, int most);
 

@@ -62,13 +62,18 @@ SliceCollector::SliceCollector(const GridSpec& grid, bool repeat_y)
     : repeat_y_(repeat_y), middle_y_((std::max<std::uint64_t>(grid.size[1], 1) - 1) / 2),
       columns_(even_indices(grid.size[0], kMaxSliceSamples)), rows_(even_indices(grid.size[1], kMaxSliceSamples)),
       levels_(even_indices(grid.size[2], kMaxSliceSamples)), tile_at_(even_indices(grid.size[2], kMaxTiles)) {
-    xz_.axes = {coordinates(grid, 0, columns_), coordinates(grid, 2, levels_), grid.spacing[0], grid.spacing[2],
+    xz_.axes = {coordinates(grid, 0, columns_),
+                coordinates(grid, 2, levels_),
+                grid.spacing[0],
+                grid.spacing[2],
+                grid.spacing[1],
                 coordinates(grid, 1, {middle_y_})[0]};
     xz_.force.assign(columns_.size() * levels_.size(), {kMissing, kMissing, kMissing});
     const std::vector<double> heights = coordinates(grid, 2, tile_at_);
     for (const double z : heights) {
-        tiles_.push_back({{xz_.axes.u, coordinates(grid, 1, rows_), grid.spacing[0], grid.spacing[1], z},
-                          std::vector<double>(columns_.size() * rows_.size(), kMissing)});
+        tiles_.push_back(
+            {{xz_.axes.u, coordinates(grid, 1, rows_), grid.spacing[0], grid.spacing[1], grid.spacing[2], z},
+             std::vector<double>(columns_.size() * rows_.size(), kMissing)});
     }
 }
 

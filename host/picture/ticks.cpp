@@ -10,6 +10,7 @@ namespace forceshade::picture {
 namespace {
 
 constexpr double kSlack = 1e-9;  // steps: a tick on the very end of an axis counts in spite of rounding
+constexpr double kHandy = 20;    // extents from the offset that labels may reach
 constexpr double kFarAway = 100; // extents from the origin, from where labels without an offset would be unreadable
 
 // Where an axis lies without its offset, so that nothing cancels.
@@ -22,9 +23,12 @@ struct Placed {
 Placed place(double first, double last, double extent) {
     if (std::max(std::fabs(first), std::fabs(last)) <= kFarAway * extent)
         return {0, "", first};
-    const int power = decade(extent) + 1;
     const double centre = std::midpoint(first, last);
-    const double offset = divide_by_power_of_ten(std::round(divide_by_power_of_ten(centre, power)), -power);
+    int power = decade(std::fabs(centre)) + 1;
+    double offset = 0;
+    do { // the roundest offset that leaves handy numbers
+        offset = divide_by_power_of_ten(std::round(divide_by_power_of_ten(centre, power)), -power);
+    } while (std::fabs(centre - offset) > kHandy * extent && --power > decade(extent));
     const std::string size = std::fabs(offset) < 1e15 ? trimmed(std::fabs(offset), std::max(0, -power))
                                                       : fmt::format("{:g}", std::fabs(offset));
     return {offset, fmt::format(" {} {} m", offset < 0 ? "+" : "−", size), first - offset};

@@ -84,7 +84,7 @@ void add_odd_grids(std::vector<Case>& all, const Law& bump) {
     all.push_back({"unlike", "1 nm by 1 m", {{50, 20, 30}, {0, 0, -1}, {1e-9, 1e-3, 0.05}}, bump, {}});
     all.push_back({"sampled",
                    "more samples than pixels",
-                   {{1500, 700, 600}, {-0.025, -0.006, -0.01}, {3.4e-5, 1.7e-5, 4.2e-5}},
+                   {{600, 400, 30}, {-0.025, -0.006, -0.01}, {8.5e-5, 3e-5, 8.4e-4}},
                    bump,
                    two_facet_lines()});
 }

@@ -1,1 +1,164 @@
+#include "host/picture/colour_map.h"
+#include "host/picture/raster.h"
+#include "tests/picture/cases.h"
+
+#include <algorithm>
+#include <clocale>
 #include <gtest/gtest.h>
+#include <png.h>
+
+namespace forceshade::picture {
+namespace {
+
+struct Decoded {
+    int width = 0, height = 0;
+    std::vector<std::uint8_t> rgb;
+};
+
+Decoded decode(const Picture& picture) {
+    png_image image{};
+    image.version = PNG_IMAGE_VERSION;
+    Decoded decoded;
+    if (!png_image_begin_read_from_memory(&image, picture.png.data(), picture.png.size()))
+        return decoded;
+    image.format = PNG_FORMAT_RGB;
+    decoded.rgb.resize(PNG_IMAGE_SIZE(image));
+    if (png_image_finish_read(&image, nullptr, decoded.rgb.data(), 0, nullptr)) {
+        decoded.width = static_cast<int>(image.width);
+        decoded.height = static_cast<int>(image.height);
+    }
+    return decoded;
+}
+
+bool overlap(const Box& a, const Box& b) {
+    return a.x < b.x + b.width && b.x < a.x + a.width && a.y < b.y + b.height && b.y < a.y + a.height;
+}
+
+void expect_sound(const Picture& picture) {
+    const Decoded decoded = decode(picture);
+    EXPECT_EQ(decoded.width, picture.width);
+    EXPECT_EQ(decoded.height, picture.height);
+    EXPECT_EQ(picture.width, 1400);
+    EXPECT_GT(picture.height, 200);
+    EXPECT_LT(picture.height, 1400);
+    EXPECT_LT(picture.png.size(), 500'000U);
+    for (std::size_t i = 0; i < picture.texts.size(); ++i) {
+        const auto& [text, ink] = picture.texts[i];
+        EXPECT_GE(ink.x, 1) << text;
+        EXPECT_GE(ink.y, 1) << text;
+        EXPECT_LE(ink.x + ink.width, picture.width - 1) << text;
+        EXPECT_LE(ink.y + ink.height, picture.height - 1) << text;
+        for (std::size_t j = 0; j < i; ++j)
+            EXPECT_FALSE(overlap(ink, picture.texts[j].ink)) << text << " over " << picture.texts[j].text;
+    }
+}
+
+bool says(const Picture& picture, std::string_view part) {
+    return std::any_of(picture.texts.begin(), picture.texts.end(),
+                       [&](const PlacedText& placed) { return placed.text.find(part) != std::string::npos; });
+}
+
+class EveryCase : public testing::TestWithParam<test::Case> {};
+
+TEST_P(EveryCase, IsDrawnWithoutCutOrOverlappingText) {
+    const test::Slices slices = test::collect(GetParam().grid, GetParam().law);
+    const Picture mosaic = draw_mosaic(GetParam().name, slices.tiles);
+    const Picture arrows = draw_arrows(GetParam().name, slices.xz, GetParam().lines);
+    expect_sound(mosaic);
+    expect_sound(arrows);
+    EXPECT_TRUE(says(mosaic, "x") && says(mosaic, "y") && says(mosaic, "z"));
+    const double largest = take_census(magnitude_of(slices.xz).magnitude).largest;
+    EXPECT_EQ(says(arrows, "force magnitude / "), largest > 0);
+    EXPECT_EQ(says(arrows, "in-plane force of "), largest > 0);
+}
+
+INSTANTIATE_TEST_SUITE_P(Picture, EveryCase, testing::ValuesIn(test::cases()),
+                         [](const auto& tested) { return tested.param.file; });
+
+const test::Case& case_named(const std::string& file) {
+    static const std::vector<test::Case> all = test::cases();
+    return *std::find_if(all.begin(), all.end(), [&](const test::Case& one) { return one.file == file; });
+}
+
+TEST(Picture, SaysWhereThereIsNoForceOrNoNumber) {
+    const test::Case& empty = case_named("no_force");
+    const test::Slices nothing = test::collect(empty.grid, empty.law, true);
+    EXPECT_TRUE(says(draw_mosaic("", nothing.tiles), "no force in this field"));
+    EXPECT_TRUE(says(draw_mosaic("", nothing.tiles), "no force in this slice"));
+    EXPECT_TRUE(says(draw_arrows("", nothing.xz), "no force in this slice"));
+    const test::Case& broken = case_named("broken");
+    const test::Slices some = test::collect(broken.grid, broken.law, true);
+    EXPECT_TRUE(says(draw_arrows("", some.xz), "not a finite number (2590 of 32768 samples)"));
+}
+
+TEST(Picture, SameInputSameBytesInAnyLocale) {
+    const test::Case& usual = case_named("shaded");
+    const auto draw = [&] {
+        const test::Slices slices = test::collect(usual.grid, usual.law, true);
+        return std::pair(draw_mosaic(usual.name, slices.tiles).png,
+                         draw_arrows(usual.name, slices.xz, usual.lines).png);
+    };
+    const auto first = draw();
+    std::setlocale(LC_ALL, "de_DE.UTF-8");
+    const auto second = draw();
+    std::setlocale(LC_ALL, "C");
+    EXPECT_EQ(first, second);
+}
+
+TEST(Picture, RepeatedRowsGiveTheSamePicture) {
+    const test::Case& usual = case_named("shaded");
+    EXPECT_EQ(draw_mosaic("", test::collect(usual.grid, usual.law, true).tiles).png,
+              draw_mosaic("", test::collect(usual.grid, usual.law, false).tiles).png);
+}
+
+TEST(Picture, HoldsNoDateAndNoProgramName) {
+    const test::Case& usual = case_named("shaded");
+    const auto png = draw_arrows("", test::collect(usual.grid, usual.law, true).xz).png;
+    for (const std::string_view chunk : {"tIME", "tEXt", "iTXt", "zTXt"})
+        EXPECT_EQ(std::search(png.begin(), png.end(), chunk.begin(), chunk.end()), png.end()) << chunk;
+}
+
+std::uint32_t packed(Rgb8 c) {
+    return static_cast<std::uint32_t>((c.r << 16) | (c.g << 8) | c.b);
+}
+
+TEST(Raster, ShowsTheNearestSampleWithTheLargestVOnTop) {
+    const MagnitudeSlice slice{{{0, 1}, {0, 1}, 1, 1, 1, 0}, {0, 1, 2, 4}};
+    const auto pixels = rasterise(slice, 4, 4, 4);
+    EXPECT_EQ(pixels[0], packed(force_colours()[128])); // (0, 1): 2 of 4 N
+    EXPECT_EQ(pixels[3], packed(force_colours()[255])); // (1, 1): 4 of 4 N
+    EXPECT_EQ(pixels[12], packed(kNoForceColour));      // (0, 0): none
+    EXPECT_EQ(pixels[15], packed(force_colours()[64])); // (1, 0): 1 of 4 N
+    EXPECT_EQ(pixels[4 * 1 + 1], packed(force_colours()[128]));
+    EXPECT_EQ(pixels[4 * 2 + 2], packed(force_colours()[64]));
+}
+
+TEST(Raster, MarksWhatIsNoNumber) {
+    const MagnitudeSlice slice{{{0}, {0}, 1, 1, 1, 0}, {std::numeric_limits<double>::infinity()}};
+    const auto pixels = rasterise(slice, 16, 16, 1);
+    EXPECT_NE(std::find(pixels.begin(), pixels.end(), packed(kNonFiniteColours[0])), pixels.end());
+    EXPECT_NE(std::find(pixels.begin(), pixels.end(), packed(kNonFiniteColours[1])), pixels.end());
+}
+
+TEST(Raster, EverySampleGetsItsShareOfPixels) {
+    const std::vector<double> samples{1000, 1000.1, 1000.2, 1000.3};
+    const auto nearest = nearest_samples(samples, 0.1, 400);
+    for (std::size_t sample = 0; sample < samples.size(); ++sample)
+        EXPECT_NEAR(static_cast<double>(std::count(nearest.begin(), nearest.end(), sample)), 100, 1);
+}
+
+// The two shapes of the drawn field must show in the arrows: the plot of the shaded bump differs from the unshaded one
+// although their magnitudes are equal.
+TEST(Picture, ArrowsShowTheDirection) {
+    const test::Slices plain = test::collect(case_named("unshaded").grid, case_named("unshaded").law, true);
+    const test::Slices shaded = test::collect(case_named("shaded").grid, case_named("shaded").law, true);
+    const Decoded a = decode(draw_arrows("", plain.xz)), b = decode(draw_arrows("", shaded.xz));
+    ASSERT_EQ(a.rgb.size(), b.rgb.size());
+    std::size_t different = 0;
+    for (std::size_t i = 0; i < a.rgb.size(); i += 3)
+        different += a.rgb[i] != b.rgb[i];
+    EXPECT_GT(different, 5000U);
+}
+
+} // namespace
+} // namespace forceshade::picture

@@ -1,1 +1,146 @@
+#include "host/picture/ticks.h"
+
+#include <charconv>
+#include <clocale>
+#include <cmath>
 #include <gtest/gtest.h>
+#include <rapidcheck.h>
+#include <set>
+
+namespace forceshade::picture {
+namespace {
+
+double parse(std::string text) {
+    const bool negative = text.starts_with("−");
+    if (negative)
+        text.erase(0, std::string("−").size());
+    double value = NAN;
+    const auto end = std::from_chars(text.data(), text.data() + text.size(), value);
+    return end.ptr == text.data() + text.size() && end.ec == std::errc() ? (negative ? -value : value) : NAN;
+}
+
+double random_real(int low, int high) { // in thousandths
+    return *rc::gen::inRange(low * 1000, high * 1000) / 1000.0;
+}
+
+TEST(Ticks, AreRoundWithinTheRangeAndNotTooMany) {
+    ASSERT_TRUE(rc::check([] {
+        const double scale = std::pow(10.0, *rc::gen::inRange(-9, 9));
+        const double low = random_real(-100, 100) * scale;
+        const double high = low + (0.5 + std::fabs(random_real(0, 200))) * scale;
+        const auto most = *rc::gen::inRange<std::size_t>(2, 12);
+        const RoundTicks ticks = round_ticks(low, high, most);
+        RC_ASSERT(!ticks.values.empty() && ticks.values.size() <= most);
+        const int exponent = decade(ticks.step * 1.000001);
+        const double mantissa = std::round(divide_by_power_of_ten(ticks.step, exponent));
+        RC_ASSERT(mantissa == 1 || mantissa == 2 || mantissa == 5);
+        for (std::size_t i = 0; i < ticks.values.size(); ++i) {
+            const double value = ticks.values[i];
+            RC_ASSERT(value >= low - 1e-6 * ticks.step && value <= high + 1e-6 * ticks.step);
+            RC_ASSERT(std::fabs(value / ticks.step - std::round(value / ticks.step)) < 1e-6);
+            RC_ASSERT(std::fabs(parse(decimal(value, ticks.decimals)) - value) <= 1e-9 * std::fabs(value));
+            if (i > 0)
+                RC_ASSERT(std::fabs(value - ticks.values[i - 1] - ticks.step) < 1e-6 * ticks.step);
+        }
+    }));
+}
+
+TEST(Ticks, KnownRanges) {
+    EXPECT_EQ(round_ticks(0, 16.8, 9).values, (std::vector<double>{0, 2, 4, 6, 8, 10, 12, 14, 16}));
+    EXPECT_EQ(round_ticks(-25.1, 26.1, 12).values, (std::vector<double>{-25, -20, -15, -10, -5, 0, 5, 10, 15, 20, 25}));
+    EXPECT_EQ(round_ticks(0, 0.3, 4).values, (std::vector<double>{0, 0.1, 0.2, 0.3}));
+}
+
+// Every label, put back through offset and unit, must name the coordinate at its fraction of the axis.
+TEST(Axis, LabelsReadBackAsCoordinates) {
+    ASSERT_TRUE(rc::check([] {
+        const double spacing = std::pow(10.0, *rc::gen::inRange(-9, 4)) * (1 + std::fabs(random_real(0, 8)));
+        const double away = random_real(-50, 50) * std::pow(10.0, *rc::gen::inRange(0, 6));
+        std::vector<double> samples(*rc::gen::inRange<std::size_t>(1, 300));
+        for (std::size_t i = 0; i < samples.size(); ++i)
+            samples[i] = away * spacing + spacing * static_cast<double>(i);
+        const double extent = axis_extent(samples, spacing);
+        const Axis axis =
+            make_axis("x", samples, spacing, choose_unit(extent, "m"), *rc::gen::inRange<std::size_t>(2, 12));
+        RC_ASSERT(!axis.ticks.empty());
+        for (const AxisTick& tick : axis.ticks) {
+            RC_ASSERT(tick.label.size() < 12);
+            const double label = divide_by_power_of_ten(parse(tick.label), -axis.unit.exponent);
+            const double drawn = samples.front() - spacing / 2 - axis.offset + tick.fraction * extent;
+            RC_ASSERT(std::fabs(label - drawn) <= 1e-6 * extent + spacing * 1e-2 * (samples.size() == 1));
+        }
+    }));
+}
+
+TEST(Axis, TitlesNameUnitAndOffset) {
+    const auto title = [](double first, double spacing, std::size_t count) {
+        std::vector<double> samples(count);
+        for (std::size_t i = 0; i < count; ++i)
+            samples[i] = first + spacing * static_cast<double>(i);
+        return make_axis("x", samples, spacing, choose_unit(axis_extent(samples, spacing), "m"), 8).title;
+    };
+    EXPECT_EQ(title(-0.025, 2e-4, 256), "x / mm");
+    EXPECT_EQ(title(0, 1e-9, 100), "x / nm");
+    EXPECT_EQ(title(0, 50, 100), "x / km");
+    EXPECT_EQ(title(999.9755, 4e-4, 128), "(x − 1000 m) / mm");
+    EXPECT_EQ(title(-1000.00000003, 1e-9, 64), "(x + 1000 m) / nm");
+    EXPECT_EQ(title(0, 1e30, 100), "x / (10³⁰ m)");
+}
+
+TEST(Axis, ForceScaleNamesItsUnit) {
+    EXPECT_EQ(magnitude_axis(16.8, 9).title, "force magnitude / N");
+    EXPECT_EQ(magnitude_axis(1.7e-11, 9).title, "force magnitude / pN");
+    EXPECT_EQ(magnitude_axis(2e10, 9).title, "force magnitude / GN");
+    EXPECT_EQ(magnitude_axis(3e-30, 9).title, "force magnitude / (10⁻³⁰ N)");
+    EXPECT_EQ(magnitude_axis(5e-324, 9).ticks.front().label, "0");
+    EXPECT_EQ(magnitude_axis(1.7e308, 9).ticks.front().label, "0");
+}
+
+TEST(PositionLabels, TellPositionsApart) {
+    const Unit mm = choose_unit(0.05, "m");
+    EXPECT_EQ(position_labels("z", {-0.01, -0.0076, -0.0054}, 2e-4, mm),
+              (std::vector<std::string>{"z = −10.0 mm", "z = −7.6 mm", "z = −5.4 mm"}));
+    EXPECT_EQ(position_labels("y", {0.0002}, 2e-4, mm).front(), "y = 0.2 mm");
+    EXPECT_EQ(position_labels("y", {0}, 2e-4, mm).front(), "y = 0 mm");
+    EXPECT_EQ(position_labels("z", {999.99, 1000.01}, 2e-4, mm).front(), "z − 1000 m = −10 mm");
+    EXPECT_EQ(position_labels("z", {4.2e-9}, 1e-9, mm).front(), "z = 4.2 nm");
+    ASSERT_TRUE(rc::check([mm] {
+        const double first = random_real(-1000, 1000), gap = std::pow(10.0, *rc::gen::inRange(-9, 3));
+        std::vector<double> at(12);
+        for (std::size_t i = 0; i < at.size(); ++i)
+            at[i] = first + gap * static_cast<double>(i);
+        const auto labels = position_labels("z", at, gap, mm);
+        RC_ASSERT(std::set<std::string>(labels.begin(), labels.end()).size() == at.size());
+        for (const std::string& label : labels)
+            RC_ASSERT(label.size() < 40);
+    }));
+}
+
+TEST(Quantity, NumbersDoNotDependOnTheLocale) {
+    const char* locale = std::setlocale(LC_ALL, "de_DE.UTF-8");
+    EXPECT_EQ(decimal(-1234.5, 2), "−1234.50");
+    EXPECT_EQ(decimal(-0.001, 2), "0.00");
+    EXPECT_EQ(trimmed(2.50, 3), "2.5");
+    EXPECT_EQ(three_digits(31.25), "31.2");
+    EXPECT_EQ(three_digits(3.75e6), "3.75 × 10⁶");
+    std::setlocale(LC_ALL, "C");
+    if (!locale)
+        GTEST_SKIP() << "no de_DE.UTF-8 on this machine: checked in the C locale only";
+}
+
+TEST(Quantity, UnitsAndRoundValues) {
+    EXPECT_EQ(choose_unit(999.9, "N").name, "N");
+    EXPECT_EQ(choose_unit(1000, "N").name, "kN");
+    EXPECT_EQ(choose_unit(0.001, "N").name, "mN");
+    EXPECT_EQ(choose_unit(0.00099999, "N").name, "µN");
+    EXPECT_EQ(choose_unit(5e5, "m").name, "km");
+    EXPECT_EQ(choose_unit(5e6, "m").name, "km");
+    EXPECT_EQ(round_below(9.99), 5);
+    EXPECT_EQ(round_below(2), 2);
+    EXPECT_EQ(round_below(0.1), 0.1);
+    EXPECT_EQ(decade(9999.9999), 3);
+    EXPECT_EQ(decade(5e-324), -324);
+}
+
+} // namespace
+} // namespace forceshade::picture
