@@ -17,7 +17,7 @@ constexpr float kInfinity = std::numeric_limits<float>::infinity();
 TEST(Float24, is_the_nearest_with_fifteen_bits_of_fraction) {
     EXPECT_TRUE(rc::check([](std::uint32_t bits) {
         const auto value = std::bit_cast<float>(bits);
-        RC_PRE(std::isfinite(value));
+        RC_PRE(std::isfinite(value) && value != 0.0f);
         const float rounded = round_to_float24(value);
         RC_ASSERT(std::isfinite(rounded));
         RC_ASSERT(round_to_float24(rounded) == rounded);
@@ -28,6 +28,7 @@ TEST(Float24, is_the_nearest_with_fifteen_bits_of_fraction) {
         RC_ASSERT(std::abs(static_cast<double>(rounded) - static_cast<double>(value)) <=
                   (at_the_end ? 1.0 : 0.5) * step);
     }));
+    EXPECT_EQ(std::bit_cast<std::uint32_t>(round_to_float24(-0.0f)), 0x80000000u);
     EXPECT_EQ(round_to_float24(kLargest), 0x1.fffep127f);
     EXPECT_EQ(round_to_float24(-kInfinity), -kInfinity);
     EXPECT_TRUE(std::isnan(round_to_float24(std::numeric_limits<float>::quiet_NaN())));

@@ -1,4 +1,5 @@
 // Files that were damaged after they were written: noticed, and never a crash.
+#include <fstream>
 #include <random>
 
 #include <gtest/gtest.h>
@@ -76,6 +77,42 @@ TEST(DamagedVolume, never_does_more_than_throw_io_errors) {
             EXPECT_EQ(volume_is_intact(sound.path, sound.sha256), bytes == sound.bytes);
         }
     }
+}
+
+/// Changes a byte in the middle of a file.
+void damage(const std::filesystem::path& path) {
+    std::fstream file(path, std::ios::in | std::ios::out | std::ios::binary);
+    const auto middle = static_cast<std::streamoff>(std::filesystem::file_size(path) / 2);
+    file.seekg(middle);
+    const int byte = file.get();
+    file.seekp(middle);
+    file.put(static_cast<char>(byte ^ 0x10));
+}
+
+// What a failing disk does behind the writer's back, before the volume has its name.
+TEST(DamagedVolume, is_noticed_before_it_gets_its_name) {
+    const Folder folder;
+    constexpr std::array<std::uint64_t, 3> kLarge{512, 64, 16}; // so that most is on the disk when the damage is done
+    SampleField field(kLarge);
+    std::mt19937 random(5);
+    for (float& value : field.force) // nothing compresses it
+        value = static_cast<float>(random()) / 4294967296.0f;
+    for (const Compression compression : {Compression::none, Compression::zip})
+        for (const int threads : {0, 2}) {
+            VolumeHeader header = sample_header(kLarge, layout::kChannelForce);
+            header.compression = compression;
+            header.threads = threads;
+            const std::string message = testing::message_of<IoError>([&] {
+                VolumeWriter writer(folder / "a.exr", header);
+                field.write_to(writer);
+                damage(folder / folder.names().at(0));
+                writer.finish();
+            });
+            EXPECT_NE(message.find(compression == Compression::none ? "the part force differs" : "cannot read back"),
+                      std::string::npos)
+                << message;
+            EXPECT_TRUE(folder.names().empty());
+        }
 }
 
 TEST(DamagedVolume, is_not_taken_for_one_of_another_kind) {

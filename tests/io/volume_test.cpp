@@ -2,6 +2,7 @@
 
 #include <bit>
 #include <cstring>
+#include <thread>
 
 #include <gtest/gtest.h>
 
@@ -126,6 +127,25 @@ TEST(Volume, has_the_same_bytes_however_it_was_written) {
         EXPECT_TRUE(volume_is_intact(folder / "a.exr", whole.sha256));
         EXPECT_EQ(whole.bytes, std::filesystem::file_size(folder / "a.exr"));
     }
+}
+
+TEST(Volume, may_be_written_beside_another) {
+    const Folder folder;
+    const SampleField field({256, 32, 16});
+    VolumeHeader header = sample_header(field.size);
+    const std::string expected = write_volume(folder / "a.exr", header, field).sha256;
+    header.threads = 2;
+    std::vector<std::thread> workers;
+    std::array<std::string, 4> hashes;
+    for (std::size_t i = 0; i < hashes.size(); ++i) // two of them under one name
+        workers.emplace_back([&, i] {
+            hashes[i] = write_volume(folder / (i < 2 ? "same.exr" : std::to_string(i)), header, field).sha256;
+        });
+    for (std::thread& worker : workers)
+        worker.join();
+    for (const std::string& hash : hashes)
+        EXPECT_EQ(hash, expected);
+    EXPECT_EQ(folder.names(), (std::vector<std::string>{"2", "3", "a.exr", "same.exr"}));
 }
 
 TEST(Volume, repeats_rows_as_if_they_had_been_written_out) {
