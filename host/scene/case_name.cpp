@@ -69,6 +69,9 @@ std::vector<std::size_t> varying_keys(const std::vector<Selection>& selections, 
     std::vector<std::size_t> keys;
     for (const std::size_t key : order) {
         std::set<std::string> values;
+        const auto has_key = [key](const Selection& selection) { return selection[key] != nullptr; };
+        if (std::none_of(selections.begin(), selections.end(), has_key))
+            continue;
         for (const Selection& selection : selections)
             if (const std::string text = compared(selection, key); !text.empty())
                 values.insert(text);
@@ -78,10 +81,13 @@ std::vector<std::size_t> varying_keys(const std::vector<Selection>& selections, 
     return keys;
 }
 
-// A key's last part; with its table where that would leave open which key is meant.
+// A key's last part; with its table where that would leave open which key is meant. A texture's keys always have
+// theirs.
 std::string label(std::size_t key, const std::vector<std::size_t>& varying) {
     const Key& info = schema_keys()[key];
-    const auto same_name = [&](std::size_t other) { return other != key && schema_keys()[other].name == info.name; };
+    const auto same_name = [&](std::size_t other) {
+        return other != key && schema_keys()[other].name == info.name && schema_keys()[other].table != "texture";
+    };
     const bool ambiguous = std::any_of(varying.begin(), varying.end(), same_name);
     return ambiguous || info.table == "texture" ? info.path() : std::string(info.name);
 }

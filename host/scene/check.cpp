@@ -75,14 +75,14 @@ private:
         const double size = std::abs(metres);
         if (size < range_.smallest_length || size > range_.largest_length)
             fail(source_, place({path, "run.precision"}, part),
-                 fmt::format("{} must be from {} m to {} m in {}, so that its square is a normal number; got {} m",
+                 fmt::format("{} must be from {:g} m to {:g} m in {}, so that its square is a normal number; got {} m",
                              path, range_.smallest_length, range_.largest_length, range_.name, metres));
     }
 
     void check_stiffness(const std::string& path, double stiffness) const {
         if (stiffness < range_.smallest_stiffness || stiffness > range_.largest_stiffness)
             fail(source_, place({path, "run.precision"}),
-                 fmt::format("{} must be from {} N/m to {} N/m in {}; got {} N/m", path, range_.smallest_stiffness,
+                 fmt::format("{} must be from {:g} N/m to {:g} N/m in {}; got {} N/m", path, range_.smallest_stiffness,
                              range_.largest_stiffness, range_.name, stiffness));
     }
 
@@ -115,9 +115,10 @@ private:
     void check_slope(const std::string& table, double height, double length) const {
         if (!(std::abs(height) <= range_.largest_length) || !(std::abs(height) / length <= range_.steepest))
             fail(source_, place({table + ".height", table + ".radius", table + ".width", table + ".size"}),
-                 fmt::format("{}.height {} m is too large for {}: its size may be {} m, and {} times the length over "
-                             "which it rises",
-                             table, height, range_.name, range_.largest_length, range_.steepest));
+                 fmt::format(
+                     "{}.height {} m is too large for {}: its size may be {:g} m, and {:g} times the length over "
+                     "which it rises",
+                     table, height, range_.name, range_.largest_length, range_.steepest));
     }
 
     void check_surface() {
@@ -178,7 +179,7 @@ private:
         const double farthest = std::max(std::abs(grid.origin[axis]), std::abs(last));
         if (!(farthest <= range_.largest_length))
             fail(source_, place({"grid.origin", "grid.spacing", "grid.size"}, axis),
-                 fmt::format("the grid reaches {:.4g} m along {}; {} allows {} m", farthest, kAxisNames[axis],
+                 fmt::format("the grid reaches {:.4g} m along {}; {} allows {:g} m", farthest, kAxisNames[axis],
                              range_.name, range_.largest_length));
         const double step = step_at(farthest, scene_.precision);
         if (grid.size[axis] < 2 || grid.spacing[axis] >= step)

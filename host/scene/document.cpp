@@ -210,6 +210,9 @@ std::vector<std::size_t> name_order(const Document& document) {
             for (const Entry& entry : layer->entries)
                 if (schema_keys()[entry.key].table == table)
                     add_to_order(entry.key, order);
+    // A texture that only some variants have shows in their names, even if it is all defaults.
+    if (std::any_of(layers.begin(), layers.end(), [](const Layer* layer) { return layer->texture; }))
+        add_to_order(static_cast<std::size_t>(find_key("texture.function")), order);
     return order;
 }
 

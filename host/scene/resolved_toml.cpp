@@ -96,7 +96,7 @@ public:
 
     std::string print() {
         for (const std::size_t key : base_order())
-            if (const Entry* entry = base_.entries[key]; entry && belongs_in_base(schema_keys()[key]))
+            if (const Entry* entry = base_.entries[key]; entry && belongs_in_base(key))
                 print_base(*entry);
         for (const Layer& variant : document_.variants)
             print_variant(variant);
@@ -124,8 +124,12 @@ private:
         return grouped;
     }
 
-    bool belongs_in_base(const Key& key) const {
-        return applies_to_any(key, forms_) && (key.table != "texture" || base_.texture);
+    // What some case uses, and what was given for the base's own choices, even if every variant chooses otherwise.
+    bool belongs_in_base(std::size_t index) const {
+        const Key& key = schema_keys()[index];
+        const bool given = document_.base.find(index) || document_.overrides.find(index);
+        const bool useful = applies_to_any(key, forms_) || (given && applies_to_any(key, possible_forms(base_)));
+        return useful && (key.table != "texture" || base_.texture);
     }
 
     void print_base(const Entry& entry) {

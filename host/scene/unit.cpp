@@ -80,10 +80,13 @@ std::vector<std::string> all_names() {
 }
 
 [[noreturn]] void unknown_unit(std::string_view name) {
-    for (std::size_t split = 1; split < name.size(); ++split)
-        if (find_symbol(name.substr(0, split)) && find_symbol(name.substr(split)))
-            throw UsageError(fmt::format("unknown unit \"{}\": write \"{} {}\" for a product", name,
-                                         name.substr(0, split), name.substr(split)));
+    for (std::size_t split = 1; split < name.size(); ++split) {
+        const std::string_view first = name.substr(0, split);
+        const std::string_view second = name.substr(split);
+        const bool plural = second == "s" && split > 1; // "mils" is no product with seconds
+        if (!plural && find_symbol(first) && find_symbol(second))
+            throw UsageError(fmt::format("unknown unit \"{}\": write \"{} {}\" for a product", name, first, second));
+    }
     const std::vector<std::string> names = all_names();
     const std::string_view near = nearest(name, names);
     if (!near.empty())

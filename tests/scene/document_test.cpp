@@ -14,13 +14,14 @@ using test::usage_error;
 TEST(Document, Misspelt) {
     EXPECT_EQ(study_error("[force]\nstifness = \"1 N/mm\"\n"),
               "f.toml:2:1: unknown key \"stifness\" in [force]; did you mean \"stiffness\"?");
-    EXPECT_EQ(study_error("[srface]\nkind = \"bump\"\n"), "f.toml:1:2: unknown table [srface]; did you mean [surface]?");
+    EXPECT_EQ(study_error("[srface]\nkind = \"bump\"\n"),
+              "f.toml:1:2: unknown table [srface]; did you mean [surface]?");
     EXPECT_EQ(study_error("[surface]\nstiffness = \"1 N/mm\"\n"),
               "f.toml:2:1: unknown key \"stiffness\" in [surface]; it belongs in [force] or [texture]");
     EXPECT_EQ(study_error("facets = 3\n"), "f.toml:1:1: \"facets\" stands in no table; it belongs in [surface]");
     EXPECT_EQ(study_error("[run]\nq = 1\n"), "f.toml:2:1: unknown key \"q\" in [run]; it has precision");
-    EXPECT_EQ(study_error("[paths]\n"),
-              "f.toml:1:2: unknown table [paths]; known are [surface], [force], [texture], [grid], [output], [run], [variant]");
+    EXPECT_EQ(study_error("[paths]\n"), "f.toml:1:2: unknown table [paths]; known are [surface], [force], [texture], "
+                                        "[grid], [output], [run], [variant]");
     EXPECT_EQ(study_error("[force]\n\"a.b\" = 1\n").substr(0, 26), "f.toml:2:1: unknown key \"a");
     EXPECT_EQ(study_error("[force]\nstiffness.x = 1\n"),
               "f.toml:2:1: stiffness is a stiffness with a unit, for example \"0.5 N/mm\"; got a table");
@@ -47,13 +48,16 @@ TEST(Document, Quantities) {
 
 TEST(Document, IntegersAndChoices) {
     EXPECT_EQ(study_error("[surface]\nfacets = 0\n"), "f.toml:2:10: facets must be from 1 to 2147483648, got 0");
-    EXPECT_EQ(study_error("[surface]\nfacets = 2.5\n"), "f.toml:2:10: facets is a whole number without quotes; got 2.5");
-    EXPECT_EQ(study_error("[surface]\nfacets = \"3\"\n"), "f.toml:2:10: facets is a whole number without quotes; got \"3\"");
+    EXPECT_EQ(study_error("[surface]\nfacets = 2.5\n"),
+              "f.toml:2:10: facets is a whole number without quotes; got 2.5");
+    EXPECT_EQ(study_error("[surface]\nfacets = \"3\"\n"),
+              "f.toml:2:10: facets is a whole number without quotes; got \"3\"");
     EXPECT_EQ(study_error("[grid]\nsize = [0, 1, 1]\n"), "f.toml:2:9: size must be from 1 to 2147483647, got 0");
     EXPECT_NE(study_error("[grid]\nsize = [18446744073709551616, 1, 1]\n").find("is not representable in 64 bits"),
               std::string::npos);
-    EXPECT_EQ(study_error("[force]\nshading = \"refrence\"\n"),
-              "f.toml:2:11: shading is one of none, reference, height_map; got \"refrence\"; did you mean \"reference\"?");
+    EXPECT_EQ(
+        study_error("[force]\nshading = \"refrence\"\n"),
+        "f.toml:2:11: shading is one of none, reference, height_map; got \"refrence\"; did you mean \"reference\"?");
     EXPECT_EQ(study_error("[surface]\nkind = \"mesh\"\n"),
               "f.toml:2:8: kind is one of bump, cylinder_bump, height_map; got \"mesh\"");
     EXPECT_EQ(study_error("[output]\nchannels = []\n"), "f.toml:2:12: empty list: channels needs at least one value");
@@ -76,24 +80,29 @@ TEST(Document, Structure) {
     EXPECT_EQ(study_error("[surface\n").substr(0, 11), "f.toml:1:9:");
     EXPECT_EQ(study_error("[surface]\nkind = \"height_map\"\nfunction = \"dip\"\nfile = \"u.png\"\n"),
               "f.toml:4:1: give \"function\" or \"file\", not both");
-    EXPECT_EQ(study_error("[surface]\nkind = \"height_map\"\nfile = \"maps/\"\n"), "f.toml:3:8: \"maps/\" names no file");
-    EXPECT_EQ(study_error("[surface]\nkind = \"height_map\"\nfile = \"u.png\"\nsha256 = \"12\"\n").substr(0, 12), "f.toml:4:10:");
+    EXPECT_EQ(study_error("[surface]\nkind = \"height_map\"\nfile = \"maps/\"\n"),
+              "f.toml:3:8: \"maps/\" names no file");
+    EXPECT_EQ(study_error("[surface]\nkind = \"height_map\"\nfile = \"u.png\"\nsha256 = \"12\"\n").substr(0, 12),
+              "f.toml:4:10:");
 }
 
 TEST(Document, KeysThatDoNotApply) {
     EXPECT_EQ(study_error("[surface]\nkind = \"cylinder_bump\"\nfacets = 3\n"),
               "f.toml:3:1: \"facets\" does not apply to kind \"cylinder_bump\"; it applies to kind bump");
     EXPECT_EQ(study_error("[surface]\nfunction = \"dip\"\n"),
-              "f.toml:2:1: \"function\" does not apply to kind \"bump\"; it applies to kind height_map with cylinder, dip, sine or "
+              "f.toml:2:1: \"function\" does not apply to kind \"bump\"; it applies to kind height_map with cylinder, "
+              "dip, sine or "
               "gaussian");
     EXPECT_EQ(study_error("[texture]\nfunction = \"gaussian\"\nwidth = \"1 mm\"\n"),
               "f.toml:3:1: \"width\" does not apply to function \"gaussian\"; it applies to cylinder, dip or sine");
-    EXPECT_EQ(study_error("[[variant]]\nsurface.kind = \"cylinder_bump\"\nsurface.facets = 2\n[[variant]]\n").substr(0, 12),
-              "f.toml:3:9: ");
+    EXPECT_EQ(
+        study_error("[[variant]]\nsurface.kind = \"cylinder_bump\"\nsurface.facets = 2\n[[variant]]\n").substr(0, 12),
+        "f.toml:3:9: ");
     EXPECT_EQ(study_error("[surface]\nfacets = 3\n[[variant]]\nsurface.kind = \"cylinder_bump\"\n"), "(no error)");
     const Study study = parse_study("[surface]\nkind = \"cylinder_bump\"\n[force]\ndepth = \"normal\"\n", "f.toml");
     ASSERT_EQ(study.warnings.size(), 1u);
-    EXPECT_EQ(study.warnings[0], "f.toml:4:1: \"depth\" does not apply to kind \"cylinder_bump\"; it applies to kind bump");
+    EXPECT_EQ(study.warnings[0],
+              "f.toml:4:1: \"depth\" does not apply to kind \"cylinder_bump\"; it applies to kind bump");
 }
 
 TEST(Document, Encoding) {
@@ -104,7 +113,8 @@ TEST(Document, Encoding) {
     for (int i = 0; i < 200000; ++i)
         deep += ".a";
     EXPECT_EQ(study_error(deep + " = 1\n"), "f.toml:1:66: a key of so many dots is none of this schema's");
-    EXPECT_EQ(study_error("# " + std::string(100, '.') + "\n#" + deep + "\n[run] # " + std::string(100, '.') + "\n"), "(no error)");
+    EXPECT_EQ(study_error("# " + std::string(100, '.') + "\n#" + deep + "\n[run] # " + std::string(100, '.') + "\n"),
+              "(no error)");
     EXPECT_NE(study_error("a = " + std::string(100000, '[')), "(no error)");
 }
 
@@ -118,9 +128,11 @@ TEST(Document, Overrides) {
         const std::vector<Override> overrides{{path, value}};
         return usage_error([&] { parse_study("", "f.toml", {}, overrides); });
     };
-    EXPECT_EQ(error("run.precison", "f64"), "override run.precison: unknown key \"run.precison\"; did you mean \"run.precision\"?");
-    EXPECT_EQ(error("run.precision", "f16"), "override run.precision: precision is one of f32, f64; got \"f16\"; did you mean \"f32\"?");
-    EXPECT_EQ(error("grid.spacing", "1"), "override grid.spacing: a length needs a unit, for example \"0.2 mm\"; got \"1\"");
+    EXPECT_EQ(error("run.precison", "f64"),
+              "override run.precison: unknown key \"run.precison\"; did you mean \"run.precision\"?");
+    EXPECT_EQ(error("run.precision", "f16"), "override run.precision: precision is one of f32, f64; got \"f16\"");
+    EXPECT_EQ(error("grid.spacing", "1"),
+              "override grid.spacing: a length needs a unit, for example \"0.2 mm\"; got \"1\"");
     EXPECT_NE(error("surface.facets", "1\nx = 2"), "(no error)");
 }
 
@@ -128,10 +140,12 @@ TEST(Document, Files) {
     EXPECT_THROW(read_study("no/such/file.toml"), IoError);
     EXPECT_THROW(read_study(testing::TempDir()), IoError);
     const std::string path = testing::TempDir() + "/scene_document_test.toml";
-    std::ofstream(path) << "[surface]\nkind = \"height_map\"\nfile = \"maps/u.exr\"\n[force]\nshading = \"height_map\"\n";
+    std::ofstream(path)
+        << "[surface]\nkind = \"height_map\"\nfile = \"maps/u.exr\"\n[force]\nshading = \"height_map\"\n";
     const Case one = read_scene(path);
     EXPECT_EQ(one.scene.surface.map.file, "maps/u.exr");
-    EXPECT_EQ(one.scene.surface.map.path, (std::filesystem::path(testing::TempDir()) / "maps/u.exr").lexically_normal().string());
+    EXPECT_EQ(one.scene.surface.map.path,
+              (std::filesystem::path(testing::TempDir()) / "maps/u.exr").lexically_normal().string());
     EXPECT_EQ(one.scene.surface.map.function, MapFunction::file);
     std::filesystem::remove(path);
 }

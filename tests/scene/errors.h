@@ -9,8 +9,7 @@
 
 namespace forceshade::test {
 
-template <typename Call>
-std::string usage_error(Call&& call) {
+template <typename Call> std::string usage_error(Call&& call) {
     try {
         call();
     } catch (const UsageError& error) {

@@ -16,7 +16,9 @@ namespace {
 
 using test::usage_error;
 
-double metres(std::string_view text) { return parse_quantity(text, Dimension::length); }
+double metres(std::string_view text) {
+    return parse_quantity(text, Dimension::length);
+}
 
 std::string length_error(std::string_view text) {
     return usage_error([&] { metres(text); });
@@ -50,9 +52,8 @@ TEST(Quantity, ReadsEverySpelling) {
     EXPECT_EQ(metres("1 um"), 1e-6);
     EXPECT_EQ(metres("1 m^2/m"), 1.0);
     EXPECT_EQ(metres("1 m^3*m^-2"), 1.0);
-    for (const char* unit : {"N s/m", "N*s/m", "N\u00b7s/m", "N \u22c5 s / m", "kg m^2/s^2 s/m^2"})
-        if (std::string_view(unit).find("s^2 s") == std::string_view::npos)
-            EXPECT_EQ(parse_quantity(fmt::format("3 {}", unit), Dimension::damping), 3.0) << unit;
+    for (const char* unit : {"N s/m", "N*s/m", "N\u00b7s/m", "N \u22c5 s / m", "kg m^2/s/m^2"})
+        EXPECT_EQ(parse_quantity(fmt::format("3 {}", unit), Dimension::damping), 3.0) << unit;
     EXPECT_EQ(parse_quantity("7 /s", Dimension::frequency), 7.0);
     EXPECT_EQ(parse_quantity("3 kg/s/s", Dimension::stiffness), 3.0);
 }
@@ -98,9 +99,10 @@ TEST(Quantity, SaysWhatWouldBeRight) {
 }
 
 TEST(Quantity, RefusesWhatIsNoQuantity) {
-    for (const char* text : {"", " ", "mm", "nan m", "inf m", "-inf mm", "0x10 m", "1 m/", "1 /", "1 m**2", "1 * m", "1 m^", "1 m^2",
-                             "1 m^99", "1 m^1.5", "1_000 m", "--1 m", "1 2 m", "1.2.3 m", "1 \xff", "1 \u2126", "1 mil^9/mil^8",
-                             "1 e3 m", "1 m^9 m^9"})
+    for (const char* text :
+         {"",      " ",      "mm",      "nan m",  "inf m",    "-inf mm",       "0x10 m",  "1 m/",
+          "1 /",   "1 m**2", "1 * m",   "1 m^",   "1 m^2",    "1 m^99",        "1 m^1.5", "1_000 m",
+          "--1 m", "1 2 m",  "1.2.3 m", "1 \xff", "1 \u2126", "1 mil^9/mil^8", "1 e3 m",  "1 m^9 m^9"})
         EXPECT_NE(length_error(text), "(no error)") << text;
     EXPECT_NE(length_error(std::string(1000, '1') + " m"), "(no error)");
     EXPECT_EQ(length_error("0 m"), "(no error)");
