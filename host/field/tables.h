@@ -39,6 +39,9 @@ template <typename T> FieldTables<T> make_tables(const Scene& scene, const Scene
 /// What a scene switches on (layout::Features).
 layout::Features features_of(const Scene& scene);
 
+/// True if any channel depends on y, so that a grid must be evaluated at every y.
+bool depends_on_y(const layout::Features& features);
+
 /// What was left out of the kernel and why, one short phrase each, for the manifest and the volume's attributes.
 std::vector<std::string> omissions(const Scene& scene);
 

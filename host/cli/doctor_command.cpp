@@ -1,0 +1,113 @@
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "compute/device.h"
+#include "host/cli/command.h"
+#include "host/error.h"
+#include "host/io/temporary_file.h"
+#include "host/validate/validate.h"
+#include "host/version.h"
+
+namespace forceshade {
+namespace {
+
+struct Finding {
+    bool good;
+    std::string what, advice;
+};
+
+// One try: what works, or what to do.
+template <typename Try> Finding examine(const std::string& what, const std::string& advice, Try&& attempt) {
+    try {
+        return {true, fmt::format("{}: {}", what, attempt()), {}};
+    } catch (const std::exception& error) {
+        return {false, fmt::format("{}: {}", what, error.what()), advice};
+    }
+}
+
+std::string list_usable_devices() {
+    std::vector<std::string> usable;
+    for (const compute::DeviceReport& device : compute::list_devices())
+        if (device.refusals.empty())
+            usable.push_back(device.name);
+    if (usable.empty())
+        throw std::runtime_error("none that is usable");
+    return fmt::format("{}", fmt::join(usable, ", "));
+}
+
+// A small field in each precision, every voxel compared.
+std::string try_kernels(const CommonOptions& common, bool validation) {
+    EngineOptions options = engine_options(common, false);
+    options.validation = validation;
+    const auto engine = make_engine(options);
+    CasePreparation preparation;
+    const PreparedCase prepared = preparation.prepare(parse_scene(
+        "[surface]\nkind = \"bump\"\nfacets = 3\n[force]\nshading = \"reference\"\n[grid]\nsize = [64, 4, 32]\n"
+        "spacing = \"0.8 mm\"\n",
+        "doctor"));
+    std::vector<Precision> precisions{Precision::f32};
+    if (engine->report().f64)
+        precisions.push_back(Precision::f64);
+    std::uint64_t voxels = 0;
+    for (const Precision precision : precisions) {
+        const Comparison comparison = compare_case(*engine, prepared, precision);
+        if (!comparison.passed)
+            throw std::runtime_error(comparison.first_difference);
+        voxels += comparison.voxels;
+    }
+    return fmt::format("{} voxels on {} agree with the oracle", voxels, engine->report().device);
+}
+
+std::string try_cache() {
+    const std::filesystem::path folder = default_cache_folder();
+    if (folder.empty())
+        throw std::runtime_error("neither HOME nor XDG_CACHE_HOME is set");
+    std::filesystem::create_directories(folder);
+    const TemporaryFile probe(folder / "doctor");
+    return folder.string();
+}
+
+std::vector<Finding> examine_all(const CommonOptions& common) {
+    const std::string reinstall = "run ./host/run, which installs what is missing";
+    std::vector<Finding> findings;
+    findings.push_back({true, "program: forceshade " + version(), {}});
+    findings.push_back(examine("Vulkan devices",
+                               "install a driver: package mesa-vulkan-drivers has the software one; ./host/run does it",
+                               list_usable_devices));
+    findings.push_back(examine("kernels", "try another device (forceshade gpus), or work with --engine cpu",
+                               [&] { return try_kernels(common, false); }));
+    findings.push_back(examine("validation layers (for development)",
+                               "install the package vulkan-validationlayers; runs do not need it",
+                               [&] { return try_kernels(common, true); }));
+    findings.push_back(examine(
+        "compiled kernels are kept in",
+        "make the folder writable, or set XDG_CACHE_HOME; without it kernels are compiled at every start", try_cache));
+    return findings;
+}
+
+int run(const CommonOptions& common) {
+    const std::vector<Finding> findings = examine_all(common);
+    bool good = true;
+    std::string text;
+    nlohmann::ordered_json json = nlohmann::ordered_json::array();
+    for (const Finding& finding : findings) {
+        good = good && finding.good;
+        text += fmt::format("{}  {}\n", finding.good ? "ok     " : "problem", finding.what);
+        if (!finding.good)
+            text += fmt::format("         {}\n", finding.advice);
+        json.push_back({{"ok", finding.good}, {"what", finding.what}, {"advice", finding.advice}});
+    }
+    print_data(common.json ? json.dump(2) + "\n" : text);
+    return good ? 0 : 1;
+}
+
+} // namespace
+
+void add_doctor_command(CLI::App& program, const CommonOptions& common, Command& chosen) {
+    CLI::App* command =
+        program.add_subcommand("doctor", "Say what is installed, what works, and what to do about the rest");
+    command->callback([&] { chosen = [&] { return run(common); }; });
+}
+
+} // namespace forceshade

@@ -1,0 +1,84 @@
+// The command line. Every error ends here: one line on stderr and an exit code.
+#include <cstdio>
+#include <new>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
+
+#include "compute/device.h"
+#include "host/cli/command.h"
+#include "host/error.h"
+#include "host/interrupt.h"
+#include "host/version.h"
+
+namespace {
+
+using namespace forceshade;
+
+constexpr const char* kFooter =
+    "Exit codes: 0 ok, 1 a case failed or a bound was exceeded, 2 usage or configuration, 3 no such device, 4 files, "
+    "130 interrupted.\nStart with: forceshade sweep --out results/paper";
+
+void add_common_options(CLI::App& program, CommonOptions& common) {
+    program.add_option(
+        "--gpu", common.gpu,
+        "Vulkan device: part of its name, UUID or index (forceshade gpus); default: the software device");
+    program.add_option("--engine", common.engine, "gpu, or cpu: the oracle on all cores")
+        ->check(CLI::IsMember({"gpu", "cpu"}));
+    program.add_option("--precision", common.precision, "f32 or f64; default: as the scene says")
+        ->check(CLI::IsMember({"f32", "f64"}));
+    program.add_flag("--json", common.json, "machine-readable results on stdout");
+    program.add_flag("--quiet", common.quiet, "no progress and no remarks on stderr, errors only");
+    program.add_flag("--vulkan-validation", common.validation_layers,
+                     "run under Vulkan's validation layers; any complaint is an error");
+}
+
+int parse_and_run(int argc, char** argv) {
+    CLI::App program("Offline study of haptic force fields, with and without force shading", "forceshade");
+    CommonOptions common;
+    Command command;
+    program.set_version_flag("--version", "forceshade " + version());
+    program.require_subcommand(1);
+    program.fallthrough();
+    program.footer(kFooter);
+    add_common_options(program, common);
+    add_sweep_command(program, common, command);
+    add_field_command(program, common, command);
+    add_validate_command(program, common, command);
+    add_gpus_command(program, common, command);
+    add_doctor_command(program, common, command);
+    add_schema_command(program, common, command);
+    try {
+        program.parse(argc, argv);
+    } catch (const CLI::ParseError& error) {
+        return program.exit(error) == 0 ? 0 : static_cast<int>(ExitCode::usage);
+    }
+    spdlog::set_level(common.quiet ? spdlog::level::err : spdlog::level::info);
+    return command();
+}
+
+int complain(const char* message, ExitCode code) {
+    fmt::print(stderr, "error: {}\n", message);
+    return static_cast<int>(code);
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+    spdlog::set_default_logger(spdlog::stderr_color_mt("forceshade"));
+    spdlog::set_pattern("%v");
+    catch_interrupts();
+    try {
+        return parse_and_run(argc, argv);
+    } catch (const Error& error) {
+        return complain(error.what(), error.code());
+    } catch (const compute::DeviceError& error) {
+        return complain(error.what(), ExitCode::no_device);
+    } catch (const std::bad_alloc&) {
+        return complain("out of memory", ExitCode::failed);
+    } catch (const std::exception& error) {
+        return complain(error.what(), ExitCode::failed);
+    }
+}

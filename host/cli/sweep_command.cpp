@@ -1,0 +1,93 @@
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "host/cli/command.h"
+#include "host/sweep/progress.h"
+#include "host/sweep/sweep.h"
+
+namespace forceshade {
+namespace {
+
+struct SweepArguments {
+    std::string study, out, only = "*", shard;
+    std::vector<std::string> also;
+    bool fresh = false;
+};
+
+std::string as_json(const SweepResult& result, const SweepOptions& options) {
+    nlohmann::ordered_json json;
+    json["folder"] = options.folder.string();
+    json["chosen"] = result.chosen;
+    json["computed"] = result.computed;
+    json["kept"] = result.kept;
+    json["failures"] = result.failures;
+    json["voxels_differing_from_oracle"] = result.differing;
+    json["largest_relative_error"] = result.largest_relative_error;
+    json["wall_s"] = result.account.wall;
+    json["cpu_s"] = result.account.cpu;
+    json["engine_s"] = result.account.engine;
+    json["output_s"] = result.account.output;
+    json["peak_memory_bytes"] = result.account.peak_memory;
+    return json.dump(2) + "\n";
+}
+
+void print_outcome(const SweepResult& result, const SweepOptions& options) {
+    fmt::print(stderr, "{} cases: {} computed{}, {} kept from before{}\n", result.chosen, result.computed,
+               result.computed
+                   ? fmt::format(" on {} in {}", result.account.engine_device, clock_text(result.account.wall))
+                   : "",
+               result.kept, result.failures.empty() ? "" : fmt::format(", {} failed", result.failures.size()));
+    fmt::print(stderr, "largest error against the oracle in double precision: {:.2g} of the largest force\n",
+               result.largest_relative_error);
+    fmt::print(stderr, "look at {} (a row a case), {} (everything known), {}\n",
+               (options.folder / "summary.csv").string(), (options.folder / "manifest.json").string(),
+               (options.folder / "*.exr").string());
+}
+
+int run(const SweepArguments& arguments, const CommonOptions& common) {
+    SweepOptions options;
+    options.folder = arguments.out;
+    options.only = arguments.only;
+    options.fresh = arguments.fresh;
+    options.quiet = common.quiet;
+    options.also = parse_also(arguments.also);
+    if (!arguments.shard.empty())
+        options.shard = parse_shard(arguments.shard);
+    else
+        options.shard = slurm_shard();
+    const Study study = load_study(arguments.study, common);
+    const EngineOptions engine = engine_options(common, any_f64(study));
+    const SweepResult result = run_sweep(
+        study, [&] { return make_engine(engine); }, engine.cpu, options);
+    if (!common.quiet)
+        print_outcome(result, options);
+    for (const std::string& failure : result.failures)
+        fmt::print(stderr, "error: {}\n", failure);
+    if (common.json)
+        print_data(as_json(result, options));
+    return result.exit_code;
+}
+
+} // namespace
+
+void add_sweep_command(CLI::App& program, const CommonOptions& common, Command& chosen) {
+    const auto arguments = std::make_shared<SweepArguments>();
+    CLI::App* command = program.add_subcommand(
+        "sweep", "Evaluate every case of a study into a folder; run again to finish or repair it");
+    command->add_option("STUDY", arguments->study,
+                        "study file (TOML); without it the paper's study, which is built in");
+    command->add_option("--out", arguments->out, "folder of the results; made if need be")->required();
+    command->add_option("--only", arguments->only, "shell pattern of case names, for example 'bump*facets-2*'");
+    command->add_option(
+        "--shard", arguments->shard,
+        "I/N: do the I-th of N parts, for several machines at once; Slurm's array variables are taken where set");
+    command
+        ->add_option("--also", arguments->also,
+                     "further files for each case: vti (ParaView), npy (NumPy), png (pictures)")
+        ->delimiter(',');
+    command->add_flag("--fresh", arguments->fresh, "compute anew what is there already");
+    command->callback([=, &common, &chosen] { chosen = [=, &common] { return run(*arguments, common); }; });
+}
+
+} // namespace forceshade

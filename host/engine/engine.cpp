@@ -1,0 +1,123 @@
+#include "host/engine/engine.h"
+
+#include <chrono>
+#include <cstdlib>
+#include <fstream>
+
+#include <spdlog/spdlog.h>
+
+#include "compute/field_kernel.h"
+#include "host/engine/pipeline_cache_file.h"
+#include "host/reference/field.h"
+
+namespace forceshade {
+namespace {
+
+template <typename T> using Consume = std::function<void(const layout::FieldChunk<T>&)>;
+
+class CpuEngine final : public Engine {
+public:
+    explicit CpuEngine(const EngineOptions& options) { options_.chunk_bytes = options.chunk_bytes; }
+
+    EngineReport report() const override { return {"cpu", "CPU reference", "", "", true, true}; }
+
+    EngineTimes evaluate(const layout::FieldInput<float>& input, const Consume<float>& consume) override {
+        return run(input, consume);
+    }
+    EngineTimes evaluate(const layout::FieldInput<double>& input, const Consume<double>& consume) override {
+        return run(input, consume);
+    }
+
+private:
+    template <typename T> EngineTimes run(const layout::FieldInput<T>& input, const Consume<T>& consume) {
+        using Clock = std::chrono::steady_clock;
+        EngineTimes times;
+        Clock::time_point start = Clock::now();
+        const Consume<T> timed = [&](const layout::FieldChunk<T>& chunk) {
+            times.kernel += std::chrono::duration<double>(Clock::now() - start).count();
+            consume(chunk);
+            start = Clock::now();
+        };
+        reference::evaluate_field(input, options_, timed);
+        return times;
+    }
+
+    reference::FieldOptions options_;
+};
+
+class GpuEngine final : public Engine {
+public:
+    explicit GpuEngine(const EngineOptions& options)
+        : cache_(options.cache), chosen_(choose(options)), device_(open(options)),
+          kernel_(device_, kernel_options(options)) {}
+
+    ~GpuEngine() override {
+        try {
+            write_pipeline_cache(cache_, identity(), device_.pipeline_cache());
+        } catch (const std::exception& error) {
+            spdlog::debug("compiled kernels are not kept: {}", error.what());
+        }
+    }
+
+    EngineReport report() const override {
+        return {"gpu", chosen_.name, chosen_.uuid, chosen_.driver, chosen_.software, chosen_.f64};
+    }
+
+    EngineTimes evaluate(const layout::FieldInput<float>& input, const Consume<float>& consume) override {
+        return run(input, consume);
+    }
+    EngineTimes evaluate(const layout::FieldInput<double>& input, const Consume<double>& consume) override {
+        return run(input, consume);
+    }
+
+private:
+    static compute::DeviceReport choose(const EngineOptions& options) {
+        return compute::choose_device(compute::list_devices(), options.gpu, options.needs_f64);
+    }
+    std::string identity() const { return chosen_.name + chosen_.uuid + chosen_.driver; }
+    compute::Device open(const EngineOptions& options) {
+        const std::vector<std::byte> kept = read_pipeline_cache(cache_, identity());
+        compute::DeviceOptions wanted;
+        wanted.wanted = options.gpu;
+        wanted.needs_f64 = options.needs_f64;
+        wanted.validation = options.validation;
+        wanted.pipeline_cache = kept;
+        return compute::Device(wanted);
+    }
+    static compute::FieldKernelOptions kernel_options(const EngineOptions& options) {
+        compute::FieldKernelOptions kernel;
+        kernel.chunk_bytes = options.chunk_bytes;
+        return kernel;
+    }
+
+    template <typename T> EngineTimes run(const layout::FieldInput<T>& input, const Consume<T>& consume) {
+        const compute::FieldTimes times = kernel_.evaluate(input, consume);
+        if (const auto complaints = device_.validation_messages(); !complaints.empty())
+            throw compute::DeviceError(compute::DeviceError::Kind::unsupported,
+                                       "the validation layers complain: " + complaints.front());
+        return {times.compile, times.upload, times.kernel, times.read_back};
+    }
+
+    std::filesystem::path cache_;
+    compute::DeviceReport chosen_;
+    compute::Device device_;
+    compute::FieldKernel kernel_;
+};
+
+} // namespace
+
+std::unique_ptr<Engine> make_engine(const EngineOptions& options) {
+    if (options.cpu)
+        return std::make_unique<CpuEngine>(options);
+    return std::make_unique<GpuEngine>(options);
+}
+
+std::filesystem::path default_cache_folder() {
+    if (const char* folder = std::getenv("XDG_CACHE_HOME"); folder && *folder)
+        return std::filesystem::path(folder) / "forceshade";
+    if (const char* home = std::getenv("HOME"); home && *home)
+        return std::filesystem::path(home) / ".cache" / "forceshade";
+    return {};
+}
+
+} // namespace forceshade

@@ -1,0 +1,55 @@
+// What evaluates fields: a Vulkan device or the CPU oracle, behind one face.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "shaders/shared/layout.h"
+
+namespace forceshade {
+
+/// Where the time of a field went, s.
+struct EngineTimes {
+    double compile = 0, upload = 0, kernel = 0, read_back = 0;
+};
+
+struct EngineReport {
+    std::string engine; /* "gpu" or "cpu" */
+    std::string device; /* name */
+    std::string uuid;   /* of a Vulkan device */
+    std::string driver;
+    bool software = true; /* results must equal the oracle's bit for bit */
+    bool f64 = true;      /* evaluates in double precision */
+};
+
+class Engine {
+public:
+    virtual ~Engine() = default;
+    virtual EngineReport report() const = 0;
+    /// Evaluates the law at every sample, in float or double, and hands over consecutive chunks of rows in order (z,
+    /// then y). \throws compute::DeviceError, and whatever `consume` throws.
+    virtual EngineTimes evaluate(const layout::FieldInput<float>& input,
+                                 const std::function<void(const layout::FieldChunk<float>&)>& consume) = 0;
+    virtual EngineTimes evaluate(const layout::FieldInput<double>& input,
+                                 const std::function<void(const layout::FieldChunk<double>&)>& consume) = 0;
+};
+
+struct EngineOptions {
+    bool cpu = false; /* the oracle on all cores instead of a Vulkan device */
+    std::string gpu;  /* as in compute::choose_device; empty: the software device */
+    bool needs_f64 = false;
+    bool validation = false;                         /* Vulkan validation layers; complaints end the run */
+    std::size_t chunk_bytes = std::size_t(32) << 20; /* results held at once */
+    std::filesystem::path cache;                     /* folder of compiled kernels; empty: none is kept */
+};
+
+/// \throws compute::DeviceError if the device is not there or refused. There is no silent fallback from one engine to
+/// the other.
+std::unique_ptr<Engine> make_engine(const EngineOptions& options);
+
+/// $XDG_CACHE_HOME/forceshade or ~/.cache/forceshade; empty if neither is known.
+std::filesystem::path default_cache_folder();
+
+} // namespace forceshade

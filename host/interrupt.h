@@ -1,0 +1,19 @@
+// SIGINT and SIGTERM as a flag that long work asks for, so that it can leave nothing half done.
+#pragma once
+
+#include "host/error.h"
+
+namespace forceshade {
+
+class Interrupted : public Error {
+public:
+    Interrupted() : Error(ExitCode::interrupted, "interrupted; run the same command again to go on") {}
+};
+
+/// From now on the first SIGINT or SIGTERM raises the flag; a second one ends the process at once.
+void catch_interrupts();
+
+/// \throws Interrupted once the flag is raised.
+void check_interrupt();
+
+} // namespace forceshade

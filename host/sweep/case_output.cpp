@@ -1,0 +1,156 @@
+#include "host/sweep/case_output.h"
+
+#include <fmt/format.h>
+
+#include "host/error.h"
+#include "host/io/exr_volume.h"
+#include "host/io/hash.h"
+#include "host/io/npy.h"
+#include "host/io/temporary_file.h"
+#include "host/io/vti.h"
+#include "host/picture/picture.h"
+#include "host/sweep/surface_lines.h"
+#include "host/version.h"
+
+namespace forceshade {
+namespace {
+
+struct NamedChannel {
+    std::uint32_t bit;
+    const char* name;
+};
+constexpr NamedChannel kNames[] = {{layout::kChannelForce, "force"},
+                                   {layout::kChannelDepth, "depth"},
+                                   {layout::kChannelFacet, "facet"},
+                                   {layout::kChannelProxy, "proxy"},
+                                   {layout::kChannelUnshaded, "unshaded"}};
+
+VolumeHeader volume_header(const PreparedCase& prepared, int threads) {
+    const Scene& scene = prepared.one.scene;
+    VolumeHeader header;
+    header.size = scene.grid.size;
+    header.origin = scene.grid.origin;
+    header.spacing = scene.grid.spacing;
+    header.channels = scene.output.channels | layout::kChannelForce;
+    header.compression = scene.output.compression;
+    header.pixel = scene.output.pixel;
+    header.scene = prepared.scene;
+    header.version = version();
+    header.omitted = fmt::format("{}", fmt::join(omissions(scene), "; "));
+    header.threads = threads;
+    return header;
+}
+
+bool stands_for_all_y(const Scene& scene) {
+    return !depends_on_y(features_of(scene));
+}
+
+FileRecord write_picture(const std::filesystem::path& path, const picture::Picture& drawn) {
+    const auto bytes = std::as_bytes(std::span(drawn.png));
+    write_file_atomically(path, bytes);
+    return {path.filename().string(), sha256_of(bytes), bytes.size()};
+}
+
+} // namespace
+
+AlsoFormats parse_also(const std::vector<std::string>& names) {
+    AlsoFormats also;
+    for (const std::string& name : names) {
+        if (name == "vti")
+            also.vti = true;
+        else if (name == "npy")
+            also.npy = true;
+        else if (name == "png")
+            also.png = true;
+        else
+            throw UsageError(fmt::format("--also {}: there are vti, npy and png", name));
+    }
+    return also;
+}
+
+std::vector<std::string> file_names(const std::string& stem, std::uint32_t channels, AlsoFormats also) {
+    std::vector<std::string> names{stem + ".exr"};
+    if (also.vti)
+        names.push_back(stem + ".vti");
+    if (also.npy)
+        for (const NamedChannel& channel : kNames)
+            if (channels & channel.bit)
+                names.push_back(fmt::format("{}.{}.npy", stem, channel.name));
+    if (also.png)
+        names.insert(names.end(), {stem + ".mosaic.png", stem + ".arrows.png"});
+    return names;
+}
+
+CaseOutput::CaseOutput(const PreparedCase& prepared, const std::filesystem::path& volume, AlsoFormats also, int threads)
+    : prepared_(prepared), volume_(volume), also_(also), check_(prepared, Extent::what_varies) {
+    const Scene& scene = prepared.one.scene;
+    const bool repeats = stands_for_all_y(scene);
+    repeat_y_ = repeats ? scene.grid.size[1] : 1;
+    evaluated_ = scene.grid.size[0] * scene.grid.size[2] * (repeats ? 1 : scene.grid.size[1]);
+    const VolumeHeader header = volume_header(prepared, threads);
+    const std::filesystem::path folder = volume.parent_path();
+    const std::string stem = volume.stem().string();
+    sinks_.emplace_back(stem + ".exr", std::make_unique<VolumeWriter>(volume, header));
+    if (also.vti)
+        sinks_.emplace_back(
+            stem + ".vti",
+            std::make_unique<VtiWriter>(folder / (stem + ".vti"), VtiHeader{header.size, header.origin, header.spacing,
+                                                                            header.channels, scene.precision}));
+    if (also.npy)
+        for (const NamedChannel& channel : kNames)
+            if (header.channels & channel.bit) {
+                const std::string name = fmt::format("{}.{}.npy", stem, channel.name);
+                sinks_.emplace_back(
+                    name, std::make_unique<NpyWriter>(folder / name, header.size, channel.bit, scene.precision));
+            }
+    if (also.png)
+        slices_ = std::make_unique<picture::SliceCollector>(scene.grid, repeats);
+}
+
+template <typename T> void CaseOutput::write(const layout::FieldChunk<T>& chunk) {
+    for (auto& [name, sink] : sinks_)
+        sink->write(chunk, repeat_y_);
+    if (slices_)
+        slices_->add(chunk);
+    check_.add(chunk);
+}
+
+template void CaseOutput::write<float>(const layout::FieldChunk<float>&);
+template void CaseOutput::write<double>(const layout::FieldChunk<double>&);
+
+CaseRecord CaseOutput::finish() {
+    const Scene& scene = prepared_.one.scene;
+    CaseRecord record;
+    record.name = prepared_.one.name;
+    record.parameters = prepared_.one.varied;
+    record.precision = scene.precision == Precision::f32 ? "f32" : "f64";
+    record.omitted = omissions(scene);
+    record.voxels = scene.grid.size[0] * scene.grid.size[1] * scene.grid.size[2];
+    record.evaluated = evaluated_;
+    record.error = check_.error();
+    // The volume comes first: it refuses what must not be published.
+    for (auto& [name, sink] : sinks_) {
+        const VolumeResult result = sink->finish();
+        if (record.files.empty()) {
+            record.volume_times = result.timings;
+            record.largest_force = result.largest_force;
+            record.largest_voxel = result.largest_voxel;
+        }
+        record.files.push_back({name, result.sha256, result.bytes});
+    }
+    if (slices_)
+        add_pictures(record);
+    return record;
+}
+
+void CaseOutput::add_pictures(CaseRecord& record) {
+    const std::filesystem::path folder = volume_.parent_path();
+    const std::string stem = volume_.stem().string();
+    const std::string& title = prepared_.one.name;
+    record.files.push_back(
+        write_picture(folder / (stem + ".mosaic.png"), picture::draw_mosaic(title, slices_->tiles())));
+    record.files.push_back(write_picture(folder / (stem + ".arrows.png"),
+                                         picture::draw_arrows(title, slices_->xz(), surface_lines(prepared_))));
+}
+
+} // namespace forceshade

@@ -1,0 +1,52 @@
+// Everything that one case leaves behind: the volume, what `--also` asks for, the check against the oracle, the record.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "host/field/prepared_case.h"
+#include "host/io/chunk_sink.h"
+#include "host/picture/slice_collector.h"
+#include "host/sweep/record.h"
+
+namespace forceshade {
+
+/// What is written beside the EXR.
+struct AlsoFormats {
+    bool vti = false, npy = false, png = false;
+};
+
+/// \throws UsageError for a name that is none of vti, npy, png.
+AlsoFormats parse_also(const std::vector<std::string>& names);
+
+/// The names of all files that a case leaves for a volume called `STEM.exr`, the volume first.
+std::vector<std::string> file_names(const std::string& stem, std::uint32_t channels, AlsoFormats also);
+
+class CaseOutput {
+public:
+    /// Files go to `volume` (an .exr path) and beside it. `threads`: that compress this case's volume, 0 for the
+    /// calling one alone.
+    CaseOutput(const PreparedCase& prepared, const std::filesystem::path& volume, AlsoFormats also, int threads);
+
+    template <typename T> void write(const layout::FieldChunk<T>& chunk);
+
+    /// Publishes every file and returns the record, without what only the caller knows (fingerprint, engine and its
+    /// times). \throws UsageError, IoError, Error; then no file of the case is published that was not before.
+    CaseRecord finish();
+
+private:
+    void add_pictures(CaseRecord& record);
+
+    const PreparedCase& prepared_;
+    std::filesystem::path volume_;
+    AlsoFormats also_;
+    std::size_t repeat_y_;
+    std::uint64_t evaluated_;
+    std::vector<std::pair<std::string, std::unique_ptr<ChunkSink>>> sinks_; // file name and sink, the volume last
+    std::unique_ptr<picture::SliceCollector> slices_;
+    OracleCheck check_;
+};
+
+} // namespace forceshade

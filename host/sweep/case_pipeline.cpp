@@ -1,0 +1,166 @@
+#include "host/sweep/case_pipeline.h"
+
+#include <algorithm>
+#include <condition_variable>
+#include <deque>
+#include <mutex>
+#include <thread>
+
+#include "host/interrupt.h"
+#include "host/sweep/chunk_queue.h"
+
+namespace forceshade {
+namespace {
+
+// A case between engine and encoder.
+struct Transfer {
+    Transfer(std::unique_ptr<CaseJob> from, ChunkBudget& budget) : job(std::move(from)), chunks(budget) {}
+    std::unique_ptr<CaseJob> job;
+    ChunkQueue chunks;
+    EngineTimes times; // complete before the queue is closed
+};
+
+class Encoders {
+public:
+    Encoders(unsigned threads, int threads_a_volume, AlsoFormats also,
+             const std::function<void(const CaseOutcome&)>& done, const EngineReport& engine)
+        : threads_a_volume_(threads_a_volume), also_(also), done_(done), engine_(engine) {
+        for (unsigned i = 0; i < threads; ++i)
+            workers_.emplace_back([this] { work(); });
+    }
+    ~Encoders() { finish(); }
+
+    void add(std::shared_ptr<Transfer> transfer) {
+        const std::lock_guard lock(mutex_);
+        waiting_.push_back(std::move(transfer));
+        changed_.notify_all();
+    }
+    // All cases added so far end; no more may be added.
+    void finish() {
+        {
+            const std::lock_guard lock(mutex_);
+            closed_ = true;
+            changed_.notify_all();
+        }
+        workers_.clear();
+    }
+    // The first error that makes going on useless, if any.
+    void throw_if_stopped() {
+        const std::lock_guard lock(mutex_);
+        if (stop_)
+            std::rethrow_exception(stop_);
+    }
+
+private:
+    void work() {
+        for (;;) {
+            std::shared_ptr<Transfer> transfer;
+            {
+                std::unique_lock lock(mutex_);
+                changed_.wait(lock, [&] { return closed_ || !waiting_.empty(); });
+                if (waiting_.empty())
+                    return;
+                transfer = std::move(waiting_.front());
+                waiting_.pop_front();
+            }
+            CaseOutcome outcome{transfer->job.get(), {}, nullptr};
+            try {
+                if (!encode(*transfer, outcome.record))
+                    continue; // the engine gave up and says why itself
+            } catch (...) {
+                outcome.error = std::current_exception();
+            }
+            transfer->chunks.abandon();
+            report(outcome);
+        }
+    }
+
+    // False if the engine never completed the case.
+    bool encode(Transfer& transfer, CaseRecord& record) {
+        CaseOutput output(transfer.job->prepared, transfer.job->volume, also_, threads_a_volume_);
+        while (auto chunk = transfer.chunks.pop()) {
+            check_interrupt();
+            std::visit([&](const auto& owned) { output.write(owned.view); }, *chunk);
+            transfer.chunks.release(*chunk);
+        }
+        if (!transfer.chunks.whole())
+            return false;
+        record = output.finish();
+        record.fingerprint = transfer.job->fingerprint;
+        record.engine = engine_;
+        record.engine_times = transfer.times;
+        return true;
+    }
+
+    void report(const CaseOutcome& outcome) {
+        const std::lock_guard lock(mutex_);
+        try {
+            if (outcome.error)
+                std::rethrow_exception(outcome.error);
+            done_(outcome);
+            return;
+        } catch (const Error& error) {
+            if (outcome.error && (error.code() == ExitCode::failed || error.code() == ExitCode::usage)) {
+                done_(outcome);
+                return;
+            }
+            if (!stop_)
+                stop_ = std::current_exception();
+        } catch (...) {
+            if (!stop_)
+                stop_ = std::current_exception();
+        }
+    }
+
+    int threads_a_volume_;
+    AlsoFormats also_;
+    const std::function<void(const CaseOutcome&)>& done_;
+    EngineReport engine_;
+    std::mutex mutex_;
+    std::condition_variable changed_;
+    std::deque<std::shared_ptr<Transfer>> waiting_;
+    bool closed_ = false;
+    std::exception_ptr stop_;
+    std::vector<std::jthread> workers_;
+};
+
+template <typename T> EngineTimes compute(Engine& engine, const CaseJob& job, ChunkQueue& chunks) {
+    const FieldTables<T> tables = make_tables<T>(job.prepared.one.scene, job.prepared.images, Extent::what_varies);
+    return engine.evaluate(tables.input(), [&](const layout::FieldChunk<T>& chunk) {
+        check_interrupt();
+        chunks.push(chunk);
+    });
+}
+
+} // namespace
+
+void run_cases(Engine& engine, const std::function<std::unique_ptr<CaseJob>()>& next, std::size_t cases,
+               const PipelineOptions& options, const std::function<void(const CaseOutcome&)>& done) {
+    const unsigned cores = std::max(1u, std::thread::hardware_concurrency());
+    const auto encoders = static_cast<unsigned>(
+        std::clamp<std::size_t>(options.encoders ? options.encoders : cores, 1, std::max<std::size_t>(1, cases)));
+    ChunkBudget budget(options.waiting_bytes);
+    // A lone volume is compressed by all cores, several by one core each.
+    Encoders pool(encoders, encoders < cores ? static_cast<int>(cores) : 0, options.also, done, engine.report());
+    while (std::unique_ptr<CaseJob> job = next()) {
+        check_interrupt();
+        pool.throw_if_stopped();
+        const auto transfer = std::make_shared<Transfer>(std::move(job), budget);
+        pool.add(transfer);
+        try {
+            transfer->times = transfer->job->prepared.one.scene.precision == Precision::f32
+                                  ? compute<float>(engine, *transfer->job, transfer->chunks)
+                                  : compute<double>(engine, *transfer->job, transfer->chunks);
+            transfer->chunks.close(true);
+        } catch (const EncoderFailed&) {
+            transfer->chunks.close(false); // its encoder reports why
+        } catch (...) {
+            transfer->chunks.close(false);
+            throw;
+        }
+    }
+    pool.finish();
+    pool.throw_if_stopped();
+}
+
+} // namespace forceshade

@@ -1,0 +1,129 @@
+// Chunks on their way from the engine to the thread that encodes their case, bounded in bytes over all cases.
+#pragma once
+
+#include <condition_variable>
+#include <deque>
+#include <mutex>
+#include <optional>
+#include <stdexcept>
+#include <variant>
+#include <vector>
+
+#include "shaders/shared/layout.h"
+
+namespace forceshade {
+
+/// A chunk that owns its samples.
+template <typename T> struct OwnedChunk {
+    layout::FieldChunk<T> view; // its spans point into the vectors below
+    std::vector<T> force, depth, proxy, unshaded;
+    std::vector<layout::uint> facet;
+
+    explicit OwnedChunk(const layout::FieldChunk<T>& from)
+        : view(from), force(from.force.begin(), from.force.end()), depth(from.depth.begin(), from.depth.end()),
+          proxy(from.proxy.begin(), from.proxy.end()), unshaded(from.unshaded.begin(), from.unshaded.end()),
+          facet(from.facet.begin(), from.facet.end()) {
+        view.force = force;
+        view.depth = depth;
+        view.proxy = proxy;
+        view.unshaded = unshaded;
+        view.facet = facet;
+    }
+    OwnedChunk(OwnedChunk&&) = default; // the vectors' memory stays where it is
+    OwnedChunk& operator=(OwnedChunk&&) = default;
+
+    std::size_t bytes() const {
+        return (force.size() + depth.size() + proxy.size() + unshaded.size()) * sizeof(T) +
+               facet.size() * sizeof(layout::uint);
+    }
+};
+
+using AnyChunk = std::variant<OwnedChunk<float>, OwnedChunk<double>>;
+
+/// Bytes that may wait between engine and encoders; one chunk always may.
+class ChunkBudget {
+public:
+    explicit ChunkBudget(std::size_t bytes) : free_(bytes), all_(bytes) {}
+
+    void take(std::size_t bytes) {
+        std::unique_lock lock(mutex_);
+        changed_.wait(lock, [&] { return free_ >= bytes || free_ == all_; });
+        free_ -= std::min(bytes, free_);
+    }
+    void give(std::size_t bytes) {
+        const std::lock_guard lock(mutex_);
+        free_ = std::min(all_, free_ + bytes);
+        changed_.notify_all();
+    }
+
+private:
+    std::mutex mutex_;
+    std::condition_variable changed_;
+    std::size_t free_, all_;
+};
+
+/// Thrown to the engine when the encoder of its case has failed: there is no use in computing on.
+struct EncoderFailed : std::runtime_error {
+    EncoderFailed() : std::runtime_error("the case's encoder failed") {}
+};
+
+/// The chunks of one case, in order.
+class ChunkQueue {
+public:
+    explicit ChunkQueue(ChunkBudget& budget) : budget_(budget) {}
+    ~ChunkQueue() { abandon(); }
+
+    /// Waits for room. \throws EncoderFailed once the consumer has abandoned the queue.
+    template <typename T> void push(const layout::FieldChunk<T>& chunk) {
+        OwnedChunk<T> owned(chunk);
+        budget_.take(owned.bytes());
+        const std::lock_guard lock(mutex_);
+        if (abandoned_) {
+            budget_.give(owned.bytes());
+            throw EncoderFailed();
+        }
+        chunks_.emplace_back(std::move(owned));
+        changed_.notify_all();
+    }
+
+    /// No more chunks: the case is complete, or (`whole` false) will never be.
+    void close(bool whole) {
+        const std::lock_guard lock(mutex_);
+        closed_ = true;
+        whole_ = whole;
+        changed_.notify_all();
+    }
+
+    /// The next chunk; nothing at the end. The chunk counts against the budget until release().
+    std::optional<AnyChunk> pop() {
+        std::unique_lock lock(mutex_);
+        changed_.wait(lock, [&] { return closed_ || !chunks_.empty(); });
+        if (chunks_.empty())
+            return std::nullopt;
+        AnyChunk chunk = std::move(chunks_.front());
+        chunks_.pop_front();
+        return chunk;
+    }
+    void release(const AnyChunk& chunk) {
+        budget_.give(std::visit([](const auto& owned) { return owned.bytes(); }, chunk));
+    }
+    bool whole() const { return whole_; }
+
+    /// The consumer gives up: waiting chunks are dropped, further ones refused.
+    void abandon() {
+        const std::lock_guard lock(mutex_);
+        abandoned_ = true;
+        for (const AnyChunk& chunk : chunks_)
+            release(chunk);
+        chunks_.clear();
+    }
+
+private:
+    ChunkBudget& budget_;
+    std::mutex mutex_;
+    std::condition_variable changed_;
+    std::deque<AnyChunk> chunks_;
+    bool closed_ = false, whole_ = false, abandoned_ = false;
+};
+
+} // namespace forceshade

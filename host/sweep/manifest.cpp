@@ -1,0 +1,106 @@
+#include "host/sweep/manifest.h"
+
+#include <fstream>
+#include <set>
+#include <sstream>
+#include <thread>
+
+#include <nlohmann/json.hpp>
+
+#include "host/io/csv.h"
+#include "host/io/temporary_file.h"
+#include "host/sweep/machine.h"
+#include "host/sweep/record.h"
+#include "host/version.h"
+
+namespace forceshade {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::vector<CaseRecord> records_of(const std::filesystem::path& folder, const Study& study) {
+    std::vector<CaseRecord> records;
+    for (const Case& one : study.cases)
+        if (auto record = read_record(folder, one.name))
+            records.push_back(std::move(*record));
+    return records;
+}
+
+Json account(const RunAccount& run) {
+    return {{"program", version()},
+            {"device", run.engine_device},
+            {"driver", run.engine_driver},
+            {"cpu", cpu_name()},
+            {"cores", std::thread::hardware_concurrency()},
+            {"cases_computed", run.computed},
+            {"cases_kept", run.kept},
+            {"wall_s", run.wall},
+            {"cpu_s", run.cpu},
+            {"engine_s", run.engine},
+            {"output_s", run.output},
+            {"peak_memory_bytes", run.peak_memory}};
+}
+
+Json last_account(const std::filesystem::path& path) {
+    std::ifstream file(path, std::ios::binary);
+    std::ostringstream text;
+    text << file.rdbuf();
+    const Json json = Json::parse(text.str(), nullptr, false);
+    return json.is_object() && json.contains("last_run") ? json["last_run"] : Json(nullptr);
+}
+
+// Columns: the case, every key that varies in the study, then figures that do not change from run to run.
+std::string summary(const Study& study, const std::vector<CaseRecord>& records) {
+    std::vector<std::string> keys;
+    for (const Case& one : study.cases)
+        for (const auto& [key, value] : one.varied)
+            if (std::find(keys.begin(), keys.end(), key) == keys.end())
+                keys.push_back(key);
+    CsvText csv;
+    csv.add("case");
+    for (const std::string& key : keys)
+        csv.add(key);
+    for (const char* column :
+         {"precision", "voxels", "voxels_evaluated", "largest_force_N", "oracle_voxels", "oracle_differing",
+          "oracle_largest_error_N", "oracle_relative_error", "exr_bytes", "exr_sha256"})
+        csv.add(column);
+    csv.end();
+    for (const CaseRecord& record : records) {
+        csv.add(record.name);
+        for (const std::string& key : keys) {
+            const auto found = std::find_if(record.parameters.begin(), record.parameters.end(),
+                                            [&](const auto& parameter) { return parameter.first == key; });
+            csv.add(found == record.parameters.end() ? std::string() : found->second);
+        }
+        csv.add(record.precision).add(record.voxels).add(record.evaluated).add(record.largest_force);
+        csv.add(record.error.compared).add(record.error.differing).add(record.error.largest);
+        csv.add(record.error.relative()).add(record.files.front().bytes).add(record.files.front().sha256);
+        csv.end();
+    }
+    return csv.text();
+}
+
+} // namespace
+
+std::size_t write_manifest(const std::filesystem::path& folder, const Study& study, const RunAccount* run) {
+    const std::filesystem::path path = folder / "manifest.json";
+    for (;;) {
+        const std::vector<CaseRecord> records = records_of(folder, study);
+        Json json;
+        json["program"] = version();
+        json["cases_of_study"] = study.cases.size();
+        json["cases_recorded"] = records.size();
+        json["complete"] = records.size() == study.cases.size();
+        json["last_run"] = run ? account(*run) : last_account(path);
+        json["cases"] = Json::array();
+        for (const CaseRecord& record : records)
+            json["cases"].push_back(Json::parse(record_json(record)));
+        write_file_atomically(path, json.dump(2) + "\n");
+        write_file_atomically(folder / "summary.csv", summary(study, records));
+        // Another shard may have ended a case meanwhile, and merged before this did.
+        if (records_of(folder, study).size() == records.size())
+            return records.size();
+    }
+}
+
+} // namespace forceshade

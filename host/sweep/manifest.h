@@ -1,0 +1,27 @@
+// The account of a sweep's folder: manifest.json and summary.csv, made of the records of its cases.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "host/scene/study.h"
+
+namespace forceshade {
+
+/// What a run of the program cost; stands in the manifest only.
+struct RunAccount {
+    std::string engine_device, engine_driver;
+    std::size_t computed = 0;      /* cases */
+    std::size_t kept = 0;          /* cases that were there already */
+    double wall = 0;               /* s */
+    double cpu = 0;                /* s, all cores */
+    double engine = 0;             /* s: uploads, kernels and read-back */
+    double output = 0;             /* s over all encoder threads: encoding, flushing, reading back, hashing */
+    std::uint64_t peak_memory = 0; /* bytes resident */
+};
+
+/// Merges the records of the study's cases, other shards' and earlier runs' too, into manifest.json and summary.csv.
+/// Without `run` the account of the last run is kept. Returns how many cases are recorded. \throws IoError.
+std::size_t write_manifest(const std::filesystem::path& folder, const Study& study, const RunAccount* run);
+
+} // namespace forceshade

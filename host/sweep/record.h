@@ -1,0 +1,53 @@
+// What is known of a finished case: kept beside the volumes, one small JSON file a case, and merged into the manifest.
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "host/engine/engine.h"
+#include "host/io/chunk_sink.h"
+#include "host/validate/oracle_check.h"
+
+namespace forceshade {
+
+struct FileRecord {
+    std::string name; /* in the sweep's folder */
+    std::string sha256;
+    std::uint64_t bytes = 0;
+};
+
+struct CaseRecord {
+    std::string name;
+    std::string fingerprint; /* of everything that decides the bytes: scene, images, program, engine */
+    std::vector<std::pair<std::string, std::string>> parameters; /* what varies */
+    std::string precision;
+    EngineReport engine;
+    std::vector<FileRecord> files; /* the volume first */
+    std::vector<std::string> omitted;
+    std::uint64_t voxels = 0;    /* of the grid */
+    std::uint64_t evaluated = 0; /* by the engine */
+    double largest_force = 0;    /* N */
+    std::array<std::uint64_t, 3> largest_voxel{};
+    OracleError error; /* against the oracle */
+    EngineTimes engine_times;
+    VolumeTimings volume_times;
+};
+
+/// `FOLDER/manifest.d/CASE.json`
+std::filesystem::path record_path(const std::filesystem::path& folder, const std::string& name);
+
+/// \throws IoError.
+void write_record(const std::filesystem::path& folder, const CaseRecord& record);
+
+/// Nothing if there is none or it cannot be understood.
+std::optional<CaseRecord> read_record(const std::filesystem::path& folder, const std::string& name);
+
+/// The record as JSON text, one object.
+std::string record_json(const CaseRecord& record);
+
+} // namespace forceshade

@@ -1,0 +1,50 @@
+// A study evaluated into a folder: finishes what is missing, keeps what is intact, shares the work out among shards.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "host/engine/engine.h"
+#include "host/scene/study.h"
+#include "host/sweep/case_output.h"
+#include "host/sweep/manifest.h"
+
+namespace forceshade {
+
+struct Shard {
+    std::size_t index = 1, count = 1; /* 1-based: "3/8" */
+};
+
+/// \throws UsageError unless the text is I/N with 1 <= I <= N.
+Shard parse_shard(const std::string& text);
+
+/// The shard that Slurm's array variables name, if they are set.
+std::optional<Shard> slurm_shard();
+
+struct SweepOptions {
+    std::filesystem::path folder;
+    std::string only = "*"; /* shell pattern of case names */
+    std::optional<Shard> shard;
+    bool fresh = false; /* compute every chosen case anew */
+    bool quiet = false;
+    AlsoFormats also;
+    unsigned encoders = 0; /* threads; 0: one a core */
+};
+
+struct SweepResult {
+    std::size_t chosen = 0, computed = 0, kept = 0;
+    std::vector<std::string> failures; /* "CASE: why" */
+    int exit_code = 0;                 /* of the failures; 0 without */
+    std::uint64_t differing = 0;       /* voxels of computed cases whose bits are not the oracle's */
+    double largest_relative_error = 0; /* against the oracle in double, over all chosen cases */
+    RunAccount account;
+};
+
+/// Evaluates the chosen cases of a study into `options.folder`, which is made if need be. `engine` is called only if
+/// there is something to compute. \throws UsageError (nothing chosen), IoError, compute::DeviceError, Interrupted.
+/// Whatever was finished stays; running again goes on from there.
+SweepResult run_sweep(const Study& study, const std::function<std::unique_ptr<Engine>()>& engine, bool cpu_engine,
+                      const SweepOptions& options);
+
+} // namespace forceshade

@@ -1,0 +1,55 @@
+#include "host/validate/oracle_check.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include "host/reference/contact.h"
+
+namespace forceshade {
+namespace {
+
+// Voxels compared at most: a fraction of a second on one core.
+constexpr std::uint64_t kBudget = std::uint64_t(1) << 20;
+
+} // namespace
+
+OracleCheck::OracleCheck(const PreparedCase& prepared, Extent extent)
+    : exact_(make_tables<double>(prepared.one.scene, prepared.images, extent)) {
+    if (prepared.one.scene.precision == Precision::f32)
+        single_ = make_tables<float>(prepared.one.scene, prepared.images, extent);
+    const std::uint64_t voxels = std::uint64_t(exact_.x.size()) * exact_.y.size() * exact_.z.size();
+    every_ = std::max<std::uint64_t>(1, (voxels + kBudget - 1) / kBudget);
+}
+
+void OracleCheck::add(const layout::FieldChunk<float>& chunk) {
+    compare(chunk, *single_);
+}
+
+void OracleCheck::add(const layout::FieldChunk<double>& chunk) {
+    compare(chunk, exact_);
+}
+
+template <typename T> void OracleCheck::compare(const layout::FieldChunk<T>& chunk, const FieldTables<T>& same) {
+    const layout::Law<T> law = same.law();
+    const layout::Law<double> exact = exact_.law();
+    for (std::size_t row = 0; row < chunk.z_count * chunk.y_count; ++row) {
+        const std::size_t z = chunk.z_first + row / chunk.y_count, y = chunk.y_first + row % chunk.y_count;
+        if ((z * exact_.y.size() + y) % every_)
+            continue;
+        for (std::size_t x = 0; x < chunk.x_count; ++x) {
+            const T* const force = &chunk.force[3 * (row * chunk.x_pitch + x)];
+            const reference::Vector<T> alike = reference::evaluate(law, {same.x[x], same.y[y], same.z[z]}).force;
+            const reference::Vector<double> truth =
+                reference::evaluate(exact, {exact_.x[x], exact_.y[y], exact_.z[z]}).force;
+            const T bits[3] = {alike.x, alike.y, alike.z};
+            error_.differing += std::memcmp(force, bits, sizeof(bits)) != 0;
+            error_.largest = std::max(error_.largest, std::hypot(double(force[0]) - truth.x, double(force[1]) - truth.y,
+                                                                 double(force[2]) - truth.z));
+            error_.largest_force = std::max(error_.largest_force, std::hypot(truth.x, truth.y, truth.z));
+            ++error_.compared;
+        }
+    }
+}
+
+} // namespace forceshade

@@ -1,0 +1,49 @@
+// An engine held against the oracle in the same precision, the oracle in double, and the closed forms, on every voxel
+// of a case.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "host/engine/engine.h"
+#include "host/field/prepared_case.h"
+
+namespace forceshade {
+
+/// How far a field is from one referee.
+struct Distance {
+    double largest = 0;            /* N: largest |F - F_referee| */
+    std::uint64_t boundary = 0;    /* voxels beyond the bound, but equal to the referee a few ULP away: they fell to the
+                                      other side of a facet's edge */
+    std::uint64_t unexplained = 0; /* voxels beyond the bound without that excuse */
+};
+
+struct Comparison {
+    std::string name;
+    Precision precision = Precision::f32;
+    std::uint64_t voxels = 0;
+    std::uint64_t differing =
+        0; /* voxels any of whose channels differs in a bit from the oracle in the same precision */
+    std::uint64_t largest_ulp =
+        0;                    /* largest distance of a force component from that oracle's, in units in the last place */
+    std::uint64_t beyond = 0; /* voxels whose force is further from that oracle than rounding allows (no software device
+                                 may differ at all) */
+    Distance oracle;          /* from reference<double>; for a run in double that is the same oracle */
+    Distance closed_form;
+    double largest_force = 0; /* N, of the closed form */
+    bool passed = false;
+    std::string first_difference; /* where and what, for the first voxel that fails */
+
+    double relative(const Distance& distance) const { return largest_force > 0 ? distance.largest / largest_force : 0; }
+};
+
+/// Evaluates every voxel (nothing that could be repeated is) and compares. \throws compute::DeviceError, Interrupted.
+Comparison compare_case(Engine& engine, const PreparedCase& prepared, Precision precision);
+
+/// The comparisons as a table for people.
+std::string comparison_table(const std::vector<Comparison>& comparisons);
+
+/// The same as JSON: device, cases, totals.
+std::string comparison_json(const std::vector<Comparison>& comparisons, const EngineReport& engine);
+
+} // namespace forceshade
