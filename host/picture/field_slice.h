@@ -29,7 +29,7 @@ struct MagnitudeSlice {
     std::vector<double> magnitude; /* N */
 };
 
-/// |F| of each sample, without overflow or underflow on the way; NaN or infinite where a component is.
+/// |F| of each sample, without overflow or underflow on the way; NaN where a component is not finite.
 MagnitudeSlice magnitude_of(const FieldSlice& slice);
 
 } // namespace forceshade::picture

@@ -34,8 +34,10 @@ std::array<double, 3> force_at(const layout::FieldChunk<real>& chunk, std::uint6
     return {static_cast<double>(force[0]), static_cast<double>(force[1]), static_cast<double>(force[2])};
 }
 
+// The library's hypot of three says 0 for (0, 0, NaN), which would pass as free space.
 double length(const std::array<double, 3>& f) {
-    return std::hypot(f[0], f[1], f[2]);
+    const bool finite = std::isfinite(f[0]) && std::isfinite(f[1]) && std::isfinite(f[2]);
+    return finite ? std::hypot(f[0], f[1], f[2]) : kMissing;
 }
 
 } // namespace

@@ -91,7 +91,12 @@ TEST(Picture, SaysWhereThereIsNoForceOrNoNumber) {
     EXPECT_TRUE(says(draw_arrows("", nothing.xz), "no force in this slice"));
     const test::Case& broken = case_named("broken");
     const test::Slices some = test::collect(broken.grid, broken.law, true);
-    EXPECT_TRUE(says(draw_arrows("", some.xz), "not a finite number (2590 of 32768 samples)"));
+    EXPECT_TRUE(says(draw_arrows("", some.xz), "not a finite number (4480 of 32768 samples)"));
+    const test::Case& hopeless = case_named("all_broken");
+    const test::Slices none = test::collect(hopeless.grid, hopeless.law);
+    EXPECT_TRUE(says(draw_mosaic("", none.tiles), "not a finite number (64 of 64 samples)"));
+    EXPECT_TRUE(says(draw_arrows("", none.xz), "not a finite number (16 of 16 samples)"));
+    EXPECT_FALSE(says(draw_arrows("", none.xz), "no force"));
 }
 
 TEST(Picture, SameInputSameBytesInAnyLocale) {
@@ -141,6 +146,23 @@ TEST(Raster, MarksWhatIsNoNumber) {
     const auto pixels = rasterise(slice, 16, 16, 1);
     EXPECT_NE(std::find(pixels.begin(), pixels.end(), packed(kNonFiniteColours[0])), pixels.end());
     EXPECT_NE(std::find(pixels.begin(), pixels.end(), packed(kNonFiniteColours[1])), pixels.end());
+}
+
+TEST(Raster, NoComponentHidesWhatIsNoNumber) {
+    const double nan = std::numeric_limits<double>::quiet_NaN(), infinity = std::numeric_limits<double>::infinity();
+    for (const double bad : {nan, infinity, -infinity})
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            for (const double other : {0.0, 1.0}) {
+                FieldSlice slice{{{0}, {0}, 1, 1, 1, 0}, {{other, other, other}}};
+                slice.force[0][axis] = bad;
+                EXPECT_EQ(take_census(magnitude_of(slice).magnitude).non_finite, 1U) << bad << " in " << axis;
+            }
+}
+
+TEST(Raster, MagnitudesNeitherOverflowNorVanish) {
+    const FieldSlice slice{{{0, 1}, {0}, 1, 1, 1, 0}, {{3e300, 0, 4e300}, {3e-310, 4e-310, 0}}};
+    EXPECT_DOUBLE_EQ(magnitude_of(slice).magnitude[0], 5e300);
+    EXPECT_NEAR(magnitude_of(slice).magnitude[1], 5e-310, 1e-320);
 }
 
 TEST(Raster, EverySampleGetsItsShareOfPixels) {
