@@ -191,6 +191,24 @@ void add_to_order(std::size_t key, std::vector<std::size_t>& order) {
             order.push_back(other);
 }
 
+// A function or file that only variants give comes first in its table: the resolved text may not be able to mention it
+// in its base, which lists every other key. A texture shows in names by its function, even if it is all defaults.
+void add_function_of_variants(std::string_view table, const std::vector<const Layer*>& layers,
+                              std::vector<std::size_t>& order) {
+    const int function = find_key(fmt::format("{}.function", table));
+    if (function < 0)
+        return;
+    const auto key = static_cast<std::size_t>(function);
+    const auto gives = [key](const Layer* layer) {
+        const auto same = [key](const Entry& entry) { return entry.key == key || replaces(key, entry.key); };
+        return std::any_of(layer->entries.begin(), layer->entries.end(), same);
+    };
+    const auto variants = layers.begin() + 2; // after the base and the overrides
+    const bool wanted = table == "texture" || std::any_of(variants, layers.end(), gives);
+    if (wanted && std::none_of(layers.begin(), variants, gives))
+        add_to_order(key, order);
+}
+
 std::vector<std::size_t> name_order(const Document& document) {
     std::vector<const Layer*> layers{&document.base, &document.overrides};
     for (const Layer& variant : document.variants)
@@ -201,18 +219,20 @@ std::vector<std::size_t> name_order(const Document& document) {
             if (const auto table = schema_keys()[entry.key].table;
                 std::find(tables.begin(), tables.end(), table) == tables.end())
                 tables.push_back(table);
+    if (std::any_of(layers.begin(), layers.end(), [](const Layer* layer) { return layer->texture; }) &&
+        std::find(tables.begin(), tables.end(), "texture") == tables.end())
+        tables.emplace_back("texture");
     // A texture that only variants have comes last: the resolved text cannot mention it in its base.
     if (!document.base.texture && !document.overrides.texture)
         std::stable_partition(tables.begin(), tables.end(), [](std::string_view table) { return table != "texture"; });
     std::vector<std::size_t> order;
-    for (const std::string_view table : tables)
+    for (const std::string_view table : tables) {
+        add_function_of_variants(table, layers, order);
         for (const Layer* layer : layers)
             for (const Entry& entry : layer->entries)
                 if (schema_keys()[entry.key].table == table)
                     add_to_order(entry.key, order);
-    // A texture that only some variants have shows in their names, even if it is all defaults.
-    if (std::any_of(layers.begin(), layers.end(), [](const Layer* layer) { return layer->texture; }))
-        add_to_order(static_cast<std::size_t>(find_key("texture.function")), order);
+    }
     return order;
 }
 

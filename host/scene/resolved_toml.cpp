@@ -146,10 +146,11 @@ private:
             return std::any_of(entries.begin(), entries.end(),
                                [key](const Entry& entry) { return entry.key == key || replaces(entry.key, key); });
         };
+        const std::vector<Forms> forms = possible_forms(merge({&document_.base, &variant, &document_.overrides}));
         bool texture = false;
         for (const Entry& entry : variant.entries) {
             const Key& key = schema_keys()[entry.key];
-            if (overridden(entry.key) || !applies_to_any(key, forms_))
+            if (overridden(entry.key) || !applies_to_any(key, forms))
                 continue;
             texture = texture || key.table == "texture";
             writer_.add_dotted(key.path(), literal(key, entry));

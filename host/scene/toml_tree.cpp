@@ -13,6 +13,7 @@ namespace {
 
 constexpr std::size_t kLargestText = std::size_t{16} << 20; // bytes; a study is a page or two
 constexpr int kMostKeyDots = 32;
+constexpr int kDeepest = 16;
 
 Location location(const toml::source_position& position) {
     return {position.line, position.column};
@@ -41,24 +42,27 @@ void refuse_deep_keys(std::string_view text, const std::string& source) {
     }
 }
 
-TomlNode convert(const toml::node& node);
+TomlNode convert(const toml::node& node, const std::string& source, int depth);
 
-void convert_members(const toml::table& table, TomlNode& result) {
+void convert_members(const toml::table& table, TomlNode& result, const std::string& source, int depth) {
     for (const auto& [key, value] : table)
-        result.members.push_back({std::string(key.str()), location(key.source().begin), convert(value)});
+        result.members.push_back(
+            {std::string(key.str()), location(key.source().begin), convert(value, source, depth + 1)});
     std::sort(result.members.begin(), result.members.end(),
               [](const TomlMember& a, const TomlMember& b) { return a.where < b.where; });
 }
 
-TomlNode convert(const toml::node& node) {
+TomlNode convert(const toml::node& node, const std::string& source, int depth) {
     TomlNode result;
     result.where = location(node.source().begin);
+    if (depth > kDeepest)
+        fail(source, result.where, "tables or lists nested this deep are none of this schema's");
     if (const auto* table = node.as_table()) {
-        convert_members(*table, result);
+        convert_members(*table, result, source, depth);
     } else if (const auto* array = node.as_array()) {
         result.type = TomlNode::Type::array;
         for (const toml::node& item : *array)
-            result.items.push_back(convert(item));
+            result.items.push_back(convert(item, source, depth + 1));
     } else if (const auto* string = node.as_string()) {
         result.type = TomlNode::Type::string;
         result.text = string->get();
@@ -104,7 +108,7 @@ TomlNode parse_toml(std::string_view text, const std::string& source) {
         fail(source, {1, 1}, "the text is UTF-16; save it as UTF-8");
     refuse_deep_keys(text, source);
     try {
-        return convert(toml::parse(text, std::string_view(source)));
+        return convert(toml::parse(text, std::string_view(source)), source, 0);
     } catch (const toml::parse_error& error) {
         fail(source, location(error.source().begin), std::string(error.description()));
     }
