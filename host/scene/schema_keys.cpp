@@ -84,6 +84,9 @@ void add_surface(std::vector<Key>& keys) {
                     .subject = Subject::surface,
                     .forms = kFormBumps | kFormCircular | kFormMapGaussian,
                     .sign = Sign::positive});
+}
+
+void add_facets(std::vector<Key>& keys) {
     keys.push_back(
         {.table = "surface",
          .name = "facets",
@@ -307,6 +310,7 @@ void add_output(std::vector<Key>& keys) {
 std::vector<Key> make_keys() {
     std::vector<Key> keys;
     add_surface(keys);
+    add_facets(keys);
     add_map(keys, "surface", Subject::surface, "\"cylinder\"", "\"1 mm\"",
             {[](Scene& s, const Value& v) { s.surface.map.function = choice<MapFunction>(v); },
              [](Scene& s, const Value& v) { set_file(s.surface.map, v); },
