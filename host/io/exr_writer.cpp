@@ -185,14 +185,13 @@ void VolumeWriter::State::throw_if_refused() const {
     }
 }
 
-// OpenEXR writes the blocks' offsets from destructors, which swallow what goes wrong: the stream remembers it.
+// OpenEXR writes the blocks' offsets from destructors, which swallow what goes wrong; but after a failure the file
+// cannot be flushed or published any more.
 void VolumeWriter::State::close() {
     flush_group();
     for (PartRows& rows : parts)
         rows.output.reset();
     output.reset();
-    if (stream.failure())
-        throw IoError(*stream.failure());
 }
 
 void VolumeWriter::State::read_back() {

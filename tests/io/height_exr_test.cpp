@@ -90,6 +90,12 @@ TEST(HeightExr, covers_the_display_window) {
                 EXPECT_EQ(image.samples[static_cast<std::size_t>(row * 6 + column)],
                           x >= 0 && y <= 12 ? ramp(x, y) : 0.0);
             }
+        kind.data = {{-5, 2}, {8, 19}}; // overscan all round
+        write_exr(folder / "u.exr", {{"Y", {Imf::FLOAT, ramp}}}, kind);
+        const HeightImage overscanned = read_height_image(folder / "u.exr");
+        ASSERT_EQ(overscanned.samples.size(), 30u);
+        for (int i = 0; i < 30; ++i)
+            EXPECT_EQ(overscanned.samples[static_cast<std::size_t>(i)], ramp(i % 6 - 2, i / 6 + 10));
         kind.data = {{100, 100}, {101, 101}}; // nothing of it is seen
         write_exr(folder / "u.exr", {{"Y", {Imf::FLOAT, ramp}}}, kind);
         EXPECT_EQ(read_height_image(folder / "u.exr").samples, std::vector<double>(30, 0.0));

@@ -59,6 +59,25 @@ TEST(DamagedVolume, is_noticed_wherever_it_was_cut) {
     EXPECT_FALSE(volume_is_intact(sound.path, sound.sha256));
 }
 
+// OpenEXR would allocate what the header announces.
+TEST(DamagedVolume, is_refused_before_it_costs_memory) {
+    const Sound sound(1);
+    const auto refusal_of = [&](const std::string& name, std::size_t offset, std::uint32_t value) {
+        std::string bytes = sound.bytes;
+        bytes.replace(bytes.find(name) + name.size() + offset, sizeof value, reinterpret_cast<const char*>(&value), 4);
+        write_file_atomically(sound.path, bytes);
+        return testing::message_of<IoError>([&] { read_all(sound.path); });
+    };
+    using namespace std::string_literals;
+    EXPECT_NE(refusal_of("forceshade.scene\0string\0"s, 0, 0x7fffffff).find("an attribute is larger than the file"),
+              std::string::npos);
+    EXPECT_NE(refusal_of("dataWindow\0box2i\0"s, 4 + 12, 0x3ffffff0).find("too short for the pixels"),
+              std::string::npos);
+    EXPECT_NE(refusal_of("dataWindow\0box2i\0"s, 4 + 8, 0x3ffffff0).find("more than 1 GiB"), std::string::npos);
+    EXPECT_NE(refusal_of("forceshade.grid\0v3i\0"s, 4 + 8, 0x3ffffff0).find("no volume of this program"),
+              std::string::npos);
+}
+
 TEST(DamagedVolume, never_does_more_than_throw_io_errors) {
     for (const std::uint32_t channels : {1u, kAllChannels}) {
         const Sound sound(channels);
