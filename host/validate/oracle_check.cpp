@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <limits>
 
+#include "host/norm.h"
 #include "host/reference/contact.h"
 
 namespace forceshade {
@@ -44,9 +46,9 @@ template <typename T> void OracleCheck::compare(const layout::FieldChunk<T>& chu
                 reference::evaluate(exact, {exact_.x[x], exact_.y[y], exact_.z[z]}).force;
             const T bits[3] = {alike.x, alike.y, alike.z};
             error_.differing += std::memcmp(force, bits, sizeof(bits)) != 0;
-            error_.largest = std::max(error_.largest, std::hypot(double(force[0]) - truth.x, double(force[1]) - truth.y,
-                                                                 double(force[2]) - truth.z));
-            error_.largest_force = std::max(error_.largest_force, std::hypot(truth.x, truth.y, truth.z));
+            const double off = norm(double(force[0]) - truth.x, double(force[1]) - truth.y, double(force[2]) - truth.z);
+            error_.largest = std::isnan(off) ? std::numeric_limits<double>::infinity() : std::max(error_.largest, off);
+            error_.largest_force = std::max(error_.largest_force, norm(truth.x, truth.y, truth.z));
             ++error_.compared;
         }
     }

@@ -13,6 +13,7 @@
 
 #include "host/brute/referee.h"
 #include "host/interrupt.h"
+#include "host/norm.h"
 #include "host/reference/contact.h"
 #include "host/validate/force_bound.h"
 #include "host/validate/ulp.h"
@@ -23,7 +24,7 @@ namespace {
 using Force = std::array<double, 3>;
 
 double distance(const Force& a, const Force& b) {
-    return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
+    return norm(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
 }
 
 template <typename T> Force to_force(const reference::Vector<T>& vector) {
@@ -115,7 +116,7 @@ private:
         };
         const brute::Column& column = columns_[(alike_ ? 0 : at.y - columns_y_) * exact_.x.size() + at.x];
         const Force truth = to_double(referee_.at(column, exact_.z[at.z]));
-        partial.largest_force = std::max(partial.largest_force, std::hypot(truth[0], truth[1], truth[2]));
+        partial.largest_force = std::max(partial.largest_force, norm(truth[0], truth[1], truth[2]));
         judge(force, at, truth, closed_form, partial, partial.closed_form, "the closed form");
     }
 

@@ -1,0 +1,149 @@
+// Work round closed loops: which fields are conservative, and how much the others give.
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "tests/unit/laws.h"
+
+namespace forceshade::test {
+namespace {
+
+struct Loop {
+    double work, turnover; /* J */
+};
+
+Loop round(const OwnedLaw<double>& law, const std::vector<Point>& corners) {
+    Loop loop{};
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+        const Point from = corners[i], to = corners[(i + 1) % corners.size()];
+        loop.work += work(law, from, to);
+        loop.turnover += turnover(law, from, to);
+    }
+    return loop;
+}
+
+// Out along x at depth d1, up, back at d2, down: the rectangle of the energy formula.
+std::vector<Point> rectangle(double x, double d1, double d2) {
+    return {{0, -d1}, {x, -d1}, {x, -d2}, {0, -d2}};
+}
+
+constexpr double kStiffness = 500;                                  /* N/m */
+constexpr double kD1 = 0.002, kD2 = 0.001, kX = 0.999 * kHalfWidth; /* m */
+
+double closed_form(double radius) {
+    return kStiffness * (kD1 - kD2) * kX * kX / (2 * radius) +
+           0.5 * kStiffness * (kD1 * kD1 - kD2 * kD2) * (std::sqrt(1 - (kX / radius) * (kX / radius)) - 1);
+}
+
+TEST(Energy, CylinderOnPlaneIsConservative) {
+    for (const double radius : kRadii) {
+        const OwnedLaw<double> law(cylinder_bump(radius));
+        // Within both solids, where the force is smooth.
+        const Loop inside = round(law, {{-0.004, -0.003}, {0.005, -0.002}, {0.003, -0.0005}, {-0.002, -0.001}});
+        EXPECT_LT(std::abs(inside.work), 1e-12 * inside.turnover);
+        // Half above the plane: the corners lie on z = 0, so that no piece has a kink.
+        const Loop across =
+            round(law, {{-0.004, -0.002}, {0.004, -0.002}, {0.004, 0}, {0.002, 0.001}, {-0.002, 0.001}, {-0.004, 0}});
+        EXPECT_LT(std::abs(across.work), 1e-9 * across.turnover);
+    }
+}
+
+TEST(Energy, ShadedPlaneGivesTheClosedForm) {
+    const double printed_mJ[] = {2.3061, 1.4841, 1.0823};
+    for (int i = 0; i < 3; ++i) {
+        Scene scene = bump(kRadii[i], 1, Shading::reference);
+        scene.force.stiffness = kStiffness;
+        const Loop loop = round(OwnedLaw<double>(scene), rectangle(kX, kD1, kD2));
+        EXPECT_NEAR(loop.work * 1e3, printed_mJ[i], 5e-5);
+        EXPECT_NEAR(loop.work / closed_form(kRadii[i]), 1, 1e-9);
+    }
+}
+
+TEST(Energy, HeightMapOnPlaneGivesTheSame) {
+    for (const double radius : kRadii) {
+        HeightMapSpec map;
+        map.function = MapFunction::cylinder;
+        map.width = 2 * kHalfWidth;
+        map.radius = radius;
+        Scene scene = height_map(map);
+        scene.force.stiffness = kStiffness;
+        const Loop loop = round(OwnedLaw<double>(scene), rectangle(kX, kD1, kD2));
+        EXPECT_NEAR(loop.work / closed_form(radius), 1, 1e-9);
+    }
+}
+
+TEST(Energy, ShareOfTheTurnover) {
+    const double printed[] = {0.25, 0.24, 0.22};
+    for (int i = 0; i < 3; ++i) {
+        const Loop loop = round(OwnedLaw<double>(bump(kRadii[i], 1, Shading::reference)), rectangle(kX, kD1, kD2));
+        EXPECT_NEAR(loop.work / loop.turnover, printed[i], 0.005);
+    }
+}
+
+TEST(Energy, UnshadedPlaneGivesNone) {
+    const Loop loop = round(OwnedLaw<double>(bump(kRadii[0], 1)), rectangle(kX, kD1, kD2));
+    EXPECT_LT(std::abs(loop.work), 1e-15 * loop.turnover);
+}
+
+// Out along the polygon at depth d1, back at d2, over the middle vertex of four facets.
+TEST(Energy, EachBreakOfUnshadedFacetsGives) {
+    for (const DepthReading depth : {DepthReading::vertical, DepthReading::normal}) {
+        Scene scene = bump(kRadii[0], 4);
+        scene.force.stiffness = kStiffness;
+        scene.force.depth = depth;
+        const OwnedLaw<double> law(scene);
+        const double vertex = law.tables.facet_vertices[3], left = vertex - 0.002, right = vertex + 0.002;
+        const auto facet = [&](double x) { return reference::column_at(law.tables.law(), x, 0.0).facet; };
+        const auto below = [&](double x, double d) { return Point{x, facet(x).height - d}; };
+        // Lines stop short of the vertex by nothing: the facet right of it begins at the vertex itself.
+        double sum = 0;
+        const double before = std::nextafter(vertex, 0.0);
+        sum += work(law, below(left, kD1), below(before, kD1)) + work(law, below(vertex, kD1), below(right, kD1));
+        sum += work(law, below(right, kD1), below(right, kD2));
+        sum += work(law, below(right, kD2), below(vertex, kD2)) + work(law, below(before, kD2), below(left, kD2));
+        sum += work(law, below(left, kD2), below(left, kD1));
+        const double power = depth == DepthReading::vertical ? 1 : 2;
+        const double gain = std::pow(facet(right).normal_z, power) - std::pow(facet(left).normal_z, power);
+        // At constant vertical depth the normal reading's d^2 shrinks by one more cosine, which the exponent holds.
+        EXPECT_NEAR(sum, 0.5 * kStiffness * gain * (kD1 * kD1 - kD2 * kD2), 1e-9 * std::abs(sum) + 1e-15);
+        EXPECT_GT(std::abs(sum), 1e-6);
+    }
+}
+
+TEST(Energy, CurlOfTheShadedPlane) {
+    for (const double radius : kRadii) {
+        const OwnedLaw<double> law(bump(radius, 1, Shading::reference));
+        const double k = law.tables.params.stiffness;
+        for (const double x : {-0.009, -0.003, 0.0, 0.004, 0.01}) {
+            const double z = -0.0017, step = 1e-6;
+            const double dfx_dz = (law(x, 0, z + step).force.x - law(x, 0, z - step).force.x) / (2 * step);
+            const double dfz_dx = (law(x + step, 0, z).force.z - law(x - step, 0, z).force.z) / (2 * step);
+            const double normal_x = x / radius, dnz_dx = -x / (radius * radius * std::sqrt(1 - normal_x * normal_x));
+            EXPECT_NEAR(dfx_dz - dfz_dx, -k * normal_x + k * z * dnz_dx, 1e-6 * k);
+        }
+    }
+}
+
+TEST(Energy, StiffnessAtTheJunction) {
+    // Eigenvalues K (1 +- cos gamma), gamma the angle between the two normals.
+    const double printed[] = {1.55, 1.87, 1.93};
+    for (int i = 0; i < 3; ++i) {
+        const OwnedLaw<double> law(cylinder_bump(kRadii[i]));
+        const double k = law.tables.params.stiffness, step = 1e-8;
+        const double x = kHalfWidth - 1e-6, z = -1e-6; // just inside both solids at the edge
+        const auto along = [&](double dx, double dz) {
+            const auto plus = law(x + dx * step, 0, z + dz * step).force,
+                       minus = law(x - dx * step, 0, z - dz * step).force;
+            return std::array<double, 2>{-(plus.x - minus.x) / (2 * step), -(plus.z - minus.z) / (2 * step)};
+        };
+        const auto column_x = along(1, 0), column_z = along(0, 1);
+        const double mean = (column_x[0] + column_z[1]) / 2;
+        const double half = std::hypot((column_x[0] - column_z[1]) / 2, (column_x[1] + column_z[0]) / 2);
+        EXPECT_NEAR((mean + half) / k, printed[i], 0.006);
+        EXPECT_NEAR((mean + half) / k, 1 + std::cos(std::asin(kHalfWidth / kRadii[i])), 2e-3);
+        EXPECT_NEAR(column_x[1] / k, column_z[0] / k, 1e-5) << "a conservative field's stiffness is symmetric";
+    }
+}
+
+} // namespace
+} // namespace forceshade::test

@@ -1,0 +1,60 @@
+// What a scene switches on, and what it leaves out.
+#include <algorithm>
+
+#include <gtest/gtest.h>
+
+#include "tests/unit/laws.h"
+
+namespace forceshade::test {
+namespace {
+
+bool mentions(const std::vector<std::string>& omitted, const std::string& what) {
+    return std::any_of(omitted.begin(), omitted.end(),
+                       [&](const std::string& phrase) { return phrase.find(what) != std::string::npos; });
+}
+
+TEST(Tables, AFieldThatDoesNotDependOnYIsEvaluatedOnce) {
+    Scene scene = bump(kRadii[0], 2);
+    scene.grid.size = {8, 6, 4};
+    EXPECT_EQ(make_tables<float>(scene, {}, Extent::what_varies).y.size(), 1u);
+    EXPECT_EQ(make_tables<float>(scene, {}, Extent::everything).y.size(), 6u);
+    scene.output.channels = layout::kChannelForce | layout::kChannelProxy;
+    EXPECT_EQ(make_tables<float>(scene, {}, Extent::what_varies).y.size(), 6u) << "a proxy has the probe's y";
+    scene.output.channels = layout::kChannelForce;
+    scene.texture = TextureSpec{100, {}};
+    EXPECT_EQ(make_tables<float>(scene, {}, Extent::what_varies).y.size(), 1u) << "a cylinder does not depend on y";
+    scene.texture->map.function = MapFunction::gaussian;
+    EXPECT_EQ(make_tables<float>(scene, {}, Extent::what_varies).y.size(), 6u);
+}
+
+TEST(Tables, AxesAreRoundedOnce) {
+    Scene scene = bump(kRadii[0], 2);
+    scene.grid.size = {1000, 1, 1};
+    scene.grid.origin = {1000, 0, 0};
+    scene.grid.spacing = {1e-4, 1e-4, 1e-4};
+    const auto tables = make_tables<float>(scene, {}, Extent::everything);
+    for (std::size_t i = 0; i < 1000; ++i)
+        EXPECT_EQ(tables.x[i], static_cast<float>(1000 + 1e-4 * static_cast<double>(i)));
+}
+
+TEST(Tables, OnlyWhatTheSceneUsesIsSwitchedOn) {
+    Scene scene = bump(kRadii[0], 2);
+    scene.grid.size = {8, 6, 4};
+    EXPECT_TRUE(mentions(omissions(scene), "shading"));
+    EXPECT_TRUE(mentions(omissions(scene), "texture"));
+    EXPECT_TRUE(mentions(omissions(scene), "5 of 6 y samples"));
+    scene.force.shading = Shading::reference;
+    scene.texture = TextureSpec{100, {}};
+    EXPECT_FALSE(mentions(omissions(scene), "shading"));
+    EXPECT_FALSE(mentions(omissions(scene), "texture"));
+    scene.texture->stiffness = 0;
+    EXPECT_TRUE(mentions(omissions(scene), "texture")) << "a texture without stiffness is none";
+    scene.force.reference = ReferenceDirection::radial;
+    EXPECT_EQ(features_of(scene).reference, layout::kReferenceRadial);
+    scene.force.shading = Shading::none;
+    EXPECT_EQ(features_of(scene).reference, layout::kReferenceNormal) << "without shading no direction is borrowed";
+    EXPECT_TRUE(make_tables<float>(height_map({}), {}, Extent::everything).facet_vertices.empty());
+}
+
+} // namespace
+} // namespace forceshade::test
