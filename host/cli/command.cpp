@@ -3,9 +3,8 @@
 #include <algorithm>
 #include <cstdio>
 
-#include <fmt/format.h>
-
 #include "host/error.h"
+#include "host/remark.h"
 
 namespace forceshade {
 
@@ -31,7 +30,7 @@ std::vector<Override> overrides(const CommonOptions& common) {
 void print_warnings(const std::vector<std::string>& warnings, const CommonOptions& common) {
     if (!common.quiet)
         for (const std::string& warning : warnings)
-            fmt::print(stderr, "warning: {}\n", warning);
+            remark("warning: {}\n", warning);
 }
 
 Study load_study(const std::string& path, const CommonOptions& common) {

@@ -3,6 +3,7 @@
 
 #include "host/cli/command.h"
 #include "host/error.h"
+#include "host/remark.h"
 #include "host/sweep/case_pipeline.h"
 
 namespace forceshade {
@@ -35,11 +36,10 @@ int run(const FieldArguments& arguments, const CommonOptions& common) {
         std::rethrow_exception(outcome.error);
     const CaseRecord& record = outcome.record;
     if (!common.quiet)
-        fmt::print(stderr,
-                   "{}: {} voxels ({} evaluated) on {}, largest force {:.4g} N, error against the oracle in double "
-                   "precision {:.2g} of it\n",
-                   arguments.out, record.voxels, record.evaluated, record.engine.device, record.largest_force,
-                   record.error.relative());
+        remark("{}: {} voxels ({} evaluated) on {}, largest force {:.4g} N, error against the oracle in double "
+               "precision {:.2g} of it\n",
+               arguments.out, record.voxels, record.evaluated, record.engine.device, record.largest_force,
+               record.error.relative());
     if (common.json)
         print_data(record_json(record) + "\n");
     return 0;

@@ -4,6 +4,7 @@
 
 #include "compute/device.h"
 #include "host/cli/command.h"
+#include "host/remark.h"
 
 namespace forceshade {
 namespace {
@@ -46,8 +47,8 @@ int run(const CommonOptions& common) {
     // Without any flag this is the device that a run would take; it throws where there is none.
     const compute::DeviceReport& chosen = compute::choose_device(devices, common.gpu, common.precision == "f64");
     if (!common.quiet)
-        fmt::print(stderr, "a run {} takes {} ({})\n", common.gpu.empty() ? "without --gpu" : "with this --gpu",
-                   chosen.index, chosen.name);
+        remark("a run {} takes {} ({})\n", common.gpu.empty() ? "without --gpu" : "with this --gpu", chosen.index,
+               chosen.name);
     return 0;
 }
 

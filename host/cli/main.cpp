@@ -1,9 +1,12 @@
 // The command line. Every error ends here: one line on stderr and an exit code.
-#include <cstdio>
+#include <csignal>
+#include <filesystem>
 #include <new>
+#include <sstream>
+
+#include <fcntl.h>
 
 #include <CLI/CLI.hpp>
-#include <fmt/format.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
@@ -11,6 +14,7 @@
 #include "host/cli/command.h"
 #include "host/error.h"
 #include "host/interrupt.h"
+#include "host/remark.h"
 #include "host/version.h"
 
 namespace {
@@ -53,29 +57,45 @@ int parse_and_run(int argc, char** argv) {
     try {
         program.parse(argc, argv);
     } catch (const CLI::ParseError& error) {
-        return program.exit(error) == 0 ? 0 : static_cast<int>(ExitCode::usage);
+        std::ostringstream data, complaint;
+        const bool asked_for = program.exit(error, data, complaint) == 0;
+        remark("{}", complaint.str());
+        print_data(data.str());
+        return asked_for ? 0 : static_cast<int>(ExitCode::usage);
     }
     spdlog::set_level(common.quiet ? spdlog::level::err : spdlog::level::info);
     return command();
 }
 
+// A stream that the caller has closed would be taken by the first file opened, and that file get its text.
+void occupy_closed_streams() {
+    for (const int descriptor : {0, 1, 2})
+        if (::fcntl(descriptor, F_GETFD) < 0)
+            ::open("/dev/null",
+                   descriptor == 2 ? O_WRONLY : O_RDONLY); // writing data to stdout then fails, and says so
+}
+
 int complain(const char* message, ExitCode code) {
-    fmt::print(stderr, "error: {}\n", message);
+    remark("error: {}\n", message);
     return static_cast<int>(code);
 }
 
 } // namespace
 
 int main(int argc, char** argv) {
+    occupy_closed_streams();
     spdlog::set_default_logger(spdlog::stderr_color_mt("forceshade"));
     spdlog::set_pattern("%v");
     catch_interrupts();
+    std::signal(SIGXFSZ, SIG_IGN); // a file size limit is to be an error with a message
     try {
         return parse_and_run(argc, argv);
     } catch (const Error& error) {
         return complain(error.what(), error.code());
     } catch (const compute::DeviceError& error) {
         return complain(error.what(), ExitCode::no_device);
+    } catch (const std::filesystem::filesystem_error& error) {
+        return complain(error.what(), ExitCode::io);
     } catch (const std::bad_alloc&) {
         return complain("out of memory", ExitCode::failed);
     } catch (const std::exception& error) {

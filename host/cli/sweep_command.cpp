@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/cli/command.h"
+#include "host/remark.h"
 #include "host/sweep/progress.h"
 #include "host/sweep/sweep.h"
 
@@ -33,16 +34,14 @@ std::string as_json(const SweepResult& result, const SweepOptions& options) {
 }
 
 void print_outcome(const SweepResult& result, const SweepOptions& options) {
-    fmt::print(stderr, "{} cases: {} computed{}, {} kept from before{}\n", result.chosen, result.computed,
-               result.computed
-                   ? fmt::format(" on {} in {}", result.account.engine_device, clock_text(result.account.wall))
-                   : "",
-               result.kept, result.failures.empty() ? "" : fmt::format(", {} failed", result.failures.size()));
-    fmt::print(stderr, "largest error against the oracle in double precision: {:.2g} of the largest force\n",
-               result.largest_relative_error);
-    fmt::print(stderr, "look at {} (a row a case), {} (everything known), {}\n",
-               (options.folder / "summary.csv").string(), (options.folder / "manifest.json").string(),
-               (options.folder / "*.exr").string());
+    remark("{} cases: {} computed{}, {} kept from before{}\n", result.chosen, result.computed,
+           result.computed ? fmt::format(" on {} in {}", result.account.engine_device, clock_text(result.account.wall))
+                           : "",
+           result.kept, result.failures.empty() ? "" : fmt::format(", {} failed", result.failures.size()));
+    remark("largest error against the oracle in double precision: {:.2g} of the largest force\n",
+           result.largest_relative_error);
+    remark("look at {} (a row a case), {} (everything known), {}\n", (options.folder / "summary.csv").string(),
+           (options.folder / "manifest.json").string(), (options.folder / "*.exr").string());
 }
 
 int run(const SweepArguments& arguments, const CommonOptions& common) {
@@ -63,7 +62,7 @@ int run(const SweepArguments& arguments, const CommonOptions& common) {
     if (!common.quiet)
         print_outcome(result, options);
     for (const std::string& failure : result.failures)
-        fmt::print(stderr, "error: {}\n", failure);
+        remark("error: {}\n", failure);
     if (common.json)
         print_data(as_json(result, options));
     return result.exit_code;

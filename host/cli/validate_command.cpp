@@ -4,6 +4,7 @@
 
 #include "host/cli/command.h"
 #include "host/error.h"
+#include "host/remark.h"
 #include "host/sweep/progress.h"
 #include "host/validate/validate.h"
 
@@ -23,7 +24,7 @@ std::vector<Precision> precisions(const CommonOptions& common, const EngineRepor
     if (engine.f64)
         return {Precision::f32, Precision::f64};
     if (!common.quiet)
-        fmt::print(stderr, "{} has no double precision: only f32 is validated\n", engine.device);
+        remark("{} has no double precision: only f32 is validated\n", engine.device);
     return {Precision::f32};
 }
 
@@ -61,7 +62,7 @@ int run(const ValidateArguments& arguments, const CommonOptions& common) {
     if (!common.json)
         print_data(fmt::format("{} voxels, {} differ\n", voxels, differing));
     if (!passed && !common.quiet)
-        fmt::print(stderr, "a bound was exceeded on {}\n", engine->report().device);
+        remark("a bound was exceeded on {}\n", engine->report().device);
     return passed ? 0 : 1;
 }
 

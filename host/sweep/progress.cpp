@@ -8,7 +8,7 @@
 
 #include <sys/ioctl.h>
 
-#include <fmt/format.h>
+#include "host/remark.h"
 
 namespace forceshade {
 namespace {
@@ -39,14 +39,14 @@ Progress::~Progress() {
 
 void Progress::clear() {
     if (std::exchange(drawn_, false))
-        fmt::print(stderr, "\r\033[K");
+        remark("\r\033[K");
 }
 
 void Progress::say(const std::string& line) {
     if (quiet_)
         return;
     clear();
-    fmt::print(stderr, "{}\n", line);
+    remark("{}\n", line);
 }
 
 void Progress::update(std::size_t done, const std::string& now) {
@@ -63,17 +63,17 @@ void Progress::update(std::size_t done, const std::string& now) {
     const std::string tail = last ? fmt::format("{}/{} {} in {}", done, total_, what_, clock_text(elapsed))
                                   : fmt::format("{}/{} {}, {} left  {}", done, total_, what_, clock_text(left), now);
     if (!terminal_) {
-        fmt::print(stderr, "{}\n", tail);
+        remark("{}\n", tail);
         return;
     }
     constexpr std::size_t kBar = 24;
     const std::size_t filled = done * kBar / total_;
     std::string line = fmt::format("[{:=<{}}{:<{}}] {}", "", filled, "", kBar - filled, tail);
     line.resize(std::min(line.size(), terminal_width() - 1));
-    fmt::print(stderr, "\r\033[K{}", line);
+    remark("\r\033[K{}", line);
     drawn_ = true;
     if (last) {
-        fmt::print(stderr, "\n");
+        remark("\n");
         drawn_ = false;
     }
 }
