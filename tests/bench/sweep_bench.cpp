@@ -1,0 +1,114 @@
+// The default sweep's wall time against what bounds it: kernels and read-back alone, output alone, and all processor
+// time spread over the cores.
+#include <filesystem>
+#include <thread>
+
+#include <benchmark/benchmark.h>
+#include <unistd.h>
+
+#include "host/sweep/case_pipeline.h"
+#include "host/sweep/chunk_queue.h"
+#include "host/sweep/machine.h"
+#include "host/sweep/sweep.h"
+#include "tests/bench/measure.h"
+
+namespace forceshade::bench {
+namespace {
+
+// Hands out again what another engine evaluated, so that output can be timed alone.
+class ReplayEngine final : public Engine {
+public:
+    explicit ReplayEngine(Engine& engine) : engine_(engine) {}
+    EngineReport report() const override { return engine_.report(); }
+    void rewind() { next_ = 0; }
+    EngineTimes evaluate(const layout::FieldInput<float>& input,
+                         const std::function<void(const layout::FieldChunk<float>&)>& consume) override {
+        if (next_ == fields_.size()) {
+            fields_.emplace_back();
+            engine_.evaluate(input,
+                             [&](const layout::FieldChunk<float>& chunk) { fields_.back().emplace_back(chunk); });
+        }
+        for (const OwnedChunk<float>& chunk : fields_[next_])
+            consume(chunk.view);
+        ++next_;
+        return {};
+    }
+    EngineTimes evaluate(const layout::FieldInput<double>&,
+                         const std::function<void(const layout::FieldChunk<double>&)>&) override {
+        return {};
+    }
+
+private:
+    Engine& engine_;
+    std::vector<std::vector<OwnedChunk<float>>> fields_;
+    std::size_t next_ = 0;
+};
+
+double kernels_alone(Engine& engine, const Study& study) {
+    return seconds([&] {
+        for (const Case& one : study.cases) {
+            const FieldTables<float> tables = make_tables<float>(one.scene, {}, Extent::what_varies);
+            engine.evaluate(tables.input(), [](const layout::FieldChunk<float>&) {});
+        }
+    });
+}
+
+double output_alone(ReplayEngine& replay, const Study& study, const std::filesystem::path& folder) {
+    replay.rewind();
+    CasePreparation preparation;
+    std::size_t next = 0;
+    std::filesystem::create_directories(folder);
+    return seconds([&] {
+        run_cases(
+            replay,
+            [&] {
+                if (next == study.cases.size())
+                    return std::unique_ptr<CaseJob>();
+                const Case& one = study.cases[next++];
+                return std::make_unique<CaseJob>(CaseJob{preparation.prepare(one), folder / (one.name + ".exr"), {}});
+            },
+            study.cases.size(), {}, [](const CaseOutcome&) {});
+    });
+}
+
+void default_sweep(benchmark::State& state) {
+    const std::filesystem::path folder =
+        std::filesystem::temp_directory_path() / ("forceshade-bench-" + std::to_string(getpid()));
+    const Study study = default_study();
+    const auto engine = make_engine({});
+    ReplayEngine replay(*engine);
+    output_alone(replay, study, folder / "output"); // also evaluates every field once, and compiles
+    const auto cores = static_cast<double>(std::max(1u, std::thread::hardware_concurrency()));
+    std::vector<double> ratios, walls;
+    double kernels = 0, output = 0, processors = 0;
+    for (auto _ : state) {
+        kernels = kernels_alone(*engine, study);
+        output = output_alone(replay, study, folder / "output");
+        SweepOptions options;
+        options.folder = folder / "sweep";
+        options.fresh = true;
+        options.quiet = true;
+        const double before = cpu_seconds();
+        const double wall = seconds([&] {
+            run_sweep(
+                study, [] { return make_engine({}); }, false, options);
+        });
+        processors = (cpu_seconds() - before) / cores;
+        state.SetIterationTime(wall);
+        walls.push_back(wall);
+        ratios.push_back(wall / std::max({kernels, output, processors}));
+    }
+    state.counters["of_largest"] = median(ratios);
+    state.counters["wall_s"] = median(walls);
+    state.counters["kernels_s"] = kernels;
+    state.counters["output_s"] = output;
+    state.counters["cpu_over_cores_s"] = processors;
+    std::filesystem::remove_all(folder);
+}
+
+BENCHMARK(default_sweep)->UseManualTime()->Iterations(3)->Unit(benchmark::kSecond);
+
+} // namespace
+} // namespace forceshade::bench
+
+BENCHMARK_MAIN();
