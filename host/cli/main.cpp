@@ -22,7 +22,9 @@ namespace {
 using namespace forceshade;
 
 constexpr const char* kFooter =
-    "Exit codes: 0 ok, 1 a case failed or a bound was exceeded, 2 usage or configuration, 3 no such device, 4 files, "
+    "Every command takes --gpu NAME|UUID|INDEX, --engine gpu|cpu, --precision f32|f64, --json, --quiet and "
+    "--vulkan-validation.\nExit codes: 0 ok, 1 a case failed or a bound was exceeded, 2 usage or configuration, 3 no "
+    "such device, 4 files, "
     "130 interrupted.\nStart with: forceshade sweep --out results/paper";
 
 void add_common_options(CLI::App& program, CommonOptions& common) {
