@@ -81,7 +81,4 @@ struct Scene {
     friend bool operator==(const Scene&, const Scene&) = default;
 };
 
-/// True if the force depends on y, so that a grid must be evaluated at every y.
-bool depends_on_y(const Scene& scene);
-
 } // namespace forceshade

@@ -96,7 +96,7 @@ void add_facets(std::vector<Key>& keys) {
          .set = [](Scene& s, const Value& v) { s.surface.facets = static_cast<std::uint32_t>(v.integers.at(0)); },
          .subject = Subject::surface,
          .forms = kFormBump,
-         .largest = std::uint64_t{1} << 31});
+         .largest = 100000000}); // a table of as many vertices takes 0.8 GB in f64
     keys.push_back({.table = "surface",
                     .name = "facet_spacing",
                     .kind = ValueKind::choice,

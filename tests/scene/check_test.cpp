@@ -81,7 +81,7 @@ TEST(Check, WarnsOfVoxelsThatCoincide) {
         warnings("[grid]\nspacing = \"1e-45 m\"\norigin = [\"0 m\", \"0 m\", \"0 m\"]\nsize = [2, 2, 2]\n").size() ==
         1);
     EXPECT_TRUE(warnings(far + "size = [1, 2, 2]\n").empty()); // one sample along x has no neighbour
-    EXPECT_EQ(warnings("[surface]\nfacets = [1000000, 2147483648]\n").size(), 1u);
+    EXPECT_EQ(warnings("[surface]\nfacets = [1000000, 100000000]\n").size(), 1u);
 }
 
 } // namespace

@@ -47,7 +47,7 @@ TEST(Document, Quantities) {
 }
 
 TEST(Document, IntegersAndChoices) {
-    EXPECT_EQ(study_error("[surface]\nfacets = 0\n"), "f.toml:2:10: facets must be from 1 to 2147483648, got 0");
+    EXPECT_EQ(study_error("[surface]\nfacets = 0\n"), "f.toml:2:10: facets must be from 1 to 100000000, got 0");
     EXPECT_EQ(study_error("[surface]\nfacets = 2.5\n"),
               "f.toml:2:10: facets is a whole number without quotes; got 2.5");
     EXPECT_EQ(study_error("[surface]\nfacets = \"3\"\n"),

@@ -20,7 +20,7 @@ inline const std::vector<RandomKey>& random_keys() {
         {"surface.kind", {"\"bump\"", "\"cylinder_bump\"", "\"height_map\""}},
         {"surface.width", {"\"1 in\"", "\"0.1 \u00b5m\"", "\"25.4 mm\"", "\"3e-2 m\""}},
         {"surface.radius", {"\"600 mil\"", "\"15.24mm\"", "\"1 m\"", "\"1e7 m\"", "\"+.6 in\""}},
-        {"surface.facets", {"1", "2", "1000000", "2147483648"}},
+        {"surface.facets", {"1", "2", "1000000", "100000000"}},
         {"surface.facet_spacing", {"\"equal_arc\"", "\"equal_x\""}},
         {"surface.function", {"\"cylinder\"", "\"dip\"", "\"sine\"", "\"gaussian\""}},
         {"surface.file", {"\"u.exr\"", "\"v \u00e4 \\\" .png\""}},

@@ -53,21 +53,5 @@ TEST(Nearest, FindsWhatWasMeant) {
     EXPECT_EQ(nearest(std::string(100000, 'r'), words), "");
 }
 
-TEST(DependsOnY, OnlyForMapsInUseThatVaryAlongY) {
-    Scene scene;
-    EXPECT_FALSE(depends_on_y(scene));
-    scene.surface.kind = SurfaceKind::height_map;
-    scene.surface.map.function = MapFunction::gaussian;
-    EXPECT_FALSE(depends_on_y(scene)); // not in use: shading none
-    scene.force.shading = Shading::height_map;
-    EXPECT_TRUE(depends_on_y(scene));
-    scene.surface.map.function = MapFunction::sine;
-    EXPECT_FALSE(depends_on_y(scene));
-    scene.texture.emplace();
-    EXPECT_FALSE(depends_on_y(scene));
-    scene.texture->map.function = MapFunction::file;
-    EXPECT_TRUE(depends_on_y(scene));
-}
-
 } // namespace
 } // namespace forceshade

@@ -27,6 +27,21 @@ TEST(Tables, AFieldThatDoesNotDependOnYIsEvaluatedOnce) {
     EXPECT_EQ(make_tables<float>(scene, {}, Extent::what_varies).y.size(), 6u);
 }
 
+TEST(Tables, OnlyMapsInUseThatVaryAlongYMakeAFieldDependOnIt) {
+    Scene scene = height_map({});
+    scene.surface.map.function = MapFunction::gaussian;
+    EXPECT_TRUE(depends_on_y(features_of(scene)));
+    scene.force.shading = Shading::none;
+    EXPECT_FALSE(depends_on_y(features_of(scene))) << "the map is not in use";
+    scene.texture = TextureSpec{100, {}};
+    scene.texture->map.function = MapFunction::sine;
+    EXPECT_FALSE(depends_on_y(features_of(scene)));
+    scene.texture->map.function = MapFunction::file;
+    EXPECT_TRUE(depends_on_y(features_of(scene)));
+    scene.texture->stiffness = 0;
+    EXPECT_FALSE(depends_on_y(features_of(scene)));
+}
+
 TEST(Tables, AxesAreRoundedOnce) {
     Scene scene = bump(kRadii[0], 2);
     scene.grid.size = {1000, 1, 1};
