@@ -11,7 +11,8 @@ namespace forceshade {
 namespace {
 
 struct SweepArguments {
-    std::string study, out, only = "*", shard;
+    std::string study, out, only = "*";
+    std::optional<std::string> shard;
     std::vector<std::string> also;
     bool fresh = false;
 };
@@ -34,6 +35,8 @@ std::string as_json(const SweepResult& result, const SweepOptions& options) {
 }
 
 void print_outcome(const SweepResult& result, const SweepOptions& options) {
+    if (options.shard)
+        remark("shard {}/{}: ", options.shard->index, options.shard->count);
     remark("{} cases: {} computed{}, {} kept from before{}\n", result.chosen, result.computed,
            result.computed ? fmt::format(" on {} in {}", result.account.engine_device, clock_text(result.account.wall))
                            : "",
@@ -51,10 +54,7 @@ int run(const SweepArguments& arguments, const CommonOptions& common) {
     options.fresh = arguments.fresh;
     options.quiet = common.quiet;
     options.also = parse_also(arguments.also);
-    if (!arguments.shard.empty())
-        options.shard = parse_shard(arguments.shard);
-    else
-        options.shard = slurm_shard();
+    options.shard = arguments.shard ? parse_shard(*arguments.shard) : slurm_shard();
     const Study study = load_study(arguments.study, common);
     const EngineOptions engine = engine_options(common, any_f64(study));
     const SweepResult result = run_sweep(

@@ -29,9 +29,13 @@ std::optional<std::size_t> whole_number(std::string_view text) {
     return value;
 }
 
-std::optional<std::size_t> environment_number(const char* name) {
+std::size_t slurm_number(const char* name, std::optional<std::size_t> otherwise = std::nullopt) {
     const char* text = std::getenv(name);
-    return text ? whole_number(text) : std::nullopt;
+    const std::optional<std::size_t> value = text ? whole_number(text) : otherwise;
+    if (!value)
+        throw UsageError(fmt::format("this is a task of a Slurm array, and {} is {}: say --shard I/N (1/1: everything)",
+                                     name, text ? fmt::format("\"{}\"", text) : "not set"));
+    return *value;
 }
 
 // Of everything that decides the bytes of a case.
@@ -121,16 +125,15 @@ Shard parse_shard(const std::string& text) {
 }
 
 std::optional<Shard> slurm_shard() {
-    const auto id = environment_number("SLURM_ARRAY_TASK_ID");
-    const auto total = environment_number("SLURM_ARRAY_TASK_COUNT");
-    if (!id || !total || *total < 1)
+    if (!std::getenv("SLURM_ARRAY_TASK_ID"))
         return std::nullopt;
-    const std::size_t first = environment_number("SLURM_ARRAY_TASK_MIN").value_or(0);
-    const std::size_t step = std::max<std::size_t>(1, environment_number("SLURM_ARRAY_TASK_STEP").value_or(1));
-    const std::size_t index = *id < first ? 0 : (*id - first) / step;
-    if (index >= *total)
-        return std::nullopt;
-    return Shard{index + 1, *total};
+    const std::size_t id = slurm_number("SLURM_ARRAY_TASK_ID"), total = slurm_number("SLURM_ARRAY_TASK_COUNT");
+    const std::size_t first = slurm_number("SLURM_ARRAY_TASK_MIN", 0), step = slurm_number("SLURM_ARRAY_TASK_STEP", 1);
+    if (id < first || step == 0 || (id - first) / step >= total)
+        throw UsageError(fmt::format("this is task {} of a Slurm array of {} tasks from {} by {}, which cannot be: say "
+                                     "--shard I/N (1/1: everything)",
+                                     id, total, first, step));
+    return Shard{(id - first) / step + 1, total};
 }
 
 SweepResult run_sweep(const Study& study, const std::function<std::unique_ptr<Engine>()>& make, bool cpu_engine,

@@ -19,7 +19,8 @@ struct Shard {
 /// \throws UsageError unless the text is I/N with 1 <= I <= N.
 Shard parse_shard(const std::string& text);
 
-/// The shard that Slurm's array variables name, if they are set.
+/// The shard that Slurm's array variables name, if they are set. \throws UsageError if they make no sense: a task that
+/// then took the whole study would do the others' work too.
 std::optional<Shard> slurm_shard();
 
 struct SweepOptions {

@@ -1,0 +1,183 @@
+// A sweep run again: nothing is done twice, what is damaged, missing or changed is done anew, and all bytes are the
+// same.
+#include "tests/e2e/workplace.h"
+
+namespace forceshade::testing {
+namespace {
+
+using nlohmann::json;
+
+class Sweep : public Workplace {
+protected:
+    Sweep() { write("three.toml", kThreeCases); }
+
+    /// Runs a sweep into `out` and returns what it says of itself.
+    json sweep(std::vector<std::string> further = {}, const std::string& study = "three.toml",
+               const std::string& out = "out") const {
+        std::vector<std::string> arguments{"sweep", study, "--out", out, "--json", "--quiet"};
+        arguments.insert(arguments.end(), further.begin(), further.end());
+        const Outcome outcome = expect_success(arguments);
+        return outcome.code == 0 ? json::parse(outcome.out) : json::object();
+    }
+
+    void expect_counts(const json& said, int computed, int kept) const {
+        EXPECT_EQ(said.value("computed", -1), computed);
+        EXPECT_EQ(said.value("kept", -1), kept);
+    }
+
+    // Damages a file by `damage` and expects that the next run computes one case, and that all is as it was.
+    void expect_repaired(const std::string& name, const std::function<void(std::filesystem::path)>& damage) const {
+        SCOPED_TRACE(name);
+        const Tree before = results_in(path("out"));
+        damage(path("out") / name);
+        expect_counts(sweep({"--also", "npy,vti,png"}), 1, 2);
+        EXPECT_EQ(differences(before, results_in(path("out"))), std::set<std::string>{});
+        EXPECT_EQ(temporaries_in(path("out")), std::vector<std::string>{});
+    }
+};
+
+const std::string kCase = "bump_radius-1000mil";
+
+void flip_a_bit(const std::filesystem::path& path, std::size_t at) {
+    std::string content = read_text(path);
+    content.at(at) = static_cast<char>(content.at(at) ^ 4);
+    write_text(path, content);
+}
+
+TEST_F(Sweep, of_the_papers_study_has_51_cases_and_the_second_run_changes_no_byte) {
+    write("paper.toml", small_study());
+    const json first = sweep({"--also", "npy,vti,png"}, "paper.toml");
+    expect_counts(first, 51, 0);
+    EXPECT_EQ(first["voxels_differing_from_oracle"], 0);
+    const Tree before = tree_of(path("out"));
+    const json manifest = json::parse(before.at("manifest.json"));
+    EXPECT_EQ(manifest["cases"].size(), 51u);
+    // A volume, an array, a ParaView file, two pictures and a record each; study, summary, manifest.
+    EXPECT_EQ(before.size(), 51u * 6 + 3);
+    expect_counts(sweep({"--also", "npy,vti,png"}, "paper.toml"), 0, 51);
+    EXPECT_EQ(differences(before, tree_of(path("out"))), std::set<std::string>{}) << "the manifest included";
+}
+
+TEST_F(Sweep, into_another_folder_and_from_its_own_study_gives_the_same_bytes) {
+    write("paper.toml", small_study());
+    sweep({"--also", "npy,vti,png"}, "paper.toml");
+    sweep({"--also", "png,vti", "--also", "npy"}, "paper.toml", "elsewhere/deep");
+    sweep({"--also", "npy,vti,png"}, "out/study.toml", "again");
+    EXPECT_EQ(differences(results_in(path("out")), results_in(path("elsewhere/deep"))), std::set<std::string>{});
+    EXPECT_EQ(differences(results_in(path("out")), results_in(path("again"))), std::set<std::string>{});
+}
+
+TEST_F(Sweep, does_a_damaged_or_missing_file_again_and_no_other) {
+    sweep({"--also", "npy,vti,png"});
+    for (const char* name : {".exr", ".force.npy", ".vti", ".mosaic.png", ".arrows.png"}) {
+        expect_repaired(kCase + name, [](const auto& file) { std::filesystem::remove(file); });
+        expect_repaired(kCase + name, [](const auto& file) { std::filesystem::resize_file(file, 0); });
+        expect_repaired(kCase + name, [](const auto& file) { std::filesystem::resize_file(file, 300); });
+        expect_repaired(kCase + name, [](const auto& file) { flip_a_bit(file, std::filesystem::file_size(file) / 2); });
+        expect_repaired(kCase + name, [](const auto& file) { flip_a_bit(file, std::filesystem::file_size(file) - 1); });
+        expect_repaired(kCase + name, [](const auto& file) { write_text(file, read_text(file) + "x"); });
+    }
+}
+
+TEST_F(Sweep, replaces_a_volume_by_that_of_another_case) {
+    sweep({"--also", "npy,vti,png"});
+    expect_repaired(kCase + ".exr", [&](const auto& file) {
+        std::filesystem::copy_file(path("out/bump_radius-600mil.exr"), file,
+                                   std::filesystem::copy_options::overwrite_existing);
+    });
+}
+
+TEST_F(Sweep, survives_damaged_records) {
+    sweep({"--also", "npy,vti,png"});
+    const std::string record = "manifest.d/" + kCase + ".json";
+    for (const char* text : {"", "{", "null", "[]", "{\"case\": 3}", "\xff\xfe\x00garbage"})
+        expect_repaired(record, [&](const auto& file) { write_text(file, text); });
+    expect_repaired(record, [](const auto& file) { std::filesystem::resize_file(file, 200); });
+    expect_repaired(record, [](const auto& file) { std::filesystem::remove(file); });
+    // A record that tells of another case, and one whose types are wrong.
+    expect_repaired(
+        record, [&](const auto& file) { write_text(file, read_text(path("out/manifest.d/bump_radius-600mil.json"))); });
+    expect_repaired(record, [&](const auto& file) {
+        json changed = json::parse(read_text(file));
+        changed["parameters"] = {{"surface.radius", 7}};
+        changed["oracle"]["largest_error_N"] = nullptr;
+        write_text(file, changed.dump());
+    });
+}
+
+TEST_F(Sweep, survives_a_damaged_manifest) {
+    sweep();
+    const Tree before = results_in(path("out"));
+    const json manifest = read_json("out/manifest.json");
+    for (const char* text : {"", "{\"cases\": [", "3", "{\"last_run\": 7}"}) {
+        write("out/manifest.json", text);
+        write("out/summary.csv", text);
+        expect_counts(sweep(), 0, 3);
+        EXPECT_EQ(differences(before, results_in(path("out"))), std::set<std::string>{});
+        EXPECT_EQ(read_json("out/manifest.json")["cases"], manifest["cases"]);
+    }
+    std::filesystem::remove_all(path("out/manifest.d"));
+    std::filesystem::remove(path("out/manifest.json"));
+    expect_counts(sweep(), 3, 0);
+    EXPECT_EQ(differences(before, results_in(path("out"))), std::set<std::string>{});
+}
+
+TEST_F(Sweep, does_only_what_is_asked_for) {
+    expect_counts(sweep({"--only", "*1?00mil"}), 2, 0);
+    EXPECT_FALSE(std::filesystem::exists(path("out/bump_radius-600mil.exr")));
+    EXPECT_EQ(read_json("out/manifest.json")["complete"], false);
+    expect_counts(sweep(), 1, 2);
+    EXPECT_EQ(read_json("out/manifest.json")["complete"], true);
+    expect_failure(2, {"sweep", "three.toml", "--out", "out", "--only", "plane*"}, {"plane*", "bump_radius-600mil"});
+}
+
+TEST_F(Sweep, afresh_computes_all_and_changes_no_byte) {
+    sweep();
+    const Tree before = results_in(path("out"));
+    expect_counts(sweep({"--fresh"}), 3, 0);
+    EXPECT_EQ(differences(before, results_in(path("out"))), std::set<std::string>{});
+    expect_counts(sweep({"--fresh", "--only", "*600*"}), 1, 0);
+}
+
+TEST_F(Sweep, adds_formats_that_are_asked_for_later) {
+    sweep();
+    const Tree before = results_in(path("out"));
+    expect_counts(sweep({"--also", "npy"}), 3, 0);
+    const Tree after = results_in(path("out"));
+    EXPECT_EQ(after.size(), before.size() + 3);
+    // Asking for less is no reason to compute.
+    expect_counts(sweep(), 0, 3);
+    EXPECT_EQ(differences(after, results_in(path("out"))), std::set<std::string>{});
+}
+
+TEST_F(Sweep, redoes_the_cases_whose_parameters_changed) {
+    sweep();
+    const Tree before = results_in(path("out"));
+    std::string changed = kThreeCases;
+    changed.replace(changed.find("1400 mil"), 8, "1500 mil");
+    write("changed.toml", changed);
+    expect_counts(sweep({}, "changed.toml"), 1, 2);
+    std::string stiffer = kThreeCases;
+    stiffer.replace(stiffer.find("[force]"), 7, "[force]\nstiffness = \"2 N/mm\"");
+    write("stiffer.toml", stiffer);
+    expect_counts(sweep({}, "stiffer.toml"), 3, 0);
+    expect_counts(sweep(), 3, 0);
+    const Tree after = results_in(path("out"));
+    for (const auto& [name, content] : before)
+        EXPECT_TRUE(after.at(name) == content) << name;
+    expect_counts(sweep({"--engine", "cpu"}), 3, 0);
+    expect_counts(sweep({"--precision", "f64"}), 3, 0);
+}
+
+TEST_F(Sweep, gives_the_same_fields_on_the_cpu) {
+    sweep({"--also", "npy"});
+    sweep({"--also", "npy", "--engine", "cpu"}, "three.toml", "cpu");
+    for (const auto& [name, content] : results_in(path("out"))) {
+        if (!name.ends_with(".csv")) {
+            EXPECT_TRUE(content == read_text(path("cpu") / name)) << name;
+        }
+    }
+}
+
+} // namespace
+} // namespace forceshade::testing
