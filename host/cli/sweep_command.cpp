@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/cli/command.h"
+#include "host/error.h"
 #include "host/remark.h"
 #include "host/sweep/progress.h"
 #include "host/sweep/sweep.h"
@@ -48,6 +49,8 @@ void print_outcome(const SweepResult& result, const SweepOptions& options) {
 }
 
 int run(const SweepArguments& arguments, const CommonOptions& common) {
+    if (arguments.out.empty())
+        throw UsageError("--out is empty: name a folder, \".\" for the current one");
     SweepOptions options;
     options.folder = arguments.out;
     options.only = arguments.only;

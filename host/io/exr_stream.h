@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <new>
 #include <optional>
 #include <string>
 #include <vector>
@@ -57,6 +58,8 @@ decltype(auto) guarded(const Stream& stream, const char* verb, const std::filesy
         return work();
     } catch (const Error&) {
         throw;
+    } catch (const std::bad_alloc&) {
+        throw IoError(std::string("cannot ") + verb + " " + path.string() + ": out of memory");
     } catch (const std::exception& error) {
         if (stream.failure())
             throw IoError(*stream.failure());

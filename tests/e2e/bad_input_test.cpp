@@ -1,0 +1,181 @@
+// Input that is missing, unreadable or wrong: one clear message, the exit code that belongs to it, and no file.
+#include <tuple>
+
+#include <fmt/format.h>
+
+#include "tests/e2e/workplace.h"
+
+namespace forceshade::testing {
+namespace {
+
+constexpr uid_t kNobody = 65534;
+
+class BadInput : public Workplace {
+protected:
+    /// The scene is refused with exit 2 by every command that reads one, and nothing is written.
+    void expect_refused(const std::string& scene, const std::vector<std::string>& words) const {
+        SCOPED_TRACE(scene);
+        write("scene.toml", scene);
+        expect_failure(2, {"field", "scene.toml", "--out", "field.exr"}, words);
+        expect_failure(2, {"sweep", "scene.toml", "--out", "out"}, words);
+        expect_failure(2, {"validate", "scene.toml"}, words);
+        EXPECT_EQ(folder_.names(), std::vector<std::string>{"scene.toml"});
+    }
+};
+
+TEST_F(BadInput, a_missing_or_unreadable_scene_is_an_io_error_with_its_name) {
+    std::filesystem::create_directory(path("folder"));
+    write("file", "");
+    for (const auto& [scene, why] : {std::pair<std::string, std::string>("missing.toml", "No such file"),
+                                     {"folder", "it is a folder"},
+                                     {"file/scene.toml", "Not a directory"},
+                                     {"no/such/scene.toml", "No such file"},
+                                     {".", "it is a folder"}})
+        for (const std::string command : {"field", "sweep", "validate"}) {
+            std::vector<std::string> arguments{command, scene};
+            if (command != "validate")
+                arguments.insert(arguments.end(), {"--out", "result.exr"});
+            expect_failure(4, arguments, {scene, why});
+        }
+    EXPECT_FALSE(std::filesystem::exists(path("result.exr")));
+}
+
+TEST_F(BadInput, a_scene_without_permission_is_an_io_error) {
+    write("scene.toml", kOneCase);
+    std::filesystem::permissions(path("scene.toml"), std::filesystem::perms::none);
+    Launch launch = this->launch({"validate", "scene.toml"});
+    if (is_root())
+        launch.user = kNobody;
+    expect_failure(4, launch, {"scene.toml", "Permission denied"});
+}
+
+TEST_F(BadInput, a_missing_or_broken_height_map_is_an_error_with_its_name) {
+    const std::string scene = "[surface]\nkind = \"height_map\"\nfile = \"map.{}\"\nsize = [\"2 mm\", \"2 mm\"]\n"
+                              "height = \"1 mm\"\n";
+    for (const std::string kind : {"png", "exr", "bmp"}) {
+        write("scene.toml", fmt::format(fmt::runtime(scene), kind));
+        const int missing = kind == "bmp" ? 2 : 4; // a kind that is none is the scene's mistake
+        if (kind != "bmp") {
+            expect_failure(missing, {"field", "scene.toml", "--out", "field.exr"}, {"map." + kind, "No such file"});
+        }
+        write("map." + kind, "this is no picture, whatever its name says");
+        const Outcome outcome = forceshade({"field", "scene.toml", "--out", "field.exr"});
+        EXPECT_TRUE(outcome.code == 2 || outcome.code == 4) << outcome.code;
+        EXPECT_NE(outcome.error.find("map." + kind), std::string::npos) << outcome.error;
+    }
+    EXPECT_FALSE(std::filesystem::exists(path("field.exr")));
+}
+
+TEST_F(BadInput, a_height_map_that_is_not_the_one_meant_is_refused) {
+    write("map.png", "x");
+    write("scene.toml", "[surface]\nkind = \"height_map\"\nfile = \"map.png\"\nsize = [\"2 mm\", \"2 mm\"]\n"
+                        "height = \"1 mm\"\nsha256 = \"" +
+                            std::string(64, '0') + "\"\n");
+    const Outcome outcome = forceshade({"field", "scene.toml", "--out", "field.exr"});
+    EXPECT_NE(outcome.code, 0);
+    EXPECT_NE(outcome.error.find("map.png"), std::string::npos) << outcome.error;
+}
+
+TEST_F(BadInput, a_quantity_needs_a_unit_that_fits) {
+    expect_refused("[surface]\nradius = 600\n", {"scene.toml:2:10", "unit", "600"});
+    expect_refused("[surface]\nradius = 0.6\n", {"scene.toml:2:10", "unit"});
+    expect_refused("[surface]\nradius = \"600\"\n", {"scene.toml:2:10", "unit"});
+    expect_refused("[surface]\nradius = \"600 mul\"\n", {"scene.toml:2:10", "mul", "mil"});
+    expect_refused("[surface]\nradius = \"600 N\"\n", {"scene.toml:2:10", "length"});
+    expect_refused("[force]\nstiffness = \"1 mm\"\n", {"scene.toml:2:13", "stiffness"});
+    expect_refused("[force]\nstiffness = \"0,5 N/mm\"\n", {"scene.toml:2:13"});
+    expect_refused("[force]\nstiffness = \"nan N/m\"\n", {"scene.toml:2:13"});
+    expect_refused("[force]\nstiffness = \"-3 N/m\"\n", {"scene.toml:2:13", "positive", "-3 N/m"});
+    expect_refused("[surface]\nradius = true\n", {"scene.toml:2:10"});
+}
+
+TEST_F(BadInput, a_misspelt_key_is_met_with_the_right_one) {
+    expect_refused("[surface]\nradios = \"600 mil\"\n", {"scene.toml:2:1", "radios", "did you mean \"radius\""});
+    expect_refused("[force]\nstifness = \"1 N/mm\"\n", {"scene.toml:2:1", "did you mean \"stiffness\""});
+    expect_refused("[gird]\nsize = [1, 1, 1]\n", {"scene.toml:1:2", "did you mean [grid]"});
+    expect_refused("[surface]\n\n  kind = \"bumb\"\n", {"scene.toml:3:10", "bumb", "bump"});
+    expect_refused("[[variant]]\nsurface.facet = 2\n", {"scene.toml:2:", "facets"});
+    expect_refused("[output]\nchannels = [\"force\", \"dept\"]\n", {"scene.toml:2:22", "depth"});
+}
+
+TEST_F(BadInput, a_list_that_is_empty_is_refused) {
+    expect_refused("[surface]\nradius = []\n", {"scene.toml:2:10", "empty"});
+    expect_refused("[output]\nchannels = []\n", {"scene.toml:2:12", "empty"});
+    expect_refused("[grid]\nsize = []\n", {"scene.toml:2:8", "empty"});
+    expect_refused("[force]\nshading = [[]]\n", {"scene.toml:2:"});
+}
+
+TEST_F(BadInput, a_grid_without_voxels_or_with_too_many_is_refused) {
+    expect_refused("[grid]\nsize = [0, 4, 4]\n", {"scene.toml:2:9", "got 0"});
+    expect_refused("[grid]\nsize = [4, 4, -1]\n", {"scene.toml:2:15", "got -1"});
+    // 2^64 voxels in three ways, the last with a product that wraps to 0 in 64 bits.
+    expect_refused("[grid]\nsize = [4194304, 2097152, 2097152]\n", {"scene.toml:2:", "size"});
+    expect_refused("[grid]\nsize = [4294967296, 4294967296, 1]\n", {"scene.toml:2:9", "4294967296"});
+    expect_refused("[grid]\nsize = [1073741824, 536870912, 32]\n", {"scene.toml:2:", "size"});
+    expect_refused("[grid]\nsize = [18446744073709551616, 1, 1]\n", {"scene.toml:2:", "18446744073709551616"});
+    expect_refused("[grid]\nsize = [2147483647, 2147483647, 2147483647]\n", {"scene.toml:2:", "size"});
+    expect_refused("[grid]\nsize = [4.5, 4, 4]\n", {"scene.toml:2:9"});
+    expect_refused("[grid]\nsize = [4, 4]\n", {"scene.toml:2:8", "3 values"});
+    expect_refused("[grid]\nspacing = \"0 mm\"\n", {"scene.toml:2:11", "positive"});
+}
+
+TEST_F(BadInput, text_that_is_no_toml_is_refused_with_its_place) {
+    expect_refused("[surface\n", {"scene.toml:1:9"});
+    expect_refused("[surface]\nradius = \"600 mil\n", {"scene.toml:2:"});
+    expect_refused("[surface]\nradius = \"600 mil\"\nradius = \"700 mil\"\n", {"scene.toml:3:1", "radius"});
+    expect_refused(std::string("\x7f"
+                               "ELF\x02\x01\x01\x00\xff\xfe",
+                               10),
+                   {"scene.toml:1:"});
+    expect_refused("[surface]\nradius = \"\xff\xfe mil\"\n", {"scene.toml:2:"});
+}
+
+TEST_F(BadInput, the_radius_cannot_be_less_than_half_of_the_width) {
+    expect_refused("[surface]\nradius = \"499.9999999999 mil\"\n", {"scene.toml:2:10", "radius", "half"});
+    expect_refused("[surface]\nwidth = \"1 m\"\n", {"radius"});
+    write("axis.toml", "[surface]\nradius = [\"600 mil\", \"499 mil\"]\n");
+    expect_failure(2, {"sweep", "axis.toml", "--out", "out"}, {"axis.toml:2:22", "radius"});
+}
+
+TEST_F(BadInput, a_field_takes_no_sweep_axis) {
+    write("axis.toml", kThreeCases);
+    expect_failure(2, {"field", "axis.toml", "--out", "field.exr"}, {"axis.toml:2:", "surface.radius", "sweep"});
+    write("variants.toml", "[[variant]]\nsurface.facets = 2\n[[variant]]\nsurface.facets = 3\n");
+    expect_failure(2, {"field", "variants.toml", "--out", "field.exr"}, {"variants.toml", "sweep"});
+    EXPECT_FALSE(std::filesystem::exists(path("field.exr")));
+}
+
+TEST_F(BadInput, a_force_that_half_cannot_hold_is_refused_and_the_largest_is_named) {
+    std::string scene = kOneCase;
+    scene.replace(scene.find("shading"), 0, "stiffness = \"1e8 N/m\"\n");
+    write("float.toml", scene);
+    write("half.toml", scene + "[output]\npixel = \"half\"\n");
+    const nlohmann::json record =
+        nlohmann::json::parse(expect_success({"field", "float.toml", "--out", "float.exr", "--json", "--quiet"}).out);
+    const auto at = record["largest_force_voxel"];
+    expect_failure(2, {"field", "half.toml", "--out", "half.exr"},
+                   {"half", "65504", "half.exr",
+                    fmt::format("voxel ({}, {}, {})", at[0].get<int>(), at[1].get<int>(), at[2].get<int>()), "float"});
+    EXPECT_FALSE(std::filesystem::exists(path("half.exr")));
+    EXPECT_EQ(temporaries_in(folder_.path()), std::vector<std::string>{});
+}
+
+TEST_F(BadInput, a_case_that_fails_does_not_stop_the_others) {
+    std::string study = kThreeCases;
+    study.replace(study.find("shading"), 0, "stiffness = [\"1 N/mm\", \"1e8 N/m\"]\n");
+    write("study.toml", study + "[output]\npixel = \"half\"\n");
+    for (int repeat = 0; repeat < 2; ++repeat) {
+        const Outcome outcome = forceshade({"sweep", "study.toml", "--out", "out", "--json"});
+        EXPECT_EQ(outcome.code, 2);
+        EXPECT_NE(outcome.error.find("65504"), std::string::npos) << outcome.error;
+        const nlohmann::json said = nlohmann::json::parse(outcome.out);
+        EXPECT_EQ(said["failures"].size(), 3u);
+        EXPECT_EQ(said["computed"], repeat == 0 ? 3 : 0);
+        EXPECT_EQ(said["kept"], repeat == 0 ? 0 : 3);
+        EXPECT_EQ(temporaries_in(path("out")), std::vector<std::string>{});
+    }
+    EXPECT_EQ(read_json("out/manifest.json")["cases"].size(), 3u);
+}
+
+} // namespace
+} // namespace forceshade::testing

@@ -1,0 +1,182 @@
+// Folders that cannot be written and disks that take no more: an error that says so, whole files only, and a sweep that
+// goes on once there is room.
+#include <sys/mount.h>
+
+#include "tests/e2e/folder_watch.h"
+
+namespace forceshade::testing {
+namespace {
+
+constexpr uid_t kNobody = 65534;
+
+// Takes about 1.6 MB in its folder.
+const char* const kGrid = "size = [48, 8, 32]\norigin = [\"-14 mm\", \"-1 mm\", \"-4 mm\"]\n"
+                          "spacing = [\"0.6 mm\", \"0.25 mm\", \"0.15 mm\"]\n";
+
+/// A file system in memory of limited size, mounted until the end of the object; bad() where mounting is not permitted.
+class SmallDisk {
+public:
+    SmallDisk(std::filesystem::path at, const char* size) : at_(std::move(at)) {
+        std::filesystem::create_directory(at_);
+        mounted_ = ::mount("tmpfs", at_.c_str(), "tmpfs", 0, size) == 0;
+    }
+    ~SmallDisk() {
+        if (mounted_)
+            ::umount2(at_.c_str(), MNT_DETACH);
+    }
+    SmallDisk(const SmallDisk&) = delete;
+    SmallDisk& operator=(const SmallDisk&) = delete;
+
+    bool bad() const { return !mounted_; }
+    bool change(unsigned long flags, const char* size) const {
+        return ::mount("tmpfs", at_.c_str(), "tmpfs", MS_REMOUNT | flags, size) == 0;
+    }
+
+private:
+    std::filesystem::path at_;
+    bool mounted_ = false;
+};
+
+class Disk : public Workplace {
+protected:
+    Disk() {
+        write("paper.toml", small_study(kGrid));
+        write("scene.toml", kOneCase);
+    }
+    static std::vector<std::string> sweep(const std::string& out) {
+        return {"sweep", "paper.toml", "--out", out, "--also", "npy", "--quiet"};
+    }
+    Tree whole() const {
+        expect_success(sweep("whole"));
+        return results_in(path("whole"));
+    }
+    void expect_only_whole_files(const std::string& out, const Tree& expected) const {
+        FolderWatch watch(path(out), expected);
+        watch.look();
+        EXPECT_EQ(temporaries_in(path(out)), std::vector<std::string>{});
+    }
+};
+
+TEST_F(Disk, that_is_full_is_an_io_error_and_the_sweep_goes_on_once_there_is_room) {
+    const SmallDisk disk(path("disk"), "size=256k");
+    if (disk.bad())
+        GTEST_SKIP() << "mounting is not permitted here";
+    const Tree expected = whole();
+    for (const char* size : {"size=256k", "size=400k", "size=1m"}) {
+        ASSERT_TRUE(disk.change(0, size));
+        expect_failure(4, sweep("disk/out"), {"No space left on device", "disk/out"});
+        expect_only_whole_files("disk/out", expected);
+    }
+    ASSERT_TRUE(disk.change(0, "size=64m"));
+    expect_success(sweep("disk/out"));
+    EXPECT_EQ(differences(results_in(path("disk/out")), expected), std::set<std::string>{});
+}
+
+TEST_F(Disk, that_is_full_keeps_an_earlier_field) {
+    const SmallDisk disk(path("disk"), "size=64k");
+    if (disk.bad())
+        GTEST_SKIP() << "mounting is not permitted here";
+    expect_success({"field", "scene.toml", "--out", "disk/field.exr"});
+    const Tree before = tree_of(path("disk"));
+    write("large.toml", "[grid]\nsize = [64, 64, 64]\n[output]\ncompression = \"none\"\n");
+    expect_failure(4, {"field", "large.toml", "--out", "disk/field.exr"}, {"No space left on device", "field.exr"});
+    EXPECT_EQ(differences(before, tree_of(path("disk"))), std::set<std::string>{});
+}
+
+TEST_F(Disk, with_a_limit_on_file_sizes_is_an_io_error_too) {
+    const Tree expected = whole();
+    for (const std::uint64_t most : {0, 1000, 8192, 40000}) {
+        Launch launch = this->launch(sweep("out"));
+        launch.most_file_bytes = most;
+        // Also stderr is a file here, and cannot be written where nothing can.
+        expect_failure(4, launch, most > 0 ? std::vector<std::string>{"File too large"} : std::vector<std::string>{});
+        expect_only_whole_files("out", expected);
+    }
+    expect_success(sweep("out"));
+    EXPECT_EQ(differences(results_in(path("out")), expected), std::set<std::string>{});
+}
+
+TEST_F(Disk, that_is_read_only_is_an_io_error) {
+    const SmallDisk disk(path("disk"), "size=4m");
+    if (disk.bad())
+        GTEST_SKIP() << "mounting is not permitted here";
+    std::filesystem::create_directory(path("disk/old"));
+    ASSERT_TRUE(disk.change(MS_RDONLY, "size=4m"));
+    expect_failure(4, sweep("disk/out"), {"disk/out", "Read-only file system"});
+    expect_failure(4, sweep("disk/old"), {"disk/old", "Read-only file system"});
+    expect_failure(4, {"field", "scene.toml", "--out", "disk/field.exr"}, {"field.exr", "Read-only file system"});
+}
+
+TEST_F(Disk, with_a_finished_sweep_that_became_read_only_says_what_it_cannot_write) {
+    const SmallDisk disk(path("disk"), "size=16m");
+    if (disk.bad())
+        GTEST_SKIP() << "mounting is not permitted here";
+    expect_success(sweep("disk/out"));
+    const Tree before = tree_of(path("disk"));
+    ASSERT_TRUE(disk.change(MS_RDONLY, "size=16m"));
+    expect_failure(4, sweep("disk/out"), {"Read-only file system"});
+    EXPECT_EQ(differences(before, tree_of(path("disk"))), std::set<std::string>{});
+}
+
+TEST_F(Disk, folders_of_others_are_an_io_error) {
+    Launch out = launch({"sweep", "paper.toml", "--out", "out", "--quiet"});
+    Launch field = launch({"field", "scene.toml", "--out", "field.exr", "--quiet"});
+    if (is_root())
+        out.user = field.user = kNobody;
+    else
+        std::filesystem::permissions(folder_.path(), std::filesystem::perms(0555));
+    expect_failure(4, out, {"out", "Permission denied"});
+    expect_failure(4, field, {"field.exr", "Permission denied"});
+    std::filesystem::permissions(folder_.path(), std::filesystem::perms(0755));
+}
+
+TEST_F(Disk, places_that_are_no_folder_are_an_io_error) {
+    write("file", "kept");
+    expect_failure(4, sweep("file"), {"file", "Not a directory"});
+    expect_failure(4, sweep("file/below"), {"file/below", "Not a directory"});
+    expect_failure(4, {"field", "scene.toml", "--out", "file/field.exr"}, {"file/field.exr", "Not a directory"});
+    expect_failure(4, {"field", "scene.toml", "--out", "no/such/field.exr"}, {"no/such/field.exr", "No such file"});
+    std::filesystem::create_directory(path("folder.exr"));
+    expect_failure(4, {"field", "scene.toml", "--out", "folder.exr"}, {"folder.exr", "directory"});
+    EXPECT_EQ(read_text(path("file")), "kept");
+    // A volume's name that is taken by a folder.
+    std::filesystem::create_directories(path("out/bump_radius-600mil_facets-2_shading-none.exr"));
+    expect_failure(4, sweep("out"), {"bump_radius-600mil_facets-2_shading-none.exr", "directory"});
+    std::filesystem::remove(path("out/bump_radius-600mil_facets-2_shading-none.exr"));
+    expect_success(sweep("out"));
+}
+
+TEST_F(Disk, an_empty_name_is_refused) {
+    expect_failure(2, {"sweep", "paper.toml", "--out", ""}, {"--out"});
+    expect_failure(2, {"field", "scene.toml", "--out", ""}, {"--out"});
+    expect_failure(2, {"field", "scene.toml", "--out", "field"}, {"--out", ".exr"});
+    expect_failure(2, {"field", "scene.toml", "--out", ".exr"}, {"--out", ".exr"});
+}
+
+TEST_F(Disk, kernels_kept_from_before_may_be_damaged_or_unwritable) {
+    Launch launch = this->launch({"field", "scene.toml", "--out", "field.exr"});
+    const std::filesystem::path cache = path("cache");
+    launch.environment["XDG_CACHE_HOME"] = cache.string();
+    EXPECT_EQ(run(launch).code, 0);
+    const Tree kept = tree_of(cache / "forceshade"); // the driver keeps its own beside it
+    ASSERT_EQ(kept.size(), 1u);
+    const std::string field = read_text(path("field.exr"));
+    const std::filesystem::path file = cache / "forceshade" / kept.begin()->first;
+    const std::string& sound = kept.begin()->second;
+    for (const std::string& damaged : {std::string(), std::string("x"), sound.substr(0, sound.size() / 2),
+                                       sound.substr(0, 64) + std::string(1000, '\xff'), "1" + sound}) {
+        write_text(file, damaged);
+        EXPECT_EQ(run(launch).code, 0);
+        EXPECT_TRUE(read_text(path("field.exr")) == field);
+    }
+    EXPECT_TRUE(read_text(file).size() > 64) << "a damaged one is replaced";
+    std::filesystem::remove_all(cache);
+    write("cache", "a file where the folder should be");
+    EXPECT_EQ(run(launch).code, 0);
+    launch.environment.erase("XDG_CACHE_HOME");
+    launch.environment["HOME"] = "/proc/nowhere";
+    EXPECT_EQ(run(launch).code, 0);
+}
+
+} // namespace
+} // namespace forceshade::testing
