@@ -15,6 +15,7 @@
 #include "host/error.h"
 #include "host/interrupt.h"
 #include "host/remark.h"
+#include "host/scene/nearest.h"
 #include "host/version.h"
 
 namespace {
@@ -41,6 +42,19 @@ void add_common_options(CLI::App& program, CommonOptions& common) {
                      "run under Vulkan's validation layers; any complaint is an error");
 }
 
+// CLI11 would only say that a command is required.
+void refuse_unknown_command(const CLI::App& program, const std::string& word) {
+    std::vector<std::string> names;
+    for (const CLI::App* command : program.get_subcommands(nullptr))
+        names.push_back(command->get_name());
+    if (word.empty() || word.front() == '-' || std::find(names.begin(), names.end(), word) != names.end())
+        return;
+    const std::string_view meant = nearest(word, names);
+    throw UsageError(fmt::format("no command \"{}\"{}; there are {}", word,
+                                 meant.empty() ? "" : fmt::format(", did you mean {}?", meant),
+                                 fmt::join(names, ", ")));
+}
+
 int parse_and_run(int argc, char** argv) {
     CLI::App program("Offline study of haptic force fields, with and without force shading", "forceshade");
     CommonOptions common;
@@ -56,6 +70,8 @@ int parse_and_run(int argc, char** argv) {
     add_gpus_command(program, common, command);
     add_doctor_command(program, common, command);
     add_schema_command(program, common, command);
+    if (argc > 1)
+        refuse_unknown_command(program, argv[1]);
     try {
         program.parse(argc, argv);
     } catch (const CLI::ParseError& error) {
