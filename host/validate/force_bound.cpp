@@ -25,7 +25,7 @@ double gradient_term(layout::uint kind, const layout::MapParams<double>& map, do
     case layout::kMapDip:
         return 1 + slope;
     case layout::kMapSine:
-        return map.slope * (1 + std::abs(x * map.inverse_length));
+        return std::abs(map.slope) * (1 + std::abs(x * map.inverse_length));
     case layout::kMapGaussian:
         return slope * (1 + (x * x + y * y) * map.inverse_length * map.inverse_length);
     case layout::kMapSamples:
