@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstring>
+#include <thread>
 #include <type_traits>
 
 #include <fmt/format.h>
@@ -29,6 +30,22 @@ constexpr std::array<Channel, 5> kChannels{{{layout::kChannelForce, layout::kBin
                                             {layout::kChannelFacet, layout::kBindFacet, 0, 1},
                                             {layout::kChannelProxy, layout::kBindProxy, 3, 0},
                                             {layout::kChannelUnshaded, layout::kBindUnshaded, 3, 0}}};
+
+// Neighbouring x samples an invocation evaluates; shaders/stores.glsl: ABREAST.
+std::uint32_t abreast(FieldVariant variant) {
+    return variant == FieldVariant::f32_packed ? 8 : 4;
+}
+
+// True if what depends on (x, y) alone differs from y to y; shaders/field.comp: ALONG_Z.
+bool columns_vary_in_y(const layout::Features& features) {
+    const auto varies = [](layout::uint map) { return map == layout::kMapGaussian || map == layout::kMapSamples; };
+    return varies(features.map) || varies(features.texture);
+}
+
+// Invocations that fill a device: on software some vectors for every thread, so that they finish together.
+std::uint32_t filling_invocations(const DeviceReport& report) {
+    return report.software ? 256 * std::max(1u, std::thread::hardware_concurrency()) : 65536;
+}
 
 // Timestamps of one chunk: before the kernel, after it, after the copy.
 constexpr std::uint32_t kTimestamps = 3;
@@ -131,10 +148,11 @@ struct FieldKernel::Implementation {
         });
     }
 
-    template <typename T> void upload_tables(const layout::FieldInput<T>& input, std::uint32_t pitch) {
-        // Rows are padded to an even pitch; the padding repeats the last sample.
+    template <typename T> void upload_tables(const layout::FieldInput<T>& input) {
+        // Rows are padded to whole invocations; the padding repeats the last sample.
         std::vector<T> axes(input.x.begin(), input.x.end());
-        axes.resize(pitch, input.x.back());
+        const std::size_t block = abreast(variant_of(sizeof(T)));
+        axes.resize((axes.size() + block - 1) / block * block, input.x.back());
         axes.insert(axes.end(), input.y.begin(), input.y.end());
         axes.insert(axes.end(), input.z.begin(), input.z.end());
         upload(layout::kBindLaw, std::as_bytes(std::span(&input.law.params, 1)));
@@ -177,14 +195,24 @@ struct FieldKernel::Implementation {
         const vk::WriteDescriptorSet write(*slot.set, 0, 0, vk::DescriptorType::eStorageBuffer, {}, infos);
         device.device.updateDescriptorSets(write, {});
     }
-    PlanLimits limits(std::size_t chunk_bytes) const {
+
+    FieldVariant variant_of(std::size_t real_size) const {
+        if (real_size == sizeof(double))
+            return FieldVariant::f64;
+        return options.packed_stores && device.report.int64 ? FieldVariant::f32_packed : FieldVariant::f32;
+    }
+
+    PlanLimits limits(std::size_t chunk_bytes, const layout::Features& features, FieldVariant variant) const {
         PlanLimits plan;
         plan.buffer_range = device.limits.maxStorageBufferRange;
         plan.chunk_bytes = chunk_bytes;
-        plan.group_invocations = device.limits.maxComputeWorkGroupInvocations;
-        std::copy_n(device.limits.maxComputeWorkGroupSize.begin(), 2, plan.group_size);
-        std::copy_n(device.limits.maxComputeWorkGroupCount.begin(), 3, plan.group_count);
-        plan.layers = options.layers;
+        plan.group_invocations =
+            std::min(device.limits.maxComputeWorkGroupInvocations, device.limits.maxComputeWorkGroupSize[0]);
+        plan.group_count = device.limits.maxComputeWorkGroupCount[0];
+        plan.abreast = abreast(variant);
+        plan.rows = options.rows;
+        plan.invocations = filling_invocations(device.report);
+        plan.along_z = columns_vary_in_y(features);
         return plan;
     }
 
@@ -213,8 +241,7 @@ void FieldKernel::Implementation::record(Slot& slot, vk::Pipeline pipeline, cons
     commands.bindDescriptorSets(vk::PipelineBindPoint::eCompute, *pipelines.layout(), 0, *slot.set, {});
     commands.pushConstants<layout::ChunkParams>(*pipelines.layout(), vk::ShaderStageFlagBits::eCompute, 0, slot.chunk);
     stamp(0);
-    commands.dispatch(plan.groups_x, (slot.chunk.y_count + plan.local_y - 1) / plan.local_y,
-                      (slot.chunk.z_count + options.layers - 1) / options.layers);
+    commands.dispatch(plan.groups(slot.chunk.y_count, slot.chunk.z_count), 1, 1);
     stamp(1);
     if (staged) {
         const vk::MemoryBarrier computed(vk::AccessFlagBits::eShaderWrite, vk::AccessFlagBits::eTransferRead);
@@ -301,11 +328,15 @@ void FieldKernel::Implementation::drain(Slot& slot, std::size_t x_count, layout:
 template <typename T> FieldPlan FieldKernel::Implementation::reserve(const layout::FieldInput<T>& input) {
     const layout::uint channels = input.law.features.channels;
     const SampleBytes sample = bytes_per_sample(channels, sizeof(T));
+    const FieldVariant variant = variant_of(sizeof(T));
+    const std::size_t wanted =
+        device.report.software ? std::min(options.chunk_bytes, options.software_chunk_bytes) : options.chunk_bytes;
     // 1 GiB keeps every index of the kernel within 32 bits.
-    std::size_t chunk_bytes = std::min<std::size_t>(options.chunk_bytes, std::size_t(1) << 30);
-    const std::size_t row = (input.x.size() + 1) * sample.all;
+    std::size_t chunk_bytes = std::min<std::size_t>(wanted, std::size_t(1) << 30);
+    const std::size_t row = (input.x.size() + abreast(variant)) * sample.all;
     for (chunk_bytes = std::max(chunk_bytes, row);; chunk_bytes /= 2) {
-        const FieldPlan plan = plan_field(input.x.size(), input.y.size(), input.z.size(), sample, limits(chunk_bytes));
+        const FieldPlan plan = plan_field(input.x.size(), input.y.size(), input.z.size(), sample,
+                                          limits(chunk_bytes, input.law.features, variant));
         try {
             prepare_results(channels, std::size_t(plan.x_pitch) * plan.y_step * plan.z_step, sizeof(T));
             return plan;
@@ -332,17 +363,11 @@ FieldTimes FieldKernel::evaluate(const layout::FieldInput<T>& input,
     FieldTimes times;
     return checked("evaluating a field", [&] {
         auto start = Clock::now();
-        const std::uint32_t pitch = static_cast<std::uint32_t>(input.x.size() + input.x.size() % 2);
-        self.upload_tables(input, pitch);
+        self.upload_tables(input);
         const FieldPlan plan = self.reserve(input);
         times.upload = seconds_since(start);
         start = Clock::now();
-        const bool packed = !kDouble && self.options.packed_stores && self.device.report.int64;
-        const FieldVariant variant = kDouble  ? FieldVariant::f64
-                                     : packed ? FieldVariant::f32_packed
-                                              : FieldVariant::f32;
-        const vk::Pipeline pipeline =
-            self.pipelines.get({variant, plan.local_x, plan.local_y, self.options.layers, input.law.features});
+        const vk::Pipeline pipeline = self.pipelines.get({self.variant_of(sizeof(T)), plan.group, input.law.features});
         times.compile = seconds_since(start);
         const std::size_t ny = input.y.size(), nz = input.z.size();
         const layout::uint channels = input.law.features.channels;
@@ -352,14 +377,14 @@ FieldTimes FieldKernel::evaluate(const layout::FieldInput<T>& input,
                 for (std::size_t y = 0; y < ny; y += plan.y_step, ++turn) {
                     Slot& slot = self.slots[turn % self.slots.size()];
                     self.drain(slot, input.x.size(), channels, times, consume);
-                    slot.chunk = {static_cast<layout::uint>(input.x.size()),
-                                  plan.x_pitch,
+                    slot.chunk = {plan.x_pitch,
                                   static_cast<layout::uint>(y),
                                   static_cast<layout::uint>(std::min<std::size_t>(plan.y_step, ny - y)),
                                   plan.x_pitch,
                                   static_cast<layout::uint>(z),
                                   static_cast<layout::uint>(std::min<std::size_t>(plan.z_step, nz - z)),
-                                  static_cast<layout::uint>(plan.x_pitch + ny)};
+                                  static_cast<layout::uint>(plan.x_pitch + ny),
+                                  plan.rows};
                     self.record(slot, pipeline, plan, channels, sizeof(T));
                     self.submit(slot);
                 }

@@ -12,10 +12,12 @@ namespace forceshade::compute {
 
 struct FieldKernelOptions {
     std::size_t chunk_bytes = std::size_t(32)
-                              << 20; /* results of one dispatch; halved while the device is short of memory */
-    std::uint32_t layers = 16;       /* z samples an invocation evaluates */
-    bool packed_stores = true;       /* two reals a 64-bit store where the device has 64-bit integers (f32) */
-    bool force_staging = false;      /* copy through a staging buffer even where the host shares the memory */
+                              << 20; /* most for the results of one dispatch; halved while memory is short */
+    std::size_t software_chunk_bytes = std::size_t(8)
+                                       << 20; /* the same on a software device: two fit into its caches */
+    std::uint32_t rows = 0; /* rows (of one y and z) an invocation evaluates; 0: as many as leave the device filled */
+    bool packed_stores = true;  /* two reals a 64-bit word where the device has 64-bit integers (f32) */
+    bool force_staging = false; /* copy through a staging buffer even where the host shares the memory */
 };
 
 /// Where the time of a field went, in seconds. Kernel time is the device's own where its queue keeps time.

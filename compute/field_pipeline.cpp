@@ -19,8 +19,7 @@ std::span<const std::uint32_t> words(FieldVariant variant) {
 
 std::array<std::uint32_t, layout::kSpecCount> constants(const FieldSpecialization& specialization) {
     std::array<std::uint32_t, layout::kSpecCount> values{};
-    values[layout::kSpecLocalX] = specialization.local_x;
-    values[layout::kSpecLocalY] = specialization.local_y;
+    values[layout::kSpecLocalX] = specialization.group;
     values[layout::kSpecSurface] = specialization.features.surface;
     values[layout::kSpecShading] = specialization.features.shading;
     values[layout::kSpecDepth] = specialization.features.depth;
@@ -28,7 +27,6 @@ std::array<std::uint32_t, layout::kSpecCount> constants(const FieldSpecializatio
     values[layout::kSpecMap] = specialization.features.map;
     values[layout::kSpecTexture] = specialization.features.texture;
     values[layout::kSpecChannels] = specialization.features.channels;
-    values[layout::kSpecLayers] = specialization.layers;
     return values;
 }
 

@@ -13,7 +13,7 @@ enum class FieldVariant { f32, f32_packed, f64 };
 /// What a pipeline is compiled for.
 struct FieldSpecialization {
     FieldVariant variant = FieldVariant::f32;
-    std::uint32_t local_x = 0, local_y = 0, layers = 0;
+    std::uint32_t group = 0; /* invocations of a work group */
     layout::Features features;
     friend bool operator==(const FieldSpecialization&, const FieldSpecialization&) = default;
 };

@@ -9,10 +9,11 @@
 namespace forceshade::compute {
 namespace {
 
-// 256 invocations a group were measured best; more gain nothing and fewer cost up to a third (tests/bench).
-constexpr std::uint32_t kGroup = 256;
-// Invocations of a group that lie side by side in x: a multiple of this, so that vector units are filled.
-constexpr std::uint32_t kAbreast = 8;
+// A small group shares few rows out evenly; on the software device 64 to 256 run alike.
+constexpr std::uint32_t kGroup = 64;
+// A column costs as much as six samples, so that more rows an invocation gain nothing; and loops stay far from where
+// drivers end them.
+constexpr std::uint64_t kMostRows = 128;
 
 std::uint64_t divided_up(std::uint64_t value, std::uint64_t by) {
     return (value + by - 1) / by;
@@ -36,16 +37,20 @@ SampleBytes bytes_per_sample(layout::uint channels, std::size_t real_size) {
     return bytes;
 }
 
+std::uint32_t FieldPlan::groups(std::uint64_t y_count, std::uint64_t z_count) const {
+    const std::uint64_t parts = along_z ? y_count * divided_up(z_count, rows) : divided_up(y_count * z_count, rows);
+    return static_cast<std::uint32_t>(divided_up(parts * blocks, group));
+}
+
 FieldPlan plan_field(std::uint64_t nx, std::uint64_t ny, std::uint64_t nz, SampleBytes sample,
                      const PlanLimits& limits) {
-    const std::uint64_t pitch = nx + nx % 2;
-    const std::uint64_t rows =
-        std::min(limits.buffer_range / (pitch * sample.largest), limits.chunk_bytes / (pitch * sample.all));
+    const std::uint64_t blocks = divided_up(nx, limits.abreast);
+    const std::uint64_t pitch = blocks * limits.abreast;
     const std::uint64_t group = std::min(kGroup, limits.group_invocations);
-    const std::uint64_t widest = std::min<std::uint64_t>(group, limits.group_size[0]);
-    const std::uint64_t pairs = pitch / 2;
-    const std::uint64_t groups_x = divided_up(pairs, widest);
-    if (rows < 1 || groups_x > limits.group_count[0])
+    const std::uint64_t most_invocations = group * limits.group_count;
+    const std::uint64_t rows = std::min({limits.buffer_range / (pitch * sample.largest),
+                                         limits.chunk_bytes / (pitch * sample.all), most_invocations / blocks});
+    if (rows < 1)
         throw DeviceError(
             DeviceError::Kind::out_of_memory,
             fmt::format("one row of {} samples takes {} bytes; a dispatch may hold {} and a buffer span {}: "
@@ -53,20 +58,14 @@ FieldPlan plan_field(std::uint64_t nx, std::uint64_t ny, std::uint64_t nz, Sampl
                         nx, pitch * sample.all, limits.chunk_bytes, limits.buffer_range));
     FieldPlan plan;
     plan.x_pitch = static_cast<std::uint32_t>(pitch);
-    plan.groups_x = static_cast<std::uint32_t>(groups_x);
-    const std::uint64_t local_x = std::min(widest, divided_up(divided_up(pairs, groups_x), kAbreast) * kAbreast);
-    const std::uint64_t local_y = std::min({group / local_x, ny, std::uint64_t(limits.group_size[1])});
-    plan.local_x = static_cast<std::uint32_t>(local_x);
-    plan.local_y = static_cast<std::uint32_t>(std::max<std::uint64_t>(1, local_y));
-    const std::uint64_t y_most = std::uint64_t(limits.group_count[1]) * plan.local_y;
-    plan.y_step = static_cast<std::uint32_t>(std::min({ny, rows, y_most}));
-    std::uint64_t z_step = 1;
-    if (plan.y_step == ny) {
-        z_step = std::min({nz, rows / ny, std::uint64_t(limits.group_count[2]) * limits.layers});
-        if (z_step > limits.layers && z_step < nz)
-            z_step -= z_step % limits.layers;
-    }
-    plan.z_step = static_cast<std::uint32_t>(std::max<std::uint64_t>(1, z_step));
+    plan.group = static_cast<std::uint32_t>(group);
+    plan.blocks = static_cast<std::uint32_t>(blocks);
+    plan.along_z = limits.along_z;
+    plan.y_step = static_cast<std::uint32_t>(std::min(ny, rows));
+    plan.z_step = plan.y_step == ny ? static_cast<std::uint32_t>(std::min(nz, rows / ny)) : 1;
+    const std::uint64_t filling = std::uint64_t(plan.y_step) * plan.z_step * blocks / std::max(1u, limits.invocations);
+    plan.rows =
+        limits.rows ? limits.rows : static_cast<std::uint32_t>(std::clamp<std::uint64_t>(filling, 1, kMostRows));
     return plan;
 }
 

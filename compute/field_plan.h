@@ -12,16 +12,23 @@ struct PlanLimits {
     std::uint64_t buffer_range = 0;      /* bytes that one storage buffer may span */
     std::uint64_t chunk_bytes = 0;       /* bytes that all results of one dispatch may take */
     std::uint32_t group_invocations = 0; /* most invocations of a work group */
-    std::uint32_t group_size[2] = {};    /* most in x and y */
-    std::uint32_t group_count[3] = {};   /* most groups of a dispatch */
-    std::uint32_t layers = 16;           /* z samples an invocation evaluates */
+    std::uint32_t group_count = 0;       /* most groups of a dispatch */
+    std::uint32_t abreast = 1;           /* neighbouring x samples an invocation evaluates */
+    std::uint32_t rows = 0;              /* rows an invocation evaluates; 0: as many as leave the device filled */
+    std::uint32_t invocations = 0;       /* what it takes to fill the device */
+    bool along_z = false;                /* an invocation's rows are of one y */
 };
 
 struct FieldPlan {
-    std::uint32_t x_pitch = 0;              /* samples a row takes in the buffers: x_count rounded up to even */
-    std::uint32_t local_x = 0, local_y = 0; /* work-group size */
-    std::uint32_t groups_x = 0;
+    std::uint32_t x_pitch = 0; /* samples a row takes in the buffers: x_count rounded up to whole invocations */
+    std::uint32_t group = 0;   /* invocations of a work group */
+    std::uint32_t blocks = 0;  /* invocations side by side in a row */
+    std::uint32_t rows = 0;    /* rows an invocation evaluates */
     std::uint32_t y_step = 0, z_step = 0; /* rows of a dispatch: y_step * z_step; y_step < ny only where z_step is 1 */
+    bool along_z = false;                 /* an invocation's rows are of one y; else they are neighbours in memory */
+
+    /// Work groups that cover a chunk.
+    std::uint32_t groups(std::uint64_t y_count, std::uint64_t z_count) const;
 };
 
 /// Bytes that one sample takes in all channels, and in the channel that takes most.

@@ -1,14 +1,15 @@
-// A force field over a dense grid: one invocation evaluates two neighbouring x and LAYERS z samples above them.
-// Stores are the dearest thing here, so with FS_PACKED two reals travel in one 64-bit store where the device has such integers.
+// A force field over a dense grid. An invocation takes ABREAST neighbouring samples of x in `chunk.rows` rows: what depends
+// on (x, y) alone is computed once for them, and stores, the dearest thing on a software device, travel four words at a time.
 #version 450
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
 #ifdef FS_PACKED
 #extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
 #endif
 #include "laws/real.glsl"
 #include "shared/layout.h"
 
-layout(local_size_x_id = kSpecLocalX, local_size_y_id = kSpecLocalY) in;
+layout(local_size_x_id = kSpecLocalX) in;
 layout(constant_id = kSpecSurface) const uint SURFACE = kSurfaceBump;
 layout(constant_id = kSpecShading) const uint SHADING = kShadingNone;
 layout(constant_id = kSpecDepth) const uint DEPTH = kDepthVertical;
@@ -16,25 +17,19 @@ layout(constant_id = kSpecReference) const uint REFERENCE = kReferenceNormal;
 layout(constant_id = kSpecMap) const uint MAP = kMapNone;
 layout(constant_id = kSpecTexture) const uint TEXTURE = kMapNone;
 layout(constant_id = kSpecChannels) const uint CHANNELS = kChannelForce;
-layout(constant_id = kSpecLayers) const uint LAYERS = 16;
 
-layout(std430, set = 0, binding = kBindLaw) readonly buffer LawBuffer { LawParams law; };
+layout(std430, set = 0, binding = kBindLaw) readonly buffer LawBuffer { LawParams law_params; };
 layout(std430, set = 0, binding = kBindAxes) readonly buffer AxesBuffer { real axes[]; };
 layout(std430, set = 0, binding = kBindFacetVertices) readonly buffer FacetBuffer { real facet_vertices[]; };
 layout(std430, set = 0, binding = kBindMapGradients) readonly buffer MapBuffer { real map_gradients[]; };
 layout(std430, set = 0, binding = kBindTextureGradients) readonly buffer TextureBuffer { real texture_gradients[]; };
 layout(std430, set = 0, binding = kBindStatus) buffer StatusBuffer { uint status; };
-#ifdef FS_PACKED
-#define STORED uint64_t
-#else
-#define STORED real
-#endif
-layout(std430, set = 0, binding = kBindForce) writeonly buffer ForceBuffer { STORED force_out[]; };
-layout(std430, set = 0, binding = kBindDepth) writeonly buffer DepthBuffer { STORED depth_out[]; };
-layout(std430, set = 0, binding = kBindFacet) writeonly buffer FacetIdBuffer { uint facet_out[]; };
-layout(std430, set = 0, binding = kBindProxy) writeonly buffer ProxyBuffer { STORED proxy_out[]; };
-layout(std430, set = 0, binding = kBindUnshaded) writeonly buffer UnshadedBuffer { STORED unshaded_out[]; };
 layout(push_constant) uniform Push { ChunkParams chunk; };
+
+// A copy made before any branch: there a uniform load is one load, within branches it is one a lane.
+LawParams law;
+// Zero, and unknown to the compiler: llvmpipe takes x * 0 for 0 and 0 - x for -x, whatever the sign of zero.
+real exact_zero;
 
 #include "laws/circle.glsl"
 #include "laws/elementary.glsl"
@@ -50,72 +45,65 @@ layout(push_constant) uniform Push { ChunkParams chunk; };
 #include "laws/sampled_gradient.glsl"
 #include "laws/column.glsl"
 #include "laws/contact.glsl"
+#include "stores.glsl"
 
-// The three reals of two neighbouring samples; `sample_index` is even.
-#ifdef FS_PACKED
-#define PAIR(a, b) packUint2x32(uvec2(floatBitsToUint(a), floatBitsToUint(b)))
-#define STORE_PAIR(buffer, sample_index, a, b) buffer[(sample_index) / 2u] = PAIR(a, b);
-#define STORE_VECTORS(buffer, sample_index, a, b)                                                                      \
-    {                                                                                                                  \
-        uint at = (sample_index) / 2u * 3u;                                                                            \
-        buffer[at] = PAIR(a.x, a.y);                                                                                   \
-        buffer[at + 1u] = PAIR(a.z, b.x);                                                                              \
-        buffer[at + 2u] = PAIR(b.y, b.z);                                                                              \
-    }
-#else
-#define STORE_PAIR(buffer, sample_index, a, b)                                                                         \
-    {                                                                                                                  \
-        buffer[sample_index] = a;                                                                                      \
-        buffer[(sample_index) + 1u] = b;                                                                               \
-    }
-#define STORE_VECTORS(buffer, sample_index, a, b)                                                                      \
-    {                                                                                                                  \
-        uint at = (sample_index) * 3u;                                                                                 \
-        buffer[at] = a.x;                                                                                              \
-        buffer[at + 1u] = a.y;                                                                                         \
-        buffer[at + 2u] = a.z;                                                                                         \
-        buffer[at + 3u] = b.x;                                                                                         \
-        buffer[at + 4u] = b.y;                                                                                         \
-        buffer[at + 5u] = b.z;                                                                                         \
-    }
-#endif
+// Where a column differs from y to y, an invocation's rows are those of one y; else they are neighbours in memory.
+const bool ALONG_Z = MAP == kMapGaussian || MAP == kMapSamples || TEXTURE == kMapGaussian || TEXTURE == kMapSamples;
 
-void store(uint sample_index, Contact a, Contact b) {
-    if ((CHANNELS & kChannelForce) != 0u)
-        STORE_VECTORS(force_out, sample_index, a.force, b.force)
-    if ((CHANNELS & kChannelDepth) != 0u)
-        STORE_PAIR(depth_out, sample_index, a.depth, b.depth)
-    if ((CHANNELS & kChannelFacet) != 0u) {
-        facet_out[sample_index] = a.facet;
-        facet_out[sample_index + 1u] = b.facet;
+// The rows of one invocation, counted within the chunk.
+struct Rows {
+    uint y; // of the first
+    uint z;
+    uint count;
+    uint stride; // from one to the next, in rows
+};
+
+Rows rows_of(uint part) {
+    if (ALONG_Z) {
+        uint z = part / chunk.y_count * chunk.rows;
+        uint count = z < chunk.z_count ? min(chunk.rows, chunk.z_count - z) : 0u;
+        return Rows(part % chunk.y_count, z, count, chunk.y_count);
     }
-    if ((CHANNELS & kChannelProxy) != 0u)
-        STORE_VECTORS(proxy_out, sample_index, a.proxy, b.proxy)
-    if ((CHANNELS & kChannelUnshaded) != 0u)
-        STORE_VECTORS(unshaded_out, sample_index, a.unshaded, b.unshaded)
+    uint first = part * chunk.rows;
+    uint all = chunk.y_count * chunk.z_count;
+    uint count = first < all ? min(chunk.rows, all - first) : 0u;
+    return Rows(first % chunk.y_count, first / chunk.y_count, count, 1u);
 }
 
 void main() {
-    uint x = 2u * gl_GlobalInvocationID.x;
-    uint y = gl_GlobalInvocationID.y;
-    uint z = gl_WorkGroupID.z * LAYERS;
-    if (x >= chunk.x_pitch || y >= chunk.y_count || z >= chunk.z_count)
+    law = law_params;
+    exact_zero = real(law.zero);
+    uint blocks = chunk.x_pitch / ABREAST; // of a row
+    uint block = gl_GlobalInvocationID.x % blocks;
+    Rows rows = rows_of(gl_GlobalInvocationID.x / blocks);
+    if (rows.count == 0u)
         return;
-    uint layers = min(LAYERS, chunk.z_count - z);
-    real y_metres = axes[chunk.y_axis + chunk.y_first + y];
-    Column left = column_at(axes[x], y_metres);
-    Column right = column_at(axes[x + 1u], y_metres);
-    uint sample_index = (z * chunk.y_count + y) * chunk.x_pitch + x;
-    uint layer_stride = chunk.y_count * chunk.x_pitch;
-    uint z_axis = chunk.z_axis + chunk.z_first + z;
+    uint y_axis = chunk.y_axis + chunk.y_first;
+    uint z_axis = chunk.z_axis + chunk.z_first + rows.z;
+    uint y = rows.y;
+    real y_metres = axes[y_axis + y];
+    Column columns[ABREAST];
+    // Unrolled, it would be most of the code that a software driver has to compile.
+    [[dont_unroll]] for (uint i = 0u; i < ABREAST; ++i)
+        columns[i] = column_at(axes[ABREAST * block + i], y_metres);
+    uint at = (rows.z * chunk.y_count + y) * blocks + block;
     uint done = 0u;
-    for (uint k = 0u; k < layers; ++k) {
-        real z_metres = axes[z_axis + k];
-        store(sample_index, contact_at(left, z_metres), contact_at(right, z_metres));
-        sample_index += layer_stride;
-        ++done;
+    while (done < rows.count) {
+        real z_metres = axes[z_axis++];
+        uint end = ALONG_Z ? done + 1u : min(rows.count, done + chunk.y_count - y);
+        for (; done < end; ++done) {
+            // Nothing but the proxy shows the y of a column that serves for all of them.
+            if (!ALONG_Z && (CHANNELS & kChannelProxy) != 0u)
+                y_metres = axes[y_axis + y++];
+            Contact contacts[ABREAST];
+            for (uint i = 0u; i < ABREAST; ++i)
+                contacts[i] = contact_at(columns[i], y_metres, z_metres);
+            store(at, contacts);
+            at += rows.stride * blocks;
+        }
+        y = 0u;
     }
     // A driver that silently ends long loops leaves done behind.
-    if (done != layers)
+    if (done != rows.count)
         atomicOr(status, kStatusUnfinished);
 }

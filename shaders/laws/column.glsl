@@ -2,7 +2,6 @@
 
 struct Column {
     real x;
-    real y;
     Facet facet;      // L3: the nominal surface below the probe
     real3 direction;  // L4, L5: the smooth surface's unit normal above the probe
     Gradient texture; // L8
@@ -36,10 +35,10 @@ Gradient texture_gradient(real x, real y) {
 // G1: N(x) on the bump, z elsewhere.
 real3 reference_normal(real x, bool on_bump) {
     if (!on_bump)
-        return real3(ZERO, ZERO, ONE);
+        return real3(exact_zero, exact_zero, ONE);
     precise real normal_x = x / law.radius;
     precise real normal_z = circle_rise(law.radius, x) / law.radius;
-    return real3(normal_x, ZERO, normal_z);
+    return real3(normal_x, exact_zero, normal_z);
 }
 
 // L5: the unit normal of the height map.
@@ -54,12 +53,11 @@ real3 map_normal(real x, real y) {
 Column column_at(real x, real y) {
     Column column;
     column.x = x;
-    column.y = y;
     column.on_bump = abs(x) < law.half_width;
-    column.facet = Facet(ZERO, ZERO, ONE, 0u);
+    column.facet = Facet(exact_zero, exact_zero, ONE, 0u);
     if (SURFACE == kSurfaceBump)
         column.facet = facet_at(x);
-    column.direction = real3(ZERO, ZERO, ONE);
+    column.direction = real3(exact_zero, exact_zero, ONE);
     if (SHADING == kShadingReference && REFERENCE == kReferenceNormal)
         column.direction = reference_normal(x, column.on_bump);
     if (SHADING == kShadingHeightMap)

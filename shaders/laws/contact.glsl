@@ -18,11 +18,11 @@ Radial radial_at(real x, real z) {
     precise real rise = z + law.centre_depth;
     precise real square = x * x + rise * rise;
     if (!(square >= SMALLEST_NORMAL))
-        return Radial(real3(ZERO, ZERO, ONE), ZERO);
+        return Radial(real3(exact_zero, exact_zero, ONE), ZERO);
     precise real distance = sqrt(square);
     precise real direction_x = x / distance;
     precise real direction_z = rise / distance;
-    return Radial(real3(direction_x, ZERO, direction_z), distance);
+    return Radial(real3(direction_x, exact_zero, direction_z), distance);
 }
 
 real3 along(real magnitude, real3 direction) {
@@ -43,8 +43,8 @@ real3 textured(real3 force, real depth, Gradient texture) {
 }
 
 // L2: plane and cylinder, each computed alone, superposed.
-Contact cylinder_bump_contact(Column column, real z) {
-    Contact contact = Contact(ZERO, real3(ZERO), real3(ZERO), real3(column.x, column.y, z), kNoFacet);
+Contact cylinder_bump_contact(Column column, real y, real z) {
+    Contact contact = Contact(ZERO, real3(ZERO), real3(ZERO), real3(column.x, y, z), kNoFacet);
     precise real plane_depth = z < ZERO ? -z : ZERO;
     // R^2 - r^2 = (a-x)(a+x) - z(z + 2 sqrt(R^2-a^2)): R - r without cancellation.
     precise real power = (law.half_width - column.x) * (law.half_width + column.x) -
@@ -60,29 +60,29 @@ Contact cylinder_bump_contact(Column column, real z) {
     bool on_cylinder = cylinder_depth >= plane_depth;
     contact.depth = on_cylinder ? cylinder_depth : plane_depth;
     contact.facet = on_cylinder ? 0u : 1u;
-    contact.force = textured(real3(force_x, ZERO, force_z), contact.depth, column.texture);
+    contact.force = textured(real3(force_x, exact_zero, force_z), contact.depth, column.texture);
     contact.unshaded = contact.force;
     precise real proxy_x = column.x + cylinder_depth * radial.direction.x;
     precise real proxy_z = z + cylinder_depth * radial.direction.z;
-    contact.proxy = on_cylinder ? real3(proxy_x, column.y, proxy_z) : real3(column.x, column.y, ZERO);
+    contact.proxy = on_cylinder ? real3(proxy_x, y, proxy_z) : real3(column.x, y, ZERO);
     return contact;
 }
 
 // L1, L3, L4, L5: one nominal facet below the probe; shading replaces the direction and keeps the magnitude.
-Contact facet_contact(Column column, real z) {
-    Contact contact = Contact(ZERO, real3(ZERO), real3(ZERO), real3(column.x, column.y, z), kNoFacet);
+Contact facet_contact(Column column, real y, real z) {
+    Contact contact = Contact(ZERO, real3(ZERO), real3(ZERO), real3(column.x, y, z), kNoFacet);
     precise real depth = column.facet.height - z;
     if (!(depth > ZERO))
         return contact;
-    contact.proxy = real3(column.x, column.y, column.facet.height);
+    contact.proxy = real3(column.x, y, column.facet.height);
     if (DEPTH == kDepthNormal) {
         depth = depth * column.facet.normal_z;
         precise real proxy_x = column.x + depth * column.facet.normal_x;
         precise real proxy_z = z + depth * column.facet.normal_z;
-        contact.proxy = real3(proxy_x, column.y, proxy_z);
+        contact.proxy = real3(proxy_x, y, proxy_z);
     }
     precise real magnitude = law.stiffness * depth;
-    real3 normal = real3(column.facet.normal_x, ZERO, column.facet.normal_z);
+    real3 normal = real3(column.facet.normal_x, exact_zero, column.facet.normal_z);
     real3 direction = SHADING == kShadingNone ? normal : column.direction;
     if (SHADING == kShadingReference && REFERENCE == kReferenceRadial && column.on_bump)
         direction = radial_at(column.x, z).direction;
@@ -93,8 +93,8 @@ Contact facet_contact(Column column, real z) {
     return contact;
 }
 
-Contact contact_at(Column column, real z) {
+Contact contact_at(Column column, real y, real z) {
     if (SURFACE == kSurfaceCylinderBump)
-        return cylinder_bump_contact(column, z);
-    return facet_contact(column, z);
+        return cylinder_bump_contact(column, y, z);
+    return facet_contact(column, y, z);
 }

@@ -22,7 +22,7 @@ uint facet_index(real x, uint facets) {
 }
 
 Facet facet_at(real x) {
-    Facet facet = Facet(ZERO, ZERO, ONE, law.facets);
+    Facet facet = Facet(exact_zero, exact_zero, ONE, law.facets);
     if (!(x >= -law.half_width && x < law.half_width))
         return facet;
     facet.id = facet_index(x, law.facets);

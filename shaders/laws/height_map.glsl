@@ -7,7 +7,7 @@ struct Gradient {
 };
 
 Gradient cylinder_gradient(MapParams map, real x, bool dip) {
-    Gradient gradient = Gradient(ZERO, ZERO);
+    Gradient gradient = Gradient(exact_zero, exact_zero);
     if (!(abs(x) < map.half_width))
         return gradient;
     precise real slope = x / circle_rise(map.radius, x);
@@ -18,7 +18,7 @@ Gradient cylinder_gradient(MapParams map, real x, bool dip) {
 Gradient sine_gradient(MapParams map, real x) {
     precise real turns = x * map.inverse_length;
     precise real slope = map.slope * cosine_of_turns(turns);
-    return Gradient(slope, ZERO);
+    return Gradient(slope, exact_zero);
 }
 
 Gradient gaussian_gradient(MapParams map, real x, real y) {
@@ -29,7 +29,7 @@ Gradient gaussian_gradient(MapParams map, real x, real y) {
     precise real gradient_y = -(steepness * v);
     // Far away u is infinite and the steepness 0: the product would be no number.
     if (!(steepness != ZERO))
-        return Gradient(ZERO, ZERO);
+        return Gradient(exact_zero, exact_zero);
     return Gradient(gradient_x, gradient_y);
 }
 

@@ -2,10 +2,12 @@
 #ifdef FS_F64
 #define real double
 #define real3 dvec3
+#define real4 dvec4
 #define SMALLEST_NORMAL 2.2250738585072014e-308LF
 #else
 #define real float
 #define real3 vec3
+#define real4 vec4
 #define SMALLEST_NORMAL 1.1754943508222875e-38
 #endif
 #define ZERO real(0.0LF)

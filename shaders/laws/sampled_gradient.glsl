@@ -3,7 +3,7 @@
 
 Gradient SAMPLED_GRADIENT(MapParams map, real x, real y) {
     if (!(abs(x) <= map.half_width && abs(y) <= map.half_length))
-        return Gradient(ZERO, ZERO);
+        return Gradient(exact_zero, exact_zero);
     precise real column = (x + map.half_width) * map.nodes_per_x;
     precise real row = (y + map.half_length) * map.nodes_per_y;
     Cell across = cell_at(column, map.columns);

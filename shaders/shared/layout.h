@@ -1,6 +1,7 @@
-// The nouns that kernels and CPU oracle share: structs, enums, binding and constant numbers. No verbs: nothing here computes.
-// Read by C++ and by GLSL. Structs hold scalars only, largest first, so that std430 offsets equal C++'s (a test compares them).
-// `real` is float or double: a template parameter in C++, a macro in GLSL. Laws G1 to L8: shaders/README.md.
+// The nouns that kernels and CPU oracle share: structs, enums, binding and constant numbers. No verbs: nothing here
+// computes. Read by C++ and by GLSL. Structs hold scalars only, largest first, so that std430 offsets equal C++'s (a
+// test compares them). `real` is float or double: a template parameter in C++, a macro in GLSL. Laws G1 to L8:
+// shaders/README.md.
 #ifdef __cplusplus
 #pragma once
 #include <cstddef>
@@ -39,10 +40,10 @@ FS_CONSTANT kMapSine = 3u;
 FS_CONSTANT kMapGaussian = 4u;
 FS_CONSTANT kMapSamples = 5u;
 // Channels a field may write, as bits.
-FS_CONSTANT kChannelForce = 1u;    // N, 3 reals a voxel
-FS_CONSTANT kChannelDepth = 2u;    // m, 1 real a voxel
-FS_CONSTANT kChannelFacet = 4u;    // id, 1 uint a voxel
-FS_CONSTANT kChannelProxy = 8u;    // m, 3 reals a voxel
+FS_CONSTANT kChannelForce = 1u;     // N, 3 reals a voxel
+FS_CONSTANT kChannelDepth = 2u;     // m, 1 real a voxel
+FS_CONSTANT kChannelFacet = 4u;     // id, 1 uint a voxel
+FS_CONSTANT kChannelProxy = 8u;     // m, 3 reals a voxel
 FS_CONSTANT kChannelUnshaded = 16u; // N, 3 reals a voxel: what shading "none" would give
 
 FS_CONSTANT kNoFacet = 0xFFFFFFFFu; // facet id of a voxel out of contact
@@ -63,16 +64,14 @@ FS_CONSTANT kBindCount = 11u;
 
 // Specialization constants of the field kernel.
 FS_CONSTANT kSpecLocalX = 0u;
-FS_CONSTANT kSpecLocalY = 1u;
-FS_CONSTANT kSpecSurface = 2u;
-FS_CONSTANT kSpecShading = 3u;
-FS_CONSTANT kSpecDepth = 4u;
-FS_CONSTANT kSpecReference = 5u;
-FS_CONSTANT kSpecMap = 6u;
-FS_CONSTANT kSpecTexture = 7u;
-FS_CONSTANT kSpecChannels = 8u;
-FS_CONSTANT kSpecLayers = 9u; // z samples an invocation evaluates
-FS_CONSTANT kSpecCount = 10u;
+FS_CONSTANT kSpecSurface = 1u;
+FS_CONSTANT kSpecShading = 2u;
+FS_CONSTANT kSpecDepth = 3u;
+FS_CONSTANT kSpecReference = 4u;
+FS_CONSTANT kSpecMap = 5u;
+FS_CONSTANT kSpecTexture = 6u;
+FS_CONSTANT kSpecChannels = 7u;
+FS_CONSTANT kSpecCount = 8u;
 
 // Bits a kernel raises in its status word.
 FS_CONSTANT kStatusUnfinished = 1u; // a loop ended before its work was done
@@ -99,19 +98,19 @@ FS_STRUCT LawParams {
     FS_REAL_STRUCT(MapParams) map;
     FS_REAL_STRUCT(MapParams) texture;
     uint facets; // n
-    uint reserved;
+    uint zero;   // 0, for kernels whose compiler must not know it
 };
 
-// What one dispatch covers, as push constants. A row is the x_count samples of one (y, z); rows are stored at x_pitch samples.
+// What one dispatch covers, as push constants. A row is the samples of one (y, z); rows are stored at x_pitch samples.
 struct ChunkParams {
-    uint x_count;
-    uint x_pitch; // x_count, rounded up to an even number
+    uint x_pitch; // the samples of a row, rounded up to whole invocations
     uint y_first;
     uint y_count;
     uint y_axis; // where the y coordinates begin in the axis table
     uint z_first;
     uint z_count;
     uint z_axis; // where the z coordinates begin in the axis table
+    uint rows;   // rows an invocation evaluates
 };
 
 #ifdef __cplusplus
@@ -128,8 +127,7 @@ struct Features {
 };
 
 // A force law, ready to evaluate at any point. The spans must outlive it.
-template <typename real>
-struct Law {
+template <typename real> struct Law {
     Features features;
     LawParams<real> params;
     std::span<const real> facet_vertices;    // m, n + 1 increasing x coordinates (bump only)
@@ -138,16 +136,15 @@ struct Law {
 };
 
 // A law over a grid.
-template <typename real>
-struct FieldInput {
+template <typename real> struct FieldInput {
     Law<real> law;
     std::span<const real> x, y, z; // m, sample coordinates, each rounded once from double
 };
 
-// Consecutive rows of an evaluated field: z in [z_first, z_first + z_count), y likewise. Row r = (z - z_first) * y_count + (y - y_first)
-// begins at sample r * x_pitch. Channels that the features lack are empty. The spans die with the callback that receives them.
-template <typename real>
-struct FieldChunk {
+// Consecutive rows of an evaluated field: z in [z_first, z_first + z_count), y likewise. Row r = (z - z_first) *
+// y_count + (y - y_first) begins at sample r * x_pitch. Channels that the features lack are empty. The spans die with
+// the callback that receives them.
+template <typename real> struct FieldChunk {
     std::size_t x_count, x_pitch;
     std::size_t y_first, y_count;
     std::size_t z_first, z_count;
