@@ -63,7 +63,9 @@ std::array<Real, 3> scaled(Real factor, const std::array<Real, 3>& vector) {
 
 Referee::Referee(const Scene& scene, const SceneImages& images)
     : scene_(scene), images_(images), half_width_(Real(scene.surface.width) / 2), radius_(scene.surface.radius),
-      edge_angle_(std::asin(std::min(Real(1), half_width_ / radius_))), axis_depth_(radius_ * std::cos(edge_angle_)) {}
+      edge_angle_(std::asin(std::min(Real(1), half_width_ / radius_))),
+      axis_depth_(radius_ * std::sin(std::acos(std::min(Real(1), half_width_ / radius_)))), // exactly 0 for R = a
+      top_(2 * radius_ * std::sin(edge_angle_ / 2) * std::sin(edge_angle_ / 2)) {}
 
 Real Referee::texture_stiffness() const {
     return scene_.texture ? Real(scene_.texture->stiffness) : Real(0);
@@ -142,7 +144,10 @@ Answer Referee::cylinder_bump(const Column& column, Real z) const {
     const Real rise = z + axis_depth_;
     const Real distance = std::hypot(column.x, rise);
     const Real plane = std::max(Real(0), -z);
-    const Real cylinder = std::max(Real(0), radius_ - distance);
+    // R - r from the cylinder's top, where R may be a billion times what is left: r^2 = x^2 + (R + w)^2.
+    const Real below_top = z - top_;
+    const Real power = column.x * column.x + below_top * (2 * radius_ + below_top);
+    const Real cylinder = std::max(Real(0), -power / (radius_ + distance));
     if (plane == 0 && cylinder == 0)
         return answer;
     const std::array<Real, 3> outward = distance > 0 ? tilted(std::atan2(column.x, rise)) : tilted(0);

@@ -48,7 +48,7 @@ private:
 
     const Scene& scene_;
     const SceneImages& images_;
-    Real half_width_, radius_, edge_angle_, axis_depth_;
+    Real half_width_, radius_, edge_angle_, axis_depth_, top_;
 };
 
 } // namespace forceshade::brute
