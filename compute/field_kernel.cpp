@@ -329,8 +329,10 @@ template <typename T> FieldPlan FieldKernel::Implementation::reserve(const layou
     const layout::uint channels = input.law.features.channels;
     const SampleBytes sample = bytes_per_sample(channels, sizeof(T));
     const FieldVariant variant = variant_of(sizeof(T));
+    // Rows of one y lie far apart: there a chunk gains more from columns that serve for many of them.
+    const bool cached = device.report.software && !columns_vary_in_y(input.law.features);
     const std::size_t wanted =
-        device.report.software ? std::min(options.chunk_bytes, options.software_chunk_bytes) : options.chunk_bytes;
+        cached ? std::min(options.chunk_bytes, options.software_chunk_bytes) : options.chunk_bytes;
     // 1 GiB keeps every index of the kernel within 32 bits.
     std::size_t chunk_bytes = std::min<std::size_t>(wanted, std::size_t(1) << 30);
     const std::size_t row = (input.x.size() + abreast(variant)) * sample.all;

@@ -28,7 +28,7 @@ layout(push_constant) uniform Push { ChunkParams chunk; };
 
 // A copy made before any branch: there a uniform load is one load, within branches it is one a lane.
 LawParams law;
-// Zero, and unknown to the compiler: llvmpipe takes x * 0 for 0 and 0 - x for -x, whatever the sign of zero.
+// Zero, and unknown to the compiler where a sign of zero may come of it: llvmpipe takes x * 0 for 0 and 0 - x for -x.
 real exact_zero;
 
 #include "laws/circle.glsl"
@@ -72,7 +72,7 @@ Rows rows_of(uint part) {
 
 void main() {
     law = law_params;
-    exact_zero = real(law.zero);
+    exact_zero = TEXTURE == kMapNone && SHADING != kShadingHeightMap ? ZERO : real(law.zero);
     uint blocks = chunk.x_pitch / ABREAST; // of a row
     uint block = gl_GlobalInvocationID.x % blocks;
     Rows rows = rows_of(gl_GlobalInvocationID.x / blocks);
