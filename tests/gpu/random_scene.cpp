@@ -190,9 +190,8 @@ private:
 
     // Each set is a kernel of its own to compile, so there are few.
     void channels() {
-        static constexpr std::array<const char*, 4> kSets{"\"force\"",
-                                                          "\"force\", \"depth\", \"facet\", \"proxy\", \"unshaded\"",
-                                                          "\"depth\", \"unshaded\"", "\"proxy\", \"facet\""};
+        static constexpr std::array<const char*, 3> kSets{"\"force\"", "\"depth\", \"unshaded\"",
+                                                          "\"force\", \"depth\", \"facet\", \"proxy\", \"unshaded\""};
         table("output");
         text_ += fmt::format("channels = [{}]\n", draw_.any(kSets));
     }

@@ -11,14 +11,14 @@ namespace {
 
 constexpr std::uint64_t kScenes = 1000;
 
-// Every fourth scene is stored real by real instead of in pairs.
+// Every eighth scene is stored real by real instead of in pairs.
 class Kernels {
 public:
     Kernels()
         : device_(test::open_software_device(test::has_validation_layer())), packed_(device_, options(true)),
           unpacked_(device_, options(false)) {}
 
-    compute::FieldKernel& of(std::uint64_t seed) { return seed % 4 ? packed_ : unpacked_; }
+    compute::FieldKernel& of(std::uint64_t seed) { return seed % 8 ? packed_ : unpacked_; }
     std::vector<std::string> messages() const { return device_.validation_messages(); }
 
 private:

@@ -59,7 +59,7 @@ struct BitComparison {
     std::uint64_t voxels = 0;
     std::uint64_t differing = 0;   // voxels any of whose channels has other bits
     std::uint64_t not_finite = 0;  // NaN or infinite numbers in any channel, padding included
-    std::uint64_t bad_padding = 0; // rows whose padding is not a copy of the last sample
+    std::uint64_t bad_padding = 0; // padding samples that are no copy of their row's last
     std::string first;             // where the first difference is
     bool in_order = true;          // chunks came in order and without gaps
 
@@ -99,8 +99,8 @@ private:
                 if (!same(chunk, ours * chunk.x_pitch, oracle, theirs * oracle.x_pitch, oracle.x_count))
                     count_row(chunk, ours, oracle, theirs);
                 const std::size_t last = ours * chunk.x_pitch + chunk.x_count - 1;
-                if (chunk.x_pitch > chunk.x_count && !same(chunk, last, chunk, last + 1, 1))
-                    ++result_.bad_padding;
+                for (std::size_t pad = chunk.x_count; pad < chunk.x_pitch; ++pad)
+                    result_.bad_padding += !same(chunk, last, chunk, ours * chunk.x_pitch + pad, 1);
             }
     }
 
@@ -148,8 +148,8 @@ inline ::testing::AssertionResult is_equal(const BitComparison& comparison) {
     if (comparison.equal())
         return ::testing::AssertionSuccess();
     return ::testing::AssertionFailure() << fmt::format(
-               "{} of {} voxels differ, {} numbers are not finite, {} rows are padded wrongly{}; {}",
-               comparison.differing, comparison.voxels, comparison.not_finite, comparison.bad_padding,
+               "{} of {} voxels differ, {} numbers are not finite, {} of padding are wrong{}; {}", comparison.differing,
+               comparison.voxels, comparison.not_finite, comparison.bad_padding,
                comparison.in_order ? "" : ", chunks out of order", comparison.first);
 }
 

@@ -1,0 +1,33 @@
+# cmake -DSHADERS=DIR -DINTO=DIR -DGLSLANG=PROGRAM -DNAME=name -DPATTERN=glob -DFROM=text -DTO=text -P break_kernel.cmake
+# Copies the shaders, replaces a text in those that match, and compiles field.comp to INTO/NAME_{f32,f32_packed,f64}.spv.h.
+# An error if nothing was replaced: a break that no longer breaks would go unseen.
+file(REMOVE_RECURSE ${INTO}/${NAME})
+file(COPY ${SHADERS}/ DESTINATION ${INTO}/${NAME})
+if(NOT FROM STREQUAL "")
+    file(GLOB_RECURSE sources ${INTO}/${NAME}/${PATTERN})
+    set(replaced FALSE)
+    foreach(source IN LISTS sources)
+        file(READ ${source} text)
+        string(REPLACE "${FROM}" "${TO}" broken "${text}")
+        if(NOT broken STREQUAL text)
+            set(replaced TRUE)
+            file(WRITE ${source} "${broken}")
+        endif()
+    endforeach()
+    if(NOT replaced)
+        message(FATAL_ERROR "the break \"${NAME}\" finds \"${FROM}\" nowhere in ${PATTERN}: the kernel's text changed; "
+                            "adapt the break in tests/gpu/CMakeLists.txt")
+    endif()
+endif()
+foreach(variant f32 f32_packed f64)
+    set(definitions)
+    if(variant STREQUAL "f32_packed")
+        set(definitions -DFS_PACKED)
+    elseif(variant STREQUAL "f64")
+        set(definitions -DFS_F64)
+    endif()
+    execute_process(
+        COMMAND ${GLSLANG} -V --quiet --target-env vulkan1.1 -S comp -I${INTO}/${NAME} ${definitions}
+                --vn ${NAME}_${variant} -o ${INTO}/${NAME}_${variant}.spv.h ${INTO}/${NAME}/field.comp
+        COMMAND_ERROR_IS_FATAL ANY)
+endforeach()

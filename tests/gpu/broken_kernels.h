@@ -1,0 +1,19 @@
+// Kernels broken on purpose, in the place of the program's own: tests that link broken_kernels.cpp get these from
+// shaders/kernels.h, so that the whole program runs them.
+#pragma once
+
+namespace forceshade::test {
+
+enum class Break {
+    none,      /* the same text, compiled the same way */
+    sign,      /* L3: a facet climbs where it should descend */
+    component, /* L2: the cylinder pushes along x with the z component */
+    edge,      /* G2: a facet loses its left vertex to its neighbour */
+    channel,   /* the unshaded force is the shaded one */
+    imprecise, /* no `precise`: compilers reassociate */
+};
+
+/// What every kernel made from now on runs.
+void choose_break(Break chosen);
+
+} // namespace forceshade::test

@@ -1,0 +1,166 @@
+// The embedded SPIR-V against what C++ believes of it: offsets, bindings, constants, capabilities; and that every
+// operation of the laws rounds as it is written.
+#include <gtest/gtest.h>
+#include <spirv/unified1/spirv.hpp>
+
+#include "shaders/kernels.h"
+#include "shaders/shared/layout.h"
+#include "tests/gpu/spirv_module.h"
+
+namespace forceshade {
+namespace {
+
+namespace broken {
+#include "imprecise_f32.spv.h"
+#include "imprecise_f64.spv.h"
+} // namespace broken
+
+using test::SpirvModule;
+
+struct Expected {
+    const char* name;
+    std::size_t offset;
+};
+
+#define FS_MEMBER(type, member)                                                                                        \
+    Expected {                                                                                                         \
+#member, offsetof(type, member)                                                                                \
+    }
+
+template <typename real> std::vector<Expected> map_members() {
+    using Map = layout::MapParams<real>;
+    return {FS_MEMBER(Map, half_width),  FS_MEMBER(Map, half_length),    FS_MEMBER(Map, radius),
+            FS_MEMBER(Map, slope),       FS_MEMBER(Map, inverse_length), FS_MEMBER(Map, nodes_per_x),
+            FS_MEMBER(Map, nodes_per_y), FS_MEMBER(Map, columns),        FS_MEMBER(Map, rows)};
+}
+
+template <typename real> std::vector<Expected> law_members() {
+    using Law = layout::LawParams<real>;
+    return {FS_MEMBER(Law, stiffness),    FS_MEMBER(Law, texture_stiffness),
+            FS_MEMBER(Law, half_width),   FS_MEMBER(Law, radius),
+            FS_MEMBER(Law, centre_depth), FS_MEMBER(Law, map),
+            FS_MEMBER(Law, texture),      FS_MEMBER(Law, facets),
+            FS_MEMBER(Law, zero)};
+}
+
+std::vector<Expected> chunk_members() {
+    using Chunk = layout::ChunkParams;
+    return {FS_MEMBER(Chunk, x_pitch), FS_MEMBER(Chunk, y_first), FS_MEMBER(Chunk, y_count), FS_MEMBER(Chunk, y_axis),
+            FS_MEMBER(Chunk, z_first), FS_MEMBER(Chunk, z_count), FS_MEMBER(Chunk, z_axis),  FS_MEMBER(Chunk, rows)};
+}
+
+void expect_members(const SpirvModule& module, std::uint32_t type, const std::vector<Expected>& expected) {
+    const auto members = module.members(type);
+    ASSERT_EQ(members.size(), expected.size());
+    for (std::size_t i = 0; i < members.size(); ++i) {
+        EXPECT_EQ(members[i].name, expected[i].name);
+        EXPECT_EQ(members[i].offset, expected[i].offset) << expected[i].name;
+    }
+}
+
+template <typename real> void expect_layout(const SpirvModule& module) {
+    const auto law_buffer = module.members(module.buffer(layout::kBindLaw).value());
+    ASSERT_EQ(law_buffer.size(), 1u);
+    EXPECT_EQ(law_buffer[0].offset, 0u);
+    expect_members(module, law_buffer[0].type, law_members<real>());
+    const auto law = module.members(law_buffer[0].type);
+    expect_members(module, law[5].type, map_members<real>());
+    expect_members(module, law[6].type, map_members<real>());
+    const auto push = module.members(module.push_constants().value());
+    ASSERT_EQ(push.size(), 1u);
+    EXPECT_EQ(push[0].offset, 0u);
+    expect_members(module, push[0].type, chunk_members());
+}
+
+template <typename real> void expect_arrays(const SpirvModule& module) {
+    for (std::uint32_t binding = layout::kBindAxes; binding < layout::kBindCount; ++binding) {
+        if (binding == layout::kBindStatus)
+            continue;
+        const auto members = module.members(module.buffer(binding).value());
+        ASSERT_EQ(members.size(), 1u);
+        const auto array = module.array(members[0].type);
+        ASSERT_TRUE(array) << "binding " << binding;
+        // Results are read as dense reals, whatever vectors they are stored as.
+        EXPECT_EQ(array->stride, array->element) << "binding " << binding;
+        if (binding < layout::kBindStatus) {
+            EXPECT_EQ(array->stride, sizeof(real)) << "binding " << binding;
+        }
+    }
+}
+
+const SpirvModule& f32() {
+    static const SpirvModule module(kernels::field_f32());
+    return module;
+}
+const SpirvModule& f32_packed() {
+    static const SpirvModule module(kernels::field_f32_packed());
+    return module;
+}
+const SpirvModule& f64() {
+    static const SpirvModule module(kernels::field_f64());
+    return module;
+}
+
+TEST(Spirv, OffsetsEqualThoseOfCpp) {
+    expect_layout<float>(f32());
+    expect_layout<float>(f32_packed());
+    expect_layout<double>(f64());
+}
+
+TEST(Spirv, ArraysAreDense) {
+    expect_arrays<float>(f32());
+    expect_arrays<float>(f32_packed());
+    expect_arrays<double>(f64());
+}
+
+TEST(Spirv, BindingsAndConstantsAreThoseOfTheLayout) {
+    std::set<std::uint32_t> bindings, constants;
+    for (std::uint32_t i = 0; i < layout::kBindCount; ++i)
+        bindings.insert(i);
+    for (std::uint32_t i = 0; i < layout::kSpecCount; ++i)
+        constants.insert(i);
+    for (const SpirvModule* module : {&f32(), &f32_packed(), &f64()}) {
+        EXPECT_EQ(module->bindings(), bindings);
+        EXPECT_EQ(module->specialization_ids(), constants);
+    }
+}
+
+// A device without 64-bit numbers must be able to take the plain kernel.
+TEST(Spirv, CapabilitiesAreTheFewest) {
+    const std::set<std::uint32_t> plain{spv::CapabilityShader};
+    EXPECT_EQ(f32().capabilities(), plain);
+    EXPECT_EQ(f32_packed().capabilities(), (std::set<std::uint32_t>{spv::CapabilityShader, spv::CapabilityInt64}));
+    EXPECT_EQ(f64().capabilities(), (std::set<std::uint32_t>{spv::CapabilityShader, spv::CapabilityFloat64}));
+}
+
+TEST(Spirv, EveryOperationRoundsAsWritten) {
+    for (const SpirvModule* module : {&f32(), &f32_packed(), &f64()}) {
+        EXPECT_GT(module->arithmetic_count(), 100u);
+        for (const std::string& complaint : module->inexact())
+            ADD_FAILURE() << complaint;
+    }
+}
+
+// The check must see a kernel whose `precise` is gone, and one that uses what Vulkan leaves open.
+TEST(Spirv, TheCheckSeesWhatIsNotPrecise) {
+    for (const SpirvModule& module : {SpirvModule(broken::imprecise_f32), SpirvModule(broken::imprecise_f64)})
+        EXPECT_EQ(module.inexact().size(), module.arithmetic_count());
+    // The same words with the square root made a sine: function 31 to 13 of GLSL.std.450.
+    const auto words = kernels::field_f32();
+    std::vector<std::uint32_t> sines(words.begin(), words.end());
+    for (std::size_t at = 5; at < sines.size(); at += sines[at] >> spv::WordCountShift)
+        if ((sines[at] & spv::OpCodeMask) == spv::OpExtInst && sines[at + 4] == 31)
+            sines[at + 4] = 13;
+    EXPECT_FALSE(SpirvModule(sines).inexact().empty());
+}
+
+TEST(Spirv, WordsThatAreNoSpirvAreRefused) {
+    const std::vector<std::uint32_t> nothing, zeros(16, 0);
+    EXPECT_THROW(SpirvModule{nothing}, std::runtime_error);
+    EXPECT_THROW(SpirvModule{zeros}, std::runtime_error);
+    const auto words = kernels::field_f32();
+    EXPECT_THROW(SpirvModule(words.first(words.size() - 1)), std::runtime_error);
+}
+
+} // namespace
+} // namespace forceshade
