@@ -46,8 +46,13 @@ template <typename T> void dense_field(benchmark::State& state, SurfaceKind kind
     compute::FieldKernel kernel(device);
     Scene scene = scene_of(256, lowest_z);
     scene.surface.kind = kind;
-    if (kind != SurfaceKind::bump)
+    if (kind == SurfaceKind::cylinder_bump)
         scene.force.shading = Shading::none;
+    if (kind == SurfaceKind::height_map) { // differs from y to y, so that no row can be had from another
+        scene.force.shading = Shading::height_map;
+        scene.surface.map.function = MapFunction::gaussian;
+        scene.surface.map.radius = 0.005;
+    }
     const FieldTables<T> tables = make_tables<T>(scene, {}, Extent::everything);
     const std::size_t voxels = tables.x.size() * tables.y.size() * tables.z.size(), bytes = voxels * 3 * sizeof(T);
     static std::vector<char> memory;
@@ -71,6 +76,7 @@ const auto f64 = dense_field<double>;
 BENCHMARK_CAPTURE(f32, bump_all_in_contact, SurfaceKind::bump, -0.0612)->UseManualTime()->Iterations(15);
 BENCHMARK_CAPTURE(f32, bump_half_in_contact, SurfaceKind::bump, -0.0256)->UseManualTime()->Iterations(15);
 BENCHMARK_CAPTURE(f32, cylinder_bump, SurfaceKind::cylinder_bump, -0.0256)->UseManualTime()->Iterations(15);
+BENCHMARK_CAPTURE(f32, gaussian_map_all_in_contact, SurfaceKind::height_map, -0.0612)->UseManualTime()->Iterations(15);
 BENCHMARK_CAPTURE(f64, bump_all_in_contact, SurfaceKind::bump, -0.0612)->UseManualTime()->Iterations(9);
 
 // The default grid, every y evaluated against one y.
