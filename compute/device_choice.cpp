@@ -29,11 +29,15 @@ std::vector<std::string> refusals(const DeviceReport& device, bool needs_f64) {
 }
 
 bool is_wanted(const DeviceReport& device, const std::string& wanted) {
+    // A UUID first: one of digits alone would be read as an index.
+    if (const std::string digits = uuid_digits(wanted); digits.size() == device.uuid.size())
+        if (digits.find_first_not_of("0123456789abcdef") == std::string::npos)
+            return device.uuid == digits;
     std::uint32_t index = 0;
     const char* end = wanted.data() + wanted.size();
     if (const auto [stop, error] = std::from_chars(wanted.data(), end, index); error == std::errc() && stop == end)
         return device.index == index;
-    return device.uuid == uuid_digits(wanted) || lower(device.name).find(lower(wanted)) != std::string::npos;
+    return lower(device.name).find(lower(wanted)) != std::string::npos;
 }
 
 std::string listing(const std::vector<DeviceReport>& devices, bool needs_f64) {

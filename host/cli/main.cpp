@@ -29,9 +29,10 @@ constexpr const char* kFooter =
     "130 interrupted.\nStart with: forceshade sweep --out results/paper";
 
 void add_common_options(CLI::App& program, CommonOptions& common) {
-    program.add_option(
-        "--gpu", common.gpu,
-        "Vulkan device: part of its name, UUID or index (forceshade gpus); default: the software device");
+    program
+        .add_option("--gpu", common.gpu,
+                    "Vulkan device: part of its name, UUID or index (forceshade gpus); default: the software device")
+        ->check([](const std::string& name) { return name.empty() ? "an empty name is no device's" : ""; });
     program.add_option("--engine", common.engine, "gpu, or cpu: the oracle on all cores")
         ->check(CLI::IsMember({"gpu", "cpu"}));
     program.add_option("--precision", common.precision, "f32 or f64; default: as the scene says")

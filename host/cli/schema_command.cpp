@@ -1,6 +1,7 @@
 #include <CLI/CLI.hpp>
 
 #include "host/cli/command.h"
+#include "host/error.h"
 #include "host/scene/schema.h"
 
 namespace forceshade {
@@ -12,6 +13,8 @@ void add_schema_command(CLI::App& program, const CommonOptions& common, Command&
     command->add_flag("--default-study", *paper, "print the built-in study of the paper instead, to start from");
     command->callback([=, &common, &chosen] {
         chosen = [=, &common] {
+            if (*paper && common.json)
+                throw UsageError("--default-study prints TOML: leave out --json");
             print_data(*paper ? std::string(default_study_toml()) : common.json ? schema_json() : schema_text());
             return 0;
         };

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "compute/device.h"
 #include "host/cli/command.h"
 #include "host/error.h"
 #include "host/remark.h"
@@ -60,6 +61,9 @@ int run(const SweepArguments& arguments, const CommonOptions& common) {
     options.shard = arguments.shard ? parse_shard(*arguments.shard) : slurm_shard();
     const Study study = load_study(arguments.study, common);
     const EngineOptions engine = engine_options(common, any_f64(study));
+    // Also where everything is there already: a device that was asked for must exist, and have computed it.
+    if (!common.gpu.empty())
+        options.device = compute::choose_device(compute::list_devices(), common.gpu, engine.needs_f64).name;
     const SweepResult result = run_sweep(
         study, [&] { return make_engine(engine); }, engine.cpu, options);
     if (!common.quiet)

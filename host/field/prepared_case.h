@@ -1,7 +1,7 @@
 // A case with the images that it names: everything its evaluation needs.
 #pragma once
 
-#include <map>
+#include <deque>
 
 #include "host/field/tables.h"
 #include "host/scene/study.h"
@@ -14,7 +14,7 @@ struct PreparedCase {
     std::string scene; /* resolved TOML, as it goes into files */
 };
 
-/// Reads each image once for all cases that name it.
+/// Reads images; cases that follow each other share them, and only the last few stay in memory.
 class CasePreparation {
 public:
     /// \throws IoError for an image that is missing or damaged, UsageError for one that is no height map or not the one
@@ -23,7 +23,7 @@ public:
 
 private:
     std::shared_ptr<const HeightImage> image(HeightMapSpec& map);
-    std::map<std::string, std::shared_ptr<const HeightImage>> images_;
+    std::deque<std::pair<std::string, std::shared_ptr<const HeightImage>>> images_; // path and image, the newest first
 };
 
 } // namespace forceshade

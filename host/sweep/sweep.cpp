@@ -4,6 +4,7 @@
 #include <charconv>
 #include <chrono>
 #include <cstdlib>
+#include <set>
 
 #include <fmt/format.h>
 #include <fnmatch.h>
@@ -44,16 +45,17 @@ std::string fingerprint(const PreparedCase& prepared, bool cpu_engine) {
 }
 
 // True if a record says that the case was done just so, and its files are still what they were.
-bool is_done(const CaseJob& job, const std::filesystem::path& folder, AlsoFormats also,
-             std::optional<CaseRecord>& record) {
-    record = read_record(folder, job.prepared.one.name);
+bool is_done(const CaseJob& job, const SweepOptions& options, std::optional<CaseRecord>& record) {
+    record = read_record(options.folder, job.prepared.one.name);
     if (!record || record->fingerprint != job.fingerprint)
         return false;
-    for (const std::string& name :
-         file_names(job.prepared.one.name, job.prepared.one.scene.output.channels | layout::kChannelForce, also)) {
+    if (!options.device.empty() && record->engine.device != options.device)
+        return false;
+    for (const std::string& name : file_names(
+             job.prepared.one.name, job.prepared.one.scene.output.channels | layout::kChannelForce, options.also)) {
         const auto file = std::find_if(record->files.begin(), record->files.end(),
                                        [&](const FileRecord& known) { return known.name == name; });
-        if (file == record->files.end() || !volume_is_intact(folder / name, file->sha256))
+        if (file == record->files.end() || !volume_is_intact(options.folder / name, file->sha256))
             return false;
     }
     return true;
@@ -74,6 +76,28 @@ std::vector<const Case*> choose(const Study& study, const SweepOptions& options)
         chosen = part;
     }
     return chosen;
+}
+
+bool names_a_file(const Scene& scene) {
+    return scene.surface.map.function == MapFunction::file ||
+           (scene.texture && scene.texture->map.function == MapFunction::file);
+}
+
+// The study with the SHA-256 of its images, by which study.toml names them. Those of cases that nobody wants now may be
+// missing.
+Study with_digests(Study study, const std::vector<const Case*>& chosen, CasePreparation& preparation) {
+    std::set<std::string_view> wanted;
+    for (const Case* one : chosen)
+        wanted.insert(one->name);
+    for (Case& one : study.cases)
+        if (names_a_file(one.scene))
+            try {
+                one.scene = preparation.prepare(one).one.scene;
+            } catch (const Error&) {
+                if (wanted.count(one.name))
+                    throw;
+            }
+    return study;
 }
 
 void prepare_folder(const Study& study, const std::filesystem::path& folder) {
@@ -143,9 +167,9 @@ SweepResult run_sweep(const Study& study, const std::function<std::unique_ptr<En
     const std::vector<const Case*> chosen = choose(study, options);
     SweepResult result;
     result.chosen = chosen.size();
-    prepare_folder(study, options.folder);
-
     CasePreparation preparation;
+    prepare_folder(with_digests(study, chosen, preparation), options.folder);
+
     const auto job_of = [&](const Case& one) {
         CaseJob job{preparation.prepare(one), options.folder / (one.name + ".exr"), {}};
         job.fingerprint = fingerprint(job.prepared, cpu_engine);
@@ -156,7 +180,7 @@ SweepResult run_sweep(const Study& study, const std::function<std::unique_ptr<En
         check_interrupt();
         const CaseJob job = job_of(*one);
         std::optional<CaseRecord> record;
-        if (!options.fresh && is_done(job, options.folder, options.also, record)) {
+        if (!options.fresh && is_done(job, options, record)) {
             ++result.kept;
             count(result, *record);
             continue;

@@ -30,6 +30,7 @@ struct SweepOptions {
     bool fresh = false; /* compute every chosen case anew */
     bool quiet = false;
     AlsoFormats also;
+    std::string device;    /* only what this device computed counts as done; empty: any */
     unsigned encoders = 0; /* threads; 0: one a core */
 };
 
