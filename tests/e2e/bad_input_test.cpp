@@ -64,6 +64,13 @@ TEST_F(BadInput, a_missing_or_broken_height_map_is_an_error_with_its_name) {
         EXPECT_NE(outcome.error.find("map." + kind), std::string::npos) << outcome.error;
     }
     EXPECT_FALSE(std::filesystem::exists(path("field.exr")));
+    write("study.toml", fmt::format(fmt::runtime(scene), "exr")
+                            .replace(0, 0,
+                                     "[force]\nstiffness = [\"1 N/mm\", "
+                                     "\"2 N/mm\"]\n"));
+    std::filesystem::remove(path("map.exr"));
+    expect_failure(4, {"sweep", "study.toml", "--out", "out"}, {"map.exr", "No such file"});
+    EXPECT_FALSE(std::filesystem::exists(path("out"))) << "known before anything is written";
 }
 
 TEST_F(BadInput, a_height_map_that_is_not_the_one_meant_is_refused) {

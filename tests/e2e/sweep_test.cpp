@@ -169,6 +169,17 @@ TEST_F(Sweep, redoes_the_cases_whose_parameters_changed) {
     expect_counts(sweep({"--precision", "f64"}), 3, 0);
 }
 
+TEST_F(Sweep, redoes_what_another_device_computed_if_a_device_is_asked_for) {
+    sweep();
+    const std::string record = "out/manifest.d/" + kCase + ".json";
+    json changed = read_json(record);
+    changed["engine"]["device"] = "another";
+    write(record, changed.dump());
+    expect_counts(sweep(), 0, 3);
+    expect_counts(sweep({"--gpu", "llvmpipe"}), 1, 2);
+    expect_counts(sweep({"--gpu", "llvmpipe"}), 0, 3);
+}
+
 TEST_F(Sweep, gives_the_same_fields_on_the_cpu) {
     sweep({"--also", "npy"});
     sweep({"--also", "npy", "--engine", "cpu"}, "three.toml", "cpu");

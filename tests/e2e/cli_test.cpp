@@ -1,0 +1,275 @@
+// The command line as it meets a user: help, versions, streams, exit codes, places, devices that are not there.
+#include <cstdlib>
+#include <regex>
+#include <thread>
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include "tests/e2e/volume.h"
+#include "tests/e2e/workplace.h"
+
+namespace forceshade::testing {
+namespace {
+
+using nlohmann::json;
+
+class CommandLine : public Workplace {
+protected:
+    CommandLine() {
+        write("scene.toml", kOneCase);
+        write("three.toml", kThreeCases);
+    }
+
+    // Every command, with arguments that let it succeed.
+    const std::vector<std::vector<std::string>> commands_{{"sweep", "three.toml", "--out", "out"},
+                                                          {"field", "scene.toml", "--out", "field.exr"},
+                                                          {"validate", "three.toml"},
+                                                          {"gpus"},
+                                                          {"doctor"},
+                                                          {"schema"}};
+};
+
+void expect_words(const std::string& text, const std::vector<std::string>& words) {
+    for (const std::string& word : words)
+        EXPECT_NE(text.find(word), std::string::npos) << "no " << word << " in: " << text;
+}
+
+std::vector<std::string> with(std::vector<std::string> arguments, const std::vector<std::string>& further) {
+    arguments.insert(arguments.end(), further.begin(), further.end());
+    return arguments;
+}
+
+TEST_F(CommandLine, helps) {
+    const std::vector<std::string> common{"--gpu", "--engine", "--precision", "--json", "--quiet", "Exit codes"};
+    const Outcome program = expect_success({"--help"});
+    expect_words(program.out, with(common, {"sweep", "field", "validate", "gpus", "doctor", "schema", "--version"}));
+    const std::map<std::string, std::vector<std::string>> flags{
+        {"sweep", {"STUDY", "--out", "--only", "--shard", "--fresh", "--also"}},
+        {"field", {"SCENE", "--out", "--also"}},
+        {"validate", {"SCENE-or-STUDY", "--only"}},
+        {"gpus", {}},
+        {"doctor", {}},
+        {"schema", {"--default-study"}}};
+    for (const auto& [command, own] : flags) {
+        const Outcome outcome = expect_success({command, "--help"});
+        expect_words(outcome.out, with(common, own));
+        EXPECT_EQ(outcome.error, "");
+    }
+}
+
+TEST_F(CommandLine, tells_release_and_commit) {
+    const Outcome outcome = expect_success({"--version"});
+    EXPECT_TRUE(std::regex_match(
+        outcome.out, std::regex("forceshade \\d+\\.\\d+\\.\\d+(\\+[0-9a-f]{12}(\\.changed-[0-9a-f]{8})?)?\n")))
+        << outcome.out;
+}
+
+TEST_F(CommandLine, refuses_what_it_does_not_know) {
+    for (const std::vector<std::string>& arguments : std::vector<std::vector<std::string>>{
+             {},
+             {"swep"},
+             {"--nosuch"},
+             {"sweep", "--nosuch", "--out", "out"},
+             {"sweep"},
+             {"field", "scene.toml"},
+             {"field", "--out", "a.exr"},
+             {"sweep", "three.toml", "scene.toml", "--out", "out"},
+             {"sweep", "three.toml", "--out"},
+             {"sweep", "three.toml", "--out", "out", "--also", "pdf"},
+             {"field", "scene.toml", "--out", "a.exr", "--also", "pdf"},
+             {"validate", "three.toml", "--only", "nosuch*"},
+             {"gpus", "--engine", "tpu"},
+             {"field", "scene.toml", "--out", "a.exr", "--precision", "f16"},
+             {"field", "scene.toml", "--out", "a.exr", "--gpu", "0", "--engine", "cpu"},
+             {"field", "scene.toml", "--out", "a.exr", "--gpu", ""},
+             {"sweep", "validate"}}) {
+        const Outcome outcome = forceshade(arguments);
+        EXPECT_EQ(outcome.code, 2) << ::testing::PrintToString(arguments);
+        EXPECT_EQ(outcome.out, "");
+        EXPECT_NE(outcome.error, "");
+    }
+    expect_failure(2, {"swep"}, {"swep", "sweep"});
+    EXPECT_EQ(folder_.names(), (std::vector<std::string>{"scene.toml", "three.toml"}));
+}
+
+TEST_F(CommandLine, prints_json_and_nothing_else_if_asked) {
+    for (const auto& command : commands_) {
+        const Outcome outcome = expect_success(with(command, {"--json"}));
+        EXPECT_TRUE(json::accept(outcome.out)) << command[0] << ": " << outcome.out;
+    }
+    const json validation = json::parse(expect_success({"validate", "three.toml", "--json"}).out);
+    EXPECT_EQ(validation["voxels"], 3 * 2 * 512);
+    EXPECT_EQ(validation["differing"], 0);
+    EXPECT_EQ(validation["passed"], true);
+    EXPECT_EQ(validation["cases"].size(), 6u);
+    expect_failure(2, {"schema", "--default-study", "--json"}, {"--json"});
+}
+
+TEST_F(CommandLine, is_quiet_if_asked_and_tells_how_it_went_if_not) {
+    for (const auto& command : commands_)
+        EXPECT_EQ(expect_success(with(command, {"--quiet"})).error, "") << command[0];
+    for (const auto& command : commands_) {
+        if (command[0] == "sweep" || command[0] == "field") {
+            const Outcome outcome = expect_success(command);
+            EXPECT_EQ(outcome.out, "") << "data only goes to stdout";
+            EXPECT_NE(outcome.error, "");
+        }
+    }
+    // Quiet means no remarks; errors stay.
+    expect_failure(4, {"validate", "nosuch.toml", "--quiet"}, {"nosuch.toml"});
+}
+
+TEST_F(CommandLine, reports_progress_in_lines_where_there_is_no_terminal) {
+    const Outcome outcome = expect_success(commands_[0]);
+    expect_words(outcome.error, {"3/3 cases in ", "3 cases: 3 computed", "llvmpipe", "out/summary.csv"});
+    EXPECT_EQ(outcome.error.find('\r'), std::string::npos);
+    EXPECT_EQ(outcome.error.find('\033'), std::string::npos);
+}
+
+TEST_F(CommandLine, draws_a_bar_with_the_time_left_on_a_terminal) {
+    const int terminal = ::posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK);
+    if (terminal < 0 || ::grantpt(terminal) != 0 || ::unlockpt(terminal) != 0)
+        GTEST_SKIP() << "no terminal to be had";
+    write("paper.toml", small_study("size = [128, 32, 64]\nspacing = \"0.4 mm\"\n"));
+    Launch launch = this->launch({"sweep", "paper.toml", "--out", "out"});
+    launch.error = ::ptsname(terminal);
+    std::string drawn;
+    {
+        Process process(launch);
+        const int keep = ::open(::ptsname(terminal), O_RDWR | O_NOCTTY | O_CLOEXEC); // else its end would discard
+        char buffer[4096];
+        for (bool running = true; running;) {
+            running = process.running();
+            for (ssize_t got = 0; (got = ::read(terminal, buffer, sizeof buffer)) > 0;)
+                drawn.append(buffer, static_cast<std::size_t>(got));
+            std::this_thread::sleep_for(std::chrono::milliseconds(2));
+        }
+        EXPECT_EQ(process.wait().code, 0);
+        ::close(keep);
+    }
+    ::close(terminal);
+    EXPECT_TRUE(std::regex_search(drawn, std::regex("\r\033\\[K\\[=+ +\\] \\d+/51 cases, \\d+:\\d\\d left"))) << drawn;
+    expect_words(drawn, {"51/51 cases in ", "51 cases: 51 computed"});
+}
+
+TEST_F(CommandLine, tells_of_devices_and_refuses_those_that_are_not_there) {
+    const json devices = json::parse(expect_success({"gpus", "--json"}).out);
+    ASSERT_GE(devices.size(), 1u);
+    const std::string name = devices[0]["name"];
+    const auto field_on = [&](const std::string& gpu) {
+        return std::vector<std::string>{"field", "scene.toml", "--out", "field.exr", "--gpu", gpu};
+    };
+    for (const char* gpu : {"nosuch", "99", "-1", "00000000000000000000000000000000", "llvmpipes"})
+        for (const char* command : {"field", "sweep", "validate"}) {
+            std::vector<std::string> arguments{command, "scene.toml", "--gpu", gpu};
+            if (std::string(command) != "validate")
+                arguments.insert(arguments.end(), {"--out", "new.exr"});
+            expect_failure(3, arguments, {gpu, name});
+        }
+    EXPECT_FALSE(std::filesystem::exists(path("new.exr/manifest.json")));
+    for (const std::string& gpu :
+         {std::string("0"), devices[0]["uuid"].get<std::string>(), name, name.substr(0, 4), std::string("LLVM")}) {
+        if (devices.size() == 1) {
+            expect_success(field_on(gpu));
+        }
+    }
+}
+
+TEST_F(CommandLine, falls_back_to_nothing_where_there_is_no_device) {
+    const auto without_device = [&](std::vector<std::string> arguments) {
+        Launch launch = this->launch(std::move(arguments));
+        for (const char* name : {"VK_ICD_FILENAMES", "VK_DRIVER_FILES"})
+            launch.environment[name] = "/nonexistent/icd.json";
+        return launch;
+    };
+    for (const char* command : {"field", "sweep"})
+        expect_failure(3, without_device({command, "scene.toml", "--out", "new.exr"}), {"Vulkan"});
+    expect_failure(3, without_device({"validate", "scene.toml"}), {"Vulkan"});
+    const Outcome doctor = run(without_device({"doctor"}));
+    EXPECT_EQ(doctor.code, 1);
+    expect_words(doctor.out, {"problem", "mesa-vulkan-drivers"});
+    EXPECT_EQ(run(without_device({"gpus"})).code, 3);
+    EXPECT_EQ(run(without_device({"field", "scene.toml", "--out", "cpu.exr", "--engine", "cpu"})).code, 0);
+    EXPECT_EQ(run(without_device({"schema"})).code, 0);
+}
+
+TEST_F(CommandLine, does_not_take_silence_for_a_full_or_closed_stdout) {
+    for (const auto& command :
+         std::vector<std::vector<std::string>>{{"schema"},
+                                               {"gpus"},
+                                               {"--help"},
+                                               {"--version"},
+                                               {"sweep", "--help"},
+                                               {"validate", "scene.toml"},
+                                               {"field", "scene.toml", "--out", "a.exr", "--json"},
+                                               {"sweep", "three.toml", "--out", "out", "--json"}}) {
+        Launch full = launch(command);
+        full.out = "/dev/full";
+        expect_failure(4, full, {"standard output"});
+        Launch closed = launch(command);
+        closed.closed_out = true;
+        expect_failure(4, closed, {"standard output"});
+    }
+    // What was computed is there and whole: a closed stdout is not the first file that is opened.
+    EXPECT_NO_THROW(read_exr(path("a.exr")));
+    EXPECT_EQ(json::parse(expect_success({"sweep", "three.toml", "--out", "out", "--json"}).out)["kept"], 3);
+}
+
+TEST_F(CommandLine, works_on_where_nobody_listens) {
+    for (const bool closed : {false, true}) {
+        Launch launch = this->launch({"sweep", "three.toml", "--out", "out", "--fresh", "--json"});
+        launch.error = closed ? "" : "/dev/full";
+        launch.closed_error = closed;
+        const Outcome outcome = run(launch);
+        EXPECT_EQ(outcome.code, 0);
+        EXPECT_EQ(json::parse(outcome.out)["computed"], 3);
+        launch.arguments = {"field", "nosuch.toml", "--out", "a.exr"};
+        EXPECT_EQ(run(launch).code, 4) << "an error that cannot be told is still one";
+    }
+}
+
+TEST_F(CommandLine, works_from_any_place_with_any_name) {
+    expect_success({"field", "scene.toml", "--out", "plain.exr"});
+    const std::string expected = read_text(path("plain.exr"));
+    const std::string odd = "a b/ü ' \" $(x) %s {}";
+    std::filesystem::create_directories(path(odd));
+    write(odd + "/scene.toml", kOneCase);
+    Launch launch = this->launch({"field", "../../scene.toml", "--out", "here.exr"});
+    launch.folder = path(odd);
+    EXPECT_EQ(run(launch).code, 0);
+    EXPECT_TRUE(read_text(path(odd) / "here.exr") == expected);
+    launch.arguments = {"field", path(odd) / "scene.toml", "--out", path(odd) / "there.exr", "--also", "npy,vti,png"};
+    launch.folder = "/";
+    EXPECT_EQ(run(launch).code, 0);
+    EXPECT_TRUE(read_text(path(odd) / "there.exr") == expected);
+    for (const std::string& out : {odd + "/out", path("deep/er/out/").string(), std::string("./out/")}) {
+        expect_success({"sweep", odd + "/scene.toml", "--out", out});
+        EXPECT_TRUE(std::filesystem::exists(path(out) / "manifest.json")) << out;
+    }
+    launch.arguments = {"sweep", path("three.toml"), "--out", "."};
+    launch.folder = path(odd) / "out";
+    EXPECT_EQ(run(launch).code, 0);
+}
+
+TEST_F(CommandLine, does_not_touch_what_it_did_not_write) {
+    std::filesystem::create_directory(path("out"));
+    for (const char* name : {"notes.txt", ".hidden", ".a.tmp", "a.exr", "report.html"})
+        write(std::string("out/") + name, "mine");
+    expect_success({"sweep", "three.toml", "--out", "out", "--fresh"});
+    for (const char* name : {"notes.txt", ".hidden", ".a.tmp", "a.exr", "report.html"})
+        EXPECT_EQ(read_text(path("out") / name), "mine") << name;
+}
+
+TEST_F(CommandLine, prints_a_schema_that_is_a_scene) {
+    write("default.toml", expect_success({"schema"}).out);
+    write("study.toml", expect_success({"schema", "--default-study"}).out);
+    expect_success({"field", "default.toml", "--out", "default.exr"});
+    expect_success({"sweep", "study.toml", "--out", "out", "--only", "bump_radius-600mil_facets-1_shading-none"});
+    const json keys = json::parse(expect_success({"schema", "--json"}).out);
+    EXPECT_GT(keys.dump().size(), 1000u);
+}
+
+} // namespace
+} // namespace forceshade::testing

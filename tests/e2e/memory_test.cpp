@@ -1,0 +1,79 @@
+// Peak memory: bounded for large fields, and independent of the number of cases.
+#include <fmt/format.h>
+
+#include "tests/e2e/workplace.h"
+#include "tests/io/picture.h"
+
+namespace forceshade::testing {
+namespace {
+
+constexpr std::uint64_t kMebibyte = 1 << 20;
+
+class Memory : public Workplace {
+protected:
+    // Peak of a field of 512^3 voxels, 1.6 GB of force.
+    std::uint64_t peak_of_large_field(const std::string& scene) const {
+        write("scene.toml", scene + "[grid]\nsize = [512, 512, 512]\norigin = [\"-25 mm\", \"-25 mm\", \"-10 mm\"]\n"
+                                    "spacing = \"0.1 mm\"\n");
+        const Outcome outcome = expect_success({"field", "scene.toml", "--out", "field.exr", "--quiet"});
+        EXPECT_GT(std::filesystem::file_size(path("field.exr")), kMebibyte);
+        std::filesystem::remove(path("field.exr"));
+        return outcome.peak_memory;
+    }
+    // 25 MB a case: what may wait between kernels and encoders (128 MB) is full after the fifth.
+    std::uint64_t peak_of_sweep(int cases) const {
+        const std::string out = fmt::format("out{}", cases);
+        std::string facets = "1";
+        for (int i = 2; i <= cases; ++i)
+            facets += fmt::format(", {}", i);
+        write(
+            "study.toml",
+            fmt::format(
+                "[surface]\nfacets = [{}]\n[output]\ncompression = \"zip1\"\n[grid]\nsize = [256, 64, 128]\n[texture]\n"
+                "stiffness = \"0.1 N/mm\"\nfunction = \"gaussian\"\nradius = \"5 mm\"\n",
+                facets));
+        const Outcome outcome = expect_success({"sweep", "study.toml", "--out", out, "--quiet"});
+        std::filesystem::remove_all(path(out));
+        return outcome.peak_memory;
+    }
+};
+
+TEST_F(Memory, of_a_large_field_is_below_2_gib) {
+    EXPECT_LT(peak_of_large_field("[surface]\nfacets = 3\n[force]\nshading = \"reference\"\n"), 2048 * kMebibyte);
+}
+
+TEST_F(Memory, of_a_large_field_that_depends_on_y_is_below_2_gib) {
+    EXPECT_LT(peak_of_large_field("[texture]\nstiffness = \"0.1 N/mm\"\nfunction = \"gaussian\"\nradius = \"5 mm\"\n"
+                                  "[output]\ncompression = \"none\"\n"),
+              2048 * kMebibyte);
+}
+
+TEST_F(Memory, does_not_grow_with_the_number_of_cases) {
+    const std::uint64_t few = peak_of_sweep(8), many = peak_of_sweep(24);
+    EXPECT_LT(double(many), 1.15 * double(few) + 8 * kMebibyte)
+        << few / kMebibyte << " MiB for 8 cases, " << many / kMebibyte << " MiB for 24";
+}
+
+TEST_F(Memory, does_not_grow_with_the_number_of_height_maps) {
+    constexpr int kSide = 1500; // 18 MB in double precision
+    const auto peak = [&](int maps) {
+        std::string files;
+        for (int i = 0; i < maps; ++i) {
+            const std::string name = fmt::format("{}.png", i);
+            if (!std::filesystem::exists(path(name)))
+                write_png(path(name), kSide,
+                          std::vector(kSide, std::vector<png_byte>(kSide, static_cast<png_byte>(i))));
+            files += fmt::format("{}\"{}\"", i ? ", " : "", name);
+        }
+        write("maps.toml", fmt::format("[surface]\nkind = \"height_map\"\nfile = [{}]\nsize = [\"8 mm\", \"6 mm\"]\n"
+                                       "[force]\nshading = \"height_map\"\n[grid]\nsize = [8, 8, 8]\n",
+                                       files));
+        return expect_success({"sweep", "maps.toml", "--out", fmt::format("maps{}", maps), "--quiet"}).peak_memory;
+    };
+    const std::uint64_t few = peak(6), many = peak(18);
+    EXPECT_LT(double(many), 1.15 * double(few) + 8 * kMebibyte)
+        << few / kMebibyte << " MiB for 6 maps, " << many / kMebibyte << " MiB for 18";
+}
+
+} // namespace
+} // namespace forceshade::testing

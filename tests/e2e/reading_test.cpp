@@ -1,0 +1,132 @@
+// Volumes read by other people's programs, and what must not stand in them.
+#include <cstring>
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include "tests/e2e/volume.h"
+#include "tests/e2e/workplace.h"
+#include "tests/io/picture.h"
+
+namespace forceshade::testing {
+namespace {
+
+// Everything that NumPy can say of a volume with all channels, against the arrays beside it.
+constexpr const char* kPython = R"(
+import sys, numpy, OpenImageIO
+image = OpenImageIO.ImageInput.open("field.exr")
+nx, ny, nz = image.spec().getattribute("forceshade.grid")
+assert (nx, ny, nz) == (16, 4, 8), (nx, ny, nz)
+assert image.spec().getattribute("forceshade.scene").startswith("[surface]")
+parts = {}
+part = 0
+while image.seek_subimage(part, 0):
+    spec = image.spec()
+    pixels = image.read_image(part, 0, 0, spec.nchannels, OpenImageIO.UNKNOWN)
+    parts[spec.getattribute("oiio:subimagename") or spec.getattribute("name")] = (spec.channelnames, pixels.reshape(nz, ny, nx, -1))
+    part += 1
+assert sorted(parts) == ["depth", "facet", "force", "proxy", "unshaded"], sorted(parts)
+assert tuple(parts["force"][0]) == ("R", "G", "B"), parts["force"][0]
+for name, (channels, values) in parts.items():
+    array = numpy.load(f"field.{name}.npy")
+    values = values if array.ndim == 4 else values[..., 0]
+    assert array.shape == values.shape and array.dtype == values.dtype, (name, array.shape, values.shape, array.dtype, values.dtype)
+    assert array.tobytes() == values.tobytes(), name
+force = parts["force"][1]
+assert force.shape == (8, 4, 16, 3) and force.dtype == numpy.float32
+assert numpy.abs(force).max() > 1
+print("good")
+)";
+
+class Reading : public Workplace {
+protected:
+    Reading() {
+        write("scene.toml", std::string(kOneCase) + "[output]\nchannels = [\"force\", \"depth\", \"facet\", \"proxy\", "
+                                                    "\"unshaded\"]\n");
+        expect_success({"field", "scene.toml", "--out", "field.exr", "--also", "npy,vti,png", "--quiet"});
+    }
+    Outcome tool(const std::string& program, std::vector<std::string> arguments) const {
+        return run({.arguments = std::move(arguments), .folder = folder_.path(), .program = "/usr/bin/" + program});
+    }
+};
+
+TEST_F(Reading, with_numpy_gives_the_arrays_beside_it) {
+    write("read.py", kPython);
+    const Outcome outcome = tool("python3", {"read.py"});
+    EXPECT_EQ(outcome.out, "good\n") << outcome.error << "packages python3-numpy and python3-openimageio";
+}
+
+TEST_F(Reading, with_oiiotool_shows_grid_scene_and_units) {
+    const Outcome outcome = tool("oiiotool", {"--info", "-v", "-a", "field.exr"});
+    ASSERT_EQ(outcome.code, 0) << outcome.error << "package openimageio-tools";
+    for (const char* word : {"forceshade.grid: 16, 4, 8", "forceshade.origin", "forceshade.spacing", "forceshade.units",
+                             "forceshade.scene", "stiffness = ", "forceshade.version", "forceshade.omitted",
+                             "16 x   32, 3 channel, float", "channel list: R, G, B"})
+        EXPECT_NE(outcome.out.find(word), std::string::npos) << "no " << word << " in " << outcome.out;
+}
+
+TEST_F(Reading, with_openexrs_tools_finds_nothing_wrong) {
+    EXPECT_EQ(tool("exrheader", {"field.exr"}).code, 0) << "package openexr";
+    EXPECT_EQ(tool("exrinfo", {"-v", "field.exr"}).code, 0);
+    if (std::filesystem::exists("/usr/bin/exrcheck")) {
+        EXPECT_EQ(tool("exrcheck", {"field.exr"}).code, 0);
+    }
+}
+
+TEST_F(Reading, finds_grid_attributes_and_a_scene_that_gives_the_same_volume) {
+    const ReadVolume volume = read_exr(path("field.exr"));
+    EXPECT_EQ(volume.grid, (std::array{16, 4, 8}));
+    EXPECT_EQ(volume.origin, (std::array{-14e-3, -1e-3, -4e-3}));
+    EXPECT_EQ(volume.spacing, (std::array{1.8e-3, 0.5e-3, 0.6e-3}));
+    write("again.toml", volume.texts.at("forceshade.scene"));
+    expect_success({"field", "again.toml", "--out", "again.exr", "--quiet"});
+    EXPECT_TRUE(read_text(path("again.exr")) == read_text(path("field.exr")));
+    EXPECT_EQ("forceshade " + volume.texts.at("forceshade.version") + "\n", expect_success({"--version"}).out);
+    for (const auto& [part, type] : {std::pair("force", "float"), {"depth", "float"}, {"facet", "uint"}})
+        EXPECT_EQ(volume.parts.at(part).types.begin()->second, type) << part;
+}
+
+TEST_F(Reading, finds_row_z_times_ny_plus_y) {
+    // A texture makes the field depend on y: each voxel alone must be what it is in the whole.
+    const std::string law = "[texture]\nstiffness = \"0.5 N/mm\"\nfunction = \"gaussian\"\nradius = \"3 mm\"\n";
+    write("whole.toml", law + "[grid]\nsize = [5, 4, 3]\norigin = [\"-3 mm\", \"-2 mm\", \"-1 mm\"]\n"
+                              "spacing = [\"1 mm\", \"0.75 mm\", \"0.25 mm\"]\n");
+    expect_success({"field", "whole.toml", "--out", "whole.exr", "--quiet"});
+    const auto whole = read_exr(path("whole.exr")).parts.at("force");
+    EXPECT_EQ(whole.width, 5);
+    EXPECT_EQ(whole.height, 12);
+    for (const auto& [i, j, k] : {std::array{4, 3, 1}, {2, 1, 0}, {1, 3, 2}}) {
+        write("one.toml", law + fmt::format("[grid]\nsize = [1, 1, 1]\norigin = [\"{} mm\", \"{} mm\", \"{} mm\"]\n",
+                                            -3 + i, -2 + 0.75 * j, -1 + 0.25 * k));
+        expect_success({"field", "one.toml", "--out", "one.exr", "--quiet"});
+        const auto one = read_exr(path("one.exr")).parts.at("force");
+        for (const auto& [name, samples] : one.channels)
+            EXPECT_NEAR(samples[0], whole.channels.at(name)[static_cast<std::size_t>((k * 4 + j) * 5 + i)], 1e-6);
+    }
+}
+
+TEST_F(Reading, finds_no_path_of_the_machine) {
+    const std::string place = path("secret place").string();
+    std::filesystem::create_directory(place);
+    write_png(path("secret place/map.png"), 2, {{0, 255}, {255, 0}});
+    for (const std::string& file : {place + "/map.png", std::string("secret place/map.png")}) {
+        write("map.toml",
+              fmt::format("[surface]\nkind = \"height_map\"\nfile = \"{}\"\nsize = [\"8 mm\", \"6 mm\"]\n"
+                          "height = [\"1 mm\", \"2 mm\"]\n[force]\nshading = \"height_map\"\n[grid]\n"
+                          "size = [8, 8, 4]\norigin = [\"-4 mm\", \"-4 mm\", \"-1 mm\"]\nspacing = \"1 mm\"\n",
+                          file));
+        expect_success({"sweep", path("map.toml"), "--out", path("out"), "--also", "npy,vti,png", "--fresh"});
+        char host[256] = {};
+        ::gethostname(host, sizeof host - 1);
+        std::vector<std::string> secrets{"secret place", folder_.path().string(), FORCESHADE_SOURCE};
+        if (std::strlen(host) > 5)
+            secrets.emplace_back(host);
+        for (const auto& [name, content] : tree_of(path("out")))
+            for (const std::string& secret : secrets)
+                EXPECT_EQ(content.find(secret), std::string::npos) << secret << " stands in " << name;
+        EXPECT_NE(read_text(path("out/study.toml")).find("sha256"), std::string::npos) << "the map by its digest";
+    }
+}
+
+} // namespace
+} // namespace forceshade::testing
