@@ -2,7 +2,7 @@
 // loop over the lanes: four words share its cost, and with FS_PACKED a word of 64 bits holds two reals.
 
 #ifdef FS_PACKED
-#define ABREAST 8u
+#define ABREAST kAbreastPacked
 #define PER_VECTOR 8u
 #define REALS u64vec4
 #define UINTS u64vec4
@@ -13,7 +13,7 @@
 #define REALS_OF VECTOR_OF
 #define UINTS_OF VECTOR_OF
 #else
-#define ABREAST 4u
+#define ABREAST kAbreast
 #define PER_VECTOR 4u
 #define REALS real4
 #define UINTS uvec4

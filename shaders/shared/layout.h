@@ -73,6 +73,11 @@ FS_CONSTANT kSpecTexture = 6u;
 FS_CONSTANT kSpecChannels = 7u;
 FS_CONSTANT kSpecCount = 8u;
 
+// Neighbouring x samples that an invocation of the field kernel evaluates: a vector of four words, of one real each or
+// of two.
+FS_CONSTANT kAbreast = 4u;
+FS_CONSTANT kAbreastPacked = 8u;
+
 // Bits a kernel raises in its status word.
 FS_CONSTANT kStatusUnfinished = 1u; // a loop ended before its work was done
 
