@@ -1,6 +1,7 @@
 # cmake -DSHADERS=DIR -DINTO=DIR -DGLSLANG=PROGRAM -DNAME=name -DPATTERN=glob -DFROM=text -DTO=text -P break_kernel.cmake
 # Copies the shaders, replaces a text in those that match, and compiles field.comp to INTO/NAME_{f32,f32_packed,f64}.spv.h.
 # An error if nothing was replaced: a break that no longer breaks would go unseen.
+string(REPLACE "\\n" "\n" TO "${TO}") # no build tool takes a line break in an argument
 file(REMOVE_RECURSE ${INTO}/${NAME})
 file(COPY ${SHADERS}/ DESTINATION ${INTO}/${NAME})
 if(NOT FROM STREQUAL "")

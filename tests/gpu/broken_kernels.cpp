@@ -23,6 +23,9 @@ namespace words {
 #include "sign_f32.spv.h"
 #include "sign_f32_packed.spv.h"
 #include "sign_f64.spv.h"
+#include "undeclared_f32.spv.h"
+#include "undeclared_f32_packed.spv.h"
+#include "undeclared_f64.spv.h"
 } // namespace words
 
 using Words = std::span<const std::uint32_t>;
@@ -43,6 +46,8 @@ Kernels kernels_of(test::Break which) {
         return {words::edge_f32, words::edge_f32_packed, words::edge_f64};
     case test::Break::channel:
         return {words::channel_f32, words::channel_f32_packed, words::channel_f64};
+    case test::Break::undeclared:
+        return {words::undeclared_f32, words::undeclared_f32_packed, words::undeclared_f64};
     case test::Break::imprecise:
         return {words::imprecise_f32, words::imprecise_f32_packed, words::imprecise_f64};
     }

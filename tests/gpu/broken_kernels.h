@@ -5,12 +5,13 @@
 namespace forceshade::test {
 
 enum class Break {
-    none,      /* the same text, compiled the same way */
-    sign,      /* L3: a facet climbs where it should descend */
-    component, /* L2: the cylinder pushes along x with the z component */
-    edge,      /* G2: a facet loses its left vertex to its neighbour */
-    channel,   /* the unshaded force is the shaded one */
-    imprecise, /* no `precise`: compilers reassociate */
+    none,       /* the same text, compiled the same way */
+    sign,       /* L3: a facet climbs where it should descend */
+    component,  /* L2: the cylinder pushes along x with the z component */
+    edge,       /* G2: a facet loses its left vertex to its neighbour */
+    channel,    /* the unshaded force is the shaded one */
+    undeclared, /* a capability that the device was not opened with */
+    imprecise,  /* no `precise`: compilers reassociate */
 };
 
 /// What every kernel made from now on runs.

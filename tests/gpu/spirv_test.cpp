@@ -159,7 +159,9 @@ TEST(Spirv, WordsThatAreNoSpirvAreRefused) {
     EXPECT_THROW(SpirvModule{nothing}, std::runtime_error);
     EXPECT_THROW(SpirvModule{zeros}, std::runtime_error);
     const auto words = kernels::field_f32();
-    EXPECT_THROW(SpirvModule(words.first(words.size() - 1)), std::runtime_error);
+    std::vector<std::uint32_t> cut(words.begin(), words.end());
+    cut.push_back(5u << spv::WordCountShift | spv::OpFAdd); // and nothing of what it announces
+    EXPECT_THROW(SpirvModule{cut}, std::runtime_error);
 }
 
 } // namespace

@@ -1,0 +1,162 @@
+// Compiled kernels kept on disk: whatever lies there, results are the same and nothing fails.
+#include <fstream>
+#include <iterator>
+
+#include <gtest/gtest.h>
+#include <spdlog/spdlog.h>
+
+#include "host/engine/engine.h"
+#include "host/engine/pipeline_cache_file.h"
+#include "tests/gpu/software_device.h"
+#include "tests/io/folder.h"
+
+namespace forceshade {
+namespace {
+
+using testing::Folder;
+using Bytes = std::vector<std::byte>;
+
+const std::string kDevice = "a device and its driver";
+
+Bytes some_bytes(std::size_t count) {
+    Bytes bytes;
+    for (std::size_t i = 0; i < count; ++i)
+        bytes.push_back(static_cast<std::byte>(i * 37 % 251));
+    return bytes;
+}
+
+std::string content(const std::filesystem::path& path) {
+    std::ifstream file(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(file), {}};
+}
+
+void put(const std::filesystem::path& path, const std::string& text) {
+    std::filesystem::create_directories(path.parent_path());
+    std::ofstream(path, std::ios::binary) << text;
+}
+
+TEST(PipelineCacheFile, RoundTrip) {
+    const Folder folder;
+    const auto deep = folder.path() / "made" / "on demand";
+    const Bytes bytes = some_bytes(10000);
+    write_pipeline_cache(deep, kDevice, bytes);
+    EXPECT_EQ(read_pipeline_cache(deep, kDevice), bytes);
+    EXPECT_TRUE(read_pipeline_cache(deep, "another device").empty());
+    write_pipeline_cache(deep, "another device", some_bytes(3));
+    EXPECT_EQ(read_pipeline_cache(deep, kDevice), bytes);
+    write_pipeline_cache(deep, kDevice, some_bytes(1));
+    EXPECT_EQ(read_pipeline_cache(deep, kDevice), some_bytes(1));
+    EXPECT_EQ(std::distance(std::filesystem::directory_iterator(deep), {}), 2); // and no temporary file
+}
+
+TEST(PipelineCacheFile, DamageIsSeen) {
+    spdlog::set_level(spdlog::level::off);
+    const Folder folder;
+    const auto path = pipeline_cache_path(folder.path(), kDevice);
+    write_pipeline_cache(folder.path(), kDevice, some_bytes(1000));
+    const std::string intact = content(path);
+    const auto refused = [&](const std::string& text) {
+        put(path, text);
+        return read_pipeline_cache(folder.path(), kDevice).empty();
+    };
+    EXPECT_FALSE(refused(intact));
+    for (const std::size_t length :
+         {std::size_t(0), std::size_t(1), std::size_t(63), std::size_t(64), intact.size() - 1})
+        EXPECT_TRUE(refused(intact.substr(0, length))) << length;
+    for (std::size_t at = 0; at < intact.size(); at += 13) {
+        std::string flipped = intact;
+        flipped[at] = static_cast<char>(flipped[at] ^ 4);
+        EXPECT_TRUE(refused(flipped)) << at;
+    }
+    EXPECT_TRUE(refused(intact + "x"));
+    EXPECT_TRUE(refused("not ours at all, though long enough to be mistaken for a digest and something behind it"));
+}
+
+TEST(PipelineCacheFile, WhatIsNoFileIsIgnored) {
+    const Folder folder;
+    const auto path = pipeline_cache_path(folder.path(), kDevice);
+    std::filesystem::create_directories(path); // a folder of that name
+    EXPECT_TRUE(read_pipeline_cache(folder.path(), kDevice).empty());
+    EXPECT_NO_THROW(write_pipeline_cache(folder.path(), kDevice, some_bytes(10)));
+    std::filesystem::remove(path);
+    put(path, "");
+    std::filesystem::resize_file(path, std::uintmax_t(1) << 40); // sparse: reading it would end the test
+    EXPECT_TRUE(read_pipeline_cache(folder.path(), kDevice).empty());
+    EXPECT_TRUE(read_pipeline_cache({}, kDevice).empty());
+    EXPECT_NO_THROW(write_pipeline_cache({}, kDevice, some_bytes(10)));
+}
+
+// Not even root can write below a file.
+TEST(PipelineCacheFile, AFolderThatCannotBeWrittenIsNoError) {
+    const Folder folder;
+    put(folder / "file", "");
+    EXPECT_NO_THROW(write_pipeline_cache(folder / "file" / std::string("below"), kDevice, some_bytes(10)));
+    EXPECT_TRUE(read_pipeline_cache(folder / "file" / std::string("below"), kDevice).empty());
+}
+
+class EngineCache : public ::testing::Test {
+protected:
+    static EngineOptions options(const std::filesystem::path& cache) {
+        EngineOptions options;
+        options.gpu = "llvmpipe";
+        options.validation = test::has_validation_layer();
+        options.cache = cache;
+        return options;
+    }
+
+    // Holds the engine against the oracle; the cache is written when the engine ends.
+    static void run(const std::filesystem::path& cache) {
+        const auto engine = make_engine(options(cache));
+        Scene scene;
+        scene.grid.size = {33, 2, 9};
+        const FieldTables<float> tables = make_tables<float>(scene, {}, Extent::everything);
+        test::BitComparer<float> comparer(tables.input());
+        engine->evaluate(tables.input(), [&](const layout::FieldChunk<float>& chunk) { comparer.add(chunk); });
+        EXPECT_TRUE(is_equal(comparer.result()));
+    }
+};
+
+TEST_F(EngineCache, IsWrittenAndSurvivesDamage) {
+    const Folder folder;
+    run(folder.path());
+    const auto names = folder.names();
+    ASSERT_EQ(names.size(), 1u);
+    const std::string intact = content(folder / names[0]);
+    EXPECT_GT(intact.size(), 64u);
+    for (const std::string& damaged : {intact, intact.substr(0, intact.size() / 2), std::string(), intact + intact}) {
+        put(folder / names[0], damaged);
+        run(folder.path());
+        EXPECT_EQ(folder.names(), names);
+    }
+    put(folder / "file", "");
+    run(folder / "file" / std::string("below"));
+}
+
+// Bytes with a digest of their own that no driver wrote, or another one: the driver takes them or leaves them.
+TEST_F(EngineCache, SurvivesForeignBytes) {
+    const Bytes kept = [] {
+        compute::Device device = test::open_software_device(false);
+        compute::FieldKernel kernel(device);
+        const FieldTables<float> tables = make_tables<float>(Scene{}, {}, Extent::what_varies);
+        kernel.evaluate<float>(tables.input(), [](const layout::FieldChunk<float>&) {});
+        return device.pipeline_cache();
+    }();
+    ASSERT_GE(kept.size(), 32u); // the header that Vulkan prescribes
+    Bytes other_vendor = kept, other_uuid = kept;
+    other_vendor[8] ^= std::byte{1};
+    other_uuid[16] ^= std::byte{1};
+    const Bytes half(kept.begin(), kept.begin() + static_cast<std::ptrdiff_t>(kept.size() / 2));
+    const Bytes header(kept.begin(), kept.begin() + 20);
+    for (const Bytes& bytes : {kept, other_vendor, other_uuid, half, header, some_bytes(10), some_bytes(10000)}) {
+        compute::DeviceOptions options;
+        options.wanted = "llvmpipe";
+        options.pipeline_cache = bytes;
+        compute::Device device(options);
+        compute::FieldKernel kernel(device);
+        const FieldTables<float> tables = make_tables<float>(Scene{}, {}, Extent::what_varies);
+        EXPECT_TRUE(is_equal(test::hold_against_oracle(kernel, tables.input()))) << bytes.size() << " bytes";
+    }
+}
+
+} // namespace
+} // namespace forceshade
