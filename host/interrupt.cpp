@@ -9,6 +9,8 @@ volatile std::sig_atomic_t interrupted = 0;
 
 void raise_flag(int) {
     interrupted = 1;
+    std::signal(SIGINT, SIG_DFL);
+    std::signal(SIGTERM, SIG_DFL);
 }
 
 } // namespace
@@ -16,7 +18,6 @@ void raise_flag(int) {
 void catch_interrupts() {
     struct sigaction action {};
     action.sa_handler = raise_flag;
-    action.sa_flags = static_cast<int>(SA_RESETHAND);
     sigemptyset(&action.sa_mask);
     sigaction(SIGINT, &action, nullptr);
     sigaction(SIGTERM, &action, nullptr);

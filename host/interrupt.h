@@ -7,7 +7,7 @@ namespace forceshade {
 
 class Interrupted : public Error {
 public:
-    Interrupted() : Error(ExitCode::interrupted, "interrupted; run the same command again to go on") {}
+    Interrupted() : Error(ExitCode::interrupted, "interrupted") {}
 };
 
 /// From now on the first SIGINT or SIGTERM raises the flag; a second one ends the process at once.

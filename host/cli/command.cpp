@@ -1,6 +1,7 @@
 #include "host/cli/command.h"
 
 #include <algorithm>
+#include <cerrno>
 #include <cstdio>
 
 #include "host/error.h"
@@ -46,7 +47,9 @@ bool any_f64(const Study& study) {
 }
 
 void print_data(const std::string& text) {
-    if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0)
+    if (std::fwrite(text.data(), 1, text.size(), stdout) == text.size() && std::fflush(stdout) == 0)
+        return;
+    if (errno != EPIPE) // a reader that has seen enough, such as head, is no error
         throw IoError("cannot write to standard output");
 }
 

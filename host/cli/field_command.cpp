@@ -26,12 +26,11 @@ int run(const FieldArguments& arguments, const CommonOptions& common) {
     job.prepared.one.name = volume.stem().string(); // what pictures are headed with
     print_warnings(warnings, common);
     const auto engine = make_engine(engine_options(common, job.prepared.one.scene.precision == Precision::f64));
-    PipelineOptions options;
-    options.also = parse_also(arguments.also);
+    job.also = parse_also(arguments.also);
     bool given = false;
     CaseOutcome outcome;
     run_cases(
-        *engine, [&] { return std::exchange(given, true) ? nullptr : std::make_unique<CaseJob>(job); }, 1, options,
+        *engine, [&] { return std::exchange(given, true) ? nullptr : std::make_unique<CaseJob>(job); }, 1, {},
         [&](const CaseOutcome& ended) { outcome = ended; });
     if (outcome.error)
         std::rethrow_exception(outcome.error);

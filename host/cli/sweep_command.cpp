@@ -5,6 +5,7 @@
 #include "compute/device.h"
 #include "host/cli/command.h"
 #include "host/error.h"
+#include "host/interrupt.h"
 #include "host/remark.h"
 #include "host/sweep/progress.h"
 #include "host/sweep/sweep.h"
@@ -45,8 +46,9 @@ void print_outcome(const SweepResult& result, const SweepOptions& options) {
            result.kept, result.failures.empty() ? "" : fmt::format(", {} failed", result.failures.size()));
     remark("largest error against the oracle in double precision: {:.2g} of the largest force\n",
            result.largest_relative_error);
-    remark("look at {} (a row a case), {} (everything known), {}\n", (options.folder / "summary.csv").string(),
-           (options.folder / "manifest.json").string(), (options.folder / "*.exr").string());
+    const std::filesystem::path folder = std::filesystem::absolute(options.folder).lexically_normal();
+    remark("look at {} (a row a case), manifest.json (everything known){} and *.exr beside it\n",
+           (folder / "summary.csv").string(), options.also.png ? ", *.arrows.png, *.mosaic.png" : "");
 }
 
 int run(const SweepArguments& arguments, const CommonOptions& common) {
@@ -63,9 +65,16 @@ int run(const SweepArguments& arguments, const CommonOptions& common) {
     const EngineOptions engine = engine_options(common, any_f64(study));
     // Also where everything is there already: a device that was asked for must exist, and have computed it.
     if (!common.gpu.empty())
-        options.device = compute::choose_device(compute::list_devices(), common.gpu, engine.needs_f64).name;
-    const SweepResult result = run_sweep(
-        study, [&] { return make_engine(engine); }, engine.cpu, options);
+        options.device = compute::choose_device(compute::list_devices(), common.gpu, engine.needs_f64);
+    const SweepResult result = [&] {
+        try {
+            return run_sweep(
+                study, [&] { return make_engine(engine); }, engine.cpu, options);
+        } catch (const Interrupted&) {
+            remark("what was finished stays; the same command goes on from there\n");
+            throw;
+        }
+    }();
     if (!common.quiet)
         print_outcome(result, options);
     for (const std::string& failure : result.failures)

@@ -74,7 +74,7 @@ std::vector<std::string> file_names(const std::string& stem, std::uint32_t chann
         names.push_back(stem + ".vti");
     if (also.npy)
         for (const NamedChannel& channel : kNames)
-            if (channels & channel.bit)
+            if ((channels | layout::kChannelForce) & channel.bit)
                 names.push_back(fmt::format("{}.{}.npy", stem, channel.name));
     if (also.png)
         names.insert(names.end(), {stem + ".mosaic.png", stem + ".arrows.png"});

@@ -21,7 +21,11 @@ struct AlsoFormats {
 /// \throws UsageError for a name that is none of vti, npy, png.
 AlsoFormats parse_also(const std::vector<std::string>& names);
 
-/// The names of all files that a case leaves for a volume called `STEM.exr`, the volume first.
+inline constexpr std::uint32_t kAllChannels = layout::kChannelForce | layout::kChannelDepth | layout::kChannelFacet |
+                                              layout::kChannelProxy | layout::kChannelUnshaded;
+
+/// The names of all files that a case leaves for a volume called `STEM.exr`, the volume first. Force is always among
+/// the channels.
 std::vector<std::string> file_names(const std::string& stem, std::uint32_t channels, AlsoFormats also);
 
 class CaseOutput {
@@ -33,7 +37,8 @@ public:
     template <typename T> void write(const layout::FieldChunk<T>& chunk);
 
     /// Publishes every file and returns the record, without what only the caller knows (fingerprint, engine and its
-    /// times). \throws UsageError, IoError, Error; then no file of the case is published that was not before.
+    /// times). \throws UsageError, IoError, Error. The volume is published first, so it may
+    /// stand where another file failed.
     CaseRecord finish();
 
 private:
@@ -44,7 +49,7 @@ private:
     AlsoFormats also_;
     std::size_t repeat_y_;
     std::uint64_t evaluated_;
-    std::vector<std::pair<std::string, std::unique_ptr<ChunkSink>>> sinks_; // file name and sink, the volume last
+    std::vector<std::pair<std::string, std::unique_ptr<ChunkSink>>> sinks_; // file name and sink, the volume first
     std::unique_ptr<picture::SliceCollector> slices_;
     OracleCheck check_;
 };

@@ -22,11 +22,16 @@ struct Transfer {
 
 class Encoders {
 public:
-    Encoders(unsigned threads, int threads_a_volume, AlsoFormats also,
-             const std::function<void(const CaseOutcome&)>& done, const EngineReport& engine)
-        : threads_a_volume_(threads_a_volume), also_(also), done_(done), engine_(engine) {
-        for (unsigned i = 0; i < threads; ++i)
-            workers_.emplace_back([this] { work(); });
+    Encoders(unsigned threads, int threads_a_volume, const std::function<void(const CaseOutcome&)>& done,
+             const EngineReport& engine)
+        : threads_a_volume_(threads_a_volume), done_(done), engine_(engine) {
+        try {
+            for (unsigned i = 0; i < threads; ++i)
+                workers_.emplace_back([this] { work(); });
+        } catch (...) {
+            finish(); // those that did start wait for work
+            throw;
+        }
     }
     ~Encoders() { finish(); }
 
@@ -52,36 +57,38 @@ public:
     }
 
 private:
+    // The next case; null when there will be none.
+    std::shared_ptr<Transfer> take() {
+        std::unique_lock lock(mutex_);
+        changed_.wait(lock, [&] { return closed_ || !waiting_.empty(); });
+        if (waiting_.empty())
+            return nullptr;
+        std::shared_ptr<Transfer> transfer = std::move(waiting_.front());
+        waiting_.pop_front();
+        return transfer;
+    }
+
     void work() {
-        for (;;) {
-            std::shared_ptr<Transfer> transfer;
-            {
-                std::unique_lock lock(mutex_);
-                changed_.wait(lock, [&] { return closed_ || !waiting_.empty(); });
-                if (waiting_.empty())
-                    return;
-                transfer = std::move(waiting_.front());
-                waiting_.pop_front();
-            }
+        while (const std::shared_ptr<Transfer> transfer = take()) {
             CaseOutcome outcome{transfer->job.get(), {}, nullptr};
             try {
+                throw_if_stopped();
                 if (!encode(*transfer, outcome.record))
                     continue; // the engine gave up and says why itself
             } catch (...) {
                 outcome.error = std::current_exception();
             }
-            transfer->chunks.abandon();
+            transfer->chunks.abandon(); // wakes an engine that waits for room
             report(outcome);
         }
     }
 
     // False if the engine never completed the case.
     bool encode(Transfer& transfer, CaseRecord& record) {
-        CaseOutput output(transfer.job->prepared, transfer.job->volume, also_, threads_a_volume_);
-        while (auto chunk = transfer.chunks.pop()) {
+        CaseOutput output(transfer.job->prepared, transfer.job->volume, transfer.job->also, threads_a_volume_);
+        while (const auto waiting = transfer.chunks.pop()) {
             check_interrupt();
-            std::visit([&](const auto& owned) { output.write(owned.view); }, *chunk);
-            transfer.chunks.release(*chunk);
+            std::visit([&](const auto& owned) { output.write(owned.view); }, waiting->chunk);
         }
         if (!transfer.chunks.whole())
             return false;
@@ -92,28 +99,32 @@ private:
         return true;
     }
 
-    void report(const CaseOutcome& outcome) {
-        const std::lock_guard lock(mutex_);
+    // An error of the case alone: the others go on.
+    static bool concerns_one_case(const std::exception_ptr& error) {
         try {
-            if (outcome.error)
-                std::rethrow_exception(outcome.error);
-            done_(outcome);
-            return;
-        } catch (const Error& error) {
-            if (outcome.error && (error.code() == ExitCode::failed || error.code() == ExitCode::usage)) {
-                done_(outcome);
-                return;
-            }
-            if (!stop_)
-                stop_ = std::current_exception();
+            std::rethrow_exception(error);
+        } catch (const Error& known) {
+            return known.code() == ExitCode::failed || known.code() == ExitCode::usage;
         } catch (...) {
-            if (!stop_)
-                stop_ = std::current_exception();
+            return false;
         }
     }
 
+    void report(const CaseOutcome& outcome) {
+        const std::lock_guard lock(mutex_);
+        std::exception_ptr stop = outcome.error;
+        if (!outcome.error || concerns_one_case(outcome.error))
+            try {
+                done_(outcome);
+                stop = nullptr;
+            } catch (...) {
+                stop = std::current_exception();
+            }
+        if (!stop_)
+            stop_ = stop;
+    }
+
     int threads_a_volume_;
-    AlsoFormats also_;
     const std::function<void(const CaseOutcome&)>& done_;
     EngineReport engine_;
     std::mutex mutex_;
@@ -141,7 +152,7 @@ void run_cases(Engine& engine, const std::function<std::unique_ptr<CaseJob>()>& 
         std::clamp<std::size_t>(options.encoders ? options.encoders : cores, 1, std::max<std::size_t>(1, cases)));
     ChunkBudget budget(options.waiting_bytes);
     // A lone volume is compressed by all cores, several by one core each.
-    Encoders pool(encoders, encoders < cores ? static_cast<int>(cores) : 0, options.also, done, engine.report());
+    Encoders pool(encoders, encoders < cores ? static_cast<int>(cores) : 0, done, engine.report());
     while (std::unique_ptr<CaseJob> job = next()) {
         check_interrupt();
         pool.throw_if_stopped();

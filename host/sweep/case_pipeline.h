@@ -13,6 +13,7 @@ struct CaseJob {
     PreparedCase prepared;
     std::filesystem::path volume; /* .exr path */
     std::string fingerprint;
+    AlsoFormats also; /* written beside the volume */
 };
 
 struct CaseOutcome {
@@ -22,7 +23,6 @@ struct CaseOutcome {
 };
 
 struct PipelineOptions {
-    AlsoFormats also;
     unsigned encoders = 0;                              /* threads; 0: one a core, at most one a case */
     std::size_t waiting_bytes = std::size_t(128) << 20; /* between engine and encoders */
 };

@@ -1,11 +1,13 @@
 // Chunks on their way from the engine to the thread that encodes their case, bounded in bytes over all cases.
 #pragma once
 
+#include <algorithm>
 #include <condition_variable>
 #include <deque>
 #include <mutex>
 #include <optional>
 #include <stdexcept>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -45,21 +47,51 @@ class ChunkBudget {
 public:
     explicit ChunkBudget(std::size_t bytes) : free_(bytes), all_(bytes) {}
 
-    void take(std::size_t bytes) {
+    /// A share of the budget, given back when it goes out of scope, also by an exception.
+    class Share {
+    public:
+        Share(ChunkBudget& budget, std::size_t bytes) : budget_(&budget), bytes_(bytes) {}
+        Share(Share&& from) noexcept : budget_(std::exchange(from.budget_, nullptr)), bytes_(from.bytes_) {}
+        Share& operator=(Share&& from) noexcept {
+            std::swap(budget_, from.budget_);
+            std::swap(bytes_, from.bytes_);
+            return *this;
+        }
+        ~Share() {
+            if (budget_)
+                budget_->give(bytes_);
+        }
+
+    private:
+        ChunkBudget* budget_;
+        std::size_t bytes_;
+    };
+
+    /// Waits until there is room.
+    Share take(std::size_t bytes) {
         std::unique_lock lock(mutex_);
         changed_.wait(lock, [&] { return free_ >= bytes || free_ == all_; });
-        free_ -= std::min(bytes, free_);
-    }
-    void give(std::size_t bytes) {
-        const std::lock_guard lock(mutex_);
-        free_ = std::min(all_, free_ + bytes);
-        changed_.notify_all();
+        const std::size_t taken = std::min(bytes, free_);
+        free_ -= taken;
+        return Share(*this, taken);
     }
 
 private:
+    void give(std::size_t bytes) {
+        const std::lock_guard lock(mutex_);
+        free_ += bytes;
+        changed_.notify_all();
+    }
+
     std::mutex mutex_;
     std::condition_variable changed_;
     std::size_t free_, all_;
+};
+
+/// A chunk on its way; it counts against the budget as long as it lives.
+struct WaitingChunk {
+    AnyChunk chunk;
+    ChunkBudget::Share share;
 };
 
 /// Thrown to the engine when the encoder of its case has failed: there is no use in computing on.
@@ -71,18 +103,15 @@ struct EncoderFailed : std::runtime_error {
 class ChunkQueue {
 public:
     explicit ChunkQueue(ChunkBudget& budget) : budget_(budget) {}
-    ~ChunkQueue() { abandon(); }
 
     /// Waits for room. \throws EncoderFailed once the consumer has abandoned the queue.
     template <typename T> void push(const layout::FieldChunk<T>& chunk) {
         OwnedChunk<T> owned(chunk);
-        budget_.take(owned.bytes());
+        ChunkBudget::Share share = budget_.take(owned.bytes());
         const std::lock_guard lock(mutex_);
-        if (abandoned_) {
-            budget_.give(owned.bytes());
+        if (abandoned_)
             throw EncoderFailed();
-        }
-        chunks_.emplace_back(std::move(owned));
+        chunks_.push_back({std::move(owned), std::move(share)});
         changed_.notify_all();
     }
 
@@ -94,18 +123,15 @@ public:
         changed_.notify_all();
     }
 
-    /// The next chunk; nothing at the end. The chunk counts against the budget until release().
-    std::optional<AnyChunk> pop() {
+    /// The next chunk; nothing at the end.
+    std::optional<WaitingChunk> pop() {
         std::unique_lock lock(mutex_);
         changed_.wait(lock, [&] { return closed_ || !chunks_.empty(); });
         if (chunks_.empty())
             return std::nullopt;
-        AnyChunk chunk = std::move(chunks_.front());
+        WaitingChunk chunk = std::move(chunks_.front());
         chunks_.pop_front();
         return chunk;
-    }
-    void release(const AnyChunk& chunk) {
-        budget_.give(std::visit([](const auto& owned) { return owned.bytes(); }, chunk));
     }
     bool whole() const { return whole_; }
 
@@ -113,8 +139,6 @@ public:
     void abandon() {
         const std::lock_guard lock(mutex_);
         abandoned_ = true;
-        for (const AnyChunk& chunk : chunks_)
-            release(chunk);
         chunks_.clear();
     }
 
@@ -122,7 +146,7 @@ private:
     ChunkBudget& budget_;
     std::mutex mutex_;
     std::condition_variable changed_;
-    std::deque<AnyChunk> chunks_;
+    std::deque<WaitingChunk> chunks_;
     bool closed_ = false, whole_ = false, abandoned_ = false;
 };
 

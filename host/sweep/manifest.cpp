@@ -18,11 +18,15 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-std::vector<CaseRecord> records_of(const std::filesystem::path& folder, const Study& study) {
+std::vector<CaseRecord> records_of(const std::filesystem::path& folder, const Study& study,
+                                   const Fingerprints& fingerprints) {
     std::vector<CaseRecord> records;
-    for (const Case& one : study.cases)
-        if (auto record = read_record(folder, one.name))
+    for (const Case& one : study.cases) {
+        const auto expected = fingerprints.find(one.name);
+        auto record = read_record(folder, one.name);
+        if (record && expected != fingerprints.end() && expected->second.count(record->fingerprint))
             records.push_back(std::move(*record));
+    }
     return records;
 }
 
@@ -82,10 +86,11 @@ std::string summary(const Study& study, const std::vector<CaseRecord>& records) 
 
 } // namespace
 
-std::size_t write_manifest(const std::filesystem::path& folder, const Study& study, const RunAccount* run) {
+std::size_t write_manifest(const std::filesystem::path& folder, const Study& study, const Fingerprints& fingerprints,
+                           const RunAccount* run) {
     const std::filesystem::path path = folder / "manifest.json";
     for (;;) {
-        const std::vector<CaseRecord> records = records_of(folder, study);
+        const std::vector<CaseRecord> records = records_of(folder, study, fingerprints);
         Json json;
         json["program"] = version();
         json["cases_of_study"] = study.cases.size();
@@ -98,7 +103,7 @@ std::size_t write_manifest(const std::filesystem::path& folder, const Study& stu
         write_file_atomically(path, json.dump(2) + "\n");
         write_file_atomically(folder / "summary.csv", summary(study, records));
         // Another shard may have ended a case meanwhile, and merged before this did.
-        if (records_of(folder, study).size() == records.size())
+        if (records_of(folder, study, fingerprints).size() == records.size())
             return records.size();
     }
 }

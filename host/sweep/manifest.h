@@ -2,6 +2,8 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
+#include <set>
 #include <string>
 
 #include "host/scene/study.h"
@@ -20,8 +22,13 @@ struct RunAccount {
     std::uint64_t peak_memory = 0; /* bytes resident */
 };
 
+/// For each case of a study, what its record must say to count: any of the fingerprints. Records of other scenes or
+/// programs under the same name do not.
+using Fingerprints = std::map<std::string, std::set<std::string>>;
+
 /// Merges the records of the study's cases, other shards' and earlier runs' too, into manifest.json and summary.csv.
 /// Without `run` the account of the last run is kept. Returns how many cases are recorded. \throws IoError.
-std::size_t write_manifest(const std::filesystem::path& folder, const Study& study, const RunAccount* run);
+std::size_t write_manifest(const std::filesystem::path& folder, const Study& study, const Fingerprints& fingerprints,
+                           const RunAccount* run);
 
 } // namespace forceshade

@@ -1,9 +1,7 @@
 #include "host/sweep/sweep.h"
 
 #include <algorithm>
-#include <charconv>
 #include <chrono>
-#include <cstdlib>
 #include <set>
 
 #include <fmt/format.h>
@@ -22,23 +20,6 @@
 namespace forceshade {
 namespace {
 
-std::optional<std::size_t> whole_number(std::string_view text) {
-    std::size_t value = 0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (error != std::errc() || end != text.data() + text.size())
-        return std::nullopt;
-    return value;
-}
-
-std::size_t slurm_number(const char* name, std::optional<std::size_t> otherwise = std::nullopt) {
-    const char* text = std::getenv(name);
-    const std::optional<std::size_t> value = text ? whole_number(text) : otherwise;
-    if (!value)
-        throw UsageError(fmt::format("this is a task of a Slurm array, and {} is {}: say --shard I/N (1/1: everything)",
-                                     name, text ? fmt::format("\"{}\"", text) : "not set"));
-    return *value;
-}
-
 // Of everything that decides the bytes of a case.
 std::string fingerprint(const PreparedCase& prepared, bool cpu_engine) {
     return sha256_of(fmt::format("{}\n{}\n{}", version(), cpu_engine ? "cpu" : "gpu", prepared.scene));
@@ -49,16 +30,37 @@ bool is_done(const CaseJob& job, const SweepOptions& options, std::optional<Case
     record = read_record(options.folder, job.prepared.one.name);
     if (!record || record->fingerprint != job.fingerprint)
         return false;
-    if (!options.device.empty() && record->engine.device != options.device)
+    const EngineReport& engine = record->engine;
+    if (options.device && (engine.uuid != options.device->uuid || engine.driver != options.device->driver))
         return false;
-    for (const std::string& name : file_names(
-             job.prepared.one.name, job.prepared.one.scene.output.channels | layout::kChannelForce, options.also)) {
+    for (const std::string& name :
+         file_names(job.prepared.one.name, job.prepared.one.scene.output.channels, options.also)) {
         const auto file = std::find_if(record->files.begin(), record->files.end(),
                                        [&](const FileRecord& known) { return known.name == name; });
         if (file == record->files.end() || !volume_is_intact(options.folder / name, file->sha256))
             return false;
     }
     return true;
+}
+
+// What lies beside a volume is made again with it, so that nothing of an earlier scene stays under the case's name.
+AlsoFormats with_present(AlsoFormats also, const std::filesystem::path& folder, const std::string& stem) {
+    const auto any = [&](AlsoFormats one) {
+        const std::vector<std::string> names = file_names(stem, kAllChannels, one);
+        return std::any_of(names.begin() + 1, names.end(),
+                           [&](const std::string& name) { return std::filesystem::exists(folder / name); });
+    };
+    return {also.vti || any({.vti = true}), also.npy || any({.npy = true}), also.png || any({.png = true})};
+}
+
+// Removes the record, which must not outlive the files that it vouches for, and files that the case no longer has.
+void forget(const std::filesystem::path& folder, const Case& one, AlsoFormats also) {
+    std::error_code ignored;
+    std::filesystem::remove(record_path(folder, one.name), ignored);
+    const std::vector<std::string> keep = file_names(one.name, one.scene.output.channels, also);
+    for (const std::string& name : file_names(one.name, kAllChannels, {true, true, true}))
+        if (std::find(keep.begin(), keep.end(), name) == keep.end())
+            std::filesystem::remove(folder / name, ignored);
 }
 
 std::vector<const Case*> choose(const Study& study, const SweepOptions& options) {
@@ -78,26 +80,27 @@ std::vector<const Case*> choose(const Study& study, const SweepOptions& options)
     return chosen;
 }
 
-bool names_a_file(const Scene& scene) {
-    return scene.surface.map.function == MapFunction::file ||
-           (scene.texture && scene.texture->map.function == MapFunction::file);
-}
+// The study with the SHA-256 of its images, by which study.toml names them, and what each case's record must say to
+// count. Images of cases that nobody wants now may be missing; such cases count as not done.
+struct Prepared {
+    Study study;
+    Fingerprints fingerprints;
+};
 
-// The study with the SHA-256 of its images, by which study.toml names them. Those of cases that nobody wants now may be
-// missing.
-Study with_digests(Study study, const std::vector<const Case*>& chosen, CasePreparation& preparation) {
-    std::set<std::string_view> wanted;
-    for (const Case* one : chosen)
-        wanted.insert(one->name);
-    for (Case& one : study.cases)
-        if (names_a_file(one.scene))
-            try {
-                one.scene = preparation.prepare(one).one.scene;
-            } catch (const Error&) {
-                if (wanted.count(one.name))
-                    throw;
-            }
-    return study;
+Prepared prepare(const Study& study, const std::vector<const Case*>& chosen, CasePreparation& preparation) {
+    Prepared result{study, {}};
+    const std::set<const Case*> wanted(chosen.begin(), chosen.end());
+    for (std::size_t i = 0; i < study.cases.size(); ++i)
+        try {
+            const PreparedCase prepared = preparation.prepare(study.cases[i]);
+            result.study.cases[i].scene = prepared.one.scene;
+            for (const bool cpu_engine : {false, true})
+                result.fingerprints[study.cases[i].name].insert(fingerprint(prepared, cpu_engine));
+        } catch (const Error&) {
+            if (wanted.count(&study.cases[i]))
+                throw;
+        }
+    return result;
 }
 
 void prepare_folder(const Study& study, const std::filesystem::path& folder) {
@@ -108,11 +111,6 @@ void prepare_folder(const Study& study, const std::filesystem::path& folder) {
     clear_stale_temporaries(folder);
     clear_stale_temporaries(folder / "manifest.d");
     write_file_atomically(folder / "study.toml", resolved_toml(study));
-}
-
-void forget(const std::filesystem::path& folder, const std::string& name) {
-    std::error_code ignored;
-    std::filesystem::remove(record_path(folder, name), ignored);
 }
 
 void note_failure(SweepResult& result, const CaseOutcome& outcome) {
@@ -135,30 +133,30 @@ void count(RunAccount& account, const CaseRecord& record) {
                       record.volume_times.hash;
 }
 
+void compute_missing(Engine& engine, const std::vector<const Case*>& missing,
+                     const std::function<CaseJob(const Case&)>& job_of, const SweepOptions& options,
+                     SweepResult& result) {
+    Progress progress("cases", missing.size(), options.quiet);
+    std::size_t next_job = 0, ended = 0;
+    const auto next = [&] {
+        return next_job < missing.size() ? std::make_unique<CaseJob>(job_of(*missing[next_job++])) : nullptr;
+    };
+    const auto done = [&](const CaseOutcome& outcome) {
+        if (outcome.error) {
+            note_failure(result, outcome);
+            progress.say("failed: " + result.failures.back());
+        } else {
+            write_record(options.folder, outcome.record);
+            ++result.computed;
+            count(result, outcome.record);
+            count(result.account, outcome.record);
+        }
+        progress.update(++ended, outcome.job->prepared.one.name);
+    };
+    run_cases(engine, next, missing.size(), {options.encoders}, done);
+}
+
 } // namespace
-
-Shard parse_shard(const std::string& text) {
-    const std::size_t slash = text.find('/');
-    if (slash != std::string::npos) {
-        const auto index = whole_number(std::string_view(text).substr(0, slash));
-        const auto total = whole_number(std::string_view(text).substr(slash + 1));
-        if (index && total && *index >= 1 && *index <= *total)
-            return {*index, *total};
-    }
-    throw UsageError(fmt::format("--shard {}: it is I/N with 1 <= I <= N, for example 3/8", text));
-}
-
-std::optional<Shard> slurm_shard() {
-    if (!std::getenv("SLURM_ARRAY_TASK_ID"))
-        return std::nullopt;
-    const std::size_t id = slurm_number("SLURM_ARRAY_TASK_ID"), total = slurm_number("SLURM_ARRAY_TASK_COUNT");
-    const std::size_t first = slurm_number("SLURM_ARRAY_TASK_MIN", 0), step = slurm_number("SLURM_ARRAY_TASK_STEP", 1);
-    if (id < first || step == 0 || (id - first) / step >= total)
-        throw UsageError(fmt::format("this is task {} of a Slurm array of {} tasks from {} by {}, which cannot be: say "
-                                     "--shard I/N (1/1: everything)",
-                                     id, total, first, step));
-    return Shard{(id - first) / step + 1, total};
-}
 
 SweepResult run_sweep(const Study& study, const std::function<std::unique_ptr<Engine>()>& make, bool cpu_engine,
                       const SweepOptions& options) {
@@ -168,67 +166,54 @@ SweepResult run_sweep(const Study& study, const std::function<std::unique_ptr<En
     SweepResult result;
     result.chosen = chosen.size();
     CasePreparation preparation;
-    prepare_folder(with_digests(study, chosen, preparation), options.folder);
+    const Prepared prepared = prepare(study, chosen, preparation);
+    prepare_folder(prepared.study, options.folder);
 
     const auto job_of = [&](const Case& one) {
-        CaseJob job{preparation.prepare(one), options.folder / (one.name + ".exr"), {}};
+        CaseJob job{preparation.prepare(one), options.folder / (one.name + ".exr"), {}, {}};
         job.fingerprint = fingerprint(job.prepared, cpu_engine);
+        job.also = with_present(options.also, options.folder, one.name);
         return job;
     };
     std::vector<const Case*> missing;
     for (const Case* one : chosen) {
         check_interrupt();
-        const CaseJob job = job_of(*one);
         std::optional<CaseRecord> record;
-        if (!options.fresh && is_done(job, options, record)) {
-            ++result.kept;
-            count(result, *record);
+        if (options.fresh || !is_done(job_of(*one), options, record)) {
+            missing.push_back(one);
             continue;
         }
-        // A record must not outlive the files that it vouches for.
-        forget(options.folder, one->name);
-        missing.push_back(one);
+        ++result.kept;
+        count(result, *record);
     }
 
-    Progress progress("cases", missing.size(), options.quiet);
     const auto finish = [&] {
         result.account.computed = result.computed;
         result.account.kept = result.kept;
         result.account.wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
         result.account.cpu = cpu_seconds() - cpu_start;
         result.account.peak_memory = peak_memory();
-        write_manifest(options.folder, study, missing.empty() ? nullptr : &result.account);
+        write_manifest(options.folder, study, prepared.fingerprints, missing.empty() ? nullptr : &result.account);
     };
-    if (!missing.empty()) {
-        const std::unique_ptr<Engine> engine = make();
-        result.account.engine_device = engine->report().device;
-        result.account.engine_driver = engine->report().driver;
-        std::size_t next_job = 0, ended = 0;
-        const auto next = [&] {
-            return next_job < missing.size() ? std::make_unique<CaseJob>(job_of(*missing[next_job++])) : nullptr;
-        };
-        const auto done = [&](const CaseOutcome& outcome) {
-            if (outcome.error) {
-                note_failure(result, outcome);
-                progress.say("failed: " + result.failures.back());
-            } else {
-                write_record(options.folder, outcome.record);
-                ++result.computed;
-                count(result, outcome.record);
-                count(result.account, outcome.record);
-            }
-            progress.update(++ended, outcome.job->prepared.one.name);
-        };
+    if (missing.empty()) {
+        finish();
+        return result;
+    }
+    // The engine comes first: where there is none, nothing is forgotten.
+    const std::unique_ptr<Engine> engine = make();
+    result.account.engine_device = engine->report().device;
+    result.account.engine_driver = engine->report().driver;
+    for (const Case* one : missing)
+        forget(options.folder, *one, with_present(options.also, options.folder, one->name));
+    try {
+        compute_missing(*engine, missing, job_of, options, result);
+    } catch (...) {
         try {
-            run_cases(*engine, next, missing.size(), {options.also, options.encoders}, done);
-        } catch (...) {
-            try {
-                finish(); // what was done stands in the manifest
-            } catch (const IoError&) {
-                // The error that stopped the run says more.
-            }
-            throw;
+            finish(); // what was done stands in the manifest
+        } catch (const IoError&) {
+            // The error that stopped the run says more.
         }
+        throw;
     }
     finish();
     return result;

@@ -5,23 +5,14 @@
 #include <optional>
 #include <string>
 
+#include "compute/device.h"
 #include "host/engine/engine.h"
 #include "host/scene/study.h"
 #include "host/sweep/case_output.h"
 #include "host/sweep/manifest.h"
+#include "host/sweep/shard.h"
 
 namespace forceshade {
-
-struct Shard {
-    std::size_t index = 1, count = 1; /* 1-based: "3/8" */
-};
-
-/// \throws UsageError unless the text is I/N with 1 <= I <= N.
-Shard parse_shard(const std::string& text);
-
-/// The shard that Slurm's array variables name, if they are set. \throws UsageError if they make no sense: a task that
-/// then took the whole study would do the others' work too.
-std::optional<Shard> slurm_shard();
 
 struct SweepOptions {
     std::filesystem::path folder;
@@ -30,8 +21,8 @@ struct SweepOptions {
     bool fresh = false; /* compute every chosen case anew */
     bool quiet = false;
     AlsoFormats also;
-    std::string device;    /* only what this device computed counts as done; empty: any */
-    unsigned encoders = 0; /* threads; 0: one a core */
+    std::optional<compute::DeviceReport> device; /* only what this device computed counts as done; none: any */
+    unsigned encoders = 0;                       /* threads; 0: one a core */
 };
 
 struct SweepResult {

@@ -65,7 +65,8 @@ double output_alone(ReplayEngine& replay, const Study& study, const std::filesys
                 if (next == study.cases.size())
                     return std::unique_ptr<CaseJob>();
                 const Case& one = study.cases[next++];
-                return std::make_unique<CaseJob>(CaseJob{preparation.prepare(one), folder / (one.name + ".exr"), {}});
+                return std::make_unique<CaseJob>(
+                    CaseJob{preparation.prepare(one), folder / (one.name + ".exr"), {}, {}});
             },
             study.cases.size(), {}, [](const CaseOutcome&) {});
     });
