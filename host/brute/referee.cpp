@@ -51,6 +51,16 @@ struct Samples {
     }
 };
 
+// How far the circle of this radius stands above its centre at x.
+Real rise_of_circle(Real radius, Real x) {
+    return std::sqrt((radius - x) * (radius + x));
+}
+
+// The angle from z to the circle's normal at x. An arc sine would lose half of the digits where R is barely above x.
+Real angle_of_circle(Real radius, Real x) {
+    return std::atan2(x, rise_of_circle(radius, x));
+}
+
 std::array<Real, 3> tilted(Real angle) {
     return {std::sin(angle), 0, std::cos(angle)};
 }
@@ -63,8 +73,8 @@ std::array<Real, 3> scaled(Real factor, const std::array<Real, 3>& vector) {
 
 Referee::Referee(const Scene& scene, const SceneImages& images)
     : scene_(scene), images_(images), half_width_(Real(scene.surface.width) / 2), radius_(scene.surface.radius),
-      edge_angle_(std::asin(std::min(Real(1), half_width_ / radius_))),
-      axis_depth_(radius_ * std::sin(std::acos(std::min(Real(1), half_width_ / radius_)))), // exactly 0 for R = a
+      edge_angle_(angle_of_circle(radius_, half_width_)),
+      axis_depth_(rise_of_circle(radius_, half_width_)), // exactly 0 for R = a
       top_(2 * radius_ * std::sin(edge_angle_ / 2) * std::sin(edge_angle_ / 2)) {}
 
 Real Referee::texture_stiffness() const {
@@ -79,7 +89,7 @@ std::array<Real, 2> Referee::gradient(const HeightMapSpec& map, const HeightImag
     case MapFunction::dip:
         if (std::abs(x) >= Real(map.width) / 2)
             return {};
-        return {(map.function == MapFunction::dip ? 1 : -1) * std::tan(std::asin(x / radius)), 0};
+        return {(map.function == MapFunction::dip ? 1 : -1) * x / rise_of_circle(radius, x), 0};
     case MapFunction::sine: {
         const Real wavelength = map.width;
         return {2 * kPi * height / wavelength * std::cos(2 * kPi * std::fmod(x, wavelength) / wavelength), 0};
@@ -108,7 +118,7 @@ Column Referee::column(double x, double y) const {
         column.smooth = {-slope[0] / length, -slope[1] / length, 1 / length};
     }
     if (bump && column.on_bump)
-        column.smooth = tilted(std::asin(column.x / radius_));
+        column.smooth = tilted(angle_of_circle(radius_, column.x));
     if (!bump)
         return column;
     const std::uint32_t facets = scene_.surface.facets;
@@ -116,8 +126,7 @@ Column Referee::column(double x, double y) const {
     const bool by_arc = scene_.surface.facet_spacing == FacetSpacing::equal_arc;
     const auto angle = [&](std::uint32_t i) {
         const Real fraction = (2 * Real(i) - Real(facets)) / Real(facets);
-        return by_arc ? edge_angle_ * fraction
-                      : std::asin(std::clamp(half_width_ / radius_ * fraction, Real(-1), Real(1)));
+        return by_arc ? edge_angle_ * fraction : angle_of_circle(radius_, half_width_ * fraction);
     };
     // Facet i faces halfway between its vertices' angles; heights by the product form of a difference of cosines.
     Real left = angle(0);

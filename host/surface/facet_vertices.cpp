@@ -7,7 +7,8 @@ namespace forceshade {
 
 template <typename T>
 std::vector<T> facet_vertices(std::uint32_t facets, double half_width, double radius, FacetSpacing spacing) {
-    const double edge_angle = std::asin(std::min(1.0, half_width / radius));
+    // An arc sine would lose half of the digits where R is barely above a.
+    const double edge_angle = std::atan2(half_width, std::sqrt((radius - half_width) * (radius + half_width)));
     std::vector<T> vertices(std::size_t(facets) + 1);
     for (std::uint32_t i = 0; 2 * std::uint64_t(i) <= facets; ++i) {
         // How far vertex i lies from the middle towards the right edge, of 1; exact at the middle and at the edge.

@@ -1,4 +1,4 @@
-// Random scenes of moderate conditioning against referees that share nothing with the kernel: the closed forms in
+// Random scenes, moderate and extreme, against referees that share nothing with the kernel: the closed forms in
 // extended precision, and the oracle in double; within the bound derived for each law.
 #include <gtest/gtest.h>
 
@@ -10,10 +10,12 @@ namespace forceshade {
 namespace {
 
 constexpr std::uint64_t kScenes = 100;
+constexpr std::uint32_t kMostFacets = 10000; // the closed forms loop over all of them
 
-class ClosedForm : public ::testing::TestWithParam<Precision> {};
+class ClosedForm : public ::testing::TestWithParam<std::tuple<test::Conditioning, Precision>> {};
 
 TEST_P(ClosedForm, HoldsWithinTheBound) {
+    const auto [conditioning, precision] = GetParam();
     EngineOptions options;
     options.gpu = "llvmpipe";
     options.needs_f64 = true;
@@ -22,8 +24,10 @@ TEST_P(ClosedForm, HoldsWithinTheBound) {
     double largest = 0; // relative error against the closed form
     std::uint64_t voxels = 0, boundary = 0;
     for (std::uint64_t seed = 1; seed <= kScenes; ++seed) {
-        const PreparedCase prepared = test::random_scene(seed, test::Conditioning::moderate);
-        const Comparison comparison = compare_case(*engine, prepared, GetParam());
+        const PreparedCase prepared = test::random_scene(seed, conditioning);
+        if (prepared.one.scene.surface.facets > kMostFacets)
+            continue;
+        const Comparison comparison = compare_case(*engine, prepared, precision);
         EXPECT_TRUE(comparison.passed) << "seed " << seed << ": " << comparison.beyond << " beyond, "
                                        << comparison.oracle.unexplained << " unexplained by the oracle, "
                                        << comparison.closed_form.unexplained << " by the closed form; "
@@ -33,15 +37,24 @@ TEST_P(ClosedForm, HoldsWithinTheBound) {
         boundary += comparison.closed_form.boundary;
         largest = std::max(largest, comparison.relative(comparison.closed_form));
     }
-    EXPECT_EQ(voxels, kScenes * 64 * 16 * 32);
+    EXPECT_GE(voxels, kScenes * 3 / 4 * 64 * 16 * 32);
     // A voxel that falls to the other side of an edge is the exception.
     EXPECT_LT(boundary, voxels / 20);
     RecordProperty("boundary_voxels", std::to_string(boundary));
     fmt::print("{} voxels, {} on boundaries, largest error {:.3g} of the largest force\n", voxels, boundary, largest);
 }
 
-INSTANTIATE_TEST_SUITE_P(Precisions, ClosedForm, ::testing::Values(Precision::f32, Precision::f64),
-                         [](const auto& parameter) { return parameter.param == Precision::f32 ? "f32" : "f64"; });
+std::string name_of(const ::testing::TestParamInfo<ClosedForm::ParamType>& info) {
+    const bool moderate = std::get<0>(info.param) == test::Conditioning::moderate;
+    const bool single = std::get<1>(info.param) == Precision::f32;
+    return std::string(moderate ? "moderate" : "anything") + (single ? "_f32" : "_f64");
+}
+
+INSTANTIATE_TEST_SUITE_P(Scenes, ClosedForm,
+                         ::testing::Combine(::testing::Values(test::Conditioning::moderate,
+                                                              test::Conditioning::anything),
+                                            ::testing::Values(Precision::f32, Precision::f64)),
+                         name_of);
 
 } // namespace
 } // namespace forceshade
