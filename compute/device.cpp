@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "compute/vulkan.h"
+#include "shaders/shared/layout.h"
 
 namespace forceshade::compute {
 namespace {
@@ -45,9 +46,9 @@ std::vector<std::string> find_refusals(const vk::raii::PhysicalDevice& physical,
             fmt::format("its driver speaks Vulkan {}, needed is {}", version_text(api), version_text(kApiVersion)));
     if (!compute_family(physical))
         reasons.push_back("it has no compute queue");
-    if (limits.maxPerStageDescriptorStorageBuffers < 11)
-        reasons.push_back(fmt::format("a kernel may bind {} storage buffers, needed are 11",
-                                      limits.maxPerStageDescriptorStorageBuffers));
+    if (limits.maxPerStageDescriptorStorageBuffers < layout::kBindCount)
+        reasons.push_back(fmt::format("a kernel may bind {} storage buffers, needed are {}",
+                                      limits.maxPerStageDescriptorStorageBuffers, layout::kBindCount));
     return reasons;
 }
 

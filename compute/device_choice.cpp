@@ -28,14 +28,16 @@ std::vector<std::string> refusals(const DeviceReport& device, bool needs_f64) {
     return reasons;
 }
 
-bool is_wanted(const DeviceReport& device, const std::string& wanted) {
+// `count`: how many devices there are; a number beyond them is part of a name ("4090").
+bool is_wanted(const DeviceReport& device, const std::string& wanted, std::size_t count) {
     // A UUID first: one of digits alone would be read as an index.
     if (const std::string digits = uuid_digits(wanted); digits.size() == device.uuid.size())
         if (digits.find_first_not_of("0123456789abcdef") == std::string::npos)
             return device.uuid == digits;
     std::uint32_t index = 0;
     const char* end = wanted.data() + wanted.size();
-    if (const auto [stop, error] = std::from_chars(wanted.data(), end, index); error == std::errc() && stop == end)
+    if (const auto [stop, error] = std::from_chars(wanted.data(), end, index);
+        error == std::errc() && stop == end && index < count)
         return device.index == index;
     return lower(device.name).find(lower(wanted)) != std::string::npos;
 }
@@ -68,7 +70,7 @@ const DeviceReport& choose_device(const std::vector<DeviceReport>& devices, cons
     }
     bool seen = false;
     for (const DeviceReport& device : devices) {
-        if (!is_wanted(device, wanted))
+        if (!is_wanted(device, wanted, devices.size()))
             continue;
         if (usable(device))
             return device;

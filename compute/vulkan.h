@@ -23,6 +23,9 @@ template <typename Call> decltype(auto) checked(const std::string& doing, Call&&
         throw DeviceError(DeviceError::Kind::device_lost,
                           "the device was lost while " + doing +
                               ": its driver was reset or the device removed; run again, or choose another with --gpu");
+    } catch (const vk::LayerNotPresentError&) {
+        throw DeviceError(DeviceError::Kind::unsupported,
+                          "Vulkan's validation layers are not installed: install the package vulkan-validationlayers");
     } catch (const vk::SystemError& error) {
         throw DeviceError(DeviceError::Kind::unsupported, std::string(error.what()) + " while " + doing);
     }

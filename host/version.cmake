@@ -1,15 +1,29 @@
-# Writes version.h when it changes: the release, the commit, and a digest of what is not committed. Run at every build.
-execute_process(COMMAND git -C ${SOURCE} rev-parse --short=12 HEAD OUTPUT_VARIABLE commit OUTPUT_STRIP_TRAILING_WHITESPACE
-                ERROR_QUIET RESULT_VARIABLE no_git)
+# Writes version.h when it changes: the release, the commit, and a digest of the sources where they are not the commit's (or where there
+# is no commit to ask, as in an unpacked archive). Run at every build.
+set(folders CMakeLists.txt compute host shaders device)
+# A checkout that somebody else owns is asked too.
+set(git git -c safe.directory=* -C ${SOURCE})
+execute_process(COMMAND ${git} rev-parse --short=12 HEAD OUTPUT_VARIABLE commit OUTPUT_STRIP_TRAILING_WHITESPACE
+                ERROR_QUIET RESULT_VARIABLE no_commit)
+execute_process(COMMAND ${git} status --porcelain -- ${folders} OUTPUT_VARIABLE changes ERROR_QUIET)
+
 set(text "${RELEASE}")
-if(NOT no_git)
-    execute_process(COMMAND git -C ${SOURCE} diff HEAD -- CMakeLists.txt compute host shaders device OUTPUT_VARIABLE changes ERROR_QUIET)
-    set(text "${RELEASE}+${commit}")
-    if(NOT "${changes}" STREQUAL "")
-        string(SHA256 digest "${changes}")
-        string(SUBSTRING ${digest} 0 8 digest)
-        set(text "${text}.changed-${digest}")
-    endif()
+if(NOT no_commit)
+    set(text "${text}+${commit}")
+endif()
+if(no_commit OR NOT "${changes}" STREQUAL "")
+    list(TRANSFORM folders PREPEND ${SOURCE}/)
+    list(TRANSFORM folders APPEND /* REGEX "/(compute|host|shaders|device)$")
+    file(GLOB_RECURSE sources RELATIVE ${SOURCE} LIST_DIRECTORIES false ${folders})
+    list(SORT sources)
+    set(digests "")
+    foreach(source ${sources})
+        file(SHA256 ${SOURCE}/${source} digest)
+        string(APPEND digests "${source} ${digest}\n")
+    endforeach()
+    string(SHA256 digest "${digests}")
+    string(SUBSTRING ${digest} 0 12 digest)
+    set(text "${text}.sources-${digest}")
 endif()
 set(header "#pragma once\n\n#define FORCESHADE_VERSION \"${text}\"\n")
 if(EXISTS ${OUTPUT})

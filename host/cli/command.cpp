@@ -17,8 +17,7 @@ EngineOptions engine_options(const CommonOptions& common, bool needs_f64) {
     options.gpu = common.gpu;
     options.needs_f64 = needs_f64;
     options.validation = common.validation_layers;
-    if (common.vulkan_cache)
-        options.cache = default_cache_folder();
+    options.cache = default_cache_folder();
     return options;
 }
 

@@ -24,7 +24,6 @@ struct CommonOptions {
     bool json = false;
     bool quiet = false;
     bool validation_layers = false;
-    bool vulkan_cache = true;
 };
 
 /// A command, ready to run: its exit code, or an exception.

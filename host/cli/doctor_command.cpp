@@ -1,3 +1,5 @@
+#include <thread>
+
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -6,6 +8,7 @@
 #include "host/cli/command.h"
 #include "host/error.h"
 #include "host/io/temporary_file.h"
+#include "host/sweep/machine.h"
 #include "host/validate/validate.h"
 #include "host/version.h"
 
@@ -15,6 +18,7 @@ namespace {
 struct Finding {
     bool good;
     std::string what, advice;
+    bool needed = true; // else its absence is worth a word, but no problem
 };
 
 // One try: what works, or what to do.
@@ -59,6 +63,13 @@ std::string try_kernels(const CommonOptions& common, bool validation) {
     return fmt::format("{} voxels on {} agree with the oracle", voxels, engine->report().device);
 }
 
+std::string find_font() {
+    const std::filesystem::path font = "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf";
+    if (!std::filesystem::exists(font))
+        throw std::runtime_error(font.string() + " is not there");
+    return "DejaVu Sans";
+}
+
 std::string try_cache() {
     const std::filesystem::path folder = default_cache_folder();
     if (folder.empty())
@@ -69,17 +80,23 @@ std::string try_cache() {
 }
 
 std::vector<Finding> examine_all(const CommonOptions& common) {
-    const std::string reinstall = "run ./host/run, which installs what is missing";
     std::vector<Finding> findings;
-    findings.push_back({true, "program: forceshade " + version(), {}});
+    findings.push_back({true,
+                        fmt::format("program: forceshade {} on {}, {} cores", version(), cpu_name(),
+                                    std::thread::hardware_concurrency()),
+                        {}});
+    findings.push_back(examine("font of the pictures",
+                               "install the package fonts-dejavu-core; without it --also png uses another font",
+                               find_font));
     findings.push_back(examine("Vulkan devices",
                                "install a driver: package mesa-vulkan-drivers has the software one; ./host/run does it",
                                list_usable_devices));
     findings.push_back(examine("kernels", "try another device (forceshade gpus), or work with --engine cpu",
                                [&] { return try_kernels(common, false); }));
-    findings.push_back(examine("validation layers (for development)",
-                               "install the package vulkan-validationlayers; runs do not need it",
-                               [&] { return try_kernels(common, true); }));
+    findings.push_back(examine(
+        "validation layers", "only development needs them: package vulkan-validationlayers, which ./tests/run installs",
+        [&] { return try_kernels(common, true); }));
+    findings.back().needed = false;
     findings.push_back(examine(
         "compiled kernels are kept in",
         "make the folder writable, or set XDG_CACHE_HOME; without it kernels are compiled at every start", try_cache));
@@ -92,11 +109,16 @@ int run(const CommonOptions& common) {
     std::string text;
     nlohmann::ordered_json json = nlohmann::ordered_json::array();
     for (const Finding& finding : findings) {
-        good = good && finding.good;
-        text += fmt::format("{}  {}\n", finding.good ? "ok     " : "problem", finding.what);
+        good = good && (finding.good || !finding.needed);
+        text += fmt::format("{}  {}\n",
+                            finding.good     ? "ok     "
+                            : finding.needed ? "problem"
+                                             : "absent ",
+                            finding.what);
         if (!finding.good)
             text += fmt::format("         {}\n", finding.advice);
-        json.push_back({{"ok", finding.good}, {"what", finding.what}, {"advice", finding.advice}});
+        json.push_back(
+            {{"ok", finding.good}, {"needed", finding.needed}, {"what", finding.what}, {"advice", finding.advice}});
     }
     print_data(common.json ? json.dump(2) + "\n" : text);
     return good ? 0 : 1;

@@ -5,9 +5,42 @@
 #include "host/error.h"
 #include "host/remark.h"
 #include "host/sweep/case_pipeline.h"
+#include "host/sweep/progress.h"
 
 namespace forceshade {
 namespace {
+
+// An engine whose rows are counted as they pass: a large field takes long.
+class WatchedEngine final : public Engine {
+public:
+    WatchedEngine(Engine& engine, bool quiet) : engine_(engine), quiet_(quiet) {}
+    EngineReport report() const override { return engine_.report(); }
+    EngineTimes evaluate(const layout::FieldInput<float>& input,
+                         const std::function<void(const layout::FieldChunk<float>&)>& consume) override {
+        return watch(input, consume);
+    }
+    EngineTimes evaluate(const layout::FieldInput<double>& input,
+                         const std::function<void(const layout::FieldChunk<double>&)>& consume) override {
+        return watch(input, consume);
+    }
+
+private:
+    template <typename T>
+    EngineTimes watch(const layout::FieldInput<T>& input,
+                      const std::function<void(const layout::FieldChunk<T>&)>& consume) {
+        const bool brief = input.x.size() * input.y.size() * input.z.size() < kWorthWatching;
+        Progress progress("layers", input.z.size(), quiet_ || brief);
+        return engine_.evaluate(input, [&](const layout::FieldChunk<T>& chunk) {
+            consume(chunk);
+            progress.update(chunk.z_first + chunk.z_count, "");
+        });
+    }
+
+    static constexpr std::size_t kWorthWatching = std::size_t(1) << 24; // voxels: some seconds
+
+    Engine& engine_;
+    bool quiet_;
+};
 
 struct FieldArguments {
     std::string scene, out;
@@ -29,8 +62,9 @@ int run(const FieldArguments& arguments, const CommonOptions& common) {
     job.also = parse_also(arguments.also);
     bool given = false;
     CaseOutcome outcome;
+    WatchedEngine watched(*engine, common.quiet);
     run_cases(
-        *engine, [&] { return std::exchange(given, true) ? nullptr : std::make_unique<CaseJob>(job); }, 1, {},
+        watched, [&] { return std::exchange(given, true) ? nullptr : std::make_unique<CaseJob>(job); }, 1, {},
         [&](const CaseOutcome& ended) { outcome = ended; });
     if (outcome.error)
         std::rethrow_exception(outcome.error);

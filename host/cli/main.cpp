@@ -106,7 +106,6 @@ int main(int argc, char** argv) {
     spdlog::set_default_logger(spdlog::stderr_color_mt("forceshade"));
     spdlog::set_pattern("%v");
     catch_interrupts();
-    std::signal(SIGXFSZ, SIG_IGN); // a file size limit is to be an error with a message
     try {
         return parse_and_run(argc, argv);
     } catch (const Error& error) {

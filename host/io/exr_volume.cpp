@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <limits>
 #include <mutex>
 
 #include <ImfChannelList.h>
@@ -16,6 +15,7 @@
 #include "host/io/chunk_rows.h"
 #include "host/io/exr_parts.h"
 #include "host/io/hash.h"
+#include "host/scene/limits.h"
 
 namespace forceshade {
 namespace exr {
@@ -23,9 +23,7 @@ namespace {
 
 constexpr std::array kChannels{layout::kChannelForce, layout::kChannelDepth, layout::kChannelFacet,
                                layout::kChannelProxy, layout::kChannelUnshaded};
-constexpr std::uint64_t kBlockRows = 16;                                     // of ZIP and PXR24; the others have fewer
-constexpr std::uint64_t kMostRows = std::numeric_limits<int>::max() / 2 - 1; // OpenEXR refuses more
-constexpr std::uint64_t kMostBlockBytes = std::numeric_limits<int>::max() / 2;
+constexpr std::uint64_t kBlockRows = 16; // of ZIP and PXR24; the others have fewer
 
 const char* unit_of(std::uint32_t channel) {
     if (channel == layout::kChannelFacet)
@@ -85,10 +83,9 @@ void require_possible(const VolumeHeader& header) {
         throw UsageError(fmt::format("a grid of {} x {} x {} samples has more than the {} rows (y times z) that an EXR "
                                      "holds: make it smaller",
                                      nx, ny, nz, kMostRows));
-    if (nx > kMostBlockBytes / (kBlockRows * 3 * sizeof(float)))
-        throw UsageError(
-            fmt::format("a grid of {} samples along x is wider than the {} that an EXR holds: make it smaller", nx,
-                        kMostBlockBytes / (kBlockRows * 3 * sizeof(float))));
+    if (nx > kMostColumns)
+        throw UsageError(fmt::format(
+            "a grid of {} samples along x is wider than the {} that an EXR holds: make it smaller", nx, kMostColumns));
 }
 
 Imf::Header make_header(const Part& part, const VolumeHeader& volume) {

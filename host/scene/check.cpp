@@ -1,6 +1,7 @@
 #include "host/scene/check.h"
 
 #include "host/error.h"
+#include "host/scene/limits.h"
 
 #include <algorithm>
 #include <array>
@@ -13,7 +14,6 @@ namespace forceshade {
 
 namespace {
 
-constexpr double kLargestRows = 2147483647;     // an EXR's height is a 32-bit integer
 constexpr double kMostVoxels = 281474976710656; // 2^48: byte counts stay far below 2^64
 constexpr std::array<const char*, 3> kAxisNames{"x", "y", "z"};
 
@@ -162,9 +162,12 @@ private:
     void check_grid() {
         const GridSpec& grid = scene_.grid;
         const double rows = static_cast<double>(grid.size[1]) * static_cast<double>(grid.size[2]);
-        if (rows > kLargestRows)
+        if (grid.size[0] > kMostColumns)
+            fail(source_, place({"grid.size"}, 0),
+                 fmt::format("size has {} samples along x; an EXR holds up to {}", grid.size[0], kMostColumns));
+        if (rows > static_cast<double>(kMostRows))
             fail(source_, place({"grid.size"}, 1),
-                 fmt::format("size has {:.0f} rows, y times z; an EXR holds up to {:.0f}", rows, kLargestRows));
+                 fmt::format("size has {:.0f} rows, y times z; an EXR holds up to {}", rows, kMostRows));
         const double voxels = rows * static_cast<double>(grid.size[0]);
         if (voxels > kMostVoxels)
             fail(source_, place({"grid.size"}),

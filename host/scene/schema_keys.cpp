@@ -1,5 +1,6 @@
 #include "host/scene/schema_keys.h"
 
+#include "host/scene/limits.h"
 #include "host/scene/scene.h"
 #include "host/scene/value.h"
 #include "shaders/shared/layout.h"
@@ -247,13 +248,13 @@ void add_grid(std::vector<Key>& keys) {
                     .name = "size",
                     .kind = ValueKind::integer,
                     .default_text = "[256, 64, 128]",
-                    .doc = "voxels along x, y and z; an EXR holds up to 2147483647 along x and in all rows, y times z",
+                    .doc = "voxels along x, y and z; an EXR holds up to 5592405 along x and 1073741822 rows, y times z",
                     .set =
                         [](Scene& s, const Value& v) {
                             for (std::size_t i = 0; i < 3; ++i)
                                 s.grid.size[i] = v.integers.at(i);
                         },
-                    .largest = 2147483647,
+                    .largest = kMostRows,
                     .count = 3});
     keys.push_back({.table = "grid",
                     .name = "origin",

@@ -62,7 +62,7 @@ TEST_F(CommandLine, helps) {
 TEST_F(CommandLine, tells_release_and_commit) {
     const Outcome outcome = expect_success({"--version"});
     EXPECT_TRUE(std::regex_match(
-        outcome.out, std::regex("forceshade \\d+\\.\\d+\\.\\d+(\\+[0-9a-f]{12}(\\.changed-[0-9a-f]{8})?)?\n")))
+        outcome.out, std::regex("forceshade \\d+\\.\\d+\\.\\d+(\\+[0-9a-f]{12})?(\\.sources-[0-9a-f]{12})?\n")))
         << outcome.out;
 }
 

@@ -59,11 +59,13 @@ TEST(Check, ShadingFitsTheSurface) {
 TEST(Check, GridLimits) {
     EXPECT_EQ(study_error("[grid]\nsize = [1, 1, 1]\n"), "(no error)");
     EXPECT_EQ(study_error("[grid]\nsize = [1, 65536, 32768]\n"),
-              "f.toml:2:12: size has 2147483648 rows, y times z; an EXR holds up to 2147483647");
+              "f.toml:2:12: size has 2147483648 rows, y times z; an EXR holds up to 1073741822");
     EXPECT_EQ(study_error("[grid]\nsize = [2147483648, 1, 1]\n"),
-              "f.toml:2:9: size must be from 1 to 2147483647, got 2147483648");
-    EXPECT_EQ(study_error("[grid]\nsize = [2147483647, 2147483647, 1]\nspacing = \"1 m\"\n"),
-              "f.toml:2:9: size has 4611686014132420608 voxels; the limit is 281474976710656, 2^48");
+              "f.toml:2:9: size must be from 1 to 1073741822, got 2147483648");
+    EXPECT_EQ(study_error("[grid]\nsize = [5592406, 1, 1]\n"),
+              "f.toml:2:9: size has 5592406 samples along x; an EXR holds up to 5592405");
+    EXPECT_EQ(study_error("[grid]\nsize = [5592405, 32768, 32767]\nspacing = \"1 um\"\n"),
+              "f.toml:2:9: size has 6004615893319680 voxels; the limit is 281474976710656, 2^48");
     EXPECT_EQ(study_error("[grid]\norigin = [\"0 m\", \"1e16 m\", \"0 m\"]\n"),
               "f.toml:2:18: the grid reaches 1e+16 m along y; f32 allows 1e+15 m");
     EXPECT_NE(study_error("[grid]\nspacing = \"1e308 m\"\n"), "(no error)");

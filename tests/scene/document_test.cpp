@@ -52,7 +52,7 @@ TEST(Document, IntegersAndChoices) {
               "f.toml:2:10: facets is a whole number without quotes; got 2.5");
     EXPECT_EQ(study_error("[surface]\nfacets = \"3\"\n"),
               "f.toml:2:10: facets is a whole number without quotes; got \"3\"");
-    EXPECT_EQ(study_error("[grid]\nsize = [0, 1, 1]\n"), "f.toml:2:9: size must be from 1 to 2147483647, got 0");
+    EXPECT_EQ(study_error("[grid]\nsize = [0, 1, 1]\n"), "f.toml:2:9: size must be from 1 to 1073741822, got 0");
     EXPECT_NE(study_error("[grid]\nsize = [18446744073709551616, 1, 1]\n").find("is not representable in 64 bits"),
               std::string::npos);
     EXPECT_EQ(

@@ -37,7 +37,7 @@ inline const std::vector<RandomKey>& random_keys() {
         {"texture.height", {"\"0 m\"", "\"-1 mm\""}},
         {"texture.width", {"\"1 mm\"", "\"2 um\""}},
         {"texture.radius", {"\"1 mm\"", "\"1 km\""}},
-        {"grid.size", {"[1, 1, 1]", "[64, 16, 32]", "[2147483647, 1, 1]"}},
+        {"grid.size", {"[1, 1, 1]", "[64, 16, 32]", "[5592405, 1, 1]"}},
         {"grid.origin", {"[\"0 m\", \"0 m\", \"0 m\"]", "[\"1 km\", \"-1 km\", \"5 mil\"]"}},
         {"grid.spacing",
          {"\"1 nm\"", "[\"1 mm\", \"1 mm\", \"1 mm\"]", "[\"1 mm\"]", "[\"1 mm\", \"2 mm\", \"3 mm\"]"}},

@@ -1,0 +1,13 @@
+// How large a grid may be: what an EXR image can hold.
+#pragma once
+
+#include <cstdint>
+
+namespace forceshade {
+
+/// Most samples along x: OpenEXR holds a block of 16 rows of three floats in half of 2^31 bytes.
+inline constexpr std::uint64_t kMostColumns = (2147483647u / 2) / (16 * 3 * sizeof(float));
+/// Most rows, y times z: OpenEXR refuses images that are higher.
+inline constexpr std::uint64_t kMostRows = 2147483647u / 2 - 1;
+
+} // namespace forceshade
