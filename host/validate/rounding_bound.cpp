@@ -9,7 +9,8 @@ namespace forceshade {
 namespace {
 
 constexpr double kRoundings = 64;
-constexpr double kOpposite = 2; // how far two unit vectors can be apart
+constexpr double kOpposite = 2;     // how far two unit vectors can be apart
+constexpr double kNothing = 1e-300; /* m: no divisor is less */
 
 // Where the errors of a voxel come from.
 struct Errors {
@@ -69,12 +70,40 @@ Errors cylinder_errors(const Place& at) {
     const double power = params.half_width * params.half_width + at.x * at.x +
                          std::abs(at.z) * (std::abs(at.z) + 2 * params.centre_depth);
     Errors errors;
-    errors.depth =
-        at.unit * (std::abs(at.z) + at.contact.depth + power / both) + at.tiny * (1 + 1 / both);
+    errors.depth = at.unit * (std::abs(at.z) + at.contact.depth + power / both) + at.tiny * (1 + 1 / both);
     errors.normal = errors.direction = radial_error(at);
     errors.lever = at.contact.depth + std::max(0.0, -at.z);
-    errors.proxy =
-        errors.depth + at.contact.depth * errors.direction + at.unit * (std::abs(at.x) + std::abs(at.z));
+    errors.proxy = errors.depth + at.contact.depth * errors.direction + at.unit * (std::abs(at.x) + std::abs(at.z));
+    return errors;
+}
+
+// How far the circle's rise at a vertex is off because R and the vertex are rounded, m: much where R is barely above
+// it.
+double rise_error(const Place& at, double rise) {
+    const double radius = at.law.params.radius, roundoff = at.unit / kRoundings;
+    return std::min(2 * radius * std::sqrt(roundoff), 4 * roundoff * radius * radius / rise);
+}
+
+// What a facet's slope, relative to itself, and its height in m lose to rises that are off.
+struct Facing {
+    double slope = 0, height = 0;
+};
+
+Facing facing_errors(const Place& at, double slope) {
+    const layout::LawParams<double>& params = at.law.params;
+    const double left = at.law.facet_vertices[at.column.facet.id],
+                 right = at.law.facet_vertices[at.column.facet.id + 1];
+    const double rise_left = reference::circle_rise(params.radius, left);
+    const double rise_right = reference::circle_rise(params.radius, right);
+    const double off_left = rise_error(at, rise_left);
+    Facing errors;
+    errors.slope = (off_left + rise_error(at, rise_right)) / std::max(rise_left + rise_right, kNothing);
+    errors.height = slope * (right - left) * errors.slope;
+    if (left > -params.half_width) {
+        const double height = reference::cylinder_height(params.half_width, params.radius, params.centre_depth, left);
+        const double square = 4 * at.unit / kRoundings * params.half_width * params.half_width;
+        errors.height += (height * off_left + square) / std::max(rise_left + params.centre_depth, kNothing);
+    }
     return errors;
 }
 
@@ -85,11 +114,14 @@ Errors facet_errors(const Place& at) {
     Errors errors;
     errors.depth = at.unit * (std::abs(at.z) + at.contact.depth) + at.tiny;
     const double slope = std::abs(facet.normal_x / facet.normal_z);
-    if (params.facets > 1 && facet.id < params.facets)
-        errors.depth += at.unit * (2 * slope * params.half_width +
-                                   reference::cylinder_height(params.half_width, params.radius,
-                                                              params.centre_depth, 0.0));
-    errors.normal = std::min(at.unit * (1 + slope) + at.tiny, kOpposite);
+    errors.normal = at.unit * (1 + slope) + at.tiny;
+    if (params.facets > 1 && facet.id < params.facets) {
+        const Facing facing = facing_errors(at, slope);
+        const double top = reference::cylinder_height(params.half_width, params.radius, params.centre_depth, 0.0);
+        errors.depth += at.unit * (2 * slope * params.half_width + top) + facing.height;
+        errors.normal += slope * facing.slope / (1 + slope * slope);
+    }
+    errors.normal = std::min(errors.normal, kOpposite);
     errors.proxy = errors.depth;
     if (features.depth == layout::kDepthNormal) {
         errors.depth += at.contact.depth * errors.normal;
@@ -122,6 +154,16 @@ Errors map_errors(const Place& at, double most) {
 
 } // namespace
 
+Bound operator+(const Bound& a, const Bound& b) {
+    return {a.force + b.force, a.magnitude + b.magnitude, a.unshaded + b.unshaded, a.depth + b.depth,
+            a.proxy + b.proxy};
+}
+
+Bound operator*(double factor, const Bound& bound) {
+    return {factor * bound.force, factor * bound.magnitude, factor * bound.unshaded, factor * bound.depth,
+            factor * bound.proxy};
+}
+
 RoundingBound::RoundingBound(const PreparedCase& prepared, Precision precision)
     : scene_(prepared.one.scene), tables_(make_tables<double>(scene_, prepared.images, Extent::what_varies)),
       unit_(kRoundings * (precision == Precision::f32 ? 0x1p-24 : 0x1p-53)),
@@ -136,9 +178,9 @@ Bound RoundingBound::at(double x, double y, double z) const {
     const reference::Contact<double> contact = reference::contact_at(law, column, z);
     const Place place{law, column, contact, x, y, z, unit_, tiny_};
     const bool superposed = law.features.surface == layout::kSurfaceCylinderBump;
-    const Errors errors = superposed                                             ? cylinder_errors(place)
+    const Errors errors = superposed                                     ? cylinder_errors(place)
                           : law.features.surface == layout::kSurfaceBump ? facet_errors(place)
-                                                                                 : map_errors(place, steepest_map_);
+                                                                         : map_errors(place, steepest_map_);
     const auto product = [&](double direction) {
         return params.stiffness * (errors.depth + errors.lever * direction) + tiny_;
     };
@@ -146,15 +188,22 @@ Bound RoundingBound::at(double x, double y, double z) const {
     if (law.features.texture != layout::kMapNone) {
         const double slope = std::hypot(column.texture.x, column.texture.y);
         const double off = gradient_error(law.features.texture, params.texture, steepest_texture_, slope, place);
-        const double texture = std::abs(params.texture_stiffness) *
-                                   (errors.depth * slope + contact.depth * (unit_ * slope + off)) +
-                               tiny_ * (1 + slope);
+        const double texture =
+            std::abs(params.texture_stiffness) * (errors.depth * slope + contact.depth * (unit_ * slope + off)) +
+            tiny_ * (1 + slope);
         bound.force += texture;
         bound.unshaded += texture;
     }
     if (superposed || law.features.texture != layout::kMapNone)
         bound.magnitude = bound.force;
     return bound;
+}
+
+Bound RoundingBound::over(double distance) const {
+    const layout::LawParams<double>& params = tables_.params;
+    // Two solids, and a texture on top.
+    const double force = (2 * params.stiffness + std::abs(params.texture_stiffness) * steepest_texture_) * distance;
+    return {force, force, force, distance, distance};
 }
 
 } // namespace forceshade

@@ -1,36 +1,21 @@
 #include "host/validate/validate.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <cstring>
 #include <limits>
-#include <mutex>
-#include <optional>
 #include <thread>
 
 #include <fmt/format.h>
 
-#include "host/brute/referee.h"
 #include "host/interrupt.h"
 #include "host/norm.h"
-#include "host/reference/contact.h"
-#include "host/validate/force_bound.h"
+#include "host/validate/excuse.h"
 #include "host/validate/held_scene.h"
 #include "host/validate/ulp.h"
 
 namespace forceshade {
 namespace {
-
-using Force = std::array<double, 3>;
-
-double distance(const Force& a, const Force& b) {
-    return norm(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
-}
-
-template <typename T> Force to_force(const reference::Vector<T>& vector) {
-    return {double(vector.x), double(vector.y), double(vector.z)};
-}
 
 // Everything one case is compared with, and the tables that it takes.
 template <typename T> class Judge {
@@ -41,7 +26,8 @@ public:
           referee_(prepared.one.scene, prepared.images), held_(held_scene<T>(prepared.one.scene)),
           held_tables_(make_tables<double>(held_, prepared.images, Extent::what_varies)),
           held_referee_(held_, prepared.images),
-          bound_(prepared, static_cast<double>(std::numeric_limits<T>::epsilon()) / 2), exact_bits_(exact_bits) {}
+          bound_(prepared, std::is_same_v<T, float> ? Precision::f32 : Precision::f64), exact_bits_(exact_bits),
+          channels_(tables_.features.channels) {}
 
     const FieldTables<T>& tables() const { return tables_; }
 
@@ -83,88 +69,82 @@ private:
 
     void compare_voxel(const layout::FieldChunk<T>& chunk, std::size_t sample, Voxel at, Comparison& partial) const {
         const T x = tables_.x[at.x], y = tables_.y[at.y], z = tables_.z[at.z];
-        const T* const computed = &chunk.force[3 * sample];
-        const Force force{double(computed[0]), double(computed[1]), double(computed[2])};
         const reference::Contact<T> alike = reference::evaluate(tables_.law(), {x, y, z});
+        const Reading computed = reading_of(chunk, sample);
         ++partial.voxels;
         if (!same_bits(chunk, sample, alike)) {
             ++partial.differing;
             const T expected[3] = {alike.force.x, alike.force.y, alike.force.z};
-            for (int i = 0; i < 3; ++i)
-                partial.largest_ulp = std::max(partial.largest_ulp, ulp_distance(computed[i], expected[i]));
-            const double off = distance(force, to_force(alike.force));
-            if (exact_bits_ || !(off <= 2 * bound_.at(x, y, z))) {
-                ++partial.beyond;
-                note(partial, at, force, to_force(alike.force), "the oracle in the same precision");
-            }
+            for (std::size_t i = 0; i < 3; ++i)
+                partial.largest_ulp =
+                    std::max(partial.largest_ulp, ulp_distance(chunk.force[3 * sample + i], expected[i]));
+            compare_with_alike(computed, reading_of(alike), at, partial);
         }
-        compare_with_oracle(force, at, partial);
-        compare_with_closed_form(force, at, partial);
+        compare_with_oracle(computed, at, partial);
+        compare_with_closed_form(computed, at, partial);
     }
 
-    void compare_with_oracle(const Force& force, Voxel at, Comparison& partial) const {
-        const auto of = [](const FieldTables<double>& tables) {
-            return [&tables](double x, double y, double z) {
-                return to_force(reference::evaluate(tables.law(), {x, y, z}).force);
-            };
-        };
-        const Force truth = of(exact_)(exact_.x[at.x], exact_.y[at.y], exact_.z[at.z]);
-        judge(force, at, truth, of(exact_), of(held_tables_), partial, partial.oracle,
+    // Both sides round. Where the bits must be the oracle's, nothing else is said of them.
+    void compare_with_alike(const Reading& computed, const Reading& alike, Voxel at, Comparison& partial) const {
+        const Triple probe = probe_at(at);
+        const Bound allowed = exact_bits_ ? Bound{} : 2 * bound_.at(probe[0], probe[1], probe[2]);
+        const layout::uint misfit = first_misfit(computed, alike, allowed, channels_);
+        if (!exact_bits_ && !misfit)
+            return;
+        if (!exact_bits_ && is_on_edge<T>(computed, probe, OracleReferee<T>{tables_.law()}, bound_, 2, channels_)) {
+            ++partial.boundary;
+            return;
+        }
+        ++partial.beyond;
+        note(partial, at, computed, alike, misfit, "the oracle in the same precision");
+    }
+
+    void compare_with_oracle(const Reading& computed, Voxel at, Comparison& partial) const {
+        const OracleReferee<double> exact{exact_.law()}, held{held_tables_.law()};
+        const auto column = exact.column(exact_.x[at.x], exact_.y[at.y]);
+        judge(computed, at, exact.at(column, exact_.z[at.z]), exact, held, partial, partial.oracle,
               "the oracle in double precision");
     }
 
-    void compare_with_closed_form(const Force& force, Voxel at, Comparison& partial) const {
-        const auto to_double = [](const brute::Answer& answer) {
-            return Force{double(answer.force[0]), double(answer.force[1]), double(answer.force[2])};
-        };
-        const auto of = [&](const brute::Referee& referee) {
-            return [&](double x, double y, double z) { return to_double(referee.at(referee.column(x, y), z)); };
-        };
+    void compare_with_closed_form(const Reading& computed, Voxel at, Comparison& partial) const {
+        const ClosedFormReferee exact{referee_}, held{held_referee_};
         const brute::Column& column = columns_[(alike_ ? 0 : at.y - columns_y_) * exact_.x.size() + at.x];
-        const Force truth = to_double(referee_.at(column, exact_.z[at.z]));
-        partial.largest_force = std::max(partial.largest_force, norm(truth[0], truth[1], truth[2]));
-        judge(force, at, truth, of(referee_), of(held_referee_), partial, partial.closed_form, "the closed form");
+        const Reading truth = exact.at(column, exact_.z[at.z]);
+        partial.largest_force = std::max(partial.largest_force, norm(truth.force[0], truth.force[1], truth.force[2]));
+        judge(computed, at, truth, exact, held, partial, partial.closed_form, "the closed form");
     }
 
-    // A force beyond the bound is excused only if the referee gives it within a few ULP of the voxel, for the scene as
-    // T holds it.
-    template <typename Exact, typename Held>
-    void judge(const Force& force, Voxel at, const Force& truth, const Exact& exact, const Held& held,
+    // A voxel beyond the bound is excused only if the referee gives it within a few ULP, for the scene as T holds it.
+    template <typename Referee>
+    void judge(const Reading& computed, Voxel at, const Reading& truth, const Referee& exact, const Referee& held,
                Comparison& partial, Distance& result, const char* who) const {
-        const double off = distance(force, truth);
+        const double off = force_error(computed, truth);
         if (off > result.largest || std::isnan(off))
             result.largest = off;
-        const double x = tables_.x[at.x], y = tables_.y[at.y], z = tables_.z[at.z];
-        const double allowed = bound_.at(x, y, z);
+        const Triple probe = probe_at(at);
+        const auto [x, y, z] = probe;
+        const Bound allowed = bound_.at(x, y, z);
+        const layout::uint misfit = first_misfit(computed, truth, allowed, channels_);
         // The error counts against the true position; the bound holds at the position that was rounded to T.
-        if (off <= allowed || distance(force, exact(x, y, z)) <= allowed)
+        if (!misfit || !first_misfit(computed, exact.at(exact.column(x, y), z), allowed, channels_))
             return;
-        for (const int steps_x : {0, -1, 1, -2, 2, -4, 4})
-            for (const int steps_y : {0, -2, 2})
-                for (const int steps_z : {0, -2, 2}) {
-                    const double near_x = stepped(tables_.x[at.x], steps_x), near_y = stepped(tables_.y[at.y], steps_y),
-                                 near_z = stepped(tables_.z[at.z], steps_z);
-                    if (distance(force, held(near_x, near_y, near_z)) <= allowed + bound_.at(near_x, near_y, near_z)) {
-                        ++result.boundary;
-                        return;
-                    }
-                }
+        if (is_on_edge<T>(computed, probe, held, bound_, 1, channels_)) {
+            ++result.boundary;
+            return;
+        }
         ++result.unexplained;
-        note(partial, at, force, truth, who);
+        note(partial, at, computed, truth, misfit, who);
     }
 
-    static double stepped(T value, int steps) {
-        const T towards = steps < 0 ? -std::numeric_limits<T>::infinity() : std::numeric_limits<T>::infinity();
-        for (int i = 0; i < std::abs(steps); ++i)
-            value = std::nextafter(value, towards);
-        return static_cast<double>(value);
+    Triple probe_at(Voxel at) const {
+        return {double(tables_.x[at.x]), double(tables_.y[at.y]), double(tables_.z[at.z])};
     }
 
-    static void note(Comparison& partial, Voxel at, const Force& force, const Force& expected, const char* who) {
+    static void note(Comparison& partial, Voxel at, const Reading& computed, const Reading& expected,
+                     layout::uint channel, const char* who) {
         if (partial.first_difference.empty())
-            partial.first_difference =
-                fmt::format("voxel ({}, {}, {}): ({}, {}, {}) N, {} says ({}, {}, {}) N", at.x, at.y, at.z, force[0],
-                            force[1], force[2], who, expected[0], expected[1], expected[2]);
+            partial.first_difference = fmt::format("voxel ({}, {}, {}): {}, {} says {}", at.x, at.y, at.z,
+                                                   describe(computed, channel), who, describe(expected, channel));
     }
 
     FieldTables<T> tables_;
@@ -173,8 +153,9 @@ private:
     Scene held_;
     FieldTables<double> held_tables_;
     brute::Referee held_referee_;
-    ForceBound bound_;
+    RoundingBound bound_;
     bool exact_bits_;
+    layout::uint channels_;
     std::vector<brute::Column> columns_;
     std::size_t columns_y_ = 0;
     bool alike_ = false;
@@ -190,6 +171,7 @@ void merge(Comparison& into, const Comparison& from) {
     into.voxels += from.voxels;
     into.differing += from.differing;
     into.beyond += from.beyond;
+    into.boundary += from.boundary;
     into.largest_ulp = std::max(into.largest_ulp, from.largest_ulp);
     into.largest_force = std::max(into.largest_force, from.largest_force);
     merge(into.oracle, from.oracle);

@@ -13,8 +13,8 @@ namespace forceshade {
 /// How far a field is from one referee.
 struct Distance {
     double largest = 0;            /* N: largest |F - F_referee| */
-    std::uint64_t boundary = 0;    /* voxels beyond the bound, but equal to the referee a few ULP away: they fell to the
-                                      other side of a facet's edge */
+    std::uint64_t boundary = 0;    /* voxels with a channel beyond the bound, but equal to the referee a few ULP away:
+                                      they fell to the other side of an edge */
     std::uint64_t unexplained = 0; /* voxels beyond the bound without that excuse */
 };
 
@@ -26,9 +26,10 @@ struct Comparison {
         0; /* voxels any of whose channels differs in a bit from the oracle in the same precision */
     std::uint64_t largest_ulp =
         0;                    /* largest distance of a force component from that oracle's, in units in the last place */
-    std::uint64_t beyond = 0; /* voxels whose force is further from that oracle than rounding allows (no software device
-                                 may differ at all) */
-    Distance oracle;          /* from reference<double>; for a run in double that is the same oracle */
+    std::uint64_t beyond = 0; /* voxels any of whose channels is further from that oracle than rounding allows (no
+                                 software device may differ at all) */
+    std::uint64_t boundary = 0; /* voxels that would be, but lie on an edge of that oracle */
+    Distance oracle;            /* from reference<double>; for a run in double that is the same oracle */
     Distance closed_form;
     double largest_force = 0; /* N, of the closed form */
     bool passed = false;

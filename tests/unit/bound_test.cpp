@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "host/norm.h"
-#include "host/validate/force_bound.h"
+#include "host/validate/rounding_bound.h"
 #include "tests/unit/laws.h"
 
 namespace forceshade::test {
@@ -16,7 +16,7 @@ namespace {
 double largest_share(const Scene& scene) {
     PreparedCase prepared;
     prepared.one.scene = scene;
-    const ForceBound bound(prepared, std::ldexp(1.0, -24));
+    const RoundingBound bound(prepared, Precision::f32);
     const OwnedLaw<float> single(scene);
     const OwnedLaw<double> exact(scene);
     std::mt19937_64 random(3);
@@ -31,12 +31,12 @@ double largest_share(const Scene& scene) {
         if (single(x, 0, z).facet != truth.facet)
             continue; // on a boundary, which validation accounts for
         share = std::max(share, norm(rounded.x - truth.force.x, rounded.y - truth.force.y, rounded.z - truth.force.z) /
-                                    bound.at(x, 0, z));
+                                    bound.at(x, 0, z).force);
     }
     return share;
 }
 
-TEST(ForceBound, HoldsAndIsWithinTwoOrdersOfTheTruth) {
+TEST(RoundingBound, HoldsAndIsWithinTwoOrdersOfTheTruth) {
     for (const double radius : {1.0001 * kHalfWidth, kRadii[0], kRadii[2], 1e6 * kHalfWidth}) {
         for (const std::uint32_t facets : {1u, 2u, 3u, 32u})
             for (const Shading shading : {Shading::none, Shading::reference}) {
