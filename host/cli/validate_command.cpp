@@ -1,10 +1,9 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
-#include <fnmatch.h>
 
 #include "host/cli/command.h"
-#include "host/error.h"
 #include "host/remark.h"
+#include "host/scene/case_filter.h"
 #include "host/sweep/progress.h"
 #include "host/validate/validate.h"
 
@@ -30,12 +29,7 @@ std::vector<Precision> precisions(const CommonOptions& common, const EngineRepor
 
 int run(const ValidateArguments& arguments, const CommonOptions& common) {
     const Study study = load_study(arguments.study, common);
-    std::vector<const Case*> cases;
-    for (const Case& one : study.cases)
-        if (fnmatch(arguments.only.c_str(), one.name.c_str(), 0) == 0)
-            cases.push_back(&one);
-    if (cases.empty())
-        throw UsageError(fmt::format("--only \"{}\" chooses none of {} cases", arguments.only, study.cases.size()));
+    const std::vector<const Case*> cases = cases_named(study, arguments.only);
     const auto engine = make_engine(engine_options(common, common.precision == "f64"));
     const std::vector<Precision> wanted = precisions(common, engine->report());
     CasePreparation preparation;

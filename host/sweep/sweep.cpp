@@ -5,13 +5,13 @@
 #include <set>
 
 #include <fmt/format.h>
-#include <fnmatch.h>
 
 #include "host/error.h"
 #include "host/interrupt.h"
 #include "host/io/exr_volume.h"
 #include "host/io/hash.h"
 #include "host/io/temporary_file.h"
+#include "host/scene/case_filter.h"
 #include "host/sweep/case_pipeline.h"
 #include "host/sweep/machine.h"
 #include "host/sweep/progress.h"
@@ -64,13 +64,7 @@ void forget(const std::filesystem::path& folder, const Case& one, AlsoFormats al
 }
 
 std::vector<const Case*> choose(const Study& study, const SweepOptions& options) {
-    std::vector<const Case*> chosen;
-    for (const Case& one : study.cases)
-        if (fnmatch(options.only.c_str(), one.name.c_str(), 0) == 0)
-            chosen.push_back(&one);
-    if (chosen.empty())
-        throw UsageError(fmt::format("--only \"{}\" chooses none of {} cases; the first is {}", options.only,
-                                     study.cases.size(), study.cases.empty() ? "" : study.cases.front().name));
+    std::vector<const Case*> chosen = cases_named(study, options.only);
     if (const auto shard = options.shard) {
         std::vector<const Case*> part;
         for (std::size_t i = shard->index - 1; i < chosen.size(); i += shard->count)
