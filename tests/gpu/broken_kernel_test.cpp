@@ -91,7 +91,7 @@ INSTANTIATE_TEST_SUITE_P(Breaks, BrokenKernel,
                          ::testing::Combine(::testing::Values(Broken{"sign", Break::sign, facets, true},
                                                               Broken{"component", Break::component, cylinder, true},
                                                               Broken{"edge", Break::edge, facets, false},
-                                                              Broken{"channel", Break::channel, facets, false},
+                                                              Broken{"channel", Break::channel, facets, true},
                                                               Broken{"imprecise", Break::imprecise, gaussian, false}),
                                             ::testing::Values(Precision::f32, Precision::f64)),
                          [](const auto& parameter) {
