@@ -69,7 +69,8 @@ template <typename T> layout::MapParams<T> map_params(const HeightMapSpec& map, 
 template <typename T> std::vector<T> gradients(const HeightMapSpec& map, const HeightImage* image) {
     if (map.function != MapFunction::file)
         return {};
-    return map_gradients<T>(image->samples, image->columns, image->rows, map.size[0], map.size[1], map.height);
+    return map_gradients<T>(image->samples, image->columns, image->rows, map.size[0], map.size[1], map.height,
+                            map.file);
 }
 
 template <typename T> std::vector<T> axis(const GridSpec& grid, std::size_t which, bool whole) {

@@ -33,7 +33,7 @@ enum class Extent {
     everything,
 };
 
-/// \throws UsageError if a value leaves the range of T.
+/// \throws UsageError if a value leaves the range of T, or an image rises too steeply for it.
 template <typename T> FieldTables<T> make_tables(const Scene& scene, const SceneImages& images, Extent extent);
 
 /// What a scene switches on (layout::Features).
