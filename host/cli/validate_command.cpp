@@ -42,22 +42,15 @@ int run(const ValidateArguments& arguments, const CommonOptions& common) {
             progress.update(comparisons.size(), one->name);
         }
     }
+    const Totals totals = totals_of(comparisons);
     if (common.json)
         print_data(comparison_json(comparisons, engine->report()) + "\n");
     else
-        print_data(comparison_table(comparisons));
-    std::uint64_t voxels = 0, differing = 0;
-    bool passed = true;
-    for (const Comparison& one : comparisons) {
-        voxels += one.voxels;
-        differing += one.differing;
-        passed = passed && one.passed;
-    }
-    if (!common.json)
-        print_data(fmt::format("{} voxels, {} differ\n", voxels, differing));
-    if (!passed && !common.quiet)
+        print_data(comparison_table(comparisons) +
+                   fmt::format("{} voxels, {} differ\n", totals.voxels, totals.differing));
+    if (!totals.passed && !common.quiet)
         remark("a bound was exceeded on {}\n", engine->report().device);
-    return passed ? 0 : 1;
+    return totals.passed ? 0 : 1;
 }
 
 } // namespace

@@ -12,6 +12,8 @@
 namespace forceshade {
 namespace {
 
+constexpr std::size_t kWaitingCases = 4;
+
 // A case between engine and encoder.
 struct Transfer {
     Transfer(std::unique_ptr<CaseJob> from, ChunkBudget& budget) : job(std::move(from)), chunks(budget) {}
@@ -35,8 +37,10 @@ public:
     }
     ~Encoders() { finish(); }
 
+    // Waits while too many cases do: their chunks may be small, but each holds its images.
     void add(std::shared_ptr<Transfer> transfer) {
-        const std::lock_guard lock(mutex_);
+        std::unique_lock lock(mutex_);
+        changed_.wait(lock, [&] { return waiting_.size() < kWaitingCases; });
         waiting_.push_back(std::move(transfer));
         changed_.notify_all();
     }
@@ -65,6 +69,7 @@ private:
             return nullptr;
         std::shared_ptr<Transfer> transfer = std::move(waiting_.front());
         waiting_.pop_front();
+        changed_.notify_all();
         return transfer;
     }
 

@@ -19,6 +19,16 @@ nlohmann::ordered_json to_json(const Comparison& one, const Distance& distance) 
 
 } // namespace
 
+Totals totals_of(const std::vector<Comparison>& comparisons) {
+    Totals totals;
+    for (const Comparison& one : comparisons) {
+        totals.voxels += one.voxels;
+        totals.differing += one.differing;
+        totals.passed = totals.passed && one.passed;
+    }
+    return totals;
+}
+
 std::string comparison_table(const std::vector<Comparison>& comparisons) {
     std::size_t width = 4;
     for (const Comparison& one : comparisons)
@@ -44,12 +54,7 @@ std::string comparison_json(const std::vector<Comparison>& comparisons, const En
                       {"driver", engine.driver},
                       {"software", engine.software}};
     json["cases"] = nlohmann::ordered_json::array();
-    std::uint64_t voxels = 0, differing = 0;
-    bool passed = true;
-    for (const Comparison& one : comparisons) {
-        voxels += one.voxels;
-        differing += one.differing;
-        passed = passed && one.passed;
+    for (const Comparison& one : comparisons)
         json["cases"].push_back({{"case", one.name},
                                  {"precision", precision_name(one.precision)},
                                  {"voxels", one.voxels},
@@ -62,10 +67,10 @@ std::string comparison_json(const std::vector<Comparison>& comparisons, const En
                                  {"closed_form", to_json(one, one.closed_form)},
                                  {"passed", one.passed},
                                  {"first_difference", one.first_difference}});
-    }
-    json["voxels"] = voxels;
-    json["differing"] = differing;
-    json["passed"] = passed;
+    const Totals totals = totals_of(comparisons);
+    json["voxels"] = totals.voxels;
+    json["differing"] = totals.differing;
+    json["passed"] = totals.passed;
     return json.dump(2);
 }
 

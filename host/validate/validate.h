@@ -41,6 +41,12 @@ struct Comparison {
 /// Evaluates every voxel (nothing that could be repeated is) and compares. \throws compute::DeviceError, Interrupted.
 Comparison compare_case(Engine& engine, const PreparedCase& prepared, Precision precision);
 
+struct Totals {
+    std::uint64_t voxels = 0, differing = 0;
+    bool passed = true;
+};
+Totals totals_of(const std::vector<Comparison>& comparisons);
+
 /// The comparisons as a table for people.
 std::string comparison_table(const std::vector<Comparison>& comparisons);
 
