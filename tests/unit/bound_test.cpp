@@ -49,5 +49,26 @@ TEST(RoundingBound, HoldsAndIsWithinTwoOrdersOfTheTruth) {
     }
 }
 
+// Rounding R moves the circle's rise near the edge by far more than an ULP.
+TEST(RoundingBound, HoldsWhereTheRadiusIsBarelyAboveHalfTheWidth) {
+    for (const double excess : {1e-3, 1e-5, 1e-6, 1e-7, 1e-8})
+        for (const std::uint32_t facets : {2u, 3u, 32u, 1000u})
+            for (const Shading shading : {Shading::none, Shading::reference})
+                EXPECT_LE(largest_share(bump((1 + excess) * kHalfWidth, facets, shading)), 1)
+                    << excess << ' ' << facets;
+}
+
+// One facet is the plane, whose depth is exact.
+TEST(RoundingBound, IsThatOfThePlaneWithOneFacet) {
+    PreparedCase flat, beside;
+    flat.one.scene = bump(kRadii[0], 1);
+    beside.one.scene = bump(kRadii[0], 2);
+    const RoundingBound on_facet(flat, Precision::f32), on_plane(beside, Precision::f32);
+    const double x = 0.001, depth = 1e-6;
+    EXPECT_EQ(on_facet.at(x, 0, -depth).force, on_plane.at(2 * kHalfWidth, 0, -depth).force);
+    EXPECT_LE(on_facet.at(x, 0, -depth).depth, 1e-5 * depth);
+    EXPECT_GT(on_plane.at(x, 0, -depth).depth, 1e-5 * depth);
+}
+
 } // namespace
 } // namespace forceshade::test
