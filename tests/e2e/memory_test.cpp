@@ -55,7 +55,7 @@ TEST_F(Memory, does_not_grow_with_the_number_of_cases) {
 }
 
 TEST_F(Memory, does_not_grow_with_the_number_of_height_maps) {
-    constexpr int kSide = 1500; // 18 MB in double precision
+    constexpr int kSide = 1000; // 8 MB in double precision
     const auto peak = [&](int maps) {
         std::string files;
         for (int i = 0; i < maps; ++i) {
@@ -70,9 +70,9 @@ TEST_F(Memory, does_not_grow_with_the_number_of_height_maps) {
                                        files));
         return expect_success({"sweep", "maps.toml", "--out", fmt::format("maps{}", maps), "--quiet"}).peak_memory;
     };
-    const std::uint64_t few = peak(6), many = peak(18);
+    const std::uint64_t few = peak(14), many = peak(42);
     EXPECT_LT(double(many), 1.15 * double(few) + 8 * kMebibyte)
-        << few / kMebibyte << " MiB for 6 maps, " << many / kMebibyte << " MiB for 18";
+        << few / kMebibyte << " MiB for 14 maps, " << many / kMebibyte << " MiB for 42";
 }
 
 } // namespace
