@@ -31,7 +31,8 @@ bool is_done(const CaseJob& job, const SweepOptions& options, std::optional<Case
     if (!record || record->fingerprint != job.fingerprint)
         return false;
     const EngineReport& engine = record->engine;
-    if (options.device && (engine.uuid != options.device->uuid || engine.driver != options.device->driver))
+    // By name, not by UUID: the equal devices of a cluster finish each other's sweeps.
+    if (options.device && (engine.device != options.device->name || engine.driver != options.device->driver))
         return false;
     for (const std::string& name :
          file_names(job.prepared.one.name, job.prepared.one.scene.output.channels, options.also)) {

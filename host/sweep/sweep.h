@@ -21,8 +21,9 @@ struct SweepOptions {
     bool fresh = false; /* compute every chosen case anew */
     bool quiet = false;
     AlsoFormats also;
-    std::optional<compute::DeviceReport> device; /* only what this device computed counts as done; none: any */
-    unsigned encoders = 0;                       /* threads; 0: one a core */
+    std::optional<compute::DeviceReport>
+        device;            /* only what such a device and driver computed counts as done; none: any */
+    unsigned encoders = 0; /* threads; 0: one a core */
 };
 
 struct SweepResult {
