@@ -24,8 +24,8 @@ struct Range {
     double smallest_stiffness, largest_stiffness; /* N/m */
     double steepest;                              // slope of a height map
 };
-constexpr Range kRangeF32{"f32", 1e-15, 1e15, 1e-20, 1e20, 1e15};
-constexpr Range kRangeF64{"f64", 1e-150, 1e150, 1e-150, 1e150, 1e150};
+constexpr Range kRangeF32{"f32", 1e-15, 1e15, 1e-20, 1e20, kSteepestF32};
+constexpr Range kRangeF64{"f64", 1e-150, 1e150, 1e-150, 1e150, kSteepestF64};
 
 std::string length_text(double metres) {
     const double size = std::abs(metres);

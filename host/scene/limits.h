@@ -1,4 +1,4 @@
-// How large a grid may be: what an EXR image can hold.
+// What a scene may ask for: what an EXR image can hold, and slopes whose squares are still numbers.
 #pragma once
 
 #include <cstdint>
@@ -9,5 +9,9 @@ namespace forceshade {
 inline constexpr std::uint64_t kMostColumns = (2147483647u / 2) / (16 * 3 * sizeof(float));
 /// Most rows, y times z: OpenEXR refuses images that are higher.
 inline constexpr std::uint64_t kMostRows = 2147483647u / 2 - 1;
+
+/// The steepest gradient of a height map in f32 and in f64.
+inline constexpr double kSteepestF32 = 1e15;
+inline constexpr double kSteepestF64 = 1e150;
 
 } // namespace forceshade

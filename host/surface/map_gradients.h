@@ -6,10 +6,12 @@
 #include <string>
 #include <vector>
 
+#include "host/scene/limits.h"
+
 namespace forceshade {
 
 /// The steepest gradient: its square is a normal number of T. The scene's check holds analytic maps to the same.
-template <typename T> inline constexpr double kSteepestGradient = sizeof(T) == 4 ? 1e15 : 1e150;
+template <typename T> inline constexpr double kSteepestGradient = sizeof(T) == 4 ? kSteepestF32 : kSteepestF64;
 
 /// (dU/dx, dU/dy) pairs of a grid of samples that spans size_x by size_y metres between its outermost nodes. `samples`
 /// are of 1 = `height` metres, rows * columns, row 0 at the largest y (image order); the result has row 0 at the
