@@ -76,6 +76,8 @@ int run(const FieldArguments& arguments, const CommonOptions& common) {
                record.error.relative());
     if (common.json)
         print_data(record_json(record) + "\n");
+    if (const std::string wrong = complaint(record); !wrong.empty())
+        throw Error(ExitCode::failed, wrong);
     return 0;
 }
 

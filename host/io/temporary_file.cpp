@@ -197,7 +197,7 @@ std::size_t clear_stale_temporaries(const std::filesystem::path& folder) {
 void write_file_atomically(const std::filesystem::path& path, std::span<const std::byte> bytes) {
     TemporaryFile file(path);
     file.write(bytes);
-    file.commit();
+    file.publish();
 }
 
 void write_file_atomically(const std::filesystem::path& path, std::string_view text) {

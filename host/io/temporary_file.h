@@ -34,7 +34,6 @@ public:
     void flush_to_disk();
     /// flush_to_disk() if that is still due, then renames to the final name and makes the rename durable.
     void publish();
-    void commit() { publish(); }
 
     const std::filesystem::path& path() const noexcept { return path_; }
     const std::filesystem::path& temporary_path() const noexcept { return temporary_path_; }

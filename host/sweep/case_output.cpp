@@ -81,8 +81,9 @@ std::vector<std::string> file_names(const std::string& stem, std::uint32_t chann
     return names;
 }
 
-CaseOutput::CaseOutput(const PreparedCase& prepared, const std::filesystem::path& volume, AlsoFormats also, int threads)
-    : prepared_(prepared), volume_(volume), also_(also), check_(prepared, Extent::what_varies) {
+CaseOutput::CaseOutput(const PreparedCase& prepared, const std::filesystem::path& volume, AlsoFormats also, int threads,
+                       bool exact_bits)
+    : prepared_(prepared), volume_(volume), also_(also), check_(prepared, exact_bits) {
     const Scene& scene = prepared.one.scene;
     const bool repeats = stands_for_all_y(scene);
     repeat_y_ = repeats ? scene.grid.size[1] : 1;

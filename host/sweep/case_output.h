@@ -31,8 +31,9 @@ std::vector<std::string> file_names(const std::string& stem, std::uint32_t chann
 class CaseOutput {
 public:
     /// Files go to `volume` (an .exr path) and beside it. `threads`: that compress this case's volume, 0 for the
-    /// calling one alone.
-    CaseOutput(const PreparedCase& prepared, const std::filesystem::path& volume, AlsoFormats also, int threads);
+    /// calling one alone. `exact_bits`: as in OracleCheck.
+    CaseOutput(const PreparedCase& prepared, const std::filesystem::path& volume, AlsoFormats also, int threads,
+               bool exact_bits);
 
     template <typename T> void write(const layout::FieldChunk<T>& chunk);
 

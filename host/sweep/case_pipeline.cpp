@@ -90,7 +90,8 @@ private:
 
     // False if the engine never completed the case.
     bool encode(Transfer& transfer, CaseRecord& record) {
-        CaseOutput output(transfer.job->prepared, transfer.job->volume, transfer.job->also, threads_a_volume_);
+        CaseOutput output(transfer.job->prepared, transfer.job->volume, transfer.job->also, threads_a_volume_,
+                          engine_.software);
         while (const auto waiting = transfer.chunks.pop()) {
             check_interrupt();
             std::visit([&](const auto& owned) { output.write(owned.view); }, waiting->chunk);

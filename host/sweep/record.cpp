@@ -3,6 +3,7 @@
 #include <fstream>
 #include <sstream>
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "host/io/temporary_file.h"
@@ -32,11 +33,9 @@ Json to_json(const CaseRecord& record) {
     json["voxels_evaluated"] = record.evaluated;
     json["largest_force_N"] = record.largest_force;
     json["largest_force_voxel"] = record.largest_voxel;
-    json["oracle"] = {{"voxels_compared", record.error.compared},
-                      {"voxels_differing", record.error.differing},
-                      {"largest_error_N", record.error.largest},
-                      {"largest_force_N", record.error.largest_force},
-                      {"relative_error", record.error.relative()}};
+    json["oracle"] = {{"voxels_compared", record.error.compared},      {"voxels_differing", record.error.differing},
+                      {"voxels_beyond_bound", record.error.beyond},    {"largest_error_N", record.error.largest},
+                      {"largest_force_N", record.error.largest_force}, {"relative_error", record.error.relative()}};
     json["seconds"] = {{"compile", record.engine_times.compile},  {"upload", record.engine_times.upload},
                        {"kernel", record.engine_times.kernel},    {"read_back", record.engine_times.read_back},
                        {"encode", record.volume_times.encode},    {"flush", record.volume_times.flush},
@@ -61,8 +60,8 @@ CaseRecord from_json(const Json& json) {
     record.largest_force = json.at("largest_force_N");
     record.largest_voxel = json.at("largest_force_voxel");
     const Json& oracle = json.at("oracle");
-    record.error = {oracle.at("voxels_compared"), oracle.at("voxels_differing"), oracle.at("largest_error_N"),
-                    oracle.at("largest_force_N")};
+    record.error = {oracle.at("voxels_compared"), oracle.at("voxels_differing"), oracle.at("voxels_beyond_bound"),
+                    oracle.at("largest_error_N"), oracle.at("largest_force_N")};
     const Json& seconds = json.at("seconds");
     record.engine_times = {seconds.at("compile"), seconds.at("upload"), seconds.at("kernel"), seconds.at("read_back")};
     record.volume_times = {seconds.at("encode"), seconds.at("flush"), seconds.at("verify"), seconds.at("hash")};
@@ -70,6 +69,14 @@ CaseRecord from_json(const Json& json) {
 }
 
 } // namespace
+
+std::string complaint(const CaseRecord& record) {
+    if (record.error.beyond == 0)
+        return {};
+    return fmt::format("{}: {} of {} voxels compared are further from the CPU oracle than rounding allows on {}; its "
+                       "volume is not to be trusted (forceshade validate tells more)",
+                       record.name, record.error.beyond, record.error.compared, record.engine.device);
+}
 
 std::filesystem::path record_path(const std::filesystem::path& folder, const std::string& name) {
     return folder / "manifest.d" / (name + ".json");

@@ -38,6 +38,9 @@ struct CaseRecord {
     VolumeTimings volume_times;
 };
 
+/// What is wrong with a case whose field is further from the oracle than rounding allows; empty where nothing is.
+std::string complaint(const CaseRecord& record);
+
 /// `FOLDER/manifest.d/CASE.json`
 std::filesystem::path record_path(const std::filesystem::path& folder, const std::string& name);
 

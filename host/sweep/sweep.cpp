@@ -120,6 +120,10 @@ void note_failure(SweepResult& result, const CaseOutcome& outcome) {
 void count(SweepResult& result, const CaseRecord& record) {
     result.largest_relative_error = std::max(result.largest_relative_error, record.error.relative());
     result.differing += record.error.differing;
+    if (const std::string wrong = complaint(record); !wrong.empty()) {
+        result.failures.push_back(wrong);
+        result.exit_code = std::max(result.exit_code, static_cast<int>(ExitCode::failed));
+    }
 }
 
 void count(RunAccount& account, const CaseRecord& record) {

@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "host/field/prepared_case.h"
+#include "host/validate/rounding_bound.h"
 #include "shaders/shared/layout.h"
 
 namespace forceshade {
@@ -11,6 +12,7 @@ namespace forceshade {
 struct OracleError {
     std::uint64_t compared = 0;  /* voxels */
     std::uint64_t differing = 0; /* voxels whose bits are not the oracle's in the same precision */
+    std::uint64_t beyond = 0;    /* of them, those further from it than rounding allows: on a software device all */
     double largest = 0;          /* N: largest |F - F_oracle|, the oracle in double */
     double largest_force = 0;    /* N: largest |F_oracle| among the voxels compared */
 
@@ -21,7 +23,8 @@ struct OracleError {
 /// Compares evenly chosen rows, all of them where the grid is small, so that the cost is bounded.
 class OracleCheck {
 public:
-    OracleCheck(const PreparedCase& prepared, Extent extent);
+    /// Of what varies in a case, which must outlive this; `exact_bits`: the engine must equal the oracle bit for bit.
+    OracleCheck(const PreparedCase& prepared, bool exact_bits);
 
     void add(const layout::FieldChunk<float>& chunk);
     void add(const layout::FieldChunk<double>& chunk);
@@ -29,9 +32,14 @@ public:
 
 private:
     template <typename T> void compare(const layout::FieldChunk<T>& chunk, const FieldTables<T>& same);
+    bool is_beyond(double off, double x, double y, double z);
+
+    const PreparedCase& prepared_;
+    bool exact_bits_;
 
     FieldTables<double> exact_;
     std::optional<FieldTables<float>> single_; // the oracle in single precision, where the run is
+    std::optional<RoundingBound> bound_;       // made when first asked for
     std::uint64_t every_;                      // rows: one in so many is compared
     OracleError error_;
 };

@@ -53,7 +53,7 @@ TEST(TemporaryFile, writes_where_it_was_told_to) {
         EXPECT_EQ(file.tell(), 8u);
         file.seek(3 << 20);
         file.write(std::string_view("end"));
-        file.commit();
+        file.publish();
     }
     std::string expected(3 << 20, 'x');
     expected.replace(5, 3, "abc");
@@ -65,9 +65,9 @@ TEST(TemporaryFile, takes_two_writers_of_one_name) {
     TemporaryFile first(folder / "a"), second(folder / "a");
     first.write(std::string_view("first"));
     second.write(std::string_view("second"));
-    second.commit();
+    second.publish();
     EXPECT_EQ(read_file(folder / "a"), "second");
-    first.commit();
+    first.publish();
     EXPECT_EQ(read_file(folder / "a"), "first");
     EXPECT_EQ(folder.names(), std::vector<std::string>{"a"});
 }

@@ -8,6 +8,7 @@
 #include "host/interrupt.h"
 #include "host/sweep/case_pipeline.h"
 #include "host/sweep/chunk_queue.h"
+#include "host/sweep/sweep.h"
 
 namespace forceshade::test {
 namespace {
@@ -106,6 +107,22 @@ TEST_F(CasePipeline, AFolderThatCannotBeWrittenStopsTheRun) {
     const Ran ran = run(study_of(40, "[surface]\n"), folder_ / "missing");
     EXPECT_TRUE(ran.stopped);
     EXPECT_EQ(ran.done, 0);
+}
+
+// LayerEngine calls itself exact and is nothing like the oracle: what it leaves is not passed off as right, today or
+// tomorrow.
+TEST_F(CasePipeline, AFieldThatIsNotTheOraclesFailsTheSweep) {
+    const Study study = study_of(2, "[surface]\n");
+    SweepOptions options;
+    options.folder = folder_ / "sweep";
+    options.quiet = true;
+    for (const std::size_t computed : {2u, 0u}) {
+        const SweepResult result = run_sweep(
+            study, [] { return std::make_unique<LayerEngine>(); }, true, options);
+        EXPECT_EQ(result.computed, computed);
+        EXPECT_EQ(result.failures.size(), 2u);
+        EXPECT_EQ(result.exit_code, 1);
+    }
 }
 
 // An encoder that throws while it holds a chunk must give the chunk's room back: many more chunks fail here than fit.
