@@ -22,16 +22,25 @@ using uint = std::uint32_t;
 FS_CONSTANT kSurfaceBump = 0u;         // L1, L3, L4: n facets on a plane
 FS_CONSTANT kSurfaceCylinderBump = 1u; // L2: plane and cylinder superposed
 FS_CONSTANT kSurfaceHeightMap = 2u;    // L5: the plane, shaded by a height map
+FS_CONSTANT kSurfaceMesh = 3u;         // L6, L7, L9: polygon facets
 // Where the force direction comes from.
 FS_CONSTANT kShadingNone = 0u;
 FS_CONSTANT kShadingReference = 1u; // L4: the smooth cylinder
 FS_CONSTANT kShadingHeightMap = 2u; // L5: the height map's normal
+// L7: interpolations of the vertex normals of the facet that the proxy lies on.
+FS_CONSTANT kShadingMorgenbesser = 3u;
+FS_CONSTANT kShadingBarycentric = 4u; // triangles only
+FS_CONSTANT kShadingMeanValue = 5u;
+FS_CONSTANT kShadingTwoPass = 6u; // mean value, and as deep along the facet's normal as unshaded
 // How penetration into a facet is read (L3).
 FS_CONSTANT kDepthVertical = 0u;
 FS_CONSTANT kDepthNormal = 1u;
 // Which direction the smooth cylinder lends (L4).
 FS_CONSTANT kReferenceNormal = 0u; // the surface normal above the probe
 FS_CONSTANT kReferenceRadial = 1u; // away from the axis, at the probe itself
+// What tells the inside of a mesh from its outside (L6 static).
+FS_CONSTANT kInsidePseudonormal = 0u; // the angle-weighted normal of the nearest feature
+FS_CONSTANT kInsideWinding = 1u;      // the generalized winding number, found on the host: a bit for each voxel
 // Height maps (G3), for shading and for texture.
 FS_CONSTANT kMapNone = 0u;
 FS_CONSTANT kMapCylinder = 1u;
@@ -78,6 +87,17 @@ FS_CONSTANT kSpecCount = 8u;
 FS_CONSTANT kAbreast = 4u;
 FS_CONSTANT kAbreastPacked = 8u;
 
+// Acceleration structure of a mesh: children of a node, and how a child is written.
+FS_CONSTANT kMeshChildren = 4u;
+FS_CONSTANT kMeshNoChild = 0xFFFFFFFFu;
+FS_CONSTANT kMeshLeaf = 0x80000000u; // bit of a child that is a run of triangles: first * 8 + count - 1
+FS_CONSTANT kMeshLeafTriangles = 8u; // most triangles of a leaf
+// triangle_neighbours: what lies across an edge.
+FS_CONSTANT kMeshBorder = 0xFFFFFFFFu;  // nothing
+FS_CONSTANT kMeshManyBit = 0x80000000u; // not exactly one triangle: the low bits index edge_pseudonormals
+// A mesh field is evaluated in blocks of so many voxels along each axis.
+FS_CONSTANT kMeshBlock = 4u;
+
 // Bits a kernel raises in its status word.
 FS_CONSTANT kStatusUnfinished = 1u; // a loop ended before its work was done
 
@@ -118,7 +138,66 @@ struct ChunkParams {
     uint rows;   // rows an invocation evaluates
 };
 
+// Where the mesh's own frame lies: vertices and probes are (world - centre) / scale there, scale a power of two such
+// that no vertex has a coordinate beyond 1. So nothing in a mesh law is absolute, and a change of unit changes nothing.
+FS_STRUCT MeshParams {
+    real centre_x; // m, world
+    real centre_y;
+    real centre_z;
+    real scale;     // m: what 1 of the mesh's frame means
+    real stiffness; // K * scale, N: force for 1 of the mesh's frame
+    uint facets;
+    uint triangles;
+    uint nodes;
+    uint zero; // 0, for kernels whose compiler must not know it
+};
+
+// Four children of the tree over the triangles: bounds in the mesh's frame, rounded outwards, the same in every
+// precision.
+struct MeshNode {
+    float low_x[kMeshChildren];
+    float low_y[kMeshChildren];
+    float low_z[kMeshChildren];
+    float high_x[kMeshChildren];
+    float high_y[kMeshChildren];
+    float high_z[kMeshChildren];
+    uint child[kMeshChildren];
+};
+
+// A block of a mesh field, and the run of triangles among which the nearest one of each of its voxels is.
+struct MeshBlock {
+    uint x; // of its first voxel, in samples of the grid
+    uint y;
+    uint z;
+    uint first; // of its candidates
+    uint count; // 0: no voxel of the block is in contact
+};
+
 #ifdef __cplusplus
+// A mesh ready to evaluate, in its own frame. Triangles stand in the tree's order; the spans must outlive it.
+template <typename real> struct MeshView {
+    MeshParams<real> params{};
+    std::span<const MeshNode> nodes;            // root first
+    std::span<const real> vertices;             // 3 a vertex
+    std::span<const uint> triangle_corners;     // 3 a triangle: vertices, counterclockwise seen from outside
+    std::span<const uint> triangle_facets;      // 1 a triangle: id of the facet that it is part of
+    std::span<const uint> triangle_neighbours;  // 3 a triangle: across the edge from corner i to corner i + 1
+    std::span<const real> triangle_normals;     // 3 a triangle: unit, 0 where it has no area
+    std::span<const real> vertex_pseudonormals; // 3 a vertex: angle-weighted sum of its triangles' normals
+    std::span<const real> edge_pseudonormals;   // 3 an edge with more or fewer than two triangles
+    std::span<const uint> facet_begins;         // facets + 1: where a facet's corners begin
+    std::span<const uint> facet_corners;        // vertices
+    std::span<const real> facet_normals;        // 3 a facet: unit Newell normal, 0 where it has no area
+    std::span<const real> vertex_normals;       // 3 a vertex: unit, what L7 interpolates; 0 where they cancel
+};
+
+// Where a mesh's force is, on one grid. Voxels of blocks that are not listed are out of contact.
+struct MeshPlan {
+    std::span<const MeshBlock> blocks; // by z, then y, then x
+    std::span<const uint> candidates;  // triangles
+    std::span<const uint> inside;      // kInsideWinding: 2 words a block, bit (z * 4 + y) * 4 + x of each voxel
+};
+
 // What a scene uses; everything else is left out of the compiled kernel.
 struct Features {
     uint surface = kSurfaceBump;
@@ -128,6 +207,7 @@ struct Features {
     uint map = kMapNone;
     uint texture = kMapNone;
     uint channels = kChannelForce;
+    uint inside = kInsidePseudonormal; // of a mesh
     friend bool operator==(const Features&, const Features&) = default;
 };
 
@@ -138,12 +218,14 @@ template <typename real> struct Law {
     std::span<const real> facet_vertices;    // m, n + 1 increasing x coordinates (bump only)
     std::span<const real> map_gradients;     // 1, rows * columns pairs (dU/dx, dU/dy), row 0 at the smallest y
     std::span<const real> texture_gradients; // likewise for the texture
+    MeshView<real> mesh;                     // kSurfaceMesh only; L9: params.map and map_gradients tilt its normals
 };
 
 // A law over a grid.
 template <typename real> struct FieldInput {
     Law<real> law;
-    std::span<const real> x, y, z; // m, sample coordinates, each rounded once from double
+    std::span<const real> x, y, z; // m, sample coordinates, each rounded once from double; of a mesh in its own frame
+    MeshPlan plan;                 // of a mesh
 };
 
 // Consecutive rows of an evaluated field: z in [z_first, z_first + z_count), y likewise. Row r = (z - z_first) *
