@@ -57,7 +57,8 @@ public:
         check_force();
         if (scene_.texture)
             check_texture(*scene_.texture);
-        check_grid();
+        if (scene_.grid.samples == 0)
+            check_grid();
     }
 
 private:
@@ -125,6 +126,8 @@ private:
         const SurfaceSpec& surface = scene_.surface;
         if (surface.kind == SurfaceKind::height_map)
             return check_map("surface", surface.map);
+        if (surface.kind == SurfaceKind::mesh)
+            return check_mesh(surface.mesh);
         check_circle("surface", surface.width, surface.radius);
         const double facet = surface.width / surface.facets; /* m */
         const double step = step_at(surface.width / 2, scene_.precision);
@@ -133,6 +136,12 @@ private:
                  fmt::format("facets of {:.2g} m are below the {} step {:.2g} m at the bump's edge: neighbouring "
                              "vertices coincide",
                              facet, range_.name, step));
+    }
+
+    void check_mesh(const MeshSpec& mesh) const {
+        if (mesh.file.empty())
+            fail(source_, place({"surface.kind"}),
+                 "kind \"mesh\" needs a file: file = \"NAME.obj\" (or .off, .ply, .stl) in [surface]");
     }
 
     void check_force() const {
@@ -146,6 +155,9 @@ private:
         } else if (scene_.surface.kind == SurfaceKind::height_map) {
             allowed = "none or height_map";
             fits = fits || shading == Shading::height_map;
+        } else if (scene_.surface.kind == SurfaceKind::mesh) {
+            allowed = "none, morgenbesser, barycentric, mean_value or two_pass";
+            fits = fits || shading >= Shading::morgenbesser;
         }
         if (!fits)
             fail(source_, place({"force.shading", "surface.kind"}),
@@ -154,6 +166,9 @@ private:
     }
 
     void check_texture(const TextureSpec& texture) const {
+        if (texture.effect == TextureEffect::normal && scene_.surface.kind != SurfaceKind::mesh)
+            fail(source_, place({"texture.effect"}),
+                 "effect \"normal\" tilts the normals of a mesh; kind \"height_map\" does that for a plane (L5)");
         if (texture.stiffness != 0)
             check_stiffness("texture.stiffness", texture.stiffness);
         check_map("texture", texture.map);
@@ -185,7 +200,8 @@ private:
                  fmt::format("the grid reaches {:.4g} m along {}; {} allows {:g} m", farthest, kAxisNames[axis],
                              range_.name, range_.largest_length));
         const double step = step_at(farthest, scene_.precision);
-        if (grid.size[axis] < 2 || grid.spacing[axis] >= step)
+        // A mesh is evaluated in a frame of its own, about its centre.
+        if (grid.size[axis] < 2 || grid.spacing[axis] >= step || scene_.surface.kind == SurfaceKind::mesh)
             return;
         const Value& spacing = *find("grid.spacing");
         const bool single = scene_.precision == Precision::f32;

@@ -73,12 +73,30 @@ private:
             fail(source_, member.where,
                  fmt::format("[{}] is a table of keys; got {}", member.key, describe(member.value)));
         layer_.texture = layer_.texture || member.key == "texture";
-        for (const TomlMember& item : member.value.members) {
-            const int key = find_key(member.key + '.' + item.key);
-            if (key < 0 || item.key.find('.') != std::string::npos)
-                refuse_key(item, member.key);
-            read_entry(static_cast<std::size_t>(key), item);
-        }
+        for (const TomlMember& item : member.value.members)
+            read_item(member.key, item);
+    }
+
+    // A table within a table gives keys with a dot in their name.
+    void read_item(const std::string& table, const TomlMember& item) {
+        const bool has_parts = item.value.type == Type::table && item.key == "transform";
+        for (const TomlMember& part : item.value.members)
+            if (has_parts && part.key.find('.') == std::string::npos)
+                read_key(table, {item.key + '.' + part.key, part.where, part.value});
+            else if (has_parts)
+                refuse_key(part, table);
+        if (has_parts)
+            return;
+        if (item.key.find('.') != std::string::npos)
+            refuse_key(item, table);
+        read_key(table, item);
+    }
+
+    void read_key(const std::string& table, const TomlMember& item) {
+        const int key = find_key(table + '.' + item.key);
+        if (key < 0)
+            refuse_key(item, table);
+        read_entry(static_cast<std::size_t>(key), item);
     }
 
     [[noreturn]] void refuse_table(const TomlMember& member, std::vector<std::string> tables) const {

@@ -49,6 +49,8 @@ Digests known_digests(const Study& study) {
     Digests digests;
     for (const Case& one : study.cases) {
         add_digest(one.scene.surface.map, digests);
+        if (const MeshSpec& mesh = one.scene.surface.mesh; !mesh.sha256.empty())
+            digests[mesh.path] = mesh.sha256;
         if (one.scene.texture)
             add_digest(one.scene.texture->map, digests);
     }
@@ -109,19 +111,30 @@ private:
         forms_.insert(forms_.end(), forms.begin(), forms.end());
     }
 
+    // Those that share a group come together, at the place of the first.
+    template <typename Group>
+    static std::vector<std::size_t> grouped(const std::vector<std::size_t>& order, const Group& group) {
+        std::vector<std::size_t> result;
+        for (const std::size_t first : order)
+            for (const std::size_t key : order)
+                if (group(key) == group(first) && std::find(result.begin(), result.end(), key) == result.end())
+                    result.push_back(key);
+        return result;
+    }
+
     // The order of names first, so that reading it back gives the same names; tables stay together.
     std::vector<std::size_t> base_order() const {
         std::vector<std::size_t> order = document_.order;
         for (std::size_t key = 0; key < schema_keys().size(); ++key)
             if (std::find(order.begin(), order.end(), key) == order.end())
                 order.push_back(key);
-        std::vector<std::size_t> grouped;
-        for (const std::size_t first : order)
-            for (const std::size_t key : order)
-                if (schema_keys()[key].table == schema_keys()[first].table &&
-                    std::find(grouped.begin(), grouped.end(), key) == grouped.end())
-                    grouped.push_back(key);
-        return grouped;
+        // A key's table; a table within a table stays together too, as it will be read.
+        const auto table = [](std::size_t key) { return schema_keys()[key].table; };
+        const auto inner = [](std::size_t key) {
+            const Key& info = schema_keys()[key];
+            return fmt::format("{}.{}", info.table, info.name.substr(0, info.name.find('.')));
+        };
+        return grouped(grouped(order, inner), table);
     }
 
     // What some case uses, and what was given for the base's own choices, even if every variant chooses otherwise.
@@ -129,7 +142,26 @@ private:
         const Key& key = schema_keys()[index];
         const bool given = document_.base.find(index) || document_.overrides.find(index);
         const bool useful = applies_to_any(key, forms_) || (given && applies_to_any(key, possible_forms(base_)));
+        if (key.table == "grid" && !stands_in_base(index, given))
+            return false;
         return useful && (key.table != "texture" || base_.texture);
+    }
+
+    // Where a mesh's grid may be made from its box, what was given last holds: defaults are then left to be defaults.
+    bool stands_in_base(std::size_t index, bool given) const {
+        const auto is_mesh = [](const Forms& one) { return one.surface == kFormMesh; };
+        const bool fits = grid_fits_mesh(base_);
+        if (index == samples_)
+            return fits && (given || std::all_of(forms_.begin(), forms_.end(), is_mesh));
+        return given || !fits || std::none_of(forms_.begin(), forms_.end(), is_mesh);
+    }
+
+    // What a variant says of the grid must not hold over an override that comes to stand in the base.
+    bool yields_to_override(std::size_t key) const {
+        const auto& given = document_.overrides.entries;
+        return key == samples_ && std::any_of(given.begin(), given.end(), [](const Entry& entry) {
+                   return schema_keys()[entry.key].table == "grid";
+               });
     }
 
     void print_base(const Entry& entry) {
@@ -147,23 +179,28 @@ private:
                                [key](const Entry& entry) { return entry.key == key || replaces(entry.key, key); });
         };
         const std::vector<Forms> forms = possible_forms(merge({&document_.base, &variant, &document_.overrides}));
-        bool texture = false;
+        bool texture = false, grid = false;
         for (const Entry& entry : variant.entries) {
             const Key& key = schema_keys()[entry.key];
-            if (overridden(entry.key) || !applies_to_any(key, forms))
+            if (overridden(entry.key) || yields_to_override(entry.key) || !applies_to_any(key, forms))
                 continue;
+            grid = grid || key.table == "grid";
             texture = texture || key.table == "texture";
             writer_.add_dotted(key.path(), literal(key, entry));
             if (const std::string digest = digest_literal(entry, digests_);
                 key.kind == ValueKind::file && !digest.empty())
                 writer_.add_dotted(fmt::format("{}.sha256", key.table), digest);
         }
+        const Entry* samples = document_.overrides.find(samples_);
+        if (grid && samples && grid_fits_mesh(base_) && applies_to_any(schema_keys()[samples_], forms))
+            writer_.add_dotted("grid.samples", literal(schema_keys()[samples_], *samples));
         if (variant.texture && !texture)
             writer_.add_dotted("texture", "{}");
     }
 
     const Document& document_;
     Digests digests_;
+    std::size_t samples_ = static_cast<std::size_t>(find_key("grid.samples"));
     Merged base_;
     std::vector<Forms> forms_; // of all cases
     TomlWriter writer_;
@@ -177,9 +214,12 @@ std::string resolved_toml(const Case& one) {
         writer.add(setting.table, setting.name, setting.literal);
         if (setting.name != "file")
             continue;
-        const HeightMapSpec& map = setting.table == "texture" ? one.scene.texture->map : one.scene.surface.map;
-        if (!map.sha256.empty())
-            writer.add(setting.table, "sha256", toml_string(map.sha256));
+        const SurfaceSpec& surface = one.scene.surface;
+        const std::string& sha256 = setting.table == "texture"          ? one.scene.texture->map.sha256
+                                    : surface.kind == SurfaceKind::mesh ? surface.mesh.sha256
+                                                                        : surface.map.sha256;
+        if (!sha256.empty())
+            writer.add(setting.table, "sha256", toml_string(sha256));
     }
     return writer.take();
 }

@@ -9,12 +9,15 @@
 
 namespace forceshade {
 
-enum class SurfaceKind { bump, cylinder_bump, height_map };
+enum class SurfaceKind { bump, cylinder_bump, height_map, mesh };
 enum class FacetSpacing { equal_arc, equal_x };
-enum class Shading { none, reference, height_map };
+enum class Shading { none, reference, height_map, morgenbesser, barycentric, mean_value, two_pass };
 enum class DepthReading { vertical, normal };
 enum class ReferenceDirection { normal, radial };
 enum class MapFunction { cylinder, dip, sine, gaussian, file };
+enum class NormalWeights { plain, angle };
+enum class InsideTest { pseudonormal, winding };
+enum class TextureEffect { force, normal };
 enum class Compression { none, zip1, zip, pxr24 };
 enum class PixelType { float32, half };
 enum class Precision { f32, f64 };
@@ -32,6 +35,20 @@ struct HeightMapSpec {
     friend bool operator==(const HeightMapSpec&, const HeightMapSpec&) = default;
 };
 
+/// Polygons from a file, and where they are put: vertex v of the file lies at rotate(scale * unit * v) + translate.
+struct MeshSpec {
+    std::string file;   /* as written in the scene; empty if none was */
+    std::string path;   /* absolute path of the file, never written into results */
+    std::string sha256; /* of the file's bytes, lower-case hex; empty until the file is read */
+    double unit = 1;    /* m: what a coordinate of 1 means */
+    NormalWeights normals = NormalWeights::plain;
+    InsideTest inside = InsideTest::pseudonormal;
+    double scale = 1;
+    std::array<double, 3> rotate{};    /* rad: about x, then y, then z */
+    std::array<double, 3> translate{}; /* m */
+    friend bool operator==(const MeshSpec&, const MeshSpec&) = default;
+};
+
 struct SurfaceSpec {
     SurfaceKind kind = SurfaceKind::bump;
     double width = 0.0254;    /* m: W = 2a */
@@ -39,6 +56,7 @@ struct SurfaceSpec {
     std::uint32_t facets = 1; /* n >= 1 */
     FacetSpacing facet_spacing = FacetSpacing::equal_arc;
     HeightMapSpec map; /* kind height_map only */
+    MeshSpec mesh;     /* kind mesh only */
     friend bool operator==(const SurfaceSpec&, const SurfaceSpec&) = default;
 };
 
@@ -51,13 +69,16 @@ struct ForceSpec {
 };
 
 struct TextureSpec {
-    double stiffness = 0.0; /* K_t, N/m */
+    TextureEffect effect = TextureEffect::force; /* L8, or L9 on a mesh */
+    double stiffness = 0.0;                      /* K_t, N/m */
     HeightMapSpec map;
     friend bool operator==(const TextureSpec&, const TextureSpec&) = default;
 };
 
 /// Voxel (i, j, k) samples origin + spacing * (i, j, k).
 struct GridSpec {
+    std::uint64_t samples = 0; /* along the longest side of a mesh's box and 5 %: size, origin and spacing are made from
+                                  them when the mesh is read; 0: they are given */
     std::array<std::uint64_t, 3> size{256, 64, 128};
     std::array<double, 3> origin{-0.025, -0.006, -0.010};  /* m */
     std::array<double, 3> spacing{0.0002, 0.0002, 0.0002}; /* m */

@@ -68,6 +68,8 @@ std::string describe_forms(const Key& key, const Forms& forms) {
     const std::uint32_t form = key.subject == Subject::texture ? forms.texture : forms.surface;
     if (form == 0)
         return "a scene without [texture]";
+    if (form == kFormMesh)
+        return fmt::format("kind \"{}\"", kSurfaceKinds[3]);
     if (form & kFormBumps) {
         const auto kind = kSurfaceKinds[form == kFormBump ? 0 : 1];
         const bool shading = key.subject == Subject::shading && (key.forms & form);
@@ -85,14 +87,16 @@ std::string describe_applicability(const Key& key) {
         kinds.push_back(kSurfaceKinds[0]);
     if (key.forms & kFormCylinderBump)
         kinds.push_back(kSurfaceKinds[1]);
+    if (key.forms & kFormMesh)
+        kinds.push_back(kSurfaceKinds[3]);
     const std::string maps = join_or(map_names(key.forms));
     if (key.subject == Subject::texture)
         return maps;
     if (key.subject == Subject::shading)
         return "kind bump with shading reference";
-    const std::string bumps = kinds.empty() ? "" : fmt::format("kind {}", join_or(kinds));
+    const std::string plain = kinds.empty() ? "" : fmt::format("kind {}", join_or(kinds));
     const std::string map = maps.empty() ? "" : fmt::format("kind height_map with {}", maps);
-    return bumps.empty() || map.empty() ? bumps + map : fmt::format("{}; {}", bumps, map);
+    return plain.empty() || map.empty() ? plain + map : fmt::format("{}; {}", plain, map);
 }
 
 } // namespace forceshade

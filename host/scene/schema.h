@@ -14,7 +14,7 @@ namespace forceshade {
 struct Scene;
 struct Value;
 
-enum class ValueKind { quantity, integer, choice, choices, file, digest };
+enum class ValueKind { quantity, unit, number, integer, choice, choices, file, digest };
 enum class Sign { any, not_negative, positive };
 
 /// What a scene's surface or texture is, as far as it decides which keys apply. A bit each.
@@ -26,6 +26,7 @@ enum Form : std::uint32_t {
     kFormMapSine = 16,
     kFormMapGaussian = 32,
     kFormMapFile = 64,
+    kFormMesh = 128,
 };
 
 /// What decides whether a key applies: nothing, the surface's form, the texture's form, or the shading of such a
@@ -42,7 +43,7 @@ struct Key {
     Subject subject = Subject::none;
     std::uint32_t forms = 0;                 // bits of Form that it applies to, unless the subject is none
     Dimension dimension = Dimension::length; // of a quantity
-    Sign sign = Sign::any;                   // of a quantity
+    Sign sign = Sign::any;                   // of a quantity or number
     std::uint64_t largest = 0;               // of an integer; the smallest is 1
     std::span<const std::string_view> choices = {};
     std::uint32_t count = 1;  // components

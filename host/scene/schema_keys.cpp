@@ -2,7 +2,7 @@
 
 #include "host/scene/limits.h"
 #include "host/scene/scene.h"
-#include "host/scene/value.h"
+#include "host/scene/setters.h"
 #include "shaders/shared/layout.h"
 
 #include <array>
@@ -16,7 +16,9 @@ using Names = std::string_view;
 
 // Each list is in the order of its enumeration in scene.h.
 constexpr std::array<Names, 2> kFacetSpacings{"equal_arc", "equal_x"};
-constexpr std::array<Names, 3> kShadings{"none", "reference", "height_map"};
+constexpr std::array<Names, 7> kShadings{"none",        "reference",  "height_map", "morgenbesser",
+                                         "barycentric", "mean_value", "two_pass"};
+constexpr std::array<Names, 2> kTextureEffects{"force", "normal"};
 constexpr std::array<Names, 2> kDepthReadings{"vertical", "normal"};
 constexpr std::array<Names, 2> kReferenceDirections{"normal", "radial"};
 constexpr std::array<Names, 5> kChannels{"force", "depth", "facet", "proxy",
@@ -28,19 +30,9 @@ constexpr std::array<Names, 2> kPrecisions{"f32", "f64"};
 constexpr std::uint32_t kFormCircular = kFormMapCylinder | kFormMapDip;
 constexpr std::uint32_t kFormAnalytic = kFormCircular | kFormMapSine | kFormMapGaussian;
 
-template <typename Enum> Enum choice(const Value& value) {
-    return static_cast<Enum>(value.integers.at(0));
-}
-
-template <std::size_t n> std::array<double, n> components(const Value& value) {
-    std::array<double, n> result;
-    for (std::size_t i = 0; i < n; ++i)
-        result[i] = value.numbers.at(i);
-    return result;
-}
-
-void set_file(HeightMapSpec& map, const Value& value) {
-    map.function = MapFunction::file;
+template <typename Spec> void set_file(Spec& map, const Value& value) {
+    if constexpr (std::is_same_v<Spec, HeightMapSpec>)
+        map.function = MapFunction::file;
     map.file = value.texts.at(0);
     map.path = value.path;
     map.sha256 = value.sha256;
@@ -56,7 +48,7 @@ void add_surface(std::vector<Key>& keys) {
     keys.push_back(
         {"surface", "kind", ValueKind::choice, "\"bump\"",
          "what the probe touches: n facets on a plane (L1, L3, L4), plane and cylinder superposed (L2), or a plane "
-         "shaded by a height map (L5)",
+         "shaded by a height map (L5), or the facets of a polygon mesh (L6, L7)",
          [](Scene& s, const Value& v) { s.surface.kind = choice<SurfaceKind>(v); }});
     keys.back().choices = kSurfaceKinds;
     keys.push_back({.table = "surface",
@@ -124,7 +116,9 @@ void add_force(std::vector<Key>& keys) {
          .kind = ValueKind::choice,
          .default_text = "\"none\"",
          .doc = "where the force's direction comes from: the surface itself; the smooth cylinder (kind bump only); "
-                "the height map (kind height_map only)",
+                "the height map (kind height_map only); of a mesh its vertex normals, interpolated as in the paper, by "
+                "barycentric coordinates (triangles only), by mean value coordinates, or those with a force that is as "
+                "strong along the facet's normal as the unshaded one (Ruspini 1997)",
          .set = [](Scene& s, const Value& v) { s.force.shading = choice<Shading>(v); },
          .choices = kShadings});
     keys.push_back({.table = "force",
@@ -154,30 +148,33 @@ using SetMap = void (*)(Scene&, const Value&);
 struct MapSetters {
     SetMap function, file, size, height;
 };
+struct MapTexts {
+    std::string_view function, height; // defaults
+    std::string_view file;             // what the file is
+    std::uint32_t file_forms;
+};
 
-void add_map(std::vector<Key>& keys, std::string_view table, Subject subject, std::string_view function,
-             std::string_view height, const MapSetters& set) {
+void add_map(std::vector<Key>& keys, std::string_view table, Subject subject, const MapTexts& texts,
+             const MapSetters& set) {
     keys.push_back(
         {.table = table,
          .name = "function",
          .kind = ValueKind::choice,
-         .default_text = function,
+         .default_text = texts.function,
          .doc = "the height map U(x, y) (G3): a bump or dip of width and radius, height sin(2 pi x / width), or "
                 "height exp(-(x^2 + y^2) / radius^2); or give a file instead",
          .set = set.function,
          .subject = subject,
          .forms = kFormAnalytic,
          .choices = kMapFunctions});
-    keys.push_back(
-        {.table = table,
-         .name = "file",
-         .kind = ValueKind::file,
-         .default_text = "",
-         .doc = "an EXR or PNG image of the height map, relative to this TOML file or absolute, centred on the origin; "
-                "its row 0 is the largest y",
-         .set = set.file,
-         .subject = subject,
-         .forms = kFormMapFile});
+    keys.push_back({.table = table,
+                    .name = "file",
+                    .kind = ValueKind::file,
+                    .default_text = "",
+                    .doc = texts.file,
+                    .set = set.file,
+                    .subject = subject,
+                    .forms = texts.file_forms});
     keys.push_back({.table = table,
                     .name = "sha256",
                     .kind = ValueKind::digest,
@@ -185,7 +182,7 @@ void add_map(std::vector<Key>& keys, std::string_view table, Subject subject, st
                     .doc = "what the file's bytes must hash to; a list if `file` is one; left out: any",
                     .set = nullptr,
                     .subject = subject,
-                    .forms = kFormMapFile,
+                    .forms = texts.file_forms,
                     .axis = false});
     keys.push_back({.table = table,
                     .name = "size",
@@ -200,14 +197,28 @@ void add_map(std::vector<Key>& keys, std::string_view table, Subject subject, st
     keys.push_back({.table = table,
                     .name = "height",
                     .kind = ValueKind::quantity,
-                    .default_text = height,
+                    .default_text = texts.height,
                     .doc = "the peak of a sine or Gaussian; what an image's sample of 1 means",
                     .set = set.height,
                     .subject = subject,
                     .forms = kFormMapSine | kFormMapGaussian | kFormMapFile});
 }
 
+constexpr std::string_view kImageFile = "an EXR or PNG image of the height map, relative to this TOML file or "
+                                        "absolute, centred on the origin; its row 0 is "
+                                        "the largest y";
+
 void add_texture(std::vector<Key>& keys) {
+    keys.push_back({.table = "texture",
+                    .name = "effect",
+                    .kind = ValueKind::choice,
+                    .default_text = "\"force\"",
+                    .doc = "what the height map below does: add a tangential force (L8), or tilt the force as it would "
+                           "tilt the normals of a mesh, whose nominal surface stays as it is (L9)",
+                    .set = [](Scene& s, const Value& v) { s.texture->effect = choice<TextureEffect>(v); },
+                    .subject = Subject::texture,
+                    .forms = kFormAnalytic | kFormMapFile,
+                    .choices = kTextureEffects});
     keys.push_back({.table = "texture",
                     .name = "stiffness",
                     .kind = ValueKind::quantity,
@@ -218,7 +229,7 @@ void add_texture(std::vector<Key>& keys) {
                     .forms = kFormAnalytic | kFormMapFile,
                     .dimension = Dimension::stiffness,
                     .sign = Sign::not_negative});
-    add_map(keys, "texture", Subject::texture, "\"sine\"", "\"0.1 mm\"",
+    add_map(keys, "texture", Subject::texture, {"\"sine\"", "\"0.1 mm\"", kImageFile, kFormMapFile},
             {[](Scene& s, const Value& v) { s.texture->map.function = choice<MapFunction>(v); },
              [](Scene& s, const Value& v) { set_file(s.texture->map, v); },
              [](Scene& s, const Value& v) { s.texture->map.size = components<2>(v); },
@@ -256,6 +267,16 @@ void add_grid(std::vector<Key>& keys) {
                         },
                     .largest = kMostRows,
                     .count = 3});
+    keys.push_back({.table = "grid",
+                    .name = "samples",
+                    .kind = ValueKind::integer,
+                    .default_text = "128",
+                    .doc = "voxels along the longest side of a mesh's bounding box and 5 % more; the grid covers that "
+                           "box. Stands for size, origin and spacing",
+                    .set = [](Scene& s, const Value& v) { s.grid.samples = v.integers.at(0); },
+                    .subject = Subject::surface,
+                    .forms = kFormMesh,
+                    .largest = 65536});
     keys.push_back({.table = "grid",
                     .name = "origin",
                     .kind = ValueKind::quantity,
@@ -312,11 +333,18 @@ std::vector<Key> make_keys() {
     std::vector<Key> keys;
     add_surface(keys);
     add_facets(keys);
-    add_map(keys, "surface", Subject::surface, "\"cylinder\"", "\"1 mm\"",
+    add_map(keys, "surface", Subject::surface,
+            {"\"cylinder\"", "\"1 mm\"",
+             "of a height map an image (EXR or PNG), centred on the origin, its row 0 the largest y; of a mesh its "
+             "polygons (OBJ, OFF, PLY or STL); relative to this TOML file or absolute",
+             kFormMapFile | kFormMesh},
             {[](Scene& s, const Value& v) { s.surface.map.function = choice<MapFunction>(v); },
-             [](Scene& s, const Value& v) { set_file(s.surface.map, v); },
+             [](Scene& s, const Value& v) {
+                 s.surface.kind == SurfaceKind::mesh ? set_file(s.surface.mesh, v) : set_file(s.surface.map, v);
+             },
              [](Scene& s, const Value& v) { s.surface.map.size = components<2>(v); },
              [](Scene& s, const Value& v) { s.surface.map.height = v.numbers.at(0); }});
+    add_mesh_keys(keys);
     add_force(keys);
     add_texture(keys);
     add_grid(keys);

@@ -10,11 +10,14 @@
 namespace forceshade {
 
 // In the order of SurfaceKind and of MapFunction, of which the last is no function but a file.
-inline constexpr std::array<std::string_view, 3> kSurfaceKinds{"bump", "cylinder_bump", "height_map"};
+inline constexpr std::array<std::string_view, 4> kSurfaceKinds{"bump", "cylinder_bump", "height_map", "mesh"};
 inline constexpr std::array<std::string_view, 4> kMapFunctions{"cylinder", "dip", "sine", "gaussian"};
 
 inline constexpr std::uint32_t kFormBumps = kFormBump | kFormCylinderBump;
 
 std::vector<Key> make_keys();
+
+/// The keys of [surface] that a mesh alone has.
+void add_mesh_keys(std::vector<Key>& keys);
 
 } // namespace forceshade

@@ -16,6 +16,10 @@ std::string type_name(const Key& key) {
     switch (key.kind) {
     case ValueKind::quantity:
         return std::string(dimension_name(key.dimension));
+    case ValueKind::unit:
+        return fmt::format("unit of {}", dimension_name(key.dimension));
+    case ValueKind::number:
+        return "number";
     case ValueKind::integer:
         return "integer";
     case ValueKind::choice:
@@ -37,7 +41,7 @@ std::string describe_values(const Key& key) {
         text = fmt::format("{}{}", key.kind == ValueKind::choices ? "a list of " : "", fmt::join(key.choices, " | "));
     else if (key.kind == ValueKind::integer)
         text = fmt::format("integer, 1 to {}", key.largest);
-    else if (key.kind == ValueKind::quantity)
+    else if (key.kind == ValueKind::quantity || key.kind == ValueKind::number)
         text += key.sign == Sign::positive ? ", positive" : key.sign == Sign::not_negative ? ", not negative" : "";
     if (key.count > 1)
         text += fmt::format("; {}{} values", key.one_for_all ? "1 or " : "", key.count);

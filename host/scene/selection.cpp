@@ -34,6 +34,8 @@ std::uint32_t surface_form(const Value& kind, std::uint32_t map) {
         return kFormBump;
     case SurfaceKind::cylinder_bump:
         return kFormCylinderBump;
+    case SurfaceKind::mesh:
+        return kFormMesh;
     case SurfaceKind::height_map:
         break;
     }
@@ -59,12 +61,16 @@ Merged merge(std::initializer_list<const Layer*> layers) {
     Merged merged;
     for (const Entry& entry : default_entries())
         merged.entries.push_back(entry.values.empty() ? nullptr : &entry);
+    merged.ranks.resize(merged.entries.size());
+    int rank = 0;
     for (const Layer* layer : layers) {
+        ++rank;
         if (!layer)
             continue;
         merged.texture = merged.texture || layer->texture;
         for (const Entry& entry : layer->entries) {
             merged.entries[entry.key] = &entry;
+            merged.ranks[entry.key] = rank;
             for (std::size_t other = 0; other < merged.entries.size(); ++other)
                 if (replaces(entry.key, other))
                     merged.entries[other] = nullptr;
@@ -95,15 +101,33 @@ bool applies_to_any(const Key& key, const std::vector<Forms>& forms) {
     return std::any_of(forms.begin(), forms.end(), [&](const Forms& one) { return applies(key, one); });
 }
 
-void drop_inapplicable(Selection& selection, bool texture) {
+bool grid_fits_mesh(const Merged& merged) {
+    const int samples = merged.ranks[key_index("grid.samples")];
+    for (std::size_t key = 0; key < merged.ranks.size(); ++key)
+        if (schema_keys()[key].table == "grid" && merged.ranks[key] > samples)
+            return false;
+    return true;
+}
+
+void drop_inapplicable(Selection& selection, const Merged& merged) {
     const Selectors& s = selectors();
     const std::uint32_t map = selection[s.file] ? std::uint32_t{kFormMapFile} : map_form(*selection[s.function]);
     Forms forms{surface_form(*selection[s.kind], map), 0, is_reference(*selection[s.shading])};
-    if (texture)
+    if (merged.texture)
         forms.texture =
             selection[s.texture_file] ? std::uint32_t{kFormMapFile} : map_form(*selection[s.texture_function]);
     for (std::size_t i = 0; i < selection.size(); ++i)
         if (!applies(schema_keys()[i], forms))
+            selection[i] = nullptr;
+    const std::size_t samples = key_index("grid.samples");
+    if (!selection[samples])
+        return;
+    if (!grid_fits_mesh(merged)) {
+        selection[samples] = nullptr;
+        return;
+    }
+    for (std::size_t i = 0; i < selection.size(); ++i)
+        if (schema_keys()[i].table == "grid" && i != samples)
             selection[i] = nullptr;
 }
 

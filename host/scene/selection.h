@@ -14,6 +14,7 @@ namespace forceshade {
 /// file holds.
 struct Merged {
     std::vector<const Entry*> entries;
+    std::vector<int> ranks; // of the layer that gave the entry; 0: a default
     bool texture = false;
 };
 
@@ -29,8 +30,11 @@ bool applies_to_any(const Key& key, const std::vector<Forms>& forms);
 /// By key: the value, or null where the key does not apply.
 using Selection = std::vector<const Value*>;
 
-/// Takes away the values of keys that do not apply.
-void drop_inapplicable(Selection& selection, bool texture);
+/// Takes away the values of keys that do not apply; `selection` is one choice of what the merged layers allow.
+void drop_inapplicable(Selection& selection, const Merged& merged);
+
+/// True if a mesh's grid is made from its box: `samples` was given no earlier than the grid's other keys.
+bool grid_fits_mesh(const Merged& merged);
 
 /// Equal text if and only if the selections give the same scene.
 std::string identity(const Selection& selection);

@@ -158,7 +158,7 @@ private:
                 selection[axis.key] = &axis.values[rest % axis.values.size()];
                 rest /= axis.values.size();
             }
-            drop_inapplicable(selection, stack.merged.texture);
+            drop_inapplicable(selection, stack.merged);
             add_case(std::move(selection));
         }
     }

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <filesystem>
 
 #include <fmt/format.h>
@@ -81,6 +82,10 @@ private:
         switch (key_.kind) {
         case ValueKind::quantity:
             return read_quantity(node, value);
+        case ValueKind::unit:
+            return read_unit(node, value);
+        case ValueKind::number:
+            return read_number(node, value);
         case ValueKind::integer:
             return read_integer(node, value);
         case ValueKind::choice:
@@ -113,6 +118,36 @@ private:
             refuse(node, fmt::format("{} must not be negative, got {}", key_.name, node.text));
         value.numbers.push_back(number);
         value.texts.push_back(node.text);
+    }
+
+    // "mm", or as much of it as 1 means: "25 mm".
+    void read_unit(const TomlNode& node, Value& value) {
+        if (node.type != Type::string)
+            refuse(node, fmt::format("{} is the name of {} unit in quotes, for example \"mm\"; got {}", key_.name,
+                                     dimension_with_article(key_.dimension), describe(node)));
+        const bool has_number =
+            !node.text.empty() && (node.text.front() == '.' || (node.text.front() >= '0' && node.text.front() <= '9'));
+        double number = 0;
+        try {
+            number = parse_quantity(has_number ? node.text : "1 " + node.text, key_.dimension);
+        } catch (const UsageError& error) {
+            refuse(node, error.what());
+        }
+        if (!(number > 0))
+            refuse(node, fmt::format("{} must be positive, got {}", key_.name, node.text));
+        value.numbers.push_back(number);
+        value.texts.push_back(node.text);
+    }
+
+    void read_number(const TomlNode& node, Value& value) {
+        if (node.type != Type::integer && node.type != Type::real)
+            refuse(node, fmt::format("{} is a number without quotes; got {}", key_.name, describe(node)));
+        const double number = node.type == Type::integer ? static_cast<double>(node.integer) : node.real;
+        if (!std::isfinite(number) || (key_.sign == Sign::positive && !(number > 0)))
+            refuse(node, fmt::format("{} must be {}, got {}", key_.name,
+                                     key_.sign == Sign::positive ? "positive and finite" : "finite", number));
+        value.numbers.push_back(number);
+        value.texts.push_back(fmt::format("{}", number));
     }
 
     void read_integer(const TomlNode& node, Value& value) {
@@ -187,9 +222,9 @@ std::string plain_text(const Value& value, char separator) {
 std::string literal(const Key& key, const Value& value) {
     std::vector<std::string> parts;
     for (const std::string& text : value.texts)
-        parts.push_back(key.kind == ValueKind::integer ? text
-                        : key.kind == ValueKind::file  ? toml_string(base_name(text))
-                                                       : toml_string(text));
+        parts.push_back(key.kind == ValueKind::integer || key.kind == ValueKind::number ? text
+                        : key.kind == ValueKind::file                                   ? toml_string(base_name(text))
+                                                                                        : toml_string(text));
     if (value.one_for_all || (key.count == 1 && key.kind != ValueKind::choices))
         return parts.front();
     return fmt::format("[{}]", fmt::join(parts, ", "));

@@ -107,6 +107,8 @@ picture::SurfaceLines surface_lines(const PreparedCase& prepared) {
             lines.smooth =
                 curve(x, [&](double at) { return map_height(surface.map, prepared.images.map.get(), at, middle_y); });
         break;
+    case SurfaceKind::mesh:
+        break;
     }
     return lines;
 }

@@ -55,11 +55,12 @@ TEST(Document, IntegersAndChoices) {
     EXPECT_EQ(study_error("[grid]\nsize = [0, 1, 1]\n"), "f.toml:2:9: size must be from 1 to 1073741822, got 0");
     EXPECT_NE(study_error("[grid]\nsize = [18446744073709551616, 1, 1]\n").find("is not representable in 64 bits"),
               std::string::npos);
+    EXPECT_EQ(study_error("[force]\nshading = \"refrence\"\n"),
+              "f.toml:2:11: shading is one of none, reference, height_map, morgenbesser, barycentric, mean_value, "
+              "two_pass; got \"refrence\"; did you mean \"reference\"?");
     EXPECT_EQ(
-        study_error("[force]\nshading = \"refrence\"\n"),
-        "f.toml:2:11: shading is one of none, reference, height_map; got \"refrence\"; did you mean \"reference\"?");
-    EXPECT_EQ(study_error("[surface]\nkind = \"mesh\"\n"),
-              "f.toml:2:8: kind is one of bump, cylinder_bump, height_map; got \"mesh\"");
+        study_error("[surface]\nkind = \"meshes\"\n"),
+        "f.toml:2:8: kind is one of bump, cylinder_bump, height_map, mesh; got \"meshes\"; did you mean \"mesh\"?");
     EXPECT_EQ(study_error("[output]\nchannels = []\n"), "f.toml:2:12: empty list: channels needs at least one value");
     EXPECT_EQ(study_error("[output]\nchannels = [\"force\", \"depth\", \"depth\"]\n"),
               "f.toml:2:31: \"depth\" is given twice in channels");
