@@ -218,14 +218,14 @@ template <typename real> struct Law {
     std::span<const real> facet_vertices;    // m, n + 1 increasing x coordinates (bump only)
     std::span<const real> map_gradients;     // 1, rows * columns pairs (dU/dx, dU/dy), row 0 at the smallest y
     std::span<const real> texture_gradients; // likewise for the texture
-    MeshView<real> mesh;                     // kSurfaceMesh only; L9: params.map and map_gradients tilt its normals
+    MeshView<real> mesh{};                   // kSurfaceMesh only; L9: params.map and map_gradients tilt its normals
 };
 
 // A law over a grid.
 template <typename real> struct FieldInput {
     Law<real> law;
     std::span<const real> x, y, z; // m, sample coordinates, each rounded once from double; of a mesh in its own frame
-    MeshPlan plan;                 // of a mesh
+    MeshPlan plan{};               // of a mesh
 };
 
 // Consecutive rows of an evaluated field: z in [z_first, z_first + z_count), y likewise. Row r = (z - z_first) *
