@@ -1,0 +1,101 @@
+#include "host/explore/explore.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <unordered_map>
+
+#include <fmt/format.h>
+
+#include "host/explore/path_law.h"
+#include "host/explore/path_reader.h"
+#include "host/explore/path_writer.h"
+#include "host/interrupt.h"
+#include "host/norm.h"
+
+namespace forceshade {
+namespace {
+
+constexpr std::size_t kBatch = 4096; // samples between looks at the clock and for interrupts
+
+// Numbers paths by their first sample.
+class PathNumbers {
+public:
+    std::size_t operator()(std::uint64_t id) {
+        if (numbers_.empty() || id != last_id_) // most samples go on with the same path
+            last_number_ = numbers_.try_emplace(id, numbers_.size()).first->second;
+        last_id_ = id;
+        return last_number_;
+    }
+    std::size_t size() const { return numbers_.size(); }
+
+private:
+    std::unordered_map<std::uint64_t, std::size_t> numbers_;
+    std::uint64_t last_id_ = 0;
+    std::size_t last_number_ = 0;
+};
+
+template <typename T> class Exploration {
+public:
+    Exploration(const PreparedCase& prepared, const std::filesystem::path& paths, const std::filesystem::path& out)
+        : law_(make_path_law<T>(prepared)), reader_(paths, law_->largest_coordinate()), writer_(out) {}
+
+    ExploreResult run(const ExploreProgress& progress) {
+        for (reader_.read(samples_, kBatch); !samples_.empty(); reader_.read(samples_, kBatch)) {
+            check_interrupt();
+            evaluate();
+            for (std::size_t i = 0; i < samples_.size(); ++i)
+                add(samples_[i], felt_[i]);
+            progress(reader_.csv().bytes_read(), reader_.csv().bytes());
+        }
+        if (reader_.csv().ends_open())
+            result_.warnings.push_back(
+                location_prefix(reader_.csv().source(), reader_.csv().end()) +
+                "the last line has no line feed: if the file was cut off, its last number may be too");
+        writer_.publish();
+        result_.paths = numbers_.size();
+        return result_;
+    }
+
+private:
+    void evaluate() {
+        const auto start = std::chrono::steady_clock::now();
+        felt_.clear();
+        for (const PathSample& sample : samples_)
+            felt_.push_back(law_->at(numbers_(sample.path), sample.probe));
+        result_.law_seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    }
+
+    void add(const PathSample& sample, const PathContact<T>& felt) {
+        const reference::Vector<T>& force = felt.contact.force;
+        const double size = norm(double(force.x), double(force.y), double(force.z));
+        if (!std::isfinite(size))
+            fail(reader_.csv().source(), {sample.line, 1},
+                 fmt::format("the force at ({}, {}, {}) m is no finite number of this precision", sample.probe.x,
+                             sample.probe.y, sample.probe.z));
+        ++result_.samples;
+        result_.in_contact += felt.contact.facet != layout::kNoFacet;
+        result_.unfinished += !felt.finished;
+        result_.largest_force = std::max(result_.largest_force, size);
+        writer_.add(sample, felt.contact);
+    }
+
+    std::unique_ptr<PathLaw<T>> law_;
+    PathReader reader_;
+    PathWriter writer_;
+    PathNumbers numbers_;
+    std::vector<PathSample> samples_;
+    std::vector<PathContact<T>> felt_;
+    ExploreResult result_;
+};
+
+} // namespace
+
+ExploreResult explore(const PreparedCase& prepared, const std::filesystem::path& paths,
+                      const std::filesystem::path& out, const ExploreProgress& progress) {
+    if (prepared.one.scene.precision == Precision::f32)
+        return Exploration<float>(prepared, paths, out).run(progress);
+    return Exploration<double>(prepared, paths, out).run(progress);
+}
+
+} // namespace forceshade
