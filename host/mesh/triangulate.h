@@ -1,0 +1,28 @@
+// The triangles that stand for polygon facets: the contact surface of a mesh.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "host/mesh/mesh.h"
+
+namespace forceshade {
+
+struct Triangles {
+    std::vector<std::array<std::uint32_t, 3>> corners; /* vertices, wound as their facet */
+    std::vector<std::uint32_t> facets;                 /* of each triangle, ascending */
+};
+
+/// K - 2 triangles for each facet of K corners, the same ones in every run:
+/// - a triangle as it is, from its first corner;
+/// - a convex quadrilateral cut along its shorter diagonal, along the one from its first corner if they are equal; one
+///   with a reflex or straight corner, from that corner;
+/// - more corners: the constrained Delaunay triangulation of the facet's projection along its Newell normal;
+/// - a fan from the first corner where that is impossible: the projection crosses or touches itself, or the facet has
+///   no area.
+/// \param facet_normals unit Newell normals, 0 where a facet has no area
+Triangles triangulate(const PolygonSoup& polygons, std::span<const glm::dvec3> facet_normals);
+
+} // namespace forceshade

@@ -1,0 +1,27 @@
+// Polygons from OBJ, OFF, PLY and STL files, every coordinate as the double that is nearest to what the file says.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "host/mesh/mesh.h"
+
+namespace forceshade {
+
+struct PolygonFile {
+    PolygonSoup polygons; /* in the file's unit */
+    std::string sha256;   /* of the file's bytes, 64 hex digits */
+    std::string format;   /* "OBJ", "OFF", "PLY (binary, little endian)", ... */
+};
+
+/// Reads OBJ, OFF, PLY (text, and binary of both byte orders) or STL (text or binary) of up to 4 GiB. Facets keep their
+/// corners and their order, vertices theirs; STL, which has no vertices of its own, gets one for each distinct corner
+/// (bit for bit, -0 being 0), in the order of first use. Normals, colours and everything else are left out. Nothing is
+/// repaired and nothing dropped: where a file breaks off, announces more than it can hold or holds more than it
+/// announces, it is refused.
+/// \throws IoError a missing, unreadable, empty, truncated or damaged file, with file:line where it is text
+/// \throws UsageError an extension that is none of the four or not that of the contents, a coordinate that is not
+///         finite (with its vertex), a flavour of a format that is not read (binary OFF, triangle strips)
+PolygonFile read_polygons(const std::filesystem::path& path);
+
+} // namespace forceshade
