@@ -95,8 +95,50 @@ FS_CONSTANT kMeshLeafTriangles = 8u; // most triangles of a leaf
 // triangle_neighbours: what lies across an edge.
 FS_CONSTANT kMeshBorder = 0xFFFFFFFFu;  // nothing
 FS_CONSTANT kMeshManyBit = 0x80000000u; // not exactly one triangle: the low bits index edge_pseudonormals
+// What of a triangle the nearest point lies on: its face, edge i as kMeshEdge + i, corner i as kMeshCorner + i.
+FS_CONSTANT kMeshFace = 0u;
+FS_CONSTANT kMeshEdge = 1u;
+FS_CONSTANT kMeshCorner = 4u;
 // A mesh field is evaluated in blocks of so many voxels along each axis.
-FS_CONSTANT kMeshBlock = 4u;
+FS_CONSTANT kMeshBlock = 2u;
+
+// Bindings of the mesh kernel, all storage buffers in set 0. Sixteen, as many as a plain device may have.
+FS_CONSTANT kMeshBindLaw = 0u;
+FS_CONSTANT kMeshBindAxes = 1u;
+FS_CONSTANT kMeshBindMapGradients = 2u;
+FS_CONSTANT kMeshBindTextureGradients = 3u;
+FS_CONSTANT kMeshBindRecords = 4u;   // 3 vectors a triangle: corners in order of (x, y, z), and its normal
+FS_CONSTANT kMeshBindTriangles = 5u; // 8 words a triangle: corners, facet, neighbours
+FS_CONSTANT kMeshBindVertices = 6u;  // 9 reals a vertex: position, pseudonormal, normal
+FS_CONSTANT kMeshBindNormals = 7u;   // 3 reals a facet; then 3 an edge that has a pseudonormal of its own
+FS_CONSTANT kMeshBindFacets = 8u;    // where each facet's corners begin, and the end; then the corners
+FS_CONSTANT kMeshBindPlan = 9u;      // kMeshBlockWords a block; then the candidates
+FS_CONSTANT kMeshBindStatus = 10u;
+FS_CONSTANT kMeshBindForce = 11u;
+FS_CONSTANT kMeshBindDepth = 12u;
+FS_CONSTANT kMeshBindFacet = 13u;
+FS_CONSTANT kMeshBindProxy = 14u;
+FS_CONSTANT kMeshBindUnshaded = 15u;
+FS_CONSTANT kMeshBindCount = 16u;
+
+// Specialization constants of the mesh kernel.
+FS_CONSTANT kMeshSpecLocalX = 0u;
+FS_CONSTANT kMeshSpecShading = 1u;
+FS_CONSTANT kMeshSpecInside = 2u;
+FS_CONSTANT kMeshSpecMap = 3u;
+FS_CONSTANT kMeshSpecTexture = 4u;
+FS_CONSTANT kMeshSpecChannels = 5u;
+FS_CONSTANT kMeshSpecFree = 6u; // 1: only the proxies of free voxels
+FS_CONSTANT kMeshSpecCount = 7u;
+
+// A block on the device: x, y, z of its first voxel within the chunk, first candidate, their count, voxels inside.
+FS_CONSTANT kMeshBlockWords = 6u;
+// A candidate on the device: the triangle's place in the order of (facet, triangle), so that the lower word wins a tie;
+// whether its sorted corners turn the other way; which sorted corner is its first; which sorted edge is its longest.
+FS_CONSTANT kMeshCandidateShift = 5u;
+FS_CONSTANT kMeshCandidateTurned = 1u;
+FS_CONSTANT kMeshCandidateFirst = 1u;   // shift of 2 bits
+FS_CONSTANT kMeshCandidateLongest = 3u; // shift of 2 bits
 
 // Bits a kernel raises in its status word.
 FS_CONSTANT kStatusUnfinished = 1u; // a loop ended before its work was done
@@ -152,6 +194,25 @@ FS_STRUCT MeshParams {
     uint zero; // 0, for kernels whose compiler must not know it
 };
 
+// What a mesh kernel reads of its law: L8 and L9, and the mesh's frame.
+FS_STRUCT MeshLawParams {
+    FS_REAL_STRUCT(LawParams) law;
+    FS_REAL_STRUCT(MeshParams) mesh;
+};
+
+// What one dispatch of the mesh kernel covers, as push constants.
+struct MeshChunkParams {
+    uint x_pitch; // the samples of a row, rounded up to whole blocks
+    uint y_first;
+    uint y_count;
+    uint y_axis; // where the y coordinates begin in the axis table
+    uint z_first;
+    uint z_count;
+    uint z_axis;     // where the z coordinates begin in the axis table
+    uint blocks;     // listed
+    uint candidates; // where they begin in the plan, in words
+};
+
 // Four children of the tree over the triangles: bounds in the mesh's frame, rounded outwards, the same in every
 // precision.
 struct MeshNode {
@@ -174,6 +235,15 @@ struct MeshBlock {
 };
 
 #ifdef __cplusplus
+// The triangles below a node as seen from far away, for the winding number: sums over them with centroid c and vector
+// area a (half the cross product of two edges), about the centre.
+struct MeshMoment {
+    double centre[3];     // 1, of the mesh's frame: mean of the centroids, weighted by area
+    double radius;        // 1: no triangle reaches further from the centre
+    double dipole[3];     // sum of a
+    double quadrupole[9]; // sum of a_i (c - centre)_j, row i
+};
+
 // A mesh ready to evaluate, in its own frame. Triangles stand in the tree's order; the spans must outlive it.
 template <typename real> struct MeshView {
     MeshParams<real> params{};
@@ -189,13 +259,16 @@ template <typename real> struct MeshView {
     std::span<const uint> facet_corners;        // vertices
     std::span<const real> facet_normals;        // 3 a facet: unit Newell normal, 0 where it has no area
     std::span<const real> vertex_normals;       // 3 a vertex: unit, what L7 interpolates; 0 where they cancel
+    // For the winding number (host only); empty unless asked for.
+    std::span<const MeshMoment> moments; // 1 a node
+    std::span<const uint> rims;          // 3 an edge where the surface ends: its vertices, how often more one way
 };
 
 // Where a mesh's force is, on one grid. Voxels of blocks that are not listed are out of contact.
 struct MeshPlan {
     std::span<const MeshBlock> blocks; // by z, then y, then x
     std::span<const uint> candidates;  // triangles
-    std::span<const uint> inside;      // kInsideWinding: 2 words a block, bit (z * 4 + y) * 4 + x of each voxel
+    std::span<const uint> inside;      // kInsideWinding: 1 word a block, bit (z * 2 + y) * 2 + x of each voxel
 };
 
 // What a scene uses; everything else is left out of the compiled kernel.
