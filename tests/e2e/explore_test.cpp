@@ -1,0 +1,172 @@
+// Probes along recorded paths, from the command line: streams, refusals, memory, interrupts.
+#include <csignal>
+#include <thread>
+
+#include <fmt/format.h>
+
+#include "tests/e2e/workplace.h"
+
+namespace forceshade::testing {
+namespace {
+
+constexpr std::uint64_t kMebibyte = 1 << 20;
+
+class Explore : public Workplace {
+protected:
+    Explore() {
+        write("scene.toml", "[surface]\nfacets = 3\n[force]\nshading = \"reference\"\n");
+        write("in.csv",
+              "path,t,x,y,z\n3,0,0.004,0,0.001\n3,0.001,0.005,0,0.001\n5,0,0,0,0.1\n3,0.002,-0.02,0,-0.001\n");
+    }
+    static std::vector<std::string> arguments(std::vector<std::string> further = {}) {
+        std::vector<std::string> all{"explore", "scene.toml", "--paths",  "in.csv",
+                                     "--out",   "out.csv",    "--engine", "cpu"};
+        all.insert(all.end(), further.begin(), further.end());
+        return all;
+    }
+    void expect_refused(std::vector<std::string> arguments, const std::vector<std::string>& words, int code = 2) const {
+        const Tree before = tree_of(folder_.path());
+        expect_failure(code, std::move(arguments), words);
+        EXPECT_EQ(differences(before, tree_of(folder_.path())), std::set<std::string>{});
+    }
+    // `count` rows on four paths, quickly made.
+    void write_long(const std::string& name, int count) const {
+        std::string rows, text = "path,t,x,y,z\n";
+        for (int i = 0; i < 1000; ++i)
+            rows += fmt::format("{},{},{},0.001234567,-0.000123456789\n", i % 4, i, (i - 500) * 3.3e-5);
+        for (int i = 0; i < count / 1000; ++i)
+            text += rows;
+        write(name, text);
+    }
+};
+
+TEST_F(Explore, writes_what_was_felt_and_says_so) {
+    const Outcome outcome = expect_success(arguments());
+    EXPECT_EQ(outcome.out, "") << "data only goes to stdout";
+    for (const char* word :
+         {"out.csv: 4 samples on 2 paths, 75 % in contact, largest force ", " N, ", " ns a sample\n"})
+        EXPECT_NE(outcome.error.find(word), std::string::npos) << outcome.error;
+    const std::string text = read_text(path("out.csv"));
+    EXPECT_TRUE(text.starts_with("path,t,x,y,z,gx,gy,gz,fx,fy,fz,depth,facet\n3,0,0.004,0,0.001,0.004,0,")) << text;
+    EXPECT_NE(text.find("\n5,0,0,0,0.1,0,0,0.1,0,0,0,0,-1\n3,0.002,-0.02,"), std::string::npos) << text;
+    EXPECT_EQ(expect_success(arguments({"--quiet"})).error, "");
+    EXPECT_EQ(read_text(path("out.csv")), text) << "the same bytes in every run";
+    EXPECT_EQ(temporaries_in(folder_.path()), std::vector<std::string>{});
+}
+
+TEST_F(Explore, takes_the_precision_that_is_asked_for) {
+    expect_success(arguments({"--precision", "f32"}));
+    const std::string single = read_text(path("out.csv"));
+    expect_success(arguments());
+    EXPECT_EQ(read_text(path("out.csv")), single) << "a scene's own is f32";
+    expect_success(arguments({"--precision", "f64"}));
+    EXPECT_GT(read_text(path("out.csv")).size(), single.size() + 20) << "doubles have more digits";
+}
+
+TEST_F(Explore, prints_json_if_asked) {
+    const nlohmann::json said = nlohmann::json::parse(expect_success(arguments({"--json"})).out);
+    EXPECT_EQ(said["samples"], 4);
+    EXPECT_EQ(said["paths"], 2);
+    EXPECT_EQ(said["samples_in_contact"], 3);
+    EXPECT_EQ(said["contact_share"], 0.75);
+    EXPECT_EQ(said["unfinished"], 0);
+    EXPECT_GT(said["largest_force_N"], 1);
+    EXPECT_LT(said["seconds_per_sample"], 1e-3);
+}
+
+TEST_F(Explore, needs_to_be_told_that_the_cpu_is_meant) {
+    auto plain = arguments();
+    plain.resize(plain.size() - 2);
+    expect_refused(plain, {"no kernel for a GPU yet", "--engine cpu"});
+    expect_refused(arguments({"--gpu", "0"}), {"--gpu"});
+    plain.insert(plain.end(), {"--gpu", "llvmpipe"});
+    expect_refused(plain, {"--engine cpu"});
+}
+
+TEST_F(Explore, refuses_names_that_it_cannot_write) {
+    auto to = [](const std::string& out) {
+        auto all = arguments();
+        all[5] = out;
+        return all;
+    };
+    expect_refused(to("out.exr"), {"out.exr", "OpenEXR yet", ".csv"});
+    expect_refused(to("out"), {"--out out", ".csv"});
+    expect_refused(to("in.csv"), {"in.csv", "read", "another name"});
+    expect_refused(to(path("in.csv").string()), {"another name"});
+    std::filesystem::create_symlink("in.csv", path("link.csv"));
+    expect_refused(to("link.csv"), {"link.csv", "another name"});
+    expect_refused(to("nosuch/out.csv"), {"nosuch/out.csv"}, 4);
+    std::filesystem::create_directory(path("folder.csv"));
+    expect_refused(to("folder.csv"), {"folder.csv"}, 4);
+}
+
+TEST_F(Explore, refuses_paths_that_are_none) {
+    auto from = [](const std::string& paths) {
+        auto all = arguments();
+        all[3] = paths;
+        return all;
+    };
+    expect_refused(from("nosuch.csv"), {"nosuch.csv"}, 4);
+    expect_refused(from("."), {"regular file"}, 4);
+    expect_refused(from("scene.toml"), {"scene.toml:1:1: the header lacks"});
+    write("bad.csv", "path,t,x,y,z\n0,0,0,0,0\n0,0,nan,0,0\n");
+    expect_refused(from("bad.csv"), {"error: bad.csv:3:5: x: \"nan\" is not finite"});
+    write("far.csv", "path,t,x,y,z\n0,0,0,1e20,0\n");
+    expect_refused(from("far.csv"), {"error: far.csv:2:7: y: 1e+20 m is too far away"});
+    expect_refused({"explore", "scene.toml", "--out", "out.csv", "--engine", "cpu"}, {"--paths"});
+    write("axis.toml", "[surface]\nfacets = [1, 2]\n");
+    expect_refused({"explore", "axis.toml", "--paths", "in.csv", "--out", "out.csv", "--engine", "cpu"},
+                   {"axis.toml:2"});
+}
+
+TEST_F(Explore, warns_of_a_file_that_may_be_cut_off) {
+    write("in.csv", "path,t,x,y,z\n0,0,0,0,-0.001");
+    EXPECT_NE(expect_success(arguments()).error.find("warning: in.csv:2:15: the last line has no line feed"),
+              std::string::npos);
+    EXPECT_EQ(expect_success(arguments({"--quiet"})).error, "");
+}
+
+TEST_F(Explore, of_a_million_samples_takes_no_more_memory_than_of_a_few) {
+    write_long("in.csv", 100000);
+    const std::uint64_t few = expect_success(arguments()).peak_memory;
+    write_long("in.csv", 1000000);
+    const Outcome many = expect_success(arguments());
+    EXPECT_LT(many.peak_memory, few + 2 * kMebibyte);
+    EXPECT_LT(many.peak_memory, 64 * kMebibyte);
+    EXPECT_NE(many.error.find("1000000 samples on 4 paths"), std::string::npos) << many.error;
+}
+
+TEST_F(Explore, shows_progress_of_a_large_file_in_lines) {
+    write_long("in.csv", 2000000);
+    const std::string error = expect_success(arguments()).error;
+    EXPECT_NE(error.find(" MB in 0:"), std::string::npos) << error;
+    EXPECT_EQ(error.find('\r'), std::string::npos);
+}
+
+TEST_F(Explore, leaves_nothing_when_interrupted) {
+    write_long("in.csv", 4000000);
+    for (const int signal : {SIGINT, SIGTERM}) {
+        Process process(launch(arguments()));
+        while (process.running() && temporaries_in(folder_.path()).empty())
+            std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        std::this_thread::sleep_for(std::chrono::milliseconds(50));
+        process.send(signal);
+        const Outcome outcome = process.wait();
+        EXPECT_EQ(outcome.code, 130) << outcome.error;
+        EXPECT_LT(outcome.seconds, 5);
+        EXPECT_EQ(temporaries_in(folder_.path()), std::vector<std::string>{});
+        EXPECT_FALSE(std::filesystem::exists(path("out.csv")));
+    }
+}
+
+TEST_F(Explore, says_that_a_disk_is_full) {
+    write_long("in.csv", 100000);
+    Launch launch = this->launch(arguments());
+    launch.most_file_bytes = kMebibyte;
+    expect_failure(4, launch, {"out.csv"});
+    EXPECT_EQ(temporaries_in(folder_.path()), std::vector<std::string>{});
+    EXPECT_FALSE(std::filesystem::exists(path("out.csv")));
+}
+
+} // namespace
+} // namespace forceshade::testing

@@ -1,0 +1,130 @@
+// Rows into samples, and every way in which a file can fail to hold them.
+#include <cmath>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "host/explore/path_reader.h"
+#include "tests/explore/path_workplace.h"
+
+namespace forceshade::testing {
+namespace {
+
+class PathFile : public PathWorkplace {
+protected:
+    std::vector<PathSample> samples(const std::string& text, std::size_t most = 1000) const {
+        PathReader reader(write("in.csv", text), 1e15);
+        std::vector<PathSample> all, some;
+        for (reader.read(some, most); !some.empty(); reader.read(some, most))
+            all.insert(all.end(), some.begin(), some.end());
+        return all;
+    }
+    /// What is said about a file that is refused, without the folder.
+    std::string complaint(const std::string& text) const {
+        const std::string message = message_of<UsageError>([&] { samples(text); });
+        const std::string prefix = path("in.csv").string();
+        EXPECT_TRUE(message.starts_with(prefix)) << text << ": " << message;
+        return message.substr(std::min(prefix.size(), message.size()));
+    }
+    void expect(const std::string& text, const std::string& where, const std::vector<std::string>& words) const {
+        const std::string said = complaint(text);
+        EXPECT_TRUE(said.starts_with(where)) << said;
+        for (const std::string& word : words)
+            EXPECT_NE(said.find(word), std::string::npos) << "no " << word << " in " << said;
+    }
+    static std::string row(const std::string& cells) { return "path,t,x,y,z\n0,0,0,0,0\n" + cells; }
+};
+
+TEST_F(PathFile, is_read_in_any_order_of_columns) {
+    for (const char* text :
+         {"path,t,x,y,z\n7,0.5,1,-2,3e-3\n", "z,note,y,x,t,path\n3e-3,\"a,b\",-2,1,0.5,7\n",
+          "path,t,x,y,z,gx,x2,note,note\n 7 ,+0.5,\"1\",-2.000,.003,nan,,,\n", "path,t,x,y,z\n7.0e0,0.5,1,-2,3e-3"}) {
+        const std::vector<PathSample> read = samples(text);
+        ASSERT_EQ(read.size(), 1u) << text;
+        EXPECT_EQ(read[0].path, 7u);
+        EXPECT_EQ(read[0].time, 0.5);
+        EXPECT_EQ(read[0].probe, glm::dvec3(1, -2, 0.003));
+        EXPECT_EQ(read[0].line, 2u);
+    }
+}
+
+TEST_F(PathFile, gives_every_double_and_every_path_number) {
+    const auto read = samples("path,t,x,y,z\n18446744073709551615,0.1,4.9406564584124654e-324,-0,"
+                              "0.1000000000000000055511151231257827\n");
+    EXPECT_EQ(read[0].path, std::numeric_limits<std::uint64_t>::max());
+    EXPECT_EQ(read[0].probe.x, std::numeric_limits<double>::denorm_min());
+    EXPECT_TRUE(std::signbit(read[0].probe.y));
+    EXPECT_EQ(read[0].probe.z, 0.1);
+}
+
+TEST_F(PathFile, is_read_in_batches_of_any_size) {
+    std::string text = "path,t,x,y,z\n";
+    for (int i = 0; i < 100; ++i)
+        text += fmt::format("{},0,{},0,0\n", i % 3, i);
+    for (const std::size_t most : {1, 7, 100, 1000}) {
+        const auto read = samples(text, most);
+        ASSERT_EQ(read.size(), 100u);
+        for (std::size_t i = 0; i < 100; ++i)
+            EXPECT_EQ(read[i].probe.x, double(i));
+    }
+}
+
+TEST_F(PathFile, needs_a_header_and_a_sample) {
+    expect("", ": ", {"is empty", "path,t,x,y,z"});
+    expect("\n\n", ": ", {"is empty"});
+    expect("path,t,x,y,z\n", ": ", {"no sample below the header"});
+    expect("path,t,x,y,z", ": ", {"no sample below the header"});
+    expect("path,t,x,y\n0,0,0,0\n", ":1:1: ", {"lacks column \"z\"", "\"path,t,x,y\""});
+    expect("0,0,0,0,0\n", ":1:1: ", {"lacks columns \"path\", \"t\", \"x\", \"y\", \"z\""});
+    expect("path,t,X,y,z\n0,0,0,0,0\n", ":1:1: ", {"lacks column \"x\"", "\"X\" there is meant"});
+    expect("pth,t,x,y,z\n0,0,0,0,0\n", ":1:1: ", {"lacks column \"path\"", "\"pth\" there is meant"});
+    expect("path;t;x;y;z\n0;0;0;0;0\n", ":1:1: ", {"semicolons"});
+    expect("path\tt\tx\ty\tz\n0\t0\t0\t0\t0\n", ":1:1: ", {"tabs"});
+    expect("path,t,x,y,x,z\n0,0,0,0,0,0\n", ":1:12: ", {"two columns \"x\""});
+}
+
+TEST_F(PathFile, has_as_many_cells_in_every_row) {
+    expect(row("1,2,3,4\n"), ":3:8: ", {"4 cells", "5", "header"});
+    expect(row("1,2,3,4,5,6\n"), ":3:11: ", {"6 cells", "decimal commas"});
+    expect(row("1,0,1\n"), ":3:6: ", {"3 cells"});
+    expect(row("1,0,1"), ":3:6: ", {"3 cells", "cut off"});
+    expect(row("   \n"), ":3:4: ", {"1 cell in"});
+    expect(row(std::string("\0\0\0\n", 4)), ":3:", {"1 cell"});
+}
+
+TEST_F(PathFile, holds_finite_numbers_only) {
+    expect(row("1,0,0.1,,0\n"), ":3:9: y: ", {"empty", "metres"});
+    expect(row("1,,0.1,0,0\n"), ":3:3: t: ", {"empty", "seconds"});
+    expect(row("1,0,nan,0,0\n"), ":3:5: x: ", {"\"nan\"", "not finite"});
+    expect(row("1,-inf,0,0,0\n"), ":3:3: t: ", {"not finite"});
+    expect(row("1,0,0,0,Infinity\n"), ":3:9: z: ", {"not finite"});
+    expect(row("1,0,1e400,0,0\n"), ":3:5: x: ", {"\"1e400\"", "beyond double precision", "1.8e308"});
+    expect(row("1,0,1e-400,0,0\n"), ":3:5: x: ", {"beyond double precision", "4.9e-324"});
+    expect(row("1,0,1e300,0,0\n"), ":3:5: x: ", {"1e+300", "too far away", "1e+15 m"});
+    expect(row("1,0,0x10,0,0\n"), ":3:5: x: ", {"no number"});
+    expect(row("1,0,1mm,0,0\n"), ":3:5: x: ", {"\"1mm\"", "no number", "metres"});
+    expect(row("1,0,+-1,0,0\n"), ":3:5: x: ", {"no number"});
+    expect(row("1,0,-,0,0\n"), ":3:5: x: ", {"no number"});
+    expect(row("1,0,1 2,0,0\n"), ":3:5: x: ", {"no number"});
+    expect(row("1,0,\"0,5\",0,0\n"), ":3:5: x: ", {"\"0,5\"", "no number"});
+    expect(row(std::string("1,0,\x1B[31m,0,0\n")), ":3:5: x: ", {"\"?[31m\""});
+    expect(row("1,0," + std::string(100, 'a') + ",0,0\n"), ":3:5: x: ", {std::string(40, 'a') + "...\""});
+}
+
+TEST_F(PathFile, numbers_its_paths) {
+    expect(row("-1,0,0,0,0\n"), ":3:1: path: ", {"negative"});
+    expect(row("1.5,0,0,0,0\n"), ":3:1: path: ", {"not whole"});
+    expect(row("1e300,0,0,0,0\n"), ":3:1: path: ", {"too large"});
+    expect(row("18446744073709551616,0,0,0,0\n"), ":3:1: path: ", {"too large"});
+    expect(row(",0,0,0,0\n"), ":3:1: path: ", {"empty"});
+    expect(row("a,0,0,0,0\n"), ":3:1: path: ", {"no number", "whole number"});
+    expect(row("nan,0,0,0,0\n"), ":3:1: path: ", {"not finite"});
+}
+
+TEST_F(PathFile, is_there) {
+    EXPECT_NE(message_of<IoError>([&] { PathReader(path("nosuch.csv"), 1); }).find("nosuch.csv"), std::string::npos);
+    EXPECT_NE(message_of<IoError>([&] { PathReader(folder_.path(), 1); }), "");
+}
+
+} // namespace
+} // namespace forceshade::testing

@@ -1,0 +1,76 @@
+// A folder with paths, scenes to take them through, and what was written read back.
+#pragma once
+
+#include <charconv>
+#include <fstream>
+#include <map>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "host/error.h"
+#include "host/explore/explore.h"
+#include "tests/io/folder.h"
+
+namespace forceshade::testing {
+
+/// A number as it was written, in the precision that it was written in; it must be the whole of the text.
+template <typename T> T number_in(const std::string& text) {
+    T value{};
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    EXPECT_TRUE(error == std::errc() && end == text.data() + text.size()) << text;
+    return value;
+}
+
+class PathWorkplace : public ::testing::Test {
+protected:
+    std::filesystem::path path(const std::string& name) const { return folder_ / name; }
+
+    std::filesystem::path write(const std::string& name, const std::string& text) const {
+        std::ofstream(path(name), std::ios::binary) << text;
+        return path(name);
+    }
+    std::string read(const std::string& name) const {
+        std::ifstream file(path(name), std::ios::binary);
+        std::ostringstream text;
+        text << file.rdbuf();
+        return text.str();
+    }
+
+    PreparedCase prepare(const std::string& scene, Precision precision = Precision::f64) const {
+        const std::vector<Override> replaced{{"run.precision", precision == Precision::f32 ? "f32" : "f64"}};
+        return CasePreparation().prepare(parse_scene(scene, "scene", folder_.path(), replaced));
+    }
+
+    ExploreResult explore(const PreparedCase& prepared, const std::string& paths,
+                          const std::string& out = "out.csv") const {
+        return forceshade::explore(prepared, path(paths), path(out), [](std::uint64_t, std::uint64_t) {});
+    }
+
+    /// The text that a scene makes of a text.
+    std::string felt(const PreparedCase& prepared, const std::string& paths) const {
+        write("in.csv", paths);
+        explore(prepared, "in.csv");
+        return read("out.csv");
+    }
+
+    Folder folder_;
+};
+
+/// The lines of a text below its header, split at commas.
+inline std::vector<std::vector<std::string>> rows_of(const std::string& text) {
+    std::vector<std::vector<std::string>> rows;
+    std::istringstream lines(text);
+    std::string line;
+    for (std::getline(lines, line); std::getline(lines, line);) {
+        std::istringstream cells(line);
+        rows.emplace_back();
+        for (std::string cell; std::getline(cells, cell, ',');)
+            rows.back().push_back(cell);
+    }
+    return rows;
+}
+
+} // namespace forceshade::testing

@@ -1,0 +1,223 @@
+// Laws without history along paths: the same as evaluated directly, whatever the shape of the file.
+#include <cmath>
+#include <cstring>
+#include <random>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "host/explore/path_writer.h"
+#include "tests/explore/path_workplace.h"
+#include "tests/io/picture.h"
+
+namespace forceshade::testing {
+namespace {
+
+const char* const kHeader = "path,t,x,y,z,gx,gy,gz,fx,fy,fz,depth,facet\n";
+
+template <typename T> bool same_bits(T a, T b) {
+    return std::memcmp(&a, &b, sizeof a) == 0;
+}
+
+class SurfacePath : public PathWorkplace {
+protected:
+    SurfacePath() {
+        std::mt19937_64 random(1996);
+        const auto between = [&](double low, double high) {
+            return std::lerp(low, high, static_cast<double>(random() >> 11) / 0x1p53);
+        };
+        text_ = "path,t,x,y,z\n";
+        for (int i = 0; i < 9000; ++i) { // more than two batches
+            probes_.push_back({between(-0.016, 0.016), between(-0.013, 0.013), between(-0.005, 0.006)});
+            text_ += fmt::format("{},{},{},{},{}\n", i % 5, i * 1e-3, probes_[i].x, probes_[i].y, probes_[i].z);
+        }
+    }
+
+    std::vector<std::string> scenes() const {
+        const std::string texture =
+            "[texture]\nstiffness = \"0.2 N/mm\"\nfunction = \"sine\"\nwidth = \"2 mm\"\nheight = \"0.1 mm\"\n";
+        const std::string map = "[surface]\nkind = \"height_map\"\n", shaded = "[force]\nshading = \"height_map\"\n";
+        std::vector<std::vector<png_byte>> rows(4, {0, 100, 200, 50});
+        write_png(path("map.png"), 4, rows);
+        return {
+            "[surface]\nfacets = 1\n",
+            "[surface]\nfacets = 3\n[force]\nshading = \"reference\"\n" + texture,
+            "[surface]\nfacets = 16\n[force]\ndepth = \"normal\"\n",
+            "[surface]\nfacets = 4\n[force]\nshading = \"reference\"\nreference = \"radial\"\n",
+            "[surface]\nkind = \"cylinder_bump\"\n" + texture,
+            map + shaded,
+            map + "function = \"gaussian\"\nradius = \"5 mm\"\n" + shaded + texture,
+            map + "file = \"map.png\"\n" + shaded,
+        };
+    }
+
+    template <typename T> void expect_direct(const PreparedCase& prepared) const {
+        const auto tables = make_tables<T>(prepared.one.scene, prepared.images, Extent::what_varies);
+        write("in.csv", text_);
+        const ExploreResult result = explore(prepared, "in.csv");
+        const auto rows = rows_of(read("out.csv"));
+        ASSERT_EQ(rows.size(), probes_.size());
+        std::uint64_t in_contact = 0;
+        double largest = 0;
+        for (std::size_t i = 0; i < rows.size(); ++i) {
+            const glm::dvec3& p = probes_[i];
+            ASSERT_EQ(rows[i].size(), 13u);
+            EXPECT_EQ(rows[i][0], std::to_string(i % 5));
+            EXPECT_TRUE(same_bits(number_in<double>(rows[i][1]), double(i) * 1e-3));
+            for (int k = 0; k < 3; ++k)
+                EXPECT_TRUE(same_bits(number_in<double>(rows[i][std::size_t(2 + k)]), p[k])) << "echoed as read";
+            const auto direct = reference::evaluate(tables.law(), {T(p.x), T(p.y), T(p.z)});
+            const T expected[7] = {direct.proxy.x, direct.proxy.y, direct.proxy.z, direct.force.x,
+                                   direct.force.y, direct.force.z, direct.depth};
+            for (std::size_t k = 0; k < 7; ++k)
+                ASSERT_TRUE(same_bits(number_in<T>(rows[i][5 + k]), expected[k])) << i << ' ' << k;
+            const bool free = direct.facet == layout::kNoFacet;
+            EXPECT_EQ(rows[i][12], free ? "-1" : std::to_string(direct.facet));
+            for (int k = 0; free && k < 3; ++k) {
+                EXPECT_EQ(number_in<T>(rows[i][std::size_t(5 + k)]), T(p[k])) << "out of contact g is the probe";
+            }
+            in_contact += !free;
+            const double size = std::hypot(double(direct.force.x), double(direct.force.y), double(direct.force.z));
+            largest = std::max(largest, size);
+        }
+        EXPECT_GT(in_contact, 1000u);
+        EXPECT_LT(in_contact, 8000u);
+        EXPECT_EQ(result.samples, 9000u);
+        EXPECT_EQ(result.paths, 5u);
+        EXPECT_EQ(result.in_contact, in_contact);
+        EXPECT_EQ(result.unfinished, 0u);
+        EXPECT_NEAR(result.largest_force, largest, 1e-15 * largest);
+    }
+
+    std::vector<glm::dvec3> probes_;
+    std::string text_;
+};
+
+TEST_F(SurfacePath, is_the_law_evaluated_directly_in_single_precision) {
+    for (const std::string& scene : scenes())
+        expect_direct<float>(prepare(scene, Precision::f32));
+}
+
+TEST_F(SurfacePath, is_the_law_evaluated_directly_in_double_precision) {
+    for (const std::string& scene : scenes())
+        expect_direct<double>(prepare(scene, Precision::f64));
+}
+
+TEST_F(SurfacePath, does_not_depend_on_the_columns_of_the_file) {
+    const PreparedCase prepared = prepare(scenes()[1]);
+    const std::string plain = felt(prepared, text_);
+    EXPECT_TRUE(plain.starts_with(kHeader));
+    std::string turned = "z,note,path,y,t,x,fx\r\n";
+    for (const auto& row : rows_of(text_))
+        turned += fmt::format("{},\"a, b\",{},{},{},{},9\r\n", row[4], row[0], row[3], row[1], row[2]);
+    EXPECT_TRUE(felt(prepared, turned) == plain);
+    EXPECT_TRUE(felt(prepared, plain) == plain) << "what was written can be explored again";
+}
+
+TEST_F(SurfacePath, is_the_same_when_paths_are_interleaved) {
+    const PreparedCase prepared = prepare(scenes()[1]);
+    const auto whole = rows_of(felt(prepared, text_));
+    std::string text = "path,t,x,y,z\n";
+    const auto given = rows_of(text_);
+    for (std::size_t path = 0; path < 5; ++path)
+        for (std::size_t i = path; i < given.size(); i += 5)
+            text += fmt::format("{}\n", fmt::join(given[i], ","));
+    const auto apart = rows_of(felt(prepared, text));
+    ASSERT_EQ(apart.size(), whole.size());
+    for (std::size_t i = 0; i < apart.size(); ++i)
+        EXPECT_EQ(apart[i], whole[i % 1800 * 5 + i / 1800]);
+}
+
+TEST_F(SurfacePath, is_the_same_in_every_run) {
+    const PreparedCase prepared = prepare(scenes()[6], Precision::f32);
+    EXPECT_TRUE(felt(prepared, text_) == felt(prepared, text_));
+}
+
+TEST_F(SurfacePath, warns_of_a_last_line_without_end) {
+    const PreparedCase prepared = prepare(scenes()[0]);
+    write("in.csv", "path,t,x,y,z\n0,0,0,0,-0.001");
+    const ExploreResult result = explore(prepared, "in.csv");
+    ASSERT_EQ(result.warnings.size(), 1u);
+    EXPECT_NE(result.warnings[0].find("in.csv:2:15: the last line has no line feed"), std::string::npos)
+        << result.warnings[0];
+    write("in.csv", "path,t,x,y,z\n0,0,0,0,-0.001\n");
+    EXPECT_EQ(explore(prepared, "in.csv").warnings.size(), 0u);
+}
+
+TEST_F(SurfacePath, leaves_nothing_where_something_is_wrong) {
+    const PreparedCase prepared = prepare(scenes()[0], Precision::f32);
+    write("in.csv", text_ + "0,0,nan,0,0\n");
+    EXPECT_NE(message_of<UsageError>([&] { explore(prepared, "in.csv"); }).find("in.csv:9002:5: x: "),
+              std::string::npos);
+    write("in.csv", "path,t,x,y,z\n0,0,1e16,0,0\n");
+    EXPECT_NE(message_of<UsageError>([&] { explore(prepared, "in.csv"); }).find("too far away"), std::string::npos);
+    EXPECT_NE(message_of<IoError>([&] { explore(prepared, "in.csv", "nosuch/out.csv"); }), "");
+    EXPECT_EQ(folder_.names(), (std::vector<std::string>{"in.csv", "map.png"}));
+}
+
+TEST_F(SurfacePath, keeps_what_was_there_before_an_error) {
+    const PreparedCase prepared = prepare(scenes()[0]);
+    write("out.csv", "mine");
+    write("in.csv", "path,t,x,y,z\n0,0,0,0,0\n0,0,0,0\n");
+    EXPECT_NE(message_of<UsageError>([&] { explore(prepared, "in.csv"); }), "");
+    EXPECT_EQ(read("out.csv"), "mine");
+}
+
+// Where forces are as large as scenes and paths may make them, they are still numbers.
+TEST_F(SurfacePath, is_finite_at_the_limits_of_its_precision) {
+    const std::string scene = "[surface]\nfacets = 3\n[force]\nshading = \"reference\"\n";
+    for (const Precision precision : {Precision::f32, Precision::f64}) {
+        const char* far = precision == Precision::f32 ? "1e15" : "1e150";
+        const auto rows = rows_of(
+            felt(prepare(scene, precision), fmt::format("path,t,x,y,z\n0,0,0,0,-{0}\n0,0,-{0},{0},-{0}\n0,0,{0},0,{0}\n"
+                                                        "0,0,1e-320,0,-1e-320\n",
+                                                        far)));
+        EXPECT_NEAR(number_in<double>(rows[0][10]) / number_in<double>(far), 1000, 1e-3);
+        EXPECT_EQ(rows[2][12], "-1");
+    }
+}
+
+// Any float: what the writer prints is read back as the same bits.
+template <typename T, typename Bits> void expect_round_trip(const Folder& folder) {
+    std::mt19937_64 random(1996);
+    std::vector<T> values{T(0),
+                          -T(0),
+                          std::numeric_limits<T>::denorm_min(),
+                          std::numeric_limits<T>::min(),
+                          std::numeric_limits<T>::max(),
+                          -std::numeric_limits<T>::max(),
+                          T(0.1),
+                          T(1) / T(3)};
+    while (values.size() < 40000) {
+        const auto bits = static_cast<Bits>(random());
+        T value;
+        std::memcpy(&value, &bits, sizeof value);
+        if (std::isfinite(value))
+            values.push_back(value);
+    }
+    PathWriter writer(folder / "all.csv");
+    for (const T value : values)
+        writer.add(PathSample{1, double(value), {double(value), 0, 0}, 1},
+                   reference::Contact<T>{value, {value, value, value}, {}, {value, value, value}, 3});
+    writer.publish();
+    std::ifstream file(folder / "all.csv");
+    std::ostringstream text;
+    text << file.rdbuf();
+    const auto rows = rows_of(text.str());
+    ASSERT_EQ(rows.size(), values.size());
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+        EXPECT_TRUE(same_bits(number_in<double>(rows[i][1]), double(values[i])));
+        EXPECT_TRUE(same_bits(number_in<double>(rows[i][2]), double(values[i])));
+        for (std::size_t k = 5; k < 12; ++k)
+            EXPECT_TRUE(same_bits(number_in<T>(rows[i][k]), values[i]));
+    }
+}
+
+TEST(PathWriter, prints_numbers_that_read_back_exactly) {
+    const Folder folder;
+    expect_round_trip<float, std::uint32_t>(folder);
+    expect_round_trip<double, std::uint64_t>(folder);
+}
+
+} // namespace
+} // namespace forceshade::testing
