@@ -1,0 +1,255 @@
+#include "host/mesh/structure.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <thread>
+
+#include <fmt/format.h>
+#include <glm/common.hpp>
+
+#include "host/error.h"
+#include "host/mesh/structure_edges.h"
+#include "host/mesh/structure_tree.h"
+#include "host/mesh/winding.h"
+
+namespace forceshade {
+namespace {
+
+using layout::uint;
+
+constexpr uint kUnnumbered = 0xFFFFFFFFu;
+constexpr std::size_t kMostTriangles = std::size_t(1) << 28; // a leaf names its first in 28 bits
+
+struct Frame {
+    glm::dvec3 centre;
+    double scale;
+};
+
+/// Corners of facets only: a vertex that none uses has no say.
+Frame frame_of(const PolygonSoup& polygons) {
+    glm::dvec3 low(std::numeric_limits<double>::infinity()), high(-low);
+    for (const uint corner : polygons.corners) {
+        low = glm::min(low, polygons.vertices[corner]);
+        high = glm::max(high, polygons.vertices[corner]);
+    }
+    const glm::dvec3 centre = low / 2.0 + high / 2.0;
+    double reach = 0;
+    for (int axis = 0; axis < 3; ++axis)
+        reach = std::max({reach, centre[axis] - low[axis], high[axis] - centre[axis]});
+    if (!std::isfinite(reach))
+        throw UsageError("the mesh is too large: its bounding box is no finite number of metres");
+    int exponent = 0;
+    if (std::frexp(reach, &exponent) == 0.5)
+        --exponent;
+    const double scale = reach > 0 ? std::ldexp(1.0, exponent) : 1.0;
+    if (!std::isfinite(scale))
+        throw UsageError("the mesh is too large: its bounding box is no finite number of metres");
+    return {centre, scale};
+}
+
+float rounded_down(double value) {
+    const auto nearest = static_cast<float>(value);
+    return double(nearest) > value ? std::nextafter(nearest, -2.0f) : nearest;
+}
+
+float rounded_up(double value) {
+    const auto nearest = static_cast<float>(value);
+    return double(nearest) < value ? std::nextafter(nearest, 2.0f) : nearest;
+}
+
+/// Builds one structure, step by step.
+class Assembly {
+public:
+    Assembly(const Mesh& mesh, unsigned threads) : mesh_(mesh), threads_(threads), frame_(frame_of(mesh.polygons)) {}
+
+    void make_tree(unsigned leaf_triangles) {
+        const std::vector<glm::dvec3>& vertices = mesh_.polygons.vertices;
+        for (std::size_t triangle = 0; triangle < mesh_.triangles.size(); ++triangle) {
+            if (mesh_.triangle_normals[triangle] == glm::dvec3(0))
+                continue;
+            TreeItem item{{2, 2, 2}, static_cast<std::uint32_t>(triangle), {-2, -2, -2}, 0};
+            for (const uint corner : mesh_.triangles[triangle]) {
+                const glm::dvec3 at = local(vertices[corner]);
+                for (int axis = 0; axis < 3; ++axis) {
+                    float& low = item.low[std::size_t(axis)];
+                    float& high = item.high[std::size_t(axis)];
+                    low = std::min(low, rounded_down(at[axis]));
+                    high = std::max(high, rounded_up(at[axis]));
+                }
+            }
+            order_.push_back(item);
+        }
+        if (order_.empty())
+            throw UsageError("the mesh has no facet with an area");
+        if (order_.size() >= kMostTriangles)
+            throw UsageError(
+                fmt::format("the mesh has {} triangles; fewer than {} are possible", order_.size(), kMostTriangles));
+        parts_.nodes = build_tree(order_, leaf_triangles, threads_);
+    }
+
+    /// Triangles in the tree's order; vertices by first use, so that neighbours lie close in memory.
+    void number() {
+        numbers_.assign(mesh_.polygons.vertices.size(), kUnnumbered);
+        const std::size_t triangles = order_.size();
+        parts_.triangle_corners.reserve(3 * triangles);
+        parts_.triangle_facets.reserve(triangles);
+        reals_.triangle_normals.reserve(3 * triangles);
+        for (const TreeItem& item : order_) {
+            for (const uint corner : mesh_.triangles[item.triangle])
+                parts_.triangle_corners.push_back(number_of(corner));
+            parts_.triangle_facets.push_back(mesh_.triangle_facets[item.triangle]);
+            append(reals_.triangle_normals, mesh_.triangle_normals[item.triangle]);
+        }
+        order_ = {};
+        parts_.facet_begins = mesh_.polygons.begins;
+        parts_.facet_corners.reserve(mesh_.polygons.corners.size());
+        for (const uint corner : mesh_.polygons.corners)
+            parts_.facet_corners.push_back(number_of(corner));
+        reals_.vertices.reserve(3 * used_.size());
+        reals_.vertex_normals.reserve(3 * used_.size());
+        for (const uint vertex : used_) {
+            append(reals_.vertices, local(mesh_.polygons.vertices[vertex]));
+            append(reals_.vertex_normals, mesh_.vertex_normals[vertex]);
+        }
+        reals_.facet_normals.reserve(3 * mesh_.facet_normals.size());
+        for (const glm::dvec3& normal : mesh_.facet_normals)
+            append(reals_.facet_normals, normal);
+    }
+
+    void connect() {
+        const std::vector<uint> places = weld(reals_.vertices);
+        std::jthread other;
+        if (threads_ > 1)
+            other = std::jthread([&] { sum_pseudonormals(parts_, reals_, places); });
+        else
+            sum_pseudonormals(parts_, reals_, places);
+        connect_edges(parts_, reals_, places);
+    }
+
+    MeshStructure finish() {
+        reals_.edge_pseudonormals.shrink_to_fit();
+        return {frame_.centre, frame_.scale, std::make_shared<const MeshParts>(std::move(parts_)),
+                std::make_shared<const MeshReals<double>>(std::move(reals_)), nullptr};
+    }
+
+private:
+    glm::dvec3 local(const glm::dvec3& world) const { return (world - frame_.centre) / frame_.scale; }
+
+    static void append(std::vector<double>& table, const glm::dvec3& vector) {
+        table.insert(table.end(), {vector.x, vector.y, vector.z});
+    }
+
+    uint number_of(uint vertex) {
+        if (numbers_[vertex] == kUnnumbered) {
+            numbers_[vertex] = static_cast<uint>(used_.size());
+            used_.push_back(vertex);
+        }
+        return numbers_[vertex];
+    }
+
+    const Mesh& mesh_;
+    unsigned threads_;
+    Frame frame_;
+    std::vector<TreeItem> order_;
+    std::vector<uint> numbers_, used_;
+    MeshParts parts_;
+    MeshReals<double> reals_;
+};
+
+template <typename T> std::size_t bytes_of(const std::vector<T>& table) {
+    return table.capacity() * sizeof(T);
+}
+
+/// The tables of one precision out of those of double.
+template <typename T>
+std::shared_ptr<const MeshReals<T>> reals_as(const std::shared_ptr<const MeshReals<double>>& reals) {
+    if constexpr (std::is_same_v<T, double>) {
+        return reals;
+    } else {
+        const auto rounded = [](const std::vector<double>& table) {
+            std::vector<T> result(table.size());
+            std::transform(table.begin(), table.end(), result.begin(), [](double x) { return static_cast<T>(x); });
+            return result;
+        };
+        return std::make_shared<const MeshReals<T>>(MeshReals<T>{
+            rounded(reals->vertices), rounded(reals->vertex_normals), rounded(reals->vertex_pseudonormals),
+            rounded(reals->triangle_normals), rounded(reals->facet_normals), rounded(reals->edge_pseudonormals)});
+    }
+}
+
+} // namespace
+
+std::size_t MeshStructure::bytes() const {
+    const std::size_t of_parts = bytes_of(parts->nodes) + bytes_of(parts->triangle_corners) +
+                                 bytes_of(parts->triangle_facets) + bytes_of(parts->triangle_neighbours) +
+                                 bytes_of(parts->facet_begins) + bytes_of(parts->facet_corners);
+    const std::size_t of_reals = bytes_of(reals->vertices) + bytes_of(reals->vertex_normals) +
+                                 bytes_of(reals->vertex_pseudonormals) + bytes_of(reals->triangle_normals) +
+                                 bytes_of(reals->facet_normals) + bytes_of(reals->edge_pseudonormals);
+    return of_parts + of_reals + (winding ? bytes_of(winding->moments) + bytes_of(winding->rims) : 0);
+}
+
+MeshStructure build_structure(const Mesh& mesh, const StructureOptions& options) {
+    if (mesh.polygons.corners.empty())
+        throw UsageError("the mesh has no facets");
+    Assembly assembly(mesh, options.threads > 0 ? options.threads : std::max(1u, std::thread::hardware_concurrency()));
+    assembly.make_tree(std::clamp(options.leaf_triangles, 1u, layout::kMeshLeafTriangles));
+    assembly.number();
+    assembly.connect();
+    MeshStructure structure = assembly.finish();
+    if (options.winding)
+        structure.winding = make_winding(structure);
+    return structure;
+}
+
+template <typename T> layout::MeshView<T> MeshTables<T>::view() const {
+    layout::MeshView<T> view;
+    view.params = params;
+    view.nodes = parts->nodes;
+    view.vertices = reals->vertices;
+    view.triangle_corners = parts->triangle_corners;
+    view.triangle_facets = parts->triangle_facets;
+    view.triangle_neighbours = parts->triangle_neighbours;
+    view.triangle_normals = reals->triangle_normals;
+    view.vertex_pseudonormals = reals->vertex_pseudonormals;
+    view.edge_pseudonormals = reals->edge_pseudonormals;
+    view.facet_begins = parts->facet_begins;
+    view.facet_corners = parts->facet_corners;
+    view.facet_normals = reals->facet_normals;
+    view.vertex_normals = reals->vertex_normals;
+    if (winding) {
+        view.moments = winding->moments;
+        view.rims = winding->rims;
+    }
+    return view;
+}
+
+template <typename T> MeshTables<T> make_mesh_tables(const MeshStructure& structure, double stiffness) {
+    const double force = stiffness * structure.scale;
+    const auto rounded = static_cast<T>(force);
+    const glm::vec<3, T> centre(structure.centre);
+    if (!std::isnormal(static_cast<T>(structure.scale)) || !(std::isnormal(rounded) || stiffness == 0) ||
+        !std::isfinite(centre.x + centre.y + centre.z))
+        throw UsageError(
+            fmt::format("a stiffness of {} N/m on a mesh of about {} m makes forces that {} precision cannot "
+                        "hold; a normal number of newtons would be right",
+                        stiffness, structure.scale, sizeof(T) == sizeof(float) ? "single" : "double"));
+    MeshTables<T> tables{{}, structure.parts, reals_as<T>(structure.reals), structure.winding};
+    tables.params.centre_x = centre.x;
+    tables.params.centre_y = centre.y;
+    tables.params.centre_z = centre.z;
+    tables.params.scale = static_cast<T>(structure.scale);
+    tables.params.stiffness = rounded;
+    tables.params.facets = static_cast<uint>(structure.parts->facet_begins.size() - 1);
+    tables.params.triangles = static_cast<uint>(structure.triangles());
+    tables.params.nodes = static_cast<uint>(structure.parts->nodes.size());
+    return tables;
+}
+
+template MeshTables<float> make_mesh_tables<float>(const MeshStructure&, double);
+template MeshTables<double> make_mesh_tables<double>(const MeshStructure&, double);
+template struct MeshTables<float>;
+template struct MeshTables<double>;
+
+} // namespace forceshade

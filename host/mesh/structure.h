@@ -1,0 +1,85 @@
+// A mesh made ready for the laws: its own frame, the tree over its triangles, and what inside and outside are told by.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "host/mesh/mesh.h"
+#include "shaders/shared/layout.h"
+
+namespace forceshade {
+
+/// What has no coordinates; shared by all precisions.
+struct MeshParts {
+    std::vector<layout::MeshNode> nodes;
+    std::vector<layout::uint> triangle_corners, triangle_facets, triangle_neighbours;
+    std::vector<layout::uint> facet_begins, facet_corners;
+};
+
+/// Coordinates in the mesh's frame, and unit vectors; three numbers each.
+template <typename T> struct MeshReals {
+    std::vector<T> vertices, vertex_normals, vertex_pseudonormals;
+    std::vector<T> triangle_normals, facet_normals, edge_pseudonormals;
+};
+
+/// For the winding number.
+struct MeshWinding {
+    std::vector<layout::MeshMoment> moments; /* 1 a node */
+    std::vector<layout::uint> rims;          /* 3 an edge where the surface ends */
+};
+
+/// The mesh in its own frame: (world - centre) / scale, centre the middle of the bounding box, scale the least power of
+/// two that leaves no coordinate beyond 1. Triangles stand in the tree's order, those without area are left out (their
+/// neighbours cover them); vertices are numbered by first use, facets as in the file.
+///
+/// Bytes a triangle, for a closed mesh of T triangles in double (T/2 vertices, T facets): nodes 14 (112 each, 8
+/// triangles or so below), corners 12, facets 4, neighbours 12, vertices 12, their normals 12 and pseudonormals 12,
+/// triangle normals 24, facets' corners 16 and normals 24: 142; the winding number's moments 16 more.
+struct MeshStructure {
+    glm::dvec3 centre; /* m, world */
+    double scale;      /* m */
+    std::shared_ptr<const MeshParts> parts;
+    std::shared_ptr<const MeshReals<double>> reals;
+    std::shared_ptr<const MeshWinding> winding; /* null unless asked for */
+
+    std::size_t triangles() const { return parts->triangle_facets.size(); }
+    std::size_t bytes() const;
+};
+
+/// What a structure is built with. The result does not depend on the threads.
+struct StructureOptions {
+    unsigned threads = 0;        /* 0: as many as the machine has cores */
+    bool winding = false;        /* also what the winding number needs */
+    unsigned leaf_triangles = 4; /* most triangles of a leaf, 1 to layout::kMeshLeafTriangles */
+};
+
+/// Throws UsageError for a mesh without any triangle that has an area, with 2^28 triangles or more, or whose
+/// coordinates no double can hold the differences of.
+MeshStructure build_structure(const Mesh& mesh, const StructureOptions& options = {});
+
+/// A structure in T for one stiffness; what a scene evaluates. Of double it shares everything with the structure.
+template <typename T> struct MeshTables {
+    layout::MeshParams<T> params;
+    std::shared_ptr<const MeshParts> parts;
+    std::shared_ptr<const MeshReals<T>> reals;
+    std::shared_ptr<const MeshWinding> winding;
+
+    /// Valid as long as any copy of these tables.
+    layout::MeshView<T> view() const;
+};
+
+/// Throws UsageError if the frame's scale, or the force at 1 of it (`stiffness` in N/m times the scale), is no normal
+/// number of T; a stiffness of 0 is allowed.
+template <typename T> MeshTables<T> make_mesh_tables(const MeshStructure& structure, double stiffness);
+
+extern template MeshTables<float> make_mesh_tables<float>(const MeshStructure&, double);
+extern template MeshTables<double> make_mesh_tables<double>(const MeshStructure&, double);
+extern template struct MeshTables<float>;
+extern template struct MeshTables<double>;
+
+/// A position in the mesh's frame, from m; in double, to be rounded once.
+inline glm::dvec3 to_mesh_frame(const MeshStructure& structure, const glm::dvec3& world) {
+    return (world - structure.centre) / structure.scale;
+}
+
+} // namespace forceshade

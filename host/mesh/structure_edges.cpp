@@ -1,0 +1,147 @@
+#include "host/mesh/structure_edges.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+
+#include "host/reference/vector.h"
+
+namespace forceshade {
+namespace {
+
+using layout::uint;
+using Vector = reference::Vector<double>;
+
+Vector vector_at(const std::vector<double>& table, std::size_t index) {
+    return reference::vector_at<double>(table, index);
+}
+
+std::uint64_t mixed(std::uint64_t hash, double value) {
+    hash = (hash ^ std::bit_cast<std::uint64_t>(value + 0.0)) * 0x9E3779B97F4A7C15u; // + 0.0: -0 is 0
+    return hash ^ (hash >> 29);
+}
+
+/// A triangle's edge, filed under the lower place of its ends.
+struct FiledEdge {
+    uint higher; // the other end
+    uint edge;   // 3 * triangle + i
+};
+
+/// All edges by lower place, then higher, then number; begins has where each place's edges begin.
+struct EdgeFile {
+    std::vector<uint> begins;
+    std::vector<FiledEdge> edges;
+};
+
+EdgeFile file_edges(const std::vector<uint>& corners, const std::vector<uint>& places) {
+    EdgeFile file;
+    const auto ends = [&](std::size_t edge) {
+        const std::size_t first = edge - edge % 3;
+        const uint start = places[corners[edge]], end = places[corners[first + (edge - first + 1) % 3]];
+        return std::pair{std::min(start, end), std::max(start, end)};
+    };
+    file.begins.assign(places.size() + 1, 0);
+    for (std::size_t edge = 0; edge < corners.size(); ++edge)
+        ++file.begins[ends(edge).first + 1];
+    for (std::size_t place = 0; place < places.size(); ++place)
+        file.begins[place + 1] += file.begins[place];
+    std::vector<uint> next(file.begins.begin(), file.begins.end() - 1);
+    file.edges.resize(corners.size());
+    for (std::size_t edge = 0; edge < corners.size(); ++edge) {
+        const auto [lower, higher] = ends(edge);
+        file.edges[next[lower]++] = {higher, static_cast<uint>(edge)};
+    }
+    for (std::size_t place = 0; place < places.size(); ++place)
+        std::sort(file.edges.begin() + file.begins[place], file.edges.begin() + file.begins[place + 1],
+                  [](const FiledEdge& one, const FiledEdge& other) {
+                      return one.higher < other.higher || (one.higher == other.higher && one.edge < other.edge);
+                  });
+    return file;
+}
+
+/// The edges of one and the same pair of places.
+void connect(const FiledEdge* begin, const FiledEdge* end, MeshParts& parts, MeshReals<double>& reals) {
+    if (end - begin == 1) {
+        parts.triangle_neighbours[begin->edge] = layout::kMeshBorder;
+        return;
+    }
+    if (end - begin == 2 && begin->edge / 3 != begin[1].edge / 3) {
+        parts.triangle_neighbours[begin->edge] = begin[1].edge / 3;
+        parts.triangle_neighbours[begin[1].edge] = begin->edge / 3;
+        return;
+    }
+    Vector sum(0.0);
+    for (const FiledEdge* edge = begin; edge != end; ++edge)
+        sum += vector_at(reals.triangle_normals, edge->edge / 3);
+    const auto entry = static_cast<uint>(reals.edge_pseudonormals.size() / 3);
+    reals.edge_pseudonormals.insert(reals.edge_pseudonormals.end(), {sum.x, sum.y, sum.z});
+    for (const FiledEdge* edge = begin; edge != end; ++edge)
+        parts.triangle_neighbours[edge->edge] = layout::kMeshManyBit | entry;
+}
+
+/// The angle between two edges, good for needles too.
+double angle_between(const Vector& u, const Vector& v) {
+    const Vector normal = reference::cross(u, v);
+    return std::atan2(std::sqrt(reference::dot(normal, normal)), reference::dot(u, v));
+}
+
+} // namespace
+
+std::vector<uint> weld(const std::vector<double>& vertices) {
+    const std::size_t count = vertices.size() / 3;
+    const std::size_t slots = std::bit_ceil(2 * count + 1);
+    std::vector<uint> table(slots, 0xFFFFFFFFu), places(count);
+    for (std::size_t i = 0; i < count; ++i) {
+        const double* at = &vertices[3 * i];
+        std::size_t slot = mixed(mixed(mixed(0, at[0]), at[1]), at[2]) & (slots - 1);
+        const auto differs = [&](uint other) {
+            const double* there = &vertices[3 * std::size_t(other)];
+            return at[0] != there[0] || at[1] != there[1] || at[2] != there[2];
+        };
+        while (table[slot] != 0xFFFFFFFFu && differs(table[slot]))
+            slot = (slot + 1) & (slots - 1);
+        if (table[slot] == 0xFFFFFFFFu)
+            table[slot] = static_cast<uint>(i);
+        places[i] = table[slot];
+    }
+    return places;
+}
+
+void connect_edges(MeshParts& parts, MeshReals<double>& reals, const std::vector<uint>& places) {
+    const EdgeFile file = file_edges(parts.triangle_corners, places);
+    parts.triangle_neighbours.resize(parts.triangle_corners.size());
+    for (std::size_t place = 0; place < places.size(); ++place) {
+        const FiledEdge* end = file.edges.data() + file.begins[place + 1];
+        for (const FiledEdge* begin = file.edges.data() + file.begins[place]; begin != end;) {
+            const FiledEdge* next = begin;
+            while (next != end && next->higher == begin->higher)
+                ++next;
+            connect(begin, next, parts, reals);
+            begin = next;
+        }
+    }
+}
+
+void sum_pseudonormals(const MeshParts& parts, MeshReals<double>& reals, const std::vector<uint>& places) {
+    std::vector<double>& sums = reals.vertex_pseudonormals;
+    sums.assign(reals.vertices.size(), 0.0);
+    for (std::size_t triangle = 0; triangle < parts.triangle_facets.size(); ++triangle) {
+        const uint* corners = &parts.triangle_corners[3 * triangle];
+        Vector at[3];
+        for (std::size_t i = 0; i < 3; ++i)
+            at[i] = vector_at(reals.vertices, corners[i]);
+        const Vector normal = vector_at(reals.triangle_normals, triangle);
+        for (std::size_t i = 0; i < 3; ++i) {
+            const double angle = angle_between(at[(i + 1) % 3] - at[i], at[(i + 2) % 3] - at[i]);
+            double* sum = &sums[3 * std::size_t(places[corners[i]])];
+            sum[0] += angle * normal.x;
+            sum[1] += angle * normal.y;
+            sum[2] += angle * normal.z;
+        }
+    }
+    for (std::size_t vertex = 0; vertex < places.size(); ++vertex)
+        std::copy_n(&sums[3 * std::size_t(places[vertex])], 3, &sums[3 * vertex]);
+}
+
+} // namespace forceshade

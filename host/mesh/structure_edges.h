@@ -1,0 +1,18 @@
+// What lies across the edges of a structure's triangles, and the angle-weighted normals by which inside is told
+// (Baerentzen and Aanaes 2005).
+#pragma once
+
+#include "host/mesh/structure.h"
+
+namespace forceshade {
+
+/// One representative for all vertices at the same place: the lowest. `vertices` has three numbers a vertex.
+std::vector<layout::uint> weld(const std::vector<double>& vertices);
+
+/// Fills parts.triangle_neighbours and reals.edge_pseudonormals. Edges are matched by the places of their ends.
+void connect_edges(MeshParts& parts, MeshReals<double>& reals, const std::vector<layout::uint>& places);
+
+/// Fills reals.vertex_pseudonormals: for each place the sum of its triangles' normals, weighted by the angle there.
+void sum_pseudonormals(const MeshParts& parts, MeshReals<double>& reals, const std::vector<layout::uint>& places);
+
+} // namespace forceshade

@@ -1,0 +1,324 @@
+// Wald 2007 (binned building) and Dammertz et al. 2008 (four children a node). Splits by the heuristic as long as the
+// tree stays shallow enough, at the median from there on.
+#include "host/mesh/structure_tree.h"
+
+#include <algorithm>
+#include <atomic>
+#include <bit>
+#include <limits>
+#include <thread>
+
+#include "host/reference/mesh_nearest.h"
+
+namespace forceshade {
+namespace {
+
+using Lanes = float __attribute__((vector_size(16))); // x, y, z, and one that means nothing
+using Whole = std::int32_t __attribute__((vector_size(16)));
+
+constexpr float kFar = std::numeric_limits<float>::infinity();
+constexpr int kBins = 16;
+constexpr float kLeastExtent = 1e-30f; // of doubled centroids, below which an axis is not worth splitting
+constexpr std::uint32_t kTaskItems = 4096;
+
+struct Box {
+    Lanes low{kFar, kFar, kFar, kFar};
+    Lanes high{-kFar, -kFar, -kFar, -kFar};
+
+    void include(Lanes other_low, Lanes other_high) {
+        low = other_low < low ? other_low : low;
+        high = other_high > high ? other_high : high;
+    }
+    void include(const Box& other) { include(other.low, other.high); }
+    float half_area() const {
+        const Lanes size = high - low;
+        return size[0] * size[1] + size[1] * size[2] + size[2] * size[0];
+    }
+};
+
+Box box_of(const TreeItem& item) {
+    return std::bit_cast<Box>(item);
+}
+
+struct Range {
+    std::uint32_t first = 0, count = 0;
+    Box box = {}, centroids = {}; // doubled: low + high
+
+    void include(const Box& item) {
+        box.include(item);
+        centroids.include(item.low + item.high, item.low + item.high);
+        ++count;
+    }
+};
+
+struct Bin {
+    Box box;
+    std::uint32_t count = 0;
+};
+
+/// How doubled centroids fall into bins.
+struct Binning {
+    Lanes low, per_unit;
+
+    explicit Binning(const Box& centroids) : low(centroids.low) {
+        const Lanes extent = centroids.high - centroids.low;
+        for (int axis = 0; axis < 4; ++axis)
+            per_unit[axis] = extent[axis] > kLeastExtent ? 0.9999f * float(kBins) / extent[axis] : 0.0f;
+        low[3] = 0;
+        per_unit[3] = 0;
+    }
+    Whole bins(const Box& item) const {
+        Lanes at = (item.low + item.high - low) * per_unit;
+        at[3] = 0;
+        return __builtin_convertvector(at, Whole);
+    }
+    bool splits(int axis) const { return per_unit[axis] > 0; }
+};
+
+struct Split {
+    int axis = -1;
+    int bin = 0; // first of the right side
+    float cost = kFar;
+};
+
+class Builder {
+public:
+    Builder(std::vector<TreeItem>& items, unsigned leaf) : items_(items), leaf_(leaf) {}
+
+    Range everything() const {
+        Range range;
+        for (const TreeItem& item : items_)
+            range.include(box_of(item));
+        return range;
+    }
+
+    /// The up to four parts that become a node's children.
+    std::vector<Range> children(const Range& range, unsigned depth) const {
+        // What a child at the next depth may hold so that medians still fit below it.
+        const unsigned levels = reference::kMeshTreeDepth - 1 - depth;
+        const std::uint64_t room = std::uint64_t(leaf_) << std::min(levels, 40u);
+        const bool balanced = range.count > room;
+        std::vector<Range> parts{range};
+        while (parts.size() < layout::kMeshChildren) {
+            std::size_t widest = parts.size();
+            float most = -1;
+            for (std::size_t i = 0; i < parts.size(); ++i) {
+                const float size = balanced ? float(parts[i].count) : parts[i].box.half_area();
+                if (parts[i].count > leaf_ && size > most) {
+                    most = size;
+                    widest = i;
+                }
+            }
+            if (widest == parts.size())
+                break;
+            const auto [left, right] = balanced ? halved(parts[widest]) : split(parts[widest]);
+            parts[widest] = left;
+            parts.push_back(right);
+        }
+        return parts;
+    }
+
+    bool is_leaf(const Range& range) const { return range.count <= leaf_; }
+
+    static layout::uint leaf(const Range& range) {
+        return layout::kMeshLeaf | (range.first * layout::kMeshLeafTriangles + range.count - 1);
+    }
+
+    /// Appends the node over the range and all below it; returns its index.
+    layout::uint build(const Range& range, unsigned depth, std::vector<layout::MeshNode>& nodes) const {
+        const auto index = static_cast<layout::uint>(nodes.size());
+        nodes.push_back(empty_node());
+        const std::vector<Range> parts = is_leaf(range) ? std::vector<Range>{range} : children(range, depth);
+        for (std::size_t i = 0; i < parts.size(); ++i) {
+            set_bounds(nodes[index], i, parts[i].box);
+            const layout::uint child = is_leaf(parts[i]) ? leaf(parts[i]) : build(parts[i], depth + 1, nodes);
+            nodes[index].child[i] = child;
+        }
+        return index;
+    }
+
+    static layout::MeshNode empty_node() {
+        layout::MeshNode node;
+        for (std::size_t i = 0; i < layout::kMeshChildren; ++i) {
+            node.low_x[i] = node.low_y[i] = node.low_z[i] = std::numeric_limits<float>::max();
+            node.high_x[i] = node.high_y[i] = node.high_z[i] = std::numeric_limits<float>::lowest();
+            node.child[i] = layout::kMeshNoChild;
+        }
+        return node;
+    }
+
+    static void set_bounds(layout::MeshNode& node, std::size_t i, const Box& box) {
+        node.low_x[i] = box.low[0];
+        node.low_y[i] = box.low[1];
+        node.low_z[i] = box.low[2];
+        node.high_x[i] = box.high[0];
+        node.high_y[i] = box.high[1];
+        node.high_z[i] = box.high[2];
+    }
+
+private:
+    static Split best_on_axis(const std::array<Bin, kBins>& bins, int axis) {
+        std::array<float, kBins> right_costs;
+        Box box;
+        std::uint32_t count = 0;
+        for (int i = kBins - 1; i > 0; --i) {
+            box.include(bins[std::size_t(i)].box);
+            count += bins[std::size_t(i)].count;
+            right_costs[std::size_t(i)] = count > 0 ? float(count) * box.half_area() : -1;
+        }
+        Split best;
+        box = Box();
+        count = 0;
+        for (int i = 1; i < kBins; ++i) {
+            box.include(bins[std::size_t(i - 1)].box);
+            count += bins[std::size_t(i - 1)].count;
+            const float right_cost = right_costs[std::size_t(i)];
+            if (count == 0 || right_cost < 0)
+                continue;
+            const float cost = float(count) * box.half_area() + right_cost;
+            if (cost < best.cost)
+                best = {axis, i, cost};
+        }
+        return best;
+    }
+
+    Split best_split(const Range& range, const Binning& binning) const {
+        std::array<std::array<Bin, kBins>, 3> bins{};
+        for (std::uint32_t i = range.first; i < range.first + range.count; ++i) {
+            const Box item = box_of(items_[i]);
+            const Whole at = binning.bins(item);
+            for (int axis = 0; axis < 3; ++axis) {
+                Bin& bin = bins[std::size_t(axis)][std::size_t(at[axis])];
+                bin.box.include(item);
+                ++bin.count;
+            }
+        }
+        Split best;
+        for (int axis = 0; axis < 3; ++axis) {
+            if (!binning.splits(axis))
+                continue;
+            const Split split = best_on_axis(bins[std::size_t(axis)], axis);
+            if (split.cost < best.cost)
+                best = split;
+        }
+        return best;
+    }
+
+    std::pair<Range, Range> split(const Range& range) const {
+        const Binning binning(range.centroids);
+        const Split best = best_split(range, binning);
+        if (best.axis < 0)
+            return halved(range);
+        Range left{.first = range.first}, right;
+        std::uint32_t begin = range.first, end = range.first + range.count;
+        while (begin < end) {
+            const Box item = box_of(items_[begin]);
+            if (binning.bins(item)[best.axis] < best.bin) {
+                left.include(item);
+                ++begin;
+            } else {
+                right.include(item);
+                std::swap(items_[begin], items_[--end]);
+            }
+        }
+        right.first = begin;
+        return {left, right};
+    }
+
+    /// At the median of the longest axis, equal centroids by number.
+    std::pair<Range, Range> halved(const Range& range) const {
+        const Lanes extent = range.centroids.high - range.centroids.low;
+        std::size_t axis = extent[1] > extent[0] ? 1 : 0;
+        axis = extent[2] > extent[int(axis)] ? 2 : axis;
+        const std::uint32_t half = range.count / 2;
+        const auto begin = items_.begin() + range.first, middle = begin + half, end = begin + range.count;
+        std::nth_element(begin, middle, end, [axis](const TreeItem& one, const TreeItem& other) {
+            const float at = one.low[axis] + one.high[axis], other_at = other.low[axis] + other.high[axis];
+            return at < other_at || (at == other_at && one.triangle < other.triangle);
+        });
+        Range left{.first = range.first}, right{.first = range.first + half};
+        for (auto item = begin; item != end; ++item)
+            (item < middle ? left : right).include(box_of(*item));
+        return {left, right};
+    }
+
+    std::vector<TreeItem>& items_;
+    unsigned leaf_;
+};
+
+/// A part of the tree that one thread builds, and where it hangs.
+struct Task {
+    Range range;
+    unsigned depth;
+    std::size_t parent, slot;
+    std::vector<layout::MeshNode> nodes;
+};
+
+/// The top of the tree, down to parts small enough to be shared out. Their size depends on the mesh alone.
+std::vector<Task> build_top(const Builder& builder, const Range& everything, std::vector<layout::MeshNode>& nodes) {
+    struct Open {
+        Range range;
+        unsigned depth;
+    };
+    const std::uint32_t task_items = std::max(kTaskItems, everything.count / 16);
+    std::vector<Open> open{{everything, 0}};
+    std::vector<Task> tasks;
+    nodes.push_back(Builder::empty_node());
+    for (std::size_t index = 0; index < open.size(); ++index) {
+        const std::vector<Range> parts = builder.is_leaf(open[index].range)
+                                             ? std::vector<Range>{open[index].range}
+                                             : builder.children(open[index].range, open[index].depth);
+        const unsigned depth = open[index].depth + 1;
+        for (std::size_t i = 0; i < parts.size(); ++i) {
+            Builder::set_bounds(nodes[index], i, parts[i].box);
+            if (builder.is_leaf(parts[i])) {
+                nodes[index].child[i] = Builder::leaf(parts[i]);
+            } else if (parts[i].count <= task_items) {
+                tasks.push_back({parts[i], depth, index, i, {}});
+            } else {
+                nodes[index].child[i] = static_cast<layout::uint>(nodes.size());
+                nodes.push_back(Builder::empty_node());
+                open.push_back({parts[i], depth});
+            }
+        }
+    }
+    return tasks;
+}
+
+void run_tasks(const Builder& builder, std::vector<Task>& tasks, unsigned threads) {
+    std::atomic<std::size_t> next{0};
+    const auto work = [&] {
+        for (std::size_t i = next++; i < tasks.size(); i = next++)
+            builder.build(tasks[i].range, tasks[i].depth, tasks[i].nodes);
+    };
+    std::vector<std::jthread> others;
+    for (unsigned i = 1; i < threads; ++i)
+        others.emplace_back(work);
+    work();
+}
+
+} // namespace
+
+std::vector<layout::MeshNode> build_tree(std::vector<TreeItem>& items, unsigned leaf_triangles, unsigned threads) {
+    const Builder builder(items, leaf_triangles);
+    std::vector<layout::MeshNode> nodes;
+    std::vector<Task> tasks = build_top(builder, builder.everything(), nodes);
+    run_tasks(builder, tasks, threads);
+    std::size_t total = nodes.size();
+    for (const Task& task : tasks)
+        total += task.nodes.size();
+    nodes.reserve(total);
+    for (const Task& task : tasks) {
+        const auto offset = static_cast<layout::uint>(nodes.size());
+        nodes[task.parent].child[task.slot] = offset;
+        for (layout::MeshNode node : task.nodes) {
+            for (layout::uint& child : node.child)
+                if ((child & layout::kMeshLeaf) == 0)
+                    child += offset;
+            nodes.push_back(node);
+        }
+    }
+    return nodes;
+}
+
+} // namespace forceshade
