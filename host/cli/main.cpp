@@ -68,6 +68,7 @@ int parse_and_run(int argc, char** argv) {
     add_sweep_command(program, common, command);
     add_field_command(program, common, command);
     add_explore_command(program, common, command);
+    add_mesh_command(program, common, command);
     add_validate_command(program, common, command);
     add_gpus_command(program, common, command);
     add_doctor_command(program, common, command);

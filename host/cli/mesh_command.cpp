@@ -1,0 +1,145 @@
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "host/cli/command.h"
+#include "host/mesh/findings.h"
+#include "host/mesh_file/mesh_file.h"
+#include "host/remark.h"
+#include "host/scene/quantity.h"
+
+namespace forceshade {
+namespace {
+
+struct Inspected {
+    PolygonFile file;
+    MeshFindings findings;
+    std::vector<std::string> warnings;
+    std::string unit;  // empty: the file's
+    double metres = 1; // what a coordinate of 1 means
+};
+
+nlohmann::ordered_json as_json(const glm::dvec3& v) {
+    return {v.x, v.y, v.z};
+}
+
+std::string as_json(const std::string& path, const Inspected& mesh) {
+    const MeshFindings& found = mesh.findings;
+    const double m = mesh.metres;
+    nlohmann::ordered_json json{{"file", path},
+                                {"format", mesh.file.format},
+                                {"sha256", mesh.file.sha256},
+                                {"unit", mesh.unit.empty() ? "file" : "m"},
+                                {"vertices", found.vertices},
+                                {"unused_vertices", found.unused_vertices},
+                                {"facets", found.facets},
+                                {"triangles", found.triangles},
+                                {"quadrilaterals", found.quadrilaterals},
+                                {"other_facets", found.others},
+                                {"most_corners", found.most_corners},
+                                {"components", found.components},
+                                {"boundary_edges", found.boundary_edges},
+                                {"holes", found.holes},
+                                {"non_manifold_edges", found.non_manifold_edges},
+                                {"non_manifold_vertices", found.non_manifold_vertices},
+                                {"misoriented_edges", found.misoriented_edges},
+                                {"degenerate_facets", found.degenerate_facets},
+                                {"duplicate_facets", found.duplicate_facets},
+                                {"repeated_corner_facets", found.repeated_corner_facets},
+                                {"self_intersections", nullptr},
+                                {"more_self_intersections", found.more_self_intersections},
+                                {"closed", found.closed},
+                                {"area", found.area * m * m},
+                                {"volume", found.volume * m * m * m},
+                                {"low", as_json(found.low * m)},
+                                {"high", as_json(found.high * m)},
+                                {"warnings", mesh.warnings}};
+    if (found.self_intersections)
+        json["self_intersections"] = *found.self_intersections;
+    return json.dump(2) + "\n";
+}
+
+// "5856 (5856 triangles)", "500 (32 triangles, 468 quadrilaterals)"
+std::string facet_kinds(const MeshFindings& found) {
+    std::vector<std::string> kinds;
+    if (found.triangles > 0)
+        kinds.push_back(fmt::format("{} triangles", found.triangles));
+    if (found.quadrilaterals > 0)
+        kinds.push_back(fmt::format("{} quadrilaterals", found.quadrilaterals));
+    if (found.others > 0)
+        kinds.push_back(fmt::format("{} of up to {} corners", found.others, found.most_corners));
+    return fmt::format("{} ({})", found.facets, fmt::join(kinds, ", "));
+}
+
+std::string topology(const MeshFindings& found) {
+    return fmt::format("{}, {} {}{}", found.closed ? "closed" : "open", found.components,
+                       found.components == 1 ? "piece" : "pieces",
+                       !found.closed      ? ""
+                       : found.volume > 0 ? ", oriented outward"
+                       : found.volume < 0 ? ", oriented inward"
+                                          : "");
+}
+
+std::string triple(const glm::dvec3& v) {
+    return fmt::format("({:.6g}, {:.6g}, {:.6g})", v.x, v.y, v.z);
+}
+
+std::string as_text(const Inspected& mesh) {
+    const MeshFindings& found = mesh.findings;
+    const double m = mesh.metres;
+    const std::string unit = mesh.unit.empty() ? "file units" : "m";
+    const glm::dvec3 size = (found.high - found.low) * m;
+    std::string text;
+    text += fmt::format("format         {}\n", mesh.file.format);
+    text += fmt::format("vertices       {}\n", found.vertices);
+    text += fmt::format("facets         {}\n", facet_kinds(found));
+    text += fmt::format("surface        {}\n", topology(found));
+    text += fmt::format("bounding box   {} to {} {}\n", triple(found.low * m), triple(found.high * m), unit);
+    text += fmt::format("size           {:.6g} x {:.6g} x {:.6g} {}\n", size.x, size.y, size.z, unit);
+    text += fmt::format("area           {:.6g} {}^2\n", found.area * m * m, unit);
+    text += fmt::format("volume         {:.6g} {}^3{}\n", found.volume * m * m * m, unit,
+                        found.closed ? "" : " (of an open surface: no meaning of its own)");
+    text +=
+        fmt::format("intersections  {}\n", !found.self_intersections
+                                               ? "not looked for in a mesh of this size"
+                                               : fmt::format("{}{}", found.more_self_intersections ? "at least " : "",
+                                                             *found.self_intersections));
+    for (const std::string& warning : mesh.warnings)
+        text += fmt::format("warning        {}\n", warning);
+    if (mesh.warnings.empty())
+        text += "warnings       none\n";
+    return text;
+}
+
+int run(const std::string& path, const std::string& unit, const CommonOptions& common) {
+    Inspected mesh;
+    mesh.unit = unit;
+    if (!unit.empty())
+        mesh.metres = parse_quantity("1 " + unit, Dimension::length);
+    mesh.file = read_polygons(path);
+    mesh.findings = inspect(mesh.file.polygons);
+    mesh.warnings = warnings(mesh.findings);
+    print_data(common.json ? as_json(path, mesh) : as_text(mesh));
+    refuse_if_meaningless(path, mesh.findings);
+    if (!common.quiet && unit.empty())
+        remark("lengths are in the file's unit, which the file does not tell; --unit mm gives them in metres\n");
+    return 0;
+}
+
+struct Arguments {
+    std::string file, unit;
+};
+
+} // namespace
+
+void add_mesh_command(CLI::App& program, const CommonOptions& common, Command& chosen) {
+    CLI::App* command = program.add_subcommand("mesh", "Say what is in a mesh file and what is wrong with it");
+    const auto arguments = std::make_shared<Arguments>();
+    command->add_option("file", arguments->file, "OBJ, OFF, PLY or STL")->required();
+    command->add_option("--unit", arguments->unit, "what a coordinate of 1 means, as mm or in; sizes are then in m");
+    command->callback([&common, &chosen, arguments] {
+        chosen = [&common, arguments] { return run(arguments->file, arguments->unit, common); };
+    });
+}
+
+} // namespace forceshade

@@ -1,0 +1,49 @@
+// What is to be known of a mesh before a law is believed on it: counts, size, and what is wrong with it.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <glm/vec3.hpp>
+
+#include "host/mesh/mesh.h"
+
+namespace forceshade {
+
+/// Lengths, areas and volumes are in the unit of the polygons' coordinates. Vertices that no facet uses count as unused
+/// and enter nothing else.
+struct MeshFindings {
+    std::size_t vertices = 0, unused_vertices = 0;
+    std::size_t facets = 0, triangles = 0, quadrilaterals = 0, others = 0;
+    std::size_t most_corners = 0;                  // of a facet
+    std::size_t components = 0;                    // pieces whose facets hang together by edges
+    std::size_t boundary_edges = 0, holes = 0;     // edges of one facet, and the loops that they form
+    std::size_t non_manifold_edges = 0;            // of more than two facets
+    std::size_t non_manifold_vertices = 0;         // where facets do not make one fan, joined by edges
+    std::size_t misoriented_edges = 0;             // that two facets run through in the same direction
+    std::size_t degenerate_facets = 0;             // without area
+    std::size_t duplicate_facets = 0;              // with the vertices of an earlier one, in any order
+    std::size_t repeated_corner_facets = 0;        // that come to a vertex twice
+    std::optional<std::size_t> self_intersections; // pairs of triangles without a common corner that touch or cross
+    bool more_self_intersections = false;          // counting was given up at that number
+    bool closed = false;                           // every edge has two facets, or another even number
+    double area = 0, volume = 0;                   // volume: positive where facets are oriented outward
+    glm::dvec3 low{0}, high{0};                    // corners of the bounding box
+};
+
+struct InspectionLimits {
+    std::size_t self_intersection_triangles = 200'000; // beyond, self-intersections are not looked for
+};
+
+/// Looks at everything; about 2 s for a million triangles. Corners must be in range and coordinates finite.
+MeshFindings inspect(const PolygonSoup& polygons, const InspectionLimits& limits = {});
+
+/// A sentence for each thing that is wrong, with its count and what it means for the laws; empty if nothing is.
+std::vector<std::string> warnings(const MeshFindings& findings);
+
+/// \throws UsageError naming `mesh` if no law has a meaning on it: no facet, or none with an area
+void refuse_if_meaningless(const std::string& mesh, const MeshFindings& findings);
+
+} // namespace forceshade

@@ -1,0 +1,78 @@
+#include <fmt/format.h>
+
+#include "host/error.h"
+#include "host/mesh/findings.h"
+
+namespace forceshade {
+namespace {
+
+// "1 hole", "3 holes"
+std::string counted(std::size_t count, std::string_view one, std::string_view many) {
+    return fmt::format("{} {}", count, count == 1 ? one : many);
+}
+
+void add_topology(const MeshFindings& found, std::vector<std::string>& text) {
+    if (found.boundary_edges > 0)
+        text.push_back(fmt::format("{} along {}: the surface is open, so which side is inside is a matter of "
+                                   "convention; inside = \"winding\" serves open meshes best",
+                                   counted(found.boundary_edges, "boundary edge", "boundary edges"),
+                                   counted(found.holes, "hole or rim", "holes or rims")));
+    if (found.non_manifold_edges > 0)
+        text.push_back(fmt::format("{} of more than two facets: near them what is inside may be wrong by "
+                                   "pseudonormals; inside = \"winding\" is the safer choice",
+                                   counted(found.non_manifold_edges, "edge", "edges")));
+    if (found.non_manifold_vertices > 0)
+        text.push_back(fmt::format("{} where surfaces touch in a point only: shading mixes their normals there",
+                                   counted(found.non_manifold_vertices, "vertex", "vertices")));
+    if (found.misoriented_edges > 0)
+        text.push_back(fmt::format("{} between facets of opposite orientation: one of each two pushes the probe the "
+                                   "wrong way in static fields, and shading cancels normals there",
+                                   counted(found.misoriented_edges, "edge", "edges")));
+    if (found.components > 1)
+        text.push_back(fmt::format("{} separate pieces: the probe touches whichever is nearest", found.components));
+    if (found.closed && found.misoriented_edges == 0 && found.volume < 0)
+        text.push_back("the facets are oriented inward (the signed volume is negative): static forces appear outside "
+                       "and not inside; reverse the facets");
+}
+
+void add_facets(const MeshFindings& found, std::vector<std::string>& text) {
+    if (found.degenerate_facets > 0)
+        text.push_back(fmt::format("{} without area: they can be touched but have no normal, so shading takes no part "
+                                   "of theirs",
+                                   counted(found.degenerate_facets, "facet", "facets")));
+    if (found.repeated_corner_facets > 0)
+        text.push_back(
+            fmt::format("{} coming to a vertex twice", counted(found.repeated_corner_facets, "facet", "facets")));
+    if (found.duplicate_facets > 0)
+        text.push_back(fmt::format("{} with the vertices of another one: of facets that coincide the first in the "
+                                   "file is the one touched, and each weighs in the vertex normals",
+                                   counted(found.duplicate_facets, "facet", "facets")));
+    if (found.unused_vertices > 0)
+        text.push_back(
+            fmt::format("{} that no facet uses: ignored", counted(found.unused_vertices, "vertex", "vertices")));
+    if (found.self_intersections.value_or(0) > 0)
+        text.push_back(fmt::format("{}{} that touch or cross without a common corner: the probe feels only the nearest "
+                                   "surface, so parts within the solid are felt as well",
+                                   found.more_self_intersections ? "at least " : "",
+                                   counted(*found.self_intersections, "pair of triangles", "pairs of triangles")));
+}
+
+} // namespace
+
+std::vector<std::string> warnings(const MeshFindings& found) {
+    std::vector<std::string> text;
+    add_topology(found, text);
+    add_facets(found, text);
+    return text;
+}
+
+void refuse_if_meaningless(const std::string& mesh, const MeshFindings& found) {
+    if (found.facets == 0)
+        throw UsageError(fmt::format("{}: no facets, so there is nothing to touch; a mesh needs one or more", mesh));
+    if (found.degenerate_facets == found.facets)
+        throw UsageError(fmt::format("{}: none of the {} facets has an area, so no force has a direction; is this the "
+                                     "right file?",
+                                     mesh, found.facets));
+}
+
+} // namespace forceshade
