@@ -1,0 +1,118 @@
+// The nearest point of a mesh through its tree, held against a loop over all triangles in the same precision, bit for
+// bit.
+#include <cmath>
+#include <cstring>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "host/mesh/structure.h"
+#include "host/reference/mesh_nearest.h"
+#include "tests/mesh/shapes.h"
+
+namespace forceshade {
+namespace {
+
+using reference::Nearest;
+using reference::Vector;
+
+template <typename T> Nearest<T> by_loop(const layout::MeshView<T>& mesh, const Vector<T>& probe) {
+    Nearest<T> best{0, 0, 0, {}, std::numeric_limits<T>::infinity()};
+    for (layout::uint triangle = 0; triangle < mesh.params.triangles; ++triangle) {
+        const auto point = reference::nearest_on_triangle(mesh, triangle, probe);
+        const layout::uint facet = mesh.triangle_facets[triangle];
+        if (point.square < best.square ||
+            (point.square == best.square && (facet < best.facet || (facet == best.facet && triangle < best.triangle))))
+            best = {triangle, facet, point.feature, point.offset, point.square};
+    }
+    return best;
+}
+
+template <typename T> bool same(const Nearest<T>& one, const Nearest<T>& other) {
+    return one.triangle == other.triangle && one.facet == other.facet && one.feature == other.feature &&
+           std::memcmp(&one.offset, &other.offset, sizeof one.offset) == 0 && one.square == other.square;
+}
+
+template <typename T> struct Probes {
+    std::mt19937 random{7};
+    const MeshTables<T> tables;
+    std::vector<Vector<T>> all;
+
+    double uniform() { return (double(random()) + 0.5) / 2147483648.0 - 1; }
+    Vector<T> within(double reach) { return {T(reach * uniform()), T(reach * uniform()), T(reach * uniform())}; }
+
+    Probes(const MeshStructure& structure, int count) : tables(make_mesh_tables<T>(structure, 1000)) {
+        const layout::MeshView<T> mesh = tables.view();
+        for (int i = 0; i < count; ++i) {
+            all.push_back(within(1.2));
+            all.push_back(within(std::pow(10.0, 6 * std::abs(uniform()))));
+            // On corners, edges and faces, and hardly beside them.
+            const std::size_t triangle = random() % mesh.params.triangles;
+            Vector<T> corners[3];
+            for (std::size_t j = 0; j < 3; ++j)
+                corners[j] = reference::vector_at(mesh.vertices, mesh.triangle_corners[3 * triangle + j]);
+            const T u = T(std::abs(uniform())), v = T(std::abs(uniform())) * (T(1) - u);
+            all.push_back(corners[0]);
+            all.push_back(corners[0] + u * (corners[1] - corners[0]));
+            const Vector<T> on = corners[0] + u * (corners[1] - corners[0]) + v * (corners[2] - corners[0]);
+            all.push_back(on);
+            all.push_back(on + within(1e-3));
+            all.push_back(on + within(double(std::numeric_limits<T>::epsilon())));
+        }
+        // Equally far from much: the middle, planes and axes of symmetry.
+        all.push_back({});
+        for (int i = 0; i < count / 4; ++i) {
+            const T s = T(uniform()), t = T(uniform());
+            for (const Vector<T>& probe : {Vector<T>(s, 0, 0), Vector<T>(s, s, s), Vector<T>(s, t, 0),
+                                           Vector<T>(s, s, t), Vector<T>(t, s, s), Vector<T>(0, s, -s)})
+                all.push_back(probe);
+        }
+    }
+};
+
+template <typename T> void hold_against_loop(const PolygonSoup& polygons, int count) {
+    const Probes<T> probes(build_structure(shapes::mesh_of(polygons)), count);
+    const layout::MeshView<T> mesh = probes.tables.view();
+    layout::uint hint = 0;
+    for (const Vector<T>& probe : probes.all) {
+        const Nearest<T> expected = by_loop(mesh, probe);
+        const Nearest<T> found = reference::nearest(mesh, probe);
+        ASSERT_TRUE(same(found, expected))
+            << probe.x << ' ' << probe.y << ' ' << probe.z << ": triangle " << found.triangle << " at " << found.square
+            << ", not " << expected.triangle << " at " << expected.square;
+        ASSERT_TRUE(same(reference::nearest(mesh, probe, hint), expected));
+        ASSERT_TRUE(std::isfinite(found.square));
+        hint = found.triangle;
+    }
+}
+
+class NearestOn : public testing::TestWithParam<std::pair<const char*, PolygonSoup (*)()>> {};
+
+TEST_P(NearestOn, EqualsLoopInDouble) {
+    hold_against_loop<double>(GetParam().second(), 60);
+}
+
+TEST_P(NearestOn, EqualsLoopInSingle) {
+    hold_against_loop<float>(GetParam().second(), 60);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Shapes, NearestOn,
+    testing::Values(
+        std::pair{"icosphere", +[] { return shapes::icosphere(4); }},
+        std::pair{"cube", +[] { return shapes::cube(true); }},
+        std::pair{"finely_cut_cube",
+                  +[] { return shapes::subdivided(shapes::subdivided(shapes::subdivided(shapes::cube()))); }},
+        std::pair{"polyhedra", +[] { return shapes::random_polyhedra(500, 3); }},
+        std::pair{"needles", +[] { return shapes::needle_fan(1000, 50); }},
+        std::pair{"flat_needles", +[] { return shapes::needle_fan(1000, 1e-6); }},
+        std::pair{"slivers", +[] { return shapes::sliver_box(200, 1e8); }},
+        std::pair{"plate", +[] { return shapes::plate(1e-5); }},
+        std::pair{"shells", +[] { return shapes::nested_shells(3, true); }},
+        std::pair{"triangle", +[] { return shapes::single_triangle(); }},
+        std::pair{"far_away", +[] { return shapes::moved(shapes::icosphere(3), glm::dvec3(1), glm::dvec3(1e6)); }},
+        std::pair{"twice", +[] { return shapes::merged(shapes::icosphere(3), shapes::icosphere(3)); }}),
+    [](const auto& parameter) { return std::string(parameter.param.first); });
+
+} // namespace
+} // namespace forceshade

@@ -1,0 +1,46 @@
+// Meshes for tests and benches, made from formulas.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+
+#include "host/mesh/normals.h"
+
+namespace forceshade::shapes {
+
+/// A mesh in metres out of polygons in metres.
+Mesh mesh_of(PolygonSoup polygons, VertexNormals normals = VertexNormals::plain);
+
+/// Unit sphere: an icosahedron whose facets were cut into four `levels` times; 20 * 4^levels facets.
+PolygonSoup icosphere(unsigned levels);
+/// [-1, 1]^3 of six quads, or of twelve triangles.
+PolygonSoup cube(bool triangles = false);
+PolygonSoup tetrahedron(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c, const glm::dvec3& d);
+
+enum class Cells { triangles, quads, hexagons };
+/// The patch [-1/2, 1/2]^2 cut into `cells` cells a side and lifted to z = height(x, y), as in the table of L7:
+/// diagonals from (i, j) to (i + 1, j + 1); regular hexagons 1 / cells wide whose centres lie in the square.
+PolygonSoup patch(Cells kind, unsigned cells, const std::function<double(double, double)>& height);
+
+/// Tetrahedra at random places, sizes and orientations, apart or through each other; outsides out.
+PolygonSoup random_polyhedra(unsigned count, std::uint32_t seed);
+/// A cone whose apex has this many facets, closed by one facet of as many corners.
+PolygonSoup needle_fan(unsigned valence, double height);
+/// A closed box `aspect` times as long as it is thick, its sides cut into slivers.
+PolygonSoup sliver_box(unsigned slivers, double aspect);
+/// A closed plate, 1 x 1 x thickness.
+PolygonSoup plate(double thickness);
+/// A sphere inside a sphere, both facing outwards or the inner one inwards.
+PolygonSoup nested_shells(unsigned levels, bool cavity);
+PolygonSoup single_triangle();
+/// One regular facet of this many corners, and its base's prism.
+PolygonSoup many_gon_prism(unsigned corners);
+
+/// Every facet a triangle fan about its first corner, then each triangle cut into four.
+PolygonSoup subdivided(const PolygonSoup& polygons);
+
+PolygonSoup merged(const PolygonSoup& one, const PolygonSoup& other);
+PolygonSoup moved(PolygonSoup polygons, const glm::dvec3& scale, const glm::dvec3& shift);
+void add_facet(PolygonSoup& polygons, std::initializer_list<std::uint32_t> corners);
+
+} // namespace forceshade::shapes
