@@ -120,7 +120,7 @@ int run(const std::string& path, const std::string& unit, const CommonOptions& c
     mesh.findings = inspect(mesh.file.polygons);
     mesh.warnings = warnings(mesh.findings);
     print_data(common.json ? as_json(path, mesh) : as_text(mesh));
-    refuse_if_meaningless(path, mesh.findings);
+    refuse_if_meaningless(mesh.findings, path);
     if (!common.quiet && unit.empty())
         remark("lengths are in the file's unit, which the file does not tell; --unit mm gives them in metres\n");
     return 0;

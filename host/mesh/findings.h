@@ -44,6 +44,6 @@ MeshFindings inspect(const PolygonSoup& polygons, const InspectionLimits& limits
 std::vector<std::string> warnings(const MeshFindings& findings);
 
 /// \throws UsageError naming `mesh` if no law has a meaning on it: no facet, or none with an area
-void refuse_if_meaningless(const std::string& mesh, const MeshFindings& findings);
+void refuse_if_meaningless(const MeshFindings& findings, const std::string& mesh);
 
 } // namespace forceshade

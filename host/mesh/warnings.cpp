@@ -66,7 +66,7 @@ std::vector<std::string> warnings(const MeshFindings& found) {
     return text;
 }
 
-void refuse_if_meaningless(const std::string& mesh, const MeshFindings& found) {
+void refuse_if_meaningless(const MeshFindings& found, const std::string& mesh) {
     if (found.facets == 0)
         throw UsageError(fmt::format("{}: no facets, so there is nothing to touch; a mesh needs one or more", mesh));
     if (found.degenerate_facets == found.facets)
