@@ -34,11 +34,15 @@ struct EdgeFile {
     std::vector<FiledEdge> edges;
 };
 
+/// The corner at which an edge ends.
+std::size_t following(std::size_t edge) {
+    return edge % 3 == 2 ? edge - 2 : edge + 1;
+}
+
 EdgeFile file_edges(const std::vector<uint>& corners, const std::vector<uint>& places) {
     EdgeFile file;
     const auto ends = [&](std::size_t edge) {
-        const std::size_t first = edge - edge % 3;
-        const uint start = places[corners[edge]], end = places[corners[first + (edge - first + 1) % 3]];
+        const uint start = places[corners[edge]], end = places[corners[following(edge)]];
         return std::pair{std::min(start, end), std::max(start, end)};
     };
     file.begins.assign(places.size() + 1, 0);
@@ -58,6 +62,20 @@ EdgeFile file_edges(const std::vector<uint>& corners, const std::vector<uint>& p
                       return one.higher < other.higher || (one.higher == other.higher && one.edge < other.edge);
                   });
     return file;
+}
+
+/// Calls use(begin, end) with all edges between one pair of places, pair by pair.
+template <typename Use> void for_each_bundle(const EdgeFile& file, const Use& use) {
+    for (std::size_t place = 0; place + 1 < file.begins.size(); ++place) {
+        const FiledEdge* end = file.edges.data() + file.begins[place + 1];
+        for (const FiledEdge* begin = file.edges.data() + file.begins[place]; begin != end;) {
+            const FiledEdge* next = begin;
+            while (next != end && next->higher == begin->higher)
+                ++next;
+            use(begin, next);
+            begin = next;
+        }
+    }
 }
 
 /// The edges of one and the same pair of places.
@@ -109,18 +127,23 @@ std::vector<uint> weld(const std::vector<double>& vertices) {
 }
 
 void connect_edges(MeshParts& parts, MeshReals<double>& reals, const std::vector<uint>& places) {
-    const EdgeFile file = file_edges(parts.triangle_corners, places);
     parts.triangle_neighbours.resize(parts.triangle_corners.size());
-    for (std::size_t place = 0; place < places.size(); ++place) {
-        const FiledEdge* end = file.edges.data() + file.begins[place + 1];
-        for (const FiledEdge* begin = file.edges.data() + file.begins[place]; begin != end;) {
-            const FiledEdge* next = begin;
-            while (next != end && next->higher == begin->higher)
-                ++next;
-            connect(begin, next, parts, reals);
-            begin = next;
-        }
-    }
+    for_each_bundle(file_edges(parts.triangle_corners, places),
+                    [&](const FiledEdge* begin, const FiledEdge* end) { connect(begin, end, parts, reals); });
+}
+
+std::vector<uint> find_rims(const MeshParts& parts, const std::vector<uint>& places) {
+    std::vector<uint> rims;
+    const std::vector<uint>& corners = parts.triangle_corners;
+    for_each_bundle(file_edges(corners, places), [&](const FiledEdge* begin, const FiledEdge* end) {
+        long surplus = 0;
+        for (const FiledEdge* edge = begin; edge != end; ++edge)
+            surplus += places[corners[edge->edge]] == edge->higher ? -1 : 1;
+        const uint start = corners[begin->edge], stop = corners[following(begin->edge)];
+        if (surplus != 0 && places[start] != places[stop])
+            rims.insert(rims.end(), {start, stop, static_cast<uint>(std::abs(surplus))});
+    });
+    return rims;
 }
 
 void sum_pseudonormals(const MeshParts& parts, MeshReals<double>& reals, const std::vector<uint>& places) {

@@ -12,6 +12,9 @@ std::vector<layout::uint> weld(const std::vector<double>& vertices);
 /// Fills parts.triangle_neighbours and reals.edge_pseudonormals. Edges are matched by the places of their ends.
 void connect_edges(MeshParts& parts, MeshReals<double>& reals, const std::vector<layout::uint>& places);
 
+/// Edges that triangles walk more often one way than the other, three numbers each: two vertices and by how often.
+std::vector<layout::uint> find_rims(const MeshParts& parts, const std::vector<layout::uint>& places);
+
 /// Fills reals.vertex_pseudonormals: for each place the sum of its triangles' normals, weighted by the angle there.
 void sum_pseudonormals(const MeshParts& parts, MeshReals<double>& reals, const std::vector<layout::uint>& places);
 

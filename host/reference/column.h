@@ -1,21 +1,18 @@
 // What every law needs of the probe's (x, y) alone, step for step as shaders/laws/column.glsl.
 #pragma once
 
-#include <glm/vec3.hpp>
-
 #include "host/reference/faceted_bump.h"
 #include "host/reference/height_map.h"
+#include "host/reference/vector.h"
 
 namespace forceshade::reference {
-
-template <typename T> using Vector = glm::vec<3, T>;
 
 template <typename T> struct Column {
     T x, y;                       /* m */
     Facet<T> facet;               /* L3: the nominal surface below the probe */
     Vector<T> direction{0, 0, 1}; /* L4, L5: the smooth surface's unit normal above the probe */
     Gradient<T> texture;          /* L8 */
-    bool on_bump;                 /* |x| < a */
+    bool on_bump = false;         /* |x| < a */
 };
 
 /// G1: N(x) on the bump, z elsewhere.
@@ -37,6 +34,8 @@ template <typename T> Column<T> column_at(const layout::Law<T>& law, T x, T y) n
     Column<T> column;
     column.x = x;
     column.y = y;
+    if (features.surface == layout::kSurfaceMesh)
+        return column;
     column.on_bump = std::abs(x) < law.params.half_width;
     if (features.surface == layout::kSurfaceBump)
         column.facet = facet_at(law, x);

@@ -4,16 +4,10 @@
 #include <limits>
 
 #include "host/reference/column.h"
+#include "host/reference/contact_result.h"
+#include "host/reference/mesh_contact.h"
 
 namespace forceshade::reference {
-
-template <typename T> struct Contact {
-    T depth;            /* m, 0 out of contact */
-    Vector<T> force;    /* N */
-    Vector<T> unshaded; /* N: what shading "none" would give */
-    Vector<T> proxy;    /* m: the contact point on the nominal surface; the probe itself out of contact */
-    layout::uint facet; /* layout::kNoFacet out of contact */
-};
 
 /// The unit vector from the cylinder's axis to the probe and its distance in m; z and 0 where the probe is on the axis.
 template <typename T> struct Radial {
@@ -96,8 +90,10 @@ template <typename T> Contact<T> facet_contact(const layout::Law<T>& law, const 
     return contact;
 }
 
-/// The law at height z, m, in a column.
+/// The law at height z, m, in a column; of a mesh all three coordinates are those of its frame.
 template <typename T> Contact<T> contact_at(const layout::Law<T>& law, const Column<T>& column, T z) noexcept {
+    if (law.features.surface == layout::kSurfaceMesh)
+        return mesh_contact(law, Vector<T>(column.x, column.y, z));
     if (law.features.surface == layout::kSurfaceCylinderBump)
         return cylinder_bump_contact(law, column, z);
     return facet_contact(law, column, z);
