@@ -57,6 +57,7 @@ int run(const FieldArguments& arguments, const CommonOptions& common) {
     job.prepared = preparation.prepare(read_scene(arguments.scene, overrides(common), &warnings));
     job.volume = std::filesystem::absolute(volume);
     job.prepared.one.name = volume.stem().string(); // what pictures are headed with
+    warnings.insert(warnings.end(), job.prepared.warnings.begin(), job.prepared.warnings.end());
     print_warnings(warnings, common);
     const auto engine = make_engine(engine_options(common, job.prepared.one.scene.precision == Precision::f64));
     job.also = parse_also(arguments.also);

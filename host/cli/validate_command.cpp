@@ -1,3 +1,5 @@
+#include <set>
+
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
@@ -34,9 +36,13 @@ int run(const ValidateArguments& arguments, const CommonOptions& common) {
     const std::vector<Precision> wanted = precisions(common, engine->report());
     CasePreparation preparation;
     std::vector<Comparison> comparisons;
+    std::set<std::string> warned;
     Progress progress("comparisons", cases.size() * wanted.size(), common.quiet);
     for (const Case* one : cases) {
         const PreparedCase prepared = preparation.prepare(*one);
+        for (const std::string& warning : prepared.warnings)
+            if (warned.insert(warning).second)
+                print_warnings({warning}, common);
         for (const Precision precision : wanted) {
             comparisons.push_back(compare_case(*engine, prepared, precision));
             progress.update(comparisons.size(), one->name);

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "host/error.h"
+#include "host/field/scene_mesh.h"
 #include "host/io/height_image.h"
 #include "host/surface/facet_vertices.h"
 #include "host/surface/map_gradients.h"
@@ -80,6 +81,50 @@ template <typename T> std::vector<T> axis(const GridSpec& grid, std::size_t whic
     return samples;
 }
 
+// In the mesh's own frame, where single precision suffices however far the mesh is from the origin.
+template <typename T> std::vector<T> local_axis(const GridSpec& grid, std::size_t which, double centre, double scale) {
+    std::vector<T> samples(grid.size[which]);
+    for (std::size_t i = 0; i < samples.size(); ++i)
+        samples[i] = rounded<T>((grid.origin[which] + grid.spacing[which] * static_cast<double>(i) - centre) / scale,
+                                "a grid coordinate, in sizes of the mesh,");
+    return samples;
+}
+
+template <typename T> void add_mesh(const Scene& scene, const SceneMesh& mesh, FieldTables<T>& tables) {
+    const MeshStructure& structure = mesh.structure;
+    tables.mesh = std::make_shared<const MeshTables<T>>(make_mesh_tables<T>(structure, scene.force.stiffness));
+    tables.x = local_axis<T>(scene.grid, 0, structure.centre.x, structure.scale);
+    tables.y = local_axis<T>(scene.grid, 1, structure.centre.y, structure.scale);
+    tables.z = local_axis<T>(scene.grid, 2, structure.centre.z, structure.scale);
+}
+
+layout::uint mesh_shading(Shading shading) {
+    switch (shading) {
+    case Shading::morgenbesser:
+        return layout::kShadingMorgenbesser;
+    case Shading::barycentric:
+        return layout::kShadingBarycentric;
+    case Shading::mean_value:
+        return layout::kShadingMeanValue;
+    case Shading::two_pass:
+        return layout::kShadingTwoPass;
+    default:
+        return layout::kShadingNone;
+    }
+}
+
+bool tilts_normals(const Scene& scene) {
+    return scene.texture && scene.texture->effect == TextureEffect::normal;
+}
+
+// The map that gives directions: of a plane its own (L5), of a mesh the texture that tilts its normals (L9).
+const HeightMapSpec& direction_map(const Scene& scene) {
+    return tilts_normals(scene) ? scene.texture->map : scene.surface.map;
+}
+const HeightImage* direction_image(const Scene& scene, const SceneImages& images) {
+    return tilts_normals(scene) ? images.texture.get() : images.map.get();
+}
+
 bool is_shaded_by_map(const Scene& scene) {
     return scene.surface.kind == SurfaceKind::height_map && scene.force.shading == Shading::height_map;
 }
@@ -89,20 +134,25 @@ bool is_shaded_by_map(const Scene& scene) {
 layout::Features features_of(const Scene& scene) {
     layout::Features features;
     const bool bump = scene.surface.kind == SurfaceKind::bump;
+    const bool mesh = scene.surface.kind == SurfaceKind::mesh;
     features.surface = bump                                               ? layout::kSurfaceBump
                        : scene.surface.kind == SurfaceKind::cylinder_bump ? layout::kSurfaceCylinderBump
+                       : mesh                                             ? layout::kSurfaceMesh
                                                                           : layout::kSurfaceHeightMap;
     features.shading = is_shaded_by_map(scene)                     ? layout::kShadingHeightMap
                        : scene.force.shading == Shading::reference ? layout::kShadingReference
+                       : mesh                                      ? mesh_shading(scene.force.shading)
                                                                    : layout::kShadingNone;
+    if (mesh && scene.surface.mesh.inside == InsideTest::winding)
+        features.inside = layout::kInsideWinding;
     // Only facets that slope tell the two readings apart.
     if (bump && scene.force.depth == DepthReading::normal)
         features.depth = layout::kDepthNormal;
     if (features.shading == layout::kShadingReference && scene.force.reference == ReferenceDirection::radial)
         features.reference = layout::kReferenceRadial;
-    if (is_shaded_by_map(scene))
-        features.map = map_kind(scene.surface.map.function);
-    if (scene.texture && scene.texture->stiffness != 0)
+    if (is_shaded_by_map(scene) || tilts_normals(scene))
+        features.map = map_kind(direction_map(scene).function);
+    if (scene.texture && !tilts_normals(scene) && scene.texture->stiffness != 0)
         features.texture = map_kind(scene.texture->map.function);
     features.channels = scene.output.channels | layout::kChannelForce;
     return features;
@@ -110,7 +160,8 @@ layout::Features features_of(const Scene& scene) {
 
 bool depends_on_y(const layout::Features& features) {
     const auto varies = [](layout::uint map) { return map == layout::kMapGaussian || map == layout::kMapSamples; };
-    return varies(features.map) || varies(features.texture) || (features.channels & layout::kChannelProxy);
+    return features.surface == layout::kSurfaceMesh || varies(features.map) || varies(features.texture) ||
+           (features.channels & layout::kChannelProxy);
 }
 
 std::vector<std::string> omissions(const Scene& scene) {
@@ -120,6 +171,12 @@ std::vector<std::string> omissions(const Scene& scene) {
         left_out.push_back("shading");
     if (features.texture == layout::kMapNone)
         left_out.push_back("texture");
+    if (features.surface == layout::kSurfaceMesh && features.map == layout::kMapNone)
+        left_out.push_back("tilted normals");
+    if (features.surface == layout::kSurfaceMesh && features.inside != layout::kInsideWinding)
+        left_out.push_back("winding number");
+    if (features.surface == layout::kSurfaceMesh)
+        left_out.push_back("blocks of free space");
     if (features.map != layout::kMapSamples && features.texture != layout::kMapSamples)
         left_out.push_back("sampled height maps");
     const auto channel = [&](layout::uint bit, const char* name) {
@@ -140,7 +197,7 @@ template <typename T> FieldTables<T> make_tables(const Scene& scene, const Scene
     tables.features = features_of(scene);
     layout::LawParams<T>& params = tables.params;
     params.stiffness = rounded<T>(scene.force.stiffness, "stiffness");
-    if (scene.surface.kind != SurfaceKind::height_map) {
+    if (scene.surface.kind == SurfaceKind::bump || scene.surface.kind == SurfaceKind::cylinder_bump) {
         const double half_width = scene.surface.width / 2, radius = scene.surface.radius;
         params.half_width = rounded<T>(half_width, "the half width");
         params.radius = rounded<T>(radius, "radius");
@@ -152,13 +209,17 @@ template <typename T> FieldTables<T> make_tables(const Scene& scene, const Scene
                                                   scene.surface.facet_spacing);
     }
     if (tables.features.map != layout::kMapNone) {
-        params.map = map_params<T>(scene.surface.map, images.map.get());
-        tables.map_gradients = gradients<T>(scene.surface.map, images.map.get());
+        params.map = map_params<T>(direction_map(scene), direction_image(scene, images));
+        tables.map_gradients = gradients<T>(direction_map(scene), direction_image(scene, images));
     }
     if (tables.features.texture != layout::kMapNone) {
         params.texture_stiffness = rounded<T>(scene.texture->stiffness, "the texture's stiffness");
         params.texture = map_params<T>(scene.texture->map, images.texture.get());
         tables.texture_gradients = gradients<T>(scene.texture->map, images.texture.get());
+    }
+    if (images.mesh) {
+        add_mesh(scene, *images.mesh, tables);
+        return tables;
     }
     tables.x = axis<T>(scene.grid, 0, true);
     tables.y = axis<T>(scene.grid, 1, extent == Extent::everything || depends_on_y(tables.features));

@@ -4,16 +4,19 @@
 #include <memory>
 #include <vector>
 
+#include "host/mesh/structure.h"
 #include "host/scene/scene.h"
 #include "shaders/shared/layout.h"
 
 namespace forceshade {
 
 struct HeightImage;
+struct SceneMesh;
 
-/// The images that a scene's height maps name; null where it names none.
+/// The images and the mesh that a scene names; null where it names none.
 struct SceneImages {
     std::shared_ptr<const HeightImage> map, texture;
+    std::shared_ptr<const SceneMesh> mesh;
 };
 
 /// Owns what a layout::FieldInput only points to.
@@ -21,9 +24,15 @@ template <typename T> struct FieldTables {
     layout::Features features;
     layout::LawParams<T> params{};
     std::vector<T> facet_vertices, map_gradients, texture_gradients;
-    std::vector<T> x, y, z; /* m */
+    std::shared_ptr<const MeshTables<T>> mesh;
+    std::vector<T> x, y, z; /* m; of a mesh in its own frame */
 
-    layout::Law<T> law() const { return {features, params, facet_vertices, map_gradients, texture_gradients}; }
+    layout::Law<T> law() const {
+        layout::Law<T> law{features, params, facet_vertices, map_gradients, texture_gradients};
+        if (mesh)
+            law.mesh = mesh->view();
+        return law;
+    }
     layout::FieldInput<T> input() const { return {law(), x, y, z}; }
 };
 

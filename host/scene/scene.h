@@ -69,9 +69,9 @@ struct ForceSpec {
 };
 
 struct TextureSpec {
-    TextureEffect effect = TextureEffect::force; /* L8, or L9 on a mesh */
-    double stiffness = 0.0;                      /* K_t, N/m */
+    double stiffness = 0.0; /* K_t, N/m */
     HeightMapSpec map;
+    TextureEffect effect = TextureEffect::force; /* L8, or L9 on a mesh */
     friend bool operator==(const TextureSpec&, const TextureSpec&) = default;
 };
 

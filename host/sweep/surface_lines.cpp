@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
+#include "host/field/scene_mesh.h"
 #include "host/io/height_image.h"
 #include "host/reference/circle.h"
 #include "host/surface/facet_vertices.h"
@@ -80,6 +82,26 @@ std::vector<picture::LinePoint> facet_line(const SurfaceSpec& surface, Span x) {
     return points;
 }
 
+// Where the plane of this y cuts the triangles: pieces of two points, parted by points that are none.
+std::vector<picture::LinePoint> mesh_section(const Mesh& mesh, double y) {
+    constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+    std::vector<picture::LinePoint> points;
+    for (const auto& triangle : mesh.triangles) {
+        std::vector<picture::LinePoint> cuts;
+        for (std::size_t i = 0; i < 3; ++i) {
+            const glm::dvec3 &from = mesh.polygons.vertices[triangle[i]],
+                             &to = mesh.polygons.vertices[triangle[(i + 1) % 3]];
+            if ((from.y < y) == (to.y < y))
+                continue;
+            const double part = (y - from.y) / (to.y - from.y);
+            cuts.push_back({std::lerp(from.x, to.x, part), std::lerp(from.z, to.z, part)});
+        }
+        if (cuts.size() == 2)
+            points.insert(points.end(), {cuts[0], cuts[1], {kNone, kNone}});
+    }
+    return points;
+}
+
 } // namespace
 
 picture::SurfaceLines surface_lines(const PreparedCase& prepared) {
@@ -108,6 +130,7 @@ picture::SurfaceLines surface_lines(const PreparedCase& prepared) {
                 curve(x, [&](double at) { return map_height(surface.map, prepared.images.map.get(), at, middle_y); });
         break;
     case SurfaceKind::mesh:
+        lines.nominal = mesh_section(prepared.images.mesh->mesh, middle_y);
         break;
     }
     return lines;

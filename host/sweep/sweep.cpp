@@ -11,6 +11,7 @@
 #include "host/io/exr_volume.h"
 #include "host/io/hash.h"
 #include "host/io/temporary_file.h"
+#include "host/remark.h"
 #include "host/scene/case_filter.h"
 #include "host/sweep/case_pipeline.h"
 #include "host/sweep/machine.h"
@@ -80,15 +81,18 @@ std::vector<const Case*> choose(const Study& study, const SweepOptions& options)
 struct Prepared {
     Study study;
     Fingerprints fingerprints;
+    std::set<std::string> warnings; // of the files of the cases chosen
 };
 
 Prepared prepare(const Study& study, const std::vector<const Case*>& chosen, CasePreparation& preparation) {
-    Prepared result{study, {}};
+    Prepared result{study, {}, {}};
     const std::set<const Case*> wanted(chosen.begin(), chosen.end());
     for (std::size_t i = 0; i < study.cases.size(); ++i)
         try {
             const PreparedCase prepared = preparation.prepare(study.cases[i]);
             result.study.cases[i].scene = prepared.one.scene;
+            if (wanted.count(&study.cases[i]))
+                result.warnings.insert(prepared.warnings.begin(), prepared.warnings.end());
             for (const bool cpu_engine : {false, true})
                 result.fingerprints[study.cases[i].name].insert(fingerprint(prepared, cpu_engine));
         } catch (const Error&) {
@@ -166,6 +170,9 @@ SweepResult run_sweep(const Study& study, const std::function<std::unique_ptr<En
     result.chosen = chosen.size();
     CasePreparation preparation;
     const Prepared prepared = prepare(study, chosen, preparation);
+    for (const std::string& warning : prepared.warnings)
+        if (!options.quiet)
+            remark("warning: {}\n", warning);
     prepare_folder(prepared.study, options.folder);
 
     const auto job_of = [&](const Case& one) {

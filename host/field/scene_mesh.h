@@ -1,0 +1,31 @@
+// A scene's mesh, read, put in its place and ready for every precision.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "host/mesh/mesh.h"
+#include "host/mesh/structure.h"
+#include "host/scene/scene.h"
+
+namespace forceshade {
+
+struct SceneMesh {
+    std::string sha256; /* of the file's bytes */
+    Mesh mesh;          /* m, in the scene's frame */
+    MeshStructure structure;
+    std::vector<std::string> warnings; /* findings with which the law still has a meaning */
+};
+
+/// Reads the file that the spec names. \throws IoError, UsageError for a file in which the law has no meaning.
+std::shared_ptr<const SceneMesh> read_scene_mesh(const MeshSpec& spec);
+
+/// \throws UsageError if the scene asks for what the mesh has not: barycentric shading of facets that are no triangles.
+void check_mesh_fits(const Scene& scene, const SceneMesh& mesh);
+
+/// The grid of `samples` along the longest side of the mesh's bounding box and 5 %, about its centre, with as many
+/// samples along the other sides as cover the box and as much beyond it.
+GridSpec fitted_grid(std::uint64_t samples, const Mesh& mesh);
+
+} // namespace forceshade
