@@ -1,0 +1,308 @@
+// L6: the walk of a god-object towards the probe, until nothing near lets it come closer.
+#pragma once
+
+#include "host/reference/god_object_touch.h"
+#include "host/reference/mesh_around.h"
+
+namespace forceshade::reference {
+
+/// Sees every straight piece of a proxy's way; this one does not look.
+struct NoTrace {
+    template <typename T> void operator()(const Vector<T>&, const Vector<T>&) const noexcept {}
+};
+
+/// Half the side of the box in which a proxy minds the mesh, none of whose coordinates is beyond 1.
+constexpr int kRegion = 2;
+
+/// One update's walk. Every move keeps to the half-spaces of the triangles in the pool and is cast against all others.
+template <typename T, typename Trace = NoTrace> class Walk {
+public:
+    static constexpr layout::uint kPool = 8;
+    static constexpr unsigned kSubsteps = 20000;
+
+    Walk(const layout::MeshView<T>& mesh, Neighbourhood<T>& around, const Vector<T>& proxy, const Vector<T>& probe,
+         const Trace& trace) noexcept
+        : mesh_(mesh), around_(around), proxy_(proxy), probe_(probe), trace_(trace) {}
+
+    const Vector<T>& proxy() const noexcept { return proxy_; }
+    const Projection<T>& resting() const noexcept { return projection_; }
+    const Touch<T>& touch(layout::uint i) const noexcept { return pool_[i]; }
+    layout::uint touches() const noexcept { return count_; }
+    unsigned substeps() const noexcept { return substeps_; }
+    bool finished() const noexcept { return substeps_ < kSubsteps; }
+    bool held_by_face(layout::uint i) const noexcept { return holds_[projection_.held[i].source] == Hold::face; }
+
+    /// What the proxy may touch; no harm if it does not.
+    void remember(layout::uint triangle) noexcept {
+        for (layout::uint i = 0; i < count_; ++i)
+            if (pool_[i].index == triangle)
+                return;
+        if (count_ == kPool && !forget_one())
+            return;
+        pool_[count_].index = triangle;
+        pool_[count_].triangle = triangle_at(mesh_, triangle);
+        pool_[count_].faceless = false;
+        look(pool_[count_], proxy_);
+        holds_[count_++] = Hold::none;
+    }
+
+    /// Walks until the projection is zero.
+    void run() noexcept {
+        if (largest_of(proxy_) > T(kRegion) && !enter())
+            return;
+        while (substeps_ < kSubsteps && !substep())
+            ++substeps_;
+    }
+
+    /// Moves by `way`, which every half-space at the proxy allows, as far as nothing is hit.
+    void nudge(const Vector<T>& way) noexcept {
+        Move<T> move{proxy_, way, T(1)};
+        const Impact impact = cast(move);
+        go_to(impact.time <= T(1) ? move.at(impact.time) : proxy_ + way);
+    }
+
+    /// Goes back to where it was.
+    void put_back(const Vector<T>& proxy) noexcept {
+        go_to(proxy);
+        count_ = 0;
+    }
+
+private:
+    struct Impact {
+        T time;
+        layout::uint triangle;
+    };
+
+    void go_to(const Vector<T>& place) noexcept {
+        trace_(proxy_, place);
+        proxy_ = place;
+    }
+
+    /// Far out there is nothing to hit: flies straight to the region, or to the probe if the way does not cross it.
+    bool enter() noexcept {
+        constexpr T kSide = T(kRegion) * T(0.75);
+        const Vector<T> way = probe_ - proxy_;
+        const T length = largest_of(way);
+        T near_end = T(0), far_end = length;
+        for (int i = 0; i < 3; ++i) {
+            const T slope = way[i] / length;
+            if (slope == T(0)) {
+                if (std::abs(probe_[i]) > kSide)
+                    far_end = T(-1);
+                continue;
+            }
+            const T one = (probe_[i] - kSide) / slope, other = (probe_[i] + kSide) / slope;
+            near_end = std::max(near_end, std::min(one, other));
+            far_end = std::min(far_end, std::max(one, other));
+        }
+        const Vector<T> place = probe_ - (far_end / length) * way;
+        const T size = largest_of(place);
+        const bool enters = near_end <= far_end && size > T(1.25) && size < T(kRegion);
+        go_to(enters ? place : probe_);
+        return enters;
+    }
+
+    bool forget_one() noexcept {
+        for (layout::uint i = 0; i < count_; ++i) {
+            bool held = false;
+            for (layout::uint j = 0; j < projection_.count; ++j)
+                held = held || projection_.held[j].source == i;
+            if (held)
+                continue;
+            for (layout::uint j = 0; j < projection_.count; ++j)
+                projection_.held[j].source -= projection_.held[j].source > i ? 1 : 0;
+            for (layout::uint j = i; j + 1 < count_; ++j) {
+                pool_[j] = pool_[j + 1];
+                holds_[j] = holds_[j + 1];
+            }
+            --count_;
+            return true;
+        }
+        return false;
+    }
+
+    void look_again() noexcept {
+        layout::uint kept = 0;
+        for (layout::uint i = 0; i < count_; ++i) {
+            if (kept != i)
+                pool_[kept] = pool_[i];
+            look(pool_[kept], proxy_);
+            kept += pool_[kept].distance <= Skin<T>::kNear ? 1 : 0;
+        }
+        count_ = kept;
+    }
+
+    /// The worst violated half-space: those of faces below the proxy first, since the others depend on where it goes.
+    bool worst(const Vector<T>& way, bool relaxed, T tolerance, HalfSpace<T>& result) noexcept {
+        T most = tolerance;
+        bool found = false;
+        for (const bool faces : {true, false}) {
+            for (layout::uint i = 0; i < count_; ++i) {
+                if (pool_[i].above_face() != faces)
+                    continue;
+                const Hold hold = hold_of(pool_[i], way);
+                if (hold == Hold::none)
+                    continue;
+                HalfSpace<T> space = half_space(pool_[i], hold, i);
+                if (relaxed && space.slack > T(0))
+                    space.slack = T(0);
+                const T violation = space.slack - dot(space.normal, way);
+                if (violation > most) {
+                    most = violation;
+                    result = space;
+                    holds_[i] = hold;
+                    found = true;
+                }
+            }
+            if (found)
+                return true;
+        }
+        return false;
+    }
+
+    /// The way to the point nearest to the probe that the touched triangles allow.
+    void find_way() noexcept {
+        constexpr T kFar = Skin<T>::kDouble ? T(0x1p20) : T(0x1p10);
+        Vector<T> wish = probe_ - proxy_;
+        const T length = largest_of(wish);
+        if (length > kFar)
+            wish = wish * (kFar / length);
+        tolerance_ = Skin<T>::kRest + T(8) * std::numeric_limits<T>::epsilon() * (length > kFar ? kFar : length);
+        for (const bool relaxed : {false, true})
+            if (project(wish, tolerance_, projection_, [&](const Vector<T>& way, HalfSpace<T>& space) {
+                    return worst(way, relaxed, tolerance_, space);
+                }))
+                return;
+        projection_.vector = Vector<T>(T(0));
+    }
+
+    /// Whether a move keeps to the half-space of a triangle in the pool, so that it cannot cross it.
+    bool keeps_off(layout::uint triangle, const Vector<T>& way) const noexcept {
+        for (layout::uint i = 0; i < count_; ++i) {
+            if (pool_[i].index != triangle)
+                continue;
+            for (layout::uint j = 0; j < projection_.count; ++j)
+                if (projection_.held[j].source == i)
+                    return true;
+            const Hold hold = hold_of(pool_[i], way);
+            if (hold == Hold::none)
+                return false;
+            const HalfSpace<T> space = half_space(pool_[i], hold, i);
+            return dot(space.normal, way) >= space.slack - tolerance_;
+        }
+        return false;
+    }
+
+    Impact cast(Move<T> move) noexcept {
+        Impact first{T(2), 0};
+        const Vector<T> way = move.way;
+        visit_near(mesh_, around_, move, [&](layout::uint triangle) {
+            const std::size_t corner = 3 * std::size_t(mesh_.triangle_corners[3 * std::size_t(triangle)]);
+            const Vector<T> normal = vector_at(mesh_.triangle_normals, triangle);
+            const Vector<T> to{move.from.x - mesh_.vertices[corner], move.from.y - mesh_.vertices[corner + 1],
+                               move.from.z - mesh_.vertices[corner + 2]};
+            const Stretch<T> stretch = stretch_near_plane(move, dot(normal, to), dot(normal, way));
+            if (!(stretch.begin <= stretch.end) || keeps_off(triangle, way))
+                return;
+            const T time = impact_time(triangle_at(mesh_, triangle), move);
+            if (time < first.time || (time == first.time && comes_before(triangle, first.triangle))) {
+                first = {time, triangle};
+                move.until = time < move.until ? time : move.until;
+            }
+        });
+        return first.time <= move.until ? first : Impact{T(2), 0};
+    }
+
+    bool comes_before(layout::uint one, layout::uint other) const noexcept {
+        const layout::uint first = mesh_.triangle_facets[one], second = mesh_.triangle_facets[other];
+        return first < second || (first == second && one < other);
+    }
+
+    /// True when at rest.
+    bool substep() noexcept {
+        look_again();
+        find_way();
+        const Vector<T> way = projection_.vector;
+        if (largest_of(way) <= tolerance_ && projection_.count > 0)
+            return true;
+        Move<T> move{proxy_, way, T(1)};
+        Release<T> release{T(1), 3};
+        layout::uint released = kPool;
+        for (layout::uint i = 0; i < projection_.count; ++i) {
+            const layout::uint source = projection_.held[i].source;
+            const Release<T> one = holds_[source] == Hold::face
+                                       ? release_of_face(pool_[source], proxy_, way, release.time)
+                                       : release_of_rounded(pool_[source], proxy_, way, release.time);
+            if (one.time < release.time) {
+                release = one;
+                released = source;
+            }
+        }
+        move.until = release.time;
+        return finish(move, release, released);
+    }
+
+    bool finish(const Move<T>& move, const Release<T>& release, layout::uint released) noexcept {
+        const Impact impact = clipped_cast(move);
+        if (impact.time <= move.until) {
+            if (impact.time > T(0))
+                go_to(move.at(impact.time));
+            for (layout::uint i = 0; i < count_; ++i)
+                pool_[i].faceless = pool_[i].faceless && !(impact.time > T(0));
+            remember(impact.triangle);
+            return false;
+        }
+        if (released < kPool) {
+            if (!(release.time > T(0))) {
+                pool_[released].faceless = true;
+                return false;
+            }
+            for (layout::uint i = 0; i < count_; ++i)
+                pool_[i].faceless = false;
+            const layout::uint left = pool_[released].index;
+            go_to(move.at(release.time));
+            hand_over(left, release.edge);
+            return false;
+        }
+        // Nothing in the way: without a plane to keep to, that is the probe itself.
+        go_to(projection_.count == 0 ? probe_ : move.at(T(1)));
+        return projection_.count == 0;
+    }
+
+    /// A move that leaves the region ends in the open.
+    Impact clipped_cast(Move<T> move) noexcept {
+        const T reach = largest_of(move.at(move.until));
+        if (reach > T(kRegion)) {
+            T until = move.until;
+            for (int i = 0; i < 3; ++i) {
+                const T edge = move.way[i] < T(0) ? -T(kRegion) : T(kRegion);
+                if (std::abs(move.from[i] + move.until * move.way[i]) > T(kRegion))
+                    until = std::min(until, (edge - move.from[i]) / move.way[i]);
+            }
+            move.until = until > T(0) ? until : T(0);
+        }
+        return cast(move);
+    }
+
+    /// The triangle across the edge comes next, most likely: known already, it need not be hit first.
+    void hand_over(layout::uint triangle, layout::uint edge) noexcept {
+        if (edge > 2)
+            return;
+        const layout::uint across = mesh_.triangle_neighbours[3 * std::size_t(triangle) + edge];
+        if (across != layout::kMeshBorder && (across & layout::kMeshManyBit) == 0)
+            remember(across);
+    }
+
+    const layout::MeshView<T>& mesh_;
+    Neighbourhood<T>& around_;
+    Vector<T> proxy_, probe_;
+    const Trace& trace_;
+    Touch<T> pool_[kPool];
+    Hold holds_[kPool];
+    layout::uint count_ = 0;
+    Projection<T> projection_{};
+    T tolerance_{};
+    unsigned substeps_ = 0;
+};
+
+} // namespace forceshade::reference

@@ -1,0 +1,175 @@
+// L6: the triangles that a short move may come close to, out of the tree.
+#pragma once
+
+#include "host/reference/mesh_cast.h"
+#include "host/reference/mesh_nearest.h"
+
+namespace forceshade::reference {
+
+/// A box in single precision, rounded outwards by more than rounding within two units of the frame's middle can be off.
+struct MoveBox {
+    float low[3], high[3];
+
+    bool within(const MoveBox& other) const noexcept {
+        for (int i = 0; i < 3; ++i)
+            if (!(low[i] >= other.low[i] && high[i] <= other.high[i]))
+                return false;
+        return true;
+    }
+};
+
+template <typename T> MoveBox box_of(const Move<T>& move, float margin) noexcept {
+    const Vector<T> end = move.at(move.until);
+    MoveBox box;
+    for (int i = 0; i < 3; ++i) {
+        const float one = static_cast<float>(move.from[i]), other = static_cast<float>(end[i]);
+        box.low[i] = (one < other ? one : other) - margin;
+        box.high[i] = (one < other ? other : one) + margin;
+    }
+    return box;
+}
+
+/// More than the skin and what rounding to single precision does: the margin of every box.
+template <typename T> constexpr float kBoxMargin = static_cast<float>(Skin<T>::kNear) + 0x1p-20F;
+
+/// The leaves of the tree that meet a box around where a god-object lately was. Only saves time: what is found near a
+/// move does not depend on it. One per thread and mesh; no mesh may take the place of another under it.
+template <typename T> struct Neighbourhood {
+    static constexpr layout::uint kCapacity = 64;
+    static constexpr layout::uint kFewLeaves = 12;
+    float low_x[kCapacity], low_y[kCapacity], low_z[kCapacity];
+    float high_x[kCapacity], high_y[kCapacity], high_z[kCapacity];
+    layout::uint leaf[kCapacity];
+    layout::uint count = 0;
+    MoveBox box{{1, 1, 1}, {-1, -1, -1}}; /* what is not within it is not known here */
+    float reach = 0x1p-3F;                /* how far beyond a move the next box goes */
+};
+
+template <typename Visit> void visit_leaf(layout::uint child, Visit&& visit) noexcept {
+    const layout::uint run = child & ~layout::kMeshLeaf;
+    const layout::uint first = run / layout::kMeshLeafTriangles;
+    for (layout::uint i = 0; i <= run % layout::kMeshLeafTriangles; ++i)
+        visit(first + i);
+}
+
+/// Bit i of the result: child i of the node meets the box.
+inline unsigned children_meeting(const layout::MeshNode& node, const MoveBox& box) noexcept {
+    unsigned meeting = 0;
+    for (unsigned i = 0; i < layout::kMeshChildren; ++i) {
+        const bool meets = (node.low_x[i] <= box.high[0]) & (node.high_x[i] >= box.low[0]) &
+                           (node.low_y[i] <= box.high[1]) & (node.high_y[i] >= box.low[1]) &
+                           (node.low_z[i] <= box.high[2]) & (node.high_z[i] >= box.low[2]) &
+                           (node.child[i] != layout::kMeshNoChild);
+        meeting |= static_cast<unsigned>(meets) << i;
+    }
+    return meeting;
+}
+
+/// Calls visit(node, i) for every leaf that meets the box, until it returns false.
+template <typename T, typename Visit>
+void visit_leaves(const layout::MeshView<T>& mesh, const MoveBox& box, Visit&& visit) noexcept {
+    layout::uint stack[kMeshStack];
+    layout::uint height = 0;
+    stack[height++] = 0;
+    while (height > 0) {
+        const layout::MeshNode& node = mesh.nodes[stack[--height]];
+        const unsigned meeting = children_meeting(node, box);
+        for (unsigned i = 0; i < layout::kMeshChildren; ++i) {
+            if ((meeting >> i & 1U) == 0)
+                continue;
+            if ((node.child[i] & layout::kMeshLeaf) == 0)
+                stack[height++] = node.child[i];
+            else if (!visit(node, i))
+                return;
+        }
+    }
+}
+
+/// Gathers the leaves around a move. False if there are too many: then nothing is known.
+template <typename T>
+bool gather(const layout::MeshView<T>& mesh, const Move<T>& move, Neighbourhood<T>& around) noexcept {
+    const MoveBox box = box_of(move, kBoxMargin<T> + around.reach);
+    layout::uint count = 0;
+    bool fits = true;
+    visit_leaves(mesh, box, [&](const layout::MeshNode& node, unsigned i) {
+        fits = count < Neighbourhood<T>::kCapacity;
+        if (!fits)
+            return false;
+        around.low_x[count] = node.low_x[i];
+        around.low_y[count] = node.low_y[i];
+        around.low_z[count] = node.low_z[i];
+        around.high_x[count] = node.high_x[i];
+        around.high_y[count] = node.high_y[i];
+        around.high_z[count] = node.high_z[i];
+        around.leaf[count++] = node.child[i];
+        return true;
+    });
+    around.count = fits ? count : 0;
+    around.box = fits ? box : MoveBox{{1, 1, 1}, {-1, -1, -1}};
+    if (!fits)
+        around.reach *= 0.5F;
+    else if (count < Neighbourhood<T>::kFewLeaves && around.reach < 1.0F)
+        around.reach *= 1.5F;
+    return fits;
+}
+
+/// Whether a box grown by the margin meets a move: its interval of times along each axis.
+template <typename T>
+bool meets_move(const layout::MeshNode& node, unsigned i, const Move<T>& move, const Vector<T>& inverse) noexcept {
+    constexpr T kMargin = T(kBoxMargin<T>);
+    const T lows[3] = {T(node.low_x[i]), T(node.low_y[i]), T(node.low_z[i])};
+    const T highs[3] = {T(node.high_x[i]), T(node.high_y[i]), T(node.high_z[i])};
+    T begin = T(0), end = move.until;
+    for (int axis = 0; axis < 3; ++axis) {
+        const T one = (lows[axis] - kMargin - move.from[axis]) * inverse[axis];
+        const T other = (highs[axis] + kMargin - move.from[axis]) * inverse[axis];
+        const T first = one < other ? one : other, last = one < other ? other : one;
+        begin = first > begin ? first : begin;
+        end = last < end ? last : end;
+    }
+    return begin <= end;
+}
+
+/// Walks the tree along a long move; `move.until` may shrink meanwhile.
+template <typename T, typename Visit>
+void visit_along(const layout::MeshView<T>& mesh, const Move<T>& move, Visit&& visit) noexcept {
+    constexpr T kSteep = Skin<T>::kDouble ? T(1e30) : T(1e15);
+    Vector<T> inverse;
+    for (int i = 0; i < 3; ++i)
+        inverse[i] = std::abs(move.way[i]) * kSteep > T(1) ? T(1) / move.way[i] : kSteep;
+    layout::uint stack[kMeshStack];
+    layout::uint height = 0;
+    stack[height++] = 0;
+    while (height > 0) {
+        const layout::MeshNode& node = mesh.nodes[stack[--height]];
+        for (unsigned i = 0; i < layout::kMeshChildren; ++i) {
+            if (node.child[i] == layout::kMeshNoChild || !meets_move(node, i, move, inverse))
+                continue;
+            if ((node.child[i] & layout::kMeshLeaf) == 0)
+                stack[height++] = node.child[i];
+            else
+                visit_leaf(node.child[i], visit);
+        }
+    }
+}
+
+/// Calls visit(triangle) for every triangle that comes within kNear of the move, and for some others, in any order;
+/// `visit` may shorten the move. The move must stay within two units of the frame's middle.
+template <typename T, typename Visit>
+void visit_near(const layout::MeshView<T>& mesh, Neighbourhood<T>& around, const Move<T>& move,
+                Visit&& visit) noexcept {
+    const MoveBox box = box_of(move, kBoxMargin<T>);
+    if (!box.within(around.box)) {
+        const Vector<T> length = move.at(move.until) - move.from;
+        if (largest_coordinate(length) > T(around.reach) || !gather(mesh, move, around)) {
+            visit_along(mesh, move, visit);
+            return;
+        }
+    }
+    for (layout::uint i = 0; i < around.count; ++i)
+        if ((around.low_x[i] <= box.high[0]) & (around.high_x[i] >= box.low[0]) & (around.low_y[i] <= box.high[1]) &
+            (around.high_y[i] >= box.low[1]) & (around.low_z[i] <= box.high[2]) & (around.high_z[i] >= box.low[2]))
+            visit_leaf(around.leaf[i], visit);
+}
+
+} // namespace forceshade::reference

@@ -1,0 +1,118 @@
+// L6: how close a straight move comes to a triangle.
+#pragma once
+
+#include <type_traits>
+
+#include "host/reference/mesh_triangle.h"
+
+namespace forceshade::reference {
+
+/// The skin that keeps a god-object off every triangle, in the mesh's frame, where no coordinate is beyond 1: far above
+/// what rounding does to a height, far below anything that is felt. The distance from a triangle is convex along a
+/// line, so a move that keeps to a half-space off the triangle, or at whose nearest the distance is positive, crosses
+/// nothing.
+template <typename T> struct Skin {
+    static constexpr bool kDouble = std::is_same_v<T, double>;
+    static constexpr T kWidth = kDouble ? T(0x1p-40) : T(0x1p-14);
+    static constexpr T kImpact = kWidth * T(0.875);     /* a move ends where it comes this close */
+    static constexpr T kCulled = kWidth * T(0.9375);    /* beyond this a height needs no closer look */
+    static constexpr T kTangent = kWidth * T(1.015625); /* up to here a rounded edge's own plane holds the proxy */
+    static constexpr T kNear = kWidth * T(2);           /* what is further is forgotten */
+    static constexpr T kRest = kWidth * T(0.015625);    /* moves shorter than this are none */
+};
+
+template <typename T> struct Triangle {
+    Vector<T> corners[3];
+    Vector<T> normal; /* unit, 0 without area */
+};
+
+template <typename T> Triangle<T> triangle_at(const layout::MeshView<T>& mesh, layout::uint triangle) noexcept {
+    const std::size_t first = 3 * std::size_t(triangle);
+    return {{vector_at(mesh.vertices, mesh.triangle_corners[first]),
+             vector_at(mesh.vertices, mesh.triangle_corners[first + 1]),
+             vector_at(mesh.vertices, mesh.triangle_corners[first + 2])},
+            vector_at(mesh.triangle_normals, triangle)};
+}
+
+template <typename T> TrianglePoint<T> nearest_on_triangle(const Vector<T>& point, const Triangle<T>& triangle) {
+    return nearest_on_triangle(point, triangle.corners[0], triangle.corners[1], triangle.corners[2], triangle.normal);
+}
+
+/// from + t * move for t in [0, until].
+template <typename T> struct Move {
+    Vector<T> from, way;
+    T until;
+
+    Vector<T> at(T t) const noexcept { return {from.x + t * way.x, from.y + t * way.y, from.z + t * way.z}; }
+};
+
+/// The part of a move that is within kCulled of the triangle's plane; empty if begin > end.
+template <typename T> struct Stretch { T begin, end; };
+
+template <typename T> Stretch<T> stretch_near_plane(const Move<T>& move, T height, T rate) noexcept {
+    constexpr T kReach = Skin<T>::kCulled;
+    const T last = height + move.until * rate;
+    if ((height > kReach && last > kReach) || (height < -kReach && last < -kReach))
+        return {T(1), T(0)};
+    T begin = T(0), end = move.until;
+    if (height > kReach)
+        begin = (kReach - height) / rate;
+    else if (height < -kReach)
+        begin = (-kReach - height) / rate;
+    if (last > kReach)
+        end = (kReach - height) / rate;
+    else if (last < -kReach)
+        end = (-kReach - height) / rate;
+    return {begin > T(0) ? begin : T(0), end < move.until ? end : move.until};
+}
+
+/// Whether both ends of a stretch are further than the skin outside the same edge.
+template <typename T>
+bool beyond_an_edge(const Triangle<T>& triangle, const Vector<T>& begin, const Vector<T>& end) noexcept {
+    constexpr T kReach = Skin<T>::kWidth;
+    for (int i = 0; i < 3; ++i) {
+        const Vector<T>& start = triangle.corners[i];
+        const Vector<T> edge = triangle.corners[(i + 1) % 3] - start;
+        const Vector<T> inward = cross(triangle.normal, edge);
+        const T one = dot(inward, begin - start);
+        const T other = dot(inward, end - start);
+        const T nearer = one > other ? one : other;
+        if (nearer < T(0) && nearer * nearer > kReach * kReach * dot(edge, edge))
+            return true;
+    }
+    return false;
+}
+
+/// The time within the move at which it comes within kImpact of the triangle, approaching; above `move.until` if it
+/// never does. The distance is convex along the move: Newton's steps from the left never overshoot.
+template <typename T> T impact_time(const Triangle<T>& triangle, const Move<T>& move) noexcept {
+    constexpr int kSteps = 40;
+    const T never = move.until + T(1);
+    T t = T(0);
+    T until = move.until;
+    const T rate = dot(triangle.normal, move.way);
+    if (dot(triangle.normal, triangle.normal) > T(0)) {
+        const Stretch<T> stretch =
+            stretch_near_plane(move, dot(triangle.normal, move.from - triangle.corners[0]), rate);
+        if (!(stretch.begin <= stretch.end) || beyond_an_edge(triangle, move.at(stretch.begin), move.at(stretch.end)))
+            return never;
+        t = stretch.begin;
+        until = stretch.end;
+    }
+    for (int i = 0; i < kSteps; ++i) {
+        const TrianglePoint<T> nearest = nearest_on_triangle(move.at(t), triangle);
+        const T distance = std::sqrt(nearest.square);
+        const T approach = dot(nearest.offset, move.way); // times the distance
+        if (!(approach > T(0)))
+            return never;
+        const T excess = distance - Skin<T>::kImpact;
+        if (!(excess > Skin<T>::kRest))
+            return t;
+        t += excess * distance / approach;
+        if (!(t <= until))
+            return never;
+    }
+    return t;
+}
+
+} // namespace forceshade::reference
