@@ -23,8 +23,9 @@ struct Connectivity {
 Connectivity connectivity_by_edges(const PolygonSoup& polygons);
 
 /// By OpenMesh's half-edge structure, which can hold a mesh only if every edge has one or two facets that run through
-/// it in opposite directions and no two closed fans meet at a vertex. std::nullopt if it cannot, or if a facet comes to
-/// a vertex twice, or if vertices have so many edges that its search would take long.
+/// it in opposite directions. std::nullopt if it cannot, if the facets of a vertex are not one fan (then the loops that
+/// it links are arbitrary), if a facet comes to a vertex twice, or if vertices have so many edges that its search would
+/// take long.
 std::optional<Connectivity> connectivity_by_half_edges(const PolygonSoup& polygons);
 
 /// By half-edges where they can hold the mesh, else by edges; the same numbers.

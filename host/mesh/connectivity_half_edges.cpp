@@ -98,12 +98,13 @@ std::optional<Connectivity> connectivity_by_half_edges(const PolygonSoup& polygo
     HalfEdges half_edges;
     if (!build(half_edges, polygons))
         return std::nullopt;
+    for (const HalfEdges::VertexHandle vertex : half_edges.vertices())
+        if (!half_edges.is_isolated(vertex) && !half_edges.is_manifold(vertex))
+            return std::nullopt;
     Connectivity found;
     found.components = count_components(half_edges);
     count_boundary(half_edges, found);
     found.odd_edges = found.boundary_edges;
-    for (const HalfEdges::VertexHandle vertex : half_edges.vertices())
-        found.non_manifold_vertices += !half_edges.is_isolated(vertex) && !half_edges.is_manifold(vertex);
     return found;
 }
 

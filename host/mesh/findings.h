@@ -27,7 +27,7 @@ struct MeshFindings {
     std::size_t duplicate_facets = 0;              // with the vertices of an earlier one, in any order
     std::size_t repeated_corner_facets = 0;        // that come to a vertex twice
     std::optional<std::size_t> self_intersections; // pairs of triangles without a common corner that touch or cross
-    bool more_self_intersections = false;          // counting was given up at that number
+    bool more_self_intersections = false;          // the search was given up after those
     bool closed = false;                           // every edge has two facets, or another even number
     double area = 0, volume = 0;                   // volume: positive where facets are oriented outward
     glm::dvec3 low{0}, high{0};                    // corners of the bounding box

@@ -41,7 +41,10 @@ public:
              std::size_t most_pairs)
         : vertices_(vertices), triangles_(triangles), places_(places(vertices)), most_pairs_(most_pairs) {}
 
+    // Needles round a vertex of high valence all overlap in their boxes: pairs grow with the square of their number.
     void test(std::uint32_t a, std::uint32_t b) {
+        if (++near_ > 20'000'000 + 50 * triangles_.size())
+            throw GivenUp();
         for (const std::uint32_t i : triangles_[a])
             for (const std::uint32_t j : triangles_[b])
                 if (places_[i] == places_[j])
@@ -62,7 +65,7 @@ private:
     std::span<const glm::dvec3> vertices_;
     std::span<const std::array<std::uint32_t, 3>> triangles_;
     std::vector<std::uint32_t> places_;
-    std::size_t most_pairs_, found_ = 0, tested_ = 0;
+    std::size_t most_pairs_, found_ = 0, tested_ = 0, near_ = 0;
 };
 
 } // namespace

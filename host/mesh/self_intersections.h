@@ -11,7 +11,7 @@ namespace forceshade {
 
 struct SelfIntersections {
     std::size_t pairs = 0;
-    bool complete = true; // false: given up after `most_pairs`, or after fifty times as many that do not intersect
+    bool complete = true; // false: given up after `most_pairs`, or because far too many pairs came near each other
 };
 
 /// With exact predicates, over the pairs whose bounding boxes overlap. Corners at the same place are the same corner;

@@ -50,6 +50,8 @@ void add_facets(const MeshFindings& found, std::vector<std::string>& text) {
     if (found.unused_vertices > 0)
         text.push_back(
             fmt::format("{} that no facet uses: ignored", counted(found.unused_vertices, "vertex", "vertices")));
+    if (found.more_self_intersections && *found.self_intersections == 0)
+        text.push_back("so many triangles lie close to each other that the search for self-intersections was given up");
     if (found.self_intersections.value_or(0) > 0)
         text.push_back(fmt::format("{}{} that touch or cross without a common corner: the probe feels only the nearest "
                                    "surface, so parts within the solid are felt as well",

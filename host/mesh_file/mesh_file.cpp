@@ -104,10 +104,13 @@ PolygonFile read(const Source& source, Format format) {
 
 PolygonFile read_polygons(const std::filesystem::path& path) {
     constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 32;
-    const std::string name = path.string();
     if (const std::uint64_t size = ReadableFile(path).size(); size > kMostBytes)
-        throw IoError(fmt::format("{}: {} bytes; a mesh is read from a file of up to 4 GiB", name, size));
-    const std::string bytes = read_file(path);
+        throw IoError(fmt::format("{}: {} bytes; a mesh is read from a file of up to 4 GiB", path.string(), size));
+    return parse_polygons(path, read_file(path));
+}
+
+PolygonFile parse_polygons(const std::filesystem::path& path, std::string_view bytes) {
+    const std::string name = path.string();
     if (bytes.empty())
         throw IoError(fmt::format("{}: the file is empty", name));
     const Format format = format_of_extension(path);

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <string>
+#include <string_view>
 
 #include "host/mesh/mesh.h"
 
@@ -23,5 +24,8 @@ struct PolygonFile {
 /// \throws UsageError an extension that is none of the four or not that of the contents, a coordinate that is not
 ///         finite (with its vertex), a flavour of a format that is not read (binary OFF, triangle strips)
 PolygonFile read_polygons(const std::filesystem::path& path);
+
+/// The same from the bytes of a file whose name is `path`.
+PolygonFile parse_polygons(const std::filesystem::path& path, std::string_view bytes);
 
 } // namespace forceshade

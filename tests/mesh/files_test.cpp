@@ -1,0 +1,289 @@
+// Polygon files of every format and flavour, and those that are refused.
+#include "host/mesh_file/mesh_file.h"
+
+#include <clocale>
+#include <fstream>
+#include <limits>
+#include <locale>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "host/error.h"
+#include "tests/io/folder.h"
+#include "tests/mesh/written_files.h"
+
+namespace forceshade {
+namespace {
+
+using testing::message_of;
+
+class MeshFiles : public ::testing::Test {
+protected:
+    std::filesystem::path write(const std::string& name, const std::string& bytes) {
+        std::ofstream(folder_ / name, std::ios::binary) << bytes;
+        return folder_ / name;
+    }
+    PolygonSoup read(const std::string& name, const std::string& bytes) {
+        return read_polygons(write(name, bytes)).polygons;
+    }
+    template <typename E> std::string refusal(const std::string& name, const std::string& bytes) {
+        const auto path = write(name, bytes);
+        return message_of<E>([&] { read_polygons(path); });
+    }
+    void expect_same_in_this_locale();
+    testing::Folder folder_;
+};
+
+void expect_same(const PolygonSoup& found, const PolygonSoup& expected) {
+    EXPECT_EQ(found.vertices, expected.vertices);
+    EXPECT_EQ(found.begins, expected.begins);
+    EXPECT_EQ(found.corners, expected.corners);
+}
+
+// Of an STL file, whose vertices come in the order of their first use.
+void expect_same_corners(const PolygonSoup& found, const PolygonSoup& expected) {
+    ASSERT_EQ(found.corners.size(), expected.corners.size());
+    EXPECT_EQ(found.begins, expected.begins);
+    for (std::size_t i = 0; i < found.corners.size(); ++i)
+        EXPECT_EQ(found.vertices[found.corners[i]], expected.vertices[expected.corners[i]]);
+}
+
+void MeshFiles::expect_same_in_this_locale() {
+    const PolygonSoup expected = testing::fine_tetrahedron(true);
+    for (const auto& [extension, bytes] : testing::all_formats(expected))
+        expect_same_corners(read("a" + extension, bytes), expected);
+    EXPECT_EQ(read("tiny.obj", "v 1.5e-400 0 0\nv 1.5 0 0\nv 0 1 0\nf 1 2 3\n").vertices[1].x, 1.5);
+}
+
+TEST_F(MeshFiles, EveryFormatGivesTheVeryDoubles) {
+    const PolygonSoup expected = testing::fine_tetrahedron();
+    expect_same(read("a.obj", testing::as_obj(expected)), expected);
+    expect_same(read("a.off", testing::as_off(expected)), expected);
+    expect_same(read("a.PLY", testing::as_ply_text(expected)), expected);
+    expect_same(read("b.ply", testing::as_ply_binary(expected, false)), expected);
+    expect_same(read("c.ply", testing::as_ply_binary(expected, true)), expected);
+    const PolygonSoup stl = read("a.stl", testing::as_stl_text(expected));
+    EXPECT_EQ(stl.vertices.size(), 4u);
+    expect_same_corners(stl, expected);
+}
+
+TEST_F(MeshFiles, FormatsOfFloatsGiveTheVeryFloats) {
+    const PolygonSoup expected = testing::fine_tetrahedron(true);
+    for (const bool big_endian : {false, true})
+        expect_same(read("a.ply", testing::as_ply_binary(expected, big_endian, true, true)), expected);
+    const PolygonSoup stl = read("a.stl", testing::as_stl_binary(expected));
+    EXPECT_EQ(stl.vertices.size(), 4u);
+    expect_same_corners(stl, expected);
+}
+
+TEST_F(MeshFiles, FormatAndHashAreTold) {
+    const PolygonFile file = read_polygons(write("a.ply", testing::as_ply_binary(testing::fine_tetrahedron(), true)));
+    EXPECT_EQ(file.format, "PLY (binary, big endian)");
+    EXPECT_EQ(file.sha256.size(), 64u);
+    EXPECT_EQ(read_polygons(write("a.stl", testing::as_stl_binary(testing::fine_tetrahedron()))).format,
+              "STL (binary)");
+}
+
+TEST_F(MeshFiles, ObjCornersOfEveryForm) {
+    const std::string vertices = "v 0 0 0\nv 1 0 0 0.5 0.5 0.5\nv +1 1 0\nv 0 1e0 0\nvt 0 0\nvn 0 0 1\n";
+    const std::vector<std::uint32_t> expected{0, 1, 2, 3};
+    for (const char* facet :
+         {"f 1 2 3 4", "f 1/1 2/1 3/1 4/1", "f 1//1 2//1 3//1 4//1", "f 1/1/1 2/1/1 3/1/1 4/1/1", "f -4 -3 -2 -1",
+          "f\t1\t2\t3\t4  ", "f 1 2 \\\n 3 4", "f 1 2 3 4 # a comment", "l 1 2\ng a b\nf 1 2 3 4\r\nusemtl x\n"})
+        EXPECT_EQ(read("a.obj", vertices + facet).corners, expected) << facet;
+    EXPECT_EQ(read("a.obj", "o x\nf 1 2 3 4\n" + vertices).corners, expected) << "vertices behind their facets";
+}
+
+TEST_F(MeshFiles, ObjRefusals) {
+    const std::string vertices = "v 0 0 0\nv 1 0 0\nv 1 1 0\n";
+    for (const auto& [line, words] :
+         std::vector<std::pair<std::string, std::string>>{{"f 1 2 4\n", "vertex 4"},
+                                                          {"f 1 2 -4\n", ":4: no vertex -4"},
+                                                          {"f 0 1 2\n", "no vertex 0"},
+                                                          {"f 1 2\n", "three corners"},
+                                                          {"f 1 2 3x\n", "\"3x\""},
+                                                          {"f 1 2 99999999999999999999\n", "99999"},
+                                                          {"v 1 2\n", "three coordinates"},
+                                                          {"v 1 2,5 3\n", "\"2,5\""},
+                                                          {"v 1 2 3y\n", "\"3y\""},
+                                                          {"vertex 1 2 3\n", "no statement"},
+                                                          {"f 1 2 \\", "continued"}})
+        EXPECT_NE(refusal<IoError>("a.obj", vertices + line).find(words), std::string::npos)
+            << line << refusal<IoError>("a.obj", vertices + line);
+}
+
+TEST_F(MeshFiles, OffFlavours) {
+    const PolygonSoup expected = read("a.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
+    expect_same(read("b.off", "# first\nCOFF 3 1 0 # c\n\n0 0 0 255 0 0 255\n1 0 0 1 1 1 1\n0 1 0 0 0 0 0\n3 0 1\n 2"),
+                expected);
+    expect_same(read("c.off", "OFF\r\n3 1 0\r\n0 0 0\r\n1 0 0\r\n0 1 0\r\n3 0 1 2 0.5 0.5 0.5"), expected);
+    EXPECT_NE(refusal<UsageError>("d.off", "OFF BINARY\nxxxx").find("binary OFF"), std::string::npos);
+    EXPECT_NE(refusal<UsageError>("e.off", "4OFF\n1 1 0\n0 0 0 1\n").find("three coordinates"), std::string::npos);
+}
+
+TEST_F(MeshFiles, PlyPropertiesInAnyOrderAndOfAnyType) {
+    const PolygonSoup soup =
+        read("a.ply", "ply\r\nformat ascii 1.0\r\nobj_info x\r\nelement face 1\r\nproperty uchar red\r\n"
+                      "property list int32 uint32 vertex_index\r\nproperty list uchar float uv\r\nelement vertex 3\r\n"
+                      "property short z\r\nproperty float32 nx\r\nproperty int x\r\nproperty double y\r\n"
+                      "element other 2\r\nproperty list uchar int a\r\nend_header\r\n7 3 0 1 2 2 .5 .5\r\n"
+                      "1 0 2 3\r\n4 0 5 6\r\n\r\n7 0 8 9e0\r\n1 1\r\n0\r\n");
+    EXPECT_EQ(soup.vertices, (std::vector<glm::dvec3>{{2, 3, 1}, {5, 6, 4}, {8, 9, 7}}));
+    EXPECT_EQ(soup.corners, (std::vector<std::uint32_t>{0, 1, 2}));
+}
+
+TEST_F(MeshFiles, PlyRefusals) {
+    const std::string begin = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n";
+    const std::string end = "property float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"
+                            "0 0 0\n1 0 0\n0 1 0\n";
+    EXPECT_EQ(read("a.ply", begin + end + "3 0 1 2").facets(), 1u);
+    for (const auto& [file, words] : std::vector<std::pair<std::string, std::string>>{
+             {begin + end + "3 0 1 3\n", "vertex 3"},
+             {begin + end + "3 0 1 -1\n", "vertex -1"},
+             {begin + end + "3 0 1\n", "integer"},
+             {begin + end + "2 0 1\n", "three corners"},
+             {begin + end + "3 0 1 2 5\n", "behind the last"},
+             {begin + end + "3 0 1 2\n3 0 1 2\n", "goes on"},
+             {begin + end, "breaks off"},
+             {begin + end + "999999999 0\n", "cannot hold"},
+             {begin + "property quad z\n", "no type"},
+             {begin + "element face 1\nproperty list float int vertex_indices\n", "integer"},
+             {begin + "end_header\n0 0\n0 0\n0 0\n", "x, y and z"},
+             {"ply\nformat ascii 1.0\n", "within its header"},
+             {"ply\nelement vertex 1\nend_header\n", "format"},
+             {"ply\nformat middle_endian 1.0\n", "middle"}})
+        EXPECT_NE(refusal<IoError>("a.ply", file).find(words), std::string::npos)
+            << words << " in " << refusal<IoError>("a.ply", file);
+}
+
+TEST_F(MeshFiles, StlCornersAreWeldedExactly) {
+    PolygonSoup soup;
+    const double next = std::nextafter(1.0, 2.0);
+    soup.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {-0.0, 0, -0.0}, {next, 0, 0}, {0, 1, 0}};
+    soup.corners = {0, 1, 2, 3, 4, 5};
+    soup.begins = {0, 3, 6};
+    EXPECT_EQ(read("a.stl", testing::as_stl_text(soup)).vertices.size(),
+              4u); // 0 and -0 are one, 1 and its successor two
+    EXPECT_EQ(read("b.stl", testing::as_stl_binary(soup)).vertices.size(), 3u); // but not as floats
+    EXPECT_EQ(read("a.obj", testing::as_obj(soup)).vertices.size(), 6u);
+}
+
+TEST_F(MeshFiles, StlOfSeveralSolidsAndOfAnyCase) {
+    const std::string one = testing::as_stl_text(testing::fine_tetrahedron());
+    std::string other = one;
+    for (char& c : other)
+        c = static_cast<char>(std::toupper(c, std::locale::classic()));
+    EXPECT_EQ(read("a.stl", one + other).facets(), 8u);
+    EXPECT_EQ(read("b.stl", "solid empty\nendsolid\n").facets(), 0u);
+}
+
+TEST_F(MeshFiles, ATruncatedFileIsNoticed) {
+    for (const auto& [extension, bytes] : testing::all_formats(testing::fine_tetrahedron())) {
+        const std::size_t half = bytes.size() / 2;
+        if (extension != ".obj") { // which announces nothing: only a broken line can be told
+            EXPECT_NE(refusal<IoError>("half" + extension, bytes.substr(0, half)), "") << extension;
+            EXPECT_NE(refusal<IoError>("most" + extension, bytes.substr(0, bytes.size() - 12)), "") << extension;
+        }
+    }
+    const std::string obj = testing::as_obj(testing::fine_tetrahedron());
+    EXPECT_NE(refusal<IoError>("a.obj", obj.substr(0, obj.size() - 4)), "");
+    EXPECT_NE(refusal<IoError>("b.obj", obj.substr(0, obj.find("f ")) + "f"), "");
+}
+
+TEST_F(MeshFiles, AnnouncedCountsBeyondTheFileAreRefusedAtOnce) {
+    const std::string trillion = "1000000000000";
+    EXPECT_NE(refusal<IoError>("a.off", "OFF\n" + trillion + " 1 0\n0 0 0\n").find(trillion), std::string::npos);
+    EXPECT_NE(refusal<IoError>("b.off", "OFF\n1 " + trillion + " 0\n0 0 0\n").find(trillion), std::string::npos);
+    EXPECT_NE(refusal<IoError>("c.off", "OFF\n1 1 0\n0 0 0\n" + trillion + " 0 0 0\n").find(trillion),
+              std::string::npos);
+    for (const char* format : {"ascii", "binary_little_endian", "binary_big_endian"})
+        for (const char* element : {"vertex", "face", "other"})
+            EXPECT_NE(refusal<IoError>("a.ply", fmt::format("ply\nformat {} 1.0\nelement {} {}\nproperty float x\n"
+                                                            "property float y\nproperty float z\nproperty list uint "
+                                                            "int vertex_indices\nend_header\n1234567890123456",
+                                                            format, element, trillion))
+                          .find(trillion),
+                      std::string::npos);
+    // A list of 2^32 - 1 values.
+    EXPECT_NE(refusal<IoError>("b.ply", "ply\nformat binary_little_endian 1.0\nelement face 1\nproperty list uint int "
+                                        "vertex_indices\nend_header\n\xFF\xFF\xFF\xFF"
+                                        "1234")
+                  .find("4294967295"),
+              std::string::npos);
+    EXPECT_NE(
+        refusal<IoError>("a.stl", std::string(80, 'x') + "\xFF\xFF\xFF\xFF" + std::string(50, '\0')).find("4294967295"),
+        std::string::npos);
+}
+
+TEST_F(MeshFiles, VerticesThatAreNotFiniteAreNamed) {
+    for (const char* bad : {"nan", "inf", "-inf", "1e999"}) {
+        EXPECT_NE(refusal<UsageError>("a.obj", fmt::format("v 0 0 0\nv 1 {} 0\nv 0 1 0\nf 1 2 3\n", bad))
+                      .find("vertex 2 of 3"),
+                  std::string::npos);
+        EXPECT_NE(refusal<UsageError>("a.off", fmt::format("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 {}\n3 0 1 2\n", bad))
+                      .find("vertex 3 of 3"),
+                  std::string::npos);
+    }
+    PolygonSoup soup = testing::fine_tetrahedron();
+    soup.vertices[2].y = std::numeric_limits<double>::quiet_NaN();
+    for (const auto& [extension, bytes] : testing::all_formats(soup))
+        EXPECT_NE(refusal<UsageError>("b" + extension, bytes).find("finite"), std::string::npos) << extension;
+    EXPECT_EQ(read("tiny.obj", "v 1e-400 0 0\nv 4e-320 0 0\nv 0 1 0\nf 1 2 3\n").vertices[0].x, 0);
+}
+
+TEST_F(MeshFiles, ExtensionAndContentsMustAgree) {
+    const PolygonSoup soup = testing::fine_tetrahedron();
+    const std::string wrong = refusal<UsageError>("a.obj", testing::as_ply_text(soup));
+    EXPECT_NE(wrong.find("the extension says OBJ, but its contents look like PLY; rename it to .ply"),
+              std::string::npos)
+        << wrong;
+    EXPECT_NE(refusal<UsageError>("a.ply", testing::as_stl_binary(soup)).find("look like STL"), std::string::npos);
+    EXPECT_NE(refusal<UsageError>("a.stl", testing::as_off(soup)).find("look like OFF"), std::string::npos);
+    EXPECT_NE(refusal<UsageError>("a.off", testing::as_obj(soup)).find("look like OBJ"), std::string::npos);
+    const std::string unknown = refusal<UsageError>("a.fbx", testing::as_obj(soup));
+    EXPECT_NE(unknown.find(".obj, .off, .ply, .stl"), std::string::npos) << unknown;
+    EXPECT_NE(unknown.find("look like OBJ"), std::string::npos) << unknown;
+    EXPECT_NE(refusal<UsageError>("noextension", "\1\2\3").find("none of them"), std::string::npos);
+}
+
+TEST_F(MeshFiles, FilesThatCannotBeRead) {
+    EXPECT_NE(message_of<IoError>([&] { read_polygons(folder_ / "missing.obj"); }).find("missing.obj"),
+              std::string::npos);
+    for (const char* name : {"a.obj", "a.off", "a.ply", "a.stl"})
+        EXPECT_NE(refusal<IoError>(name, "").find("empty"), std::string::npos) << name;
+    std::filesystem::create_directory(folder_ / "folder.obj");
+    EXPECT_NE(message_of<IoError>([&] { read_polygons(folder_ / "folder.obj"); }).find("regular file"),
+              std::string::npos);
+    for (const char* name : {"b.obj", "b.off", "b.ply", "b.stl"})
+        EXPECT_NE(refusal<IoError>(name, std::string(300, '\xA7')), "") << name;
+}
+
+class Commas : public std::numpunct<char> {
+protected:
+    char do_decimal_point() const override { return ','; }
+    char do_thousands_sep() const override { return '.'; }
+    std::string do_grouping() const override { return "\3"; }
+};
+
+TEST_F(MeshFiles, AGlobalLocaleWithCommasChangesNothing) {
+    const std::locale previous = std::locale::global(std::locale(std::locale::classic(), new Commas));
+    expect_same_in_this_locale();
+    std::locale::global(previous);
+}
+
+TEST_F(MeshFiles, GermanChangesNothing) {
+    if (!std::setlocale(LC_ALL, "de_DE.UTF-8"))
+        GTEST_SKIP() << "this system has no locale de_DE.UTF-8";
+    expect_same_in_this_locale();
+    std::setlocale(LC_ALL, "C");
+}
+
+TEST_F(MeshFiles, Spot) {
+    const PolygonSoup spot = read_polygons(FORCESHADE_TEST_DATA "/spot.obj").polygons;
+    EXPECT_EQ(spot.vertices.size(), 2930u);
+    EXPECT_EQ(spot.facets(), 5856u);
+}
+
+} // namespace
+} // namespace forceshade

@@ -1,0 +1,193 @@
+// What inspection finds on meshes whose faults are known.
+#include "host/mesh/findings.h"
+
+#include <algorithm>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "host/error.h"
+#include "host/mesh/connectivity.h"
+#include "host/mesh_file/mesh_file.h"
+#include "tests/mesh/shapes.h"
+
+namespace forceshade {
+namespace {
+
+using shapes::add_facet;
+
+bool says(const MeshFindings& found, const std::string& words) {
+    return std::ranges::any_of(warnings(found),
+                               [&](const std::string& text) { return text.find(words) != std::string::npos; });
+}
+
+PolygonSoup without_last_facet(PolygonSoup soup) {
+    soup.begins.pop_back();
+    soup.corners.resize(soup.begins.back());
+    return soup;
+}
+
+PolygonSoup reversed(PolygonSoup soup, std::size_t facet) {
+    std::reverse(soup.corners.begin() + soup.begins[facet], soup.corners.begin() + soup.begins[facet + 1]);
+    return soup;
+}
+
+TEST(Findings, ACubeIsClosedAndFaultless) {
+    const MeshFindings found = inspect(shapes::cube());
+    EXPECT_EQ(found.vertices, 8u);
+    EXPECT_EQ(found.quadrilaterals, 6u);
+    EXPECT_EQ(found.triangles + found.others, 0u);
+    EXPECT_EQ(found.most_corners, 4u);
+    EXPECT_EQ(found.components, 1u);
+    EXPECT_TRUE(found.closed);
+    EXPECT_DOUBLE_EQ(found.volume, 8);
+    EXPECT_DOUBLE_EQ(found.area, 24);
+    EXPECT_EQ(found.low, glm::dvec3(-1));
+    EXPECT_EQ(found.high, glm::dvec3(1));
+    EXPECT_EQ(found.self_intersections, 0u);
+    EXPECT_TRUE(warnings(found).empty());
+    EXPECT_NO_THROW(refuse_if_meaningless(found, "cube"));
+}
+
+TEST(Findings, SpotIsFaultless) {
+    const MeshFindings found = inspect(read_polygons(FORCESHADE_TEST_DATA "/spot.obj").polygons);
+    EXPECT_TRUE(found.closed);
+    EXPECT_GT(found.volume, 0);
+    EXPECT_TRUE(warnings(found).empty());
+}
+
+TEST(Findings, AHole) {
+    const MeshFindings found = inspect(without_last_facet(shapes::cube()));
+    EXPECT_FALSE(found.closed);
+    EXPECT_EQ(found.boundary_edges, 4u);
+    EXPECT_EQ(found.holes, 1u);
+    EXPECT_TRUE(says(found, "4 boundary edges along 1 hole"));
+}
+
+TEST(Findings, FacetsTurnedInward) {
+    PolygonSoup cube = shapes::cube();
+    const MeshFindings one = inspect(reversed(cube, 2));
+    EXPECT_EQ(one.misoriented_edges, 4u);
+    EXPECT_TRUE(one.closed);
+    EXPECT_TRUE(says(one, "4 edges between facets of opposite orientation"));
+    for (std::size_t facet = 0; facet < 6; ++facet)
+        cube = reversed(cube, facet);
+    const MeshFindings all = inspect(cube);
+    EXPECT_EQ(all.misoriented_edges, 0u);
+    EXPECT_DOUBLE_EQ(all.volume, -8);
+    EXPECT_TRUE(says(all, "oriented inward"));
+}
+
+TEST(Findings, NonManifoldEdgeAndVertices) {
+    PolygonSoup fan;
+    fan.vertices = {{0, 0, 0}, {0, 0, 1}, {1, 0, 0}, {-1, 1, 0}, {-1, -1, 0}};
+    for (const std::uint32_t tip : {2u, 3u, 4u})
+        add_facet(fan, {0, 1, tip});
+    EXPECT_EQ(inspect(fan).non_manifold_edges, 1u);
+    EXPECT_TRUE(says(inspect(fan), "1 edge of more than two facets"));
+
+    PolygonSoup hourglass; // two tetrahedra that share a tip, closed fans both
+    hourglass.vertices = {{0, 0, 0}, {1, 0, 1}, {-1, 1, 1}, {-1, -1, 1}, {1, 0, -1}, {-1, 1, -1}, {-1, -1, -1}};
+    for (const std::uint32_t base : {1u, 4u}) {
+        add_facet(hourglass, {0, base, base + 1});
+        add_facet(hourglass, {0, base + 1, base + 2});
+        add_facet(hourglass, {0, base + 2, base});
+        add_facet(hourglass, {base + 2, base + 1, base});
+    }
+    const MeshFindings found = inspect(hourglass);
+    EXPECT_EQ(found.non_manifold_vertices, 1u);
+    EXPECT_EQ(found.components, 2u);
+    EXPECT_TRUE(found.closed);
+}
+
+TEST(Findings, FacetsThatAreDegenerateDuplicateOrRepeatACorner) {
+    PolygonSoup soup = shapes::cube(true);
+    const std::uint32_t a = soup.corners[0], b = soup.corners[1], c = soup.corners[2];
+    add_facet(soup, {b, c, a});
+    add_facet(soup, {c, b, a});
+    add_facet(soup, {a, b, a});
+    soup.vertices.push_back(soup.vertices[a] + 3.0 * (soup.vertices[b] - soup.vertices[a]));
+    add_facet(soup, {a, b, 8});
+    soup.vertices.emplace_back(1e9, 0, 0);
+    const MeshFindings found = inspect(soup);
+    EXPECT_EQ(found.duplicate_facets, 2u);
+    EXPECT_EQ(found.repeated_corner_facets, 1u);
+    EXPECT_EQ(found.degenerate_facets, 2u);
+    EXPECT_EQ(found.unused_vertices, 1u);
+    EXPECT_LT(found.high.x, 10); // the unused vertex is not in the box
+    for (const char* words : {"2 facets with the vertices of another", "1 facet coming to a vertex twice",
+                              "2 facets without area", "1 vertex that no facet uses"})
+        EXPECT_TRUE(says(found, words)) << words;
+}
+
+TEST(Findings, SelfIntersections) {
+    const PolygonSoup cube = shapes::cube(true);
+    const MeshFindings apart = inspect(shapes::merged(cube, shapes::moved(cube, glm::dvec3(1), {3, 0, 0})));
+    EXPECT_EQ(apart.self_intersections, 0u);
+    EXPECT_EQ(apart.components, 2u);
+    EXPECT_TRUE(says(apart, "2 separate pieces"));
+    const PolygonSoup crossing = shapes::merged(cube, shapes::moved(cube, glm::dvec3(1), {0.51, 0.52, 0.53}));
+    EXPECT_GT(inspect(crossing).self_intersections, 5u);
+    EXPECT_TRUE(says(inspect(crossing), "touch or cross"));
+    EXPECT_FALSE(inspect(crossing, {.self_intersection_triangles = 3}).self_intersections.has_value());
+    EXPECT_EQ(inspect(shapes::nested_shells(2, true)).self_intersections, 0u);
+}
+
+TEST(Findings, CornersAtTheSamePlaceAreNoIntersection) {
+    PolygonSoup soup = shapes::icosphere(2), torn;
+    for (std::size_t i = 0; i < soup.corners.size(); ++i) {
+        torn.vertices.push_back(soup.vertices[soup.corners[i]]);
+        torn.corners.push_back(static_cast<std::uint32_t>(i));
+    }
+    torn.begins = soup.begins;
+    const MeshFindings found = inspect(torn);
+    EXPECT_EQ(found.self_intersections, 0u);
+    EXPECT_EQ(found.components, soup.facets());
+}
+
+TEST(Findings, MeaninglessMeshesAreRefused) {
+    EXPECT_THROW(refuse_if_meaningless(inspect(PolygonSoup{}), "a.off"), UsageError);
+    PolygonSoup line;
+    line.vertices = {{0, 0, 0}, {1, 1, 1}, {2, 2, 2}};
+    add_facet(line, {0, 1, 2});
+    EXPECT_THROW(refuse_if_meaningless(inspect(line), "a.off"), UsageError);
+    EXPECT_NO_THROW(refuse_if_meaningless(inspect(shapes::single_triangle()), "a.off"));
+}
+
+TEST(Findings, ANeedleFanIsNoQuadraticMatter) {
+    const MeshFindings found = inspect(shapes::needle_fan(65537, 1));
+    EXPECT_TRUE(found.closed);
+    EXPECT_EQ(found.most_corners, 65537u);
+}
+
+// The two ways of finding how facets hang together share nothing.
+TEST(Connectivity, HalfEdgesAndEdgesAgree) {
+    std::mt19937 random(3);
+    int held = 0;
+    for (int trial = 0; trial < 300; ++trial) {
+        PolygonSoup soup = trial % 2 ? shapes::icosphere(2) : shapes::cube(true);
+        if (trial % 3 == 0)
+            soup = shapes::merged(soup, shapes::cube());
+        // Leave facets out at random; what is left has holes, and often vertices where they meet.
+        PolygonSoup rest;
+        rest.vertices = soup.vertices;
+        const unsigned share = 2 + static_cast<unsigned>(trial) % 40;
+        for (std::size_t facet = 0; facet < soup.facets(); ++facet)
+            if (random() % share != 0) {
+                rest.corners.insert(rest.corners.end(), soup.corners.begin() + soup.begins[facet],
+                                    soup.corners.begin() + soup.begins[facet + 1]);
+                rest.begins.push_back(static_cast<std::uint32_t>(rest.corners.size()));
+            }
+        const Connectivity by_edges = connectivity_by_edges(rest);
+        const auto by_half_edges = connectivity_by_half_edges(rest);
+        EXPECT_EQ(by_half_edges.has_value(), by_edges.non_manifold_vertices == 0);
+        if (by_half_edges) {
+            EXPECT_EQ(*by_half_edges, by_edges);
+            ++held;
+        }
+    }
+    EXPECT_GT(held, 50);
+}
+
+} // namespace
+} // namespace forceshade

@@ -1,0 +1,154 @@
+// Normals of triangles of every shape, of facets and of vertices.
+#include "host/mesh/normals.h"
+
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include <CGAL/Exact_rational.h>
+#include <gtest/gtest.h>
+
+#include "tests/mesh/shapes.h"
+
+namespace forceshade {
+namespace {
+
+using Rational = CGAL::Exact_rational;
+constexpr double kUlp = 0x1p-52;
+
+double length(const glm::dvec3& v) {
+    return std::hypot(v.x, v.y, v.z);
+}
+
+// The largest difference of a unit normal from the exact one; 2 if the one is 0 and the other is not.
+double error(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c, const glm::dvec3& found) {
+    std::array<Rational, 3> u, v, n;
+    for (int i = 0; i < 3; ++i) {
+        u[static_cast<std::size_t>(i)] = Rational(b[i]) - Rational(a[i]);
+        v[static_cast<std::size_t>(i)] = Rational(c[i]) - Rational(b[i]); // not the edges that the function takes
+    }
+    Rational largest(0);
+    for (std::size_t i = 0; i < 3; ++i) {
+        n[i] = u[(i + 1) % 3] * v[(i + 2) % 3] - u[(i + 2) % 3] * v[(i + 1) % 3];
+        largest = std::max(largest, Rational(CGAL::abs(n[i])));
+    }
+    if (largest == 0)
+        return found == glm::dvec3(0) ? 0 : 2;
+    glm::dvec3 expected;
+    for (int i = 0; i < 3; ++i)
+        expected[i] = CGAL::to_double(Rational(n[static_cast<std::size_t>(i)] / largest));
+    expected /= length(expected);
+    return length(found - expected);
+}
+
+TEST(TriangleNormal, IsGoodToAFewUlpsWhateverTheShape) {
+    std::mt19937 random(5);
+    std::uniform_real_distribution<double> uniform(-1, 1);
+    const auto vector = [&] { return glm::dvec3(uniform(random), uniform(random), uniform(random)); };
+    double worst = 0;
+    for (int trial = 0; trial < 20000; ++trial) {
+        const double thinness = std::pow(10.0, -16 * std::abs(uniform(random)));
+        const double size = std::pow(10.0, 90 * uniform(random) * (trial % 2));
+        const glm::dvec3 shift = (trial % 3 == 0 ? 1e6 : 0.0) * vector();
+        const glm::dvec3 a = vector(), edge = vector();
+        // Caps (the third corner near the middle of the edge) and needles (near its end).
+        const glm::dvec3 c = a + (trial % 5 == 0 ? 1.0 : uniform(random)) * edge + thinness * vector();
+        const glm::dvec3 p = size * (a + shift), q = size * (a + edge + shift), r = size * (c + shift);
+        worst = std::max(worst, error(p, q, r, triangle_normal(p, q, r)));
+    }
+    EXPECT_LE(worst, 3 * kUlp);
+}
+
+// Collinear corners whose differences are rounded: only exact arithmetic can tell.
+TEST(TriangleNormal, IsZeroOnlyForNoArea) {
+    const glm::dvec3 a(1e-20, 3e-20, 7e-20), b(1, 3, 7);
+    EXPECT_EQ(triangle_normal(a, a, b), glm::dvec3(0));
+    EXPECT_EQ(triangle_normal(b, 2.0 * b, 1024.0 * b), glm::dvec3(0));
+    EXPECT_EQ(triangle_normal(glm::dvec3(0), b, 3.0 * b), glm::dvec3(0));
+    const glm::dvec3 beside(3, 9, std::nextafter(21.0, 22.0));
+    EXPECT_LE(error(glm::dvec3(0), b, beside, triangle_normal(glm::dvec3(0), b, beside)), 3 * kUlp);
+    const glm::dvec3 thin = triangle_normal(a, b, 3.0 * b);
+    EXPECT_LE(error(a, b, 3.0 * b, thin), 3 * kUlp);
+}
+
+TEST(TriangleNormal, IsAcrossItsEdges) {
+    std::mt19937 random(6);
+    std::uniform_real_distribution<double> uniform(-1, 1);
+    const auto vector = [&] { return glm::dvec3(uniform(random), uniform(random), uniform(random)); };
+    for (int trial = 0; trial < 2000; ++trial) {
+        const glm::dvec3 a = vector(), b = vector(), c = a + 0.4 * (b - a) + 1e-8 * vector();
+        const glm::dvec3 n = triangle_normal(a, b, c);
+        for (const glm::dvec3& edge : {b - a, c - b, a - c})
+            EXPECT_LE(std::abs(n.x * edge.x + n.y * edge.y + n.z * edge.z), 3 * kUlp * length(edge) + 1e-31);
+    }
+}
+
+TEST(FacetNormals, OfAPlaneAndOfAWarpedFacet) {
+    for (const glm::dvec3& normal : facet_normals(shapes::cube()))
+        EXPECT_EQ(length(normal), 1);
+    PolygonSoup saddle; // Newell's normal of a regular saddle is its axis
+    saddle.vertices = {{1, 0, .3}, {0, 1, -.3}, {-1, 0, .3}, {0, -1, -.3}};
+    shapes::add_facet(saddle, {0, 1, 2, 3});
+    EXPECT_LE(length(facet_normals(saddle)[0] - glm::dvec3(0, 0, 1)), 2 * kUlp);
+    PolygonSoup bow_tie;
+    bow_tie.vertices = {{0, 0, 0}, {1, 1, 0}, {1, 0, 0}, {0, 1, 0}};
+    shapes::add_facet(bow_tie, {0, 1, 2, 3});
+    EXPECT_EQ(facet_normals(bow_tie)[0], glm::dvec3(0));
+}
+
+TEST(FacetNormals, OfAThinQuadrilateralFarFromTheOrigin) {
+    PolygonSoup soup;
+    const glm::dvec3 corner(1e6, -2e6, 3e6);
+    soup.vertices = {corner, corner + glm::dvec3(1, 0, 0), corner + glm::dvec3(1, 0x1p-26, 0x1p-26),
+                     corner + glm::dvec3(0, 0x1p-26, 0x1p-26)};
+    shapes::add_facet(soup, {0, 1, 2, 3});
+    EXPECT_LE(length(facet_normals(soup)[0] - glm::dvec3(0, -1, 1) / std::sqrt(2.0)), 2 * kUlp);
+}
+
+TEST(VertexNormals, PlainCountsFacetsAndAngleDoesNot) {
+    const double third = 1 / std::sqrt(3.0);
+    const auto corner_error = [&](const PolygonSoup& soup, VertexNormals weights) {
+        const std::vector<glm::dvec3> normals = vertex_normals(soup, facet_normals(soup), weights);
+        double worst = 0;
+        for (std::size_t i = 0; i < 8; ++i)
+            worst = std::max(worst, length(normals[i] - third * soup.vertices[i]));
+        return worst;
+    };
+    EXPECT_LE(corner_error(shapes::cube(), VertexNormals::plain), 4 * kUlp);
+    EXPECT_LE(corner_error(shapes::cube(), VertexNormals::angle), 4 * kUlp);
+    EXPECT_LE(corner_error(shapes::cube(true), VertexNormals::angle), 8 * kUlp);
+    EXPECT_GT(corner_error(shapes::cube(true), VertexNormals::plain), 0.1);
+}
+
+TEST(VertexNormals, ReflexCornersWeighWithTheirWholeAngle) {
+    PolygonSoup soup; // an arrow head in the plane, and a wall at its reflex corner
+    soup.vertices = {{0, 0, 0}, {1, -1, 0}, {0, 2, 0}, {-1, -1, 0}, {0, 0, 1}};
+    shapes::add_facet(soup, {0, 1, 2, 3});
+    shapes::add_facet(soup, {0, 2, 4}); // a right angle at the corner, facing +x
+    const glm::dvec3 normal = vertex_normals(soup, facet_normals(soup), VertexNormals::angle)[0];
+    const glm::dvec3 expected(std::numbers::pi / 2, 0, 1.5 * std::numbers::pi); // 270 degrees
+    EXPECT_LE(length(normal - expected / length(expected)), 4 * kUlp);
+}
+
+TEST(VertexNormals, CancellingNormalsGiveNone) {
+    PolygonSoup soup = shapes::single_triangle();
+    const std::uint32_t a = soup.corners[0], b = soup.corners[1], c = soup.corners[2];
+    shapes::add_facet(soup, {c, b, a});
+    for (const VertexNormals weights : {VertexNormals::plain, VertexNormals::angle})
+        for (const glm::dvec3& normal : vertex_normals(soup, facet_normals(soup), weights))
+            EXPECT_EQ(normal, glm::dvec3(0));
+    PolygonSoup degenerate;
+    degenerate.vertices = {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}};
+    shapes::add_facet(degenerate, {0, 1, 2});
+    EXPECT_EQ(vertex_normals(degenerate, facet_normals(degenerate), VertexNormals::plain)[1], glm::dvec3(0));
+}
+
+TEST(VertexNormals, OfASphereAreItsRadii) {
+    const PolygonSoup sphere = shapes::icosphere(4);
+    const std::vector<glm::dvec3> normals = vertex_normals(sphere, facet_normals(sphere), VertexNormals::angle);
+    for (std::size_t i = 0; i < normals.size(); ++i)
+        EXPECT_LT(length(normals[i] - sphere.vertices[i]), 4e-3); // of the order of the square of an edge, 0.07
+}
+
+} // namespace
+} // namespace forceshade
