@@ -5,6 +5,8 @@
 #include <thread>
 #include <type_traits>
 
+#include "compute/field_inputs.h"
+#include "compute/field_pipeline.h"
 #include "compute/field_plan.h"
 #include "compute/field_slot.h"
 
@@ -20,6 +22,11 @@ double seconds_since(Clock::time_point start) {
 std::uint32_t abreast(FieldVariant variant) {
     return variant == FieldVariant::f32_packed ? layout::kAbreastPacked : layout::kAbreast;
 }
+
+constexpr SlotBindings kBindings{
+    layout::kBindCount,
+    layout::kBindStatus,
+    {layout::kBindForce, layout::kBindDepth, layout::kBindFacet, layout::kBindProxy, layout::kBindUnshaded}};
 
 // True if what depends on (x, y) alone differs from y to y; shaders/field.comp: ALONG_Z.
 bool columns_vary_in_y(const layout::Features& features) {
@@ -39,19 +46,19 @@ struct FieldKernel::Implementation {
 
     Device::Implementation& device;
     FieldKernelOptions options;
-    FieldPipelines pipelines;
+    Pipelines pipelines;
     FieldInputs inputs;
     vk::raii::DescriptorPool sets{nullptr};
     std::vector<FieldSlot> slots;
 
     Implementation(Device::Implementation& on, const FieldKernelOptions& wanted)
-        : device(on), options(wanted), pipelines(on), inputs(on) {
+        : device(on), options(wanted), pipelines(make_field_pipelines(on)), inputs(on) {
         const vk::DescriptorPoolSize size(vk::DescriptorType::eStorageBuffer, layout::kBindCount * kSlots);
         sets = device.device.createDescriptorPool({vk::DescriptorPoolCreateFlagBits::eFreeDescriptorSet, kSlots, size});
         const bool staged = options.force_staging || !shares_memory_with_host(device);
         for (std::uint32_t i = 0; i < kSlots; ++i)
             slots.emplace_back(
-                device, pipelines,
+                device, kBindings,
                 std::move(device.device.allocateDescriptorSets({*sets, *pipelines.set_layout()}).front()), staged);
     }
 
@@ -99,7 +106,7 @@ template <typename T> FieldPlan FieldKernel::Implementation::reserve(const layou
         try {
             for (FieldSlot& slot : slots)
                 slot.reserve(features.channels, std::size_t(plan.x_pitch) * plan.y_step * plan.z_step, sizeof(T),
-                             inputs);
+                             [&](layout::uint binding) { return inputs.buffer(binding); });
             return plan;
         } catch (const DeviceError& error) {
             if (error.kind() != DeviceError::Kind::out_of_memory || chunk_bytes / 2 < row)
@@ -133,7 +140,15 @@ void FieldKernel::Implementation::run(const layout::FieldInput<T>& input, const 
             chunk.z_count = std::min(plan.z_step, nz - z);
             chunk.z_axis = plan.x_pitch + ny;
             chunk.rows = plan.rows;
-            slot.submit(pipeline, chunk, plan.groups(chunk.y_count, chunk.z_count));
+            slot.submit({chunk.x_pitch, chunk.y_first, chunk.y_count, chunk.z_first, chunk.z_count},
+                        [&](const vk::raii::CommandBuffer& commands) {
+                            commands.bindPipeline(vk::PipelineBindPoint::eCompute, pipeline);
+                            commands.bindDescriptorSets(vk::PipelineBindPoint::eCompute, *pipelines.layout(), 0,
+                                                        slot.set(), {});
+                            commands.pushConstants<layout::ChunkParams>(*pipelines.layout(),
+                                                                        vk::ShaderStageFlagBits::eCompute, 0, chunk);
+                            commands.dispatch(plan.groups(chunk.y_count, chunk.z_count), 1, 1);
+                        });
         }
     for (std::size_t i = 0; i < kSlots; ++i)
         hand_over(slots[(turn + i) % kSlots]);
@@ -160,7 +175,7 @@ FieldTimes FieldKernel::evaluate(const layout::FieldInput<T>& input,
         const FieldPlan plan = self.reserve(input);
         times.upload = seconds_since(start);
         start = Clock::now();
-        const vk::Pipeline pipeline = self.pipelines.get({variant, plan.group, input.law.features});
+        const vk::Pipeline pipeline = field_pipeline(self.pipelines, {variant, plan.group, input.law.features});
         times.compile = seconds_since(start);
         try {
             self.run(input, plan, pipeline, times, consume);

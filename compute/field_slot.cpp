@@ -6,16 +6,16 @@
 namespace forceshade::compute {
 namespace {
 
-// The output channels in the order of their bindings.
+// The output channels in the order of SlotBindings::results.
 struct Channel {
-    layout::uint bit, binding;
+    layout::uint bit;
     std::uint32_t reals, uints; // a sample
 };
-constexpr std::array<Channel, 5> kChannels{{{layout::kChannelForce, layout::kBindForce, 3, 0},
-                                            {layout::kChannelDepth, layout::kBindDepth, 1, 0},
-                                            {layout::kChannelFacet, layout::kBindFacet, 0, 1},
-                                            {layout::kChannelProxy, layout::kBindProxy, 3, 0},
-                                            {layout::kChannelUnshaded, layout::kBindUnshaded, 3, 0}}};
+constexpr std::array<Channel, FieldSlot::kChannelCount> kChannels{{{layout::kChannelForce, 3, 0},
+                                                                   {layout::kChannelDepth, 1, 0},
+                                                                   {layout::kChannelFacet, 0, 1},
+                                                                   {layout::kChannelProxy, 3, 0},
+                                                                   {layout::kChannelUnshaded, 3, 0}}};
 
 std::size_t bytes_of(const Channel& channel, std::size_t samples, std::size_t real_size) {
     return samples * (channel.reals * real_size + channel.uints * sizeof(layout::uint));
@@ -26,39 +26,45 @@ constexpr std::uint32_t kTimestamps = 3;
 
 } // namespace
 
-FieldSlot::FieldSlot(Device::Implementation& device, const FieldPipelines& pipelines, vk::raii::DescriptorSet set,
+FieldSlot::FieldSlot(Device::Implementation& device, const SlotBindings& bindings, vk::raii::DescriptorSet set,
                      bool staged)
-    : device_(device), pipelines_(pipelines), staged_(staged),
+    : device_(device), bindings_(bindings), staged_(staged),
       status_(make_buffer(device, sizeof(layout::uint), vk::BufferUsageFlagBits::eStorageBuffer, Placement::host_read)),
       set_(std::move(set)), commands_(make_commands(device)), fence_(device.device.createFence({})) {
-    static_assert(kChannels.size() == kChannelCount);
     if (device.timestamp_bits)
         timestamps_ = device.device.createQueryPool({{}, vk::QueryType::eTimestamp, kTimestamps});
 }
 
-void FieldSlot::reserve(layout::uint channels, std::size_t samples, std::size_t real_size, const FieldInputs& inputs) {
+void FieldSlot::reserve(layout::uint channels, std::size_t samples, std::size_t real_size,
+                        const std::function<vk::Buffer(layout::uint)>& inputs) {
     using Usage = vk::BufferUsageFlagBits;
     channels_ = channels;
     real_size_ = real_size;
-    std::array<vk::DescriptorBufferInfo, layout::kBindCount> infos;
-    for (layout::uint binding = 0; binding < layout::kBindCount; ++binding)
-        infos[binding] = vk::DescriptorBufferInfo(inputs.buffer(binding), 0, VK_WHOLE_SIZE);
-    infos[layout::kBindStatus].buffer = *status_.buffer;
+    std::vector<vk::DescriptorBufferInfo> infos;
+    for (layout::uint binding = 0; binding < bindings_.count; ++binding)
+        infos.emplace_back(inputs(binding), 0, VK_WHOLE_SIZE);
+    infos[bindings_.status].buffer = *status_.buffer;
     for (std::size_t c = 0; c < kChannels.size(); ++c) {
         if (!(channels & kChannels[c].bit))
             continue;
         const std::size_t bytes = bytes_of(kChannels[c], samples, real_size);
-        grow(device_, results_[c], bytes, Usage::eStorageBuffer | Usage::eTransferSrc,
+        grow(device_, results_[c], bytes, Usage::eStorageBuffer | Usage::eTransferSrc | Usage::eTransferDst,
              staged_ ? Placement::device : Placement::host_read);
         if (staged_)
             grow(device_, staging_[c], bytes, Usage::eTransferDst, Placement::host_read);
-        infos[kChannels[c].binding].buffer = *results_[c].buffer;
+        infos[bindings_.results[c]].buffer = *results_[c].buffer;
     }
     device_.device.updateDescriptorSets(
         vk::WriteDescriptorSet(*set_, 0, 0, vk::DescriptorType::eStorageBuffer, {}, infos), {});
 }
 
-void FieldSlot::record(vk::Pipeline pipeline, std::uint32_t groups) {
+FieldSlot::Result FieldSlot::result(std::size_t channel) const {
+    if (!(channels_ & kChannels[channel].bit))
+        return {};
+    return {*results_[channel].buffer, bytes_of(kChannels[channel], samples(), real_size_)};
+}
+
+void FieldSlot::record(const std::function<void(const vk::raii::CommandBuffer&)>& work) {
     using Stage = vk::PipelineStageFlagBits;
     using Access = vk::AccessFlagBits;
     const auto stamp = [&](std::uint32_t query) {
@@ -69,19 +75,15 @@ void FieldSlot::record(vk::Pipeline pipeline, std::uint32_t groups) {
     commands_.begin({vk::CommandBufferUsageFlagBits::eOneTimeSubmit});
     if (device_.timestamp_bits)
         commands_.resetQueryPool(*timestamps_, 0, kTimestamps);
-    commands_.bindPipeline(vk::PipelineBindPoint::eCompute, pipeline);
-    commands_.bindDescriptorSets(vk::PipelineBindPoint::eCompute, *pipelines_.layout(), 0, *set_, {});
-    commands_.pushConstants<layout::ChunkParams>(*pipelines_.layout(), vk::ShaderStageFlagBits::eCompute, 0, chunk_);
     stamp(0);
-    commands_.dispatch(groups, 1, 1);
+    work(commands_);
     stamp(1);
     if (staged_) {
-        const vk::MemoryBarrier computed(Access::eShaderWrite, Access::eTransferRead);
-        commands_.pipelineBarrier(Stage::eComputeShader, Stage::eTransfer, {}, computed, {}, {});
+        const vk::MemoryBarrier computed(Access::eShaderWrite | Access::eTransferWrite, Access::eTransferRead);
+        commands_.pipelineBarrier(Stage::eComputeShader | Stage::eTransfer, Stage::eTransfer, {}, computed, {}, {});
         for (std::size_t c = 0; c < kChannels.size(); ++c)
-            if (channels_ & kChannels[c].bit)
-                commands_.copyBuffer(*results_[c].buffer, *staging_[c].buffer,
-                                     vk::BufferCopy(0, 0, bytes_of(kChannels[c], samples(), real_size_)));
+            if (const Result from = result(c); from.bytes)
+                commands_.copyBuffer(from.buffer, *staging_[c].buffer, vk::BufferCopy(0, 0, from.bytes));
     }
     const vk::MemoryBarrier to_host(Access::eShaderWrite | Access::eTransferWrite, Access::eHostRead);
     commands_.pipelineBarrier(Stage::eComputeShader | Stage::eTransfer, Stage::eHost, {}, to_host, {}, {});
@@ -89,9 +91,9 @@ void FieldSlot::record(vk::Pipeline pipeline, std::uint32_t groups) {
     commands_.end();
 }
 
-void FieldSlot::submit(vk::Pipeline pipeline, const layout::ChunkParams& chunk, std::uint32_t groups) {
+void FieldSlot::submit(const ChunkShape& chunk, const std::function<void(const vk::raii::CommandBuffer&)>& work) {
     chunk_ = chunk;
-    record(pipeline, groups);
+    record(work);
     std::memset(status_.mapped, 0, sizeof(layout::uint));
     flush_to_device(device_, status_);
     device_.device.resetFences(*fence_);

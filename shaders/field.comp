@@ -43,6 +43,7 @@ real exact_zero;
 #define SAMPLED_GRADIENT sampled_texture_gradient
 #define GRADIENTS texture_gradients
 #include "laws/sampled_gradient.glsl"
+#include "laws/gradients.glsl"
 #include "laws/column.glsl"
 #include "laws/contact.glsl"
 #include "stores.glsl"

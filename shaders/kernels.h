@@ -12,5 +12,9 @@ std::span<const std::uint32_t> field_f32();
 std::span<const std::uint32_t> field_f32_packed();
 /// shaders/field.comp in double precision; needs shaderFloat64.
 std::span<const std::uint32_t> field_f64();
+/// shaders/mesh_field.comp in single precision.
+std::span<const std::uint32_t> mesh_field_f32();
+/// The same in double precision; needs shaderFloat64.
+std::span<const std::uint32_t> mesh_field_f64();
 
 } // namespace forceshade::kernels

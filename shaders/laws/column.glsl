@@ -8,30 +8,6 @@ struct Column {
     bool on_bump;     // |x| < a
 };
 
-Gradient map_gradient(real x, real y) {
-    if (MAP == kMapCylinder || MAP == kMapDip)
-        return cylinder_gradient(law.map, x, MAP == kMapDip);
-    if (MAP == kMapSine)
-        return sine_gradient(law.map, x);
-    if (MAP == kMapGaussian)
-        return gaussian_gradient(law.map, x, y);
-    if (MAP == kMapSamples)
-        return sampled_map_gradient(law.map, x, y);
-    return Gradient(ZERO, ZERO);
-}
-
-Gradient texture_gradient(real x, real y) {
-    if (TEXTURE == kMapCylinder || TEXTURE == kMapDip)
-        return cylinder_gradient(law.texture, x, TEXTURE == kMapDip);
-    if (TEXTURE == kMapSine)
-        return sine_gradient(law.texture, x);
-    if (TEXTURE == kMapGaussian)
-        return gaussian_gradient(law.texture, x, y);
-    if (TEXTURE == kMapSamples)
-        return sampled_texture_gradient(law.texture, x, y);
-    return Gradient(ZERO, ZERO);
-}
-
 // G1: N(x) on the bump, z elsewhere.
 real3 reference_normal(real x, bool on_bump) {
     if (!on_bump)

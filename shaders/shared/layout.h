@@ -108,9 +108,9 @@ FS_CONSTANT kMeshBindAxes = 1u;
 FS_CONSTANT kMeshBindMapGradients = 2u;
 FS_CONSTANT kMeshBindTextureGradients = 3u;
 FS_CONSTANT kMeshBindRecords = 4u;   // 3 vectors a triangle: corners in order of (x, y, z), and its normal
-FS_CONSTANT kMeshBindTriangles = 5u; // 8 words a triangle: corners, facet, neighbours
-FS_CONSTANT kMeshBindVertices = 6u;  // 9 reals a vertex: position, pseudonormal, normal
-FS_CONSTANT kMeshBindNormals = 7u;   // 3 reals a facet; then 3 an edge that has a pseudonormal of its own
+FS_CONSTANT kMeshBindTriangles = 5u; // 8 words a triangle: corners, facet, neighbours * 2 + turned
+FS_CONSTANT kMeshBindVertices = 6u;  // 3 vectors a vertex: position, normal, pseudonormal
+FS_CONSTANT kMeshBindNormals = 7u;   // a vector a facet; then one an edge that has a pseudonormal of its own
 FS_CONSTANT kMeshBindFacets = 8u;    // where each facet's corners begin, and the end; then the corners
 FS_CONSTANT kMeshBindPlan = 9u;      // kMeshBlockWords a block; then the candidates
 FS_CONSTANT kMeshBindStatus = 10u;
@@ -129,9 +129,11 @@ FS_CONSTANT kMeshSpecMap = 3u;
 FS_CONSTANT kMeshSpecTexture = 4u;
 FS_CONSTANT kMeshSpecChannels = 5u;
 FS_CONSTANT kMeshSpecFree = 6u; // 1: only the proxies of free voxels
-FS_CONSTANT kMeshSpecCount = 7u;
+FS_CONSTANT kMeshSpecUnroll = 7u; // corners of a facet that an iteration takes
+FS_CONSTANT kMeshSpecCount = 8u;
 
-// A block on the device: x, y, z of its first voxel within the chunk, first candidate, their count, voxels inside.
+// A block on the device: x, y, z of its first voxel within the chunk, first candidate, their count; and 8 bits for the
+// voxels inside by the winding number, 8 for those to evaluate.
 FS_CONSTANT kMeshBlockWords = 6u;
 // A candidate on the device: the triangle's place in the order of (facet, triangle), so that the lower word wins a tie;
 // whether its sorted corners turn the other way; which sorted corner is its first; which sorted edge is its longest.

@@ -1,0 +1,86 @@
+#include "compute/mesh_chunk.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "compute/device.h"
+
+namespace forceshade::compute {
+namespace {
+
+using layout::kMeshBlock;
+using layout::uint;
+
+// Blocks of the plan within the chunk, by falling number of candidates (to within the last of the buckets).
+std::vector<uint> ordered_blocks(const layout::MeshPlan& plan, const layout::MeshChunkParams& chunk) {
+    constexpr uint kBuckets = 1024;
+    const auto bucket = [&](const layout::MeshBlock& block) {
+        return kBuckets - 1 - std::min(block.count, kBuckets - 1);
+    };
+    const auto below = [](const layout::MeshBlock& block, uint z) { return block.z < z; };
+    const auto first = std::lower_bound(plan.blocks.begin(), plan.blocks.end(), chunk.z_first, below);
+    const auto last = std::lower_bound(first, plan.blocks.end(), chunk.z_first + chunk.z_count, below);
+    const auto is_listed = [&](const layout::MeshBlock& block) {
+        return block.count > 0 && block.y >= chunk.y_first && block.y < chunk.y_first + chunk.y_count;
+    };
+    std::vector<uint> begin(kBuckets + 1, 0);
+    for (auto block = first; block != last; ++block)
+        if (is_listed(*block))
+            ++begin[bucket(*block) + 1];
+    for (uint b = 0; b < kBuckets; ++b)
+        begin[b + 1] += begin[b];
+    std::vector<uint> order(begin.back());
+    for (auto block = first; block != last; ++block)
+        if (is_listed(*block))
+            order[begin[bucket(*block)]++] = static_cast<uint>(block - plan.blocks.begin());
+    return order;
+}
+
+} // namespace
+
+MeshChunkSteps plan_mesh_chunks(std::uint64_t x_pitch, std::uint64_t ny, std::uint64_t nz, SampleBytes sample,
+                                std::uint64_t buffer_range, std::uint64_t chunk_bytes) {
+    const std::uint64_t rows =
+        std::min(buffer_range / (x_pitch * sample.largest), chunk_bytes / (x_pitch * sample.all));
+    const std::uint64_t high = std::min<std::uint64_t>(nz, kMeshBlock);
+    const auto whole = [](std::uint64_t samples, std::uint64_t all) {
+        return static_cast<std::uint32_t>(samples >= all ? all : samples / kMeshBlock * kMeshBlock);
+    };
+    MeshChunkSteps steps{whole(rows / high, ny), static_cast<std::uint32_t>(high)};
+    if (steps.y_step == ny)
+        steps.z_step = std::max(steps.z_step, whole(rows / ny, nz));
+    if (steps.y_step == 0)
+        throw DeviceError(
+            DeviceError::Kind::out_of_memory,
+            fmt::format("{} rows of {} samples take {} bytes; a dispatch may hold {} and a buffer span {}: "
+                        "make the grid narrower in x",
+                        kMeshBlock * high, x_pitch, kMeshBlock * high * x_pitch * sample.all, chunk_bytes,
+                        buffer_range));
+    return steps;
+}
+
+void cut_plan(const layout::MeshPlan& plan, const layout::MeshChunkParams& chunk, const std::vector<uint>& candidates,
+              MeshChunkPlan& part) {
+    const std::vector<uint> order = ordered_blocks(plan, chunk);
+    part.blocks = static_cast<std::uint32_t>(order.size());
+    std::size_t size = layout::kMeshBlockWords * order.size();
+    for (const uint index : order)
+        size += plan.blocks[index].count;
+    part.words.resize(size);
+    std::size_t to = layout::kMeshBlockWords * order.size(), at = 0;
+    const std::size_t first = to;
+    for (const uint index : order) {
+        const layout::MeshBlock& block = plan.blocks[index];
+        part.words[at++] = block.x;
+        part.words[at++] = block.y - chunk.y_first;
+        part.words[at++] = block.z - chunk.z_first;
+        part.words[at++] = static_cast<uint>(to - first);
+        part.words[at++] = block.count;
+        part.words[at++] = 0xFF00u | (plan.inside.empty() ? 0 : plan.inside[index]);
+        for (const uint triangle : plan.candidates.subspan(block.first, block.count))
+            part.words[to++] = candidates[triangle];
+    }
+}
+
+} // namespace forceshade::compute

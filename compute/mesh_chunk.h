@@ -1,0 +1,34 @@
+// How the grid of a mesh's field is cut into dispatches, and what one of them is told of the plan. Arithmetic only: no
+// device is touched.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "compute/field_plan.h"
+#include "shaders/shared/layout.h"
+
+namespace forceshade::compute {
+
+/// Samples of a dispatch along y and z: multiples of layout::kMeshBlock, but for the grid's end. y_step < ny only where
+/// z_step is layout::kMeshBlock or less.
+struct MeshChunkSteps {
+    std::uint32_t y_step = 0, z_step = 0;
+};
+
+/// \throws DeviceError (out_of_memory) if not even one row of blocks fits.
+MeshChunkSteps plan_mesh_chunks(std::uint64_t x_pitch, std::uint64_t ny, std::uint64_t nz, SampleBytes sample,
+                                std::uint64_t buffer_range, std::uint64_t chunk_bytes);
+
+/// The part of a plan that a chunk needs, as the kernel reads it (layout::kMeshBindPlan).
+struct MeshChunkPlan {
+    std::uint32_t blocks = 0;
+    std::vector<layout::uint> words; /* kMeshBlockWords a block, then the candidates */
+};
+
+/// `candidates` says how each triangle is written. Blocks are ordered by the number of their candidates, so that
+/// invocations side by side take equally long.
+void cut_plan(const layout::MeshPlan& plan, const layout::MeshChunkParams& chunk,
+              const std::vector<layout::uint>& candidates, MeshChunkPlan& part);
+
+} // namespace forceshade::compute

@@ -1,0 +1,149 @@
+// L6: which of a block's candidates is nearest to each of its eight probes. Only squared distances are computed, each with
+// the operations of mesh_triangle.glsl in their order; what the probes share of them is computed once. The corners of a
+// record are sorted by (x, y, z), which is how edges are walked, so that no edge needs to be turned.
+
+// Two coordinates along each axis: eight points. Of a corner relative to the probes, or of the probes.
+struct Points {
+    real2 x;
+    real2 y;
+    real2 z;
+};
+
+// A number for each of the eight: the first z, the second z; in each x runs fastest.
+struct Eight {
+    real4 first;
+    real4 second;
+};
+
+struct EdgeSquares {
+    Eight square;
+    bvec4 first_within; // strictly between the ends
+    bvec4 second_within;
+};
+
+struct Winners {
+    Eight square;
+    uvec4 first; // candidates
+    uvec4 second;
+};
+
+Points relative(real3 corner, Points probes) {
+    precise real2 x = corner.x - probes.x;
+    precise real2 y = corner.y - probes.y;
+    precise real2 z = corner.z - probes.z;
+    return Points(x, y, z);
+}
+
+Points chosen(bool other, Points points, Points others) {
+    return Points(other ? others.x : points.x, other ? others.y : points.y, other ? others.z : points.z);
+}
+
+Eight sums(real2 x, real2 y, real2 z) {
+    precise real4 plane = x.xyxy + y.xxyy;
+    precise real4 first = plane + z.x;
+    precise real4 second = plane + z.y;
+    return Eight(first, second);
+}
+
+Eight products(Points points, real3 v) {
+    precise real2 x = points.x * v.x;
+    precise real2 y = points.y * v.y;
+    precise real2 z = points.z * v.z;
+    return sums(x, y, z);
+}
+
+Eight squares(Points points) {
+    precise real2 x = points.x * points.x;
+    precise real2 y = points.y * points.y;
+    precise real2 z = points.z * points.z;
+    return sums(x, y, z);
+}
+
+// Of four probes of one z. `ahead` is start . way: how far back the probe lies, so that its foot is at -ahead.
+real4 edge_square(real4 ahead, Points start, real z, real3 way, real length_square, real4 start_square,
+                  real4 end_square, out bvec4 within) {
+    precise real4 along = -ahead;
+    precise real4 share = along / length_square;
+    precise real4 foot_x = start.x.xyxy + share * way.x;
+    precise real4 foot_y = start.y.xxyy + share * way.y;
+    precise real4 foot_z = z + share * way.z;
+    precise real4 square = foot_x * foot_x + foot_y * foot_y + foot_z * foot_z;
+    bvec4 behind_end = lessThan(along, real4(length_square));
+    bvec4 past_start = greaterThan(along, real4(ZERO));
+    within = bvec4(uvec4(behind_end) & uvec4(past_start));
+    return mix(start_square, mix(end_square, square, behind_end), past_start);
+}
+
+EdgeSquares edge_squares(Points start, real3 way, real length_square, Eight start_square, Eight end_square) {
+    Eight ahead = products(start, way);
+    EdgeSquares edge;
+    edge.square.first = edge_square(ahead.first, start, start.z.x, way, length_square, start_square.first,
+                                    end_square.first, edge.first_within);
+    edge.square.second = edge_square(ahead.second, start, start.z.y, way, length_square, start_square.second,
+                                     end_square.second, edge.second_within);
+    return edge;
+}
+
+bvec4 all_of(bvec4 a, bvec4 b) {
+    return bvec4(uvec4(a) & uvec4(b));
+}
+
+bvec4 any_of(bvec4 a, bvec4 b) {
+    return bvec4(uvec4(a) | uvec4(b));
+}
+
+real4 least(real4 a, real4 b, real4 c) {
+    real4 less = mix(a, b, lessThan(b, a));
+    return mix(less, c, lessThan(c, less));
+}
+
+void keep(inout real4 best, inout uvec4 winner, real4 square, uint candidate) {
+    bvec4 ahead = all_of(equal(square, best), lessThan(uvec4(candidate), winner));
+    bvec4 nearer = any_of(lessThan(square, best), ahead);
+    best = mix(best, square, nearer);
+    winner = mix(winner, uvec4(candidate), nearer);
+}
+
+// The candidate's squared distances, kept where they are the least, of equals the lowest candidate.
+void consider(uint candidate, real4 row_0, real4 row_1, real4 row_2, Points probes, inout Winners winners) {
+    bool turned = (candidate & kMeshCandidateTurned) != 0u;
+    uint origin = candidate >> kMeshCandidateFirst & 3u;
+    uint longest = candidate >> kMeshCandidateLongest & 3u;
+    real3 normal = real3(row_0.w, row_1.w, row_2.w); // the other way round where the corners are turned
+    real3 way_0 = difference(row_1.xyz, row_0.xyz);
+    real3 way_1 = difference(row_2.xyz, row_1.xyz);
+    real3 way_2 = difference(row_2.xyz, row_0.xyz);
+    Points low = relative(row_0.xyz, probes);
+    Points middle = relative(row_1.xyz, probes);
+    Points high = relative(row_2.xyz, probes);
+    Eight low_square = squares(low);
+    Eight middle_square = squares(middle);
+    Eight high_square = squares(high);
+    EdgeSquares edge_0 = edge_squares(low, way_0, product(way_0, way_0), low_square, middle_square);
+    EdgeSquares edge_1 = edge_squares(middle, way_1, product(way_1, way_1), middle_square, high_square);
+    EdgeSquares edge_2 = edge_squares(low, way_2, product(way_2, way_2), low_square, high_square);
+    // Where an edge begins as the triangle's corners go round.
+    Eight side_0 = products(chosen(turned, low, middle), cross_product(normal, way_0));
+    Eight side_1 = products(chosen(turned, middle, high), cross_product(normal, way_1));
+    Eight side_2 = products(chosen(turned, high, low), cross_product(normal, way_2));
+    Eight height = products(chosen(origin == 2u, chosen(origin == 1u, low, middle), high), normal);
+    bool has_normal = !(normal.x == ZERO && normal.y == ZERO && normal.z == ZERO);
+
+    bvec4 on_face = longest == 0u   ? edge_0.first_within
+                    : longest == 1u ? edge_1.first_within
+                                    : edge_2.first_within;
+    on_face = all_of(all_of(all_of(on_face, bvec4(has_normal)), lessThanEqual(side_0.first, real4(ZERO))),
+                     all_of(lessThanEqual(side_1.first, real4(ZERO)), greaterThanEqual(side_2.first, real4(ZERO))));
+    precise real4 face_square = height.first * height.first;
+    real4 square = least(edge_0.square.first, edge_1.square.first, edge_2.square.first);
+    keep(winners.square.first, winners.first, mix(square, face_square, on_face), candidate);
+
+    on_face = longest == 0u   ? edge_0.second_within
+              : longest == 1u ? edge_1.second_within
+                              : edge_2.second_within;
+    on_face = all_of(all_of(all_of(on_face, bvec4(has_normal)), lessThanEqual(side_0.second, real4(ZERO))),
+                     all_of(lessThanEqual(side_1.second, real4(ZERO)), greaterThanEqual(side_2.second, real4(ZERO))));
+    face_square = height.second * height.second;
+    square = least(edge_0.square.second, edge_1.square.second, edge_2.square.second);
+    keep(winners.square.second, winners.second, mix(square, face_square, on_face), candidate);
+}
