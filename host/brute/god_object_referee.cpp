@@ -31,7 +31,8 @@ template <typename T> Triangles triangles_of(std::span<const T> vertices, std::s
 bool apart(const glm::dvec3& from, const glm::dvec3& to, const std::array<glm::dvec3, 3>& triangle) {
     for (int axis = 0; axis < 3; ++axis) {
         const double a = triangle[0][axis], b = triangle[1][axis], c = triangle[2][axis];
-        if (std::max(from[axis], to[axis]) < std::min({a, b, c}) || std::min(from[axis], to[axis]) > std::max({a, b, c}))
+        if (std::max(from[axis], to[axis]) < std::min({a, b, c}) ||
+            std::min(from[axis], to[axis]) > std::max({a, b, c}))
             return true;
     }
     return false;
@@ -94,9 +95,8 @@ std::array<int, 3> TriangleGrid::cell_of(const glm::dvec3& point) const {
 }
 
 bool TriangleGrid::touches_in(std::size_t cell, const glm::dvec3& from, const glm::dvec3& to) const {
-    return std::any_of(cells_[cell].begin(), cells_[cell].end(), [&](std::uint32_t t) {
-        return segment_touches_triangle(from, to, triangles_.corners[t]);
-    });
+    return std::any_of(cells_[cell].begin(), cells_[cell].end(),
+                       [&](std::uint32_t t) { return segment_touches_triangle(from, to, triangles_.corners[t]); });
 }
 
 bool TriangleGrid::touches(const glm::dvec3& from, const glm::dvec3& to) const {

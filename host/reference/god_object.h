@@ -54,8 +54,8 @@ void begin_path(const layout::MeshView<T>& mesh, GodObject<T>& state, Neighbourh
             touch.triangle = triangle_at(mesh, index);
             touch.index = index;
             look(touch, state.proxy);
-            const bool first = touch.distance == nearest.distance &&
-                               mesh.triangle_facets[index] < mesh.triangle_facets[nearest.index];
+            const bool first =
+                touch.distance == nearest.distance && mesh.triangle_facets[index] < mesh.triangle_facets[nearest.index];
             if (touch.distance < nearest.distance || first)
                 nearest = touch;
         });
@@ -77,20 +77,18 @@ GodObjectContact<T> contact_of(const layout::MeshView<T>& mesh, const layout::ui
         const std::size_t corner = mesh.triangle_corners[3 * std::size_t(triangles[i])];
         planes[i] = {normals[i], dot(normals[i], vector_at(mesh.vertices, corner) - probe), i};
     }
+    const T tolerance = T(16) * std::numeric_limits<T>::epsilon() * (T(1) + largest_of(probe));
     Projection<T> projection;
-    project(Vector<T>(T(0)), T(0), projection, [&](const Vector<T>& shift, HalfSpace<T>& space) {
-        T most = T(0);
+    project(Vector<T>(T(0)), tolerance, projection, [&](const Vector<T>& shift, HalfSpace<T>& space) {
+        T most = tolerance;
         for (layout::uint i = 0; i < count; ++i) {
-            bool held = false;
-            for (layout::uint j = 0; j < projection.count; ++j)
-                held = held || projection.held[j].source == i;
             const T violation = planes[i].slack - dot(planes[i].normal, shift);
-            if (!held && violation > most) {
+            if (violation > most) {
                 most = violation;
                 space = planes[i];
             }
         }
-        return most > T(0);
+        return most > tolerance;
     });
     contact.proxy = probe + projection.vector;
     contact.count = projection.count;

@@ -96,6 +96,7 @@ private:
 
     bool slide() noexcept {
         Touching<T> list;
+        const Walk before = walk_;
         const Vector<T> rest = walk_.proxy();
         const T start = depth();
         find_touching(mesh_, around_, rest, list);
@@ -112,12 +113,8 @@ private:
             walk_.run();
             if (depth() < start - T(4) * Skin<T>::kWidth)
                 return true;
-            walk_.put_back(rest);
+            walk_.put_back(before);
         }
-        // Back to what held it.
-        for (layout::uint i = 0; i < list.count && i < Walk::kPool; ++i)
-            walk_.remember(list.triangles[i]);
-        walk_.run();
         return false;
     }
 

@@ -16,6 +16,7 @@ template <typename T> struct Touch {
     T height;       /* above the face's plane, not below 0 */
     Vector<T> away; /* unit, from the nearest point to the proxy */
     T distance;
+    Vector<T> proxy; /* where it was looked at from */
     layout::uint feature;
     bool faceless = false; /* its plane was tried from here and led nowhere */
 
@@ -24,6 +25,7 @@ template <typename T> struct Touch {
 
 template <typename T> void look(Touch<T>& touch, const Vector<T>& proxy) noexcept {
     const TrianglePoint<T> nearest = nearest_on_triangle(proxy, touch.triangle);
+    touch.proxy = proxy;
     touch.feature = nearest.feature;
     const T height = dot(touch.triangle.normal, proxy - touch.triangle.corners[0]);
     touch.face = height < T(0) ? -touch.triangle.normal : touch.triangle.normal;
@@ -49,23 +51,35 @@ template <typename T> Vector<T> inward_of(const Triangle<T>& triangle, layout::u
     return cross(triangle.normal, triangle.corners[(i + 1) % 3] - triangle.corners[i]);
 }
 
-/// Whether a move from beside the triangle goes over its face.
-template <typename T> bool goes_over_face(const Touch<T>& touch, const Vector<T>& way) noexcept {
-    if (touch.feature < layout::kMeshCorner)
-        return dot(inward_of(touch.triangle, touch.feature - layout::kMeshEdge), way) > T(0);
-    const layout::uint i = touch.feature - layout::kMeshCorner;
-    return dot(inward_of(touch.triangle, i), way) > T(0) && dot(inward_of(touch.triangle, (i + 2) % 3), way) > T(0);
-}
-
 enum class Hold { none, face, rounded };
+
+/// Whether a move that descends towards the plane of a triangle, from beside it, reaches the plane on the inner side of
+/// what is nearest: an edge, or the two edges of a corner.
+template <typename T> bool lands_on_face(const Touch<T>& touch, const Vector<T>& way, T descent) noexcept {
+    const bool corner = touch.feature >= layout::kMeshCorner;
+    const layout::uint first = touch.feature - (corner ? layout::kMeshCorner : layout::kMeshEdge);
+    for (layout::uint i = 0; i < (corner ? 2U : 1U); ++i) {
+        const layout::uint edge = (first + 2 * i) % 3;
+        const Vector<T> inward = inward_of(touch.triangle, edge);
+        // Inside at the time height / descent, without the division.
+        const T inside = dot(inward, touch.proxy - touch.triangle.corners[edge]);
+        if (!(inside * descent + touch.height * dot(inward, way) > T(0)))
+            return false;
+    }
+    return true;
+}
 
 /// What of a touched triangle stands against a move.
 template <typename T> Hold hold_of(const Touch<T>& touch, const Vector<T>& way) noexcept {
     if (touch.above_face())
         return Hold::face;
-    const bool has_plane = touch.height >= Skin<T>::kImpact && !touch.faceless;
-    if (has_plane && goes_over_face(touch, way))
-        return Hold::face;
+    if (touch.height >= Skin<T>::kPlane && !touch.faceless) {
+        const T descent = -dot(touch.face, way);
+        if (!(descent > Skin<T>::kRest))
+            return Hold::none;
+        if (lands_on_face(touch, way, descent))
+            return Hold::face;
+    }
     return touch.distance <= Skin<T>::kTangent ? Hold::rounded : Hold::none;
 }
 

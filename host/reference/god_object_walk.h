@@ -19,6 +19,7 @@ template <typename T, typename Trace = NoTrace> class Walk {
 public:
     static constexpr layout::uint kPool = 8;
     static constexpr unsigned kSubsteps = 20000;
+    static constexpr unsigned kPatience = 32;
 
     Walk(const layout::MeshView<T>& mesh, Neighbourhood<T>& around, const Vector<T>& proxy, const Vector<T>& probe,
          const Trace& trace) noexcept
@@ -50,8 +51,19 @@ public:
     void run() noexcept {
         if (largest_of(proxy_) > T(kRegion) && !enter())
             return;
-        while (substeps_ < kSubsteps && !substep())
-            ++substeps_;
+        T depth = std::numeric_limits<T>::max();
+        unsigned until = substeps_;
+        while (substeps_ < kSubsteps && !substep()) {
+            if (++substeps_ < until + kPatience)
+                continue;
+            // Rounding may make it tread on the spot between rounded edges: that is rest as well.
+            const Vector<T> left = probe_ - proxy_;
+            const T now = std::sqrt(dot(left, left));
+            if (!(now < depth - Skin<T>::kWidth * T(0.125)))
+                break;
+            depth = now;
+            until = substeps_;
+        }
     }
 
     /// Moves by `way`, which every half-space at the proxy allows, as far as nothing is hit.
@@ -61,10 +73,14 @@ public:
         go_to(impact.time <= T(1) ? move.at(impact.time) : proxy_ + way);
     }
 
-    /// Goes back to where it was.
-    void put_back(const Vector<T>& proxy) noexcept {
-        go_to(proxy);
-        count_ = 0;
+    /// Goes back to where an earlier copy of it was.
+    void put_back(const Walk& earlier) noexcept {
+        proxy_ = earlier.proxy_;
+        count_ = earlier.count_;
+        projection_ = earlier.projection_;
+        tolerance_ = earlier.tolerance_;
+        std::copy(earlier.pool_, earlier.pool_ + count_, pool_);
+        std::copy(earlier.holds_, earlier.holds_ + count_, holds_);
     }
 
 private:
@@ -244,23 +260,20 @@ private:
 
     bool finish(const Move<T>& move, const Release<T>& release, layout::uint released) noexcept {
         const Impact impact = clipped_cast(move);
-        if (impact.time <= move.until) {
-            if (impact.time > T(0))
-                go_to(move.at(impact.time));
-            for (layout::uint i = 0; i < count_; ++i)
-                pool_[i].faceless = pool_[i].faceless && !(impact.time > T(0));
+        const bool hit = impact.time <= move.until;
+        const T time = hit ? impact.time : move.until;
+        const bool moves = time * largest_of(move.way) > Skin<T>::kRest;
+        for (layout::uint i = 0; moves && i < count_; ++i)
+            pool_[i].faceless = false;
+        if (hit) {
+            go_to(move.at(time));
             remember(impact.triangle);
             return false;
         }
         if (released < kPool) {
-            if (!(release.time > T(0))) {
-                pool_[released].faceless = true;
-                return false;
-            }
-            for (layout::uint i = 0; i < count_; ++i)
-                pool_[i].faceless = false;
+            pool_[released].faceless = !moves;
             const layout::uint left = pool_[released].index;
-            go_to(move.at(release.time));
+            go_to(move.at(time));
             hand_over(left, release.edge);
             return false;
         }

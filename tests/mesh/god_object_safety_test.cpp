@@ -1,0 +1,114 @@
+// L6: whatever the steps, the proxy crosses nothing, comes never further from the probe than it was, and rests only
+// where the facets hold it.
+#include <cstdlib>
+
+#include <fmt/format.h>
+#include <glm/geometric.hpp>
+#include <gtest/gtest.h>
+
+#include "host/brute/god_object_referee.h"
+#include "host/reference/god_object.h"
+#include "tests/mesh/god_object_walks.h"
+
+namespace forceshade {
+namespace {
+
+template <typename T> glm::dvec3 wide(const glm::vec<3, T>& v) {
+    return {double(v.x), double(v.y), double(v.z)};
+}
+
+struct Tally {
+    std::uint64_t steps = 0, contacts = 0, pieces = 0, crossed = 0, further = 0, outside_cone = 0, unfinished = 0;
+    std::uint64_t substeps = 0, most_substeps = 0;
+    double worst_cone = 0, worst_further = 0;
+};
+
+template <typename T>
+void wander(const walks::Terrain& terrain, std::uint64_t steps, std::uint64_t seed, Tally& tally) {
+    const MeshStructure structure = build_structure(shapes::mesh_of(terrain.polygons));
+    const MeshTables<T> tables = make_mesh_tables<T>(structure, 1.0);
+    const layout::MeshView<T> mesh = tables.view();
+    const brute::Triangles triangles = brute::Triangles::of(mesh.vertices, mesh.triangle_corners);
+    const brute::TriangleGrid grid(triangles);
+    walks::Wanderer wanderer(structure, seed);
+    auto around = std::make_unique<reference::Neighbourhood<T>>();
+    reference::GodObject<T> state;
+    glm::dvec3 at{0};
+    const double skin = double(reference::Skin<T>::kWidth);
+    for (std::uint64_t i = 0; i < steps; ++i) {
+        if (i % 1000 == 0) {
+            state = {};
+            at = wanderer.begin();
+        } else {
+            at = wanderer.step(at);
+        }
+        const glm::vec<3, T> probe(at);
+        const glm::dvec3 start = wide(state.started ? state.proxy : probe);
+        double depth = glm::length(start - wide(probe));
+        const bool fresh = !state.started;
+        bool crossed = false;
+        double further = 0;
+        const auto trace = [&](const glm::vec<3, T>& from, const glm::vec<3, T>& to) {
+            ++tally.pieces;
+            crossed = crossed || grid.touches(wide(from), wide(to));
+        };
+        const auto contact = reference::update(mesh, state, *around, probe, trace);
+        if (!fresh)
+            further = glm::length(wide(state.proxy) - wide(probe)) - depth;
+        ++tally.steps;
+        tally.contacts += contact.touching;
+        tally.substeps += contact.substeps;
+        tally.most_substeps = std::max<std::uint64_t>(tally.most_substeps, contact.substeps);
+        tally.unfinished += !contact.finished;
+        std::array<glm::dvec3, 3> normals;
+        for (unsigned k = 0; k < contact.count; ++k)
+            normals[k] = wide(contact.normals[k]);
+        const glm::dvec3 pull = wide(probe) - wide(contact.proxy);
+        const double floor = 64 * double(std::numeric_limits<T>::epsilon());
+        const double off = brute::distance_from_cone(pull, std::span(normals.data(), contact.count));
+        const double relative = std::max(0.0, off - floor) / std::max(glm::length(pull), 1e-300);
+        // The reported proxy is the skin's: a long way from it is no rest at all.
+        const double shift = glm::length(wide(contact.proxy) - wide(state.proxy));
+        tally.worst_cone = std::max(tally.worst_cone, relative);
+        tally.worst_further = std::max(tally.worst_further, further / skin);
+        const bool bad = crossed || relative > 1e-9 || further > 8 * skin || !contact.finished || shift > 1e7 * skin;
+        tally.crossed += crossed;
+        tally.outside_cone += relative > 1e-9 || shift > 1e7 * skin;
+        tally.further += further > 8 * skin;
+        if (bad && tally.crossed + tally.outside_cone + tally.further + tally.unfinished < 6)
+            fmt::print("{} seed {} step {}: crossed {} cone {} further {} skins finished {} shift {} skins, substeps "
+                       "{}, count {} "
+                       "depth {}\n",
+                       terrain.name, seed, i, crossed, relative, further / skin, contact.finished, shift / skin,
+                       contact.substeps, contact.count, glm::length(pull));
+    }
+}
+
+template <typename T> void wander_everywhere() {
+    const char* wanted = std::getenv("FORCESHADE_STEPS");
+    const std::uint64_t steps = wanted ? std::strtoull(wanted, nullptr, 10) : 20000;
+    for (const walks::Terrain& terrain : walks::terrains()) {
+        Tally tally;
+        wander<T>(terrain, steps, 1, tally);
+        fmt::print(
+            "{:18} {:9} steps {:9} contacts {:9} pieces; crossed {} further {} ({:.2f}) cone {} ({:.1e}) unfinished {} "
+            "substeps {:.2f} most {}\n",
+            terrain.name, tally.steps, tally.contacts, tally.pieces, tally.crossed, tally.further, tally.worst_further,
+            tally.outside_cone, tally.worst_cone, tally.unfinished, double(tally.substeps) / double(tally.steps),
+            tally.most_substeps);
+        EXPECT_EQ(tally.crossed, 0u) << terrain.name;
+        EXPECT_EQ(tally.further, 0u) << terrain.name;
+        EXPECT_EQ(tally.outside_cone, 0u) << terrain.name;
+        EXPECT_EQ(tally.unfinished, 0u) << terrain.name;
+    }
+}
+
+TEST(GodObjectSafety, Double) {
+    wander_everywhere<double>();
+}
+TEST(GodObjectSafety, Float) {
+    wander_everywhere<float>();
+}
+
+} // namespace
+} // namespace forceshade
