@@ -67,6 +67,7 @@ int run(const ExploreArguments& arguments, const CommonOptions& common) {
     CasePreparation preparation;
     const PreparedCase prepared = preparation.prepare(read_scene(arguments.scene, overrides(common), &warnings));
     print_warnings(warnings, common);
+    print_warnings(prepared.warnings, common);
     std::optional<Progress> bar;
     std::uint64_t megabytes = 0; // done
     const auto show = [&](std::uint64_t done, std::uint64_t total) {

@@ -48,16 +48,26 @@ public:
                 add(samples_[i], felt_[i]);
             progress(reader_.csv().bytes_read(), reader_.csv().bytes());
         }
-        if (reader_.csv().ends_open())
-            result_.warnings.push_back(
-                location_prefix(reader_.csv().source(), reader_.csv().end()) +
-                "the last line has no line feed: if the file was cut off, its last number may be too");
+        warn();
         writer_.publish();
         result_.paths = numbers_.size();
         return result_;
     }
 
 private:
+    void warn() {
+        const std::string& source = reader_.csv().source();
+        if (reader_.csv().ends_open())
+            result_.warnings.push_back(
+                location_prefix(source, reader_.csv().end()) +
+                "the last line has no line feed: if the file was cut off, its last number may be too");
+        if (inside_ > 0)
+            result_.warnings.push_back(
+                location_prefix(source, {first_inside_, 1}) +
+                fmt::format("{} of {} paths, here the first, begin behind the mesh's surface and are held on that side",
+                            inside_, numbers_.size()));
+    }
+
     void evaluate() {
         const auto start = std::chrono::steady_clock::now();
         felt_.clear();
@@ -76,6 +86,8 @@ private:
         ++result_.samples;
         result_.in_contact += felt.contact.facet != layout::kNoFacet;
         result_.unfinished += !felt.finished;
+        if (felt.begins_inside && inside_++ == 0)
+            first_inside_ = sample.line;
         result_.largest_force = std::max(result_.largest_force, size);
         writer_.add(sample, felt.contact);
     }
@@ -86,6 +98,8 @@ private:
     PathNumbers numbers_;
     std::vector<PathSample> samples_;
     std::vector<PathContact<T>> felt_;
+    std::uint64_t inside_ = 0; // paths that begin there
+    std::uint32_t first_inside_ = 0;
     ExploreResult result_;
 };
 

@@ -1,12 +1,9 @@
 #include "host/explore/path_law.h"
 
-#include <type_traits>
+#include "host/explore/mesh_path_law.h"
 
 namespace forceshade {
 namespace {
-
-// Lengths whose squares and fourth powers' roots stay in range, the same that scenes may have.
-template <typename T> constexpr double kLargestLength = std::is_same_v<T, float> ? 1e15 : 1e150; /* m */
 
 // L1 to L5: no history.
 template <typename T> class SurfaceLaw final : public PathLaw<T> {
@@ -17,7 +14,9 @@ public:
     double largest_coordinate() const override { return kLargestLength<T>; }
 
     PathContact<T> at(std::size_t, const glm::dvec3& probe) override {
-        return {reference::evaluate(law_, {static_cast<T>(probe.x), static_cast<T>(probe.y), static_cast<T>(probe.z)})};
+        PathContact<T> felt;
+        felt.contact = reference::evaluate(law_, reference::Vector<T>(probe));
+        return felt;
     }
 
 private:
@@ -28,6 +27,8 @@ private:
 } // namespace
 
 template <typename T> std::unique_ptr<PathLaw<T>> make_path_law(const PreparedCase& prepared) {
+    if (prepared.one.scene.surface.kind == SurfaceKind::mesh)
+        return std::make_unique<MeshPathLaw<T>>(prepared);
     return std::make_unique<SurfaceLaw<T>>(prepared);
 }
 

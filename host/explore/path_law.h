@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <memory>
+#include <type_traits>
 
 #include <glm/vec3.hpp>
 
@@ -14,8 +15,12 @@ namespace forceshade {
 /// What a sample felt, in world coordinates.
 template <typename T> struct PathContact {
     reference::Contact<T> contact; /* out of contact the proxy is the probe, the facet layout::kNoFacet */
+    bool begins_inside = false;    /* first sample of a path, behind the surface: it stays on that side */
     bool finished = true;          /* false: the proxy could not come to rest within its limit of steps */
 };
+
+/// Squares of lengths up to this, m, stay numbers of T: the most that scenes may have, too.
+template <typename T> constexpr double kLargestLength = std::is_same_v<T, float> ? 1e15 : 1e150;
 
 template <typename T> class PathLaw {
 public:

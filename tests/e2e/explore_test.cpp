@@ -1,5 +1,7 @@
 // Probes along recorded paths, from the command line: streams, refusals, memory, interrupts.
+#include <array>
 #include <csignal>
+#include <sstream>
 #include <thread>
 
 #include <fmt/format.h>
@@ -117,6 +119,34 @@ TEST_F(Explore, refuses_paths_that_are_none) {
     write("axis.toml", "[surface]\nfacets = [1, 2]\n");
     expect_refused({"explore", "axis.toml", "--paths", "in.csv", "--out", "out.csv", "--engine", "cpu"},
                    {"axis.toml:2"});
+}
+
+TEST_F(Explore, takes_a_god_object_over_a_mesh) {
+    write("roof.obj", "v -1 -1 0\nv 0 -1 1\nv 1 -1 0\nv -1 1 0\nv 0 1 1\nv 1 1 0\nf 1 2 5 4\nf 2 3 6 5\n");
+    write("mesh.toml", "[surface]\nkind = \"mesh\"\nfile = \"roof.obj\"\nunit = \"cm\"\n");
+    // Onto the left slope, along it past the ridge without leaving it, onto the right slope; a path from below.
+    write("in.csv", "path,t,x,y,z\n0,0,-0.005,0,0.006\n0,1,-0.005,0,0.004\n0,2,0.002,0,0.007\n1,3,0.005,0,0.006\n"
+                    "1,4,0.005,0,0.004\n2,5,0,0,-0.001\n");
+    const Outcome outcome =
+        expect_success({"explore", "mesh.toml", "--paths", "in.csv", "--out", "out.csv", "--engine", "cpu"});
+    for (const char* word : {"warning: roof.obj", "warning: in.csv:7:1: 1 of 3 paths", "6 samples on 3 paths, 50 %"})
+        EXPECT_NE(outcome.error.find(word), std::string::npos) << "no " << word << " in " << outcome.error;
+    std::istringstream lines(read_text(path("out.csv")));
+    std::string line;
+    std::getline(lines, line);
+    const std::vector<std::array<double, 3>> expected{{0, 0, -1}, {-0.5, 0.5, 0}, {-2.5, 2.5, 0},
+                                                      {0, 0, -1}, {0.5, 0.5, 1},  {0, 0, -1}}; // fx, fz, facet
+    for (const auto& [x, z, facet] : expected) {
+        std::getline(lines, line);
+        std::istringstream cells(line);
+        std::vector<std::string> row;
+        for (std::string cell; std::getline(cells, cell, ',');)
+            row.push_back(cell);
+        ASSERT_EQ(row.size(), 13u);
+        EXPECT_NEAR(std::stod(row[8]), x, 1e-5) << line;
+        EXPECT_NEAR(std::stod(row[10]), z, 1e-5) << line;
+        EXPECT_EQ(std::stod(row[12]), facet) << line;
+    }
 }
 
 TEST_F(Explore, warns_of_a_file_that_may_be_cut_off) {

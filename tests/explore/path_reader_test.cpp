@@ -101,7 +101,7 @@ TEST_F(PathFile, holds_finite_numbers_only) {
     expect(row("1,0,1e400,0,0\n"), ":3:5: x: ", {"\"1e400\"", "beyond double precision", "1.8e308"});
     expect(row("1,0,1e-400,0,0\n"), ":3:5: x: ", {"beyond double precision", "4.9e-324"});
     expect(row("1,0,1e300,0,0\n"), ":3:5: x: ", {"1e+300", "too far away", "1e+15 m"});
-    expect(row("1,0,0,-2e15,0\n"), ":3:7: y: ", {"-2e+15", "too far away"});
+    expect(row("1,0,0,-2e15,0\n"), ":3:7: y: ", {"-2000000000000000 m is too far away"});
     expect(row("1,0,0x10,0,0\n"), ":3:5: x: ", {"no number"});
     expect(row("1,0,1mm,0,0\n"), ":3:5: x: ", {"\"1mm\"", "no number", "metres"});
     expect(row("1,0,+-1,0,0\n"), ":3:5: x: ", {"no number"});
