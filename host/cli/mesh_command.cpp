@@ -63,9 +63,9 @@ std::string as_json(const std::string& path, const Inspected& mesh) {
 std::string facet_kinds(const MeshFindings& found) {
     std::vector<std::string> kinds;
     if (found.triangles > 0)
-        kinds.push_back(fmt::format("{} triangles", found.triangles));
+        kinds.push_back(fmt::format("{} triangle{}", found.triangles, found.triangles == 1 ? "" : "s"));
     if (found.quadrilaterals > 0)
-        kinds.push_back(fmt::format("{} quadrilaterals", found.quadrilaterals));
+        kinds.push_back(fmt::format("{} quadrilateral{}", found.quadrilaterals, found.quadrilaterals == 1 ? "" : "s"));
     if (found.others > 0)
         kinds.push_back(fmt::format("{} of up to {} corners", found.others, found.most_corners));
     return fmt::format("{} ({})", found.facets, fmt::join(kinds, ", "));
@@ -119,8 +119,8 @@ int run(const std::string& path, const std::string& unit, const CommonOptions& c
     mesh.file = read_polygons(path);
     mesh.findings = inspect(mesh.file.polygons);
     mesh.warnings = warnings(mesh.findings);
-    print_data(common.json ? as_json(path, mesh) : as_text(mesh));
     refuse_if_meaningless(mesh.findings, path);
+    print_data(common.json ? as_json(path, mesh) : as_text(mesh));
     if (!common.quiet && unit.empty())
         remark("lengths are in the file's unit, which the file does not tell; --unit mm gives them in metres\n");
     return 0;

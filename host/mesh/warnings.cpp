@@ -37,9 +37,9 @@ void add_topology(const MeshFindings& found, std::vector<std::string>& text) {
 
 void add_facets(const MeshFindings& found, std::vector<std::string>& text) {
     if (found.degenerate_facets > 0)
-        text.push_back(fmt::format("{} without area: they can be touched but have no normal, so shading takes no part "
-                                   "of theirs",
-                                   counted(found.degenerate_facets, "facet", "facets")));
+        text.push_back(
+            fmt::format("{} without area: the probe can touch one, but without a normal it takes no part in shading",
+                        counted(found.degenerate_facets, "facet", "facets")));
     if (found.repeated_corner_facets > 0)
         text.push_back(
             fmt::format("{} coming to a vertex twice", counted(found.repeated_corner_facets, "facet", "facets")));

@@ -1,0 +1,97 @@
+// `forceshade mesh`: what it says of good, odd and bad files, on which stream, with which exit code.
+#include "tests/e2e/workplace.h"
+
+namespace forceshade::testing {
+namespace {
+
+using nlohmann::json;
+
+const char* const kTetrahedron = "v 0 0 0\nv 1 0 0\nv 0 2 0\nv 0 0 3\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
+
+class MeshCommand : public Workplace {
+protected:
+    json described(const std::vector<std::string>& arguments) const {
+        std::vector<std::string> all{"mesh", "--json"};
+        all.insert(all.end(), arguments.begin(), arguments.end());
+        return json::parse(expect_success(all).out);
+    }
+};
+
+bool has(const std::string& text, const std::string& words) {
+    return text.find(words) != std::string::npos;
+}
+
+TEST_F(MeshCommand, TellsSizeAndKindOfAGoodMesh) {
+    write("a.obj", kTetrahedron);
+    const Outcome outcome = expect_success({"mesh", "a.obj"});
+    for (const char* words :
+         {"OBJ", "4 triangles", "closed, 1 piece, oriented outward", "size           1 x 2 x 3 file units",
+          "volume         1 file units^3", "warnings       none"})
+        EXPECT_TRUE(has(outcome.out, words)) << words << " in\n" << outcome.out;
+    EXPECT_TRUE(has(outcome.error, "--unit")) << outcome.error;
+    EXPECT_EQ(expect_success({"mesh", "a.obj", "--quiet"}).error, "");
+}
+
+TEST_F(MeshCommand, TellsSizesInMetresIfTheUnitIsGiven) {
+    write("a.obj", kTetrahedron);
+    EXPECT_TRUE(has(expect_success({"mesh", "a.obj", "--unit", "mm"}).out, "0.001 x 0.002 x 0.003 m"));
+    const json mesh = described({"a.obj", "--unit", "in"});
+    EXPECT_EQ(mesh["unit"], "m");
+    EXPECT_DOUBLE_EQ(mesh["high"][2], 3 * 0.0254);
+    EXPECT_DOUBLE_EQ(mesh["volume"], 0.0254 * 0.0254 * 0.0254);
+    expect_failure(2, {"mesh", "a.obj", "--unit", "kg"}, {"kg", "length"});
+    expect_failure(2, {"mesh", "a.obj", "--unit", "banana"}, {"banana"});
+}
+
+TEST_F(MeshCommand, DescribesSpot) {
+    const json mesh = described({std::string(FORCESHADE_SOURCE) + "/tests/data/spot.obj"});
+    EXPECT_EQ(mesh["vertices"], 2930);
+    EXPECT_EQ(mesh["triangles"], 5856);
+    EXPECT_EQ(mesh["closed"], true);
+    EXPECT_EQ(mesh["self_intersections"], 0);
+    EXPECT_EQ(mesh["warnings"].size(), 0u);
+    EXPECT_NEAR(mesh["volume"], 0.718259, 1e-5);
+    EXPECT_EQ(mesh["sha256"].get<std::string>().size(), 64u);
+}
+
+TEST_F(MeshCommand, WarnsAndSucceeds) {
+    write("open.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nv 9 9 9\nf 1 2 3\nf 2 3 4\nf 1 2 2\n");
+    const json mesh = described({"open.obj"});
+    EXPECT_EQ(mesh["closed"], false);
+    EXPECT_EQ(mesh["unused_vertices"], 1);
+    EXPECT_EQ(mesh["misoriented_edges"], 1);
+    EXPECT_EQ(mesh["degenerate_facets"], 1);
+    EXPECT_EQ(mesh["repeated_corner_facets"], 1);
+    EXPECT_GE(mesh["warnings"].size(), 4u);
+    EXPECT_TRUE(has(expect_success({"mesh", "open.obj"}).out, "warning "));
+}
+
+TEST_F(MeshCommand, RefusesWhatHasNoMeaning) {
+    write("none.off", "OFF\n3 0 0\n0 0 0\n1 0 0\n0 1 0\n");
+    expect_failure(2, {"mesh", "none.off"}, {"none.off", "no facets"});
+    write("line.obj", "v 0 0 0\nv 1 1 1\nv 2 2 2\nf 1 2 3\n");
+    expect_failure(2, {"mesh", "line.obj"}, {"line.obj", "has an area"});
+    write("nan.obj", "v 0 0 0\nv nan 1 1\nv 2 2 2\nf 1 2 3\n");
+    expect_failure(2, {"mesh", "nan.obj"}, {"nan.obj", "vertex 2 of 3"});
+    write("a.fbx", kTetrahedron);
+    expect_failure(2, {"mesh", "a.fbx"}, {".obj, .off, .ply, .stl", "look like OBJ"});
+    write("a.ply", kTetrahedron);
+    expect_failure(2, {"mesh", "a.ply"}, {"rename it to .obj"});
+}
+
+TEST_F(MeshCommand, RefusesDamagedFiles) {
+    expect_failure(4, {"mesh", "missing.obj"}, {"missing.obj"});
+    write("empty.stl", "");
+    expect_failure(4, {"mesh", "empty.stl"}, {"empty"});
+    write("huge.off", "OFF\n1000000000000 1000000000000 0\n0 0 0\n");
+    expect_failure(4, {"mesh", "huge.off"}, {"huge.off:2", "1000000000000"});
+    write("cut.obj", std::string(kTetrahedron) + "f 1 2");
+    expect_failure(4, {"mesh", "cut.obj"}, {"cut.obj:9", "three corners"});
+    write("garbage.ply", std::string(1000, '\xA7'));
+    expect_failure(4, {"mesh", "garbage.ply"}, {"garbage.ply"});
+    std::filesystem::create_directory(path("folder.obj"));
+    expect_failure(4, {"mesh", "folder.obj"}, {"folder.obj", "regular file"});
+}
+
+} // namespace
+} // namespace forceshade::testing
