@@ -159,7 +159,7 @@ TEST_F(MeshPath, keeps_its_magnitude_when_shaded) {
 TEST_F(MeshPath, that_begins_behind_the_surface_is_held_there_and_said_to_be) {
     const double radius = 0.025;
     const std::vector<Polygon> triangles = sphere(radius, 4);
-    std::string rows = row(4, {0, 0, 0.03}) + row(7, {0, 0, 0});
+    std::string rows = row(4, {0, 0, 0.03}) + row(7, {0, 0, 0}) + row(5, {0, 0, 0.01});
     for (const glm::dvec3& probe : spiral(radius, 5000))
         rows += row(7, probe);
     for (const char* shading : {"none", "morgenbesser", "mean_value", "two_pass"}) {
@@ -178,7 +178,7 @@ TEST_F(MeshPath, that_begins_behind_the_surface_is_held_there_and_said_to_be) {
         EXPECT_GT(held, 100);
         const auto warnings = explore(prepare(scene(triangles)), "in.csv").warnings;
         ASSERT_EQ(warnings.size(), 1u);
-        EXPECT_NE(warnings[0].find("in.csv:3:1: 1 of 2 paths, here the first, begin behind"), std::string::npos)
+        EXPECT_NE(warnings[0].find("in.csv:3:1: 2 of 3 paths, here the first, begin behind"), std::string::npos)
             << warnings[0];
     }
 }
@@ -231,6 +231,17 @@ TEST_F(MeshPath, keeps_a_history_for_each_path) {
         EXPECT_NEAR(number_in<double>(rows[i][10]), kStiffness * std::max(0.0, -z), 1e-13);
         EXPECT_NEAR(number_in<double>(rows[i + 1][10]), -kStiffness * std::max(0.0, z + thick), 1e-13);
     }
+}
+
+TEST_F(MeshPath, has_the_probe_itself_as_proxy_out_of_contact) {
+    std::string rows;
+    for (int i = 0; i < 1000; ++i)
+        rows += row(0, {0.15 + i * 1.7e-5, 0.3 - i * 1.1e-4, 0.01 * i});
+    const std::string moved = scene(sphere(0.025, 1), "transform.translate = [\"0.1 m\", \"0.3 m\", \"-0.7 m\"]\n");
+    for (const auto& felt : stroke(moved, rows, Precision::f64))
+        EXPECT_EQ(felt.proxy, felt.probe);
+    for (const auto& felt : stroke(moved, rows, Precision::f32))
+        EXPECT_EQ(glm::vec3(felt.proxy), glm::vec3(felt.probe));
 }
 
 // A place far away, a unit, a scale: the same forces.
