@@ -2,10 +2,11 @@
 #pragma once
 
 #include <cmath>
-#include <cstdint>
+#include <cstring>
 #include <limits>
 #include <type_traits>
 
+#include "host/reference/mesh_abreast.h"
 #include "host/reference/mesh_triangle.h"
 
 namespace forceshade::reference {
@@ -65,20 +66,44 @@ bool keep_nearer(const layout::MeshView<T>& mesh, layout::uint triangle, const V
     return true;
 }
 
+/// Likewise for triangles first to last; most are ruled out without a look at where their nearest points lie.
+template <typename T>
+bool keep_nearest_of_run(const layout::MeshView<T>& mesh, layout::uint first, layout::uint last, const Vector<T>& probe,
+                         Nearest<T>& best) noexcept {
+    bool kept = false;
+    for (layout::uint triangle = first; triangle <= last; triangle += kTrianglesAbreast<T>) {
+        const Abreast<T> squares = squares_abreast(mesh, triangle, last, probe);
+        for (layout::uint lane = 0; lane < kTrianglesAbreast<T> && triangle + lane <= last; ++lane)
+            if (squares[lane] <= best.square && keep_nearer(mesh, triangle + lane, probe, best))
+                kept = true;
+    }
+    return kept;
+}
+
+/// How far a probe is beyond the bounds of four boxes along one axis; 0 within them.
+template <typename Cull> Abreast<Cull> beyond(const float* low, const float* high, Cull at) noexcept {
+    Abreast<Cull> below, above;
+    for (layout::uint lane = 0; lane < kTrianglesAbreast<Cull>; ++lane) {
+        below[lane] = Cull(low[lane]);
+        above[lane] = Cull(high[lane]);
+    }
+    below = below - at;
+    above = at - above;
+    const Abreast<Cull> further = below > above ? below : above;
+    const Abreast<Cull> zero{};
+    return further > zero ? further : zero;
+}
+
 /// Squared distances from a probe to the four boxes of a node, good to Cull's rounding.
 template <typename Cull>
 void box_squares(const layout::MeshNode& node, Cull x, Cull y, Cull z,
                  Cull (&squares)[layout::kMeshChildren]) noexcept {
-    const auto beyond = [](Cull low, Cull high, Cull at) {
-        const Cull below = low - at, above = at - high;
-        const Cull further = below > above ? below : above;
-        return further > Cull(0) ? further : Cull(0);
-    };
-    for (layout::uint i = 0; i < layout::kMeshChildren; ++i) {
-        const Cull dx = beyond(Cull(node.low_x[i]), Cull(node.high_x[i]), x);
-        const Cull dy = beyond(Cull(node.low_y[i]), Cull(node.high_y[i]), y);
-        const Cull dz = beyond(Cull(node.low_z[i]), Cull(node.high_z[i]), z);
-        squares[i] = dx * dx + dy * dy + dz * dz;
+    for (layout::uint i = 0; i < layout::kMeshChildren; i += kTrianglesAbreast<Cull>) {
+        const Abreast<Cull> dx = beyond(node.low_x + i, node.high_x + i, x);
+        const Abreast<Cull> dy = beyond(node.low_y + i, node.high_y + i, y);
+        const Abreast<Cull> dz = beyond(node.low_z + i, node.high_z + i, z);
+        const Abreast<Cull> square = dx * dx + dy * dy + dz * dz;
+        std::memcpy(squares + i, &square, sizeof square);
     }
 }
 
@@ -87,19 +112,27 @@ template <typename Cull> struct MeshVisit {
     layout::uint child;
 };
 
-/// Pushes the children that may hold something nearer, the nearest last.
+/// Pushes the children that may hold something nearer, the nearest last. Without branches: which children those are
+/// cannot be foreseen.
 template <typename Cull>
 void push_children(const layout::MeshNode& node, const Cull (&squares)[layout::kMeshChildren], Cull limit,
                    MeshVisit<Cull>* stack, layout::uint& height) noexcept {
-    const layout::uint bottom = height;
+    layout::uint nearest = height, top = height;
+    Cull least = std::numeric_limits<Cull>::infinity();
     for (layout::uint i = 0; i < layout::kMeshChildren; ++i) {
-        if (node.child[i] == layout::kMeshNoChild || squares[i] > limit)
-            continue;
-        layout::uint place = height++;
-        for (; place > bottom && stack[place - 1].square < squares[i]; --place)
-            stack[place] = stack[place - 1];
-        stack[place] = {squares[i], node.child[i]};
+        stack[top] = {squares[i], node.child[i]};
+        const bool pushed = (squares[i] <= limit) & (node.child[i] != layout::kMeshNoChild);
+        const bool nearer = pushed & (squares[i] < least);
+        nearest = nearer ? top : nearest;
+        least = nearer ? squares[i] : least;
+        top += pushed ? 1 : 0;
     }
+    if (top == height)
+        return;
+    const MeshVisit<Cull> last = stack[top - 1];
+    stack[top - 1] = stack[nearest];
+    stack[nearest] = last;
+    height = top;
 }
 
 /// Boxes are judged in Cull: single precision is enough near the mesh, and faster.
@@ -128,9 +161,8 @@ Nearest<T> nearest_from(const layout::MeshView<T>& mesh, const Vector<T>& probe,
         }
         const layout::uint run = visit.child & ~layout::kMeshLeaf;
         const layout::uint first = run / layout::kMeshLeafTriangles;
-        for (layout::uint i = 0; i <= run % layout::kMeshLeafTriangles; ++i)
-            if (keep_nearer(mesh, first + i, probe, best))
-                limit = limit_of(best.square);
+        if (keep_nearest_of_run(mesh, first, first + run % layout::kMeshLeafTriangles, probe, best))
+            limit = limit_of(best.square);
     }
     return best;
 }
