@@ -33,9 +33,10 @@ Json to_json(const CaseRecord& record) {
     json["voxels_evaluated"] = record.evaluated;
     json["largest_force_N"] = record.largest_force;
     json["largest_force_voxel"] = record.largest_voxel;
-    json["oracle"] = {{"voxels_compared", record.error.compared},      {"voxels_differing", record.error.differing},
-                      {"voxels_beyond_bound", record.error.beyond},    {"largest_error_N", record.error.largest},
-                      {"largest_force_N", record.error.largest_force}, {"relative_error", record.error.relative()}};
+    json["oracle"] = {{"voxels_compared", record.error.compared},   {"voxels_differing", record.error.differing},
+                      {"voxels_beyond_bound", record.error.beyond}, {"voxels_on_edge", record.error.on_edge},
+                      {"largest_error_N", record.error.largest},    {"largest_force_N", record.error.largest_force},
+                      {"relative_error", record.error.relative()}};
     json["seconds"] = {{"compile", record.engine_times.compile},  {"upload", record.engine_times.upload},
                        {"kernel", record.engine_times.kernel},    {"read_back", record.engine_times.read_back},
                        {"encode", record.volume_times.encode},    {"flush", record.volume_times.flush},
@@ -61,7 +62,7 @@ CaseRecord from_json(const Json& json) {
     record.largest_voxel = json.at("largest_force_voxel");
     const Json& oracle = json.at("oracle");
     record.error = {oracle.at("voxels_compared"), oracle.at("voxels_differing"), oracle.at("voxels_beyond_bound"),
-                    oracle.at("largest_error_N"), oracle.at("largest_force_N")};
+                    oracle.at("voxels_on_edge"),  oracle.at("largest_error_N"),  oracle.at("largest_force_N")};
     const Json& seconds = json.at("seconds");
     record.engine_times = {seconds.at("compile"), seconds.at("upload"), seconds.at("kernel"), seconds.at("read_back")};
     record.volume_times = {seconds.at("encode"), seconds.at("flush"), seconds.at("verify"), seconds.at("hash")};

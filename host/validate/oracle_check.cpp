@@ -34,12 +34,24 @@ void OracleCheck::add(const layout::FieldChunk<double>& chunk) {
 }
 
 // Both sides round, so the bound counts twice.
-bool OracleCheck::is_beyond(double off, double x, double y, double z) {
+bool OracleCheck::is_beyond(const Triple& force, double off, const Triple& probe) {
     if (exact_bits_)
         return true;
+    const auto [x, y, z] = probe;
+    if (exact_.features.surface == layout::kSurfaceMesh) {
+        Reading computed;
+        computed.force = force;
+        return mesh_bound().judge(computed, {x, y, z}, 1, layout::kChannelForce) == MeshBound::Verdict::beyond;
+    }
     if (!bound_)
         bound_.emplace(prepared_, prepared_.one.scene.precision);
     return !(off <= 2 * bound_->at(x, y, z).force);
+}
+
+MeshBound& OracleCheck::mesh_bound() {
+    if (!mesh_bound_)
+        mesh_bound_.emplace(prepared_, prepared_.one.scene.precision);
+    return *mesh_bound_;
 }
 
 template <typename T> void OracleCheck::compare(const layout::FieldChunk<T>& chunk, const FieldTables<T>& same) {
@@ -54,17 +66,24 @@ template <typename T> void OracleCheck::compare(const layout::FieldChunk<T>& chu
             const reference::Vector<T> alike = reference::evaluate(law, {same.x[x], same.y[y], same.z[z]}).force;
             const reference::Vector<double> truth =
                 reference::evaluate(exact, {exact_.x[x], exact_.y[y], exact_.z[z]}).force;
+            const Triple computed{double(force[0]), double(force[1]), double(force[2])};
+            const Triple probe{double(same.x[x]), double(same.y[y]), double(same.z[z])};
             const T bits[3] = {alike.x, alike.y, alike.z};
             if (std::memcmp(force, bits, sizeof(bits)) != 0) {
                 ++error_.differing;
                 const double apart = norm(double(force[0]) - double(alike.x), double(force[1]) - double(alike.y),
                                           double(force[2]) - double(alike.z));
-                error_.beyond += is_beyond(apart, double(same.x[x]), double(same.y[y]), double(same.z[z]));
+                error_.beyond += is_beyond(computed, apart, probe);
             }
             const double off = norm(double(force[0]) - truth.x, double(force[1]) - truth.y, double(force[2]) - truth.z);
-            error_.largest = std::isnan(off) ? std::numeric_limits<double>::infinity() : std::max(error_.largest, off);
-            error_.largest_force = std::max(error_.largest_force, norm(truth.x, truth.y, truth.z));
             ++error_.compared;
+            error_.largest_force = std::max(error_.largest_force, norm(truth.x, truth.y, truth.z));
+            if (exact_.features.surface == layout::kSurfaceMesh &&
+                mesh_bound().parts(computed, {probe[0], probe[1], probe[2]}, {truth.x, truth.y, truth.z})) {
+                ++error_.on_edge;
+                continue;
+            }
+            error_.largest = std::isnan(off) ? std::numeric_limits<double>::infinity() : std::max(error_.largest, off);
         }
     }
 }

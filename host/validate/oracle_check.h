@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "host/field/prepared_case.h"
+#include "host/validate/mesh_bound.h"
 #include "host/validate/rounding_bound.h"
 #include "shaders/shared/layout.h"
 
@@ -13,6 +14,8 @@ struct OracleError {
     std::uint64_t compared = 0;  /* voxels */
     std::uint64_t differing = 0; /* voxels whose bits are not the oracle's in the same precision */
     std::uint64_t beyond = 0;    /* of them, those further from it than rounding allows: on a software device all */
+    std::uint64_t on_edge = 0;   /* voxels of a mesh as near to another facet, or to the surface, as rounding reaches:
+                                    their error says nothing and is not counted */
     double largest = 0;          /* N: largest |F - F_oracle|, the oracle in double */
     double largest_force = 0;    /* N: largest |F_oracle| among the voxels compared */
 
@@ -32,7 +35,8 @@ public:
 
 private:
     template <typename T> void compare(const layout::FieldChunk<T>& chunk, const FieldTables<T>& same);
-    bool is_beyond(double off, double x, double y, double z);
+    bool is_beyond(const Triple& force, double off, const Triple& probe);
+    MeshBound& mesh_bound();
 
     const PreparedCase& prepared_;
     bool exact_bits_;
@@ -40,6 +44,7 @@ private:
     FieldTables<double> exact_;
     std::optional<FieldTables<float>> single_; // the oracle in single precision, where the run is
     std::optional<RoundingBound> bound_;       // made when first asked for
+    std::optional<MeshBound> mesh_bound_;      // likewise
     std::uint64_t every_;                      // rows: one in so many is compared
     OracleError error_;
 };

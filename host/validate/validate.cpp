@@ -2,17 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <limits>
-#include <thread>
-
-#include <fmt/format.h>
 
 #include "host/interrupt.h"
 #include "host/norm.h"
 #include "host/validate/excuse.h"
 #include "host/validate/held_scene.h"
-#include "host/validate/ulp.h"
+#include "host/validate/judged_rows.h"
+#include "host/validate/mesh_judge.h"
 
 namespace forceshade {
 namespace {
@@ -52,32 +49,13 @@ public:
     }
 
 private:
-    struct Voxel {
-        std::size_t x, y, z;
-    };
-
-    bool same_bits(const layout::FieldChunk<T>& chunk, std::size_t sample, const reference::Contact<T>& contact) const {
-        const auto same = [&](std::span<const T> channel, const reference::Vector<T>& value) {
-            const T bits[3] = {value.x, value.y, value.z};
-            return channel.empty() || std::memcmp(&channel[3 * sample], bits, sizeof(bits)) == 0;
-        };
-        return same(chunk.force, contact.force) && same(chunk.proxy, contact.proxy) &&
-               same(chunk.unshaded, contact.unshaded) &&
-               (chunk.depth.empty() || std::memcmp(&chunk.depth[sample], &contact.depth, sizeof(T)) == 0) &&
-               (chunk.facet.empty() || chunk.facet[sample] == contact.facet);
-    }
-
     void compare_voxel(const layout::FieldChunk<T>& chunk, std::size_t sample, Voxel at, Comparison& partial) const {
         const T x = tables_.x[at.x], y = tables_.y[at.y], z = tables_.z[at.z];
         const reference::Contact<T> alike = reference::evaluate(tables_.law(), {x, y, z});
         const Reading computed = reading_of(chunk, sample);
         ++partial.voxels;
         if (!same_bits(chunk, sample, alike)) {
-            ++partial.differing;
-            const T expected[3] = {alike.force.x, alike.force.y, alike.force.z};
-            for (std::size_t i = 0; i < 3; ++i)
-                partial.largest_ulp =
-                    std::max(partial.largest_ulp, ulp_distance(chunk.force[3 * sample + i], expected[i]));
+            count_difference(chunk, sample, alike, partial);
             compare_with_alike(computed, reading_of(alike), at, partial);
         }
         compare_with_oracle(computed, at, partial);
@@ -96,7 +74,7 @@ private:
             return;
         }
         ++partial.beyond;
-        note(partial, at, computed, alike, misfit, "the oracle in the same precision");
+        note_failure(partial, at, computed, alike, misfit, "the oracle in the same precision");
     }
 
     void compare_with_oracle(const Reading& computed, Voxel at, Comparison& partial) const {
@@ -133,18 +111,11 @@ private:
             return;
         }
         ++result.unexplained;
-        note(partial, at, computed, truth, misfit, who);
+        note_failure(partial, at, computed, truth, misfit, who);
     }
 
     Triple probe_at(Voxel at) const {
         return {double(tables_.x[at.x]), double(tables_.y[at.y]), double(tables_.z[at.z])};
-    }
-
-    static void note(Comparison& partial, Voxel at, const Reading& computed, const Reading& expected,
-                     layout::uint channel, const char* who) {
-        if (partial.first_difference.empty())
-            partial.first_difference = fmt::format("voxel ({}, {}, {}): {}, {} says {}", at.x, at.y, at.z,
-                                                   describe(computed, channel), who, describe(expected, channel));
     }
 
     FieldTables<T> tables_;
@@ -167,6 +138,17 @@ void merge(Distance& into, const Distance& from) {
     into.unexplained += from.unexplained;
 }
 
+template <typename T> void compare(Engine& engine, const PreparedCase& prepared, Comparison& result) {
+    Judge<T> judge(prepared, engine.report().software);
+    engine.evaluate(judge.tables().input(), [&](const layout::FieldChunk<T>& chunk) {
+        check_interrupt();
+        judge.prepare_columns(chunk.y_first, chunk.y_count);
+        compare_rows(judge, chunk, result);
+    });
+}
+
+} // namespace
+
 void merge(Comparison& into, const Comparison& from) {
     into.voxels += from.voxels;
     into.differing += from.differing;
@@ -180,34 +162,9 @@ void merge(Comparison& into, const Comparison& from) {
         into.first_difference = from.first_difference;
 }
 
-template <typename T>
-void compare_chunk(const Judge<T>& judge, const layout::FieldChunk<T>& chunk, Comparison& result) {
-    const std::size_t rows = chunk.y_count * chunk.z_count;
-    const std::size_t threads = std::min<std::size_t>(rows, std::max(1u, std::thread::hardware_concurrency()));
-    std::vector<Comparison> partial(threads);
-    std::vector<std::jthread> workers;
-    for (std::size_t worker = 0; worker < threads; ++worker)
-        workers.emplace_back([&, worker] {
-            for (std::size_t row = worker * rows / threads; row < (worker + 1) * rows / threads; ++row)
-                judge.compare_row(chunk, row, partial[worker]);
-        });
-    workers.clear();
-    for (const Comparison& part : partial)
-        merge(result, part);
-}
-
-template <typename T> void compare(Engine& engine, const PreparedCase& prepared, Comparison& result) {
-    Judge<T> judge(prepared, engine.report().software);
-    engine.evaluate(judge.tables().input(), [&](const layout::FieldChunk<T>& chunk) {
-        check_interrupt();
-        judge.prepare_columns(chunk.y_first, chunk.y_count);
-        compare_chunk(judge, chunk, result);
-    });
-}
-
-} // namespace
-
 Comparison compare_case(Engine& engine, const PreparedCase& prepared, Precision precision) {
+    if (prepared.images.mesh)
+        return compare_mesh(engine, prepared, precision);
     Comparison result;
     result.name = prepared.one.name;
     result.precision = precision;

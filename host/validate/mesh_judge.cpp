@@ -1,0 +1,136 @@
+#include "host/validate/mesh_judge.h"
+
+#include <cmath>
+
+#include "host/field/scene_mesh.h"
+#include "host/interrupt.h"
+#include "host/norm.h"
+#include "host/validate/judged_rows.h"
+#include "host/validate/mesh_bound.h"
+
+namespace forceshade {
+namespace {
+
+constexpr std::uint64_t kBudget = 100'000'000; // triangles that the brute referee may look at: some seconds
+
+template <typename T> class MeshJudge {
+public:
+    MeshJudge(const PreparedCase& prepared, bool exact_bits)
+        : tables_(make_tables<T>(prepared.one.scene, prepared.images, Extent::everything)),
+          exact_(make_tables<double>(prepared.one.scene, prepared.images, Extent::everything)), law_(tables_.law()),
+          exact_law_(exact_.law()),
+          bound_(prepared, std::is_same_v<T, float> ? Precision::f32 : Precision::f64), exact_bits_(exact_bits),
+          channels_(tables_.features.channels) {
+        const std::uint64_t voxels = std::uint64_t(tables_.x.size()) * tables_.y.size() * tables_.z.size();
+        const std::uint64_t affordable = std::max<std::uint64_t>(1, kBudget / law_.mesh.params.triangles);
+        every_ = std::max<std::uint64_t>(1, voxels / affordable);
+    }
+
+    layout::FieldInput<T> input() const { return tables_.input(); }
+
+    void compare_row(const layout::FieldChunk<T>& chunk, std::size_t row, Comparison& partial) const {
+        const std::size_t z = chunk.z_first + row / chunk.y_count, y = chunk.y_first + row % chunk.y_count;
+        layout::uint hint = 0, exact_hint = 0;
+        for (std::size_t x = 0; x < chunk.x_count; ++x) {
+            const std::size_t sample = row * chunk.x_pitch + x;
+            const Voxel at{x, y, z};
+            const Reading computed = reading_of(chunk, sample);
+            ++partial.voxels;
+            compare_with_alike(chunk, sample, at, hint, partial);
+            compare_with_oracle(computed, at, exact_hint, partial);
+        }
+    }
+
+private:
+    using Point = reference::Vector<double>;
+
+    Point probe_at(Voxel at) const {
+        return {double(tables_.x[at.x]), double(tables_.y[at.y]), double(tables_.z[at.z])};
+    }
+
+    // Where the bits must be the oracle's, nothing else is said of them.
+    void compare_with_alike(const layout::FieldChunk<T>& chunk, std::size_t sample, Voxel at, layout::uint& hint,
+                            Comparison& partial) const {
+        const reference::Contact<T> alike = reference::mesh_contact(
+            law_, reference::Vector<T>(tables_.x[at.x], tables_.y[at.y], tables_.z[at.z]), hint);
+        if (same_bits(chunk, sample, alike))
+            return;
+        count_difference(chunk, sample, alike, partial);
+        const Reading computed = reading_of(chunk, sample);
+        if (!exact_bits_)
+            switch (bound_.judge(computed, probe_at(at), 1, channels_)) {
+            case MeshBound::Verdict::within:
+                return;
+            case MeshBound::Verdict::on_edge:
+                ++partial.boundary;
+                return;
+            case MeshBound::Verdict::beyond:
+                break;
+            }
+        ++partial.beyond;
+        const Reading expected = reading_of(alike);
+        note_failure(partial, at, computed, expected, first_misfit(computed, expected, {}, channels_),
+                     "the oracle in the same precision");
+    }
+
+    // The error counts against the true position; the bound holds at the position that was rounded to T.
+    void compare_with_oracle(const Reading& computed, Voxel at, layout::uint& hint, Comparison& partial) const {
+        const Point probe(exact_.x[at.x], exact_.y[at.y], exact_.z[at.z]);
+        const Reading truth = reading_of(reference::mesh_contact(exact_law_, probe, hint));
+        partial.largest_force = std::max(partial.largest_force, norm(truth.force[0], truth.force[1], truth.force[2]));
+        switch (bound_.judge(computed, probe_at(at), 1, channels_)) {
+        case MeshBound::Verdict::within:
+            if (bound_.parts(computed.force, probe_at(at), truth.force))
+                ++partial.oracle.boundary;
+            else
+                add_error(computed, truth, partial.oracle);
+            return;
+        case MeshBound::Verdict::on_edge:
+            ++partial.oracle.boundary;
+            return;
+        case MeshBound::Verdict::beyond:
+            add_error(computed, truth, partial.oracle);
+            ++partial.oracle.unexplained;
+            note_failure(partial, at, computed, truth, layout::kChannelForce, "the oracle in double precision");
+        }
+    }
+
+    static void add_error(const Reading& computed, const Reading& truth, Distance& distance) {
+        const double off = force_error(computed, truth);
+        if (off > distance.largest || std::isnan(off))
+            distance.largest = off;
+    }
+
+    FieldTables<T> tables_;
+    FieldTables<double> exact_;
+    layout::Law<T> law_;
+    layout::Law<double> exact_law_;
+    MeshBound bound_;
+    bool exact_bits_;
+    layout::uint channels_;
+    std::uint64_t every_; // voxels: one in so many goes to the brute referee
+};
+
+template <typename T> void compare(Engine& engine, const PreparedCase& prepared, Comparison& result) {
+    const MeshJudge<T> judge(prepared, engine.report().software);
+    engine.evaluate(judge.input(), [&](const layout::FieldChunk<T>& chunk) {
+        check_interrupt();
+        compare_rows(judge, chunk, result);
+    });
+}
+
+} // namespace
+
+Comparison compare_mesh(Engine& engine, const PreparedCase& prepared, Precision precision) {
+    Comparison result;
+    result.name = prepared.one.name;
+    result.precision = precision;
+    if (precision == Precision::f32)
+        compare<float>(engine, prepared, result);
+    else
+        compare<double>(engine, prepared, result);
+    result.passed = result.beyond == 0 && result.oracle.unexplained == 0 && result.closed_form.unexplained == 0;
+    return result;
+}
+
+} // namespace forceshade
