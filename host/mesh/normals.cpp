@@ -54,7 +54,7 @@ glm::dvec3 unit(glm::dvec3 v) {
 }
 
 glm::dvec3 rounded(const TwofoldVector& v) {
-    return {v[0].high + v[0].low, v[1].high + v[1].low, v[2].high + v[2].low};
+    return {v[0].high, v[1].high, v[2].high}; // sums are normalised: the low parts are below half a unit
 }
 
 // The area vector of a facet of four corners or more, as a sum over triangles at its first corner.

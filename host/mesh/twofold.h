@@ -21,7 +21,7 @@ inline Twofold exact_difference(double a, double b) noexcept {
     return exact_sum(a, -b);
 }
 
-/// a + b to about 2^-104 of |a| + |b|.
+/// a + b to about 2^-104 of |a| + |b|, its high part being the whole rounded to double.
 inline Twofold sum(const Twofold& a, const Twofold& b) noexcept {
     const Twofold high = exact_sum(a.high, b.high);
     return exact_sum(high.high, high.low + (a.low + b.low));

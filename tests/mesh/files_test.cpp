@@ -118,6 +118,9 @@ TEST_F(MeshFiles, OffFlavours) {
     expect_same(read("b.off", "# first\nCOFF 3 1 0 # c\n\n0 0 0 255 0 0 255\n1 0 0 1 1 1 1\n0 1 0 0 0 0 0\n3 0 1\n 2"),
                 expected);
     expect_same(read("c.off", "OFF\r\n3 1 0\r\n0 0 0\r\n1 0 0\r\n0 1 0\r\n3 0 1 2 0.5 0.5 0.5"), expected);
+    EXPECT_NE(
+        refusal<IoError>("f.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n3 0 2 1\n").find(":7: the file goes on"),
+        std::string::npos);
     EXPECT_NE(refusal<UsageError>("d.off", "OFF BINARY\nxxxx").find("binary OFF"), std::string::npos);
     EXPECT_NE(refusal<UsageError>("e.off", "4OFF\n1 1 0\n0 0 0 1\n").find("three coordinates"), std::string::npos);
 }
@@ -191,6 +194,15 @@ TEST_F(MeshFiles, ATruncatedFileIsNoticed) {
     EXPECT_NE(refusal<IoError>("b.obj", obj.substr(0, obj.find("f ")) + "f"), "");
 }
 
+// Of a binary PLY file, between two facets too.
+TEST_F(MeshFiles, ATruncatedListIsNoticed) {
+    const std::string bytes = testing::as_ply_binary(testing::fine_tetrahedron(), false);
+    for (const std::size_t missing : {std::size_t{1}, std::size_t{13}, std::size_t{14}})
+        EXPECT_NE(refusal<IoError>("a.ply", bytes.substr(0, bytes.size() - missing)), "");
+    EXPECT_NE(refusal<IoError>("a.ply", bytes.substr(0, bytes.size() - 13)).find("breaks off"), std::string::npos);
+    EXPECT_NE(refusal<IoError>("a.ply", bytes + "more").find("goes on"), std::string::npos);
+}
+
 TEST_F(MeshFiles, AnnouncedCountsBeyondTheFileAreRefusedAtOnce) {
     const std::string trillion = "1000000000000";
     EXPECT_NE(refusal<IoError>("a.off", "OFF\n" + trillion + " 1 0\n0 0 0\n").find(trillion), std::string::npos);
@@ -205,6 +217,9 @@ TEST_F(MeshFiles, AnnouncedCountsBeyondTheFileAreRefusedAtOnce) {
                                                             format, element, trillion))
                           .find(trillion),
                       std::string::npos);
+    // Six times this wraps round to 2.
+    EXPECT_NE(refusal<IoError>("d.off", "OFF\n3074457345618258603 1 0\n0 0 0\n").find("3074457345618258603"),
+              std::string::npos);
     // A list of 2^32 - 1 values.
     EXPECT_NE(refusal<IoError>("b.ply", "ply\nformat binary_little_endian 1.0\nelement face 1\nproperty list uint int "
                                         "vertex_indices\nend_header\n\xFF\xFF\xFF\xFF"

@@ -137,6 +137,12 @@ TEST(VertexNormals, CancellingNormalsGiveNone) {
     for (const VertexNormals weights : {VertexNormals::plain, VertexNormals::angle})
         for (const glm::dvec3& normal : vertex_normals(soup, facet_normals(soup), weights))
             EXPECT_EQ(normal, glm::dvec3(0));
+    PolygonSoup vane; // three walls at 120 degrees: their normals cancel but for rounding
+    vane.vertices = {{0, 0, 0}, {0, 0, 1}, {1, 0, 0}, {-0.5, std::sqrt(0.75), 0}, {-0.5, -std::sqrt(0.75), 0}};
+    for (const std::uint32_t tip : {2u, 3u, 4u})
+        shapes::add_facet(vane, {0, 1, tip});
+    EXPECT_EQ(vertex_normals(vane, facet_normals(vane), VertexNormals::plain)[0], glm::dvec3(0));
+    EXPECT_NE(vertex_normals(vane, facet_normals(vane), VertexNormals::plain)[2], glm::dvec3(0));
     PolygonSoup degenerate;
     degenerate.vertices = {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}};
     shapes::add_facet(degenerate, {0, 1, 2});
