@@ -3,23 +3,11 @@
 // Shares no code with either.
 #pragma once
 
-#include <array>
-#include <cstdint>
-
+#include "host/brute/answer.h"
 #include "host/field/tables.h"
 #include "host/scene/scene.h"
 
 namespace forceshade::brute {
-
-using Real = long double;
-
-struct Answer {
-    std::array<Real, 3> force{};    /* N */
-    std::array<Real, 3> unshaded{}; /* N */
-    std::array<Real, 3> proxy{};    /* m */
-    Real depth = 0;                 /* m */
-    std::uint32_t facet = 0xFFFFFFFFu;
-};
 
 /// What depends on the probe's (x, y) alone; finding it loops over all facets.
 struct Column {
@@ -32,6 +20,9 @@ struct Column {
     std::array<Real, 2> texture{};       /* gradient of the texture */
 };
 
+/// The gradient of a height map at (x, y) in m; `image` that of a map from a file.
+std::array<Real, 2> map_slope(const HeightMapSpec& map, const HeightImage* image, Real x, Real y);
+
 class Referee {
 public:
     /// The scene and images must outlive the referee.
@@ -43,7 +34,6 @@ public:
 private:
     Answer cylinder_bump(const Column& column, Real z) const;
     Answer facets(const Column& column, Real z) const;
-    std::array<Real, 2> gradient(const HeightMapSpec& map, const HeightImage* image, Real x, Real y) const;
     Real texture_stiffness() const;
 
     const Scene& scene_;
