@@ -81,7 +81,7 @@ Real Referee::texture_stiffness() const {
     return scene_.texture ? Real(scene_.texture->stiffness) : Real(0);
 }
 
-std::array<Real, 2> Referee::gradient(const HeightMapSpec& map, const HeightImage* image, Real x, Real y) const {
+std::array<Real, 2> map_slope(const HeightMapSpec& map, const HeightImage* image, Real x, Real y) {
     constexpr Real kPi = std::numbers::pi_v<Real>;
     const Real radius = map.radius, height = map.height;
     switch (map.function) {
@@ -111,9 +111,9 @@ Column Referee::column(double x, double y) const {
     const bool bump = scene_.surface.kind == SurfaceKind::bump;
     column.on_bump = scene_.surface.kind != SurfaceKind::height_map && std::abs(column.x) < half_width_;
     if (scene_.texture)
-        column.texture = gradient(scene_.texture->map, images_.texture.get(), x, y);
+        column.texture = map_slope(scene_.texture->map, images_.texture.get(), x, y);
     if (scene_.surface.kind == SurfaceKind::height_map && scene_.force.shading == Shading::height_map) {
-        const auto slope = gradient(scene_.surface.map, images_.map.get(), x, y);
+        const auto slope = map_slope(scene_.surface.map, images_.map.get(), x, y);
         const Real length = std::sqrt(slope[0] * slope[0] + slope[1] * slope[1] + 1);
         column.smooth = {-slope[0] / length, -slope[1] / length, 1 / length};
     }

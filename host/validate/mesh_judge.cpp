@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "host/brute/mesh_referee.h"
+#include "host/brute/referee.h"
 #include "host/field/scene_mesh.h"
 #include "host/interrupt.h"
 #include "host/norm.h"
@@ -11,14 +13,51 @@
 namespace forceshade {
 namespace {
 
-constexpr std::uint64_t kBudget = 100'000'000; // triangles that the brute referee may look at: some seconds
+constexpr double kDoubleRoundoff = 0x1p-53;
+constexpr std::uint64_t kBudget = 20'000'000; // triangles that the brute referee may look at: some seconds
+
+brute::MeshShading brute_shading(Shading shading) {
+    switch (shading) {
+    case Shading::morgenbesser:
+        return brute::MeshShading::morgenbesser;
+    case Shading::barycentric:
+        return brute::MeshShading::barycentric;
+    case Shading::mean_value:
+        return brute::MeshShading::mean_value;
+    case Shading::two_pass:
+        return brute::MeshShading::two_pass;
+    default:
+        return brute::MeshShading::none;
+    }
+}
+
+// The scene as plain loops see it. The case must outlive the law.
+brute::MeshLaw brute_law(const PreparedCase& prepared) {
+    const Scene& scene = prepared.one.scene;
+    brute::MeshLaw law;
+    law.stiffness = scene.force.stiffness;
+    law.shading = brute_shading(scene.force.shading);
+    if (scene.surface.mesh.inside == InsideTest::winding)
+        law.inside = brute::MeshInside::winding;
+    if (!scene.texture)
+        return law;
+    const auto slope = [map = &scene.texture->map, image = prepared.images.texture.get()](
+                           brute::Real x, brute::Real y) { return brute::map_slope(*map, image, x, y); };
+    if (scene.texture->effect == TextureEffect::normal) {
+        law.map = slope;
+    } else {
+        law.texture = slope;
+        law.texture_stiffness = scene.texture->stiffness;
+    }
+    return law;
+}
 
 template <typename T> class MeshJudge {
 public:
     MeshJudge(const PreparedCase& prepared, bool exact_bits)
         : tables_(make_tables<T>(prepared.one.scene, prepared.images, Extent::everything)),
           exact_(make_tables<double>(prepared.one.scene, prepared.images, Extent::everything)), law_(tables_.law()),
-          exact_law_(exact_.law()),
+          exact_law_(exact_.law()), referee_(prepared.images.mesh->mesh, brute_law(prepared)),
           bound_(prepared, std::is_same_v<T, float> ? Precision::f32 : Precision::f64), exact_bits_(exact_bits),
           channels_(tables_.features.channels) {
         const std::uint64_t voxels = std::uint64_t(tables_.x.size()) * tables_.y.size() * tables_.z.size();
@@ -38,6 +77,8 @@ public:
             ++partial.voxels;
             compare_with_alike(chunk, sample, at, hint, partial);
             compare_with_oracle(computed, at, exact_hint, partial);
+            if (((z * tables_.y.size() + y) * tables_.x.size() + x) % every_ == 0)
+                compare_with_brute(computed, at, partial);
         }
     }
 
@@ -95,6 +136,45 @@ private:
         }
     }
 
+    void compare_with_brute(const Reading& computed, Voxel at, Comparison& partial) const {
+        const Point probe = probe_at(at);
+        const Reading truth = reading_of(brute_at(probe));
+        const double reach = bound_.reach(probe);
+        if (fits_brute(computed, truth, probe, probe)) {
+            add_error(computed, truth, partial.closed_form);
+            return;
+        }
+        for (const double step : {reach, 4 * reach})
+            for (int direction = 0; direction < 27; ++direction) {
+                const Point moved = probe + step * Point(direction % 3 - 1, direction / 3 % 3 - 1, direction / 9 - 1);
+                if (fits_brute(computed, reading_of(brute_at(moved)), probe, moved)) {
+                    ++partial.closed_form.boundary;
+                    return;
+                }
+            }
+        add_error(computed, truth, partial.closed_form);
+        ++partial.closed_form.unexplained;
+        note_failure(partial, at, computed, truth, layout::kChannelForce, "a loop over all triangles");
+    }
+
+    // The bound at the moved probe, and what moving it, or rounding its place in the world, may have changed.
+    bool fits_brute(const Reading& computed, const Reading& truth, const Point& probe, const Point& moved) const {
+        const auto found = reference::nearest(bound_.law().mesh, moved);
+        const reference::MeshTouch<double> touch{found.facet, found.offset, Point(moved + found.offset),
+                                                 std::sqrt(found.square)};
+        const layout::MeshParams<double>& frame = exact_law_.mesh.params;
+        const double placed = 2 * kDoubleRoundoff * norm(frame.centre_x, frame.centre_y, frame.centre_z) / frame.scale;
+        const double off =
+            (norm(moved.x - probe.x, moved.y - probe.y, moved.z - probe.z) + placed) / bound_.reach(probe);
+        return !first_misfit(computed, truth, (1 + off) * bound_.at(moved, touch), channels_);
+    }
+
+    brute::Answer brute_at(const Point& probe) const {
+        const layout::MeshParams<double>& frame = exact_law_.mesh.params;
+        return referee_.at({probe.x * frame.scale + frame.centre_x, probe.y * frame.scale + frame.centre_y,
+                            probe.z * frame.scale + frame.centre_z});
+    }
+
     static void add_error(const Reading& computed, const Reading& truth, Distance& distance) {
         const double off = force_error(computed, truth);
         if (off > distance.largest || std::isnan(off))
@@ -105,6 +185,7 @@ private:
     FieldTables<double> exact_;
     layout::Law<T> law_;
     layout::Law<double> exact_law_;
+    brute::MeshReferee referee_;
     MeshBound bound_;
     bool exact_bits_;
     layout::uint channels_;
