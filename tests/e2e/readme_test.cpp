@@ -42,6 +42,7 @@ protected:
         std::filesystem::create_directory(path("bin"));
         std::filesystem::create_symlink(FORCESHADE_PROGRAM, path("bin/forceshade"));
         std::filesystem::create_directory(path("work"));
+        std::filesystem::create_directory_symlink(FORCESHADE_SOURCE "/tests", path("work/tests"));
     }
     std::size_t count(const std::string& language) const {
         return static_cast<std::size_t>(std::count_if(blocks_.begin(), blocks_.end(),
