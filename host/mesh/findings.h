@@ -43,7 +43,8 @@ MeshFindings inspect(const PolygonSoup& polygons, const InspectionLimits& limits
 /// A sentence for each thing that is wrong, with its count and what it means for the laws; empty if nothing is.
 std::vector<std::string> warnings(const MeshFindings& findings);
 
-/// \throws UsageError naming `mesh` if no law has a meaning on it: no facet, or none with an area
+/// \throws UsageError naming `mesh` if no law has a meaning on it: no facet, none with an area, or
+///         coordinates whose volumes overflow
 void refuse_if_meaningless(const MeshFindings& findings, const std::string& mesh);
 
 } // namespace forceshade

@@ -1,3 +1,5 @@
+#include <cmath>
+
 #include <fmt/format.h>
 
 #include "host/error.h"
@@ -71,6 +73,11 @@ std::vector<std::string> warnings(const MeshFindings& found) {
 void refuse_if_meaningless(const MeshFindings& found, const std::string& mesh) {
     if (found.facets == 0)
         throw UsageError(fmt::format("{}: no facets, so there is nothing to touch; a mesh needs one or more", mesh));
+    if (!std::isfinite(found.area) || !std::isfinite(found.volume))
+        throw UsageError(
+            fmt::format("{}: coordinates up to ({}, {}, {}) are so large that areas and volumes overflow; is "
+                        "this the right file?",
+                        mesh, found.high.x, found.high.y, found.high.z));
     if (found.degenerate_facets == found.facets)
         throw UsageError(fmt::format("{}: none of the {} facets has an area, so no force has a direction; is this the "
                                      "right file?",

@@ -1,6 +1,7 @@
 // Small valid files of all formats, cut off and damaged at random: read or refused, never anything else.
 #include "host/mesh_file/mesh_file.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <random>
@@ -8,6 +9,8 @@
 #include <gtest/gtest.h>
 
 #include "host/error.h"
+#include "host/mesh/findings.h"
+#include "host/mesh/prepare_mesh.h"
 #include "tests/mesh/written_files.h"
 
 namespace forceshade {
@@ -43,6 +46,14 @@ void expect_sound(const PolygonSoup& soup) {
                     std::abs(vertex.y) > 1e300 || std::abs(vertex.z) > 1e300);
 }
 
+double largest_coordinate(const PolygonSoup& soup) {
+    double largest = 0;
+    for (const glm::dvec3& vertex : soup.vertices)
+        largest = std::max({largest, std::abs(vertex.x), std::abs(vertex.y), std::abs(vertex.z)});
+    return largest;
+}
+
+// What is read is also inspected and prepared.
 TEST(MeshFuzz, DamagedFilesAreReadOrRefused) {
     std::mt19937 random(1);
     const int trials = std::getenv("FORCESHADE_LONG") ? 200000 : 3000; // of each format
@@ -50,7 +61,11 @@ TEST(MeshFuzz, DamagedFilesAreReadOrRefused) {
     for (const auto& [extension, bytes] : testing::all_formats(testing::fine_tetrahedron()))
         for (int i = 0; i < trials; ++i) {
             try {
-                expect_sound(parse_polygons("a" + extension, damaged(bytes, random)).polygons);
+                const PolygonSoup soup = parse_polygons("a" + extension, damaged(bytes, random)).polygons;
+                expect_sound(soup);
+                inspect(soup);
+                if (largest_coordinate(soup) < 1e100)
+                    prepare_mesh(soup, {}, VertexNormals::angle);
                 ++read;
             } catch (const Error& error) {
                 ++refused;

@@ -151,6 +151,9 @@ TEST(Findings, MeaninglessMeshesAreRefused) {
     line.vertices = {{0, 0, 0}, {1, 1, 1}, {2, 2, 2}};
     add_facet(line, {0, 1, 2});
     EXPECT_THROW(refuse_if_meaningless(inspect(line), "a.off"), UsageError);
+    EXPECT_THROW(
+        refuse_if_meaningless(inspect(shapes::moved(shapes::cube(), glm::dvec3(1e308), glm::dvec3(0))), "a.off"),
+        UsageError);
     EXPECT_NO_THROW(refuse_if_meaningless(inspect(shapes::single_triangle()), "a.off"));
 }
 
