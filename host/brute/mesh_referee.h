@@ -23,8 +23,8 @@ struct MeshLaw {
     Real texture_stiffness = 0; /* K_t, N/m */
     MeshShading shading = MeshShading::none;
     MeshInside inside = MeshInside::pseudonormal;
-    Slope map;     /* L9; empty: none */
-    Slope texture; /* L8; empty: none */
+    Slope map = {};     /* L9; empty: none */
+    Slope texture = {}; /* L8; empty: none */
 };
 
 /// The surface point nearest to a probe.

@@ -1,0 +1,262 @@
+// The structure of a mesh: its frame, its tree's bounds and depth, what lies across edges, its size, and that threads
+// change nothing.
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <random>
+#include <set>
+
+#include <gtest/gtest.h>
+
+#include "host/error.h"
+#include "host/mesh/structure.h"
+#include "host/reference/mesh_nearest.h"
+#include "tests/mesh/shapes.h"
+
+namespace forceshade {
+namespace {
+
+using layout::uint;
+
+/// Walks the tree: every triangle in one leaf, within all boxes above it. Returns the depth.
+unsigned check_tree(const MeshStructure& structure) {
+    struct Visit {
+        uint node;
+        unsigned depth;
+        std::array<float, 3> low, high;
+    };
+    const MeshParts& parts = *structure.parts;
+    std::vector<int> seen(structure.triangles());
+    const float far = std::numeric_limits<float>::max();
+    std::vector<Visit> stack{{0, 1, {-far, -far, -far}, {far, far, far}}};
+    unsigned depth = 0;
+    while (!stack.empty()) {
+        const Visit visit = stack.back();
+        stack.pop_back();
+        depth = std::max(depth, visit.depth);
+        const layout::MeshNode& node = parts.nodes[visit.node];
+        for (std::size_t i = 0; i < layout::kMeshChildren; ++i) {
+            if (node.child[i] == layout::kMeshNoChild)
+                continue;
+            const std::array<float, 3> low{node.low_x[i], node.low_y[i], node.low_z[i]};
+            const std::array<float, 3> high{node.high_x[i], node.high_y[i], node.high_z[i]};
+            for (std::size_t axis = 0; axis < 3; ++axis) {
+                EXPECT_LE(visit.low[axis], low[axis]);
+                EXPECT_GE(visit.high[axis], high[axis]);
+            }
+            if ((node.child[i] & layout::kMeshLeaf) == 0) {
+                stack.push_back({node.child[i], visit.depth + 1, low, high});
+                continue;
+            }
+            const uint run = node.child[i] & ~layout::kMeshLeaf;
+            for (uint j = 0; j <= run % layout::kMeshLeafTriangles; ++j) {
+                const std::size_t triangle = run / layout::kMeshLeafTriangles + j;
+                ++seen[triangle];
+                for (std::size_t corner = 0; corner < 3; ++corner)
+                    for (std::size_t axis = 0; axis < 3; ++axis) {
+                        const std::size_t vertex = parts.triangle_corners[3 * triangle + corner];
+                        const double at = structure.reals->vertices[3 * vertex + axis];
+                        EXPECT_LE(double(low[axis]), at);
+                        EXPECT_GE(double(high[axis]), at);
+                    }
+            }
+        }
+    }
+    for (const int times : seen)
+        EXPECT_EQ(times, 1);
+    return depth;
+}
+
+TEST(Structure, EveryTriangleIsInOneLeafWithinAllBoxesAboveIt) {
+    for (const PolygonSoup& polygons :
+         {shapes::single_triangle(), shapes::cube(), shapes::icosphere(4), shapes::random_polyhedra(300, 5),
+          shapes::needle_fan(1000, 3), shapes::sliver_box(300, 1e8)}) {
+        const unsigned depth = check_tree(build_structure(shapes::mesh_of(polygons)));
+        EXPECT_LE(depth, reference::kMeshTreeDepth);
+    }
+}
+
+TEST(Structure, TheSameFacetTenThousandTimesMakesNoDeepTree) {
+    PolygonSoup polygons = shapes::single_triangle();
+    for (int i = 1; i < 10000; ++i)
+        shapes::add_facet(polygons, {0, 1, 2});
+    EXPECT_LE(check_tree(build_structure(shapes::mesh_of(polygons))), 12u);
+}
+
+TEST(Structure, SizesThatShrinkGeometricallyMakeNoDeepTree) {
+    // Each triangle half as large as the one before: the heuristic splits off one by one.
+    PolygonSoup polygons;
+    for (std::uint32_t i = 0; i < 400; ++i) {
+        const double size = std::ldexp(1.0, -int(i) / 4) * (1 + 0.1 * (i % 4));
+        for (const glm::dvec3& corner : {glm::dvec3(0), {1, 0, 0}, {0, 1, 0}})
+            polygons.vertices.push_back(size * (corner + 1.0));
+        shapes::add_facet(polygons, {3 * i, 3 * i + 1, 3 * i + 2});
+    }
+    EXPECT_LE(check_tree(build_structure(shapes::mesh_of(polygons))), reference::kMeshTreeDepth);
+}
+
+template <typename T> bool equal_bytes(const std::vector<T>& one, const std::vector<T>& other) {
+    return one.size() == other.size() && std::memcmp(one.data(), other.data(), one.size() * sizeof(T)) == 0;
+}
+
+TEST(Structure, DoesNotDependOnTheNumberOfThreads) {
+    const Mesh mesh = shapes::mesh_of(shapes::merged(shapes::icosphere(6), shapes::random_polyhedra(2000, 9)));
+    const MeshStructure one = build_structure(mesh, {.threads = 1, .winding = true});
+    for (const unsigned threads : {2u, 3u, 8u}) {
+        const MeshStructure other = build_structure(mesh, {.threads = threads, .winding = true});
+        EXPECT_TRUE(equal_bytes(one.parts->nodes, other.parts->nodes));
+        EXPECT_TRUE(equal_bytes(one.parts->triangle_corners, other.parts->triangle_corners));
+        EXPECT_TRUE(equal_bytes(one.parts->triangle_neighbours, other.parts->triangle_neighbours));
+        EXPECT_TRUE(equal_bytes(one.reals->vertices, other.reals->vertices));
+        EXPECT_TRUE(equal_bytes(one.reals->vertex_pseudonormals, other.reals->vertex_pseudonormals));
+        EXPECT_TRUE(equal_bytes(one.winding->moments, other.winding->moments));
+    }
+}
+
+TEST(Structure, IsAsSmallAsItSays) {
+    const MeshStructure plain = build_structure(shapes::mesh_of(shapes::icosphere(6)));
+    const MeshStructure winding = build_structure(shapes::mesh_of(shapes::icosphere(6)), {.winding = true});
+    const double triangles = double(plain.triangles());
+    EXPECT_LT(double(plain.bytes()) / triangles, 150);
+    EXPECT_LT(double(winding.bytes()) / triangles, 175);
+    // Nothing grows beyond what is in it.
+    const MeshParts& parts = *plain.parts;
+    EXPECT_EQ(parts.triangle_corners.size(), 3 * plain.triangles());
+    EXPECT_EQ(plain.reals->vertices.size(), 3 * (plain.triangles() / 2 + 2));
+    EXPECT_TRUE(plain.reals->edge_pseudonormals.empty());
+}
+
+TEST(Structure, FrameIsTheLeastPowerOfTwoAboutTheMiddle) {
+    const glm::dvec3 shift(5e5, -3, 1e-9);
+    for (const double size : {1e-30, 1e-12, 0.37, 1.0, 3e7, 1e30}) {
+        const MeshStructure structure =
+            build_structure(shapes::mesh_of(shapes::moved(shapes::icosphere(2), glm::dvec3(size), size * shift)));
+        int exponent;
+        EXPECT_EQ(std::frexp(structure.scale, &exponent), 0.5);
+        double largest = 0;
+        for (const double coordinate : structure.reals->vertices)
+            largest = std::max(largest, std::abs(coordinate));
+        EXPECT_LE(largest, 1);
+        EXPECT_GT(largest, 0.5);
+        EXPECT_NEAR(structure.centre.x / size, shift.x, 1e-9);
+    }
+}
+
+TEST(Structure, FrameOfAnExactPowerOfTwoIsThatPower) {
+    const MeshStructure structure = build_structure(shapes::mesh_of(shapes::cube()));
+    EXPECT_EQ(structure.scale, 1);
+    EXPECT_EQ(structure.centre, glm::dvec3(0));
+}
+
+TEST(Structure, NeighboursShareTheEdge) {
+    const MeshStructure structure = build_structure(shapes::mesh_of(shapes::icosphere(3)));
+    const MeshParts& parts = *structure.parts;
+    for (uint edge = 0; edge < parts.triangle_corners.size(); ++edge) {
+        const uint across = parts.triangle_neighbours[edge];
+        ASSERT_LT(across, structure.triangles());
+        const uint start = parts.triangle_corners[edge];
+        const uint end = parts.triangle_corners[edge % 3 == 2 ? edge - 2 : edge + 1];
+        bool found = false;
+        for (uint i = 0; i < 3; ++i)
+            found = found || (parts.triangle_corners[3 * across + i] == end &&
+                              parts.triangle_corners[3 * across + (i + 1) % 3] == start &&
+                              parts.triangle_neighbours[3 * across + i] == edge / 3);
+        EXPECT_TRUE(found);
+    }
+}
+
+TEST(Structure, VerticesAtOnePlaceAreOneForTheEdges) {
+    // The icosphere as a heap of single triangles, as an STL file has it.
+    const PolygonSoup sphere = shapes::icosphere(2);
+    PolygonSoup heap;
+    for (const std::uint32_t corner : sphere.corners) {
+        heap.vertices.push_back(sphere.vertices[corner]);
+        heap.corners.push_back(static_cast<std::uint32_t>(heap.corners.size()));
+    }
+    heap.begins = sphere.begins;
+    const MeshStructure structure = build_structure(shapes::mesh_of(heap), {.winding = true});
+    for (const uint across : structure.parts->triangle_neighbours)
+        EXPECT_LT(across, structure.triangles());
+    EXPECT_TRUE(structure.winding->rims.empty());
+}
+
+TEST(Structure, BordersAndFansAreToldApart) {
+    // Three triangles on one edge.
+    PolygonSoup fan;
+    fan.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, -1, 0}};
+    shapes::add_facet(fan, {0, 1, 2});
+    shapes::add_facet(fan, {0, 1, 3});
+    shapes::add_facet(fan, {1, 0, 4});
+    const MeshStructure structure = build_structure(shapes::mesh_of(fan), {.winding = true});
+    int borders = 0, many = 0;
+    for (const uint across : structure.parts->triangle_neighbours) {
+        borders += across == layout::kMeshBorder;
+        many += across != layout::kMeshBorder && (across & layout::kMeshManyBit) != 0;
+    }
+    EXPECT_EQ(borders, 6);
+    EXPECT_EQ(many, 3);
+    ASSERT_EQ(structure.reals->edge_pseudonormals.size(), 3u);
+    // (0, 0, 1) + (0, -1, 0) + (0, 0, 1)
+    EXPECT_NEAR(structure.reals->edge_pseudonormals[1], -1, 1e-15);
+    EXPECT_NEAR(structure.reals->edge_pseudonormals[2], 2, 1e-15);
+    EXPECT_EQ(structure.winding->rims.size(), 3u * 7);
+}
+
+TEST(Structure, PseudonormalsOfACubeAreDiagonal) {
+    for (const bool triangles : {false, true}) {
+        const MeshStructure structure = build_structure(shapes::mesh_of(shapes::cube(triangles)));
+        for (std::size_t i = 0; i < structure.reals->vertices.size(); ++i)
+            EXPECT_NEAR(structure.reals->vertex_pseudonormals[i],
+                        std::copysign(std::acos(0.0), structure.reals->vertices[i]), 1e-14);
+    }
+}
+
+TEST(Structure, WhatHasNoAreaIsLeftOut) {
+    PolygonSoup polygons = shapes::cube(true);
+    const auto first = static_cast<std::uint32_t>(polygons.vertices.size());
+    polygons.vertices.push_back({-1, -1, 0});
+    shapes::add_facet(polygons, {0, first, 4});
+    shapes::add_facet(polygons, {3, 3, 3});
+    EXPECT_EQ(build_structure(shapes::mesh_of(polygons)).triangles(), 12u);
+    PolygonSoup line;
+    line.vertices = {{0, 0, 0}, {1, 1, 1}, {2, 2, 2}};
+    shapes::add_facet(line, {0, 1, 2});
+    EXPECT_THROW(build_structure(shapes::mesh_of(line)), UsageError);
+    EXPECT_THROW(build_structure(shapes::mesh_of(PolygonSoup{})), UsageError);
+}
+
+TEST(Structure, AVertexThatNoFacetUsesHasNoSay) {
+    PolygonSoup polygons = shapes::cube();
+    polygons.vertices.push_back({1e9, 0, 0});
+    const MeshStructure structure = build_structure(shapes::mesh_of(polygons));
+    EXPECT_EQ(structure.scale, 1);
+    EXPECT_EQ(structure.reals->vertices.size(), 24u);
+}
+
+TEST(Tables, ForcesThatNoNumberCanHoldAreRefused) {
+    const auto sphere = [](double size) {
+        return build_structure(shapes::mesh_of(shapes::moved(shapes::icosphere(1), glm::dvec3(size), {})));
+    };
+    EXPECT_NO_THROW(make_mesh_tables<double>(sphere(1e30), 1000));
+    EXPECT_NO_THROW(make_mesh_tables<double>(sphere(1e-30), 1000));
+    EXPECT_NO_THROW(make_mesh_tables<float>(sphere(1e30), 1000));
+    EXPECT_NO_THROW(make_mesh_tables<float>(sphere(1e-30), 1000));
+    EXPECT_THROW(make_mesh_tables<float>(sphere(1e30), 1e20), UsageError);
+    EXPECT_THROW(make_mesh_tables<float>(sphere(1e-30), 1e-20), UsageError);
+    EXPECT_THROW(make_mesh_tables<float>(sphere(1e-42), 1), UsageError);
+    EXPECT_THROW(make_mesh_tables<double>(sphere(1e30), 1e300), UsageError);
+    EXPECT_NO_THROW(make_mesh_tables<float>(sphere(1), 0));
+}
+
+TEST(Tables, OfSinglePrecisionHoldTheDoublesRoundedOnce) {
+    const MeshStructure structure = build_structure(shapes::mesh_of(shapes::icosphere(2)));
+    const MeshTables<float> single = make_mesh_tables<float>(structure, 1000);
+    const MeshTables<double> twofold = make_mesh_tables<double>(structure, 1000);
+    EXPECT_EQ(twofold.reals.get(), structure.reals.get());
+    EXPECT_EQ(single.parts.get(), twofold.parts.get());
+    for (std::size_t i = 0; i < structure.reals->vertices.size(); ++i)
+        EXPECT_EQ(single.view().vertices[i], static_cast<float>(structure.reals->vertices[i]));
+}
+
+} // namespace
+} // namespace forceshade
