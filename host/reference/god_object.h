@@ -51,8 +51,7 @@ void begin_path(const layout::MeshView<T>& mesh, GodObject<T>& state, Neighbourh
         Touch<T> nearest{}, touch{};
         nearest.distance = Skin<T>::kImpact;
         visit_near(mesh, around, Move<T>{state.proxy, Vector<T>(T(0)), T(0)}, [&](layout::uint index) {
-            touch.triangle = triangle_at(mesh, index);
-            touch.index = index;
+            begin_touch(mesh, index, touch);
             look(touch, state.proxy);
             const bool first =
                 touch.distance == nearest.distance && mesh.triangle_facets[index] < mesh.triangle_facets[nearest.index];

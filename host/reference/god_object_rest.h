@@ -41,7 +41,7 @@ void find_touching(const layout::MeshView<T>& mesh, Neighbourhood<T>& around, co
     list.count = 0;
     visit_near(mesh, around, Move<T>{proxy, Vector<T>(T(0)), T(0)}, [&](layout::uint index) {
         Touch<T> touch;
-        touch.triangle = triangle_at(mesh, index);
+        begin_touch(mesh, index, touch);
         look(touch, proxy);
         if (touch.distance <= Skin<T>::kNear && dot(touch.face, touch.face) > T(0))
             insert_by_facet(list, index, mesh.triangle_facets[index], touch.face);

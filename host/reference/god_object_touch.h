@@ -12,43 +12,66 @@ namespace forceshade::reference {
 template <typename T> struct Touch {
     layout::uint index; /* of the triangle */
     Triangle<T> triangle;
-    Vector<T> face; /* unit normal, towards the proxy; 0 without area */
-    T height;       /* above the face's plane, not below 0 */
-    Vector<T> away; /* unit, from the nearest point to the proxy */
+    Vector<T> edges[3];   /* from corner i to the next */
+    Vector<T> inwards[3]; /* in the triangle's plane, square to its edge and as long */
+    T squares[3];         /* of the edges' lengths */
+    Vector<T> face;       /* unit normal, towards the proxy; 0 without area */
+    T height;             /* above the face's plane, not below 0 */
+    Vector<T> away;       /* unit, from the nearest point to the proxy */
     T distance;
+    T insides[3];    /* of the proxy from each edge, times its length; below 0 beyond it */
     Vector<T> proxy; /* where it was looked at from */
     layout::uint feature;
-    bool faceless = false; /* its plane was tried from here and led nowhere */
+    bool faceless; /* its plane was tried from here and led nowhere */
 
     bool above_face() const noexcept { return feature == layout::kMeshFace; }
 };
 
-template <typename T> void look(Touch<T>& touch, const Vector<T>& proxy) noexcept {
-    const TrianglePoint<T> nearest = nearest_on_triangle(proxy, touch.triangle);
-    touch.proxy = proxy;
-    touch.feature = nearest.feature;
-    const T height = dot(touch.triangle.normal, proxy - touch.triangle.corners[0]);
-    touch.face = height < T(0) ? -touch.triangle.normal : touch.triangle.normal;
-    touch.height = std::abs(height);
-    if (touch.above_face()) {
-        touch.distance = touch.height;
-        touch.away = touch.face;
-        return;
+template <typename T> void begin_touch(const layout::MeshView<T>& mesh, layout::uint index, Touch<T>& touch) noexcept {
+    touch.index = index;
+    touch.triangle = triangle_at(mesh, index);
+    touch.faceless = false;
+    for (layout::uint i = 0; i < 3; ++i) {
+        touch.edges[i] = touch.triangle.corners[(i + 1) % 3] - touch.triangle.corners[i];
+        touch.inwards[i] = cross(touch.triangle.normal, touch.edges[i]);
+        touch.squares[i] = dot(touch.edges[i], touch.edges[i]);
     }
+}
+
+/// Beside the face, or too near its border to tell at a glance.
+template <typename T> void look_closely(Touch<T>& touch) noexcept {
+    const TrianglePoint<T> nearest = nearest_on_triangle(touch.proxy, touch.triangle);
+    touch.feature = nearest.feature;
+    if (touch.above_face())
+        return;
     touch.distance = std::sqrt(nearest.square);
     Vector<T> away = -nearest.offset;
     if (touch.feature < layout::kMeshCorner) {
         // Along the edge a move may be long, so the normal must be square to it to the last bit.
-        const layout::uint i = touch.feature - layout::kMeshEdge;
-        const Vector<T> edge = normalised(touch.triangle.corners[(i + 1) % 3] - touch.triangle.corners[i]);
+        const Vector<T> edge = normalised(touch.edges[touch.feature - layout::kMeshEdge]);
         away -= dot(away, edge) * edge;
     }
     touch.away = normalised(away);
 }
 
-/// Inward, in the triangle's plane, square to edge i and as long as it.
-template <typename T> Vector<T> inward_of(const Triangle<T>& triangle, layout::uint i) noexcept {
-    return cross(triangle.normal, triangle.corners[(i + 1) % 3] - triangle.corners[i]);
+/// Finds out how the proxy stands to a triangle.
+template <typename T> void look(Touch<T>& touch, const Vector<T>& proxy) noexcept {
+    constexpr T kClear = Skin<T>::kWidth * T(0.125) * Skin<T>::kWidth * T(0.125);
+    touch.proxy = proxy;
+    const T height = dot(touch.triangle.normal, proxy - touch.triangle.corners[0]);
+    touch.face = height < T(0) ? -touch.triangle.normal : touch.triangle.normal;
+    touch.height = std::abs(height);
+    touch.distance = touch.height;
+    touch.away = touch.face;
+    touch.feature = layout::kMeshFace;
+    bool clear = true;
+    for (layout::uint i = 0; i < 3; ++i) {
+        const T inside = dot(touch.inwards[i], proxy - touch.triangle.corners[i]);
+        touch.insides[i] = inside;
+        clear = clear && inside > T(0) && inside * inside > kClear * touch.squares[i];
+    }
+    if (!clear)
+        look_closely(touch);
 }
 
 enum class Hold { none, face, rounded };
@@ -60,10 +83,8 @@ template <typename T> bool lands_on_face(const Touch<T>& touch, const Vector<T>&
     const layout::uint first = touch.feature - (corner ? layout::kMeshCorner : layout::kMeshEdge);
     for (layout::uint i = 0; i < (corner ? 2U : 1U); ++i) {
         const layout::uint edge = (first + 2 * i) % 3;
-        const Vector<T> inward = inward_of(touch.triangle, edge);
         // Inside at the time height / descent, without the division.
-        const T inside = dot(inward, touch.proxy - touch.triangle.corners[edge]);
-        if (!(inside * descent + touch.height * dot(inward, way) > T(0)))
+        if (!(touch.insides[edge] * descent + touch.height * dot(touch.inwards[edge], way) > T(0)))
             return false;
     }
     return true;
@@ -96,20 +117,13 @@ template <typename T> struct Release {
 };
 
 /// A move along the face's plane leaves it a skin beyond an edge.
-template <typename T>
-Release<T> release_of_face(const Touch<T>& touch, const Vector<T>& proxy, const Vector<T>& way, T until) noexcept {
+template <typename T> Release<T> release_of_face(const Touch<T>& touch, const Vector<T>& way, T until) noexcept {
     Release<T> release{until, 3};
     for (layout::uint i = 0; i < 3; ++i) {
-        const Vector<T>& start = touch.triangle.corners[i];
-        const Vector<T> edge = touch.triangle.corners[(i + 1) % 3] - start;
-        const Vector<T> inward = cross(touch.triangle.normal, edge);
-        const T rate = dot(inward, way);
-        if (!(rate < T(0)))
+        const T rate = dot(touch.inwards[i], way);
+        if (!(touch.insides[i] + rate * release.time < T(0)) || !(rate < T(0)))
             continue;
-        const T inside = dot(inward, proxy - start);
-        if (inside + rate * release.time >= T(0))
-            continue;
-        const T time = (inside + Skin<T>::kWidth * std::sqrt(dot(edge, edge))) / -rate;
+        const T time = (touch.insides[i] + Skin<T>::kWidth * std::sqrt(touch.squares[i])) / -rate;
         if (time < release.time)
             release = {time > T(0) ? time : T(0), i};
     }
@@ -117,8 +131,7 @@ Release<T> release_of_face(const Touch<T>& touch, const Vector<T>& proxy, const 
 }
 
 /// A move along the plane of a rounded edge or corner leaves it a skin aside, or beyond the edge's ends.
-template <typename T>
-Release<T> release_of_rounded(const Touch<T>& touch, const Vector<T>& proxy, const Vector<T>& way, T until) noexcept {
+template <typename T> Release<T> release_of_rounded(const Touch<T>& touch, const Vector<T>& way, T until) noexcept {
     Release<T> release{until, 3};
     const auto leaves_at = [&release](T time) {
         if (time < release.time)
@@ -129,12 +142,10 @@ Release<T> release_of_rounded(const Touch<T>& touch, const Vector<T>& proxy, con
         return release;
     }
     const layout::uint i = touch.feature - layout::kMeshEdge;
-    const Vector<T>& start = touch.triangle.corners[i];
-    const Vector<T> edge = touch.triangle.corners[(i + 1) % 3] - start;
-    const T length = std::sqrt(dot(edge, edge));
-    const T rate = dot(edge, way) / length;
-    const T along = dot(edge, proxy - start) / length;
-    const Vector<T> aside = way - (rate / length) * edge;
+    const T length = std::sqrt(touch.squares[i]);
+    const T rate = dot(touch.edges[i], way) / length;
+    const T along = dot(touch.edges[i], touch.proxy - touch.triangle.corners[i]) / length;
+    const Vector<T> aside = way - (rate / length) * touch.edges[i];
     leaves_at(Skin<T>::kWidth / std::sqrt(dot(aside, aside)));
     if (rate > T(0))
         leaves_at((length + Skin<T>::kWidth - along) / rate);

@@ -20,6 +20,7 @@ public:
     static constexpr layout::uint kPool = 8;
     static constexpr unsigned kSubsteps = 20000;
     static constexpr unsigned kPatience = 32;
+    static constexpr layout::uint kBatch = 64;
 
     Walk(const layout::MeshView<T>& mesh, Neighbourhood<T>& around, const Vector<T>& proxy, const Vector<T>& probe,
          const Trace& trace) noexcept
@@ -35,14 +36,9 @@ public:
 
     /// What the proxy may touch; no harm if it does not.
     void remember(layout::uint triangle) noexcept {
-        for (layout::uint i = 0; i < count_; ++i)
-            if (pool_[i].index == triangle)
-                return;
-        if (count_ == kPool && !forget_one())
+        if (knows(triangle) || (count_ == kPool && !forget_one()))
             return;
-        pool_[count_].index = triangle;
-        pool_[count_].triangle = triangle_at(mesh_, triangle);
-        pool_[count_].faceless = false;
+        begin_touch(mesh_, triangle, pool_[count_]);
         look(pool_[count_], proxy_);
         holds_[count_++] = Hold::none;
     }
@@ -184,12 +180,28 @@ private:
         if (length > kFar)
             wish = wish * (kFar / length);
         tolerance_ = Skin<T>::kRest + T(8) * std::numeric_limits<T>::epsilon() * (length > kFar ? kFar : length);
+        if (count_ == 1 && pool_[0].above_face()) {
+            find_way_on_face(wish);
+            return;
+        }
         for (const bool relaxed : {false, true})
             if (project(wish, tolerance_, projection_, [&](const Vector<T>& way, HalfSpace<T>& space) {
                     return worst(way, relaxed, tolerance_, space);
                 }))
                 return;
         projection_.vector = Vector<T>(T(0));
+    }
+
+    /// The same for one face alone, the most common case.
+    void find_way_on_face(const Vector<T>& wish) noexcept {
+        const HalfSpace<T> space = half_space(pool_[0], Hold::face, 0);
+        holds_[0] = Hold::face;
+        if (space.slack - dot(space.normal, wish) > tolerance_) {
+            projection_ = onto_plane(wish, space);
+            return;
+        }
+        projection_.count = 0;
+        projection_.vector = wish;
     }
 
     /// Whether a move keeps to the half-space of a triangle in the pool, so that it cannot cross it.
@@ -209,24 +221,66 @@ private:
         return false;
     }
 
+    /// The first impact of a move. Triangles are sifted in batches without a branch each, so that one does not wait for
+    /// the memory of another.
     Impact cast(Move<T> move) noexcept {
         Impact first{T(2), 0};
-        const Vector<T> way = move.way;
+        layout::uint batch[kBatch];
+        layout::uint count = 0;
         visit_near(mesh_, around_, move, [&](layout::uint triangle) {
-            const std::size_t corner = 3 * std::size_t(mesh_.triangle_corners[3 * std::size_t(triangle)]);
+            batch[count++] = triangle;
+            if (count == kBatch) {
+                cast_at(batch, count, move, first);
+                count = 0;
+            }
+        });
+        cast_at(batch, count, move, first);
+        return first;
+    }
+
+    void cast_at(layout::uint* batch, layout::uint count, Move<T>& move, Impact& first) const noexcept {
+        constexpr T kFar = Skin<T>::kCulled;
+        layout::uint left = 0;
+        for (layout::uint i = 0; i < count; ++i) {
+            const std::size_t triangle = batch[i];
+            const std::size_t corner = 3 * std::size_t(mesh_.triangle_corners[3 * triangle]);
             const Vector<T> normal = vector_at(mesh_.triangle_normals, triangle);
             const Vector<T> to{move.from.x - mesh_.vertices[corner], move.from.y - mesh_.vertices[corner + 1],
                                move.from.z - mesh_.vertices[corner + 2]};
-            const Stretch<T> stretch = stretch_near_plane(move, dot(normal, to), dot(normal, way));
-            if (!(stretch.begin <= stretch.end) || keeps_off(triangle, way))
-                return;
-            const T time = impact_time(triangle_at(mesh_, triangle), move);
-            if (time < first.time || (time == first.time && comes_before(triangle, first.triangle))) {
-                first = {time, triangle};
-                move.until = time < move.until ? time : move.until;
-            }
-        });
-        return first.time <= move.until ? first : Impact{T(2), 0};
+            const T begin = dot(normal, to), end = begin + move.until * dot(normal, move.way);
+            const bool apart = ((begin > kFar) & (end > kFar)) | ((begin < -kFar) & (end < -kFar));
+            batch[left] = static_cast<layout::uint>(triangle);
+            left += apart ? 0 : 1;
+        }
+        for (layout::uint i = 0; i < left; ++i) {
+            if (keeps_off(batch[i], move.way))
+                continue;
+            const Triangle<T> triangle = triangle_at(mesh_, batch[i]);
+            if (lies_below(triangle))
+                continue;
+            const T time = impact_time(triangle, move);
+            if (time > move.until || (time == first.time && !comes_before(batch[i], first.triangle)))
+                continue;
+            first = {time, batch[i]};
+            move.until = time;
+        }
+    }
+
+    /// Whether a triangle is behind a plane that the move keeps a skin in front of.
+    bool lies_below(const Triangle<T>& triangle) const noexcept {
+        constexpr T kFlush = Skin<T>::kRest * T(0.25);
+        for (layout::uint j = 0; j < projection_.count; ++j) {
+            const layout::uint source = projection_.held[j].source;
+            if (holds_[source] != Hold::face)
+                continue;
+            const Vector<T>& normal = pool_[source].face;
+            const Vector<T>& corner = pool_[source].triangle.corners[0];
+            if (dot(normal, triangle.corners[0] - corner) <= kFlush &&
+                dot(normal, triangle.corners[1] - corner) <= kFlush &&
+                dot(normal, triangle.corners[2] - corner) <= kFlush)
+                return true;
+        }
+        return false;
     }
 
     bool comes_before(layout::uint one, layout::uint other) const noexcept {
@@ -246,9 +300,8 @@ private:
         layout::uint released = kPool;
         for (layout::uint i = 0; i < projection_.count; ++i) {
             const layout::uint source = projection_.held[i].source;
-            const Release<T> one = holds_[source] == Hold::face
-                                       ? release_of_face(pool_[source], proxy_, way, release.time)
-                                       : release_of_rounded(pool_[source], proxy_, way, release.time);
+            const Release<T> one = holds_[source] == Hold::face ? release_of_face(pool_[source], way, release.time)
+                                                                : release_of_rounded(pool_[source], way, release.time);
             if (one.time < release.time) {
                 release = one;
                 released = source;
@@ -272,9 +325,8 @@ private:
         }
         if (released < kPool) {
             pool_[released].faceless = !moves;
-            const layout::uint left = pool_[released].index;
             go_to(move.at(time));
-            hand_over(left, release.edge);
+            hand_over(released, release.edge);
             return false;
         }
         // Nothing in the way: without a plane to keep to, that is the probe itself.
@@ -297,13 +349,29 @@ private:
         return cast(move);
     }
 
-    /// The triangle across the edge comes next, most likely: known already, it need not be hit first.
-    void hand_over(layout::uint triangle, layout::uint edge) noexcept {
+    /// The triangle across the edge comes next, most likely: known already, it need not be hit first. If all of the one
+    /// that was left lies below its plane, that one is out of the way.
+    void hand_over(layout::uint released, layout::uint edge) noexcept {
         if (edge > 2)
             return;
-        const layout::uint across = mesh_.triangle_neighbours[3 * std::size_t(triangle) + edge];
-        if (across != layout::kMeshBorder && (across & layout::kMeshManyBit) == 0)
+        const layout::uint across = mesh_.triangle_neighbours[3 * std::size_t(pool_[released].index) + edge];
+        if (across == layout::kMeshBorder || (across & layout::kMeshManyBit) != 0)
+            return;
+        const Vector<T> normal = vector_at(mesh_.triangle_normals, across);
+        const Vector<T> corner = vector_at(mesh_.vertices, mesh_.triangle_corners[3 * std::size_t(across)]);
+        const T height = dot(normal, proxy_ - corner);
+        const T apex = dot(normal, pool_[released].triangle.corners[(edge + 2) % 3] - corner);
+        if (!(height * apex > T(0)) && !knows(across))
+            begin_touch(mesh_, across, pool_[released]);
+        else
             remember(across);
+    }
+
+    bool knows(layout::uint triangle) const noexcept {
+        for (layout::uint i = 0; i < count_; ++i)
+            if (pool_[i].index == triangle)
+                return true;
+        return false;
     }
 
     const layout::MeshView<T>& mesh_;

@@ -1,6 +1,12 @@
 // L6: the triangles that a short move may come close to, out of the tree.
 #pragma once
 
+#include <bit>
+
+#if defined(__SSE2__)
+#include <emmintrin.h>
+#endif
+
 #include "host/reference/mesh_cast.h"
 #include "host/reference/mesh_nearest.h"
 
@@ -32,15 +38,14 @@ template <typename T> MoveBox box_of(const Move<T>& move, float margin) noexcept
 /// More than the skin and what rounding to single precision does: the margin of every box.
 template <typename T> constexpr float kBoxMargin = static_cast<float>(Skin<T>::kNear) + 0x1p-20F;
 
-/// The leaves of the tree that meet a box around where a god-object lately was. Only saves time: what is found near a
-/// move does not depend on it. One per thread and mesh; no mesh may take the place of another under it.
+/// The leaves of the tree that meet a box around where a god-object lately was, in fours as a node has its children.
+/// Only saves time: what is found near a move does not depend on it. One per thread and mesh; no mesh may take the
+/// place of another under it.
 template <typename T> struct Neighbourhood {
-    static constexpr layout::uint kCapacity = 64;
-    static constexpr layout::uint kFewLeaves = 12;
-    float low_x[kCapacity], low_y[kCapacity], low_z[kCapacity];
-    float high_x[kCapacity], high_y[kCapacity], high_z[kCapacity];
-    layout::uint leaf[kCapacity];
-    layout::uint count = 0;
+    static constexpr layout::uint kFours = 12;
+    static constexpr layout::uint kFewFours = 3;
+    layout::MeshNode fours[kFours];
+    layout::uint count = 0;               /* fours in use */
     MoveBox box{{1, 1, 1}, {-1, -1, -1}}; /* what is not within it is not known here */
     float reach = 0x1p-3F;                /* how far beyond a move the next box goes */
 };
@@ -52,17 +57,29 @@ template <typename Visit> void visit_leaf(layout::uint child, Visit&& visit) noe
         visit(first + i);
 }
 
-/// Bit i of the result: child i of the node meets the box.
+/// Bit i of the result: child i of the node meets the box. Places without a child have boxes that meet nothing.
 inline unsigned children_meeting(const layout::MeshNode& node, const MoveBox& box) noexcept {
+#if defined(__SSE2__)
+    const auto not_above = [](const float* low, float high) {
+        return _mm_cmple_ps(_mm_loadu_ps(low), _mm_set1_ps(high));
+    };
+    const auto not_below = [](const float* high, float low) {
+        return _mm_cmpge_ps(_mm_loadu_ps(high), _mm_set1_ps(low));
+    };
+    const __m128 x = _mm_and_ps(not_above(node.low_x, box.high[0]), not_below(node.high_x, box.low[0]));
+    const __m128 y = _mm_and_ps(not_above(node.low_y, box.high[1]), not_below(node.high_y, box.low[1]));
+    const __m128 z = _mm_and_ps(not_above(node.low_z, box.high[2]), not_below(node.high_z, box.low[2]));
+    return static_cast<unsigned>(_mm_movemask_ps(_mm_and_ps(_mm_and_ps(x, y), z)));
+#else
     unsigned meeting = 0;
     for (unsigned i = 0; i < layout::kMeshChildren; ++i) {
         const bool meets = (node.low_x[i] <= box.high[0]) & (node.high_x[i] >= box.low[0]) &
                            (node.low_y[i] <= box.high[1]) & (node.high_y[i] >= box.low[1]) &
-                           (node.low_z[i] <= box.high[2]) & (node.high_z[i] >= box.low[2]) &
-                           (node.child[i] != layout::kMeshNoChild);
+                           (node.low_z[i] <= box.high[2]) & (node.high_z[i] >= box.low[2]);
         meeting |= static_cast<unsigned>(meets) << i;
     }
     return meeting;
+#endif
 }
 
 /// Calls visit(node, i) for every leaf that meets the box, until it returns false.
@@ -73,10 +90,8 @@ void visit_leaves(const layout::MeshView<T>& mesh, const MoveBox& box, Visit&& v
     stack[height++] = 0;
     while (height > 0) {
         const layout::MeshNode& node = mesh.nodes[stack[--height]];
-        const unsigned meeting = children_meeting(node, box);
-        for (unsigned i = 0; i < layout::kMeshChildren; ++i) {
-            if ((meeting >> i & 1U) == 0)
-                continue;
+        for (unsigned meeting = children_meeting(node, box); meeting != 0; meeting &= meeting - 1) {
+            const auto i = static_cast<unsigned>(std::countr_zero(meeting));
             if ((node.child[i] & layout::kMeshLeaf) == 0)
                 stack[height++] = node.child[i];
             else if (!visit(node, i))
@@ -85,32 +100,68 @@ void visit_leaves(const layout::MeshView<T>& mesh, const MoveBox& box, Visit&& v
     }
 }
 
+template <typename T>
+void put_leaf(const layout::MeshNode& node, unsigned i, layout::uint place, Neighbourhood<T>& around) noexcept {
+    layout::MeshNode& four = around.fours[place / 4];
+    const layout::uint j = place % 4;
+    four.low_x[j] = node.low_x[i];
+    four.low_y[j] = node.low_y[i];
+    four.low_z[j] = node.low_z[i];
+    four.high_x[j] = node.high_x[i];
+    four.high_y[j] = node.high_y[i];
+    four.high_z[j] = node.high_z[i];
+    four.child[j] = node.child[i];
+}
+
+/// Asks for what of a leaf a cast will read.
+template <typename T> void fetch_ahead(const layout::MeshView<T>& mesh, layout::uint child) noexcept {
+#if defined(__GNUC__)
+    const std::size_t first = 3 * std::size_t((child & ~layout::kMeshLeaf) / layout::kMeshLeafTriangles);
+    __builtin_prefetch(&mesh.triangle_corners[first]);
+    __builtin_prefetch(&mesh.triangle_neighbours[first]);
+    __builtin_prefetch(&mesh.triangle_normals[first]);
+    __builtin_prefetch(&mesh.triangle_normals[first] + 64 / sizeof(T));
+#endif
+}
+
+/// The box that a move is likely to go on in: further ahead than aside.
+template <typename T> MoveBox box_ahead(const Move<T>& move, float reach) noexcept {
+    MoveBox box = box_of(move, kBoxMargin<T> + 0.25F * reach);
+    const T length = largest_coordinate(move.way);
+    for (int i = 0; i < 3; ++i) {
+        const float ahead = length > T(0) ? reach * static_cast<float>(move.way[i] / length) : 0.0F;
+        box.low[i] += ahead < 0.0F ? ahead : 0.0F;
+        box.high[i] += ahead > 0.0F ? ahead : 0.0F;
+    }
+    return box;
+}
+
 /// Gathers the leaves around a move. False if there are too many: then nothing is known.
 template <typename T>
 bool gather(const layout::MeshView<T>& mesh, const Move<T>& move, Neighbourhood<T>& around) noexcept {
-    const MoveBox box = box_of(move, kBoxMargin<T> + around.reach);
+    constexpr layout::uint kMost = 4 * Neighbourhood<T>::kFours;
+    const MoveBox box = box_ahead(move, around.reach);
     layout::uint count = 0;
     bool fits = true;
     visit_leaves(mesh, box, [&](const layout::MeshNode& node, unsigned i) {
-        fits = count < Neighbourhood<T>::kCapacity;
-        if (!fits)
-            return false;
-        around.low_x[count] = node.low_x[i];
-        around.low_y[count] = node.low_y[i];
-        around.low_z[count] = node.low_z[i];
-        around.high_x[count] = node.high_x[i];
-        around.high_y[count] = node.high_y[i];
-        around.high_z[count] = node.high_z[i];
-        around.leaf[count++] = node.child[i];
-        return true;
+        fits = count < kMost;
+        if (fits) {
+            put_leaf(node, i, count++, around);
+            fetch_ahead(mesh, node.child[i]);
+        }
+        return fits;
     });
-    around.count = fits ? count : 0;
+    around.count = fits ? (count + 3) / 4 : 0;
     around.box = fits ? box : MoveBox{{1, 1, 1}, {-1, -1, -1}};
-    if (!fits)
+    if (!fits) {
         around.reach *= 0.5F;
-    else if (count < Neighbourhood<T>::kFewLeaves && around.reach < 1.0F)
+        return false;
+    }
+    if (around.count < Neighbourhood<T>::kFewFours && around.reach < 1.0F)
         around.reach *= 1.5F;
-    return fits;
+    for (; count % 4 != 0; ++count)
+        around.fours[count / 4].low_x[count % 4] = std::numeric_limits<float>::infinity();
+    return true;
 }
 
 /// Whether a box grown by the margin meets a move: its interval of times along each axis.
@@ -167,9 +218,8 @@ void visit_near(const layout::MeshView<T>& mesh, Neighbourhood<T>& around, const
         }
     }
     for (layout::uint i = 0; i < around.count; ++i)
-        if ((around.low_x[i] <= box.high[0]) & (around.high_x[i] >= box.low[0]) & (around.low_y[i] <= box.high[1]) &
-            (around.high_y[i] >= box.low[1]) & (around.low_z[i] <= box.high[2]) & (around.high_z[i] >= box.low[2]))
-            visit_leaf(around.leaf[i], visit);
+        for (unsigned meeting = children_meeting(around.fours[i], box); meeting != 0; meeting &= meeting - 1)
+            visit_leaf(around.fours[i].child[std::countr_zero(meeting)], visit);
 }
 
 } // namespace forceshade::reference
