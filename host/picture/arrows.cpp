@@ -71,11 +71,6 @@ void plan_arrows(ArrowPlot& p) {
     const SliceAxes& s = p.slice.axes;
     p.columns = arrow_samples(s.u.size(), p.plot.width);
     p.rows = arrow_samples(s.v.size(), p.plot.height);
-    for (const auto& force : p.slice.force) {
-        const double in_plane = std::hypot(force[0], force[2]);
-        if (std::isfinite(in_plane) && std::isfinite(force[1]))
-            p.largest_in_plane = std::max(p.largest_in_plane, in_plane);
-    }
     const double longest_u = longest_along(p.columns, s.u.size(), p.plot.width);
     const double longest_v = longest_along(p.rows, s.v.size(), p.plot.height);
     p.longest_arrow = std::min({longest_u, longest_v, kLongestArrow});
@@ -140,10 +135,27 @@ std::vector<LegendItem> legend_of(const ArrowPlot& p, const SurfaceLines& lines)
     return items;
 }
 
-ArrowPlot plan_plot(const FieldSlice& slice) {
+// What the scales of a slice are made for, N.
+struct Scale {
+    double largest = 0, largest_in_plane = 0;
+};
+
+Scale scale_of(const FieldSlice& slice) {
+    Scale scale{take_census(magnitude_of(slice).magnitude).largest, 0};
+    for (const auto& force : slice.force) {
+        const double in_plane = std::hypot(force[0], force[2]);
+        if (std::isfinite(in_plane) && std::isfinite(force[1]))
+            scale.largest_in_plane = std::max(scale.largest_in_plane, in_plane);
+    }
+    return scale;
+}
+
+ArrowPlot plan_plot(const FieldSlice& slice, const Scale& scale) {
     ArrowPlot p{
         .slice = slice, .magnitude = magnitude_of(slice), .census = {}, .axes = plan_axes("x", "z", slice.axes)};
     p.census = take_census(p.magnitude.magnitude);
+    p.census.largest = scale.largest;
+    p.largest_in_plane = scale.largest_in_plane;
     const double left = left_labels_width(fit_vertical(p.axes, kMostPlotHeight)) + 40;
     const double right = kBarGap + colour_bar_width(p.census.largest, kMostPlotHeight) + 10;
     const double room = kSheetWidth - 2 * kMargin - left - right;
@@ -180,31 +192,59 @@ void draw_plot(Canvas& canvas, const ArrowPlot& p, const SurfaceLines& lines) {
     canvas.text(p.vertical.title, {p.plot.x - left_labels_width(p.vertical) - 8, middle.y}, kUpAxisStyle);
 }
 
+// A plot with all that stands around it.
+struct ArrowSheet {
+    ArrowSheet(const std::string& name, const FieldSlice& slice, const SurfaceLines& drawn, const Scale& scale)
+        : p(plan_plot(slice, scale)), lines(drawn), heading(plan_heading(name, notes_of(p))),
+          legend(legend_of(p, lines)) {
+        const double largest = p.census.largest;
+        const Extent vertical_title = measure(p.vertical.title, kUpAxisStyle);
+        body = std::ceil(std::max({p.plot.height, colour_bar_least_height(largest), vertical_title.height}));
+        const double left = left_labels_width(p.vertical) + 8 + vertical_title.width;
+        const double width = left + p.plot.width + kBarGap + colour_bar_width(largest, body);
+        top = std::ceil(kMargin + heading.height + 18);
+        p.plot.x = std::round((kSheetWidth - width) / 2 + left);
+        p.plot.y = top + std::round((body - p.plot.height) / 2);
+        below = top + body + bottom_labels_height() + 4 + measure("x", kAxisStyle).height + 14;
+    }
+
+    int height() const {
+        return static_cast<int>(std::ceil(below + legend_height(legend, kLegendWidth) + kMargin / 2));
+    }
+
+    void draw(Canvas& canvas) const {
+        draw_heading(canvas, heading);
+        draw_plot(canvas, p, lines);
+        draw_colour_bar(canvas, {p.plot.x + p.plot.width + kBarGap, top}, body, p.census.largest);
+        draw_legend(canvas, legend, {kMargin, below}, kLegendWidth);
+    }
+
+    static constexpr double kLegendWidth = kSheetWidth - 2 * kMargin;
+    ArrowPlot p;
+    const SurfaceLines& lines;
+    Heading heading;
+    std::vector<LegendItem> legend;
+    double body = 0, top = 0, below = 0; // pixels
+};
+
 } // namespace
 
 Picture draw_arrows(const std::string& name, const FieldSlice& slice, const SurfaceLines& lines) {
     assert(slice.force.size() == slice.axes.u.size() * slice.axes.v.size() && !slice.force.empty());
-    ArrowPlot p = plan_plot(slice);
-    const double largest = p.census.largest;
-    const Heading heading = plan_heading(name, notes_of(p));
-    const std::vector<LegendItem> legend = legend_of(p, lines);
-    const Extent vertical_title = measure(p.vertical.title, kUpAxisStyle);
+    const ArrowSheet sheet(name, slice, lines, scale_of(slice));
+    Canvas canvas(static_cast<int>(kSheetWidth), sheet.height());
+    sheet.draw(canvas);
+    return canvas.finish();
+}
 
-    const double body = std::ceil(std::max({p.plot.height, colour_bar_least_height(largest), vertical_title.height}));
-    const double left = left_labels_width(p.vertical) + 8 + vertical_title.width;
-    const double width = left + p.plot.width + kBarGap + colour_bar_width(largest, body);
-    const double top = std::ceil(kMargin + heading.height + 18);
-    p.plot.x = std::round((kSheetWidth - width) / 2 + left);
-    p.plot.y = top + std::round((body - p.plot.height) / 2);
-    const double below = top + body + bottom_labels_height() + 4 + measure("x", kAxisStyle).height + 14;
-
-    const double legend_width = kSheetWidth - 2 * kMargin;
-    Canvas canvas(static_cast<int>(kSheetWidth),
-                  static_cast<int>(std::ceil(below + legend_height(legend, legend_width) + kMargin / 2)));
-    draw_heading(canvas, heading);
-    draw_plot(canvas, p, lines);
-    draw_colour_bar(canvas, {p.plot.x + p.plot.width + kBarGap, top}, body, largest);
-    draw_legend(canvas, legend, {kMargin, below}, legend_width);
+Picture draw_side_by_side(const NamedSlice& left, const NamedSlice& right, const SurfaceLines& lines) {
+    const Scale one = scale_of(left.slice), other = scale_of(right.slice);
+    const Scale scale{std::max(one.largest, other.largest), std::max(one.largest_in_plane, other.largest_in_plane)};
+    const ArrowSheet first(left.name, left.slice, lines, scale), second(right.name, right.slice, lines, scale);
+    Canvas canvas(2 * static_cast<int>(kSheetWidth), std::max(first.height(), second.height()));
+    first.draw(canvas);
+    canvas.shift(static_cast<int>(kSheetWidth));
+    second.draw(canvas);
     return canvas.finish();
 }
 

@@ -46,4 +46,13 @@ Picture draw_mosaic(const std::string& name, std::span<const MagnitudeSlice> til
 /// An x-z slice: |F| as colour, (Fx, Fz) as arrows whose length is proportional to that part of the force.
 Picture draw_arrows(const std::string& name, const FieldSlice& slice, const SurfaceLines& lines = {});
 
+/// A slice and its name, for a picture of two.
+struct NamedSlice {
+    std::string name;
+    const FieldSlice& slice;
+};
+
+/// Two such slices side by side, colours and arrows to one scale.
+Picture draw_side_by_side(const NamedSlice& left, const NamedSlice& right, const SurfaceLines& lines = {});
+
 } // namespace forceshade::picture

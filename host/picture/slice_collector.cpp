@@ -27,10 +27,10 @@ Positions positions_within(const std::vector<std::uint64_t>& wanted, std::uint64
 }
 
 template <typename real>
-std::array<double, 3> force_at(const layout::FieldChunk<real>& chunk, std::uint64_t x, std::uint64_t y,
-                               std::uint64_t z) {
+std::array<double, 3> force_at(const layout::FieldChunk<real>& chunk, std::span<const real> channel, std::uint64_t x,
+                               std::uint64_t y, std::uint64_t z) {
     const std::size_t row = (z - chunk.z_first) * chunk.y_count + (y - chunk.y_first);
-    const real* force = chunk.force.data() + 3 * (row * chunk.x_pitch + x);
+    const real* force = channel.data() + 3 * (row * chunk.x_pitch + x);
     return {static_cast<double>(force[0]), static_cast<double>(force[1]), static_cast<double>(force[2])};
 }
 
@@ -70,6 +70,7 @@ SliceCollector::SliceCollector(const GridSpec& grid, bool repeat_y)
                 grid.spacing[2],
                 grid.spacing[1],
                 coordinates(grid, 1, {middle_y_})[0]};
+    unshaded_xz_.axes = xz_.axes;
     xz_.force.assign(columns_.size() * levels_.size(), {kMissing, kMissing, kMissing});
     const std::vector<double> heights = coordinates(grid, 2, tile_at_);
     for (const double z : heights) {
@@ -98,9 +99,15 @@ template <typename real> void SliceCollector::add_chunk(const layout::FieldChunk
 template <typename real> void SliceCollector::keep_xz(const layout::FieldChunk<real>& chunk) {
     const std::uint64_t y = repeat_y_ ? chunk.y_first : middle_y_;
     const Positions levels = positions_within(levels_, chunk.z_first, chunk.z_count);
+    if (!chunk.unshaded.empty() && unshaded_xz_.force.empty())
+        unshaded_xz_.force.assign(xz_.force.size(), {kMissing, kMissing, kMissing});
     for (std::size_t level = levels.first; level < levels.last; ++level)
-        for (std::size_t column = 0; column < columns_.size(); ++column)
-            xz_.force[level * columns_.size() + column] = force_at(chunk, columns_[column], y, levels_[level]);
+        for (std::size_t column = 0; column < columns_.size(); ++column) {
+            const std::size_t sample = level * columns_.size() + column;
+            xz_.force[sample] = force_at(chunk, chunk.force, columns_[column], y, levels_[level]);
+            if (!chunk.unshaded.empty())
+                unshaded_xz_.force[sample] = force_at(chunk, chunk.unshaded, columns_[column], y, levels_[level]);
+        }
 }
 
 template <typename real> void SliceCollector::keep_tile(const layout::FieldChunk<real>& chunk, std::size_t tile) {
@@ -110,7 +117,8 @@ template <typename real> void SliceCollector::keep_tile(const layout::FieldChunk
     for (std::size_t row = rows.first; row < rows.last; ++row) {
         const std::uint64_t y = repeat_y_ ? chunk.y_first : rows_[row];
         for (std::size_t column = 0; column < columns_.size(); ++column)
-            magnitude[row * columns_.size() + column] = length(force_at(chunk, columns_[column], y, tile_at_[tile]));
+            magnitude[row * columns_.size() + column] =
+                length(force_at(chunk, chunk.force, columns_[column], y, tile_at_[tile]));
     }
 }
 

@@ -28,6 +28,8 @@ public:
 
     /// F over x (u) and z (v) at the middle y: sample (ny - 1) / 2, rounded down.
     const FieldSlice& xz() const { return xz_; }
+    /// The same of the force without shading; no samples where the chunks have no such channel.
+    const FieldSlice& unshaded_xz() const { return unshaded_xz_; }
     /// |F| over x (u) and y (v) at up to kMaxTiles evenly spaced z, from the lowest z to the highest.
     const std::vector<MagnitudeSlice>& tiles() const { return tiles_; }
 
@@ -42,7 +44,7 @@ private:
     std::vector<std::uint64_t> rows_;    // y indices kept
     std::vector<std::uint64_t> levels_;  // z indices kept in xz_
     std::vector<std::uint64_t> tile_at_; // z indices that have a tile
-    FieldSlice xz_;
+    FieldSlice xz_, unshaded_xz_;
     std::vector<MagnitudeSlice> tiles_;
 };
 

@@ -77,11 +77,11 @@ struct TextureSpec {
 
 /// Voxel (i, j, k) samples origin + spacing * (i, j, k).
 struct GridSpec {
-    std::uint64_t samples = 0; /* along the longest side of a mesh's box and 5 %: size, origin and spacing are made from
-                                  them when the mesh is read; 0: they are given */
     std::array<std::uint64_t, 3> size{256, 64, 128};
     std::array<double, 3> origin{-0.025, -0.006, -0.010};  /* m */
     std::array<double, 3> spacing{0.0002, 0.0002, 0.0002}; /* m */
+    std::uint64_t samples = 0; /* along the longest side of a mesh's box and 5 %: size, origin and spacing are made from
+                                  them when the mesh is read; 0: they are given */
     friend bool operator==(const GridSpec&, const GridSpec&) = default;
 };
 

@@ -78,6 +78,8 @@ std::vector<std::string> file_names(const std::string& stem, std::uint32_t chann
                 names.push_back(fmt::format("{}.{}.npy", stem, channel.name));
     if (also.png)
         names.insert(names.end(), {stem + ".mosaic.png", stem + ".arrows.png"});
+    if (also.png && (channels & layout::kChannelUnshaded))
+        names.push_back(stem + ".shading.png");
     return names;
 }
 
@@ -148,10 +150,15 @@ void CaseOutput::add_pictures(CaseRecord& record) {
     const std::filesystem::path folder = volume_.parent_path();
     const std::string stem = volume_.stem().string();
     const std::string& title = prepared_.one.name;
-    record.files.push_back(
-        write_picture(folder / (stem + ".mosaic.png"), picture::draw_mosaic(title, slices_->tiles())));
-    record.files.push_back(write_picture(folder / (stem + ".arrows.png"),
-                                         picture::draw_arrows(title, slices_->xz(), surface_lines(prepared_))));
+    const picture::SurfaceLines lines = surface_lines(prepared_);
+    const auto add = [&](const char* kind, const picture::Picture& drawn) {
+        record.files.push_back(write_picture(folder / fmt::format("{}.{}.png", stem, kind), drawn));
+    };
+    add("mosaic", picture::draw_mosaic(title, slices_->tiles()));
+    add("arrows", picture::draw_arrows(title, slices_->xz(), lines));
+    if (!slices_->unshaded_xz().force.empty())
+        add("shading",
+            picture::draw_side_by_side({title + ", unshaded", slices_->unshaded_xz()}, {title, slices_->xz()}, lines));
 }
 
 } // namespace forceshade

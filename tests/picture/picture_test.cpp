@@ -34,11 +34,11 @@ bool overlap(const Box& a, const Box& b) {
     return a.x < b.x + b.width && b.x < a.x + a.width && a.y < b.y + b.height && b.y < a.y + a.height;
 }
 
-void expect_sound(const Picture& picture) {
+void expect_sound(const Picture& picture, int width = 1400) {
     const Decoded decoded = decode(picture);
     EXPECT_EQ(decoded.width, picture.width);
     EXPECT_EQ(decoded.height, picture.height);
-    EXPECT_EQ(picture.width, 1400);
+    EXPECT_EQ(picture.width, width);
     EXPECT_GT(picture.height, 200);
     EXPECT_LT(picture.height, 1400);
     EXPECT_LT(picture.png.size(), 500'000U);
@@ -183,6 +183,27 @@ TEST(Picture, ArrowsShowTheDirection) {
     for (std::size_t i = 0; i < a.rgb.size(); i += 3)
         different += a.rgb[i] != b.rgb[i];
     EXPECT_GT(different, 5000U);
+}
+
+TEST(SideBySide, TwoSlicesToOneScale) {
+    const test::Case bump = test::cases().front();
+    const auto weak = test::collect(bump.grid, test::two_facet_bump(500, false));
+    const auto strong = test::collect(bump.grid, test::two_facet_bump(1000, true));
+    const Picture picture = draw_side_by_side({"weak", weak.xz}, {"strong", strong.xz}, bump.lines);
+    expect_sound(picture, 2800);
+    EXPECT_TRUE(says(picture, "weak") && says(picture, "strong"));
+    const auto notes = [](const Picture& drawn) {
+        std::vector<std::string> texts;
+        for (const PlacedText& placed : drawn.texts)
+            if (placed.text.find("at most") != std::string::npos)
+                texts.push_back(placed.text);
+        return texts;
+    };
+    // Both name the largest force of the two.
+    const auto both = notes(picture), alone = notes(draw_arrows("strong", strong.xz, bump.lines));
+    ASSERT_EQ(both.size(), 2U);
+    EXPECT_EQ(both[0], alone.at(0));
+    EXPECT_EQ(both[1], alone.at(0));
 }
 
 } // namespace
