@@ -61,23 +61,27 @@ MeshChunkSteps plan_mesh_chunks(std::uint64_t x_pitch, std::uint64_t ny, std::ui
 }
 
 void cut_plan(const layout::MeshPlan& plan, const layout::MeshChunkParams& chunk, const std::vector<uint>& candidates,
-              MeshChunkPlan& part) {
+              bool voxel_by_voxel, MeshChunkPlan& part) {
     const std::vector<uint> order = ordered_blocks(plan, chunk);
-    part.blocks = static_cast<std::uint32_t>(order.size());
-    std::size_t size = layout::kMeshBlockWords * order.size();
+    const uint parts = voxel_by_voxel ? kMeshBlock * kMeshBlock * kMeshBlock : 1;
+    part.blocks = static_cast<std::uint32_t>(order.size() * parts);
+    const std::size_t begin = std::size_t(layout::kMeshBlockWords) * part.blocks;
+    std::size_t size = begin;
     for (const uint index : order)
         size += plan.blocks[index].count;
     part.words.resize(size);
-    std::size_t to = layout::kMeshBlockWords * order.size(), at = 0;
-    const std::size_t first = to;
+    std::size_t to = begin, at = 0;
     for (const uint index : order) {
         const layout::MeshBlock& block = plan.blocks[index];
-        part.words[at++] = block.x;
-        part.words[at++] = block.y - chunk.y_first;
-        part.words[at++] = block.z - chunk.z_first;
-        part.words[at++] = static_cast<uint>(to - first);
-        part.words[at++] = block.count;
-        part.words[at++] = 0xFF00u | (plan.inside.empty() ? 0 : plan.inside[index]);
+        const uint inside = plan.inside.empty() ? 0 : plan.inside[index];
+        for (uint i = 0; i < parts; ++i) {
+            part.words[at++] = block.x;
+            part.words[at++] = block.y - chunk.y_first;
+            part.words[at++] = block.z - chunk.z_first;
+            part.words[at++] = static_cast<uint>(to - begin);
+            part.words[at++] = block.count;
+            part.words[at++] = inside | (voxel_by_voxel ? 0x100u << i : 0xFF00u);
+        }
         for (const uint triangle : plan.candidates.subspan(block.first, block.count))
             part.words[to++] = candidates[triangle];
     }

@@ -27,8 +27,8 @@ struct MeshChunkPlan {
 };
 
 /// `candidates` says how each triangle is written. Blocks are ordered by the number of their candidates, so that
-/// invocations side by side take equally long.
+/// invocations side by side take equally long; `voxel_by_voxel` lists each once for each of its voxels.
 void cut_plan(const layout::MeshPlan& plan, const layout::MeshChunkParams& chunk,
-              const std::vector<layout::uint>& candidates, MeshChunkPlan& part);
+              const std::vector<layout::uint>& candidates, bool voxel_by_voxel, MeshChunkPlan& part);
 
 } // namespace forceshade::compute

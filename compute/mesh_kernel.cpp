@@ -124,6 +124,7 @@ template <typename T> struct MeshKernel::Implementation::Run {
     FieldTimes& times;
     vk::Pipeline pipeline, free_pipeline;
     MeshChunkSteps steps;
+    bool voxel_by_voxel;
     std::size_t turn = 0;
 
     void hand_over(MeshSlot& slot) {
@@ -160,15 +161,18 @@ void MeshKernel::Implementation::Run<T>::record(MeshSlot& slot, const layout::Me
     const auto groups = [](std::uint64_t invocations) {
         return static_cast<std::uint32_t>((invocations + kMeshGroup - 1) / kMeshGroup);
     };
+    const auto wait = [&](Stage stage, vk::AccessFlags written) {
+        const vk::MemoryBarrier barrier(written, Access::eShaderRead | Access::eShaderWrite);
+        commands.pipelineBarrier(stage, Stage::eComputeShader, {}, barrier, {}, {});
+    };
+    wait(Stage::eTransfer, Access::eTransferWrite);
     if (slot.results.result(kProxyChannel).bytes) {
         commands.bindPipeline(vk::PipelineBindPoint::eCompute, free_pipeline);
         commands.dispatch(groups(std::uint64_t(chunk.x_pitch) * chunk.y_count * chunk.z_count), 1, 1);
+        wait(Stage::eComputeShader, Access::eShaderWrite);
     }
     if (chunk.blocks == 0)
         return;
-    const vk::MemoryBarrier filled(Access::eTransferWrite | Access::eShaderWrite,
-                                   Access::eShaderRead | Access::eShaderWrite);
-    commands.pipelineBarrier(Stage::eTransfer | Stage::eComputeShader, Stage::eComputeShader, {}, filled, {}, {});
     commands.bindPipeline(vk::PipelineBindPoint::eCompute, pipeline);
     commands.dispatch(groups(chunk.blocks), 1, 1);
 }
@@ -187,7 +191,7 @@ void MeshKernel::Implementation::Run<T>::submit(const layout::MeshPlan& plan, ui
     chunk.z_count = std::min(steps.z_step, z_end - z);
     chunk.z_axis = chunk.x_pitch + ny;
     const Clock::time_point start = Clock::now();
-    cut_plan(plan, chunk, self.inputs.candidates(), slot.part);
+    cut_plan(plan, chunk, self.inputs.candidates(), voxel_by_voxel, slot.part);
     chunk.blocks = slot.part.blocks;
     chunk.candidates = layout::kMeshBlockWords * chunk.blocks;
     self.put_plan(slot);
@@ -225,6 +229,7 @@ FieldTimes MeshKernel::evaluate(const layout::FieldInput<T>& input,
                           self.device.report.name + " has no double precision in kernels: use --precision f32");
     FieldTimes times;
     return checked("evaluating a field", [&] {
+        const FacetLoops loops = facet_loops(input.law.features, input.law.mesh.facet_begins);
         Clock::time_point start = Clock::now();
         self.inputs.upload(input);
         times.upload = seconds_since(start);
@@ -233,9 +238,10 @@ FieldTimes MeshKernel::evaluate(const layout::FieldInput<T>& input,
                                    input,
                                    consume,
                                    times,
-                                   mesh_pipeline(self.pipelines, input.law.features, kDouble),
+                                   mesh_pipeline(self.pipelines, input.law.features, loops, kDouble),
                                    free_proxy_pipeline(self.pipelines, kDouble),
-                                   self.steps(input)};
+                                   self.steps(input),
+                                   loops.voxel_by_voxel};
         times.compile = seconds_since(start);
         const std::size_t nz = input.z.size();
         const std::size_t layers =

@@ -15,7 +15,7 @@ using PlanSlab = std::function<layout::MeshPlan(std::size_t z_first, std::size_t
 struct MeshKernelOptions {
     std::size_t chunk_bytes = std::size_t(32) << 20;         /* most for the results of one dispatch */
     std::size_t software_chunk_bytes = std::size_t(8) << 20; /* the same on a software device */
-    std::size_t slab_voxels = std::size_t(4) << 20;          /* planned at once */
+    std::size_t slab_voxels = std::size_t(1) << 20;          /* planned at once */
     bool force_staging = false; /* copy through a staging buffer even where the host shares the memory */
 };
 

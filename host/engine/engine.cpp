@@ -7,7 +7,9 @@
 #include <spdlog/spdlog.h>
 
 #include "compute/field_kernel.h"
+#include "compute/mesh_kernel.h"
 #include "host/engine/pipeline_cache_file.h"
+#include "host/mesh/block_plan.h"
 #include "host/reference/field.h"
 
 namespace forceshade {
@@ -49,7 +51,9 @@ class GpuEngine final : public Engine {
 public:
     explicit GpuEngine(const EngineOptions& options)
         : cache_(options.cache), chosen_(choose(options)), device_(open(options)),
-          kernel_(device_, kernel_options(options)) {}
+          kernel_(device_, kernel_options(options)) {
+        mesh_options_.chunk_bytes = options.chunk_bytes;
+    }
 
     ~GpuEngine() override {
         try {
@@ -91,17 +95,47 @@ private:
     }
 
     template <typename T> EngineTimes run(const layout::FieldInput<T>& input, const Consume<T>& consume) {
-        const compute::FieldTimes times = kernel_.evaluate(input, consume);
+        EngineTimes spent;
+        const bool mesh = input.law.features.surface == layout::kSurfaceMesh;
+        const compute::FieldTimes times = mesh ? run_mesh(input, consume, spent) : kernel_.evaluate(input, consume);
         if (const auto complaints = device_.validation_messages(); !complaints.empty())
             throw compute::DeviceError(compute::DeviceError::Kind::unsupported,
                                        "the validation layers complain: " + complaints.front());
-        return {times.compile, times.upload, times.kernel, times.read_back};
+        spent.compile = times.compile;
+        spent.upload = times.upload;
+        spent.kernel = times.kernel;
+        spent.read_back = times.read_back;
+        return spent;
+    }
+
+    // Slab by slab, so that plans take little memory however large the grid is.
+    template <typename T>
+    compute::FieldTimes run_mesh(const layout::FieldInput<T>& input, const Consume<T>& consume, EngineTimes& spent) {
+        using Clock = std::chrono::steady_clock;
+        const auto since = [](Clock::time_point start) {
+            return std::chrono::duration<double>(Clock::now() - start).count();
+        };
+        if (!mesh_kernel_)
+            mesh_kernel_ = std::make_unique<compute::MeshKernel>(device_, mesh_options_);
+        Clock::time_point start = Clock::now();
+        const BlockPlanner<T> planner(input.law.mesh, input.x, input.y, input.z, input.law.features.inside);
+        spent.plan = since(start);
+        BlockPlan plan;
+        return mesh_kernel_->evaluate<T>(input, consume, [&](std::size_t z_first, std::size_t z_count) {
+            start = Clock::now();
+            plan = planner.plan(z_first, z_count);
+            spent.plan += since(start);
+            spent.voxels_evaluated += plan.voxels_evaluated;
+            return plan.view();
+        });
     }
 
     std::filesystem::path cache_;
     compute::DeviceReport chosen_;
     compute::Device device_;
     compute::FieldKernel kernel_;
+    compute::MeshKernelOptions mesh_options_;
+    std::unique_ptr<compute::MeshKernel> mesh_kernel_; // made for the first mesh
 };
 
 } // namespace

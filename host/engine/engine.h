@@ -1,6 +1,7 @@
 // What evaluates fields: a Vulkan device or the CPU oracle, behind one face.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <memory>
@@ -13,6 +14,8 @@ namespace forceshade {
 /// Where the time of a field went, s.
 struct EngineTimes {
     double compile = 0, upload = 0, kernel = 0, read_back = 0;
+    double plan = 0;                    /* of a mesh: where there is force, and what is near */
+    std::uint64_t voxels_evaluated = 0; /* of a mesh; the others were found free as whole blocks */
 };
 
 struct EngineReport {

@@ -237,13 +237,14 @@ struct MeshBlock {
 };
 
 #ifdef __cplusplus
-// The triangles below a node as seen from far away, for the winding number: sums over them with centroid c and vector
-// area a (half the cross product of two edges), about the centre.
+// The triangles below a node as seen from far away, for the winding number: integrals over them, with a the vector area
+// (half the cross product of two edges).
 struct MeshMoment {
     double centre[3];     // 1, of the mesh's frame: mean of the centroids, weighted by area
     double radius;        // 1: no triangle reaches further from the centre
     double dipole[3];     // sum of a
-    double quadrupole[9]; // sum of a_i (c - centre)_j, row i
+    double quadrupole[6]; // symmetric part of the sum of a_i x_j, x from the centre: xx yy zz xy xz yz
+    double octupole[10];  // of the sum of a_i x_j x_k: xxx yyy zzz xxy xxz xyy yyz xzz yzz xyz
 };
 
 // A mesh ready to evaluate, in its own frame. Triangles stand in the tree's order; the spans must outlive it.
@@ -268,7 +269,7 @@ template <typename real> struct MeshView {
 
 // Where a mesh's force is, on one grid. Voxels of blocks that are not listed are out of contact.
 struct MeshPlan {
-    std::span<const MeshBlock> blocks; // by z, then y, then x
+    std::span<const MeshBlock> blocks; // by z
     std::span<const uint> candidates;  // triangles
     std::span<const uint> inside;      // kInsideWinding: 1 word a block, bit (z * 2 + y) * 2 + x of each voxel
 };

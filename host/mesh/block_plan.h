@@ -1,0 +1,55 @@
+// Where on a grid a mesh's field is not 0, and which triangles can be the nearest ones there: what the mesh kernel is
+// told. Conservative: a kernel that follows a plan gives what evaluating every voxel against every triangle would.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "shaders/shared/layout.h"
+
+namespace forceshade {
+
+/// Owns what a layout::MeshPlan only points to.
+struct BlockPlan {
+    std::vector<layout::MeshBlock> blocks; /* by z */
+    std::vector<layout::uint> candidates;  /* triangles */
+    std::vector<layout::uint> inside;      /* layout::kInsideWinding: 8 bits a block */
+    std::uint64_t voxels_evaluated = 0;    /* of the grid, in listed blocks */
+
+    layout::MeshPlan view() const { return {blocks, candidates, inside}; }
+};
+
+/// A run of candidates is no longer, whatever the mesh: where more triangles might be nearest, the planner finds the
+/// nearest ones itself. So a plan takes at most 24 + 4 kMostCandidates bytes a block of 8 voxels.
+constexpr layout::uint kMostCandidates = 512;
+
+/// Plans the blocks of one mesh on one grid, a slab at a time. Results do not depend on the threads.
+template <typename T> class BlockPlanner {
+public:
+    /// The grid x * y * z, coordinates in the mesh's frame, increasing. `inside` is layout::kInside...;
+    /// kInsideWinding needs mesh.moments. All spans must outlive the planner. `threads` 0: as many as the machine has
+    /// cores.
+    BlockPlanner(const layout::MeshView<T>& mesh, std::span<const T> x, std::span<const T> y, std::span<const T> z,
+                 layout::uint inside, unsigned threads = 0);
+    ~BlockPlanner();
+
+    /// Blocks of the samples z in [z_first, z_first + z_count), z_first even, in which a voxel may be inside.
+    BlockPlan plan(std::size_t z_first, std::size_t z_count) const;
+
+private:
+    struct Implementation;
+    std::unique_ptr<const Implementation> implementation_;
+};
+
+/// The plan of a whole grid.
+template <typename T>
+BlockPlan plan_blocks(const layout::MeshView<T>& mesh, std::span<const T> x, std::span<const T> y, std::span<const T> z,
+                      layout::uint inside, unsigned threads = 0) {
+    return BlockPlanner<T>(mesh, x, y, z, inside, threads).plan(0, z.size());
+}
+
+extern template class BlockPlanner<float>;
+extern template class BlockPlanner<double>;
+
+} // namespace forceshade

@@ -1,0 +1,265 @@
+#include "host/mesh/block_worker.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "host/mesh/block_plan.h"
+#include "host/reference/mesh_nearest.h"
+#include "host/reference/mesh_winding.h"
+
+namespace forceshade {
+
+using layout::kMeshBlock;
+using layout::uint;
+using reference::Vector;
+
+namespace {
+
+// The squared radius of the least circle around a triangle.
+template <typename T> T circle_square(const Vector<T>& a, const Vector<T>& b, const Vector<T>& c) {
+    std::array<T, 3> squares{reference::dot(b - a, b - a), reference::dot(c - b, c - b), reference::dot(a - c, a - c)};
+    std::sort(squares.begin(), squares.end());
+    if (!(squares[0] + squares[1] > squares[2])) // the longest edge is a diameter
+        return squares[2] / T(4);
+    const Vector<T> normal = reference::cross(Vector<T>(b - a), Vector<T>(c - a));
+    const T area_square = reference::dot(normal, normal); // four times
+    // Never larger than the circle about the corners' mean that the longest edge bounds.
+    const T least = squares[2] / T(3);
+    const T circle = squares[0] * squares[1] * (squares[2] / (T(4) * area_square));
+    return circle < least ? circle : least;
+}
+
+// The winding number is good to 1e-4 (mesh_winding.h), at both places that it is compared at.
+constexpr double kWindingDoubt = 1e-3;
+
+} // namespace
+
+template <typename T> PlanTriangle<T> plan_triangle(const layout::MeshView<T>& mesh, std::size_t triangle, T largest) {
+    PlanTriangle<T> row;
+    std::array<Vector<T>, 3> corners;
+    for (std::size_t i = 0; i < 3; ++i) {
+        corners[i] = reference::vector_at(mesh.vertices, mesh.triangle_corners[3 * triangle + i]);
+        for (int j = 0; j < 3; ++j)
+            row.corners[3 * i + std::size_t(j)] = corners[i][j];
+    }
+    const T circle = circle_square(corners[0], corners[1], corners[2]);
+    // What is subtracted of squares must not be below what their rounding adds.
+    constexpr T kRounding = T(64) * std::numeric_limits<T>::epsilon();
+    row.circle = circle + kRounding * (circle + largest * std::sqrt(circle));
+    row.normal = reference::vector_at(mesh.triangle_normals, triangle);
+    row.offset = reference::dot(row.normal, corners[0]);
+    return row;
+}
+
+template <typename T> PlanBox<T> PlanInput<T>::box(const SampleRange& range) const {
+    PlanBox<T> box;
+    for (int i = 0; i < 3; ++i) {
+        const auto axis = static_cast<std::size_t>(i);
+        box.low[i] = axes[axis][range.first[axis]];
+        box.high[i] = axes[axis][range.last[axis]];
+    }
+    return box;
+}
+
+template <typename T> Witness<T> BlockWorker<T>::witness_from(const PlanBox<T>& box, const Vector<T>& point) const {
+    const Vector<T> apart = box.centre() - point, half = box.half();
+    const T reach = std::sqrt(reference::dot(apart, apart)) + T(2) * std::sqrt(reference::dot(half, half));
+    return {point, T(4) * input_.slack * (reach + input_.slack)};
+}
+
+// A point of the surface that is near, and often the nearest.
+template <typename T> Vector<T> BlockWorker<T>::point_near(const TriangleList<T>& list, const Vector<T>& point) const {
+    const PlanTriangle<T>& near = input_.rows[list.ids()[list.near_one(point)]];
+    const auto corner = [&](std::size_t i) { return reference::vector_at(std::span<const T>(near.corners), i); };
+    return point + reference::nearest_on_triangle(point, corner(0), corner(1), corner(2), near.normal).offset;
+}
+
+// Above the planes of all that may be nearest, and so of all that meet in the nearest point: outside by any
+// pseudonormal.
+template <typename T> bool BlockWorker<T>::is_outside(const TriangleList<T>& list, const PlanBox<T>& box) const {
+    return std::ranges::all_of(places_,
+                               [&](uint place) { return is_below(input_.rows[list.ids()[place]], box, input_.slack); });
+}
+
+// What of a box is inside by the winding number, told from its centre; `both` where that does not tell.
+template <typename T> typename BlockWorker<T>::Side BlockWorker<T>::winding_side(const PlanBox<T>& box) {
+    const Vector<T> centre = box.centre(), half = box.half();
+    const auto nearest = reference::nearest(input_.mesh, centre, hint_);
+    hint_ = nearest.triangle;
+    const T radius = std::sqrt(reference::dot(half, half)) + input_.slack;
+    if (!(std::sqrt(nearest.square) > radius + input_.slack))
+        return Side::both;
+    const Vector<double> probe(centre);
+    const double winding = reference::winding_number(input_.mesh, probe);
+    const double change = reference::winding_change(input_.mesh, probe, static_cast<double>(radius));
+    if (!(std::abs(winding - 0.5) > change + kWindingDoubt))
+        return Side::both;
+    return winding > 0.5 ? Side::inside : Side::outside;
+}
+
+// True if no sample of the box can be inside. By the winding number `side` is told as well, once it can be.
+template <typename T> bool BlockWorker<T>::is_free(const TriangleList<T>& list, const PlanBox<T>& box, Side& side) {
+    if (input_.inside != layout::kInsideWinding)
+        return is_outside(list, box);
+    if (side == Side::both)
+        side = winding_side(box);
+    return side == Side::outside;
+}
+
+// Through the tree: the least of the excess over a node's box, along each axis at one of the box's ends or between.
+template <typename T> void BlockWorker<T>::collect(const PlanBox<T>& box, const Witness<T>& witness) {
+    const auto least = [&](int axis, T low, T high) {
+        const auto part = [&](T end) {
+            const T beyond = low - end > end - high ? low - end : end - high;
+            const T near = beyond > T(0) ? beyond : T(0), far = end - witness.point[axis];
+            return near * near - far * far;
+        };
+        const T at_low = part(box.low[axis]), at_high = part(box.high[axis]);
+        return at_low < at_high ? at_low : at_high;
+    };
+    collected_.clear();
+    uint stack[reference::kMeshStack];
+    uint height = 0;
+    stack[height++] = 0;
+    while (height > 0) {
+        const layout::MeshNode& node = input_.mesh.nodes[stack[--height]];
+        T excess[layout::kMeshChildren];
+        for (uint i = 0; i < layout::kMeshChildren; ++i)
+            excess[i] = least(0, T(node.low_x[i]), T(node.high_x[i])) + least(1, T(node.low_y[i]), T(node.high_y[i])) +
+                        least(2, T(node.low_z[i]), T(node.high_z[i]));
+        for (uint i = 0; i < layout::kMeshChildren; ++i) {
+            const uint child = node.child[i];
+            if (child == layout::kMeshNoChild || excess[i] > witness.margin)
+                continue;
+            if ((child & layout::kMeshLeaf) == 0) {
+                stack[height++] = child;
+                continue;
+            }
+            const uint run = child & ~layout::kMeshLeaf;
+            for (uint k = 0; k <= run % layout::kMeshLeafTriangles; ++k)
+                collected_.push_back(run / layout::kMeshLeafTriangles + k);
+        }
+    }
+}
+
+// The nearest triangle of each voxel, where too many may be.
+template <typename T> void BlockWorker<T>::add_nearest(const SampleRange& range) {
+    const std::size_t first = candidates.size();
+    for (uint z = range.first[2]; z <= range.last[2]; ++z)
+        for (uint y = range.first[1]; y <= range.last[1]; ++y)
+            for (uint x = range.first[0]; x <= range.last[0]; ++x) {
+                const Vector<T> probe{input_.axes[0][x], input_.axes[1][y], input_.axes[2][z]};
+                hint_ = reference::nearest(input_.mesh, probe, hint_).triangle;
+                if (std::find(candidates.begin() + std::ptrdiff_t(first), candidates.end(), hint_) == candidates.end())
+                    candidates.push_back(hint_);
+            }
+}
+
+// Bit (z * 2 + y) * 2 + x of each sample that is inside by the winding number.
+template <typename T> uint BlockWorker<T>::inside_bits(const SampleRange& range, Side side) const {
+    uint bits = 0;
+    for (uint z = range.first[2]; z <= range.last[2]; ++z)
+        for (uint y = range.first[1]; y <= range.last[1]; ++y)
+            for (uint x = range.first[0]; x <= range.last[0]; ++x) {
+                const Vector<T> probe{input_.axes[0][x], input_.axes[1][y], input_.axes[2][z]};
+                const uint bit = ((z - range.first[2]) * 2 + y - range.first[1]) * 2 + x - range.first[0];
+                if (side == Side::inside || reference::inside_by_winding(input_.mesh, probe))
+                    bits |= 1u << bit;
+            }
+    return bits;
+}
+
+// The witnesses of all corners, one after the other; leaves the places of the result in places_.
+template <typename T>
+const TriangleList<T>& BlockWorker<T>::narrow_long(const PlanBox<T>& box, const TriangleList<T>& list) {
+    TriangleList<T>* from = &short_lists_[0];
+    TriangleList<T>* to = &short_lists_[1];
+    from->take(list, places_);
+    for (uint i = 0; i < 8; ++i) {
+        const Vector<T> corner{i & 1 ? box.high.x : box.low.x, i & 2 ? box.high.y : box.low.y,
+                               i & 4 ? box.high.z : box.low.z};
+        from->narrow(box, witness_from(box, point_near(*from, corner)), places_);
+        if (places_.size() == from->size())
+            continue;
+        to->take(*from, places_);
+        std::swap(from, to);
+    }
+    places_.resize(from->size());
+    for (uint i = 0; i < places_.size(); ++i)
+        places_[i] = i;
+    return *from;
+}
+
+// A block whose candidates stand at places_ of the list.
+template <typename T>
+void BlockWorker<T>::leaf(const SampleRange& range, const PlanBox<T>& box, const TriangleList<T>& list, Side side) {
+    const bool winding = input_.inside == layout::kInsideWinding;
+    const uint bits = winding ? inside_bits(range, side) : 0;
+    if (winding && bits == 0)
+        return;
+    const TriangleList<T>& narrowed = places_.size() > kLong ? narrow_long(box, list) : list;
+    const auto first = static_cast<uint>(candidates.size());
+    if (places_.size() > kMostCandidates)
+        add_nearest(range);
+    else
+        for (const uint place : places_)
+            candidates.push_back(narrowed.ids()[place]);
+    blocks.push_back(
+        {range.first[0], range.first[1], range.first[2], first, static_cast<uint>(candidates.size()) - first});
+    if (winding)
+        inside.push_back(bits);
+}
+
+// The eighths of a box whose list stands at `level`.
+template <typename T>
+void BlockWorker<T>::split(const SampleRange& range, std::size_t level, uint side_length, Side side) {
+    const uint half = side_length / 2;
+    for (uint part = 0; part < 8; ++part) {
+        SampleRange eighth;
+        bool empty = false;
+        for (std::size_t i = 0; i < 3; ++i) {
+            eighth.first[i] = range.first[i] + (part >> i & 1 ? half : 0);
+            eighth.last[i] = std::min(range.last[i], eighth.first[i] + half - 1);
+            empty = empty || eighth.first[i] > range.last[i];
+        }
+        if (empty)
+            continue;
+        const PlanBox<T> box = input_.box(eighth);
+        const TriangleList<T>& list = lists_[level];
+        list.narrow(box, witness_from(box, point_near(list, box.centre())), places_);
+        Side eighth_side = side;
+        if (is_free(list, box, eighth_side))
+            continue;
+        if (half == kMeshBlock) {
+            leaf(eighth, box, list, eighth_side);
+            continue;
+        }
+        lists_[level + 1].take(list, places_);
+        split(eighth, level + 1, half, eighth_side);
+    }
+}
+
+template <typename T> void BlockWorker<T>::plan(const SampleRange& tile) {
+    const PlanBox<T> box = input_.box(tile);
+    const auto nearest = reference::nearest(input_.mesh, box.centre(), hint_);
+    hint_ = nearest.triangle;
+    const Witness<T> witness = witness_from(box, Vector<T>(box.centre() + nearest.offset));
+    collect(box, witness);
+    lists_[0].fill(collected_, input_.rows);
+    lists_[0].narrow(box, witness, places_);
+    Side side = Side::both;
+    if (is_free(lists_[0], box, side))
+        return;
+    lists_[1].take(lists_[0], places_);
+    split(tile, 1, kPlanTile, side);
+}
+
+template struct PlanInput<float>;
+template struct PlanInput<double>;
+template PlanTriangle<float> plan_triangle(const layout::MeshView<float>&, std::size_t, float);
+template PlanTriangle<double> plan_triangle(const layout::MeshView<double>&, std::size_t, double);
+template class BlockWorker<float>;
+template class BlockWorker<double>;
+
+} // namespace forceshade

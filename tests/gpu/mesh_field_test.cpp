@@ -1,0 +1,98 @@
+// Fields of meshes: the kernel, told by the planner, against the oracle at every voxel, bit for bit.
+#include <gtest/gtest.h>
+
+#include "host/mesh/block_plan.h"
+#include "host/mesh_file/mesh_file.h"
+#include "tests/gpu/mesh_case.h"
+
+namespace forceshade {
+namespace {
+
+using test::MeshCase;
+using test::MeshGrid;
+
+// Grids about the mesh's frame: odd, cutting it, inside it, beside it, of single samples.
+const std::vector<MeshGrid> kGrids{{},
+                                   {{17, 5, 31}, {-0.3, -0.2, -1.3}, {0.9, 0.1, 0.4}},
+                                   {{9, 8, 7}, {-0.1, -0.12, -0.09}, {0.11, 0.1, 0.1}},
+                                   {{12, 11, 10}, {2, 2, 2}, {4, 5, 6}},
+                                   {{1, 1, 1}, {0.01, 0.02, -0.03}, {0.01, 0.02, -0.03}},
+                                   {{1, 40, 1}, {0.01, -1.1, 0.2}, {0.01, 1.1, 0.2}},
+                                   {{70, 1, 3}, {-1.1, 0.1, 0.2}, {1.1, 0.1, 0.3}}};
+
+class MeshField : public test::SoftwareDeviceTest {
+protected:
+    template <typename T> static void hold(const MeshCase<T>& mesh_case, const std::string& what) {
+        compute::MeshKernel kernel(device());
+        const layout::FieldInput<T> input = mesh_case.input();
+        const BlockPlanner<T> planner(input.law.mesh, input.x, input.y, input.z, input.law.features.inside);
+        BlockPlan plan;
+        const auto comparison =
+            test::hold_against_oracle<T>(kernel, input, [&](std::size_t z_first, std::size_t z_count) {
+                plan = planner.plan(z_first, z_count);
+                return plan.view();
+            });
+        EXPECT_TRUE(is_equal(comparison)) << what;
+        EXPECT_EQ(comparison.voxels, input.x.size() * input.y.size() * input.z.size());
+    }
+
+    static void hold_both(const PolygonSoup& polygons, const MeshGrid& grid, layout::uint shading,
+                          const std::string& what, layout::uint inside = layout::kInsidePseudonormal) {
+        StructureOptions options;
+        options.winding = inside == layout::kInsideWinding;
+        const MeshStructure structure = build_structure(shapes::mesh_of(polygons), options);
+        MeshCase<float> single(structure, grid, shading);
+        single.features.inside = inside;
+        hold(single, what + ", f32");
+        MeshCase<double> twice(structure, grid, shading);
+        twice.features.inside = inside;
+        hold(twice, what + ", f64");
+    }
+};
+
+struct Shape {
+    const char* name;
+    PolygonSoup polygons;
+    bool triangles = true;
+};
+
+std::vector<Shape> shapes_of_all_kinds() {
+    PolygonSoup open = shapes::icosphere(2);
+    open.begins.resize(open.begins.size() - 100);
+    open.corners.resize(open.begins.back());
+    return {{"icosphere", shapes::icosphere(2)},
+            {"cube of quads", shapes::cube(false), false},
+            {"random polyhedra", shapes::random_polyhedra(30, 5)},
+            {"single triangle", shapes::single_triangle()},
+            {"needle fan", shapes::needle_fan(200, 0.5), false},
+            {"sliver box", shapes::sliver_box(30, 1e6)},
+            {"plate", shapes::plate(1e-5)},
+            {"shells", shapes::nested_shells(2, false)},
+            {"cavity", shapes::nested_shells(2, true)},
+            {"hexagons", shapes::patch(shapes::Cells::hexagons, 8, [](double x, double y) { return x * x - y * y; }),
+             false},
+            {"open sphere", open},
+            {"touching twice", shapes::merged(shapes::cube(true), shapes::cube(true))}};
+}
+
+TEST_F(MeshField, EqualsTheOracleOnEveryGrid) {
+    for (const Shape& shape : shapes_of_all_kinds())
+        for (std::size_t g = 0; g < kGrids.size(); ++g)
+            hold_both(shape.polygons, kGrids[g], layout::kShadingNone, fmt::format("{}, grid {}", shape.name, g));
+}
+
+TEST_F(MeshField, EqualsTheOracleWithEveryShading) {
+    for (const Shape& shape : shapes_of_all_kinds())
+        for (const layout::uint shading : {layout::kShadingMorgenbesser, layout::kShadingBarycentric,
+                                           layout::kShadingMeanValue, layout::kShadingTwoPass})
+            if (shape.triangles || shading != layout::kShadingBarycentric)
+                hold_both(shape.polygons, kGrids[0], shading, fmt::format("{}, shading {}", shape.name, shading));
+}
+
+TEST_F(MeshField, EqualsTheOracleInsideByWinding) {
+    for (const Shape& shape : shapes_of_all_kinds())
+        hold_both(shape.polygons, kGrids[0], layout::kShadingMeanValue, shape.name, layout::kInsideWinding);
+}
+
+} // namespace
+} // namespace forceshade
