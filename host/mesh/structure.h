@@ -34,7 +34,7 @@ struct MeshWinding {
 ///
 /// Bytes a triangle, for a closed mesh of T triangles in double (T/2 vertices, T facets): nodes 14 (112 each, 8
 /// triangles or so below), corners 12, facets 4, neighbours 12, vertices 12, their normals 12 and pseudonormals 12,
-/// triangle normals 24, facets' corners 16 and normals 24: 142; the winding number's moments 16 more.
+/// triangle normals 24, facets' corners 16 and normals 24: 142; the winding number's moments 26 more.
 struct MeshStructure {
     glm::dvec3 centre; /* m, world */
     double scale;      /* m */

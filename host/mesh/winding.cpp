@@ -20,13 +20,45 @@ Vector vector_of(const double (&numbers)[3]) {
     return {numbers[0], numbers[1], numbers[2]};
 }
 
-/// A child of a node: a triangle, or the moments of a node below.
+/// Where the part i, j (or i, j, k) of a symmetric moment stands.
+std::size_t place(std::size_t i, std::size_t j) {
+    constexpr std::size_t kPlaces[3][3] = {{0, 3, 4}, {3, 1, 5}, {4, 5, 2}};
+    return kPlaces[i][j];
+}
+std::size_t place(std::size_t i, std::size_t j, std::size_t k) {
+    // By how often y and z come.
+    constexpr std::size_t kPlaces[4][4] = {{0, 4, 7, 2}, {3, 9, 8, 0}, {5, 6, 0, 0}, {1, 0, 0, 0}};
+    const std::size_t y = (i == 1) + (j == 1) + (k == 1), z = (i == 2) + (j == 2) + (k == 2);
+    return kPlaces[y][z];
+}
+
+/// One of the triangles or nodes below a node: its moments about its own centre.
 struct Part {
+    layout::MeshMoment moment;
     double area;
-    Vector centre, dipole;
-    double radius;
-    const layout::MeshMoment* below = nullptr;
 };
+
+/// Adds a part's moments to those about another centre.
+void add(const layout::MeshMoment& part, layout::MeshMoment& sum) {
+    double t[3];
+    for (std::size_t i = 0; i < 3; ++i)
+        t[i] = part.centre[i] - sum.centre[i];
+    const double* d = part.dipole;
+    const double* q = part.quadrupole;
+    for (std::size_t i = 0; i < 3; ++i) {
+        sum.dipole[i] += d[i];
+        for (std::size_t j = i; j < 3; ++j) {
+            sum.quadrupole[place(i, j)] += q[place(i, j)] + (d[i] * t[j] + d[j] * t[i]) / 2;
+            for (std::size_t k = j; k < 3; ++k)
+                sum.octupole[place(i, j, k)] +=
+                    part.octupole[place(i, j, k)] +
+                    (2 * (q[place(i, j)] * t[k] + q[place(i, k)] * t[j] + q[place(j, k)] * t[i]) +
+                     (d[i] * t[j] * t[k] + d[j] * t[i] * t[k] + d[k] * t[i] * t[j])) /
+                        3;
+        }
+    }
+    sum.radius = std::max(sum.radius, length({t[0], t[1], t[2]}) + part.radius);
+}
 
 /// Triangle by triangle and node by node, the deepest first.
 class Moments {
@@ -43,14 +75,28 @@ public:
 
 private:
     Part part_of_triangle(std::size_t triangle) const {
-        const auto corner = [&](std::size_t i) {
-            return reference::vector_at<double>(structure_.reals->vertices,
-                                                structure_.parts->triangle_corners[3 * triangle + i]);
-        };
-        const Vector a = corner(0), b = corner(1), c = corner(2);
-        const Vector centre = (a + b + c) / 3.0, dipole = reference::cross(Vector(b - a), Vector(c - a)) / 2.0;
-        const double radius = std::max({length(a - centre), length(b - centre), length(c - centre)});
-        return {length(dipole), centre, dipole, radius};
+        Vector corners[3];
+        for (std::size_t i = 0; i < 3; ++i)
+            corners[i] = reference::vector_at<double>(structure_.reals->vertices,
+                                                      structure_.parts->triangle_corners[3 * triangle + i]);
+        const Vector centre = (corners[0] + corners[1] + corners[2]) / 3.0;
+        const Vector area = reference::cross(Vector(corners[1] - corners[0]), Vector(corners[2] - corners[0])) / 2.0;
+        Part part{{{centre.x, centre.y, centre.z}, 0, {area.x, area.y, area.z}, {}, {}}, length(area)};
+        double spread[3][3] = {}; // mean of x_j x_k over the triangle
+        for (const Vector& corner : corners) {
+            const Vector from = corner - centre;
+            part.moment.radius = std::max(part.moment.radius, length(from));
+            for (int j = 0; j < 3; ++j)
+                for (int k = 0; k < 3; ++k)
+                    spread[j][k] += from[j] * from[k] / 12;
+        }
+        const double* d = part.moment.dipole;
+        for (std::size_t i = 0; i < 3; ++i)
+            for (std::size_t j = i; j < 3; ++j)
+                for (std::size_t k = j; k < 3; ++k)
+                    part.moment.octupole[place(i, j, k)] =
+                        (d[i] * spread[j][k] + d[j] * spread[i][k] + d[k] * spread[i][j]) / 3;
+        return part;
     }
 
     std::vector<Part> parts_of(const layout::MeshNode& node) const {
@@ -59,9 +105,7 @@ private:
             if (child == layout::kMeshNoChild)
                 continue;
             if ((child & layout::kMeshLeaf) == 0) {
-                const layout::MeshMoment& moment = moments_[child];
-                parts.push_back(
-                    {areas_[child], vector_of(moment.centre), vector_of(moment.dipole), moment.radius, &moment});
+                parts.push_back({moments_[child], areas_[child]});
                 continue;
             }
             const uint run = child & ~layout::kMeshLeaf;
@@ -74,22 +118,15 @@ private:
     void sum(std::size_t index) {
         const std::vector<Part> parts = parts_of(structure_.parts->nodes[index]);
         double area = 0;
-        Vector centre(0.0), dipole(0.0);
+        Vector centre(0.0);
         for (const Part& part : parts) {
             area += part.area;
-            centre += part.area * part.centre;
-            dipole += part.dipole;
+            centre += part.area * vector_of(part.moment.centre);
         }
-        centre = area > 0 ? centre / area : parts.front().centre;
-        layout::MeshMoment moment{{centre.x, centre.y, centre.z}, 0, {dipole.x, dipole.y, dipole.z}, {}};
-        for (const Part& part : parts) {
-            const Vector shift = part.centre - centre;
-            moment.radius = std::max(moment.radius, length(shift) + part.radius);
-            for (int i = 0; i < 3; ++i)
-                for (int j = 0; j < 3; ++j)
-                    moment.quadrupole[3 * i + j] +=
-                        part.dipole[i] * shift[j] + (part.below ? part.below->quadrupole[3 * i + j] : 0);
-        }
+        centre = area > 0 ? centre / area : vector_of(parts.front().moment.centre);
+        layout::MeshMoment moment{{centre.x, centre.y, centre.z}, 0, {}, {}, {}};
+        for (const Part& part : parts)
+            add(part.moment, moment);
         moments_[index] = moment;
         areas_[index] = area;
     }
