@@ -102,6 +102,9 @@ private:
         record.fingerprint = transfer.job->fingerprint;
         record.engine = engine_;
         record.engine_times = transfer.times;
+        // Which blocks of a mesh's grid are free, a device's engine alone finds out.
+        if (transfer.job->prepared.images.mesh && engine_.engine == "gpu")
+            record.evaluated = transfer.times.voxels_evaluated;
         return true;
     }
 

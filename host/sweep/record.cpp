@@ -37,10 +37,15 @@ Json to_json(const CaseRecord& record) {
                       {"voxels_beyond_bound", record.error.beyond}, {"voxels_on_edge", record.error.on_edge},
                       {"largest_error_N", record.error.largest},    {"largest_force_N", record.error.largest_force},
                       {"relative_error", record.error.relative()}};
-    json["seconds"] = {{"compile", record.engine_times.compile},  {"upload", record.engine_times.upload},
-                       {"kernel", record.engine_times.kernel},    {"read_back", record.engine_times.read_back},
-                       {"encode", record.volume_times.encode},    {"flush", record.volume_times.flush},
-                       {"verify", record.volume_times.read_back}, {"hash", record.volume_times.hash}};
+    json["seconds"] = {{"plan", record.engine_times.plan},
+                       {"compile", record.engine_times.compile},
+                       {"upload", record.engine_times.upload},
+                       {"kernel", record.engine_times.kernel},
+                       {"read_back", record.engine_times.read_back},
+                       {"encode", record.volume_times.encode},
+                       {"flush", record.volume_times.flush},
+                       {"verify", record.volume_times.read_back},
+                       {"hash", record.volume_times.hash}};
     return json;
 }
 
@@ -64,7 +69,8 @@ CaseRecord from_json(const Json& json) {
     record.error = {oracle.at("voxels_compared"), oracle.at("voxels_differing"), oracle.at("voxels_beyond_bound"),
                     oracle.at("voxels_on_edge"),  oracle.at("largest_error_N"),  oracle.at("largest_force_N")};
     const Json& seconds = json.at("seconds");
-    record.engine_times = {seconds.at("compile"), seconds.at("upload"), seconds.at("kernel"), seconds.at("read_back")};
+    record.engine_times = {seconds.at("compile"), seconds.at("upload"), seconds.at("kernel"), seconds.at("read_back"),
+                           seconds.at("plan")};
     record.volume_times = {seconds.at("encode"), seconds.at("flush"), seconds.at("verify"), seconds.at("hash")};
     return record;
 }

@@ -131,7 +131,8 @@ void count(SweepResult& result, const CaseRecord& record) {
 }
 
 void count(RunAccount& account, const CaseRecord& record) {
-    account.engine += record.engine_times.upload + record.engine_times.kernel + record.engine_times.read_back;
+    account.engine += record.engine_times.plan + record.engine_times.upload + record.engine_times.kernel +
+                      record.engine_times.read_back;
     account.output += record.volume_times.encode + record.volume_times.flush + record.volume_times.read_back +
                       record.volume_times.hash;
 }
