@@ -87,33 +87,33 @@ MeshReferee::MeshReferee(const Mesh& mesh, MeshLaw law) : mesh_(mesh), law_(std:
 }
 
 MeshPoint MeshReferee::nearest(const glm::dvec3& world) const {
-    const Vector probe = vector_of(world);
+    const Vector probe = vector_of(world), here{}; // all relative to the probe: the world's origin may be far away
     const Real infinite = std::numeric_limits<Real>::infinity(), tolerance = size_ * Real(1e-16);
     std::vector<Vector> points(mesh_.triangles.size());
     std::vector<Real> distances(points.size(), infinite);
-    MeshPoint best{{}, infinite, 0xFFFFFFFFu, {}, infinite};
+    MeshPoint best{{}, {}, infinite, 0xFFFFFFFFu, {}, infinite};
     const auto corners_of = [&](std::size_t i, Vector(&corners)[3]) {
         for (std::size_t j = 0; j < 3; ++j)
-            corners[j] = vector_of(mesh_.polygons.vertices[mesh_.triangles[i][j]]);
+            corners[j] = vector_of(mesh_.polygons.vertices[mesh_.triangles[i][j]]) - probe;
     };
     Vector corners[3];
     for (std::size_t i = 0; i < points.size(); ++i) {
         if (mesh_.triangle_normals[i] == glm::dvec3(0))
             continue;
         corners_of(i, corners);
-        points[i] = on_triangle(probe, corners[0], corners[1], corners[2]);
-        distances[i] = length(points[i] - probe);
+        points[i] = on_triangle(here, corners[0], corners[1], corners[2]);
+        distances[i] = length(points[i]);
         if (distances[i] < best.distance) {
             best.distance = distances[i];
-            best.point = points[i];
+            best.offset = points[i];
         }
     }
     for (std::size_t i = 0; i < points.size(); ++i) {
         if (!(distances[i] < infinite))
             continue;
         corners_of(i, corners);
-        const Vector there = on_triangle(best.point, corners[0], corners[1], corners[2]);
-        if (length(there - best.point) > tolerance) {
+        const Vector there = on_triangle(best.offset, corners[0], corners[1], corners[2]);
+        if (length(there - best.offset) > tolerance) {
             best.runner_up = std::min(best.runner_up, distances[i]);
             continue;
         }
@@ -121,6 +121,7 @@ MeshPoint MeshReferee::nearest(const glm::dvec3& world) const {
         const Real filled = angle_filled(there, corners, tolerance);
         best.outward = best.outward + filled * unit(cross(corners[1] - corners[0], corners[2] - corners[0]));
     }
+    best.point = probe + best.offset;
     return best;
 }
 
@@ -227,16 +228,15 @@ Vector MeshReferee::direction(std::uint32_t facet, const Vector& point) const {
 Answer MeshReferee::at(const glm::dvec3& world) const {
     const Vector probe = vector_of(world);
     const MeshPoint found = nearest(world);
-    const Vector offset = found.point - probe;
     const bool inside =
-        law_.inside == MeshInside::winding ? winding_number(world) > Real(0.5) : offset * found.outward > 0;
+        law_.inside == MeshInside::winding ? winding_number(world) > Real(0.5) : found.offset * found.outward > 0;
     Answer answer{.proxy = probe};
     if (!inside)
         return answer;
     answer.depth = found.distance;
     answer.facet = found.facet;
     answer.proxy = found.point;
-    answer.unshaded = law_.stiffness * offset;
+    answer.unshaded = law_.stiffness * found.offset;
     answer.force = answer.unshaded;
     const Vector facing = facet_normal(found.facet);
     if (law_.shading != MeshShading::none || law_.map) {

@@ -29,6 +29,7 @@ struct MeshLaw {
 
 /// The surface point nearest to a probe.
 struct MeshPoint {
+    Vector offset;       /* m: from the probe */
     Vector point;        /* m */
     Real distance;       /* m */
     std::uint32_t facet; /* lowest of those as near, to 1e-16 of the mesh's size */

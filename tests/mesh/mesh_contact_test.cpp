@@ -1,0 +1,292 @@
+// L6 static with L7 to L9 at single probes, held against the referee; and what every scheme must keep.
+#include <cmath>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "host/brute/mesh_referee.h"
+#include "host/mesh/structure.h"
+#include "host/mesh_file/mesh_file.h"
+#include "host/reference/contact.h"
+#include "tests/mesh/shapes.h"
+
+namespace forceshade {
+namespace {
+
+using brute::MeshShading;
+using layout::uint;
+using Vector = reference::Vector<double>;
+using Contact = reference::Contact<double>;
+
+constexpr double kStiffness = 700; /* N/m */
+constexpr std::pair<uint, MeshShading> kSchemes[] = {{layout::kShadingNone, MeshShading::none},
+                                                     {layout::kShadingMorgenbesser, MeshShading::morgenbesser},
+                                                     {layout::kShadingBarycentric, MeshShading::barycentric},
+                                                     {layout::kShadingMeanValue, MeshShading::mean_value},
+                                                     {layout::kShadingTwoPass, MeshShading::two_pass}};
+
+/// A mesh as a law of the oracle.
+struct Oracle {
+    Mesh mesh;
+    MeshStructure structure;
+    MeshTables<double> tables;
+    layout::Law<double> law{};
+    double size; /* m: half the largest extent */
+
+    explicit Oracle(PolygonSoup polygons)
+        : mesh(shapes::mesh_of(std::move(polygons))), structure(build_structure(mesh, {.winding = true})),
+          tables(make_mesh_tables<double>(structure, kStiffness)), size(structure.scale) {
+        law.features.surface = layout::kSurfaceMesh;
+        law.mesh = tables.view();
+    }
+    Contact at(const glm::dvec3& world) const { return reference::evaluate(law, to_mesh_frame(structure, world)); }
+};
+
+class Random {
+public:
+    double uniform() { return (double(random_()) + 0.5) / 2147483648.0 - 1; }
+    glm::dvec3 below_a_triangle(const Mesh& mesh) {
+        const std::size_t triangle = random_() % mesh.triangles.size();
+        glm::dvec3 corners[3];
+        for (std::size_t i = 0; i < 3; ++i)
+            corners[i] = mesh.polygons.vertices[mesh.triangles[triangle][i]];
+        const double size = std::sqrt(reference::dot(Vector(corners[1] - corners[0]), Vector(corners[1] - corners[0])));
+        return (corners[0] + corners[1] + corners[2]) / 3.0 -
+               0.3 * size * std::abs(uniform()) * mesh.triangle_normals[triangle];
+    }
+    glm::dvec3 within(double reach) { return {reach * uniform(), reach * uniform(), reach * uniform()}; }
+
+private:
+    std::mt19937 random_{11};
+};
+
+double length(const glm::dvec3& v) {
+    return std::sqrt(reference::dot(v, v));
+}
+
+glm::dvec3 vector_of(const brute::Vector& v) {
+    return {double(v[0]), double(v[1]), double(v[2])};
+}
+
+/// Holds probes against the referee; near a medial axis, where the least rounding decides, only the depth.
+void hold_against_referee(Oracle& oracle, int count, bool triangles) {
+    Random random;
+    int touching = 0;
+    for (const auto& [shading, scheme] : kSchemes) {
+        if (scheme == MeshShading::barycentric && !triangles)
+            continue;
+        oracle.law.features.shading = shading;
+        brute::MeshLaw law;
+        law.stiffness = kStiffness;
+        law.shading = scheme;
+        const brute::MeshReferee referee(oracle.mesh, law);
+        for (int i = 0; i < count; ++i) {
+            const glm::dvec3 world = i % 2 ? oracle.structure.centre + random.within(1.1 * oracle.size)
+                                           : random.below_a_triangle(oracle.mesh);
+            const brute::MeshPoint nearest = referee.nearest(world);
+            const brute::Answer expected = referee.at(world);
+            const Contact found = oracle.at(world);
+            EXPECT_NEAR(found.depth, double(expected.depth), 1e-12 * oracle.size);
+            if (double(nearest.runner_up - nearest.distance) < 1e-9 * oracle.size)
+                continue;
+            touching += expected.depth > 0;
+            EXPECT_EQ(found.facet, expected.facet);
+            EXPECT_LT(length(found.proxy - vector_of(expected.proxy)), 1e-12 * oracle.size);
+            EXPECT_LT(length(found.unshaded - vector_of(expected.unshaded)), 1e-12 * kStiffness * oracle.size);
+            EXPECT_LT(length(found.force - vector_of(expected.force)), 1e-11 * kStiffness * oracle.size);
+        }
+    }
+    EXPECT_GT(touching, count / 20);
+}
+
+TEST(MeshContact, OfASphereIsTheReferees) {
+    Oracle oracle(shapes::icosphere(3));
+    hold_against_referee(oracle, 100, true);
+}
+
+TEST(MeshContact, OfASphereFarAwayIsTheReferees) {
+    Oracle oracle(shapes::moved(shapes::icosphere(2), glm::dvec3(0.01), {1e4, -1e4, 1e4}));
+    hold_against_referee(oracle, 100, true);
+}
+
+TEST(MeshContact, OfSpotIsTheReferees) {
+    Oracle oracle(read_polygons(FORCESHADE_TEST_DATA "/spot.obj").polygons);
+    hold_against_referee(oracle, 30, oracle.mesh.triangles.size() == oracle.mesh.polygons.facets());
+}
+
+TEST(MeshContact, OfRandomPolyhedraIsTheReferees) {
+    Oracle oracle(shapes::random_polyhedra(60, 2));
+    hold_against_referee(oracle, 400, true);
+}
+
+TEST(MeshContact, OfQuadsAndHexagonsIsTheReferees) {
+    Oracle cube(shapes::cube());
+    hold_against_referee(cube, 300, false);
+    Oracle hexagons(shapes::patch(shapes::Cells::hexagons, 6, [](double x, double y) { return x * x - 0.3 * y; }));
+    hold_against_referee(hexagons, 300, false);
+}
+
+TEST(MeshContact, TextureAndMapAreTheReferees) {
+    Oracle oracle(shapes::icosphere(3));
+    layout::MapParams<double>& map = oracle.law.params.map;
+    map.slope = 0.7;
+    map.inverse_length = 1.3;
+    oracle.law.params.texture = map;
+    oracle.law.params.texture_stiffness = 90;
+    const brute::Slope gaussian = [](brute::Real x, brute::Real y) -> std::array<brute::Real, 2> {
+        const brute::Real u = brute::Real(1.3) * x, v = brute::Real(1.3) * y;
+        const brute::Real steepness = brute::Real(0.7) * std::exp(-(u * u + v * v));
+        return {-steepness * u, -steepness * v};
+    };
+    for (const bool with_map : {false, true}) {
+        oracle.law.features.map = with_map ? layout::kMapGaussian : layout::kMapNone;
+        oracle.law.features.texture = layout::kMapGaussian;
+        for (const auto& [shading, scheme] : kSchemes) {
+            oracle.law.features.shading = shading;
+            const brute::MeshReferee referee(oracle.mesh, {kStiffness, 90, scheme, brute::MeshInside::pseudonormal,
+                                                           with_map ? gaussian : brute::Slope{}, gaussian});
+            Random random;
+            for (int i = 0; i < 60; ++i) {
+                const glm::dvec3 world = random.within(0.9);
+                const brute::MeshPoint nearest = referee.nearest(world);
+                if (double(nearest.runner_up - nearest.distance) < 1e-9)
+                    continue;
+                const brute::Answer expected = referee.at(world);
+                const Contact found = oracle.at(world);
+                EXPECT_LT(length(found.force - vector_of(expected.force)), 1e-11 * kStiffness);
+                EXPECT_LT(length(found.unshaded - vector_of(expected.unshaded)), 1e-11 * kStiffness);
+            }
+        }
+    }
+}
+
+TEST(MeshContact, ShadingKeepsTheMagnitude) {
+    for (const bool quads : {false, true}) {
+        Oracle oracle(quads ? shapes::cube() : shapes::icosphere(3));
+        for (const uint map : {layout::kMapNone, layout::kMapGaussian}) {
+            oracle.law.features.map = map;
+            oracle.law.params.map.slope = 0.5;
+            oracle.law.params.map.inverse_length = 2;
+            for (const auto& [shading, scheme] : kSchemes) {
+                if (scheme == MeshShading::two_pass || (scheme == MeshShading::barycentric && quads))
+                    continue;
+                oracle.law.features.shading = shading;
+                Random random;
+                for (int i = 0; i < 500; ++i) {
+                    const Contact contact = oracle.at(random.within(0.57));
+                    EXPECT_GT(contact.depth, 0);
+                    EXPECT_NEAR(length(contact.force) / length(contact.unshaded), 1, 1e-12);
+                    EXPECT_NEAR(length(contact.unshaded) / (kStiffness * contact.depth), 1, 1e-12);
+                }
+            }
+        }
+    }
+}
+
+TEST(MeshContact, TwoPassIsAsDeepAlongTheFacetNormal) {
+    Oracle oracle(shapes::icosphere(2));
+    oracle.law.features.shading = layout::kShadingTwoPass;
+    Random random;
+    for (int i = 0; i < 300; ++i) {
+        const Contact contact = oracle.at(random.within(0.5));
+        const Vector normal = reference::vector_at(oracle.law.mesh.facet_normals, contact.facet);
+        EXPECT_NEAR(reference::dot(contact.force, normal), kStiffness * contact.depth, 1e-12 * kStiffness);
+        EXPECT_GE(length(contact.force), kStiffness * contact.depth * (1 - 1e-14));
+    }
+}
+
+TEST(MeshContact, DirectionIsContinuousAcrossEdges) {
+    for (const PolygonSoup& polygons : {shapes::icosphere(2), shapes::cube()}) {
+        Oracle oracle(polygons);
+        for (const uint shading : {layout::kShadingBarycentric, layout::kShadingMeanValue}) {
+            if (shading == layout::kShadingBarycentric && oracle.mesh.triangles.size() != polygons.facets())
+                continue;
+            oracle.law.features.shading = shading;
+            const MeshParts& parts = *oracle.structure.parts;
+            int crossed = 0;
+            for (uint edge = 0; edge < parts.triangle_corners.size(); ++edge) {
+                const uint across = parts.triangle_neighbours[edge], own = edge / 3;
+                if (parts.triangle_facets[across] == parts.triangle_facets[own])
+                    continue;
+                const auto vertex = [&](uint corner) {
+                    return reference::vector_at(oracle.law.mesh.vertices, parts.triangle_corners[corner]);
+                };
+                const Vector start = vertex(edge), end = vertex(edge % 3 == 2 ? edge - 2 : edge + 1);
+                const Vector inwards = reference::vector_at(oracle.law.mesh.triangle_normals, own) +
+                                       reference::vector_at(oracle.law.mesh.triangle_normals, across);
+                const Vector beside = reference::normalised(Vector(reference::cross(
+                    reference::vector_at(oracle.law.mesh.triangle_normals, own), Vector(end - start))));
+                for (const double share : {0.01, 0.5, 0.9}) {
+                    // Just inside the solid, hardly to either side of the bisector of the two facets.
+                    const Vector below = start + share * (end - start) - 1e-4 * inwards;
+                    const Contact one = reference::evaluate(oracle.law, Vector(below + 1e-12 * beside));
+                    const Contact other = reference::evaluate(oracle.law, Vector(below - 1e-12 * beside));
+                    crossed += one.facet != other.facet;
+                    // The proxies are apart by as much as the facets differ in direction: shade both at the edge
+                    // itself.
+                    const Vector on = start + share * (end - start);
+                    const Vector direction =
+                        reference::shading_direction(oracle.law.mesh, shading, parts.triangle_facets[own], on);
+                    const Vector beyond =
+                        reference::shading_direction(oracle.law.mesh, shading, parts.triangle_facets[across], on);
+                    EXPECT_LT(length(direction - beyond), 1e-9);
+                    EXPECT_GT(one.depth, 0);
+                    EXPECT_GT(other.depth, 0);
+                }
+            }
+            EXPECT_GT(crossed, 0);
+        }
+    }
+}
+
+TEST(MeshContact, OutOfContactIsNothingAtAll) {
+    const Oracle oracle(shapes::cube());
+    const Contact contact = oracle.at({0.3, 1.5, 0.2});
+    EXPECT_EQ(contact.depth, 0);
+    EXPECT_EQ(contact.force, Vector(0.0));
+    EXPECT_EQ(contact.unshaded, Vector(0.0));
+    EXPECT_EQ(contact.proxy, Vector(0.3, 1.5, 0.2));
+    EXPECT_EQ(contact.facet, layout::kNoFacet);
+}
+
+TEST(MeshContact, TiesGoToTheLowestFacet) {
+    for (const bool triangles : {false, true}) {
+        const Oracle oracle(shapes::cube(triangles));
+        EXPECT_EQ(oracle.at({0, 0, 0}).facet, 0u);
+        EXPECT_EQ(oracle.at({0.5, 0.5, 0}).facet, triangles ? 7u : 3u);
+        EXPECT_EQ(oracle.at({0.5, 0.5, 0.5}).facet, triangles ? 2u : 1u);
+    }
+}
+
+TEST(MeshContact, OnAConcaveEdgeTheLowerFacetHasTheForceOnBothSides) {
+    // A valley between two slopes: all over the wedge below it the edge is nearest.
+    PolygonSoup valley;
+    valley.vertices = {{-1, -1, 0.7}, {0.1, -1, 0}, {1.2, -1, 0.4}, {-1, 1.3, 0.7}, {0.1, 1.3, 0}, {1.2, 1.3, 0.4}};
+    shapes::add_facet(valley, {1, 2, 5, 4});
+    shapes::add_facet(valley, {0, 1, 4, 3});
+    const Oracle oracle(valley);
+    Random random;
+    for (int i = 0; i < 1000; ++i) {
+        const double y = 0.9 * random.uniform();
+        EXPECT_EQ(oracle.at({0.1 + 0.05 * random.uniform(), y, -0.5}).facet, 0u);
+    }
+}
+
+TEST(MeshContact, SingleAndDoublePrecisionAgree) {
+    const Oracle oracle(shapes::icosphere(3));
+    const MeshTables<float> tables = make_mesh_tables<float>(oracle.structure, kStiffness);
+    layout::Law<float> law{};
+    law.features.surface = layout::kSurfaceMesh;
+    law.features.shading = layout::kShadingMeanValue;
+    law.mesh = tables.view();
+    Random random;
+    for (int i = 0; i < 2000; ++i) {
+        const glm::dvec3 world = random.within(1);
+        const reference::Contact<float> single =
+            reference::evaluate(law, reference::Vector<float>(to_mesh_frame(oracle.structure, world)));
+        EXPECT_NEAR(single.depth, oracle.at(world).depth, 1e-6);
+    }
+}
+
+} // namespace
+} // namespace forceshade

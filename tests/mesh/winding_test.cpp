@@ -1,0 +1,161 @@
+// Inside by winding number: the tree against the plain sum, against crossings of a ray, against pseudonormals, on open
+// meshes, and the bound on its change.
+#include <cmath>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "host/brute/mesh_referee.h"
+#include "host/mesh/structure.h"
+#include "host/mesh_file/mesh_file.h"
+#include "host/reference/mesh_contact.h"
+#include "tests/mesh/shapes.h"
+
+namespace forceshade {
+namespace {
+
+using reference::Vector;
+
+struct Scene {
+    Mesh mesh;
+    MeshStructure structure;
+    MeshTables<double> tables;
+    brute::MeshReferee referee;
+    layout::MeshView<double> view;
+
+    explicit Scene(PolygonSoup polygons)
+        : mesh(shapes::mesh_of(std::move(polygons))), structure(build_structure(mesh, {.winding = true})),
+          tables(make_mesh_tables<double>(structure, 1)), referee(mesh, {}), view(tables.view()) {}
+
+    double winding(const glm::dvec3& world) const {
+        return reference::winding_number(view, to_mesh_frame(structure, world));
+    }
+    glm::dvec3 random_place(std::mt19937& random, double reach) const {
+        const auto uniform = [&] { return reach * structure.scale * ((double(random()) + 0.5) / 2147483648.0 - 1); };
+        const double x = uniform(), y = uniform();
+        return structure.centre + glm::dvec3(x, y, uniform());
+    }
+};
+
+PolygonSoup bowl() {
+    PolygonSoup sphere = shapes::icosphere(4), result;
+    result.vertices = sphere.vertices;
+    for (std::size_t facet = 0; facet < sphere.facets(); ++facet) {
+        const std::uint32_t* corners = &sphere.corners[sphere.begins[facet]];
+        if (sphere.vertices[corners[0]].z < 0.6)
+            shapes::add_facet(result, {corners[0], corners[1], corners[2]});
+    }
+    return result;
+}
+
+PolygonSoup spot() {
+    return read_polygons(FORCESHADE_TEST_DATA "/spot.obj").polygons;
+}
+
+TEST(Winding, TreeIsThePlainSumToWellBelowAThousandth) {
+    std::mt19937 random(5);
+    double worst = 0;
+    for (const PolygonSoup& polygons :
+         {shapes::icosphere(5), spot(), bowl(), shapes::random_polyhedra(300, 8), shapes::sliver_box(300, 1e6),
+          shapes::patch(shapes::Cells::quads, 40, [](double x, double y) { return 0.3 * x * y; })}) {
+        const Scene scene(polygons);
+        for (int i = 0; i < 100; ++i) {
+            const glm::dvec3 world = scene.random_place(random, 1.5);
+            worst = std::max(worst, std::abs(scene.winding(world) - double(scene.referee.winding_number(world))));
+        }
+    }
+    RecordProperty("worst", std::to_string(worst));
+    EXPECT_LT(worst, 1e-4);
+}
+
+TEST(Winding, InsideIsWhatARayCrosses) {
+    std::mt19937 random(6);
+    for (const PolygonSoup& polygons : {shapes::cube(), shapes::icosphere(3), shapes::nested_shells(2, true),
+                                        shapes::nested_shells(2, false), shapes::random_polyhedra(100, 4)}) {
+        const Scene scene(polygons);
+        for (int i = 0; i < 300; ++i) {
+            const glm::dvec3 world = scene.random_place(random, 1.2);
+            EXPECT_NEAR(scene.winding(world), scene.referee.crossings(world), 1e-4);
+        }
+    }
+}
+
+TEST(Winding, AgreesWithPseudonormalsOnClosedMeshes) {
+    std::mt19937 random(7);
+    for (const PolygonSoup& polygons : {shapes::cube(), shapes::icosphere(4), shapes::nested_shells(3, true), spot(),
+                                        shapes::needle_fan(1000, 20), shapes::plate(1e-3)}) {
+        const Scene scene(polygons);
+        for (int i = 0; i < 2000; ++i) {
+            const Vector<double> probe = to_mesh_frame(scene.structure, scene.random_place(random, 1.1));
+            const auto found = reference::nearest(scene.view, probe);
+            if (found.square > 1e-20) {
+                EXPECT_EQ(reference::inside_by_winding(scene.view, probe),
+                          reference::inside_by_pseudonormal(scene.view, found));
+            }
+        }
+    }
+}
+
+TEST(Winding, OpenBowlHoldsWhatIsBelowItsRim) {
+    Scene scene(bowl());
+    layout::Law<double> law{};
+    law.features.surface = layout::kSurfaceMesh;
+    law.features.inside = layout::kInsideWinding;
+    law.mesh = scene.view;
+    const auto depth = [&](const glm::dvec3& world) {
+        return reference::mesh_contact(law, to_mesh_frame(scene.structure, world)).depth;
+    };
+    EXPECT_GT(depth({0, 0, -0.5}), 0.4);
+    EXPECT_GT(depth({0.7, 0, 0.2}), 0.1);
+    EXPECT_EQ(depth({0, 0, 0.9}), 0);
+    EXPECT_EQ(depth({0, 0, -1.2}), 0);
+}
+
+TEST(Winding, SingleTablesTellTheSame) {
+    const Scene scene(spot());
+    const MeshTables<float> tables = make_mesh_tables<float>(scene.structure, 1);
+    std::mt19937 random(8);
+    for (int i = 0; i < 200; ++i) {
+        const Vector<double> probe = to_mesh_frame(scene.structure, scene.random_place(random, 1));
+        if (reference::nearest(scene.view, probe).square > 1e-8) {
+            EXPECT_NEAR(reference::winding_number(tables.view(), probe), reference::winding_number(scene.view, probe),
+                        1e-4);
+        }
+    }
+}
+
+TEST(Winding, OfClosedMeshesDoesNotChangeInFreeSpace) {
+    for (const PolygonSoup& polygons : {shapes::cube(), spot(), shapes::random_polyhedra(50, 1)}) {
+        const Scene scene(polygons);
+        EXPECT_TRUE(scene.structure.winding->rims.empty());
+        EXPECT_EQ(reference::winding_change(scene.view, Vector<double>(3, 0, 0), 1.5), 0);
+    }
+}
+
+TEST(Winding, ChangeIsBoundedOnOpenMeshes) {
+    std::mt19937 random(9);
+    int telling = 0;
+    for (const PolygonSoup& polygons :
+         {bowl(), shapes::single_triangle(),
+          shapes::patch(shapes::Cells::quads, 8, [](double x, double y) { return x * y; })}) {
+        const Scene scene(polygons);
+        for (int i = 0; i < 300; ++i) {
+            const Vector<double> probe = to_mesh_frame(scene.structure, scene.random_place(random, 1.5));
+            const double free = std::sqrt(reference::nearest(scene.view, probe).square);
+            const double radius = free * (0.1 + 0.8 * double(random()) / 4294967296.0);
+            const double bound = reference::winding_change(scene.view, probe, radius, 10.0);
+            const Vector<double> way = reference::normalised(Vector<double>(scene.random_place(random, 1)));
+            const double change = std::abs(reference::winding_number(scene.view, Vector<double>(probe + radius * way)) -
+                                           reference::winding_number(scene.view, probe));
+            EXPECT_LE(change, bound + 2e-4);
+            telling += bound < 0.5;
+        }
+    }
+    EXPECT_GT(telling, 100);
+    const Scene triangle(shapes::single_triangle());
+    EXPECT_EQ(reference::winding_change(triangle.view, Vector<double>(0, 0, 0.1), 2.0),
+              std::numeric_limits<double>::infinity());
+}
+
+} // namespace
+} // namespace forceshade
