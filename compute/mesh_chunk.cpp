@@ -19,7 +19,8 @@ std::vector<uint> ordered_blocks(const layout::MeshPlan& plan, const layout::Mes
         return kBuckets - 1 - std::min(block.count, kBuckets - 1);
     };
     const auto below = [](const layout::MeshBlock& block, uint z) { return block.z < z; };
-    const auto first = std::lower_bound(plan.blocks.begin(), plan.blocks.end(), chunk.z_first, below);
+    const auto first =
+        std::lower_bound(plan.blocks.begin(), plan.blocks.end(), chunk.z_first / kMeshBlock * kMeshBlock, below);
     const auto last = std::lower_bound(first, plan.blocks.end(), chunk.z_first + chunk.z_count, below);
     const auto is_listed = [&](const layout::MeshBlock& block) {
         return block.count > 0 && block.y >= chunk.y_first && block.y < chunk.y_first + chunk.y_count;
@@ -41,28 +42,34 @@ std::vector<uint> ordered_blocks(const layout::MeshPlan& plan, const layout::Mes
 
 MeshChunkSteps plan_mesh_chunks(std::uint64_t x_pitch, std::uint64_t ny, std::uint64_t nz, SampleBytes sample,
                                 std::uint64_t buffer_range, std::uint64_t chunk_bytes) {
-    const std::uint64_t rows =
-        std::min(buffer_range / (x_pitch * sample.largest), chunk_bytes / (x_pitch * sample.all));
-    const std::uint64_t high = std::min<std::uint64_t>(nz, kMeshBlock);
+    constexpr std::uint64_t kPatience = 4;
+    const auto rows_within = [&](std::uint64_t bytes) {
+        return std::min(buffer_range / (x_pitch * sample.largest), bytes / (x_pitch * sample.all));
+    };
     const auto whole = [](std::uint64_t samples, std::uint64_t all) {
         return static_cast<std::uint32_t>(samples >= all ? all : samples / kMeshBlock * kMeshBlock);
     };
-    MeshChunkSteps steps{whole(rows / high, ny), static_cast<std::uint32_t>(high)};
-    if (steps.y_step == ny)
-        steps.z_step = std::max(steps.z_step, whole(rows / ny, nz));
+    const std::uint64_t pair = std::min<std::uint64_t>(nz, kMeshBlock);
+    const std::uint64_t rows = rows_within(chunk_bytes);
+    if (rows >= pair * ny)
+        return {static_cast<std::uint32_t>(ny), std::max(static_cast<std::uint32_t>(pair), whole(rows / ny, nz))};
+    if (rows_within(kPatience * chunk_bytes) >= pair * ny)
+        return {static_cast<std::uint32_t>(ny), static_cast<std::uint32_t>(pair)};
+    const MeshChunkSteps steps{whole(rows, ny), 1};
     if (steps.y_step == 0)
         throw DeviceError(
             DeviceError::Kind::out_of_memory,
             fmt::format("{} rows of {} samples take {} bytes; a dispatch may hold {} and a buffer span {}: "
                         "make the grid narrower in x",
-                        kMeshBlock * high, x_pitch, kMeshBlock * high * x_pitch * sample.all, chunk_bytes,
-                        buffer_range));
+                        kMeshBlock, x_pitch, kMeshBlock * x_pitch * sample.all, chunk_bytes, buffer_range));
     return steps;
 }
 
 void cut_plan(const layout::MeshPlan& plan, const layout::MeshChunkParams& chunk, const std::vector<uint>& candidates,
               bool voxel_by_voxel, MeshChunkPlan& part) {
     const std::vector<uint> order = ordered_blocks(plan, chunk);
+    // A chunk of one layer may begin within blocks.
+    const uint wanted = chunk.z_first % kMeshBlock != 0 ? 0xF0u : 0xFFu;
     const uint parts = voxel_by_voxel ? kMeshBlock * kMeshBlock * kMeshBlock : 1;
     part.blocks = static_cast<std::uint32_t>(order.size() * parts);
     const std::size_t begin = std::size_t(layout::kMeshBlockWords) * part.blocks;
@@ -80,7 +87,7 @@ void cut_plan(const layout::MeshPlan& plan, const layout::MeshChunkParams& chunk
             part.words[at++] = block.z - chunk.z_first;
             part.words[at++] = static_cast<uint>(to - begin);
             part.words[at++] = block.count;
-            part.words[at++] = inside | (voxel_by_voxel ? 0x100u << i : 0xFF00u);
+            part.words[at++] = inside | (wanted & (voxel_by_voxel ? 1u << i : 0xFFu)) << 8;
         }
         for (const uint triangle : plan.candidates.subspan(block.first, block.count))
             part.words[to++] = candidates[triangle];

@@ -10,12 +10,13 @@
 
 namespace forceshade::compute {
 
-/// Samples of a dispatch along y and z: multiples of layout::kMeshBlock, but for the grid's end. y_step < ny only where
-/// z_step is layout::kMeshBlock or less.
+/// Samples of a dispatch along y and z, in whole blocks but for the grid's end; where two layers do not fit at all, of
+/// one layer, since the rows of a chunk follow each other in the grid. y_step < ny only where z_step is 1.
 struct MeshChunkSteps {
     std::uint32_t y_step = 0, z_step = 0;
 };
 
+/// `chunk_bytes` is exceeded, four times at most, where that keeps two layers together.
 /// \throws DeviceError (out_of_memory) if not even one row of blocks fits.
 MeshChunkSteps plan_mesh_chunks(std::uint64_t x_pitch, std::uint64_t ny, std::uint64_t nz, SampleBytes sample,
                                 std::uint64_t buffer_range, std::uint64_t chunk_bytes);

@@ -79,7 +79,7 @@ template <typename T> MeshChunkSteps MeshKernel::Implementation::steps(const lay
     const std::size_t wanted =
         device.report.software ? std::min(options.chunk_bytes, options.software_chunk_bytes) : options.chunk_bytes;
     const std::uint64_t pitch = inputs.x_pitch();
-    const std::uint64_t least = layout::kMeshBlock * layout::kMeshBlock * pitch * sample.all; // four rows always fit
+    const std::uint64_t least = layout::kMeshBlock * pitch * sample.all; // a row of blocks always fits
     const std::uint64_t bytes = std::max(least, std::min<std::uint64_t>(wanted, kMostSamples * sample.all));
     return plan_mesh_chunks(pitch, input.y.size(), input.z.size(), sample, device.limits.maxStorageBufferRange, bytes);
 }
@@ -246,7 +246,8 @@ FieldTimes MeshKernel::evaluate(const layout::FieldInput<T>& input,
         const std::size_t nz = input.z.size();
         const std::size_t layers =
             std::max<std::size_t>(1, self.options.slab_voxels / (input.x.size() * input.y.size()));
-        const std::size_t slab = plan ? std::max<std::size_t>(1, layers / run.steps.z_step) * run.steps.z_step : nz;
+        const std::size_t step = std::max<std::size_t>(layout::kMeshBlock, run.steps.z_step);
+        const std::size_t slab = plan ? std::max<std::size_t>(1, layers / step) * step : nz;
         try {
             for (std::size_t z = 0; z < nz; z += slab) {
                 const std::size_t count = std::min(slab, nz - z);

@@ -30,16 +30,25 @@ template <typename T> void store(std::vector<T>& buffer, std::size_t sample, con
     buffer[3 * sample + 2] = value.z;
 }
 
+// The law at a sample. What was nearest to a mesh's last sample is a good guess for the next.
+template <typename T>
+Contact<T> contact_of(const layout::Law<T>& law, const Column<T>& column, T z, layout::uint& hint) noexcept {
+    if (law.features.surface == layout::kSurfaceMesh)
+        return mesh_contact(law, Vector<T>(column.x, column.y, z), hint);
+    return contact_at(law, column, z);
+}
+
 // One y, some z of the chunk. The columns are computed once for all of them, as in the kernel.
 template <typename T>
 void evaluate_rows(const layout::FieldInput<T>& input, const layout::FieldChunk<T>& chunk, std::size_t y,
                    std::size_t z_begin, std::size_t z_end, std::vector<Column<T>>& columns, Buffers<T>& buffers) {
     columns.clear();
+    layout::uint hint = 0;
     for (std::size_t x = 0; x < chunk.x_count; ++x)
         columns.push_back(column_at(input.law, input.x[x], input.y[chunk.y_first + y]));
     for (std::size_t z = z_begin; z < z_end; ++z)
         for (std::size_t x = 0; x < chunk.x_count; ++x) {
-            const Contact<T> contact = contact_at(input.law, columns[x], input.z[chunk.z_first + z]);
+            const Contact<T> contact = contact_of(input.law, columns[x], input.z[chunk.z_first + z], hint);
             const std::size_t sample = (z * chunk.y_count + y) * chunk.x_pitch + x;
             store(buffers.force, sample, contact.force);
             store(buffers.proxy, sample, contact.proxy);
