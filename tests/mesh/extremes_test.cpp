@@ -1,0 +1,304 @@
+// Meshes that break lesser code: slivers, nothing, doubles, needles, cancelling normals, far away, huge facets. Always
+// finite, and right where right means something.
+#include <cmath>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "host/brute/mesh_referee.h"
+#include "host/mesh/structure.h"
+#include "host/reference/contact.h"
+#include "tests/mesh/shapes.h"
+
+namespace forceshade {
+namespace {
+
+using layout::uint;
+using Vector = reference::Vector<double>;
+
+constexpr double kStiffness = 1000; /* N/m */
+constexpr uint kShadings[] = {layout::kShadingNone, layout::kShadingMorgenbesser, layout::kShadingBarycentric,
+                              layout::kShadingMeanValue, layout::kShadingTwoPass};
+
+double uniform(std::mt19937& random) {
+    return (double(random()) + 0.5) / 2147483648.0 - 1;
+}
+
+template <typename T> double length(const reference::Vector<T>& v) {
+    return std::sqrt(double(v.x) * double(v.x) + double(v.y) * double(v.y) + double(v.z) * double(v.z));
+}
+
+/// Every scheme at probes all over, on corners and in the middle of triangles: finite, as strong as unshaded.
+template <typename T> void expect_sane(const MeshStructure& structure) {
+    const MeshTables<T> tables = make_mesh_tables<T>(structure, kStiffness);
+    layout::Law<T> law{};
+    law.features.surface = layout::kSurfaceMesh;
+    law.mesh = tables.view();
+    bool triangles = true;
+    for (uint facet = 0; facet < law.mesh.params.facets; ++facet)
+        triangles = triangles && law.mesh.facet_begins[facet + 1] - law.mesh.facet_begins[facet] == 3;
+    std::mt19937 random(1);
+    for (int i = 0; i < 600; ++i) {
+        reference::Vector<T> probe(T(1.1 * uniform(random)), T(1.1 * uniform(random)), T(1.1 * uniform(random)));
+        const std::size_t triangle = random() % structure.triangles();
+        const auto corner = [&](std::size_t j) {
+            return reference::vector_at(law.mesh.vertices, law.mesh.triangle_corners[3 * triangle + j]);
+        };
+        const reference::Vector<T> normal = reference::vector_at(law.mesh.triangle_normals, triangle);
+        if (i % 4 == 1)
+            probe = corner(random() % 3);
+        if (i % 4 == 2)
+            probe =
+                (corner(0) + corner(1) + corner(2)) / T(3) - T(std::pow(10, -12 * std::abs(uniform(random)))) * normal;
+        if (i % 4 == 3)
+            probe = corner(random() % 3) - T(std::pow(10, -12 * std::abs(uniform(random)))) * normal;
+        for (const uint shading : kShadings) {
+            if (shading == layout::kShadingBarycentric && !triangles)
+                continue;
+            law.features.shading = shading;
+            const reference::Contact<T> contact = reference::evaluate(law, probe);
+            ASSERT_TRUE(std::isfinite(length(contact.force)) && std::isfinite(length(contact.proxy)));
+            ASSERT_TRUE(std::isfinite(contact.depth) && contact.depth >= 0);
+            ASSERT_TRUE(contact.facet == layout::kNoFacet || contact.facet < law.mesh.params.facets);
+            const double unshaded = length(contact.unshaded),
+                         tolerance = 50 * double(std::numeric_limits<T>::epsilon());
+            if (shading == layout::kShadingTwoPass) {
+                ASSERT_GE(length(contact.force), unshaded * (1 - tolerance));
+            } else {
+                ASSERT_NEAR(length(contact.force), unshaded, unshaded * tolerance + 1e-30);
+            }
+        }
+    }
+}
+
+/// Depth and direction by the referee, wherever rounding does not decide.
+void expect_right(const Mesh& mesh, const MeshStructure& structure, double tolerance = 1e-12) {
+    const MeshTables<double> tables = make_mesh_tables<double>(structure, kStiffness);
+    layout::Law<double> law{};
+    law.features.surface = layout::kSurfaceMesh;
+    law.mesh = tables.view();
+    const brute::MeshReferee referee(mesh, {});
+    std::mt19937 random(2);
+    for (int i = 0; i < 100; ++i) {
+        const Vector local(uniform(random), uniform(random), uniform(random));
+        const glm::dvec3 world = structure.centre + structure.scale * local;
+        const brute::Answer expected = referee.at(world);
+        const reference::Contact<double> found = reference::evaluate(law, to_mesh_frame(structure, world));
+        EXPECT_NEAR(found.depth / structure.scale, double(expected.depth) / structure.scale, tolerance);
+        EXPECT_EQ(found.facet == layout::kNoFacet, expected.facet == layout::kNoFacet);
+    }
+}
+
+void hold(const PolygonSoup& polygons, VertexNormals normals = VertexNormals::plain) {
+    const Mesh mesh = shapes::mesh_of(polygons, normals);
+    const MeshStructure structure = build_structure(mesh);
+    expect_sane<double>(structure);
+    expect_sane<float>(structure);
+    expect_right(mesh, structure);
+}
+
+TEST(Extremes, SliversOfAspectTenToTheEighth) {
+    hold(shapes::sliver_box(50, 1e8));
+    // The same as part of a solid: a cube one of whose faces is cut into slivers.
+    PolygonSoup box = shapes::cube(true);
+    const auto thin = static_cast<std::uint32_t>(box.vertices.size());
+    box.vertices.push_back({1, 1, 1 - 2e-8});
+    shapes::add_facet(box, {7, thin, 5});
+    hold(box);
+}
+
+TEST(Extremes, SliversInSinglePrecisionReachNoFurtherThanTheyAre) {
+    // Rounded to single precision such triangles have no area, or a wrong one.
+    const MeshStructure structure = build_structure(shapes::mesh_of(shapes::sliver_box(200, 1e8)));
+    const MeshTables<float> tables = make_mesh_tables<float>(structure, 1);
+    const layout::MeshView<float> view = tables.view();
+    std::mt19937 random(3);
+    for (int i = 0; i < 2000; ++i) {
+        const reference::Vector<double> probe(3 * uniform(random), uniform(random), 2 * uniform(random));
+        const double exact = std::sqrt(reference::nearest(make_mesh_tables<double>(structure, 1).view(), probe).square);
+        const float found = std::sqrt(reference::nearest(view, reference::Vector<float>(probe)).square);
+        EXPECT_NEAR(found, exact, 1e-6);
+    }
+}
+
+TEST(Extremes, TipsOfSliversDoNotReachBeyondThemselves) {
+    std::mt19937 random(4);
+    for (int i = 0; i < 20000; ++i) {
+        // A needle in a random direction, and a probe hardly off its line beyond the tip.
+        const Vector way = reference::normalised(Vector(uniform(random), uniform(random), uniform(random)));
+        const Vector other = reference::normalised(reference::cross(way, Vector(uniform(random), uniform(random), 1)));
+        const double width = std::pow(10, -6 - 3 * std::abs(uniform(random)));
+        const Vector tip(0.0), left = -way + width * other, right = -way - width * other;
+        const Vector normal = reference::normalised(reference::cross(other, way)); // of tip, left, right
+        const double beyond = 0.01 + std::abs(uniform(random));
+        const Vector probe = beyond * way + 1e-3 * normal;
+        const auto expect_beyond = [&](const auto& point, double tolerance) {
+            EXPECT_NEAR(std::sqrt(double(point.square)), std::hypot(beyond, 1e-3), tolerance);
+        };
+        using Single = reference::Vector<float>;
+        expect_beyond(reference::nearest_on_triangle(probe, tip, left, right, normal), 1e-12);
+        expect_beyond(
+            reference::nearest_on_triangle(Single(probe), Single(tip), Single(left), Single(right), Single(normal)),
+            1e-5);
+        // At the other end, the short edge.
+        const Vector behind = -(1 + beyond) * way + 1e-3 * normal;
+        expect_beyond(reference::nearest_on_triangle(behind, tip, left, right, normal), 1e-12);
+        expect_beyond(
+            reference::nearest_on_triangle(Single(behind), Single(tip), Single(left), Single(right), Single(normal)),
+            1e-5);
+    }
+}
+
+TEST(Extremes, FacetsWithoutAreaAndDoubles) {
+    PolygonSoup polygons = shapes::merged(shapes::icosphere(1), shapes::icosphere(1));
+    shapes::add_facet(polygons, {0, 0, 5});
+    shapes::add_facet(polygons, {3, 3, 3});
+    polygons.vertices.push_back((polygons.vertices[0] + polygons.vertices[1]) / 2.0);
+    shapes::add_facet(polygons, {0, static_cast<std::uint32_t>(polygons.vertices.size() - 1), 1});
+    hold(polygons);
+    // The same vertices twice over: each facet once more.
+    PolygonSoup twice = shapes::icosphere(1);
+    const PolygonSoup once = twice;
+    for (std::size_t facet = 0; facet < once.facets(); ++facet) {
+        const std::uint32_t* corners = &once.corners[once.begins[facet]];
+        shapes::add_facet(twice, {corners[0], corners[1], corners[2]});
+    }
+    hold(twice);
+}
+
+TEST(Extremes, CoplanarNeighbours) {
+    hold(shapes::subdivided(shapes::subdivided(shapes::cube())));
+}
+
+TEST(Extremes, NeedleVerticesOfValenceOneThousand) {
+    hold(shapes::needle_fan(1000, 30));
+    hold(shapes::needle_fan(1000, 1e-7));
+}
+
+TEST(Extremes, VertexNormalsThatCancel) {
+    // Two-sided sheets: every vertex normal is 0.
+    PolygonSoup sheet;
+    sheet.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+    shapes::add_facet(sheet, {0, 1, 2});
+    shapes::add_facet(sheet, {0, 2, 1});
+    const Mesh mesh = shapes::mesh_of(sheet);
+    EXPECT_EQ(mesh.vertex_normals[0], glm::dvec3(0));
+    const MeshStructure structure = build_structure(mesh);
+    expect_sane<double>(structure);
+    expect_sane<float>(structure);
+}
+
+TEST(Extremes, AFacetNormalOppositeToItsNeighbours) {
+    // A sphere with one facet turned round: its normal points in, its neighbours' out.
+    PolygonSoup sphere = shapes::icosphere(2);
+    std::swap(sphere.corners[0], sphere.corners[1]);
+    const MeshStructure structure = build_structure(shapes::mesh_of(sphere));
+    expect_sane<double>(structure);
+    expect_sane<float>(structure);
+}
+
+TEST(Extremes, TwoPassWhereTheDirectionLiesInTheFacetIsUnshaded) {
+    Mesh mesh = shapes::mesh_of(shapes::single_triangle());
+    for (glm::dvec3& normal : mesh.vertex_normals)
+        normal = {0.6, 0.8, 0};
+    const MeshStructure structure = build_structure(mesh);
+    const MeshTables<double> tables = make_mesh_tables<double>(structure, kStiffness);
+    layout::Law<double> law{};
+    law.features.surface = layout::kSurfaceMesh;
+    law.features.shading = layout::kShadingTwoPass;
+    law.mesh = tables.view();
+    const auto contact = reference::evaluate(law, to_mesh_frame(structure, {0.2, 0.2, -0.1}));
+    EXPECT_EQ(contact.force, contact.unshaded);
+    EXPECT_NEAR(contact.force.z, 0.1 * kStiffness, 1e-12);
+}
+
+TEST(Extremes, AMillionSizesFromTheOrigin) {
+    hold(shapes::moved(shapes::icosphere(3), glm::dvec3(1), {1e6, -1e6, 1e6}));
+}
+
+TEST(Extremes, ASingleTriangle) {
+    hold(shapes::single_triangle());
+}
+
+TEST(Extremes, AFacetOf65537Corners) {
+    const Mesh mesh = shapes::mesh_of(shapes::many_gon_prism(65537));
+    const MeshStructure structure = build_structure(mesh);
+    const MeshTables<double> tables = make_mesh_tables<double>(structure, kStiffness);
+    layout::Law<double> law{};
+    law.features.surface = layout::kSurfaceMesh;
+    law.mesh = tables.view();
+    for (const uint shading : {layout::kShadingMorgenbesser, layout::kShadingMeanValue, layout::kShadingTwoPass}) {
+        law.features.shading = shading;
+        for (const glm::dvec3& world :
+             {glm::dvec3(0.1, 0.2, 0.9), {0, 0, 0.95}, {0.9999, 0, 0.99999}, {0.5, 0.5, 1 - 1e-12}}) {
+            const auto contact = reference::evaluate(law, to_mesh_frame(structure, world));
+            EXPECT_NEAR(contact.depth, std::min(1 - world.z, 1 - std::hypot(world.x, world.y)), 1e-8);
+            EXPECT_NEAR(length(contact.unshaded), kStiffness * contact.depth, 1e-9);
+            EXPECT_TRUE(std::isfinite(length(contact.force)));
+            if (shading != layout::kShadingTwoPass) {
+                EXPECT_NEAR(length(contact.force), kStiffness * contact.depth, 1e-9 * contact.depth * kStiffness);
+            }
+        }
+    }
+}
+
+TEST(Extremes, NonManifoldFans) {
+    // Two cubes that share an edge: four triangles meet there.
+    PolygonSoup two = shapes::merged(shapes::cube(), shapes::moved(shapes::cube(), glm::dvec3(1), {2, 2, 0}));
+    hold(two);
+    PolygonSoup fan;
+    fan.vertices = {{0, 0, -1}, {0, 0, 1}};
+    for (std::uint32_t i = 0; i < 7; ++i) {
+        fan.vertices.push_back({std::cos(0.9 * i), std::sin(0.9 * i), 0.1 * i});
+        shapes::add_facet(fan, {0, 1, 2 + i});
+    }
+    const MeshStructure structure = build_structure(shapes::mesh_of(fan));
+    expect_sane<double>(structure);
+    expect_sane<float>(structure);
+}
+
+TEST(Extremes, NestedShells) {
+    hold(shapes::nested_shells(3, true));
+    hold(shapes::nested_shells(3, false));
+}
+
+TEST(Extremes, ThinPlate) {
+    hold(shapes::plate(1e-5));
+    hold(shapes::plate(1e-12));
+}
+
+TEST(Extremes, ReentrantEdgesSharperThanARightAngle) {
+    // A notch of 20 degrees in a block: below it the edge is nearest, and which side is in must not hang on one facet.
+    PolygonSoup block;
+    const double w = 0.5 * std::tan(10 * 3.14159265358979 / 180);
+    const std::vector<glm::dvec3> outline{{-1, 0, -1}, {1, 0, -1},   {1, 0, 0.5}, {w, 0, 0.5},
+                                          {0, 0, 0},   {-w, 0, 0.5}, {-1, 0, 0.5}};
+    const auto corners = static_cast<std::uint32_t>(outline.size());
+    for (const double y : {-1.0, 1.0})
+        for (const glm::dvec3& at : outline)
+            block.vertices.push_back({at.x, y, at.z});
+    for (std::uint32_t i = 0; i < corners; ++i) {
+        const std::uint32_t next = (i + 1) % corners;
+        shapes::add_facet(block, {next, i, corners + i, corners + next});
+    }
+    for (std::uint32_t i = 0; i < corners; ++i)
+        block.corners.push_back(i);
+    block.begins.push_back(static_cast<std::uint32_t>(block.corners.size()));
+    for (std::uint32_t i = corners; i > 0; --i)
+        block.corners.push_back(corners + i - 1);
+    block.begins.push_back(static_cast<std::uint32_t>(block.corners.size()));
+    hold(block);
+    // As single triangles, too: no vertex in common, all edges found by place.
+    const Mesh cut = shapes::mesh_of(block);
+    PolygonSoup heap;
+    for (const auto& triangle : cut.triangles) {
+        const auto first = static_cast<std::uint32_t>(heap.vertices.size());
+        for (const std::uint32_t corner : triangle)
+            heap.vertices.push_back(cut.polygons.vertices[corner]);
+        shapes::add_facet(heap, {first, first + 1, first + 2});
+    }
+    hold(heap);
+}
+
+} // namespace
+} // namespace forceshade
