@@ -32,9 +32,9 @@ struct MeshWinding {
 /// two that leaves no coordinate beyond 1. Triangles stand in the tree's order, those without area are left out (their
 /// neighbours cover them); vertices are numbered by first use, facets as in the file.
 ///
-/// Bytes a triangle, for a closed mesh of T triangles in double (T/2 vertices, T facets): nodes 14 (112 each, 8
-/// triangles or so below), corners 12, facets 4, neighbours 12, vertices 12, their normals 12 and pseudonormals 12,
-/// triangle normals 24, facets' corners 16 and normals 24: 142; the winding number's moments 26 more.
+/// Bytes a triangle, for a closed mesh of T triangles in double (T/2 vertices, T facets): nodes 20 (112 each, between 5
+/// and 6 triangles below), corners 12, facets 4, neighbours 12, vertices 12, their normals 12 and pseudonormals 12,
+/// triangle normals 24, facets' corners 16 and normals 24: 148; the winding number's moments 33 more.
 struct MeshStructure {
     glm::dvec3 centre; /* m, world */
     double scale;      /* m */
