@@ -46,9 +46,9 @@ Eight sums(real2 x, real2 y, real2 z) {
 }
 
 Eight products(Points points, real3 v) {
-    precise real2 x = points.x * v.x;
-    precise real2 y = points.y * v.y;
-    precise real2 z = points.z * v.z;
+    precise real2 x = points.x * real2(v.x);
+    precise real2 y = points.y * real2(v.y);
+    precise real2 z = points.z * real2(v.z);
     return sums(x, y, z);
 }
 
@@ -64,9 +64,9 @@ real4 edge_square(real4 ahead, Points start, real z, real3 way, real length_squa
                   real4 end_square, out bvec4 within) {
     precise real4 along = -ahead;
     precise real4 share = along / length_square;
-    precise real4 foot_x = start.x.xyxy + share * way.x;
-    precise real4 foot_y = start.y.xxyy + share * way.y;
-    precise real4 foot_z = z + share * way.z;
+    precise real4 foot_x = start.x.xyxy + share * real4(way.x);
+    precise real4 foot_y = start.y.xxyy + share * real4(way.y);
+    precise real4 foot_z = z + share * real4(way.z);
     precise real4 square = foot_x * foot_x + foot_y * foot_y + foot_z * foot_z;
     bvec4 behind_end = lessThan(along, real4(length_square));
     bvec4 past_start = greaterThan(along, real4(ZERO));

@@ -23,7 +23,7 @@ real3 difference(real3 u, real3 v) {
 }
 
 real3 scaled(real factor, real3 v) {
-    precise real3 value = factor * v;
+    precise real3 value = real3(factor) * v; // a vector times a scalar is open to other roundings
     return value;
 }
 

@@ -1,5 +1,6 @@
 # cmake -DSHADERS=DIR -DINTO=DIR -DGLSLANG=PROGRAM -DNAME=name -DPATTERN=glob -DFROM=text -DTO=text -P break_kernel.cmake
-# Copies the shaders, replaces a text in those that match, and compiles field.comp to INTO/NAME_{f32,f32_packed,f64}.spv.h.
+# Copies the shaders, replaces a text in those that match, and compiles field.comp to INTO/NAME_{f32,f32_packed,f64}.spv.h
+# and mesh_field.comp to INTO/NAME_mesh_{f32,f64}.spv.h.
 # An error if nothing was replaced: a break that no longer breaks would go unseen.
 string(REPLACE "\\n" "\n" TO "${TO}") # no build tool takes a line break in an argument
 file(REMOVE_RECURSE ${INTO}/${NAME})
@@ -20,15 +21,19 @@ if(NOT FROM STREQUAL "")
                             "adapt the break in tests/gpu/CMakeLists.txt")
     endif()
 endif()
-foreach(variant f32 f32_packed f64)
+foreach(variant f32 f32_packed f64 mesh_f32 mesh_f64)
     set(definitions)
+    set(kernel field.comp)
     if(variant STREQUAL "f32_packed")
         set(definitions -DFS_PACKED)
-    elseif(variant STREQUAL "f64")
+    elseif(variant MATCHES "f64")
         set(definitions -DFS_F64)
+    endif()
+    if(variant MATCHES "mesh")
+        set(kernel mesh_field.comp)
     endif()
     execute_process(
         COMMAND ${GLSLANG} -V --quiet --target-env vulkan1.1 -S comp -I${INTO}/${NAME} ${definitions}
-                --vn ${NAME}_${variant} -o ${INTO}/${NAME}_${variant}.spv.h ${INTO}/${NAME}/field.comp
+                --vn ${NAME}_${variant} -o ${INTO}/${NAME}_${variant}.spv.h ${INTO}/${NAME}/${kernel}
         COMMAND_ERROR_IS_FATAL ANY)
 endforeach()

@@ -8,48 +8,86 @@ namespace words {
 #include "channel_f32.spv.h"
 #include "channel_f32_packed.spv.h"
 #include "channel_f64.spv.h"
+#include "channel_mesh_f32.spv.h"
+#include "channel_mesh_f64.spv.h"
 #include "component_f32.spv.h"
 #include "component_f32_packed.spv.h"
 #include "component_f64.spv.h"
+#include "component_mesh_f32.spv.h"
+#include "component_mesh_f64.spv.h"
 #include "edge_f32.spv.h"
 #include "edge_f32_packed.spv.h"
 #include "edge_f64.spv.h"
+#include "edge_mesh_f32.spv.h"
+#include "edge_mesh_f64.spv.h"
 #include "imprecise_f32.spv.h"
 #include "imprecise_f32_packed.spv.h"
 #include "imprecise_f64.spv.h"
+#include "imprecise_mesh_f32.spv.h"
+#include "imprecise_mesh_f64.spv.h"
 #include "none_f32.spv.h"
 #include "none_f32_packed.spv.h"
 #include "none_f64.spv.h"
+#include "none_mesh_f32.spv.h"
+#include "none_mesh_f64.spv.h"
+#include "outward_f32.spv.h"
+#include "outward_f32_packed.spv.h"
+#include "outward_f64.spv.h"
+#include "outward_mesh_f32.spv.h"
+#include "outward_mesh_f64.spv.h"
 #include "sign_f32.spv.h"
 #include "sign_f32_packed.spv.h"
 #include "sign_f64.spv.h"
+#include "sign_mesh_f32.spv.h"
+#include "sign_mesh_f64.spv.h"
+#include "tangent_f32.spv.h"
+#include "tangent_f32_packed.spv.h"
+#include "tangent_f64.spv.h"
+#include "tangent_mesh_f32.spv.h"
+#include "tangent_mesh_f64.spv.h"
+#include "tie_f32.spv.h"
+#include "tie_f32_packed.spv.h"
+#include "tie_f64.spv.h"
+#include "tie_mesh_f32.spv.h"
+#include "tie_mesh_f64.spv.h"
 #include "undeclared_f32.spv.h"
 #include "undeclared_f32_packed.spv.h"
 #include "undeclared_f64.spv.h"
+#include "undeclared_mesh_f32.spv.h"
+#include "undeclared_mesh_f64.spv.h"
 } // namespace words
 
 using Words = std::span<const std::uint32_t>;
 
 struct Kernels {
-    Words f32, f32_packed, f64;
+    Words f32, f32_packed, f64, mesh_f32, mesh_f64;
 };
+
+#define FS_KERNELS(name)                                                                                               \
+    { words::name##_f32, words::name##_f32_packed, words::name##_f64, words::name##_mesh_f32, words::name##_mesh_f64 }
 
 Kernels kernels_of(test::Break which) {
     switch (which) {
     case test::Break::none:
-        return {words::none_f32, words::none_f32_packed, words::none_f64};
+        return Kernels FS_KERNELS(none);
     case test::Break::sign:
-        return {words::sign_f32, words::sign_f32_packed, words::sign_f64};
+        return Kernels FS_KERNELS(sign);
     case test::Break::component:
-        return {words::component_f32, words::component_f32_packed, words::component_f64};
+        return Kernels FS_KERNELS(component);
     case test::Break::edge:
-        return {words::edge_f32, words::edge_f32_packed, words::edge_f64};
+        return Kernels FS_KERNELS(edge);
     case test::Break::channel:
-        return {words::channel_f32, words::channel_f32_packed, words::channel_f64};
+        return Kernels FS_KERNELS(channel);
     case test::Break::undeclared:
-        return {words::undeclared_f32, words::undeclared_f32_packed, words::undeclared_f64};
+        return Kernels FS_KERNELS(undeclared);
     case test::Break::imprecise:
-        return {words::imprecise_f32, words::imprecise_f32_packed, words::imprecise_f64};
+        return Kernels FS_KERNELS(imprecise);
+    case test::Break::tie:
+        return Kernels FS_KERNELS(tie);
+    case test::Break::outward:
+        return Kernels FS_KERNELS(outward);
+    case test::Break::tangent:
+        return Kernels FS_KERNELS(tangent);
     }
     return {};
 }
@@ -79,6 +117,14 @@ Words field_f32_packed() {
 
 Words field_f64() {
     return kernels_of(chosen_break).f64;
+}
+
+Words mesh_field_f32() {
+    return kernels_of(chosen_break).mesh_f32;
+}
+
+Words mesh_field_f64() {
+    return kernels_of(chosen_break).mesh_f64;
 }
 
 } // namespace kernels

@@ -11,6 +11,9 @@ enum class Break {
     edge,       /* G2: a facet loses its left vertex to its neighbour */
     channel,    /* the unshaded force is the shaded one */
     undeclared, /* a capability that the device was not opened with */
+    tie,        /* L6: of triangles equally near, the last wins */
+    outward,    /* L6: of an edge's two normals the pseudonormal takes the difference */
+    tangent,    /* L7: half angles are measured wrongly */
     imprecise,  /* no `precise`: compilers reassociate */
 };
 

@@ -13,6 +13,8 @@ namespace {
 namespace broken {
 #include "imprecise_f32.spv.h"
 #include "imprecise_f64.spv.h"
+#include "imprecise_mesh_f32.spv.h"
+#include "imprecise_mesh_f64.spv.h"
 } // namespace broken
 
 using test::SpirvModule;
@@ -41,6 +43,20 @@ template <typename real> std::vector<Expected> law_members() {
             FS_MEMBER(Law, centre_depth), FS_MEMBER(Law, map),
             FS_MEMBER(Law, texture),      FS_MEMBER(Law, facets),
             FS_MEMBER(Law, zero)};
+}
+
+template <typename real> std::vector<Expected> mesh_members() {
+    using Mesh = layout::MeshParams<real>;
+    return {FS_MEMBER(Mesh, centre_x),  FS_MEMBER(Mesh, centre_y),  FS_MEMBER(Mesh, centre_z),
+            FS_MEMBER(Mesh, scale),     FS_MEMBER(Mesh, stiffness), FS_MEMBER(Mesh, facets),
+            FS_MEMBER(Mesh, triangles), FS_MEMBER(Mesh, nodes),     FS_MEMBER(Mesh, zero)};
+}
+
+std::vector<Expected> mesh_chunk_members() {
+    using Chunk = layout::MeshChunkParams;
+    return {FS_MEMBER(Chunk, x_pitch), FS_MEMBER(Chunk, y_first), FS_MEMBER(Chunk, y_count),
+            FS_MEMBER(Chunk, y_axis),  FS_MEMBER(Chunk, z_first), FS_MEMBER(Chunk, z_count),
+            FS_MEMBER(Chunk, z_axis),  FS_MEMBER(Chunk, blocks),  FS_MEMBER(Chunk, candidates)};
 }
 
 std::vector<Expected> chunk_members() {
@@ -72,6 +88,27 @@ template <typename real> void expect_layout(const SpirvModule& module) {
     expect_members(module, push[0].type, chunk_members());
 }
 
+template <typename real> void expect_mesh_layout(const SpirvModule& module) {
+    using Params = layout::MeshLawParams<real>;
+    const auto law_buffer = module.members(module.buffer(layout::kMeshBindLaw).value());
+    ASSERT_EQ(law_buffer.size(), 1u);
+    expect_members(module, law_buffer[0].type, {FS_MEMBER(Params, law), FS_MEMBER(Params, mesh)});
+    const auto params = module.members(law_buffer[0].type);
+    expect_members(module, params[0].type, law_members<real>());
+    expect_members(module, params[1].type, mesh_members<real>());
+    const auto push = module.members(module.push_constants().value());
+    ASSERT_EQ(push.size(), 1u);
+    expect_members(module, push[0].type, mesh_chunk_members());
+}
+
+void expect_dense(const SpirvModule& module, std::uint32_t binding) {
+    const auto members = module.members(module.buffer(binding).value());
+    ASSERT_EQ(members.size(), 1u);
+    const auto array = module.array(members[0].type);
+    ASSERT_TRUE(array) << "binding " << binding;
+    EXPECT_EQ(array->stride, array->element) << "binding " << binding;
+}
+
 template <typename real> void expect_arrays(const SpirvModule& module) {
     for (std::uint32_t binding = layout::kBindAxes; binding < layout::kBindCount; ++binding) {
         if (binding == layout::kBindStatus)
@@ -101,13 +138,28 @@ const SpirvModule& f64() {
     return module;
 }
 
+const SpirvModule& mesh_f32() {
+    static const SpirvModule module(kernels::mesh_field_f32());
+    return module;
+}
+const SpirvModule& mesh_f64() {
+    static const SpirvModule module(kernels::mesh_field_f64());
+    return module;
+}
+
 TEST(Spirv, OffsetsEqualThoseOfCpp) {
+    expect_mesh_layout<float>(mesh_f32());
+    expect_mesh_layout<double>(mesh_f64());
     expect_layout<float>(f32());
     expect_layout<float>(f32_packed());
     expect_layout<double>(f64());
 }
 
 TEST(Spirv, ArraysAreDense) {
+    for (const SpirvModule* module : {&mesh_f32(), &mesh_f64()})
+        for (std::uint32_t binding = layout::kMeshBindAxes; binding < layout::kMeshBindCount; ++binding)
+            if (binding != layout::kMeshBindStatus)
+                expect_dense(*module, binding);
     expect_arrays<float>(f32());
     expect_arrays<float>(f32_packed());
     expect_arrays<double>(f64());
@@ -123,18 +175,30 @@ TEST(Spirv, BindingsAndConstantsAreThoseOfTheLayout) {
         EXPECT_EQ(module->bindings(), bindings);
         EXPECT_EQ(module->specialization_ids(), constants);
     }
+    bindings.clear();
+    constants.clear();
+    for (std::uint32_t i = 0; i < layout::kMeshBindCount; ++i)
+        bindings.insert(i);
+    for (std::uint32_t i = 0; i < layout::kMeshSpecCount; ++i)
+        constants.insert(i);
+    for (const SpirvModule* module : {&mesh_f32(), &mesh_f64()}) {
+        EXPECT_EQ(module->bindings(), bindings);
+        EXPECT_EQ(module->specialization_ids(), constants);
+    }
 }
 
 // A device without 64-bit numbers must be able to take the plain kernel.
 TEST(Spirv, CapabilitiesAreTheFewest) {
     const std::set<std::uint32_t> plain{spv::CapabilityShader};
     EXPECT_EQ(f32().capabilities(), plain);
+    EXPECT_EQ(mesh_f32().capabilities(), plain);
+    EXPECT_EQ(mesh_f64().capabilities(), (std::set<std::uint32_t>{spv::CapabilityShader, spv::CapabilityFloat64}));
     EXPECT_EQ(f32_packed().capabilities(), (std::set<std::uint32_t>{spv::CapabilityShader, spv::CapabilityInt64}));
     EXPECT_EQ(f64().capabilities(), (std::set<std::uint32_t>{spv::CapabilityShader, spv::CapabilityFloat64}));
 }
 
 TEST(Spirv, EveryOperationRoundsAsWritten) {
-    for (const SpirvModule* module : {&f32(), &f32_packed(), &f64()}) {
+    for (const SpirvModule* module : {&f32(), &f32_packed(), &f64(), &mesh_f32(), &mesh_f64()}) {
         EXPECT_GT(module->arithmetic_count(), 100u);
         for (const std::string& complaint : module->inexact())
             ADD_FAILURE() << complaint;
@@ -143,7 +207,8 @@ TEST(Spirv, EveryOperationRoundsAsWritten) {
 
 // The check must see a kernel whose `precise` is gone, and one that uses what Vulkan leaves open.
 TEST(Spirv, TheCheckSeesWhatIsNotPrecise) {
-    for (const SpirvModule& module : {SpirvModule(broken::imprecise_f32), SpirvModule(broken::imprecise_f64)})
+    for (const SpirvModule& module : {SpirvModule(broken::imprecise_f32), SpirvModule(broken::imprecise_f64),
+                                      SpirvModule(broken::imprecise_mesh_f32), SpirvModule(broken::imprecise_mesh_f64)})
         EXPECT_EQ(module.inexact().size(), module.arithmetic_count());
     // The same words with the square root made a sine: function 31 to 13 of GLSL.std.450.
     const auto words = kernels::field_f32();
