@@ -1,0 +1,137 @@
+// The planner against loops over all triangles: what is inside is listed, and so is what is nearest to it.
+#include <cmath>
+#include <map>
+
+#include <gtest/gtest.h>
+
+#include "host/mesh/block_plan.h"
+#include "host/mesh/structure.h"
+#include "host/reference/mesh_contact.h"
+#include "tests/mesh/shapes.h"
+
+namespace forceshade {
+namespace {
+
+using reference::Vector;
+
+template <typename T> std::vector<T> axis(std::size_t samples, double from, double to) {
+    std::vector<T> result;
+    for (std::size_t i = 0; i < samples; ++i)
+        result.push_back(
+            static_cast<T>(from + (to - from) * static_cast<double>(i) / static_cast<double>(samples - 1)));
+    return result;
+}
+
+template <typename T> struct Grid { std::vector<T> x, y, z; };
+
+// Every triangle as near as the nearest is a candidate: whichever of them a kernel prefers is there.
+template <typename T>
+bool lists_all_nearest(const layout::MeshView<T>& mesh, std::span<const layout::uint> candidates,
+                       const Vector<T>& probe) {
+    const T least = reference::nearest(mesh, probe).square;
+    for (layout::uint t = 0; t < mesh.params.triangles; ++t)
+        if (reference::nearest_on_triangle(mesh, t, probe).square == least &&
+            std::find(candidates.begin(), candidates.end(), t) == candidates.end())
+            return false;
+    return true;
+}
+
+template <typename T>
+void hold(const PolygonSoup& polygons, const Grid<T>& grid, layout::uint inside = layout::kInsidePseudonormal) {
+    StructureOptions options;
+    options.winding = true;
+    const MeshStructure structure = build_structure(shapes::mesh_of(polygons), options);
+    const MeshTables<T> tables = make_mesh_tables<T>(structure, 1000);
+    const layout::MeshView<T> mesh = tables.view();
+    const BlockPlan plan = plan_blocks<T>(mesh, grid.x, grid.y, grid.z, inside);
+    std::map<std::array<std::size_t, 3>, std::size_t> blocks;
+    for (std::size_t b = 0; b < plan.blocks.size(); ++b) {
+        const layout::MeshBlock& block = plan.blocks[b];
+        EXPECT_TRUE(blocks.try_emplace({block.x, block.y, block.z}, b).second);
+        EXPECT_GT(block.count, 0u);
+        EXPECT_LE(block.count, kMostCandidates);
+        EXPECT_TRUE(b == 0 || plan.blocks[b - 1].z <= block.z);
+    }
+    std::uint64_t evaluated = 0;
+    for (std::size_t z = 0; z < grid.z.size(); ++z)
+        for (std::size_t y = 0; y < grid.y.size(); ++y)
+            for (std::size_t x = 0; x < grid.x.size(); ++x) {
+                const Vector<T> probe{grid.x[x], grid.y[y], grid.z[z]};
+                const bool is_inside = inside == layout::kInsideWinding
+                                           ? reference::inside_by_winding(mesh, probe)
+                                           : reference::inside_by_pseudonormal(mesh, reference::nearest(mesh, probe));
+                const auto at = blocks.find({x / 2 * 2, y / 2 * 2, z / 2 * 2});
+                if (at == blocks.end()) {
+                    ASSERT_FALSE(is_inside) << x << ' ' << y << ' ' << z;
+                    continue;
+                }
+                ++evaluated;
+                const layout::MeshBlock& block = plan.blocks[at->second];
+                if (inside == layout::kInsideWinding) {
+                    const std::size_t bit = (z % 2 * 2 + y % 2) * 2 + x % 2;
+                    ASSERT_EQ(plan.inside[at->second] >> bit & 1u, is_inside ? 1u : 0u);
+                }
+                // By the planner's own choice of the nearest, one of equals is enough.
+                const std::span<const layout::uint> candidates(&plan.candidates[block.first], block.count);
+                const layout::uint nearest = reference::nearest(mesh, probe).triangle;
+                ASSERT_NE(std::find(candidates.begin(), candidates.end(), nearest), candidates.end());
+                if (block.count > 8) {
+                    ASSERT_TRUE(lists_all_nearest(mesh, candidates, probe)) << x << ' ' << y << ' ' << z;
+                }
+            }
+    EXPECT_EQ(evaluated, plan.voxels_evaluated);
+}
+
+template <typename T> Grid<T> cubic(std::size_t side, double reach) {
+    return {axis<T>(side, -reach, reach), axis<T>(side + 1, -reach, reach), axis<T>(side + 2, -reach, reach)};
+}
+
+TEST(BlockPlan, ListsWhatIsInsideAndNearest) {
+    for (const PolygonSoup& polygons :
+         {shapes::icosphere(2), shapes::cube(true), shapes::random_polyhedra(25, 11), shapes::nested_shells(1, false),
+          shapes::needle_fan(100, 0.3), shapes::sliver_box(20, 1e6), shapes::single_triangle()})
+        for (const layout::uint inside : {layout::kInsidePseudonormal, layout::kInsideWinding}) {
+            hold<float>(polygons, cubic<float>(21, 1.1), inside);
+            hold<double>(polygons, cubic<double>(21, 1.1), inside);
+        }
+}
+
+TEST(BlockPlan, ListsWhatIsNearestAtTheCentreOfASphere) {
+    hold<float>(shapes::icosphere(3), cubic<float>(9, 0.01));
+    hold<double>(shapes::icosphere(3), cubic<double>(9, 1e-9));
+    hold<float>(shapes::icosphere(3), cubic<float>(9, 1e-9));
+}
+
+TEST(BlockPlan, SkipsWhatIsOutside) {
+    const MeshStructure structure = build_structure(shapes::mesh_of(shapes::icosphere(3)));
+    const MeshTables<float> tables = make_mesh_tables<float>(structure, 1000);
+    const Grid<float> grid = cubic<float>(64, 1.2);
+    const BlockPlan plan = plan_blocks<float>(tables.view(), grid.x, grid.y, grid.z, layout::kInsidePseudonormal);
+    const double share = static_cast<double>(plan.voxels_evaluated) / (64. * 65 * 66);
+    const double sphere = 4.18879 / (2.4 * 2.4 * 2.4);
+    EXPECT_GT(share, 0.98 * sphere);
+    EXPECT_LT(share, 1.25 * sphere);
+}
+
+TEST(BlockPlan, DoesNotDependOnThreadsNorOnSlabs) {
+    const MeshStructure structure = build_structure(shapes::mesh_of(shapes::random_polyhedra(50, 3)));
+    const MeshTables<float> tables = make_mesh_tables<float>(structure, 1000);
+    const Grid<float> grid = cubic<float>(70, 1.1);
+    const auto planner = [&](unsigned threads) {
+        return BlockPlanner<float>(tables.view(), grid.x, grid.y, grid.z, layout::kInsidePseudonormal, threads);
+    };
+    const BlockPlan one = planner(1).plan(0, 72), many = planner(5).plan(0, 72);
+    const auto same = [](const layout::MeshBlock& p, const layout::MeshBlock& q) {
+        return p.x == q.x && p.y == q.y && p.z == q.z && p.first == q.first && p.count == q.count;
+    };
+    EXPECT_TRUE(std::ranges::equal(one.blocks, many.blocks, same));
+    EXPECT_EQ(one.candidates, many.candidates);
+    std::uint64_t evaluated = 0;
+    for (std::size_t z = 0; z < 72; z += 6)
+        evaluated += planner(2).plan(z, 6).voxels_evaluated;
+    const auto whole = static_cast<double>(one.voxels_evaluated);
+    EXPECT_NEAR(static_cast<double>(evaluated), whole, 0.02 * whole);
+}
+
+} // namespace
+} // namespace forceshade
