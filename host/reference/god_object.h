@@ -10,6 +10,7 @@ template <typename T> struct GodObject {
     Vector<T> proxy{T(0)};              /* a skin away from every triangle; the probe itself out of contact */
     layout::uint triangles[3]{0, 0, 0}; /* that held it at the last update */
     layout::uint count = 0;
+    bool cornered = false; /* rested at a corner or an edge */
     bool started = false;
 };
 
@@ -44,6 +45,7 @@ void begin_path(const layout::MeshView<T>& mesh, GodObject<T>& state, Neighbourh
     constexpr int kTries = 64;
     state.proxy = probe;
     state.count = 0;
+    state.cornered = false;
     state.started = true;
     if (largest_of(probe) > T(kRegion))
         return;
@@ -125,7 +127,7 @@ GodObjectContact<T> contact_at_rest(const layout::MeshView<T>& mesh, Neighbourho
         return contact_of(mesh, triangles, normals, resting.count, probe);
     Touching<T> list;
     Projection<T> all;
-    find_touching(mesh, around, walk.proxy(), list);
+    find_touching(mesh, around, walk.proxy(), Skin<T>::kNear, list);
     allowed_by_all(list, probe - walk.proxy(), all);
     for (layout::uint i = 0; i < all.count; ++i) {
         triangles[i] = list.triangles[all.held[i].source];
@@ -146,14 +148,15 @@ GodObjectContact<T> update(const layout::MeshView<T>& mesh, GodObject<T>& state,
     Walk<T, Trace> walk(mesh, around, state.proxy, probe, trace);
     for (layout::uint i = 0; i < state.count; ++i)
         walk.remember(state.triangles[i]);
-    walk.run();
-    Settler<T, Walk<T, Trace>>(mesh, around, probe, walk).run();
+    Settler<T, Walk<T, Trace>> settler(mesh, around, probe, walk);
+    settler.run(state.cornered);
     const GodObjectContact<T> rest = contact_at_rest(mesh, around, walk, probe);
     GodObjectContact<T> contact = rest;
     contact.finished = walk.finished();
     contact.substeps = walk.substeps();
     state.proxy = walk.proxy();
     state.count = contact.count;
+    state.cornered = settler.doubtful();
     for (layout::uint i = 0; i < contact.count; ++i)
         state.triangles[i] = contact.triangles[i];
     return contact;

@@ -14,6 +14,9 @@ struct NoTrace {
 /// Half the side of the box in which a proxy minds the mesh, none of whose coordinates is beyond 1.
 constexpr int kRegion = 2;
 
+/// How far a step from a corner goes, to be clear of what the skin makes of it.
+template <typename T> constexpr T kStride = Skin<T>::kWidth* T(32);
+
 /// One update's walk. Every move keeps to the half-spaces of the triangles in the pool and is cast against all others.
 template <typename T, typename Trace = NoTrace> class Walk {
 public:
@@ -43,14 +46,21 @@ public:
         holds_[count_++] = Hold::none;
     }
 
-    /// Walks until the projection is zero.
+    /// Whether the walk was halted where a line between two faces ended.
+    bool at_corner() const noexcept { return corner_; }
+
+    /// Walks until the projection is zero, or to the end of a line between two faces.
     void run() noexcept {
+        corner_ = false;
         if (largest_of(proxy_) > T(kRegion) && !enter())
             return;
         T depth = std::numeric_limits<T>::max();
         unsigned until = substeps_;
         while (substeps_ < kSubsteps && !substep()) {
-            if (++substeps_ < until + kPatience)
+            ++substeps_;
+            if (corner_)
+                return;
+            if (substeps_ < until + kPatience)
                 continue;
             // Rounding may make it tread on the spot between rounded edges: that is rest as well.
             const Vector<T> left = probe_ - proxy_;
@@ -62,11 +72,26 @@ public:
         }
     }
 
-    /// Moves by `way`, which every half-space at the proxy allows, as far as nothing is hit.
+    bool above_held_face(layout::uint i) const noexcept {
+        const layout::uint source = projection_.held[i].source;
+        return pool_[source].above_face();
+    }
+
+    /// Moves by `way` as far as nothing is hit.
     void nudge(const Vector<T>& way) noexcept {
-        Move<T> move{proxy_, way, T(1)};
+        count_ = projection_.count = 0;
+        const Move<T> move{proxy_, way, T(1)};
         const Impact impact = cast(move);
         go_to(impact.time <= T(1) ? move.at(impact.time) : proxy_ + way);
+    }
+
+    /// Moves there unless something is in the way.
+    bool jump(const Vector<T>& there) noexcept {
+        count_ = projection_.count = 0;
+        if (cast(Move<T>{proxy_, there - proxy_, T(1)}).time <= T(1))
+            return false;
+        go_to(there);
+        return true;
     }
 
     /// Goes back to where an earlier copy of it was.
@@ -315,7 +340,9 @@ private:
         const Impact impact = clipped_cast(move);
         const bool hit = impact.time <= move.until;
         const T time = hit ? impact.time : move.until;
-        const bool moves = time * largest_of(move.way) > Skin<T>::kRest;
+        const T length = time * largest_of(move.way);
+        const bool moves = length > Skin<T>::kRest;
+        corner_ = (hit || released < kPool) && projection_.count == 2 && length > kStride<T>;
         for (layout::uint i = 0; moves && i < count_; ++i)
             pool_[i].faceless = false;
         if (hit) {
@@ -384,6 +411,7 @@ private:
     Projection<T> projection_{};
     T tolerance_{};
     unsigned substeps_ = 0;
+    bool corner_ = false;
 };
 
 } // namespace forceshade::reference

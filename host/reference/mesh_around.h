@@ -36,7 +36,7 @@ template <typename T> MoveBox box_of(const Move<T>& move, float margin) noexcept
 }
 
 /// More than the skin and what rounding to single precision does: the margin of every box.
-template <typename T> constexpr float kBoxMargin = static_cast<float>(Skin<T>::kNear) + 0x1p-20F;
+template <typename T> constexpr float kBoxMargin = static_cast<float>(Skin<T>::kCorner) + 0x1p-20F;
 
 /// The leaves of the tree that meet a box around where a god-object lately was, in fours as a node has its children.
 /// Only saves time: what is found near a move does not depend on it. One per thread and mesh; no mesh may take the
@@ -204,7 +204,7 @@ void visit_along(const layout::MeshView<T>& mesh, const Move<T>& move, Visit&& v
     }
 }
 
-/// Calls visit(triangle) for every triangle that comes within kNear of the move, and for some others, in any order;
+/// Calls visit(triangle) for every triangle that comes within kCorner of the move, and for some others, in any order;
 /// `visit` may shorten the move. The move must stay within two units of the frame's middle.
 template <typename T, typename Visit>
 void visit_near(const layout::MeshView<T>& mesh, Neighbourhood<T>& around, const Move<T>& move,

@@ -19,6 +19,7 @@ template <typename T> struct Skin {
     static constexpr T kCulled = kWidth * T(0.9375);    /* beyond this a height needs no closer look */
     static constexpr T kTangent = kWidth * T(1.015625); /* up to here a rounded edge's own plane holds the proxy */
     static constexpr T kNear = kWidth * T(2);           /* what is further is forgotten */
+    static constexpr T kCorner = kWidth * T(8);         /* what is this near may share a corner */
     static constexpr T kRest = kWidth * T(0.015625);    /* moves shorter than this are none */
 };
 
