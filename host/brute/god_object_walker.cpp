@@ -219,7 +219,10 @@ bool SurfaceWalker::update(const glm::dvec3& position) {
     margin_ = 1;
     for (int i = 0; i < kMost; ++i) {
         const Point pull = probe - proxy_;
-        bool leaves = fan_.empty() || at_border();
+        const bool rim = at_border();
+        bool leaves = fan_.empty() || rim;
+        if (rim && corners_ == 1)
+            margin_ = 0; // round a corner of the rim there is more than one way
         Way way;
         if (!leaves) {
             way = steepest(pull);

@@ -84,9 +84,9 @@ void wander(const walks::Terrain& terrain, std::uint64_t steps, std::uint64_t se
     }
 }
 
+/// FORCESHADE_LONG: more than 10^8 steps in all, some minutes.
 template <typename T> void wander_everywhere() {
-    const char* wanted = std::getenv("FORCESHADE_STEPS");
-    const std::uint64_t steps = wanted ? std::strtoull(wanted, nullptr, 10) : 20000;
+    const std::uint64_t steps = std::getenv("FORCESHADE_LONG") ? 8000000 : 50000;
     for (const walks::Terrain& terrain : walks::terrains()) {
         Tally tally;
         wander<T>(terrain, steps, 1, tally);

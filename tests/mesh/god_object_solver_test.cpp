@@ -53,8 +53,8 @@ Agreement compare(const walks::Terrain& terrain, std::uint64_t steps) {
         const double off = glm::length(contact.proxy - walker.proxy());
         if (rests && off < 1e-9)
             continue;
-        // Two ways as steep as each other: rounding decides.
-        const bool tie = walker.margin() < 1e-9L;
+        // Two ways down from a corner about as steep as each other: the skin may send the proxy down the other.
+        const bool tie = walker.margin() < 0.05L;
         agreement.near_ties += tie;
         agreement.apart += !tie;
         if (!tie && agreement.apart <= 3)
@@ -68,9 +68,10 @@ Agreement compare(const walks::Terrain& terrain, std::uint64_t steps) {
     return agreement;
 }
 
+// 10^5 steps a terrain at length; folds and polyhedra touch themselves, which the solver does not know.
 TEST(GodObjectSolver, SameProxy) {
-    const char* wanted = std::getenv("FORCESHADE_STEPS");
-    const std::uint64_t steps = wanted ? std::strtoull(wanted, nullptr, 10) : 2000;
+    const std::uint64_t steps = std::getenv("FORCESHADE_LONG") ? 200000 : 10000;
+    std::uint64_t touching = 0, near_ties = 0;
     for (const walks::Terrain& terrain : walks::terrains()) {
         if (terrain.name == "folds" || terrain.name == "polyhedra")
             continue;
@@ -78,7 +79,10 @@ TEST(GodObjectSolver, SameProxy) {
         fmt::print("{:18} {} steps, {} touching, {} near ties, {} apart\n", terrain.name, agreement.steps,
                    agreement.touching, agreement.near_ties, agreement.apart);
         EXPECT_EQ(agreement.apart, 0u) << terrain.name;
+        touching += agreement.touching;
+        near_ties += agreement.near_ties;
     }
+    EXPECT_LE(near_ties, touching / 10000);
 }
 
 } // namespace
