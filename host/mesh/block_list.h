@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -49,15 +50,20 @@ public:
     void fill(std::span<const layout::uint> ids, std::span<const PlanTriangle<T>> rows);
     /// Becomes those of `all` at these places.
     void take(const TriangleList& all, std::span<const layout::uint> places);
-    /// The places of all that may be nearest to some point of the box.
-    void narrow(const PlanBox<T>& box, const Witness<T>& witness, std::vector<layout::uint>& places) const;
-    /// The place of the triangle whose first corner is nearest to a point; needs one.
+    /// The places of all that, by each of the witnesses, may be nearest to some point of the box.
+    void narrow(const PlanBox<T>& box, std::span<const Witness<T>> witnesses, std::vector<layout::uint>& places) const;
+    /// The place of a triangle whose first corner is near to a point, the nearest of some; needs one.
     std::size_t near_one(const reference::Vector<T>& point) const;
 
 private:
-    std::array<std::vector<T>, 10> columns_; // corners, circle
+    void sample();
+
+    std::array<std::vector<T>, 10> columns_; // corners, circle; may be longer than the list
+    std::array<std::vector<T>, 3> samples_;
+    std::size_t stride_ = 1;
     std::vector<layout::uint> ids_;
     mutable std::vector<T> scratch_;
+    mutable std::vector<std::uint8_t> marks_;
 };
 
 extern template bool is_below(const PlanTriangle<float>&, const PlanBox<float>&, float);

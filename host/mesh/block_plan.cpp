@@ -55,6 +55,13 @@ void put_in_order(const std::vector<BlockWorker<T>>& workers, const std::vector<
             layer.clear();
         }
     };
+    std::size_t blocks = 0, candidates = 0;
+    for (const BlockWorker<T>& worker : workers) {
+        blocks += worker.blocks.size();
+        candidates += worker.candidates.size();
+    }
+    plan.blocks.reserve(blocks);
+    plan.candidates.reserve(candidates);
     std::size_t layer_z = 0;
     for (const TilePart& part : parts)
         for (std::size_t i = part.first; i < part.first + part.count; ++i) {

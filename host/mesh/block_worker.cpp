@@ -170,25 +170,16 @@ template <typename T> uint BlockWorker<T>::inside_bits(const SampleRange& range,
     return bits;
 }
 
-// The witnesses of all corners, one after the other; leaves the places of the result in places_.
-template <typename T>
-const TriangleList<T>& BlockWorker<T>::narrow_long(const PlanBox<T>& box, const TriangleList<T>& list) {
-    TriangleList<T>* from = &short_lists_[0];
-    TriangleList<T>* to = &short_lists_[1];
-    from->take(list, places_);
+// By the witnesses of all corners.
+template <typename T> void BlockWorker<T>::narrow_long(const PlanBox<T>& box, const TriangleList<T>& list) {
+    long_list_.take(list, places_);
+    std::array<Witness<T>, 8> witnesses;
     for (uint i = 0; i < 8; ++i) {
         const Vector<T> corner{i & 1 ? box.high.x : box.low.x, i & 2 ? box.high.y : box.low.y,
                                i & 4 ? box.high.z : box.low.z};
-        from->narrow(box, witness_from(box, point_near(*from, corner)), places_);
-        if (places_.size() == from->size())
-            continue;
-        to->take(*from, places_);
-        std::swap(from, to);
+        witnesses[i] = witness_from(box, point_near(long_list_, corner));
     }
-    places_.resize(from->size());
-    for (uint i = 0; i < places_.size(); ++i)
-        places_[i] = i;
-    return *from;
+    long_list_.narrow(box, witnesses, places_);
 }
 
 // A block whose candidates stand at places_ of the list.
@@ -198,13 +189,16 @@ void BlockWorker<T>::leaf(const SampleRange& range, const PlanBox<T>& box, const
     const uint bits = winding ? inside_bits(range, side) : 0;
     if (winding && bits == 0)
         return;
-    const TriangleList<T>& narrowed = places_.size() > kLong ? narrow_long(box, list) : list;
+    const bool is_long = places_.size() > kLong;
+    if (is_long)
+        narrow_long(box, list);
+    const std::vector<uint>& ids = is_long ? long_list_.ids() : list.ids();
     const auto first = static_cast<uint>(candidates.size());
     if (places_.size() > kMostCandidates)
         add_nearest(range);
     else
         for (const uint place : places_)
-            candidates.push_back(narrowed.ids()[place]);
+            candidates.push_back(ids[place]);
     blocks.push_back(
         {range.first[0], range.first[1], range.first[2], first, static_cast<uint>(candidates.size()) - first});
     if (winding)
@@ -227,7 +221,7 @@ void BlockWorker<T>::split(const SampleRange& range, std::size_t level, uint sid
             continue;
         const PlanBox<T> box = input_.box(eighth);
         const TriangleList<T>& list = lists_[level];
-        list.narrow(box, witness_from(box, point_near(list, box.centre())), places_);
+        list.narrow(box, std::array{witness_from(box, point_near(list, box.centre()))}, places_);
         Side eighth_side = side;
         if (is_free(list, box, eighth_side))
             continue;
@@ -247,7 +241,7 @@ template <typename T> void BlockWorker<T>::plan(const SampleRange& tile) {
     const Witness<T> witness = witness_from(box, Vector<T>(box.centre() + nearest.offset));
     collect(box, witness);
     lists_[0].fill(collected_, input_.rows);
-    lists_[0].narrow(box, witness, places_);
+    lists_[0].narrow(box, std::array{witness}, places_);
     Side side = Side::both;
     if (is_free(lists_[0], box, side))
         return;

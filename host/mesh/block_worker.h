@@ -43,7 +43,7 @@ public:
 
 private:
     static constexpr std::size_t kLevels = 5;  // of boxes that have lists: 32 to 4 samples, and what was collected
-    static constexpr std::size_t kLong = 48;   // lists beyond are narrowed once more
+    static constexpr std::size_t kLong = 64;   // lists beyond are narrowed once more
     enum class Side { outside, inside, both }; // by the winding number
 
     void collect(const PlanBox<T>& box, const Witness<T>& witness);
@@ -54,14 +54,14 @@ private:
     bool is_free(const TriangleList<T>& list, const PlanBox<T>& box, Side& side);
     void split(const SampleRange& range, std::size_t level, layout::uint side_length, Side side);
     void leaf(const SampleRange& range, const PlanBox<T>& box, const TriangleList<T>& list, Side side);
-    const TriangleList<T>& narrow_long(const PlanBox<T>& box, const TriangleList<T>& list);
+    void narrow_long(const PlanBox<T>& box, const TriangleList<T>& list);
     layout::uint inside_bits(const SampleRange& range, Side side) const;
     void add_nearest(const SampleRange& range);
 
     const PlanInput<T>& input_;
     layout::uint hint_ = 0;
     std::array<TriangleList<T>, kLevels> lists_;
-    std::array<TriangleList<T>, 2> short_lists_;
+    TriangleList<T> long_list_;
     std::vector<layout::uint> collected_, places_; // places_: of what was narrowed last, in its list
 };
 
