@@ -22,13 +22,18 @@ const std::vector<MeshGrid> kGrids{{},
 
 class MeshField : public test::SoftwareDeviceTest {
 protected:
+    /// One for all tests, so that each kernel is compiled once.
+    static compute::MeshKernel& kernel() {
+        static compute::MeshKernel made(device());
+        return made;
+    }
+
     template <typename T> static void hold(const MeshCase<T>& mesh_case, const std::string& what) {
-        compute::MeshKernel kernel(device());
         const layout::FieldInput<T> input = mesh_case.input();
         const BlockPlanner<T> planner(input.law.mesh, input.x, input.y, input.z, input.law.features.inside);
         BlockPlan plan;
         const auto comparison =
-            test::hold_against_oracle<T>(kernel, input, [&](std::size_t z_first, std::size_t z_count) {
+            test::hold_against_oracle<T>(kernel(), input, [&](std::size_t z_first, std::size_t z_count) {
                 plan = planner.plan(z_first, z_count);
                 return plan.view();
             });
