@@ -67,6 +67,29 @@ void begin_path(const layout::MeshView<T>& mesh, GodObject<T>& state, Neighbourh
     }
 }
 
+/// A probe less deep than rounding makes it is out of contact.
+template <typename T> T touch_tolerance(const Vector<T>& probe) noexcept {
+    return T(16) * std::numeric_limits<T>::epsilon() * (T(1) + largest_of(probe));
+}
+
+/// The same as contact_of() for one facet, the most common case.
+template <typename T>
+GodObjectContact<T> contact_of_one(const layout::MeshView<T>& mesh, layout::uint triangle, const Vector<T>& normal,
+                                   const Vector<T>& corner, const Vector<T>& probe) noexcept {
+    GodObjectContact<T> contact = out_of_contact(probe);
+    const T depth = dot(normal, corner - probe);
+    if (!(depth > touch_tolerance(probe)))
+        return contact;
+    contact.proxy = probe + depth * normal;
+    contact.proxy += dot(normal, corner - contact.proxy) * normal;
+    contact.count = 1;
+    contact.touching = true;
+    contact.triangles[0] = triangle;
+    contact.facets[0] = mesh.triangle_facets[triangle];
+    contact.normals[0] = normal;
+    return contact;
+}
+
 /// The facets whose planes hold the probe back, and the nearest point to the probe in front of them: the proxy without
 /// its skin.
 template <typename T>
@@ -78,7 +101,7 @@ GodObjectContact<T> contact_of(const layout::MeshView<T>& mesh, const layout::ui
         const std::size_t corner = mesh.triangle_corners[3 * std::size_t(triangles[i])];
         planes[i] = {normals[i], dot(normals[i], vector_at(mesh.vertices, corner) - probe), i};
     }
-    const T tolerance = T(16) * std::numeric_limits<T>::epsilon() * (T(1) + largest_of(probe));
+    const T tolerance = touch_tolerance(probe);
     Projection<T> projection;
     project(Vector<T>(T(0)), tolerance, projection, [&](const Vector<T>& shift, HalfSpace<T>& space) {
         T most = tolerance;
@@ -115,6 +138,10 @@ template <typename T, typename Walk>
 GodObjectContact<T> contact_at_rest(const layout::MeshView<T>& mesh, Neighbourhood<T>& around, const Walk& walk,
                                     const Vector<T>& probe) noexcept {
     const Projection<T>& resting = walk.resting();
+    if (resting.count == 1 && walk.held_by_face(0)) {
+        const Touch<T>& touch = walk.touch(resting.held[0].source);
+        return contact_of_one(mesh, touch.index, touch.face, touch.triangle.corners[0], probe);
+    }
     layout::uint triangles[3];
     Vector<T> normals[3];
     bool faces = true;
@@ -150,8 +177,7 @@ GodObjectContact<T> update(const layout::MeshView<T>& mesh, GodObject<T>& state,
         walk.remember(state.triangles[i]);
     Settler<T, Walk<T, Trace>> settler(mesh, around, probe, walk);
     settler.run(state.cornered);
-    const GodObjectContact<T> rest = contact_at_rest(mesh, around, walk, probe);
-    GodObjectContact<T> contact = rest;
+    GodObjectContact<T> contact = contact_at_rest(mesh, around, walk, probe);
     contact.finished = walk.finished();
     contact.substeps = walk.substeps();
     state.proxy = walk.proxy();

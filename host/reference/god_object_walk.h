@@ -219,14 +219,20 @@ private:
 
     /// The same for one face alone, the most common case.
     void find_way_on_face(const Vector<T>& wish) noexcept {
-        const HalfSpace<T> space = half_space(pool_[0], Hold::face, 0);
+        const Vector<T>& normal = pool_[0].face;
+        const T slack = Skin<T>::kWidth - pool_[0].height;
+        const T multiplier = slack - dot(normal, wish);
         holds_[0] = Hold::face;
-        if (space.slack - dot(space.normal, wish) > tolerance_) {
-            projection_ = onto_plane(wish, space);
-            return;
-        }
-        projection_.count = 0;
+        projection_.count = multiplier > tolerance_ ? 1 : 0;
         projection_.vector = wish;
+        if (projection_.count == 0)
+            return;
+        const Vector<T> way = wish + multiplier * normal;
+        projection_.vector = way + (slack - dot(normal, way)) * normal;
+        projection_.multipliers[0] = multiplier;
+        projection_.held[0].normal = normal;
+        projection_.held[0].slack = slack;
+        projection_.held[0].source = 0;
     }
 
     /// Whether a move keeps to the half-space of a triangle in the pool, so that it cannot cross it.

@@ -50,10 +50,20 @@ template <typename T> struct Neighbourhood {
     float reach = 0x1p-3F;                /* how far beyond a move the next box goes */
 };
 
+/// Asks the memory for what will be read soon.
+inline void fetch([[maybe_unused]] const void* address) noexcept {
+#if defined(__GNUC__)
+    __builtin_prefetch(address);
+#endif
+}
+
+inline layout::uint leaf_begin(layout::uint child) noexcept {
+    return (child & ~layout::kMeshLeaf) / layout::kMeshLeafTriangles;
+}
+
 template <typename Visit> void visit_leaf(layout::uint child, Visit&& visit) noexcept {
-    const layout::uint run = child & ~layout::kMeshLeaf;
-    const layout::uint first = run / layout::kMeshLeafTriangles;
-    for (layout::uint i = 0; i <= run % layout::kMeshLeafTriangles; ++i)
+    const layout::uint first = leaf_begin(child);
+    for (layout::uint i = 0; i <= child % layout::kMeshLeafTriangles; ++i)
         visit(first + i);
 }
 
@@ -92,10 +102,14 @@ void visit_leaves(const layout::MeshView<T>& mesh, const MoveBox& box, Visit&& v
         const layout::MeshNode& node = mesh.nodes[stack[--height]];
         for (unsigned meeting = children_meeting(node, box); meeting != 0; meeting &= meeting - 1) {
             const auto i = static_cast<unsigned>(std::countr_zero(meeting));
-            if ((node.child[i] & layout::kMeshLeaf) == 0)
+            if ((node.child[i] & layout::kMeshLeaf) == 0) {
+                const layout::MeshNode* child = &mesh.nodes[node.child[i]];
+                fetch(child);
+                fetch(&child->high_x[1]);
                 stack[height++] = node.child[i];
-            else if (!visit(node, i))
+            } else if (!visit(node, i)) {
                 return;
+            }
         }
     }
 }
@@ -113,15 +127,13 @@ void put_leaf(const layout::MeshNode& node, unsigned i, layout::uint place, Neig
     four.child[j] = node.child[i];
 }
 
-/// Asks for what of a leaf a cast will read.
-template <typename T> void fetch_ahead(const layout::MeshView<T>& mesh, layout::uint child) noexcept {
-#if defined(__GNUC__)
-    const std::size_t first = 3 * std::size_t((child & ~layout::kMeshLeaf) / layout::kMeshLeafTriangles);
-    __builtin_prefetch(&mesh.triangle_corners[first]);
-    __builtin_prefetch(&mesh.triangle_neighbours[first]);
-    __builtin_prefetch(&mesh.triangle_normals[first]);
-    __builtin_prefetch(&mesh.triangle_normals[first] + 64 / sizeof(T));
-#endif
+/// Asks the memory for what of the leaves a cast will read.
+template <typename T>
+void fetch_ahead(const layout::MeshView<T>& mesh, const Neighbourhood<T>& around, layout::uint count) noexcept {
+    for (layout::uint i = 0; i < count; ++i)
+        visit_leaf(around.fours[i / 4].child[i % 4], [&](layout::uint triangle) {
+            fetch(&mesh.vertices[3 * std::size_t(mesh.triangle_corners[3 * std::size_t(triangle)])]);
+        });
 }
 
 /// The box that a move is likely to go on in: further ahead than aside.
@@ -147,7 +159,12 @@ bool gather(const layout::MeshView<T>& mesh, const Move<T>& move, Neighbourhood<
         fits = count < kMost;
         if (fits) {
             put_leaf(node, i, count++, around);
-            fetch_ahead(mesh, node.child[i]);
+            const std::size_t first = 3 * std::size_t(leaf_begin(node.child[i]));
+            fetch(&mesh.triangle_corners[first]);
+            fetch(&mesh.triangle_neighbours[first]);
+            fetch(&mesh.triangle_facets[first / 3]);
+            fetch(&mesh.triangle_normals[first]);
+            fetch(&mesh.triangle_normals[first] + 64 / sizeof(T));
         }
         return fits;
     });
@@ -159,6 +176,7 @@ bool gather(const layout::MeshView<T>& mesh, const Move<T>& move, Neighbourhood<
     }
     if (around.count < Neighbourhood<T>::kFewFours && around.reach < 1.0F)
         around.reach *= 1.5F;
+    fetch_ahead(mesh, around, count);
     for (; count % 4 != 0; ++count)
         around.fours[count / 4].low_x[count % 4] = std::numeric_limits<float>::infinity();
     return true;
