@@ -225,34 +225,61 @@ Vector MeshReferee::direction(std::uint32_t facet, const Vector& point) const {
     return result;
 }
 
-Answer MeshReferee::at(const glm::dvec3& world) const {
-    const Vector probe = vector_of(world);
-    const MeshPoint found = nearest(world);
-    const bool inside =
-        law_.inside == MeshInside::winding ? winding_number(world) > Real(0.5) : found.offset * found.outward > 0;
-    Answer answer{.proxy = probe};
-    if (!inside)
-        return answer;
-    answer.depth = found.distance;
-    answer.facet = found.facet;
-    answer.proxy = found.point;
-    answer.unshaded = law_.stiffness * found.offset;
+bool MeshReferee::is_inside(const glm::dvec3& world, const MeshPoint& nearest) const {
+    return law_.inside == MeshInside::winding ? winding_number(world) > Real(0.5)
+                                              : nearest.offset * nearest.outward > 0;
+}
+
+// The law at a point of a facet, `offset` away from the probe.
+Answer MeshReferee::touching(std::uint32_t facet, const Vector& offset, const Vector& point) const {
+    Answer answer;
+    answer.depth = length(offset);
+    answer.facet = facet;
+    answer.proxy = point;
+    answer.unshaded = law_.stiffness * offset;
     answer.force = answer.unshaded;
-    const Vector facing = facet_normal(found.facet);
+    const Vector facing = facet_normal(facet);
     if (law_.shading != MeshShading::none || law_.map) {
-        const Vector way = direction(found.facet, found.point);
+        const Vector way = direction(facet, point);
         const Real lift = law_.shading == MeshShading::two_pass ? way * facing : Real(1);
         if (length(way) > 0 && lift > 0)
-            answer.force = (law_.stiffness * found.distance / lift) * way;
+            answer.force = (law_.stiffness * answer.depth / lift) * way;
     }
     if (law_.texture) {
-        const auto slope = law_.texture(found.point[0], found.point[1]);
+        const auto slope = law_.texture(point[0], point[1]);
         const Vector gradient{slope[0], slope[1], 0};
-        const Vector pull = (law_.texture_stiffness * found.distance) * (gradient - (gradient * facing) * facing);
+        const Vector pull = (law_.texture_stiffness * answer.depth) * (gradient - (gradient * facing) * facing);
         answer.force = answer.force - pull;
         answer.unshaded = answer.unshaded - pull;
     }
     return answer;
+}
+
+Answer MeshReferee::at(const glm::dvec3& world) const {
+    const MeshPoint found = nearest(world);
+    if (!is_inside(world, found))
+        return {.proxy = vector_of(world)};
+    return touching(found.facet, found.offset, found.point);
+}
+
+std::vector<Answer> MeshReferee::all_at(const glm::dvec3& world, Real tolerance) const {
+    const Vector probe = vector_of(world);
+    const MeshPoint found = nearest(world);
+    const bool inside = is_inside(world, found), either = found.distance <= tolerance;
+    std::vector<Answer> answers;
+    if (!inside || either)
+        answers.push_back({.proxy = probe});
+    for (std::size_t i = 0; (inside || either) && i < mesh_.triangles.size(); ++i) {
+        if (mesh_.triangle_normals[i] == glm::dvec3(0))
+            continue;
+        Vector corners[3];
+        for (std::size_t j = 0; j < 3; ++j)
+            corners[j] = vector_of(mesh_.polygons.vertices[mesh_.triangles[i][j]]) - probe;
+        const Vector offset = on_triangle(Vector{}, corners[0], corners[1], corners[2]);
+        if (length(offset) <= found.distance + tolerance)
+            answers.push_back(touching(mesh_.triangle_facets[i], offset, probe + offset));
+    }
+    return answers;
 }
 
 } // namespace forceshade::brute

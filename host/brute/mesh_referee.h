@@ -4,6 +4,7 @@
 #pragma once
 
 #include <functional>
+#include <vector>
 
 #include "host/brute/answer.h"
 #include "host/mesh/mesh.h"
@@ -44,6 +45,9 @@ public:
 
     /// `world` in m. Out of contact the proxy is the probe.
     Answer at(const glm::dvec3& world) const;
+    /// What the law may say where distances are told to within a tolerance in m: an answer for each facet that may be
+    /// the nearest, and being free of contact where the surface is as near.
+    std::vector<Answer> all_at(const glm::dvec3& world, Real tolerance) const;
 
     MeshPoint nearest(const glm::dvec3& world) const;
     /// Sum of all solid angles over 4 pi.
@@ -56,6 +60,8 @@ public:
     Vector facet_normal(std::uint32_t facet) const;
 
 private:
+    bool is_inside(const glm::dvec3& world, const MeshPoint& nearest) const;
+    Answer touching(std::uint32_t facet, const Vector& offset, const Vector& point) const;
     Vector interpolated(std::uint32_t facet, const Vector& point) const;
 
     const Mesh& mesh_;

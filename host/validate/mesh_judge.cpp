@@ -136,43 +136,50 @@ private:
         }
     }
 
+    // Where rounding decides which facet is the nearest, the answer may be that of any of them.
     void compare_with_brute(const Reading& computed, Voxel at, Comparison& partial) const {
         const Point probe = probe_at(at);
-        const Reading truth = reading_of(brute_at(probe));
-        const double reach = bound_.reach(probe);
-        if (fits_brute(computed, truth, probe, probe)) {
+        const Reading truth = reading_of(referee_.at(world_of(probe)));
+        if (fits_brute(computed, truth, probe)) {
             add_error(computed, truth, partial.closed_form);
             return;
         }
-        for (const double step : {reach, 4 * reach})
-            for (int direction = 0; direction < 27; ++direction) {
-                const Point moved = probe + step * Point(direction % 3 - 1, direction / 3 % 3 - 1, direction / 9 - 1);
-                if (fits_brute(computed, reading_of(brute_at(moved)), probe, moved)) {
-                    ++partial.closed_form.boundary;
-                    return;
-                }
+        const double tolerance = 2 * sides_of(probe) * bound_.reach(probe) * exact_law_.mesh.params.scale; /* m */
+        for (const brute::Answer& answer : referee_.all_at(world_of(probe), tolerance))
+            if (fits_brute(computed, reading_of(answer), probe)) {
+                ++partial.closed_form.boundary;
+                return;
             }
         add_error(computed, truth, partial.closed_form);
         ++partial.closed_form.unexplained;
         note_failure(partial, at, computed, truth, layout::kChannelForce, "a loop over all triangles");
     }
 
-    // The bound at the moved probe, and what moving it, or rounding its place in the world, may have changed.
-    bool fits_brute(const Reading& computed, const Reading& truth, const Point& probe, const Point& moved) const {
-        const auto found = reference::nearest(bound_.law().mesh, moved);
-        const reference::MeshTouch<double> touch{found.facet, found.offset, Point(moved + found.offset),
-                                                 std::sqrt(found.square)};
+    bool fits_brute(const Reading& computed, const Reading& truth, const Point& probe) const {
         const layout::MeshParams<double>& frame = exact_law_.mesh.params;
-        const double placed = 2 * kDoubleRoundoff * norm(frame.centre_x, frame.centre_y, frame.centre_z) / frame.scale;
-        const double off =
-            (norm(moved.x - probe.x, moved.y - probe.y, moved.z - probe.z) + placed) / bound_.reach(probe);
-        return !first_misfit(computed, truth, (1 + off) * bound_.at(moved, touch), channels_);
+        const Point proxy((truth.proxy[0] - frame.centre_x) / frame.scale,
+                          (truth.proxy[1] - frame.centre_y) / frame.scale,
+                          (truth.proxy[2] - frame.centre_z) / frame.scale);
+        const bool touching = truth.depth > 0;
+        const reference::MeshTouch<double> touch{touching ? truth.facet : 0, Point(proxy - probe), proxy,
+                                                 truth.depth / frame.scale};
+        Bound allowed = sides_of(probe) * bound_.at(probe, touch);
+        if (!touching)
+            allowed = {0, 0, 0, 0, allowed.proxy};
+        return !first_misfit(computed, truth, allowed, channels_);
     }
 
-    brute::Answer brute_at(const Point& probe) const {
+    // One, and as many as the rounding of the probe's place in the world comes to.
+    double sides_of(const Point& probe) const {
         const layout::MeshParams<double>& frame = exact_law_.mesh.params;
-        return referee_.at({probe.x * frame.scale + frame.centre_x, probe.y * frame.scale + frame.centre_y,
-                            probe.z * frame.scale + frame.centre_z});
+        const double placed = 2 * kDoubleRoundoff * norm(frame.centre_x, frame.centre_y, frame.centre_z) / frame.scale;
+        return 1 + placed / bound_.reach(probe);
+    }
+
+    glm::dvec3 world_of(const Point& probe) const {
+        const layout::MeshParams<double>& frame = exact_law_.mesh.params;
+        return {probe.x * frame.scale + frame.centre_x, probe.y * frame.scale + frame.centre_y,
+                probe.z * frame.scale + frame.centre_z};
     }
 
     static void add_error(const Reading& computed, const Reading& truth, Distance& distance) {
