@@ -116,6 +116,12 @@ template <typename T> struct Release {
     layout::uint edge;
 };
 
+/// Whether a whole move along the face's plane ends above the face.
+template <typename T> bool stays_above_face(const Touch<T>& touch, const Vector<T>& way) noexcept {
+    return touch.insides[0] + dot(touch.inwards[0], way) > T(0) &&
+           touch.insides[1] + dot(touch.inwards[1], way) > T(0) && touch.insides[2] + dot(touch.inwards[2], way) > T(0);
+}
+
 /// A move along the face's plane leaves it a skin beyond an edge.
 template <typename T> Release<T> release_of_face(const Touch<T>& touch, const Vector<T>& way, T until) noexcept {
     Release<T> release{until, 3};

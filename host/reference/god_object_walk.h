@@ -258,9 +258,10 @@ private:
         Impact first{T(2), 0};
         layout::uint batch[kBatch];
         layout::uint count = 0;
-        visit_near(mesh_, around_, move, [&](layout::uint triangle) {
-            batch[count++] = triangle;
-            if (count == kBatch) {
+        visit_runs_near(mesh_, around_, move, [&](layout::uint triangle, layout::uint end) {
+            while (triangle < end)
+                batch[count++] = triangle++;
+            if (count > kBatch - layout::kMeshLeafTriangles) {
                 cast_at(batch, count, move, first);
                 count = 0;
             }
@@ -364,7 +365,8 @@ private:
         }
         // Nothing in the way: without a plane to keep to, that is the probe itself.
         go_to(projection_.count == 0 ? probe_ : move.at(T(1)));
-        return projection_.count == 0;
+        const bool one_face = count_ == 1 && projection_.count == 1 && pool_[0].above_face();
+        return projection_.count == 0 || (one_face && stays_above_face(pool_[0], move.way));
     }
 
     /// A move that leaves the region ends in the open.

@@ -61,10 +61,10 @@ inline layout::uint leaf_begin(layout::uint child) noexcept {
     return (child & ~layout::kMeshLeaf) / layout::kMeshLeafTriangles;
 }
 
+/// Calls visit(first, end) for the run of triangles that a leaf is.
 template <typename Visit> void visit_leaf(layout::uint child, Visit&& visit) noexcept {
     const layout::uint first = leaf_begin(child);
-    for (layout::uint i = 0; i <= child % layout::kMeshLeafTriangles; ++i)
-        visit(first + i);
+    visit(first, first + child % layout::kMeshLeafTriangles + 1);
 }
 
 /// Bit i of the result: child i of the node meets the box. Places without a child have boxes that meet nothing.
@@ -131,14 +131,15 @@ void put_leaf(const layout::MeshNode& node, unsigned i, layout::uint place, Neig
 template <typename T>
 void fetch_ahead(const layout::MeshView<T>& mesh, const Neighbourhood<T>& around, layout::uint count) noexcept {
     for (layout::uint i = 0; i < count; ++i)
-        visit_leaf(around.fours[i / 4].child[i % 4], [&](layout::uint triangle) {
-            fetch(&mesh.vertices[3 * std::size_t(mesh.triangle_corners[3 * std::size_t(triangle)])]);
+        visit_leaf(around.fours[i / 4].child[i % 4], [&](layout::uint triangle, layout::uint end) {
+            for (; triangle < end; ++triangle)
+                fetch(&mesh.vertices[3 * std::size_t(mesh.triangle_corners[3 * std::size_t(triangle)])]);
         });
 }
 
 /// The box that a move is likely to go on in: further ahead than aside.
 template <typename T> MoveBox box_ahead(const Move<T>& move, float reach) noexcept {
-    MoveBox box = box_of(move, kBoxMargin<T> + 0.25F * reach);
+    MoveBox box = box_of(move, kBoxMargin<T> + 0.125F * reach);
     const T length = largest_coordinate(move.way);
     for (int i = 0; i < 3; ++i) {
         const float ahead = length > T(0) ? reach * static_cast<float>(move.way[i] / length) : 0.0F;
@@ -222,11 +223,11 @@ void visit_along(const layout::MeshView<T>& mesh, const Move<T>& move, Visit&& v
     }
 }
 
-/// Calls visit(triangle) for every triangle that comes within kCorner of the move, and for some others, in any order;
-/// `visit` may shorten the move. The move must stay within two units of the frame's middle.
+/// Calls visit(first, end) for runs of triangles with all that come within kCorner of the move, and some others, in any
+/// order; `visit` may shorten the move. The move must stay within two units of the frame's middle.
 template <typename T, typename Visit>
-void visit_near(const layout::MeshView<T>& mesh, Neighbourhood<T>& around, const Move<T>& move,
-                Visit&& visit) noexcept {
+void visit_runs_near(const layout::MeshView<T>& mesh, Neighbourhood<T>& around, const Move<T>& move,
+                     Visit&& visit) noexcept {
     const MoveBox box = box_of(move, kBoxMargin<T>);
     if (!box.within(around.box)) {
         const Vector<T> length = move.at(move.until) - move.from;
@@ -238,6 +239,16 @@ void visit_near(const layout::MeshView<T>& mesh, Neighbourhood<T>& around, const
     for (layout::uint i = 0; i < around.count; ++i)
         for (unsigned meeting = children_meeting(around.fours[i], box); meeting != 0; meeting &= meeting - 1)
             visit_leaf(around.fours[i].child[std::countr_zero(meeting)], visit);
+}
+
+/// Calls visit(triangle) for the same triangles.
+template <typename T, typename Visit>
+void visit_near(const layout::MeshView<T>& mesh, Neighbourhood<T>& around, const Move<T>& move,
+                Visit&& visit) noexcept {
+    visit_runs_near(mesh, around, move, [&](layout::uint triangle, layout::uint end) {
+        for (; triangle < end; ++triangle)
+            visit(triangle);
+    });
 }
 
 } // namespace forceshade::reference
