@@ -1,7 +1,7 @@
 // L6: the walk of a god-object towards the probe, until nothing near lets it come closer.
 #pragma once
 
-#include "host/reference/god_object_touch.h"
+#include "host/reference/god_object_pool.h"
 #include "host/reference/mesh_around.h"
 
 namespace forceshade::reference {
@@ -20,31 +20,23 @@ template <typename T> constexpr T kStride = Skin<T>::kWidth* T(32);
 /// One update's walk. Every move keeps to the half-spaces of the triangles in the pool and is cast against all others.
 template <typename T, typename Trace = NoTrace> class Walk {
 public:
-    static constexpr layout::uint kPool = 8;
     static constexpr unsigned kSubsteps = 20000;
     static constexpr unsigned kPatience = 32;
     static constexpr layout::uint kBatch = 64;
+    static constexpr layout::uint kNone = ~0U;
 
     Walk(const layout::MeshView<T>& mesh, Neighbourhood<T>& around, const Vector<T>& proxy, const Vector<T>& probe,
          const Trace& trace) noexcept
-        : mesh_(mesh), around_(around), proxy_(proxy), probe_(probe), trace_(trace) {}
+        : mesh_(mesh), around_(around), proxy_(proxy), probe_(probe), trace_(trace), pool_(mesh) {}
 
     const Vector<T>& proxy() const noexcept { return proxy_; }
-    const Projection<T>& resting() const noexcept { return projection_; }
+    const Projection<T>& resting() const noexcept { return pool_.projection(); }
     const Touch<T>& touch(layout::uint i) const noexcept { return pool_[i]; }
-    layout::uint touches() const noexcept { return count_; }
     unsigned substeps() const noexcept { return substeps_; }
     bool finished() const noexcept { return substeps_ < kSubsteps; }
-    bool held_by_face(layout::uint i) const noexcept { return holds_[projection_.held[i].source] == Hold::face; }
+    bool held_by_face(layout::uint i) const noexcept { return pool_.hold(resting().held[i].source) == Hold::face; }
 
-    /// What the proxy may touch; no harm if it does not.
-    void remember(layout::uint triangle) noexcept {
-        if (knows(triangle) || (count_ == kPool && !forget_one()))
-            return;
-        begin_touch(mesh_, triangle, pool_[count_]);
-        look(pool_[count_], proxy_);
-        holds_[count_++] = Hold::none;
-    }
+    void remember(layout::uint triangle) noexcept { pool_.remember(triangle, proxy_); }
 
     /// Whether the walk was halted where a line between two faces ended.
     bool at_corner() const noexcept { return corner_; }
@@ -72,14 +64,11 @@ public:
         }
     }
 
-    bool above_held_face(layout::uint i) const noexcept {
-        const layout::uint source = projection_.held[i].source;
-        return pool_[source].above_face();
-    }
+    bool above_held_face(layout::uint i) const noexcept { return pool_[resting().held[i].source].above_face(); }
 
     /// Moves by `way` as far as nothing is hit.
     void nudge(const Vector<T>& way) noexcept {
-        count_ = projection_.count = 0;
+        pool_.forget_all();
         const Move<T> move{proxy_, way, T(1)};
         const Impact impact = cast(move);
         go_to(impact.time <= T(1) ? move.at(impact.time) : proxy_ + way);
@@ -87,7 +76,7 @@ public:
 
     /// Moves there unless something is in the way.
     bool jump(const Vector<T>& there) noexcept {
-        count_ = projection_.count = 0;
+        pool_.forget_all();
         if (cast(Move<T>{proxy_, there - proxy_, T(1)}).time <= T(1))
             return false;
         go_to(there);
@@ -97,11 +86,7 @@ public:
     /// Goes back to where an earlier copy of it was.
     void put_back(const Walk& earlier) noexcept {
         proxy_ = earlier.proxy_;
-        count_ = earlier.count_;
-        projection_ = earlier.projection_;
-        tolerance_ = earlier.tolerance_;
-        std::copy(earlier.pool_, earlier.pool_ + count_, pool_);
-        std::copy(earlier.holds_, earlier.holds_ + count_, holds_);
+        pool_.become(earlier.pool_);
     }
 
 private:
@@ -139,119 +124,6 @@ private:
         return enters;
     }
 
-    bool forget_one() noexcept {
-        for (layout::uint i = 0; i < count_; ++i) {
-            bool held = false;
-            for (layout::uint j = 0; j < projection_.count; ++j)
-                held = held || projection_.held[j].source == i;
-            if (held)
-                continue;
-            for (layout::uint j = 0; j < projection_.count; ++j)
-                projection_.held[j].source -= projection_.held[j].source > i ? 1 : 0;
-            for (layout::uint j = i; j + 1 < count_; ++j) {
-                pool_[j] = pool_[j + 1];
-                holds_[j] = holds_[j + 1];
-            }
-            --count_;
-            return true;
-        }
-        return false;
-    }
-
-    void look_again() noexcept {
-        layout::uint kept = 0;
-        for (layout::uint i = 0; i < count_; ++i) {
-            if (kept != i)
-                pool_[kept] = pool_[i];
-            look(pool_[kept], proxy_);
-            kept += pool_[kept].distance <= Skin<T>::kNear ? 1 : 0;
-        }
-        count_ = kept;
-    }
-
-    /// The worst violated half-space: those of faces below the proxy first, since the others depend on where it goes.
-    bool worst(const Vector<T>& way, bool relaxed, T tolerance, HalfSpace<T>& result) noexcept {
-        T most = tolerance;
-        bool found = false;
-        for (const bool faces : {true, false}) {
-            for (layout::uint i = 0; i < count_; ++i) {
-                if (pool_[i].above_face() != faces)
-                    continue;
-                const Hold hold = hold_of(pool_[i], way);
-                if (hold == Hold::none)
-                    continue;
-                HalfSpace<T> space = half_space(pool_[i], hold, i);
-                if (relaxed && space.slack > T(0))
-                    space.slack = T(0);
-                const T violation = space.slack - dot(space.normal, way);
-                if (violation > most) {
-                    most = violation;
-                    result = space;
-                    holds_[i] = hold;
-                    found = true;
-                }
-            }
-            if (found)
-                return true;
-        }
-        return false;
-    }
-
-    /// The way to the point nearest to the probe that the touched triangles allow.
-    void find_way() noexcept {
-        constexpr T kFar = Skin<T>::kDouble ? T(0x1p20) : T(0x1p10);
-        Vector<T> wish = probe_ - proxy_;
-        const T length = largest_of(wish);
-        if (length > kFar)
-            wish = wish * (kFar / length);
-        tolerance_ = Skin<T>::kRest + T(8) * std::numeric_limits<T>::epsilon() * (length > kFar ? kFar : length);
-        if (count_ == 1 && pool_[0].above_face()) {
-            find_way_on_face(wish);
-            return;
-        }
-        for (const bool relaxed : {false, true})
-            if (project(wish, tolerance_, projection_, [&](const Vector<T>& way, HalfSpace<T>& space) {
-                    return worst(way, relaxed, tolerance_, space);
-                }))
-                return;
-        projection_.vector = Vector<T>(T(0));
-    }
-
-    /// The same for one face alone, the most common case.
-    void find_way_on_face(const Vector<T>& wish) noexcept {
-        const Vector<T>& normal = pool_[0].face;
-        const T slack = Skin<T>::kWidth - pool_[0].height;
-        const T multiplier = slack - dot(normal, wish);
-        holds_[0] = Hold::face;
-        projection_.count = multiplier > tolerance_ ? 1 : 0;
-        projection_.vector = wish;
-        if (projection_.count == 0)
-            return;
-        const Vector<T> way = wish + multiplier * normal;
-        projection_.vector = way + (slack - dot(normal, way)) * normal;
-        projection_.multipliers[0] = multiplier;
-        projection_.held[0].normal = normal;
-        projection_.held[0].slack = slack;
-        projection_.held[0].source = 0;
-    }
-
-    /// Whether a move keeps to the half-space of a triangle in the pool, so that it cannot cross it.
-    bool keeps_off(layout::uint triangle, const Vector<T>& way) const noexcept {
-        for (layout::uint i = 0; i < count_; ++i) {
-            if (pool_[i].index != triangle)
-                continue;
-            for (layout::uint j = 0; j < projection_.count; ++j)
-                if (projection_.held[j].source == i)
-                    return true;
-            const Hold hold = hold_of(pool_[i], way);
-            if (hold == Hold::none)
-                return false;
-            const HalfSpace<T> space = half_space(pool_[i], hold, i);
-            return dot(space.normal, way) >= space.slack - tolerance_;
-        }
-        return false;
-    }
-
     /// The first impact of a move. Triangles are sifted in batches without a branch each, so that one does not wait for
     /// the memory of another.
     Impact cast(Move<T> move) noexcept {
@@ -285,10 +157,10 @@ private:
             left += apart ? 0 : 1;
         }
         for (layout::uint i = 0; i < left; ++i) {
-            if (keeps_off(batch[i], move.way))
+            if (pool_.keeps_off(batch[i], move.way))
                 continue;
             const Triangle<T> triangle = triangle_at(mesh_, batch[i]);
-            if (lies_below(triangle))
+            if (pool_.lies_below(triangle))
                 continue;
             const T time = impact_time(triangle, move);
             if (time > move.until || (time == first.time && !comes_before(batch[i], first.triangle)))
@@ -298,23 +170,6 @@ private:
         }
     }
 
-    /// Whether a triangle is behind a plane that the move keeps a skin in front of.
-    bool lies_below(const Triangle<T>& triangle) const noexcept {
-        constexpr T kFlush = Skin<T>::kRest * T(0.25);
-        for (layout::uint j = 0; j < projection_.count; ++j) {
-            const layout::uint source = projection_.held[j].source;
-            if (holds_[source] != Hold::face)
-                continue;
-            const Vector<T>& normal = pool_[source].face;
-            const Vector<T>& corner = pool_[source].triangle.corners[0];
-            if (dot(normal, triangle.corners[0] - corner) <= kFlush &&
-                dot(normal, triangle.corners[1] - corner) <= kFlush &&
-                dot(normal, triangle.corners[2] - corner) <= kFlush)
-                return true;
-        }
-        return false;
-    }
-
     bool comes_before(layout::uint one, layout::uint other) const noexcept {
         const layout::uint first = mesh_.triangle_facets[one], second = mesh_.triangle_facets[other];
         return first < second || (first == second && one < other);
@@ -322,18 +177,19 @@ private:
 
     /// True when at rest.
     bool substep() noexcept {
-        look_again();
-        find_way();
-        const Vector<T> way = projection_.vector;
-        if (largest_of(way) <= tolerance_ && projection_.count > 0)
+        pool_.look_again(proxy_);
+        pool_.find_way(proxy_, probe_);
+        const Vector<T> way = resting().vector;
+        if (largest_of(way) <= pool_.tolerance() && resting().count > 0)
             return true;
         Move<T> move{proxy_, way, T(1)};
         Release<T> release{T(1), 3};
-        layout::uint released = kPool;
-        for (layout::uint i = 0; i < projection_.count; ++i) {
-            const layout::uint source = projection_.held[i].source;
-            const Release<T> one = holds_[source] == Hold::face ? release_of_face(pool_[source], way, release.time)
-                                                                : release_of_rounded(pool_[source], way, release.time);
+        layout::uint released = kNone;
+        for (layout::uint i = 0; i < resting().count; ++i) {
+            const layout::uint source = resting().held[i].source;
+            const Release<T> one = pool_.hold(source) == Hold::face
+                                       ? release_of_face(pool_[source], way, release.time)
+                                       : release_of_rounded(pool_[source], way, release.time);
             if (one.time < release.time) {
                 release = one;
                 released = source;
@@ -349,24 +205,24 @@ private:
         const T time = hit ? impact.time : move.until;
         const T length = time * largest_of(move.way);
         const bool moves = length > Skin<T>::kRest;
-        corner_ = (hit || released < kPool) && projection_.count == 2 && length > kStride<T>;
-        for (layout::uint i = 0; moves && i < count_; ++i)
-            pool_[i].faceless = false;
+        corner_ = (hit || released != kNone) && resting().count == 2 && length > kStride<T>;
+        if (moves)
+            pool_.allow_faces();
         if (hit) {
             go_to(move.at(time));
             remember(impact.triangle);
             return false;
         }
-        if (released < kPool) {
+        if (released != kNone) {
             pool_[released].faceless = !moves;
             go_to(move.at(time));
             hand_over(released, release.edge);
             return false;
         }
         // Nothing in the way: without a plane to keep to, that is the probe itself.
-        go_to(projection_.count == 0 ? probe_ : move.at(T(1)));
-        const bool one_face = count_ == 1 && projection_.count == 1 && pool_[0].above_face();
-        return projection_.count == 0 || (one_face && stays_above_face(pool_[0], move.way));
+        go_to(resting().count == 0 ? probe_ : move.at(T(1)));
+        const bool one_face = pool_.count() == 1 && resting().count == 1 && pool_[0].above_face();
+        return resting().count == 0 || (one_face && stays_above_face(pool_[0], move.way));
     }
 
     /// A move that leaves the region ends in the open.
@@ -396,28 +252,17 @@ private:
         const Vector<T> corner = vector_at(mesh_.vertices, mesh_.triangle_corners[3 * std::size_t(across)]);
         const T height = dot(normal, proxy_ - corner);
         const T apex = dot(normal, pool_[released].triangle.corners[(edge + 2) % 3] - corner);
-        if (!(height * apex > T(0)) && !knows(across))
+        if (!(height * apex > T(0)) && !pool_.knows(across))
             begin_touch(mesh_, across, pool_[released]);
         else
             remember(across);
-    }
-
-    bool knows(layout::uint triangle) const noexcept {
-        for (layout::uint i = 0; i < count_; ++i)
-            if (pool_[i].index == triangle)
-                return true;
-        return false;
     }
 
     const layout::MeshView<T>& mesh_;
     Neighbourhood<T>& around_;
     Vector<T> proxy_, probe_;
     const Trace& trace_;
-    Touch<T> pool_[kPool];
-    Hold holds_[kPool];
-    layout::uint count_ = 0;
-    Projection<T> projection_{};
-    T tolerance_{};
+    TouchPool<T> pool_;
     unsigned substeps_ = 0;
     bool corner_ = false;
 };
