@@ -100,6 +100,7 @@ template <typename T> void wander_everywhere() {
         EXPECT_EQ(tally.further, 0u) << terrain.name;
         EXPECT_EQ(tally.outside_cone, 0u) << terrain.name;
         EXPECT_EQ(tally.unfinished, 0u) << terrain.name;
+        EXPECT_GT(tally.contacts, steps / 20) << terrain.name;
     }
 }
 

@@ -187,6 +187,26 @@ TYPED_TEST(GodObjectShape, BeginsOnTheSideWhereItIs) {
     }
 }
 
+TYPED_TEST(GodObjectShape, WhatWasNearBeforeDoesNotMatter) {
+    static_assert(std::is_trivially_copyable_v<reference::GodObject<TypeParam>>);
+    for (const walks::Terrain& terrain : walks::terrains()) {
+        Touchpad<TypeParam> pad(terrain.polygons);
+        walks::Wanderer wanderer(pad.structure, 17);
+        reference::GodObject<TypeParam> other;
+        dvec3 at = wanderer.begin();
+        for (int i = 0; i < 2000; ++i) {
+            at = wanderer.step(at);
+            const glm::vec<3, TypeParam> probe(at);
+            const auto contact = reference::update(pad.mesh, pad.state, *pad.around, probe);
+            const auto fresh = std::make_unique<reference::Neighbourhood<TypeParam>>();
+            const auto again = reference::update(pad.mesh, other, *fresh, probe);
+            ASSERT_EQ(contact.proxy, again.proxy) << terrain.name << ' ' << i;
+            ASSERT_EQ(pad.state.proxy, other.proxy) << terrain.name << ' ' << i;
+            ASSERT_EQ(contact.count, again.count) << terrain.name << ' ' << i;
+        }
+    }
+}
+
 TYPED_TEST(GodObjectShape, OpenDuplicateNeedleAndSliverMeshes) {
     PolygonSoup twice = shapes::single_triangle();
     twice = shapes::merged(twice, twice);
