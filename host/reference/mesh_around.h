@@ -92,26 +92,32 @@ inline unsigned children_meeting(const layout::MeshNode& node, const MoveBox& bo
 #endif
 }
 
-/// Calls visit(node, i) for every leaf that meets the box, until it returns false.
+/// Calls visit(node, i) for every leaf that meets the box, until it returns false; then, or if the box is so large that
+/// too many nodes wait, returns false. Nodes come level by level, so that their memory is there when it is their turn.
 template <typename T, typename Visit>
-void visit_leaves(const layout::MeshView<T>& mesh, const MoveBox& box, Visit&& visit) noexcept {
-    layout::uint stack[kMeshStack];
-    layout::uint height = 0;
-    stack[height++] = 0;
-    while (height > 0) {
-        const layout::MeshNode& node = mesh.nodes[stack[--height]];
+bool visit_leaves(const layout::MeshView<T>& mesh, const MoveBox& box, Visit&& visit) noexcept {
+    constexpr layout::uint kMost = 256;
+    layout::uint queue[kMost];
+    layout::uint next = 0, end = 0;
+    queue[end++] = 0;
+    while (next < end) {
+        const layout::MeshNode& node = mesh.nodes[queue[next++]];
         for (unsigned meeting = children_meeting(node, box); meeting != 0; meeting &= meeting - 1) {
             const auto i = static_cast<unsigned>(std::countr_zero(meeting));
-            if ((node.child[i] & layout::kMeshLeaf) == 0) {
-                const layout::MeshNode* child = &mesh.nodes[node.child[i]];
-                fetch(child);
-                fetch(&child->high_x[1]);
-                stack[height++] = node.child[i];
-            } else if (!visit(node, i)) {
-                return;
+            if ((node.child[i] & layout::kMeshLeaf) != 0) {
+                if (!visit(node, i))
+                    return false;
+                continue;
             }
+            if (end == kMost)
+                return false;
+            const layout::MeshNode* child = &mesh.nodes[node.child[i]];
+            fetch(child);
+            fetch(&child->high_x[1]);
+            queue[end++] = node.child[i];
         }
     }
+    return true;
 }
 
 template <typename T>
@@ -155,10 +161,9 @@ bool gather(const layout::MeshView<T>& mesh, const Move<T>& move, Neighbourhood<
     constexpr layout::uint kMost = 4 * Neighbourhood<T>::kFours;
     const MoveBox box = box_ahead(move, around.reach);
     layout::uint count = 0;
-    bool fits = true;
-    visit_leaves(mesh, box, [&](const layout::MeshNode& node, unsigned i) {
-        fits = count < kMost;
-        if (fits) {
+    const bool fits = visit_leaves(mesh, box, [&](const layout::MeshNode& node, unsigned i) {
+        const bool room = count < kMost;
+        if (room) {
             put_leaf(node, i, count++, around);
             const std::size_t first = 3 * std::size_t(leaf_begin(node.child[i]));
             fetch(&mesh.triangle_corners[first]);
@@ -167,7 +172,7 @@ bool gather(const layout::MeshView<T>& mesh, const Move<T>& move, Neighbourhood<
             fetch(&mesh.triangle_normals[first]);
             fetch(&mesh.triangle_normals[first] + 64 / sizeof(T));
         }
-        return fits;
+        return room;
     });
     around.count = fits ? (count + 3) / 4 : 0;
     around.box = fits ? box : MoveBox{{1, 1, 1}, {-1, -1, -1}};
