@@ -53,6 +53,7 @@ std::shared_ptr<const SceneMesh> read_scene_mesh(const MeshSpec& spec) {
                               spec.normals == NormalWeights::angle ? VertexNormals::angle : VertexNormals::plain);
     StructureOptions options;
     options.winding = spec.inside == InsideTest::winding;
+    options.solid = is_solid(findings);
     mesh->structure = build_structure(mesh->mesh, options);
     return mesh;
 }

@@ -33,6 +33,8 @@ template <typename T> T circle_square(const Vector<T>& a, const Vector<T>& b, co
 // The winding number is good to 1e-4 (mesh_winding.h), at both places that it is compared at.
 constexpr double kWindingDoubt = 1e-3;
 
+constexpr uint kLeastSided = 4; // samples a side of boxes whose side is asked for
+
 } // namespace
 
 template <typename T> PlanTriangle<T> plan_triangle(const layout::MeshView<T>& mesh, std::size_t triangle, T largest) {
@@ -82,14 +84,17 @@ template <typename T> bool BlockWorker<T>::is_outside(const TriangleList<T>& lis
                                [&](uint place) { return is_below(input_.rows[list.ids()[place]], box, input_.slack); });
 }
 
-// What of a box is inside by the winding number, told from its centre; `both` where that does not tell.
-template <typename T> typename BlockWorker<T>::Side BlockWorker<T>::winding_side(const PlanBox<T>& box) {
+// On which side a box is, told from its centre; `both` where that does not tell. Away from its surface a solid has one
+// side, and the winding number changes little.
+template <typename T> typename BlockWorker<T>::Side BlockWorker<T>::side_of(const PlanBox<T>& box) {
     const Vector<T> centre = box.centre(), half = box.half();
     const auto nearest = reference::nearest(input_.mesh, centre, hint_);
     hint_ = nearest.triangle;
     const T radius = std::sqrt(reference::dot(half, half)) + input_.slack;
     if (!(std::sqrt(nearest.square) > radius + input_.slack))
         return Side::both;
+    if (input_.inside != layout::kInsideWinding)
+        return reference::inside_by_pseudonormal(input_.mesh, nearest) ? Side::inside : Side::outside;
     const Vector<double> probe(centre);
     const double winding = reference::winding_number(input_.mesh, probe);
     const double change = reference::winding_change(input_.mesh, probe, static_cast<double>(radius));
@@ -98,12 +103,20 @@ template <typename T> typename BlockWorker<T>::Side BlockWorker<T>::winding_side
     return winding > 0.5 ? Side::inside : Side::outside;
 }
 
-// True if no sample of the box can be inside. By the winding number `side` is told as well, once it can be.
-template <typename T> bool BlockWorker<T>::is_free(const TriangleList<T>& list, const PlanBox<T>& box, Side& side) {
-    if (input_.inside != layout::kInsideWinding)
-        return is_outside(list, box);
+// True if no sample of the box can be inside. `side` is told as well, once it can be.
+template <typename T>
+bool BlockWorker<T>::is_free(const TriangleList<T>& list, const PlanBox<T>& box, uint side_length, Side& side) {
+    if (input_.inside != layout::kInsideWinding) {
+        if (side == Side::inside)
+            return false;
+        if (is_outside(list, box))
+            return true;
+        // In small boxes the planes tell nearly as much, for less.
+        if (!input_.mesh.solid || side_length < kLeastSided)
+            return false;
+    }
     if (side == Side::both)
-        side = winding_side(box);
+        side = side_of(box);
     return side == Side::outside;
 }
 
@@ -223,7 +236,7 @@ void BlockWorker<T>::split(const SampleRange& range, std::size_t level, uint sid
         const TriangleList<T>& list = lists_[level];
         list.narrow(box, std::array{witness_from(box, point_near(list, box.centre()))}, places_);
         Side eighth_side = side;
-        if (is_free(list, box, eighth_side))
+        if (is_free(list, box, half, eighth_side))
             continue;
         if (half == kMeshBlock) {
             leaf(eighth, box, list, eighth_side);
@@ -243,7 +256,7 @@ template <typename T> void BlockWorker<T>::plan(const SampleRange& tile) {
     lists_[0].fill(collected_, input_.rows);
     lists_[0].narrow(box, std::array{witness}, places_);
     Side side = Side::both;
-    if (is_free(lists_[0], box, side))
+    if (is_free(lists_[0], box, kPlanTile, side))
         return;
     lists_[1].take(lists_[0], places_);
     split(tile, 1, kPlanTile, side);

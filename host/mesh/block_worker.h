@@ -44,14 +44,14 @@ public:
 private:
     static constexpr std::size_t kLevels = 5;  // of boxes that have lists: 32 to 4 samples, and what was collected
     static constexpr std::size_t kLong = 64;   // lists beyond are narrowed once more
-    enum class Side { outside, inside, both }; // by the winding number
+    enum class Side { outside, inside, both }; // of the surface, as far as a box is wholly on one
 
     void collect(const PlanBox<T>& box, const Witness<T>& witness);
     Witness<T> witness_from(const PlanBox<T>& box, const reference::Vector<T>& point) const;
     reference::Vector<T> point_near(const TriangleList<T>& list, const reference::Vector<T>& point) const;
     bool is_outside(const TriangleList<T>& list, const PlanBox<T>& box) const;
-    Side winding_side(const PlanBox<T>& box);
-    bool is_free(const TriangleList<T>& list, const PlanBox<T>& box, Side& side);
+    Side side_of(const PlanBox<T>& box);
+    bool is_free(const TriangleList<T>& list, const PlanBox<T>& box, layout::uint side_length, Side& side);
     void split(const SampleRange& range, std::size_t level, layout::uint side_length, Side side);
     void leaf(const SampleRange& range, const PlanBox<T>& box, const TriangleList<T>& list, Side side);
     void narrow_long(const PlanBox<T>& box, const TriangleList<T>& list);

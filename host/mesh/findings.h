@@ -40,6 +40,9 @@ struct InspectionLimits {
 /// Looks at everything; about 2 s for a million triangles. Corners must be in range and coordinates finite.
 MeshFindings inspect(const PolygonSoup& polygons, const InspectionLimits& limits = {});
 
+/// True if it is known that the facets bound one solid whose surface nowhere meets itself.
+bool is_solid(const MeshFindings& findings);
+
 /// A sentence for each thing that is wrong, with its count and what it means for the laws; empty if nothing is.
 std::vector<std::string> warnings(const MeshFindings& findings);
 

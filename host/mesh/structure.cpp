@@ -127,8 +127,9 @@ public:
         connect_edges(parts_, reals_, places);
     }
 
-    MeshStructure finish() {
+    MeshStructure finish(bool solid) {
         reals_.edge_pseudonormals.shrink_to_fit();
+        parts_.solid = solid && has_firm_pseudonormals(parts_, reals_);
         return {frame_.centre, frame_.scale, std::make_shared<const MeshParts>(std::move(parts_)),
                 std::make_shared<const MeshReals<double>>(std::move(reals_)), nullptr};
     }
@@ -197,7 +198,7 @@ MeshStructure build_structure(const Mesh& mesh, const StructureOptions& options)
     assembly.make_tree(std::clamp(options.leaf_triangles, 1u, layout::kMeshLeafTriangles));
     assembly.number();
     assembly.connect();
-    MeshStructure structure = assembly.finish();
+    MeshStructure structure = assembly.finish(options.solid);
     if (options.winding)
         structure.winding = make_winding(structure);
     return structure;
@@ -207,6 +208,7 @@ template <typename T> layout::MeshView<T> MeshTables<T>::view() const {
     layout::MeshView<T> view;
     view.params = params;
     view.nodes = parts->nodes;
+    view.solid = parts->solid;
     view.vertices = reals->vertices;
     view.triangle_corners = parts->triangle_corners;
     view.triangle_facets = parts->triangle_facets;

@@ -14,6 +14,7 @@ struct MeshParts {
     std::vector<layout::MeshNode> nodes;
     std::vector<layout::uint> triangle_corners, triangle_facets, triangle_neighbours;
     std::vector<layout::uint> facet_begins, facet_corners;
+    bool solid = false; /* as StructureOptions::solid, and no pseudonormal is nearly 0 */
 };
 
 /// Coordinates in the mesh's frame, and unit vectors; three numbers each.
@@ -50,6 +51,8 @@ struct MeshStructure {
 struct StructureOptions {
     unsigned threads = 0;        /* 0: as many as the machine has cores */
     bool winding = false;        /* also what the winding number needs */
+    bool solid = false;          /* the caller knows that the mesh is closed, of one piece, consistently oriented and
+                                    nowhere meets itself: then no side changes where there is no surface */
     unsigned leaf_triangles = 4; /* most triangles of a leaf, 1 to layout::kMeshLeafTriangles */
 };
 

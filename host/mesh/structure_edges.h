@@ -15,6 +15,9 @@ void connect_edges(MeshParts& parts, MeshReals<double>& reals, const std::vector
 /// Edges that triangles walk more often one way than the other, three numbers each: two vertices and by how often.
 std::vector<layout::uint> find_rims(const MeshParts& parts, const std::vector<layout::uint>& places);
 
+/// True if no edge's or vertex' pseudonormal is so short that rounding could turn what it says.
+bool has_firm_pseudonormals(const MeshParts& parts, const MeshReals<double>& reals);
+
 /// Fills reals.vertex_pseudonormals: for each place the sum of its triangles' normals, weighted by the angle there.
 void sum_pseudonormals(const MeshParts& parts, MeshReals<double>& reals, const std::vector<layout::uint>& places);
 

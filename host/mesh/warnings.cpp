@@ -63,6 +63,13 @@ void add_facets(const MeshFindings& found, std::vector<std::string>& text) {
 
 } // namespace
 
+bool is_solid(const MeshFindings& findings) {
+    const bool sound = findings.non_manifold_edges + findings.non_manifold_vertices + findings.misoriented_edges +
+                           findings.degenerate_facets + findings.duplicate_facets + findings.repeated_corner_facets ==
+                       0;
+    return sound && findings.closed && findings.components == 1 && findings.self_intersections == 0U;
+}
+
 std::vector<std::string> warnings(const MeshFindings& found) {
     std::vector<std::string> text;
     add_topology(found, text);

@@ -128,7 +128,7 @@ FS_CONSTANT kMeshSpecInside = 2u;
 FS_CONSTANT kMeshSpecMap = 3u;
 FS_CONSTANT kMeshSpecTexture = 4u;
 FS_CONSTANT kMeshSpecChannels = 5u;
-FS_CONSTANT kMeshSpecFree = 6u; // 1: only the proxies of free voxels
+FS_CONSTANT kMeshSpecFree = 6u;   // 1: only the proxies of free voxels
 FS_CONSTANT kMeshSpecUnroll = 7u; // corners of a facet that an iteration takes
 FS_CONSTANT kMeshSpecCount = 8u;
 
@@ -263,6 +263,7 @@ template <typename real> struct MeshView {
     std::span<const real> facet_normals;        // 3 a facet: unit Newell normal, 0 where it has no area
     std::span<const real> vertex_normals;       // 3 a vertex: unit, what L7 interpolates; 0 where they cancel
     // For the winding number (host only); empty unless asked for.
+    bool solid = false;                  // bounds one solid, whose surface nowhere meets itself
     std::span<const MeshMoment> moments; // 1 a node
     std::span<const uint> rims;          // 3 an edge where the surface ends: its vertices, how often more one way
 };

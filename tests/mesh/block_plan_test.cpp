@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "host/mesh/block_plan.h"
+#include "host/mesh/findings.h"
 #include "host/mesh/structure.h"
 #include "host/reference/mesh_contact.h"
 #include "tests/mesh/shapes.h"
@@ -40,6 +41,7 @@ template <typename T>
 void hold(const PolygonSoup& polygons, const Grid<T>& grid, layout::uint inside = layout::kInsidePseudonormal) {
     StructureOptions options;
     options.winding = true;
+    options.solid = is_solid(inspect(polygons));
     const MeshStructure structure = build_structure(shapes::mesh_of(polygons), options);
     const MeshTables<T> tables = make_mesh_tables<T>(structure, 1000);
     const layout::MeshView<T> mesh = tables.view();
@@ -111,6 +113,34 @@ TEST(BlockPlan, SkipsWhatIsOutside) {
     const double sphere = 4.18879 / (2.4 * 2.4 * 2.4);
     EXPECT_GT(share, 0.98 * sphere);
     EXPECT_LT(share, 1.25 * sphere);
+}
+
+// Far from a coarse mesh many triangles are nearly as near as the nearest, and planes alone tell little.
+TEST(BlockPlan, SkipsWhatIsFarOutsideOfASolid) {
+    const PolygonSoup cube = shapes::cube(true);
+    const Grid<float> grid = cubic<float>(64, 4);
+    const auto evaluated = [&](bool solid) {
+        StructureOptions options;
+        options.solid = solid;
+        const MeshStructure structure = build_structure(shapes::mesh_of(cube), options);
+        const MeshTables<float> tables = make_mesh_tables<float>(structure, 1000);
+        return plan_blocks<float>(tables.view(), grid.x, grid.y, grid.z, layout::kInsidePseudonormal).voxels_evaluated;
+    };
+    EXPECT_LT(evaluated(true), 24u * 24 * 24);
+    EXPECT_GT(evaluated(false), 3 * evaluated(true));
+    hold<float>(cube, cubic<float>(31, 4));
+    hold<double>(shapes::icosphere(1), cubic<double>(31, 4));
+}
+
+TEST(BlockPlan, KnowsASolid) {
+    EXPECT_TRUE(is_solid(inspect(shapes::icosphere(2))));
+    EXPECT_TRUE(is_solid(inspect(shapes::cube(true))));
+    EXPECT_FALSE(is_solid(inspect(shapes::nested_shells(1, false))));
+    EXPECT_FALSE(is_solid(inspect(shapes::single_triangle())));
+    EXPECT_FALSE(is_solid(inspect(shapes::random_polyhedra(25, 11))));
+    PolygonSoup turned = shapes::icosphere(1);
+    std::swap(turned.corners[0], turned.corners[1]);
+    EXPECT_FALSE(is_solid(inspect(turned)));
 }
 
 TEST(BlockPlan, DoesNotDependOnThreadsNorOnSlabs) {
