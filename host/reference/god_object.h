@@ -23,7 +23,7 @@ template <typename T> struct GodObjectContact {
     Vector<T> normals[3];      /* 1: unit normals of the triangles, towards the proxy's side */
     bool touching;             /* count > 0 */
     bool finished;             /* false: ended before it converged; the proxy is on its side all the same */
-    unsigned substeps;         /* straight pieces walked and looks taken */
+    unsigned substeps;         /* straight pieces walked before the last, and looks taken */
 };
 
 template <typename T> bool is_finite(const Vector<T>& v) noexcept {
