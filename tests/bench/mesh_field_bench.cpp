@@ -9,6 +9,7 @@
 #include "compute/mesh_kernel.h"
 #include "host/field/scene_mesh.h"
 #include "host/mesh/block_plan.h"
+#include "host/mesh/findings.h"
 #include "host/mesh/prepare_mesh.h"
 #include "host/mesh_file/mesh_file.h"
 #include "host/reference/mesh_nearest.h"
@@ -25,8 +26,11 @@ template <typename T> struct Field {
 
     Field() {
         PolygonSoup polygons = read_polygons(FORCESHADE_DATA "/spot.obj").polygons;
-        const Mesh mesh = shapes::mesh_of(shapes::subdivided(shapes::subdivided(polygons)));
-        const MeshStructure structure = build_structure(mesh);
+        const PolygonSoup fine = shapes::subdivided(shapes::subdivided(polygons));
+        StructureOptions options;
+        options.solid = is_solid(inspect(fine));
+        const Mesh mesh = shapes::mesh_of(fine);
+        const MeshStructure structure = build_structure(mesh, options);
         tables = make_mesh_tables<T>(structure, 1000);
         const GridSpec grid = fitted_grid(128, mesh);
         std::vector<T>* const axes[3] = {&x, &y, &z};
