@@ -266,5 +266,30 @@ TEST_F(MeshPath, is_the_same_wherever_the_mesh_stands) {
     }
 }
 
+// The same file read in other units, K such that K times a length is the same force: the same forces to rounding.
+TEST_F(MeshPath, feels_the_same_in_every_unit) {
+    const double radius = 0.025; // of the file's unit
+    const std::vector<Polygon> triangles = sphere(radius, 4);
+    struct InUnit {
+        const char *unit, *stiffness;
+        double metres;
+    };
+    std::vector<std::vector<Felt>> strokes;
+    for (const InUnit& one :
+         {InUnit{"m", "1000 N/m", 1}, {"um", "1e9 N/m", 1e-6}, {"mm", "1e6 N/m", 1e-3}, {"km", "1 N/m", 1e3}}) {
+        std::string rows;
+        for (const glm::dvec3& probe : spiral(radius, 2000))
+            rows += row(0, one.metres * probe);
+        strokes.push_back(stroke(
+            scene(triangles, fmt::format("unit = \"{}\"\n[force]\nstiffness = \"{}\"\n", one.unit, one.stiffness)),
+            rows));
+    }
+    for (const auto& other : strokes) {
+        ASSERT_EQ(other.size(), strokes[0].size());
+        for (std::size_t i = 0; i < other.size(); ++i)
+            ASSERT_LE(length(other[i].force - strokes[0][i].force), 1e-9 * (length(strokes[0][i].force) + 1e-6)) << i;
+    }
+}
+
 } // namespace
 } // namespace forceshade::testing
