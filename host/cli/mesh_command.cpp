@@ -135,7 +135,7 @@ struct Arguments {
 void add_mesh_command(CLI::App& program, const CommonOptions& common, Command& chosen) {
     CLI::App* command = program.add_subcommand("mesh", "Say what is in a mesh file and what is wrong with it");
     const auto arguments = std::make_shared<Arguments>();
-    command->add_option("file", arguments->file, "OBJ, OFF, PLY or STL")->required();
+    command->add_option("FILE", arguments->file, "OBJ, OFF, PLY or STL")->required();
     command->add_option("--unit", arguments->unit, "what a coordinate of 1 means, as mm or in; sizes are then in m");
     command->callback([&common, &chosen, arguments] {
         chosen = [&common, arguments] { return run(arguments->file, arguments->unit, common); };

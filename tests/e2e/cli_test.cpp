@@ -20,15 +20,20 @@ protected:
     CommandLine() {
         write("scene.toml", kOneCase);
         write("three.toml", kThreeCases);
+        write("triangle.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
+        write("paths.csv", "path,t,x,y,z\n0,0,0,0,-0.001\n");
     }
 
     // Every command, with arguments that let it succeed.
-    const std::vector<std::vector<std::string>> commands_{{"sweep", "three.toml", "--out", "out"},
-                                                          {"field", "scene.toml", "--out", "field.exr"},
-                                                          {"validate", "three.toml"},
-                                                          {"gpus"},
-                                                          {"doctor"},
-                                                          {"schema"}};
+    const std::vector<std::vector<std::string>> commands_{
+        {"sweep", "three.toml", "--out", "out"},
+        {"field", "scene.toml", "--out", "field.exr"},
+        {"validate", "three.toml"},
+        {"explore", "scene.toml", "--paths", "paths.csv", "--out", "felt.csv", "--engine", "cpu"},
+        {"mesh", "triangle.off"},
+        {"gpus"},
+        {"doctor"},
+        {"schema"}};
 };
 
 void expect_words(const std::string& text, const std::vector<std::string>& words) {
@@ -44,11 +49,14 @@ std::vector<std::string> with(std::vector<std::string> arguments, const std::vec
 TEST_F(CommandLine, helps) {
     const std::vector<std::string> common{"--gpu", "--engine", "--precision", "--json", "--quiet", "Exit codes"};
     const Outcome program = expect_success({"--help"});
-    expect_words(program.out, with(common, {"sweep", "field", "validate", "gpus", "doctor", "schema", "--version"}));
+    expect_words(program.out, with(common, {"sweep", "field", "validate", "explore", "mesh", "gpus", "doctor", "schema",
+                                            "--version"}));
     const std::map<std::string, std::vector<std::string>> flags{
         {"sweep", {"STUDY", "--out", "--only", "--shard", "--fresh", "--also"}},
         {"field", {"SCENE", "--out", "--also"}},
         {"validate", {"SCENE-or-STUDY", "--only"}},
+        {"explore", {"SCENE", "--paths", "--out"}},
+        {"mesh", {"FILE", "--unit"}},
         {"gpus", {}},
         {"doctor", {}},
         {"schema", {"--default-study"}}};
@@ -91,7 +99,7 @@ TEST_F(CommandLine, refuses_what_it_does_not_know) {
         EXPECT_NE(outcome.error, "");
     }
     expect_failure(2, {"swep"}, {"swep", "sweep"});
-    EXPECT_EQ(folder_.names(), (std::vector<std::string>{"scene.toml", "three.toml"}));
+    EXPECT_EQ(folder_.names(), (std::vector<std::string>{"paths.csv", "scene.toml", "three.toml", "triangle.off"}));
 }
 
 TEST_F(CommandLine, prints_json_and_nothing_else_if_asked) {
