@@ -5,6 +5,7 @@
 #include "host/cli/command.h"
 #include "host/error.h"
 #include "host/explore/explore.h"
+#include "host/field/scene_mesh.h"
 #include "host/remark.h"
 #include "host/sweep/progress.h"
 
@@ -67,7 +68,8 @@ int run(const ExploreArguments& arguments, const CommonOptions& common) {
     CasePreparation preparation;
     const PreparedCase prepared = preparation.prepare(read_scene(arguments.scene, overrides(common), &warnings));
     print_warnings(warnings, common);
-    print_warnings(prepared.warnings, common);
+    if (prepared.images.mesh)
+        print_warnings(warnings_of(prepared.one.scene.surface.mesh, *prepared.images.mesh, MeshUse::path), common);
     std::optional<Progress> bar;
     std::uint64_t megabytes = 0; // done
     const auto show = [&](std::uint64_t done, std::uint64_t total) {

@@ -3,6 +3,7 @@
 
 #include "host/cli/command.h"
 #include "host/error.h"
+#include "host/io/temporary_file.h"
 #include "host/remark.h"
 #include "host/sweep/case_pipeline.h"
 #include "host/sweep/progress.h"
@@ -56,6 +57,7 @@ int run(const FieldArguments& arguments, const CommonOptions& common) {
     CasePreparation preparation;
     job.prepared = preparation.prepare(read_scene(arguments.scene, overrides(common), &warnings));
     job.volume = std::filesystem::absolute(volume);
+    clear_stale_temporaries(job.volume.parent_path());
     job.prepared.one.name = volume.stem().string(); // what pictures are headed with
     warnings.insert(warnings.end(), job.prepared.warnings.begin(), job.prepared.warnings.end());
     print_warnings(warnings, common);
@@ -72,9 +74,14 @@ int run(const FieldArguments& arguments, const CommonOptions& common) {
     const CaseRecord& record = outcome.record;
     if (!common.quiet)
         remark("{}: {} voxels ({} evaluated) on {}, largest force {:.4g} N, error against the oracle in double "
-               "precision {:.2g} of it\n",
+               "precision {:.2g} of it{}\n",
                arguments.out, record.voxels, record.evaluated, record.engine.device, record.largest_force,
-               record.error.relative());
+               record.error.relative(),
+               record.error.on_edge
+                   ? fmt::format(", {} voxels that rounding gives to another facet not counted", record.error.on_edge)
+                   : "");
+    if (!common.quiet && record.largest_force == 0)
+        remark("warning: no voxel of the grid is in contact, so the force is 0 everywhere\n");
     if (common.json)
         print_data(record_json(record) + "\n");
     if (const std::string wrong = complaint(record); !wrong.empty())

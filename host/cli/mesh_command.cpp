@@ -115,7 +115,8 @@ int run(const std::string& path, const std::string& unit, const CommonOptions& c
     Inspected mesh;
     mesh.unit = unit;
     if (!unit.empty())
-        mesh.metres = parse_quantity("1 " + unit, Dimension::length);
+        mesh.metres =
+            parse_quantity(std::isdigit(static_cast<unsigned char>(unit[0])) ? unit : "1 " + unit, Dimension::length);
     mesh.file = read_polygons(path);
     mesh.findings = inspect(mesh.file.polygons);
     mesh.warnings = warnings(mesh.findings);

@@ -65,7 +65,9 @@ PreparedCase CasePreparation::prepare(const Case& one) {
         prepared.images.texture = image(scene.texture->map);
     if (scene.surface.kind == SurfaceKind::mesh) {
         prepared.images.mesh = mesh(scene.surface.mesh);
-        prepared.warnings = prepared.images.mesh->warnings;
+        const bool winding = scene.surface.mesh.inside == InsideTest::winding;
+        prepared.warnings = warnings_of(scene.surface.mesh, *prepared.images.mesh,
+                                        winding ? MeshUse::winding_field : MeshUse::pseudonormal_field);
         check_mesh_fits(scene, *prepared.images.mesh);
         if (scene.grid.samples)
             scene.grid = fitted_grid(scene.grid.samples, prepared.images.mesh->mesh);

@@ -12,7 +12,7 @@ struct PreparedCase {
     Case one; // with the files' SHA-256 filled in, and the grid that follows from a mesh
     SceneImages images;
     std::string scene;                 /* resolved TOML, as it goes into files */
-    std::vector<std::string> warnings; /* of the mesh's file */
+    std::vector<std::string> warnings; /* of the mesh's file, for a static field */
 };
 
 /// Reads images and meshes; cases that follow each other share them, and only the last few stay in memory.

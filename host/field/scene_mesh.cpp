@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 
 #include "host/error.h"
-#include "host/mesh/findings.h"
 #include "host/mesh/prepare_mesh.h"
 #include "host/mesh_file/mesh_file.h"
 #include "host/scene/limits.h"
@@ -40,10 +39,8 @@ std::shared_ptr<const SceneMesh> read_scene_mesh(const MeshSpec& spec) {
     PolygonFile file = read_polygons(spec.path);
     auto mesh = std::make_shared<SceneMesh>();
     mesh->sha256 = file.sha256;
-    const MeshFindings findings = inspect(file.polygons);
-    refuse_if_meaningless(findings, spec.file);
-    for (const std::string& warning : warnings(findings))
-        mesh->warnings.push_back(fmt::format("{}: {}", spec.file, warning));
+    mesh->findings = inspect(file.polygons);
+    refuse_if_meaningless(mesh->findings, spec.file);
     MeshPlacement placement;
     placement.unit = spec.unit;
     placement.scale = spec.scale;
@@ -53,9 +50,16 @@ std::shared_ptr<const SceneMesh> read_scene_mesh(const MeshSpec& spec) {
                               spec.normals == NormalWeights::angle ? VertexNormals::angle : VertexNormals::plain);
     StructureOptions options;
     options.winding = spec.inside == InsideTest::winding;
-    options.solid = is_solid(findings);
+    options.solid = is_solid(mesh->findings);
     mesh->structure = build_structure(mesh->mesh, options);
     return mesh;
+}
+
+std::vector<std::string> warnings_of(const MeshSpec& spec, const SceneMesh& mesh, MeshUse use) {
+    std::vector<std::string> result;
+    for (const std::string& warning : warnings(mesh.findings, use))
+        result.push_back(fmt::format("{}: {}", spec.file, warning));
+    return result;
 }
 
 void check_mesh_fits(const Scene& scene, const SceneMesh& mesh) {

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "host/mesh/findings.h"
 #include "host/mesh/mesh.h"
 #include "host/mesh/structure.h"
 #include "host/scene/scene.h"
@@ -15,11 +16,14 @@ struct SceneMesh {
     std::string sha256; /* of the file's bytes */
     Mesh mesh;          /* m, in the scene's frame */
     MeshStructure structure;
-    std::vector<std::string> warnings; /* findings with which the law still has a meaning */
+    MeshFindings findings;
 };
 
 /// Reads the file that the spec names. \throws IoError, UsageError for a file in which the law has no meaning.
 std::shared_ptr<const SceneMesh> read_scene_mesh(const MeshSpec& spec);
+
+/// The findings with which what is done still has a meaning, a sentence each, after the file's name.
+std::vector<std::string> warnings_of(const MeshSpec& spec, const SceneMesh& mesh, MeshUse use);
 
 /// \throws UsageError if the scene asks for what the mesh has not: barycentric shading of facets that are no triangles.
 void check_mesh_fits(const Scene& scene, const SceneMesh& mesh);

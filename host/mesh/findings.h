@@ -43,8 +43,16 @@ MeshFindings inspect(const PolygonSoup& polygons, const InspectionLimits& limits
 /// True if it is known that the facets bound one solid whose surface nowhere meets itself.
 bool is_solid(const MeshFindings& findings);
 
+/// What a mesh is looked at for.
+enum class MeshUse {
+    any,
+    pseudonormal_field, // static, inside by pseudonormals
+    winding_field,      // static, inside by the winding number
+    path,               // the god-object, which minds every facet and no inside
+};
+
 /// A sentence for each thing that is wrong, with its count and what it means for the laws; empty if nothing is.
-std::vector<std::string> warnings(const MeshFindings& findings);
+std::vector<std::string> warnings(const MeshFindings& findings, MeshUse use = MeshUse::any);
 
 /// \throws UsageError naming `mesh` if no law has a meaning on it: no facet, none with an area, or
 ///         coordinates whose volumes overflow

@@ -142,6 +142,14 @@ private:
         if (mesh.file.empty())
             fail(source_, place({"surface.kind"}),
                  "kind \"mesh\" needs a file: file = \"NAME.obj\" (or .off, .ply, .stl) in [surface]");
+        // The other defaults are the paper's, and would hardly meet the mesh.
+        const Location given = place({"grid.size", "grid.origin", "grid.spacing"});
+        for (const char* path : {"grid.size", "grid.origin", "grid.spacing"})
+            if (scene_.grid.samples == 0 && given.line > 0 && place({path}).line == 0)
+                fail(source_, given,
+                     fmt::format("a mesh's grid needs size, origin and spacing, of which {} is missing; or samples, "
+                                 "which makes them from the mesh's box",
+                                 std::string_view(path).substr(5)));
     }
 
     void check_force() const {
@@ -165,10 +173,12 @@ private:
                              find("force.shading")->texts.front(), find("surface.kind")->texts.front(), allowed));
     }
 
-    void check_texture(const TextureSpec& texture) const {
+    void check_texture(const TextureSpec& texture) {
         if (texture.effect == TextureEffect::normal && scene_.surface.kind != SurfaceKind::mesh)
             fail(source_, place({"texture.effect"}),
                  "effect \"normal\" tilts the normals of a mesh; kind \"height_map\" does that for a plane (L5)");
+        if (texture.effect == TextureEffect::normal && place({"texture.stiffness"}).line > 0)
+            warn(place({"texture.stiffness"}), "stiffness does nothing with effect \"normal\", which adds no force");
         if (texture.stiffness != 0)
             check_stiffness("texture.stiffness", texture.stiffness);
         check_map("texture", texture.map);

@@ -80,6 +80,12 @@ private:
     // A table within a table gives keys with a dot in their name.
     void read_item(const std::string& table, const TomlMember& item) {
         const bool has_parts = item.value.type == Type::table && item.key == "transform";
+        if (item.key == "transform" && table == "surface" && !has_parts)
+            fail(source_, item.where,
+                 fmt::format(
+                     "transform is a table, for example {{ scale = 2, translate = [\"1 mm\", \"0 m\", \"0 m\"] }}; "
+                     "got {}",
+                     describe(item.value)));
         for (const TomlMember& part : item.value.members)
             if (has_parts && part.key.find('.') == std::string::npos)
                 read_key(table, {item.key + '.' + part.key, part.where, part.value});

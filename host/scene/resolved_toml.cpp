@@ -153,6 +153,8 @@ private:
         const bool fits = grid_fits_mesh(base_);
         if (index == samples_)
             return fits && (given || std::all_of(forms_.begin(), forms_.end(), is_mesh));
+        if (fits && std::all_of(forms_.begin(), forms_.end(), is_mesh))
+            return false;
         return given || !fits || std::none_of(forms_.begin(), forms_.end(), is_mesh);
     }
 
@@ -183,6 +185,10 @@ private:
         for (const Entry& entry : variant.entries) {
             const Key& key = schema_keys()[entry.key];
             if (overridden(entry.key) || yields_to_override(entry.key) || !applies_to_any(key, forms))
+                continue;
+            const auto is_mesh = [](const Forms& one) { return one.surface == kFormMesh; };
+            const bool all_mesh = std::all_of(forms.begin(), forms.end(), is_mesh);
+            if (key.table == "grid" && entry.key != samples_ && document_.overrides.find(samples_) && all_mesh)
                 continue;
             grid = grid || key.table == "grid";
             texture = texture || key.table == "texture";

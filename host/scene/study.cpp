@@ -6,6 +6,7 @@
 #include "host/scene/document.h"
 #include "host/scene/selection.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <fstream>
 #include <iterator>
@@ -66,7 +67,22 @@ private:
     void add_stack(const Layer* variant) {
         Stack stack{variant, merge({&document_->base, variant, &document_->overrides}), {}};
         stack.forms = possible_forms(stack.merged);
+        refuse_two_grids(stack);
         stacks_.push_back(std::move(stack));
+    }
+
+    // A mesh's grid is made from its box or given, not both in one place.
+    void refuse_two_grids(const Stack& stack) const {
+        const auto is_mesh = [](const Forms& one) { return one.surface == kFormMesh; };
+        const auto samples = static_cast<std::size_t>(find_key("grid.samples"));
+        const Merged& merged = stack.merged;
+        if (merged.ranks[samples] == 0 || !std::all_of(stack.forms.begin(), stack.forms.end(), is_mesh))
+            return;
+        for (std::size_t key = 0; key < merged.ranks.size(); ++key)
+            if (key != samples && schema_keys()[key].table == "grid" && merged.ranks[key] == merged.ranks[samples])
+                fail(source(), merged.entries[key]->where,
+                     fmt::format("give \"samples\", which stands for size, origin and spacing, or \"{}\", not both",
+                                 schema_keys()[key].name));
     }
 
     // Results name files by their base name alone.

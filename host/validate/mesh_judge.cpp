@@ -75,8 +75,8 @@ public:
             const Voxel at{x, y, z};
             const Reading computed = reading_of(chunk, sample);
             ++partial.voxels;
-            compare_with_alike(chunk, sample, at, hint, partial);
-            compare_with_oracle(computed, at, exact_hint, partial);
+            const layout::uint facet = compare_with_alike(chunk, sample, at, hint, partial);
+            compare_with_oracle(computed, facet, at, exact_hint, partial);
             if (((z * tables_.y.size() + y) * tables_.x.size() + x) % every_ == 0)
                 compare_with_brute(computed, at, partial);
         }
@@ -89,22 +89,22 @@ private:
         return {double(tables_.x[at.x]), double(tables_.y[at.y]), double(tables_.z[at.z])};
     }
 
-    // Where the bits must be the oracle's, nothing else is said of them.
-    void compare_with_alike(const layout::FieldChunk<T>& chunk, std::size_t sample, Voxel at, layout::uint& hint,
-                            Comparison& partial) const {
+    // Where the bits must be the oracle's, nothing else is said of them. Returns the oracle's facet.
+    layout::uint compare_with_alike(const layout::FieldChunk<T>& chunk, std::size_t sample, Voxel at,
+                                    layout::uint& hint, Comparison& partial) const {
         const reference::Contact<T> alike = reference::mesh_contact(
             law_, reference::Vector<T>(tables_.x[at.x], tables_.y[at.y], tables_.z[at.z]), hint);
         if (same_bits(chunk, sample, alike))
-            return;
+            return alike.facet;
         count_difference(chunk, sample, alike, partial);
         const Reading computed = reading_of(chunk, sample);
         if (!exact_bits_)
             switch (bound_.judge(computed, probe_at(at), 1, channels_)) {
             case MeshBound::Verdict::within:
-                return;
+                return alike.facet;
             case MeshBound::Verdict::on_edge:
                 ++partial.boundary;
-                return;
+                return alike.facet;
             case MeshBound::Verdict::beyond:
                 break;
             }
@@ -112,16 +112,19 @@ private:
         const Reading expected = reading_of(alike);
         note_failure(partial, at, computed, expected, first_misfit(computed, expected, {}, channels_),
                      "the oracle in the same precision");
+        return alike.facet;
     }
 
-    // The error counts against the true position; the bound holds at the position that was rounded to T.
-    void compare_with_oracle(const Reading& computed, Voxel at, layout::uint& hint, Comparison& partial) const {
+    // The error counts against the true position; the bound holds at the position that was rounded to T. Where rounding
+    // chose another facet, the difference says nothing of errors.
+    void compare_with_oracle(const Reading& computed, layout::uint facet, Voxel at, layout::uint& hint,
+                             Comparison& partial) const {
         const Point probe(exact_.x[at.x], exact_.y[at.y], exact_.z[at.z]);
         const Reading truth = reading_of(reference::mesh_contact(exact_law_, probe, hint));
         partial.largest_force = std::max(partial.largest_force, norm(truth.force[0], truth.force[1], truth.force[2]));
         switch (bound_.judge(computed, probe_at(at), 1, channels_)) {
         case MeshBound::Verdict::within:
-            if (bound_.parts(computed.force, probe_at(at), truth.force))
+            if (facet != truth.facet || bound_.parts(computed.force, probe_at(at), truth.force))
                 ++partial.oracle.boundary;
             else
                 add_error(computed, truth, partial.oracle);

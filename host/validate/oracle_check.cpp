@@ -63,9 +63,11 @@ template <typename T> void OracleCheck::compare(const layout::FieldChunk<T>& chu
             continue;
         for (std::size_t x = 0; x < chunk.x_count; ++x) {
             const T* const force = &chunk.force[3 * (row * chunk.x_pitch + x)];
-            const reference::Vector<T> alike = reference::evaluate(law, {same.x[x], same.y[y], same.z[z]}).force;
-            const reference::Vector<double> truth =
-                reference::evaluate(exact, {exact_.x[x], exact_.y[y], exact_.z[z]}).force;
+            const reference::Contact<T> contact = reference::evaluate(law, {same.x[x], same.y[y], same.z[z]});
+            const reference::Contact<double> exact_contact =
+                reference::evaluate(exact, {exact_.x[x], exact_.y[y], exact_.z[z]});
+            const reference::Vector<T>& alike = contact.force;
+            const reference::Vector<double>& truth = exact_contact.force;
             const Triple computed{double(force[0]), double(force[1]), double(force[2])};
             const Triple probe{double(same.x[x]), double(same.y[y]), double(same.z[z])};
             const T bits[3] = {alike.x, alike.y, alike.z};
@@ -79,7 +81,8 @@ template <typename T> void OracleCheck::compare(const layout::FieldChunk<T>& chu
             ++error_.compared;
             error_.largest_force = std::max(error_.largest_force, norm(truth.x, truth.y, truth.z));
             if (exact_.features.surface == layout::kSurfaceMesh &&
-                mesh_bound().parts(computed, {probe[0], probe[1], probe[2]}, {truth.x, truth.y, truth.z})) {
+                (contact.facet != exact_contact.facet ||
+                 mesh_bound().parts(computed, {probe[0], probe[1], probe[2]}, {truth.x, truth.y, truth.z}))) {
                 ++error_.on_edge;
                 continue;
             }

@@ -20,6 +20,8 @@ transform = { scale = 0.05, rotate = ["90 deg", "0 deg", "0 deg"], translate = [
 shading = "mean_value"
 )";
 
+const std::string kGrid = "[grid]\nsize = [4, 5, 6]\norigin = [\"0 m\", \"0 m\", \"0 m\"]\nspacing = \"1 mm\"\n";
+
 TEST(MeshScene, Keys) {
     const Case one = parse_scene(kScene, "f.toml", "/folder");
     const MeshSpec& mesh = one.scene.surface.mesh;
@@ -39,12 +41,11 @@ TEST(MeshScene, Keys) {
 TEST(MeshScene, GridFollowsFromTheMeshUnlessItIsGiven) {
     EXPECT_EQ(parse_scene(kScene, "f.toml").scene.grid.samples, 128u);
     EXPECT_EQ(parse_scene(std::string(kScene) + "[grid]\nsamples = 9\n", "f.toml").scene.grid.samples, 9u);
-    const Case given = parse_scene(std::string(kScene) + "[grid]\nsize = [4, 5, 6]\n", "f.toml");
+    const Case given = parse_scene(std::string(kScene) + kGrid, "f.toml");
     EXPECT_EQ(given.scene.grid.samples, 0u);
     EXPECT_EQ(given.scene.grid.size[1], 5u);
     EXPECT_EQ(parse_scene("", "f.toml").scene.grid.samples, 0u);
-    const Case later =
-        parse_scene(std::string(kScene) + "[grid]\nsize = [4, 5, 6]\n[[variant]]\ngrid.samples = 7\n", "f.toml");
+    const Case later = parse_scene(std::string(kScene) + kGrid + "[[variant]]\ngrid.samples = 7\n", "f.toml");
     EXPECT_EQ(later.scene.grid.samples, 7u);
 }
 
@@ -66,6 +67,12 @@ TEST(MeshScene, Refusals) {
     EXPECT_EQ(
         study_error("[texture]\neffect = \"normal\"\n"),
         "f.toml:2:10: effect \"normal\" tilts the normals of a mesh; kind \"height_map\" does that for a plane (L5)");
+    EXPECT_EQ(study_error(mesh + "transform = 3\n").substr(0, 38), "f.toml:4:1: transform is a table, for ");
+    EXPECT_EQ(study_error(mesh + "[grid]\nsize = [1, 2, 3]\n"),
+              "f.toml:5:9: a mesh's grid needs size, origin and spacing, of which origin is missing; or samples, which "
+              "makes them from the mesh's box");
+    EXPECT_EQ(study_error(mesh + kGrid + "samples = 3\n"),
+              "f.toml:5:1: give \"samples\", which stands for size, origin and spacing, or \"size\", not both");
     EXPECT_EQ(study_error("[surface]\nunit = \"mm\"\n").substr(0, 12), "f.toml:2:1: ");
 }
 
