@@ -1,127 +1,17 @@
 #include "host/mesh/block_list.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
-#include <cstdint>
 #include <cstring>
 #include <limits>
+
+#include "host/mesh/block_loops.h"
 
 namespace forceshade {
 
 using reference::Vector;
 
 namespace {
-
-// Several triangles at a time where the processor can: same operations, same bits.
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-#define FS_WIDE __attribute__((target_clones("avx512f", "avx2", "default")))
-#else
-#define FS_WIDE
-#endif
-
-template <typename T> using Columns = std::array<const T*, 10>; // corners, circle
-
-// The least over a triangle's corners q of |centre - q|^2 - |side . (q - w)|, side the box's, less the circle: by how
-// much the triangle is further than the witness w from that point of the box where it gains most, less a constant.
-template <typename T>
-[[gnu::always_inline]] inline void excesses(const Columns<T>& columns, std::size_t count, const Vector<T> centre,
-                                            const Vector<T> side, const Vector<T> witness, const T limit,
-                                            T* __restrict worst) {
-    const T* const __restrict a_x = columns[0], * const __restrict a_y = columns[1], * const __restrict a_z = columns[2];
-    const T* const __restrict b_x = columns[3], * const __restrict b_y = columns[4], * const __restrict b_z = columns[5];
-    const T* const __restrict c_x = columns[6], * const __restrict c_y = columns[7], * const __restrict c_z = columns[8];
-    const T* const __restrict circle = columns[9];
-    const auto excess = [&](T x, T y, T z) __attribute__((always_inline)) {
-        const T dx = x - centre.x, dy = y - centre.y, dz = z - centre.z;
-        return dx * dx + dy * dy + dz * dz -
-               (side.x * std::abs(x - witness.x) + side.y * std::abs(y - witness.y) + side.z * std::abs(z - witness.z));
-    };
-    for (std::size_t i = 0; i < count; ++i) {
-        const T a = excess(a_x[i], a_y[i], a_z[i]);
-        const T b = excess(b_x[i], b_y[i], b_z[i]);
-        const T c = excess(c_x[i], c_y[i], c_z[i]);
-        const T ab = a < b ? a : b;
-        const T beyond = (ab < c ? ab : c) - circle[i] - limit;
-        worst[i] = beyond > worst[i] ? beyond : worst[i];
-    }
-}
-
-FS_WIDE void all_excesses(const Columns<float>& columns, std::size_t count, const Vector<float>& centre,
-                          const Vector<float>& side, const Vector<float>& witness, float limit, float* worst) {
-    excesses(columns, count, centre, side, witness, limit, worst);
-}
-FS_WIDE void all_excesses(const Columns<double>& columns, std::size_t count, const Vector<double>& centre,
-                          const Vector<double>& side, const Vector<double>& witness, double limit, double* worst) {
-    excesses(columns, count, centre, side, witness, limit, worst);
-}
-
-template <typename T>
-[[gnu::always_inline]] inline void squares(const T* __restrict x, const T* __restrict y, const T* __restrict z,
-                                           std::size_t count, const Vector<T> point, T* __restrict result) {
-    for (std::size_t i = 0; i < count; ++i) {
-        const T dx = x[i] - point.x, dy = y[i] - point.y, dz = z[i] - point.z;
-        result[i] = dx * dx + dy * dy + dz * dz;
-    }
-}
-
-FS_WIDE void all_squares(const float* x, const float* y, const float* z, std::size_t count, const Vector<float>& point,
-                         float* result) {
-    squares(x, y, z, count, point, result);
-}
-FS_WIDE void all_squares(const double* x, const double* y, const double* z, std::size_t count,
-                         const Vector<double>& point, double* result) {
-    squares(x, y, z, count, point, result);
-}
-
-// Squares are not below 0, so that their bits compare as they do; of integers compilers find the least several at a
-// time.
-template <typename Bits, typename T>
-[[gnu::always_inline]] inline std::size_t first_least(const T* __restrict values, std::size_t count) {
-    Bits least = std::numeric_limits<Bits>::max();
-    for (std::size_t i = 0; i < count; ++i) {
-        const Bits bits = std::bit_cast<Bits>(values[i]);
-        least = bits < least ? bits : least;
-    }
-    std::size_t i = 0;
-    while (std::bit_cast<Bits>(values[i]) != least)
-        ++i;
-    return i;
-}
-
-FS_WIDE std::size_t least_of(const float* values, std::size_t count) {
-    return first_least<std::int32_t>(values, count);
-}
-FS_WIDE std::size_t least_of(const double* values, std::size_t count) {
-    return first_least<std::int64_t>(values, count);
-}
-
-template <typename T>
-[[gnu::always_inline]] inline void mark(const T* __restrict worst, std::size_t count, std::uint8_t* __restrict marks) {
-    for (std::size_t i = 0; i < count; ++i)
-        marks[i] = worst[i] > T(0) ? 0 : 1;
-}
-
-FS_WIDE void mark_kept(const float* worst, std::size_t count, std::uint8_t* marks) {
-    mark(worst, count, marks);
-}
-FS_WIDE void mark_kept(const double* worst, std::size_t count, std::uint8_t* marks) {
-    mark(worst, count, marks);
-}
-
-template <typename Value>
-[[gnu::always_inline]] inline void gather(const Value* __restrict from, const layout::uint* __restrict places,
-                                          std::size_t count, Value* __restrict to) {
-    for (std::size_t i = 0; i < count; ++i)
-        to[i] = from[places[i]];
-}
-
-FS_WIDE void gather_all(const float* from, const layout::uint* places, std::size_t count, float* to) {
-    gather(from, places, count, to);
-}
-FS_WIDE void gather_all(const double* from, const layout::uint* places, std::size_t count, double* to) {
-    gather(from, places, count, to);
-}
 
 template <typename T> void grow(std::vector<T>& values, std::size_t count) {
     if (values.size() < count)
@@ -180,6 +70,11 @@ void TriangleList<T>::narrow(const PlanBox<T>& box, std::span<const Witness<T>> 
         const T limit = reference::dot(apart, apart) + witness.margin;
         all_excesses(columns, count, centre, side, witness.point, limit, scratch_.data());
     }
+    keep(count, places);
+}
+
+// The places of all whose excess in scratch_ is not above 0.
+template <typename T> void TriangleList<T>::keep(std::size_t count, std::vector<layout::uint>& places) const {
     // What goes mostly goes together: eight marks that are all 0 are passed at once.
     constexpr std::size_t kMarks = sizeof(std::uint64_t);
     marks_.resize(std::max(marks_.size(), count + kMarks));
@@ -198,6 +93,26 @@ void TriangleList<T>::narrow(const PlanBox<T>& box, std::span<const Witness<T>> 
         }
     }
     places.resize(kept);
+}
+
+template <typename T> std::array<std::size_t, 8> TriangleList<T>::near_corners(const PlanBox<T>& box) {
+    const std::size_t count = size();
+    grow(squares_, 8 * count);
+    Columns<T> columns;
+    for (std::size_t c = 0; c < columns.size(); ++c)
+        columns[c] = columns_[c].data();
+    all_squares_to_corners(columns, count, box.low, box.high, squares_.data());
+    std::array<std::size_t, 8> places;
+    for (std::size_t k = 0; k < 8; ++k)
+        places[k] = least_of(squares_.data() + k * count, count);
+    return places;
+}
+
+template <typename T>
+void TriangleList<T>::narrow_corners(const std::array<T, 8>& limits, std::vector<layout::uint>& places) const {
+    scratch_.resize(std::max(scratch_.size(), size()));
+    all_beyond_limits(squares_.data(), columns_.back().data(), size(), limits, scratch_.data());
+    keep(size(), places);
 }
 
 // First corners of every few triangles: each vertex is that of two triangles on average, and large boxes can do with

@@ -52,16 +52,23 @@ public:
     void take(const TriangleList& all, std::span<const layout::uint> places);
     /// The places of all that, by each of the witnesses, may be nearest to some point of the box.
     void narrow(const PlanBox<T>& box, std::span<const Witness<T>> witnesses, std::vector<layout::uint>& places) const;
+    /// Per corner of the box, x running fastest, the place of a triangle one of whose corners is nearest to it; needs
+    /// one.
+    std::array<std::size_t, 8> near_corners(const PlanBox<T>& box);
+    /// After near_corners: the places of all whose squared distance to some corner of the box may be within its limit.
+    void narrow_corners(const std::array<T, 8>& limits, std::vector<layout::uint>& places) const;
     /// The place of a triangle whose first corner is near to a point, the nearest of some; needs one.
     std::size_t near_one(const reference::Vector<T>& point) const;
 
 private:
     void sample();
+    void keep(std::size_t count, std::vector<layout::uint>& places) const;
 
     std::array<std::vector<T>, 10> columns_; // corners, circle; may be longer than the list
     std::array<std::vector<T>, 3> samples_;
     std::size_t stride_ = 1;
     std::vector<layout::uint> ids_;
+    std::vector<T> squares_; // of near_corners: eight rows
     mutable std::vector<T> scratch_;
     mutable std::vector<std::uint8_t> marks_;
 };

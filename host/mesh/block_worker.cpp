@@ -27,7 +27,10 @@ template <typename T> T circle_square(const Vector<T>& a, const Vector<T>& b, co
     // Never larger than the circle about the corners' mean that the longest edge bounds.
     const T least = squares[2] / T(3);
     const T circle = squares[0] * squares[1] * (squares[2] / (T(4) * area_square));
-    return circle < least ? circle : least;
+    // Rounding of the edges turns slivers: the area is off by a few roundings of the longest edge's square.
+    constexpr T kTurned = T(64) * std::numeric_limits<T>::epsilon();
+    const T sure = circle + circle * (kTurned * (squares[2] / std::sqrt(area_square)));
+    return sure < least ? sure : least;
 }
 
 // The winding number is good to 1e-4 (mesh_winding.h), at both places that it is compared at.
@@ -70,11 +73,17 @@ template <typename T> Witness<T> BlockWorker<T>::witness_from(const PlanBox<T>& 
     return {point, T(4) * input_.slack * (reach + input_.slack)};
 }
 
+template <typename T>
+reference::TrianglePoint<T> BlockWorker<T>::nearest_on(uint triangle, const Vector<T>& point) const {
+    const PlanTriangle<T>& row = input_.rows[triangle];
+    const auto corner = [&](std::size_t i) { return reference::vector_at(std::span<const T>(row.corners), i); };
+    return reference::nearest_on_triangle(point, corner(0), corner(1), corner(2), row.normal);
+}
+
 // A point of the surface that is near, and often the nearest.
-template <typename T> Vector<T> BlockWorker<T>::point_near(const TriangleList<T>& list, const Vector<T>& point) const {
-    const PlanTriangle<T>& near = input_.rows[list.ids()[list.near_one(point)]];
-    const auto corner = [&](std::size_t i) { return reference::vector_at(std::span<const T>(near.corners), i); };
-    return point + reference::nearest_on_triangle(point, corner(0), corner(1), corner(2), near.normal).offset;
+template <typename T> Vector<T> BlockWorker<T>::point_near(const TriangleList<T>& list, const Vector<T>& point) {
+    hint_ = list.ids()[list.near_one(point)];
+    return point + nearest_on(hint_, point).offset;
 }
 
 // Above the planes of all that may be nearest, and so of all that meet in the nearest point: outside by any
@@ -85,13 +94,17 @@ template <typename T> bool BlockWorker<T>::is_outside(const TriangleList<T>& lis
 }
 
 // On which side a box is, told from its centre; `both` where that does not tell. Away from its surface a solid has one
-// side, and the winding number changes little.
-template <typename T> typename BlockWorker<T>::Side BlockWorker<T>::side_of(const PlanBox<T>& box) {
-    const Vector<T> centre = box.centre(), half = box.half();
+// side, and the winding number changes little. `near` is on the surface: where it is near enough, nothing is asked.
+template <typename T>
+typename BlockWorker<T>::Side BlockWorker<T>::side_of(const PlanBox<T>& box, const Vector<T>& near) {
+    const Vector<T> centre = box.centre(), half = box.half(), apart = near - centre;
+    const T radius = std::sqrt(reference::dot(half, half)) + input_.slack;
+    const auto is_apart = [&](T square) { return std::sqrt(square) > radius + input_.slack; };
+    if (!is_apart(reference::dot(apart, apart)))
+        return Side::both;
     const auto nearest = reference::nearest(input_.mesh, centre, hint_);
     hint_ = nearest.triangle;
-    const T radius = std::sqrt(reference::dot(half, half)) + input_.slack;
-    if (!(std::sqrt(nearest.square) > radius + input_.slack))
+    if (!is_apart(nearest.square))
         return Side::both;
     if (input_.inside != layout::kInsideWinding)
         return reference::inside_by_pseudonormal(input_.mesh, nearest) ? Side::inside : Side::outside;
@@ -105,7 +118,8 @@ template <typename T> typename BlockWorker<T>::Side BlockWorker<T>::side_of(cons
 
 // True if no sample of the box can be inside. `side` is told as well, once it can be.
 template <typename T>
-bool BlockWorker<T>::is_free(const TriangleList<T>& list, const PlanBox<T>& box, uint side_length, Side& side) {
+bool BlockWorker<T>::is_free(const TriangleList<T>& list, const PlanBox<T>& box, const Vector<T>& near,
+                             uint side_length, Side& side) {
     if (input_.inside != layout::kInsideWinding) {
         if (side == Side::inside)
             return false;
@@ -116,7 +130,7 @@ bool BlockWorker<T>::is_free(const TriangleList<T>& list, const PlanBox<T>& box,
             return false;
     }
     if (side == Side::both)
-        side = side_of(box);
+        side = side_of(box, near);
     return side == Side::outside;
 }
 
@@ -183,16 +197,18 @@ template <typename T> uint BlockWorker<T>::inside_bits(const SampleRange& range,
     return bits;
 }
 
-// By the witnesses of all corners.
-template <typename T> void BlockWorker<T>::narrow_long(const PlanBox<T>& box, const TriangleList<T>& list) {
+// By each sample's distance to a triangle that is near to it.
+template <typename T> void BlockWorker<T>::narrow_to_samples(const PlanBox<T>& box, const TriangleList<T>& list) {
     long_list_.take(list, places_);
-    std::array<Witness<T>, 8> witnesses;
+    const std::array<std::size_t, 8> near = long_list_.near_corners(box);
+    std::array<T, 8> limits;
     for (uint i = 0; i < 8; ++i) {
-        const Vector<T> corner{i & 1 ? box.high.x : box.low.x, i & 2 ? box.high.y : box.low.y,
+        const Vector<T> sample{i & 1 ? box.high.x : box.low.x, i & 2 ? box.high.y : box.low.y,
                                i & 4 ? box.high.z : box.low.z};
-        witnesses[i] = witness_from(box, point_near(long_list_, corner));
+        const T square = nearest_on(long_list_.ids()[near[i]], sample).square;
+        limits[i] = square + T(4) * input_.slack * (std::sqrt(square) + input_.slack);
     }
-    long_list_.narrow(box, witnesses, places_);
+    long_list_.narrow_corners(limits, places_);
 }
 
 // A block whose candidates stand at places_ of the list.
@@ -204,7 +220,7 @@ void BlockWorker<T>::leaf(const SampleRange& range, const PlanBox<T>& box, const
         return;
     const bool is_long = places_.size() > kLong;
     if (is_long)
-        narrow_long(box, list);
+        narrow_to_samples(box, list);
     const std::vector<uint>& ids = is_long ? long_list_.ids() : list.ids();
     const auto first = static_cast<uint>(candidates.size());
     if (places_.size() > kMostCandidates)
@@ -234,9 +250,10 @@ void BlockWorker<T>::split(const SampleRange& range, std::size_t level, uint sid
             continue;
         const PlanBox<T> box = input_.box(eighth);
         const TriangleList<T>& list = lists_[level];
-        list.narrow(box, std::array{witness_from(box, point_near(list, box.centre()))}, places_);
+        const Witness<T> witness = witness_from(box, point_near(list, box.centre()));
+        list.narrow(box, std::array{witness}, places_);
         Side eighth_side = side;
-        if (is_free(list, box, half, eighth_side))
+        if (is_free(list, box, witness.point, half, eighth_side))
             continue;
         if (half == kMeshBlock) {
             leaf(eighth, box, list, eighth_side);
@@ -256,7 +273,7 @@ template <typename T> void BlockWorker<T>::plan(const SampleRange& tile) {
     lists_[0].fill(collected_, input_.rows);
     lists_[0].narrow(box, std::array{witness}, places_);
     Side side = Side::both;
-    if (is_free(lists_[0], box, kPlanTile, side))
+    if (is_free(lists_[0], box, witness.point, kPlanTile, side))
         return;
     lists_[1].take(lists_[0], places_);
     split(tile, 1, kPlanTile, side);

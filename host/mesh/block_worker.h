@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "host/mesh/block_list.h"
+#include "host/reference/mesh_triangle.h"
 
 namespace forceshade {
 
@@ -43,18 +44,20 @@ public:
 
 private:
     static constexpr std::size_t kLevels = 5;  // of boxes that have lists: 32 to 4 samples, and what was collected
-    static constexpr std::size_t kLong = 64;   // lists beyond are narrowed once more
+    static constexpr std::size_t kLong = 32;   // lists beyond are narrowed to their samples
     enum class Side { outside, inside, both }; // of the surface, as far as a box is wholly on one
 
     void collect(const PlanBox<T>& box, const Witness<T>& witness);
     Witness<T> witness_from(const PlanBox<T>& box, const reference::Vector<T>& point) const;
-    reference::Vector<T> point_near(const TriangleList<T>& list, const reference::Vector<T>& point) const;
+    reference::TrianglePoint<T> nearest_on(layout::uint triangle, const reference::Vector<T>& point) const;
+    reference::Vector<T> point_near(const TriangleList<T>& list, const reference::Vector<T>& point);
     bool is_outside(const TriangleList<T>& list, const PlanBox<T>& box) const;
-    Side side_of(const PlanBox<T>& box);
-    bool is_free(const TriangleList<T>& list, const PlanBox<T>& box, layout::uint side_length, Side& side);
+    Side side_of(const PlanBox<T>& box, const reference::Vector<T>& near);
+    bool is_free(const TriangleList<T>& list, const PlanBox<T>& box, const reference::Vector<T>& near,
+                 layout::uint side_length, Side& side);
     void split(const SampleRange& range, std::size_t level, layout::uint side_length, Side side);
     void leaf(const SampleRange& range, const PlanBox<T>& box, const TriangleList<T>& list, Side side);
-    void narrow_long(const PlanBox<T>& box, const TriangleList<T>& list);
+    void narrow_to_samples(const PlanBox<T>& box, const TriangleList<T>& list);
     layout::uint inside_bits(const SampleRange& range, Side side) const;
     void add_nearest(const SampleRange& range);
 
