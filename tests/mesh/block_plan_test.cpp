@@ -1,6 +1,7 @@
 // The planner against loops over all triangles: what is inside is listed, and so is what is nearest to it.
 #include <cmath>
 #include <map>
+#include <random>
 
 #include <gtest/gtest.h>
 
@@ -95,6 +96,34 @@ TEST(BlockPlan, ListsWhatIsInsideAndNearest) {
         for (const layout::uint inside : {layout::kInsidePseudonormal, layout::kInsideWinding}) {
             hold<float>(polygons, cubic<float>(21, 1.1), inside);
             hold<double>(polygons, cubic<double>(21, 1.1), inside);
+        }
+}
+
+// Slivers a thousand times as long as wide, all through the middle of a tiny grid: their circles are ill conditioned.
+TEST(BlockPlan, ListsWhatIsNearestAmongSlivers) {
+    std::mt19937 random(5);
+    std::uniform_real_distribution<double> uniform(-1, 1);
+    const auto vector = [&](double size) {
+        const double x = uniform(random), y = uniform(random), z = uniform(random);
+        return size * glm::dvec3(x, y, z);
+    };
+    const double spread = 1e-3;
+    for (const double width : {1e-3, 5e-4, 2e-4})
+        for (int repeat = 0; repeat < 15; ++repeat) {
+            PolygonSoup slivers;
+            for (std::uint32_t i = 0; i < 40; ++i) {
+                glm::dvec3 way = vector(1);
+                way = way * (1 / std::max({std::abs(way.x), std::abs(way.y), std::abs(way.z)}));
+                const glm::dvec3 middle = vector(spread), aside = vector(1);
+                const glm::dvec3 half(width * (way.y * aside.z - way.z * aside.y),
+                                      width * (way.z * aside.x - way.x * aside.z),
+                                      width * (way.x * aside.y - way.y * aside.x));
+                slivers.vertices.insert(slivers.vertices.end(),
+                                        {middle - way, middle + way + half, middle + way - half});
+                slivers.corners.insert(slivers.corners.end(), {3 * i, 3 * i + 1, 3 * i + 2});
+                slivers.begins.push_back(3 * (i + 1));
+            }
+            hold<float>(slivers, cubic<float>(14, spread));
         }
 }
 
