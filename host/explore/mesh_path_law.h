@@ -5,6 +5,9 @@
 #include <cmath>
 #include <vector>
 
+#include <fmt/format.h>
+
+#include "host/error.h"
 #include "host/explore/path_law.h"
 #include "host/field/scene_mesh.h"
 #include "host/reference/god_object_contact.h"
@@ -20,11 +23,16 @@ public:
     double largest_coordinate() const override {
         const glm::dvec3& centre = structure_.centre;
         const double middle = std::max({std::abs(centre.x), std::abs(centre.y), std::abs(centre.z)});
-        return std::min(kLargestLength<T>, middle + kLargestLength<T> * structure_.scale);
+        return std::min(kLargestLength<T>, middle + kMeshReach<T> * structure_.scale);
     }
 
     PathContact<T> at(std::size_t path, const glm::dvec3& probe) override {
         const reference::Vector<T> local(to_mesh_frame(structure_, probe));
+        if (!(reference::largest_coordinate(local) <= T(kMeshReach<T>)))
+            throw UsageError(
+                fmt::format("path position ({}, {}, {}) m is more than {:.0f} times the mesh's size from its "
+                            "centre, further than {} can follow; is the unit right?",
+                            probe.x, probe.y, probe.z, kMeshReach<T> / 2, std::is_same_v<T, float> ? "f32" : "f64"));
         const bool begins = path == proxies_.size();
         if (begins)
             proxies_.emplace_back();

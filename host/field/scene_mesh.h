@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "host/mesh/findings.h"
@@ -11,6 +12,10 @@
 #include "host/scene/scene.h"
 
 namespace forceshade {
+
+/// How far from its centre a mesh's law is evaluated, in units of its frame: further out the mesh is a point, and which
+/// facet is the nearest is a matter of rounding.
+template <typename T> inline constexpr double kMeshReach = std::is_same_v<T, float> ? 0x1p20 : 0x1p48;
 
 struct SceneMesh {
     std::string sha256; /* of the file's bytes */

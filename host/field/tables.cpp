@@ -1,5 +1,6 @@
 #include "host/field/tables.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -83,6 +84,14 @@ template <typename T> std::vector<T> axis(const GridSpec& grid, std::size_t whic
 
 // In the mesh's own frame, where single precision suffices however far the mesh is from the origin.
 template <typename T> std::vector<T> local_axis(const GridSpec& grid, std::size_t which, double centre, double scale) {
+    const double last = grid.origin[which] + grid.spacing[which] * static_cast<double>(grid.size[which] - 1);
+    const double farthest = std::max(std::abs(grid.origin[which] - centre), std::abs(last - centre)); /* m */
+    if (!(farthest <= kMeshReach<T> * scale))
+        throw UsageError(fmt::format(
+            "the grid reaches {:.3g} m from the mesh's centre along {}, and the mesh is about "
+            "{:.3g} m in size: beyond {:.0f} sizes {} cannot tell its facets apart; move the grid "
+            "or check the unit",
+            farthest, "xyz"[which], 2 * scale, kMeshReach<T> / 2, std::is_same_v<T, float> ? "f32" : "f64"));
     std::vector<T> samples(grid.size[which]);
     for (std::size_t i = 0; i < samples.size(); ++i)
         samples[i] = rounded<T>((grid.origin[which] + grid.spacing[which] * static_cast<double>(i) - centre) / scale,

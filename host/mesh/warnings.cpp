@@ -56,17 +56,24 @@ void add_topology(const MeshFindings& found, MeshUse use, std::vector<std::strin
 }
 
 void add_facets(const MeshFindings& found, MeshUse use, std::vector<std::string>& text) {
+    const bool by_normals = use == MeshUse::any || use == MeshUse::pseudonormal_field;
     if (found.degenerate_facets > 0)
-        text.push_back(
-            fmt::format("{} without area: the probe can touch one, but without a normal it takes no part in shading",
-                        counted(found.degenerate_facets, "facet", "facets")));
+        text.push_back(fmt::format("{} without area: left out{}", counted(found.degenerate_facets, "facet", "facets"),
+                                   by_normals
+                                       ? ", so that its neighbours' edges end there, and what is inside may be wrong "
+                                         "where these are the nearest; inside = \"winding\" does not mind"
+                                       : ""));
     if (found.repeated_corner_facets > 0)
         text.push_back(
             fmt::format("{} coming to a vertex twice", counted(found.repeated_corner_facets, "facet", "facets")));
     if (found.duplicate_facets > 0)
         text.push_back(fmt::format("{} with the vertices of another one: of facets that coincide the first in the "
-                                   "file is the one touched, and each weighs in the vertex normals",
-                                   counted(found.duplicate_facets, "facet", "facets")));
+                                   "file is the one touched, and each weighs in the vertex normals{}",
+                                   counted(found.duplicate_facets, "facet", "facets"),
+                                   by_normals
+                                       ? "; what is inside may be wrong wherever their edges are the nearest, and "
+                                         "inside = \"winding\" is the safer choice"
+                                       : ""));
     if (found.unused_vertices > 0)
         text.push_back(
             fmt::format("{} that no facet uses: ignored", counted(found.unused_vertices, "vertex", "vertices")));

@@ -136,7 +136,14 @@ TEST_F(MeshField, warns_of_findings_and_refuses_what_has_no_meaning) {
     expect_failure(2, {"field", "quads.toml", "--out", "x.exr"}, {"triangles", "facet 0", "4 corners", "mean_value"});
     write("digest.toml", scene("cube.off", "sha256 = \"" + std::string(64, '0') + "\"\n"));
     expect_failure(2, {"field", "digest.toml", "--out", "x.exr"}, {"cube.off", "SHA-256"});
+    write("far.toml", scene("cube.off", "[grid]\nsize = [4, 4, 4]\norigin = [\"1e8 m\", \"0 m\", \"0 m\"]\n"
+                                        "spacing = \"1 mm\"\n"));
+    expect_failure(2, {"field", "far.toml", "--out", "x.exr"}, {"1e+08 m", "along x", "f32", "unit"});
     EXPECT_FALSE(std::filesystem::exists(path("x.exr")));
+    write("missed.toml", scene("cube.off", "[grid]\nsize = [4, 4, 4]\norigin = [\"1 m\", \"0 m\", \"0 m\"]\n"
+                                           "spacing = \"1 mm\"\n"));
+    const Outcome missed = expect_success({"field", "missed.toml", "--out", "missed.exr"});
+    EXPECT_NE(missed.error.find("the force is 0 everywhere"), std::string::npos) << missed.error;
 }
 
 // The same mesh in other units, and far from the origin: the same forces in single precision.
