@@ -41,6 +41,20 @@ VolumeHeader volume_header(const PreparedCase& prepared, int threads) {
     return header;
 }
 
+// By base name: no path of the machine goes into results.
+std::vector<FileRecord> inputs_of(const Scene& scene) {
+    std::vector<FileRecord> inputs;
+    const auto add = [&](const std::string& file, const std::string& sha256) {
+        if (!sha256.empty())
+            inputs.push_back({std::filesystem::path(file).filename().string(), sha256, 0});
+    };
+    add(scene.surface.mesh.file, scene.surface.mesh.sha256);
+    add(scene.surface.map.file, scene.surface.map.sha256);
+    if (scene.texture)
+        add(scene.texture->map.file, scene.texture->map.sha256);
+    return inputs;
+}
+
 bool stands_for_all_y(const Scene& scene) {
     return !depends_on_y(features_of(scene));
 }
@@ -126,6 +140,7 @@ CaseRecord CaseOutput::finish() {
     CaseRecord record;
     record.name = prepared_.one.name;
     record.parameters = prepared_.one.varied;
+    record.inputs = inputs_of(scene);
     record.precision = scene.precision == Precision::f32 ? "f32" : "f64";
     record.omitted = omissions(scene);
     record.voxels = scene.grid.size[0] * scene.grid.size[1] * scene.grid.size[2];

@@ -20,6 +20,9 @@ Json to_json(const CaseRecord& record) {
     json["parameters"] = Json::object();
     for (const auto& [key, value] : record.parameters)
         json["parameters"][key] = value;
+    json["inputs"] = Json::array();
+    for (const FileRecord& file : record.inputs)
+        json["inputs"].push_back({{"name", file.name}, {"sha256", file.sha256}});
     json["precision"] = record.precision;
     json["engine"] = {{"kind", record.engine.engine},
                       {"device", record.engine.device},
@@ -55,6 +58,8 @@ CaseRecord from_json(const Json& json) {
     record.fingerprint = json.at("fingerprint");
     for (const auto& [key, value] : json.at("parameters").items())
         record.parameters.emplace_back(key, value);
+    for (const Json& file : json.at("inputs"))
+        record.inputs.push_back({file.at("name"), file.at("sha256"), 0});
     record.precision = json.at("precision");
     const Json& engine = json.at("engine");
     record.engine = {engine.at("kind"), engine.at("device"), engine.at("uuid"), engine.at("driver")};

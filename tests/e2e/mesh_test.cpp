@@ -96,6 +96,7 @@ TEST_F(MeshField, sweeps_and_tells_what_was_evaluated) {
     ASSERT_EQ(manifest["cases"].size(), 2u);
     for (const auto& one : manifest["cases"]) {
         EXPECT_EQ(one["voxels"], 64 * 64 * 64);
+        EXPECT_EQ(one["inputs"].at(0)["name"], "cube.off");
         // Blocks of four that meet the cube: 15 or 16 samples of 64 a side.
         EXPECT_GE(one["voxels_evaluated"], 15 * 15 * 15);
         EXPECT_LE(one["voxels_evaluated"], 24 * 24 * 24);
