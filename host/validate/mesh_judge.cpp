@@ -202,7 +202,9 @@ private:
     std::uint64_t every_; // voxels: one in so many goes to the brute referee
 };
 
-template <typename T> void compare(Engine& engine, const PreparedCase& prepared, Comparison& result) {
+} // namespace
+
+template <typename T> void compare_mesh(Engine& engine, const PreparedCase& prepared, Comparison& result) {
     const MeshJudge<T> judge(prepared, engine.report().software);
     engine.evaluate(judge.input(), [&](const layout::FieldChunk<T>& chunk) {
         check_interrupt();
@@ -210,18 +212,7 @@ template <typename T> void compare(Engine& engine, const PreparedCase& prepared,
     });
 }
 
-} // namespace
-
-Comparison compare_mesh(Engine& engine, const PreparedCase& prepared, Precision precision) {
-    Comparison result;
-    result.name = prepared.one.name;
-    result.precision = precision;
-    if (precision == Precision::f32)
-        compare<float>(engine, prepared, result);
-    else
-        compare<double>(engine, prepared, result);
-    result.passed = result.beyond == 0 && result.oracle.unexplained == 0 && result.closed_form.unexplained == 0;
-    return result;
-}
+template void compare_mesh<float>(Engine&, const PreparedCase&, Comparison&);
+template void compare_mesh<double>(Engine&, const PreparedCase&, Comparison&);
 
 } // namespace forceshade

@@ -5,8 +5,12 @@
 
 namespace forceshade {
 
-/// As compare_case, for a case whose surface is a mesh. The closed form's place takes the brute referee, which loops
-/// over all triangles: on evenly chosen voxels, so many that the loops stay within some seconds.
-Comparison compare_mesh(Engine& engine, const PreparedCase& prepared, Precision precision);
+/// Adds what compare_case counts, for a case whose surface is a mesh, evaluated in T. The closed form's place takes the
+/// brute referee, which loops over all triangles: on evenly chosen voxels, so many that the loops stay within some
+/// seconds.
+template <typename T> void compare_mesh(Engine& engine, const PreparedCase& prepared, Comparison& result);
+
+extern template void compare_mesh<float>(Engine&, const PreparedCase&, Comparison&);
+extern template void compare_mesh<double>(Engine&, const PreparedCase&, Comparison&);
 
 } // namespace forceshade

@@ -139,6 +139,8 @@ void merge(Distance& into, const Distance& from) {
 }
 
 template <typename T> void compare(Engine& engine, const PreparedCase& prepared, Comparison& result) {
+    if (prepared.images.mesh)
+        return compare_mesh<T>(engine, prepared, result);
     Judge<T> judge(prepared, engine.report().software);
     engine.evaluate(judge.tables().input(), [&](const layout::FieldChunk<T>& chunk) {
         check_interrupt();
@@ -163,8 +165,6 @@ void merge(Comparison& into, const Comparison& from) {
 }
 
 Comparison compare_case(Engine& engine, const PreparedCase& prepared, Precision precision) {
-    if (prepared.images.mesh)
-        return compare_mesh(engine, prepared, precision);
     Comparison result;
     result.name = prepared.one.name;
     result.precision = precision;
