@@ -50,26 +50,26 @@ template <typename T> void TriangleList<T>::take(const TriangleList& all, std::s
         ids_[i] = all.ids_[places[i]];
     for (std::size_t c = 0; c < columns_.size(); ++c) {
         grow(columns_[c], count);
-        gather_all(all.columns_[c].data(), places.data(), count, columns_[c].data());
+        const T* const from = all.columns_[c].data(); // one by one: processors' gathering is no faster
+        T* const to = columns_[c].data();
+        for (std::size_t i = 0; i < count; ++i)
+            to[i] = from[places[i]];
     }
     sample();
 }
 
 template <typename T>
-void TriangleList<T>::narrow(const PlanBox<T>& box, std::span<const Witness<T>> witnesses,
+void TriangleList<T>::narrow(const PlanBox<T>& box, const Witness<T>& witness,
                              std::vector<layout::uint>& places) const {
     const std::size_t count = size();
     scratch_.resize(std::max(scratch_.size(), count));
-    std::fill_n(scratch_.begin(), count, std::numeric_limits<T>::lowest());
     const Vector<T> centre = box.centre(), side = box.high - box.low;
     Columns<T> columns;
     for (std::size_t c = 0; c < columns.size(); ++c)
         columns[c] = columns_[c].data();
-    for (const Witness<T>& witness : witnesses) {
-        const Vector<T> apart = centre - witness.point;
-        const T limit = reference::dot(apart, apart) + witness.margin;
-        all_excesses(columns, count, centre, side, witness.point, limit, scratch_.data());
-    }
+    const Vector<T> apart = centre - witness.point;
+    const T limit = reference::dot(apart, apart) + witness.margin;
+    all_excesses(columns, count, centre, side, witness.point, limit, scratch_.data());
     keep(count, places);
 }
 
@@ -104,7 +104,7 @@ template <typename T> std::array<std::size_t, 8> TriangleList<T>::near_corners(c
     all_squares_to_corners(columns, count, box.low, box.high, squares_.data());
     std::array<std::size_t, 8> places;
     for (std::size_t k = 0; k < 8; ++k)
-        places[k] = least_of(squares_.data() + k * count, count);
+        places[k] = near_least_of(squares_.data() + k * count, count);
     return places;
 }
 
@@ -132,7 +132,7 @@ template <typename T> std::size_t TriangleList<T>::near_one(const Vector<T>& poi
     const std::size_t samples = (size() + stride_ - 1) / stride_;
     scratch_.resize(std::max(scratch_.size(), samples));
     all_squares(samples_[0].data(), samples_[1].data(), samples_[2].data(), samples, point, scratch_.data());
-    return stride_ * least_of(scratch_.data(), samples);
+    return stride_ * near_least_of(scratch_.data(), samples);
 }
 
 template bool is_below(const PlanTriangle<float>&, const PlanBox<float>&, float);

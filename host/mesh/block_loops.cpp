@@ -27,7 +27,7 @@ namespace {
 template <typename T>
 [[gnu::always_inline]] inline void excesses(const Columns<T>& columns, std::size_t count, const Vector<T> centre,
                                             const Vector<T> side, const Vector<T> witness, const T limit,
-                                            T* __restrict worst) {
+                                            T* __restrict result) {
     const T* const __restrict a_x = columns[0], * const __restrict a_y = columns[1], * const __restrict a_z = columns[2];
     const T* const __restrict b_x = columns[3], * const __restrict b_y = columns[4], * const __restrict b_z = columns[5];
     const T* const __restrict c_x = columns[6], * const __restrict c_y = columns[7], * const __restrict c_z = columns[8];
@@ -42,8 +42,7 @@ template <typename T>
         const T b = excess(b_x[i], b_y[i], b_z[i]);
         const T c = excess(c_x[i], c_y[i], c_z[i]);
         const T ab = a < b ? a : b;
-        const T beyond = (ab < c ? ab : c) - circle[i] - limit;
-        worst[i] = beyond > worst[i] ? beyond : worst[i];
+        result[i] = (ab < c ? ab : c) - circle[i] - limit;
     }
 }
 
@@ -56,19 +55,17 @@ template <typename T>
     }
 }
 
-// Squares are not below 0, so that their bits compare as they do; of integers compilers find the least several at a
-// time.
+// Squares are not below 0, so that their bits compare as they do. With the place in the last bits, one pass over
+// integers, several at a time, finds it.
 template <typename Bits, typename T>
-[[gnu::always_inline]] inline std::size_t first_least(const T* __restrict values, std::size_t count) {
+[[gnu::always_inline]] inline std::size_t near_least(const T* __restrict values, std::size_t count) {
+    const Bits places = static_cast<Bits>(std::bit_ceil(count) - 1);
     Bits least = std::numeric_limits<Bits>::max();
     for (std::size_t i = 0; i < count; ++i) {
-        const Bits bits = std::bit_cast<Bits>(values[i]);
+        const Bits bits = (std::bit_cast<Bits>(values[i]) & ~places) | static_cast<Bits>(i);
         least = bits < least ? bits : least;
     }
-    std::size_t i = 0;
-    while (std::bit_cast<Bits>(values[i]) != least)
-        ++i;
-    return i;
+    return static_cast<std::size_t>(least & places);
 }
 
 template <typename T>
@@ -127,23 +124,16 @@ template <typename T>
         marks[i] = worst[i] > T(0) ? 0 : 1;
 }
 
-template <typename Value>
-[[gnu::always_inline]] inline void gather(const Value* __restrict from, const layout::uint* __restrict places,
-                                          std::size_t count, Value* __restrict to) {
-    for (std::size_t i = 0; i < count; ++i)
-        to[i] = from[places[i]];
-}
-
 } // namespace
 
 FS_WIDE void all_excesses(const Columns<float>& columns, std::size_t count, const Vector<float>& centre,
-                          const Vector<float>& side, const Vector<float>& witness, float limit, float* worst) {
-    excesses(columns, count, centre, side, witness, limit, worst);
+                          const Vector<float>& side, const Vector<float>& witness, float limit, float* result) {
+    excesses(columns, count, centre, side, witness, limit, result);
 }
 
 FS_WIDE void all_excesses(const Columns<double>& columns, std::size_t count, const Vector<double>& centre,
-                          const Vector<double>& side, const Vector<double>& witness, double limit, double* worst) {
-    excesses(columns, count, centre, side, witness, limit, worst);
+                          const Vector<double>& side, const Vector<double>& witness, double limit, double* result) {
+    excesses(columns, count, centre, side, witness, limit, result);
 }
 
 FS_WIDE void all_squares(const float* x, const float* y, const float* z, std::size_t count, const Vector<float>& point,
@@ -156,12 +146,12 @@ FS_WIDE void all_squares(const double* x, const double* y, const double* z, std:
     squares(x, y, z, count, point, result);
 }
 
-FS_WIDE std::size_t least_of(const float* values, std::size_t count) {
-    return first_least<std::int32_t>(values, count);
+FS_WIDE std::size_t near_least_of(const float* values, std::size_t count) {
+    return near_least<std::int32_t>(values, count);
 }
 
-FS_WIDE std::size_t least_of(const double* values, std::size_t count) {
-    return first_least<std::int64_t>(values, count);
+FS_WIDE std::size_t near_least_of(const double* values, std::size_t count) {
+    return near_least<std::int64_t>(values, count);
 }
 
 FS_WIDE void all_squares_to_corners(const Columns<float>& columns, std::size_t count, const Vector<float>& low,
@@ -190,14 +180,6 @@ FS_WIDE void mark_kept(const float* worst, std::size_t count, std::uint8_t* mark
 
 FS_WIDE void mark_kept(const double* worst, std::size_t count, std::uint8_t* marks) {
     mark(worst, count, marks);
-}
-
-FS_WIDE void gather_all(const float* from, const layout::uint* places, std::size_t count, float* to) {
-    gather(from, places, count, to);
-}
-
-FS_WIDE void gather_all(const double* from, const layout::uint* places, std::size_t count, double* to) {
-    gather(from, places, count, to);
 }
 
 } // namespace forceshade

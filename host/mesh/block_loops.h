@@ -15,14 +15,13 @@ namespace forceshade {
 template <typename T> using Columns = std::array<const T*, 10>;
 
 /// The least over a triangle's corners q of |centre - q|^2 - |side . (q - w)|, side the box's, less the circle and the
-/// limit: by how much the triangle is further than the witness w from that point of the box where it gains most. Kept
-/// where it is above what stands there.
+/// limit: by how much the triangle is further than the witness w from that point of the box where it gains most.
 void all_excesses(const Columns<float>& columns, std::size_t count, const reference::Vector<float>& centre,
                   const reference::Vector<float>& side, const reference::Vector<float>& witness, float limit,
-                  float* worst);
+                  float* result);
 void all_excesses(const Columns<double>& columns, std::size_t count, const reference::Vector<double>& centre,
                   const reference::Vector<double>& side, const reference::Vector<double>& witness, double limit,
-                  double* worst);
+                  double* result);
 
 /// Squared distances from a point to others.
 void all_squares(const float* x, const float* y, const float* z, std::size_t count,
@@ -30,9 +29,9 @@ void all_squares(const float* x, const float* y, const float* z, std::size_t cou
 void all_squares(const double* x, const double* y, const double* z, std::size_t count,
                  const reference::Vector<double>& point, double* result);
 
-/// The place of the first least of some numbers, none below 0.
-std::size_t least_of(const float* values, std::size_t count);
-std::size_t least_of(const double* values, std::size_t count);
+/// The place of about the least of some numbers, none below 0: the more they are, the fewer of their digits count.
+std::size_t near_least_of(const float* values, std::size_t count);
+std::size_t near_least_of(const double* values, std::size_t count);
 
 /// Eight rows of squared distances, from each corner of a box, x running fastest, to the nearest corner of each
 /// triangle.
@@ -48,11 +47,7 @@ void all_beyond_limits(const double* rows, const double* circle, std::size_t cou
                        double* result);
 
 /// 1 where an excess is not above 0, else 0.
-void mark_kept(const float* worst, std::size_t count, std::uint8_t* marks);
-void mark_kept(const double* worst, std::size_t count, std::uint8_t* marks);
-
-/// What stands at some places.
-void gather_all(const float* from, const layout::uint* places, std::size_t count, float* to);
-void gather_all(const double* from, const layout::uint* places, std::size_t count, double* to);
+void mark_kept(const float* result, std::size_t count, std::uint8_t* marks);
+void mark_kept(const double* result, std::size_t count, std::uint8_t* marks);
 
 } // namespace forceshade

@@ -251,7 +251,7 @@ void BlockWorker<T>::split(const SampleRange& range, std::size_t level, uint sid
         const PlanBox<T> box = input_.box(eighth);
         const TriangleList<T>& list = lists_[level];
         const Witness<T> witness = witness_from(box, point_near(list, box.centre()));
-        list.narrow(box, std::array{witness}, places_);
+        list.narrow(box, witness, places_);
         Side eighth_side = side;
         if (is_free(list, box, witness.point, half, eighth_side))
             continue;
@@ -271,7 +271,7 @@ template <typename T> void BlockWorker<T>::plan(const SampleRange& tile) {
     const Witness<T> witness = witness_from(box, Vector<T>(box.centre() + nearest.offset));
     collect(box, witness);
     lists_[0].fill(collected_, input_.rows);
-    lists_[0].narrow(box, std::array{witness}, places_);
+    lists_[0].narrow(box, witness, places_);
     Side side = Side::both;
     if (is_free(lists_[0], box, witness.point, kPlanTile, side))
         return;
