@@ -7,36 +7,10 @@
 #include <emmintrin.h>
 #endif
 
-#include "host/reference/mesh_cast.h"
+#include "host/reference/mesh_close.h"
 #include "host/reference/mesh_nearest.h"
 
 namespace forceshade::reference {
-
-/// A box in single precision, rounded outwards by more than rounding within two units of the frame's middle can be off.
-struct MoveBox {
-    float low[3], high[3];
-
-    bool within(const MoveBox& other) const noexcept {
-        for (int i = 0; i < 3; ++i)
-            if (!(low[i] >= other.low[i] && high[i] <= other.high[i]))
-                return false;
-        return true;
-    }
-};
-
-template <typename T> MoveBox box_of(const Move<T>& move, float margin) noexcept {
-    const Vector<T> end = move.at(move.until);
-    MoveBox box;
-    for (int i = 0; i < 3; ++i) {
-        const float one = static_cast<float>(move.from[i]), other = static_cast<float>(end[i]);
-        box.low[i] = (one < other ? one : other) - margin;
-        box.high[i] = (one < other ? other : one) + margin;
-    }
-    return box;
-}
-
-/// More than the skin and what rounding to single precision does: the margin of every box.
-template <typename T> constexpr float kBoxMargin = static_cast<float>(Skin<T>::kCorner) + 0x1p-20F;
 
 /// The leaves of the tree that meet a box around where a god-object lately was, in fours as a node has its children.
 /// Only saves time: what is found near a move does not depend on it. One per thread and mesh; no mesh may take the
@@ -45,9 +19,10 @@ template <typename T> struct Neighbourhood {
     static constexpr layout::uint kFours = 12;
     static constexpr layout::uint kFewFours = 3;
     layout::MeshNode fours[kFours];
-    layout::uint count = 0;               /* fours in use */
-    MoveBox box{{1, 1, 1}, {-1, -1, -1}}; /* what is not within it is not known here */
-    float reach = 0x1p-3F;                /* how far beyond a move the next box goes */
+    layout::uint count = 0; /* fours in use */
+    MoveBox box = kNoBox;   /* what is not within it is not known here */
+    float reach = 0x1p-3F;  /* how far beyond a move the next box goes */
+    CloseTriangles<T> close;
 };
 
 /// Asks the memory for what will be read soon.
@@ -143,18 +118,6 @@ void fetch_ahead(const layout::MeshView<T>& mesh, const Neighbourhood<T>& around
         });
 }
 
-/// The box that a move is likely to go on in: further ahead than aside.
-template <typename T> MoveBox box_ahead(const Move<T>& move, float reach) noexcept {
-    MoveBox box = box_of(move, kBoxMargin<T> + 0.125F * reach);
-    const T length = largest_coordinate(move.way);
-    for (int i = 0; i < 3; ++i) {
-        const float ahead = length > T(0) ? reach * static_cast<float>(move.way[i] / length) : 0.0F;
-        box.low[i] += ahead < 0.0F ? ahead : 0.0F;
-        box.high[i] += ahead > 0.0F ? ahead : 0.0F;
-    }
-    return box;
-}
-
 /// Gathers the leaves around a move. False if there are too many: then nothing is known.
 template <typename T>
 bool gather(const layout::MeshView<T>& mesh, const Move<T>& move, Neighbourhood<T>& around) noexcept {
@@ -175,7 +138,7 @@ bool gather(const layout::MeshView<T>& mesh, const Move<T>& move, Neighbourhood<
         return room;
     });
     around.count = fits ? (count + 3) / 4 : 0;
-    around.box = fits ? box : MoveBox{{1, 1, 1}, {-1, -1, -1}};
+    around.box = fits ? box : kNoBox;
     if (!fits) {
         around.reach *= 0.5F;
         return false;
@@ -228,22 +191,62 @@ void visit_along(const layout::MeshView<T>& mesh, const Move<T>& move, Visit&& v
     }
 }
 
+/// Calls visit(first, end) for the leaves known around that meet a box, which must contain the move's. False if not all
+/// are known.
+template <typename T, typename Visit>
+bool visit_known(const layout::MeshView<T>& mesh, Neighbourhood<T>& around, const Move<T>& move, const MoveBox& box,
+                 Visit&& visit) noexcept {
+    if (!box.within(around.box)) {
+        const Vector<T> length = move.at(move.until) - move.from;
+        if (largest_coordinate(length) > T(around.reach) || !gather(mesh, move, around) || !box.within(around.box))
+            return false;
+    }
+    for (layout::uint i = 0; i < around.count; ++i)
+        for (unsigned meeting = children_meeting(around.fours[i], box); meeting != 0; meeting &= meeting - 1)
+            visit_leaf(around.fours[i].child[std::countr_zero(meeting)], visit);
+    return true;
+}
+
 /// Calls visit(first, end) for runs of triangles with all that come within kCorner of the move, and some others, in any
 /// order; `visit` may shorten the move. The move must stay within two units of the frame's middle.
 template <typename T, typename Visit>
 void visit_runs_near(const layout::MeshView<T>& mesh, Neighbourhood<T>& around, const Move<T>& move,
                      Visit&& visit) noexcept {
-    const MoveBox box = box_of(move, kBoxMargin<T>);
-    if (!box.within(around.box)) {
-        const Vector<T> length = move.at(move.until) - move.from;
-        if (largest_coordinate(length) > T(around.reach) || !gather(mesh, move, around)) {
-            visit_along(mesh, move, visit);
-            return;
-        }
+    if (!visit_known(mesh, around, move, box_of(move, kBoxMargin<T>), visit))
+        visit_along(mesh, move, visit);
+}
+
+/// Sees to it that all that come within kCorner of the move are among the close triangles. False if they are too many.
+template <typename T>
+bool bring_close(const layout::MeshView<T>& mesh, Neighbourhood<T>& around, const Move<T>& move) noexcept {
+    CloseTriangles<T>& close = around.close;
+    if (close.knows(move.from) && close.knows(move.at(move.until)))
+        return true;
+    if (close.patience > 0) {
+        --close.patience;
+        return false;
     }
-    for (layout::uint i = 0; i < around.count; ++i)
-        for (unsigned meeting = children_meeting(around.fours[i], box); meeting != 0; meeting &= meeting - 1)
-            visit_leaf(around.fours[i].child[std::countr_zero(meeting)], visit);
+    // What is left of the way, most likely, is walked next.
+    const Move<T> whole{move.from, move.way, largest_coordinate(move.way) <= T(around.reach) ? T(1) : move.until};
+    const MoveBox box = box_ahead(whole, close.reach);
+    close.count = 0;
+    bool fits = true;
+    const bool known = visit_known(mesh, around, whole, box, [&](layout::uint triangle, layout::uint end) {
+        fits = fits && put_close(mesh, triangle, end, close);
+    });
+    complete_row(close);
+    if (!known || !fits) {
+        close.forget();
+        close.shrink(0.5F);
+        close.patience = CloseTriangles<T>::kPatience;
+        return false;
+    }
+    close.know(box);
+    if (close.count > CloseTriangles<T>::kMany)
+        close.shrink(0.75F);
+    else if (close.count < CloseTriangles<T>::kFew && close.reach < 0.25F * around.reach)
+        close.reach *= 1.5F;
+    return true;
 }
 
 /// Calls visit(triangle) for the same triangles.
