@@ -11,7 +11,7 @@
 
 namespace forceshade {
 
-constexpr layout::uint kPlanTile = 32; // samples along each side of what is planned as a whole
+constexpr layout::uint kPlanTile = 16; // samples along each side of what is planned as a whole
 
 /// Samples of the grid, first to last along each axis.
 struct SampleRange {
@@ -43,8 +43,8 @@ public:
     std::vector<layout::uint> candidates, inside;
 
 private:
-    static constexpr std::size_t kLevels = 5;  // of boxes that have lists: 32 to 4 samples, and what was collected
-    static constexpr std::size_t kLong = 32;   // lists beyond are narrowed to their samples
+    static constexpr std::size_t kLevels = 4;  // of boxes that have lists: 16 to 4 samples, and what was collected
+    static constexpr std::size_t kLong = 48;   // lists beyond are narrowed to their samples
     enum class Side { outside, inside, both }; // of the surface, as far as a box is wholly on one
 
     void collect(const PlanBox<T>& box, const Witness<T>& witness);
