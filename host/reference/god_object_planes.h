@@ -91,23 +91,43 @@ Projection<T> onto_corner(const Vector<T>& wish, const HalfSpace<T>& a, const Ha
     return result;
 }
 
+/// What rounding of a projection explains. A push off a plane is as exact as the wish is long, a height above a plane
+/// only as the vector is: of a long wish into a plane little may be left.
+template <typename T> struct Tolerance {
+    T push;
+    T least, most; /* of a height */
+
+    T height(const Vector<T>& vector) const noexcept {
+        const T rounding = least + T(8) * std::numeric_limits<T>::epsilon() * largest_of(vector);
+        return rounding < most ? rounding : most;
+    }
+};
+
+/// The same for heights as for pushes.
+template <typename T> Tolerance<T> one_tolerance(T tolerance) noexcept {
+    return {tolerance, tolerance, tolerance};
+}
+
 /// Whether a projection pushes only off its planes and stays within the others.
 template <typename T>
-bool is_nearest(const Projection<T>& result, const HalfSpace<T>* others, layout::uint count, T tolerance) noexcept {
+bool is_nearest(const Projection<T>& result, const HalfSpace<T>* others, layout::uint count,
+                const Tolerance<T>& tolerance) noexcept {
     if (result.count == 0)
         return false;
     for (layout::uint i = 0; i < result.count; ++i)
-        if (!(result.multipliers[i] >= -tolerance))
+        if (!(result.multipliers[i] >= -tolerance.push))
             return false;
+    const T below = tolerance.height(result.vector);
     for (layout::uint i = 0; i < count; ++i)
-        if (!(dot(others[i].normal, result.vector) >= others[i].slack - tolerance))
+        if (!(dot(others[i].normal, result.vector) >= others[i].slack - below))
             return false;
     return true;
 }
 
 /// Adds a half-space that `now` violates. False, and nothing changed, if no vector satisfies them all.
 template <typename T>
-bool hold_also(const Vector<T>& wish, const HalfSpace<T>& added, T tolerance, Projection<T>& now) noexcept {
+bool hold_also(const Vector<T>& wish, const HalfSpace<T>& added, const Tolerance<T>& tolerance,
+               Projection<T>& now) noexcept {
     const HalfSpace<T>* held = now.held;
     Projection<T> next = onto_plane(wish, added);
     bool found = is_nearest(next, held, now.count, tolerance);
@@ -129,7 +149,7 @@ bool hold_also(const Vector<T>& wish, const HalfSpace<T>& added, T tolerance, Pr
 /// violates one by more than the tolerance, and which. Each one added takes the vector further from the wish, so this
 /// ends. False if no vector was found.
 template <typename T, typename Worst>
-bool project(const Vector<T>& wish, T tolerance, Projection<T>& result, Worst&& worst) noexcept {
+bool project(const Vector<T>& wish, const Tolerance<T>& tolerance, Projection<T>& result, Worst&& worst) noexcept {
     constexpr int kRounds = 64;
     result.count = 0;
     result.vector = wish;

@@ -5,6 +5,9 @@
 
 namespace forceshade::reference {
 
+/// No way is longer, so that no rounding of one is as large as the skin; every way within the region is shorter.
+template <typename T> constexpr T kFarWay = T(8);
+
 /// The few triangles near the proxy that are minded by their half-spaces rather than by casts.
 template <typename T> class TouchPool {
 public:
@@ -20,6 +23,8 @@ public:
     Hold hold(layout::uint i) const noexcept { return holds_[i]; }
     /// Shorter moves are none.
     T tolerance() const noexcept { return tolerance_; }
+    /// The way found last ends before the point it is for.
+    bool shortened() const noexcept { return shortened_; }
 
     void forget_all() noexcept { count_ = projection_.count = 0; }
 
@@ -34,6 +39,7 @@ public:
         count_ = other.count_;
         projection_ = other.projection_;
         tolerance_ = other.tolerance_;
+        shortened_ = other.shortened_;
         std::copy(other.touches_, other.touches_ + count_, touches_);
         std::copy(other.holds_, other.holds_ + count_, holds_);
     }
@@ -67,18 +73,20 @@ public:
 
     /// The way to the point nearest to the probe that the touched triangles allow.
     void find_way(const Vector<T>& proxy, const Vector<T>& probe) noexcept {
-        constexpr T kFar = Skin<T>::kDouble ? T(0x1p20) : T(0x1p10);
-        Vector<T> wish = probe - proxy;
+        const Vector<T> wish = probe - proxy;
         const T length = largest_of(wish);
-        if (length > kFar)
-            wish = wish * (kFar / length);
-        tolerance_ = Skin<T>::kRest + T(8) * std::numeric_limits<T>::epsilon() * (length > kFar ? kFar : length);
+        shortened_ = false;
+        if (length > kFarWay<T>) {
+            find_far_way(proxy, probe);
+            return;
+        }
+        tolerance_ = Skin<T>::kRest + T(8) * std::numeric_limits<T>::epsilon() * length;
         if (count_ == 1 && touches_[0].above_face()) {
             find_way_on_face(wish);
             return;
         }
         for (const bool relaxed : {false, true})
-            if (project(wish, tolerance_, projection_, [&](const Vector<T>& way, HalfSpace<T>& space) {
+            if (project(wish, one_tolerance(tolerance_), projection_, [&](const Vector<T>& way, HalfSpace<T>& space) {
                     return worst(way, relaxed, tolerance_, space);
                 }))
                 return;
@@ -167,6 +175,31 @@ private:
         return false;
     }
 
+    /// The same for a probe far off, of whose way into the planes little may be left along them. Finds the point
+    /// itself, so that what rounding makes of it stays the same wherever the proxy is.
+    void find_far_way(const Vector<T>& proxy, const Vector<T>& probe) noexcept {
+        constexpr T kRounding = T(8) * std::numeric_limits<T>::epsilon();
+        const T push = Skin<T>::kRest + kRounding * largest_of(probe);
+        const Tolerance<T> tolerance{push, Skin<T>::kRest + kRounding, push};
+        bool found = false;
+        for (const bool relaxed : {false, true}) {
+            if (found)
+                break;
+            found = project(probe, tolerance, projection_, [&](const Vector<T>& point, HalfSpace<T>& space) {
+                if (!worst(Vector<T>(point - proxy), relaxed, tolerance.height(point), space))
+                    return false;
+                space.slack += dot(space.normal, proxy);
+                return true;
+            });
+        }
+        projection_.vector = found ? projection_.vector - proxy : Vector<T>(T(0));
+        const T length = largest_of(projection_.vector);
+        shortened_ = length > kFarWay<T>;
+        if (shortened_)
+            projection_.vector = projection_.vector * (kFarWay<T> / length);
+        tolerance_ = Skin<T>::kRest + kRounding * (shortened_ ? kFarWay<T> : T(1) + length);
+    }
+
     /// The same for one face alone, the most common case.
     void find_way_on_face(const Vector<T>& wish) noexcept {
         const Vector<T>& normal = touches_[0].face;
@@ -191,6 +224,7 @@ private:
     layout::uint count_ = 0;
     Projection<T> projection_{};
     T tolerance_{};
+    bool shortened_ = false;
 };
 
 } // namespace forceshade::reference

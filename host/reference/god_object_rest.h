@@ -5,52 +5,80 @@
 
 namespace forceshade::reference {
 
-/// The planes, by facet, of the triangles within reach of the skin, sides as the proxy sees them.
+/// The planes, by facet, of the triangles within reach of the skin, sides as the proxy sees them. Of too many, those
+/// that lead furthest towards the probe.
 template <typename T> struct Touching {
     static constexpr layout::uint kCapacity = 64;
     layout::uint triangles[kCapacity];
     layout::uint facets[kCapacity];
     Vector<T> normals[kCapacity]; /* of the faces */
     Vector<T> aways[kCapacity];   /* from what of them is nearest */
+    T gains[kCapacity];           /* of the best stride on each */
     layout::uint count = 0;
-    Vector<T> corner; /* the nearest corner of any */
+    layout::uint near = 0;  /* all of them, in the list or not */
+    layout::uint least = 0; /* of a full list, which gains least */
+    Vector<T> corner;       /* the nearest corner of any */
     T corner_distance;
 };
 
-template <typename T> void insert_by_facet(Touching<T>& list, layout::uint facet, const Touch<T>& touch) noexcept {
-    layout::uint place = list.count < Touching<T>::kCapacity ? list.count++ : list.count;
+template <typename T> void copy_touching(Touching<T>& list, layout::uint from, layout::uint to) noexcept {
+    list.triangles[to] = list.triangles[from];
+    list.facets[to] = list.facets[from];
+    list.normals[to] = list.normals[from];
+    list.aways[to] = list.aways[from];
+    list.gains[to] = list.gains[from];
+}
+
+/// Which of a full list gains least, the last by facet and triangle among equals.
+template <typename T> layout::uint least_of(const Touching<T>& list) noexcept {
+    layout::uint least = 0;
+    for (layout::uint i = 1; i < list.count; ++i)
+        least = list.gains[i] <= list.gains[least] ? i : least;
+    return least;
+}
+
+template <typename T>
+void insert_by_facet(Touching<T>& list, layout::uint facet, const Touch<T>& touch, T gain) noexcept {
     const auto later = [&](layout::uint i) {
         return list.facets[i] > facet || (list.facets[i] == facet && list.triangles[i] > touch.index);
     };
-    if (place == Touching<T>::kCapacity) {
-        if (!later(place - 1))
+    layout::uint place = list.count;
+    if (list.count == Touching<T>::kCapacity) {
+        place = list.least;
+        if (list.gains[place] > gain || (list.gains[place] == gain && !later(place)))
             return;
-        --place;
+        for (; place + 1 < list.count && !later(place + 1); ++place)
+            copy_touching(list, place + 1, place);
+    } else {
+        ++list.count;
     }
-    for (; place > 0 && later(place - 1); --place) {
-        list.triangles[place] = list.triangles[place - 1];
-        list.facets[place] = list.facets[place - 1];
-        list.normals[place] = list.normals[place - 1];
-        list.aways[place] = list.aways[place - 1];
-    }
+    for (; place > 0 && later(place - 1); --place)
+        copy_touching(list, place - 1, place);
     list.triangles[place] = touch.index;
     list.facets[place] = facet;
     list.normals[place] = touch.face;
     list.aways[place] = touch.away;
+    list.gains[place] = gain;
+    if (list.count == Touching<T>::kCapacity)
+        list.least = least_of(list);
 }
 
 template <typename T>
-void find_touching(const layout::MeshView<T>& mesh, Neighbourhood<T>& around, const Vector<T>& proxy, T reach,
-                   Touching<T>& list) noexcept {
-    list.count = 0;
+void find_touching(const layout::MeshView<T>& mesh, Neighbourhood<T>& around, const Vector<T>& proxy,
+                   const Vector<T>& probe, T reach, Touching<T>& list) noexcept {
+    list.count = list.near = 0;
     list.corner_distance = std::numeric_limits<T>::max();
+    const Vector<T> pull = normalised(Vector<T>(probe - proxy));
     visit_near(mesh, around, Move<T>{proxy, Vector<T>(T(0)), T(0)}, [&](layout::uint index) {
         Touch<T> touch;
         begin_touch(mesh, index, touch);
         look(touch, proxy);
         if (!(touch.distance <= reach) || !(dot(touch.face, touch.face) > T(0)))
             return;
-        insert_by_facet(list, mesh.triangle_facets[index], touch);
+        ++list.near;
+        const Vector<T> goal = kStride<T> * pull;
+        const Vector<T> stride = goal + nearest_on_triangle(Vector<T>(proxy + goal), touch.triangle).offset;
+        insert_by_facet(list, mesh.triangle_facets[index], touch, dot(stride, pull));
         for (const Vector<T>& corner : touch.triangle.corners) {
             const T distance = std::sqrt(dot(corner - proxy, corner - proxy));
             if (distance < list.corner_distance) {
@@ -58,25 +86,6 @@ void find_touching(const layout::MeshView<T>& mesh, Neighbourhood<T>& around, co
                 list.corner = corner;
             }
         }
-    });
-}
-
-/// What of a wish all planes allow together.
-template <typename T>
-bool allowed_by_all(const Touching<T>& list, const Vector<T>& wish, Projection<T>& result) noexcept {
-    const T tolerance = T(64) * std::numeric_limits<T>::epsilon() * largest_of(wish);
-    return project(wish, tolerance, result, [&](const Vector<T>& way, HalfSpace<T>& space) {
-        T most = tolerance;
-        bool found = false;
-        for (layout::uint i = 0; i < list.count; ++i) {
-            const T violation = -dot(list.normals[i], way);
-            if (violation > most) {
-                most = violation;
-                space = {list.normals[i], T(0), i};
-                found = true;
-            }
-        }
-        return found;
     });
 }
 
@@ -110,6 +119,9 @@ public:
 
 private:
     static constexpr T kGain = Skin<T>::kWidth * T(4);
+    // Near a corner of a thousand triangles each look at them takes its time: a millisecond or so in all.
+    static constexpr layout::uint kMostEffort = 8192;
+    static constexpr layout::uint kTryEffort = 4;
 
     /// Where ways begin, and how far off a triangle a stride along it may end.
     struct Base {
@@ -135,7 +147,7 @@ private:
     /// At a corner. If the steepest way leads off the surface, the walk finds that by itself.
     void turn() noexcept {
         Touching<T> list;
-        find_touching(mesh_, around_, walk_.proxy(), Skin<T>::kCorner, list);
+        find_touching(mesh_, around_, walk_.proxy(), probe_, Skin<T>::kCorner, list);
         if (!(list.corner_distance <= Skin<T>::kCorner))
             return;
         const Base base{list.corner, Skin<T>::kWidth * T(0.5)};
@@ -156,13 +168,15 @@ private:
 
     bool slide() noexcept {
         Touching<T> list;
-        find_touching(mesh_, around_, walk_.proxy(), Skin<T>::kNear, list);
+        find_touching(mesh_, around_, walk_.proxy(), probe_, Skin<T>::kNear, list);
         const Base base{walk_.proxy(), Skin<T>::kNear * T(2)};
-        const T start = depth();
         const Walk before = walk_;
         Way next, last = any_way();
-        while (next_way(list, base, last, next)) {
-            if (tries(list, base, next, before, start))
+        while (effort_ < kMostEffort && next_way(list, base, last, next)) {
+            const unsigned substeps = walk_.substeps();
+            const bool closer = tries(list, base, next, before);
+            effort_ += list.near * (walk_.substeps() - substeps + kTryEffort);
+            if (closer)
                 return true;
             last = next;
         }
@@ -234,18 +248,18 @@ private:
                (way.one == way.other ? onto_plane(still, planes[0]) : onto_line(still, planes[0], planes[1])).vector;
     }
 
-    bool tries(const Touching<T>& list, const Base& base, const Way& way, const Walk& before, T start) noexcept {
+    bool tries(const Touching<T>& list, const Base& base, const Way& way, const Walk& before) noexcept {
         Vector<T> aside = way.direction;
         if (keep_within(list, aside)) {
             walk_.nudge(aside);
             follow();
-            if (depth() < start - kGain)
+            if (walk_.gain_since(before.proxy()) > kGain)
                 return true;
             walk_.put_back(before);
         }
         if (walk_.jump(stride(list, base, way))) {
             follow();
-            if (depth() < start - kGain)
+            if (walk_.gain_since(before.proxy()) > kGain)
                 return true;
         }
         walk_.put_back(before);
@@ -256,7 +270,7 @@ private:
     static bool keep_within(const Touching<T>& list, Vector<T>& way) noexcept {
         const T tolerance = T(16) * std::numeric_limits<T>::epsilon();
         Projection<T> result;
-        const bool found = project(way, tolerance, result, [&](const Vector<T>& v, HalfSpace<T>& space) {
+        const bool found = project(way, one_tolerance(tolerance), result, [&](const Vector<T>& v, HalfSpace<T>& space) {
             T most = tolerance;
             for (layout::uint i = 0; i < list.count; ++i) {
                 const T violation = -dot(list.aways[i], v);
@@ -278,6 +292,7 @@ private:
     Neighbourhood<T>& around_;
     const Vector<T> probe_;
     Walk& walk_;
+    layout::uint effort_ = 0; /* looks at triangles */
 };
 
 } // namespace forceshade::reference

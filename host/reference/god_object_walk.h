@@ -46,7 +46,7 @@ public:
         corner_ = false;
         if (largest_of(proxy_) > T(kRegion) && !enter())
             return;
-        T depth = std::numeric_limits<T>::max();
+        Vector<T> before = proxy_;
         unsigned until = substeps_;
         while (substeps_ < kSubsteps && !substep()) {
             ++substeps_;
@@ -55,13 +55,18 @@ public:
             if (substeps_ < until + kPatience)
                 continue;
             // Rounding may make it tread on the spot between rounded edges: that is rest as well.
-            const Vector<T> left = probe_ - proxy_;
-            const T now = std::sqrt(dot(left, left));
-            if (!(now < depth - Skin<T>::kWidth * T(0.125)))
+            if (!(gain_since(before) > Skin<T>::kWidth * T(0.125)))
                 break;
-            depth = now;
+            before = proxy_;
             until = substeps_;
         }
+    }
+
+    /// By how much closer to the probe the proxy is than that place. Of a probe far off, what counts is the way.
+    T gain_since(const Vector<T>& place) const noexcept {
+        const Vector<T> both = (probe_ - place) + (probe_ - proxy_);
+        const T length = std::sqrt(dot(both, both));
+        return dot(proxy_ - place, both) / (length < T(2) * kFarWay<T> ? length : T(2) * kFarWay<T>);
     }
 
     bool above_held_face(layout::uint i) const noexcept { return pool_[resting().held[i].source].above_face(); }
@@ -100,28 +105,38 @@ private:
         proxy_ = place;
     }
 
-    /// Far out there is nothing to hit: flies straight to the region, or to the probe if the way does not cross it.
+    /// Far out there is nothing to hit: flies straight to the region, or to the probe if the way does not cross it. The
+    /// way is measured from its end nearer to the region, in double, so that it meets the region where it should.
     bool enter() noexcept {
-        constexpr T kSide = T(kRegion) * T(0.75);
-        const Vector<T> way = probe_ - proxy_;
-        const T length = largest_of(way);
-        T near_end = T(0), far_end = length;
+        constexpr double kSide = kRegion * 0.75;
+        const bool back = largest_of(probe_) < largest_of(proxy_);
+        const glm::dvec3 near_end(back ? probe_ : proxy_), far_end(back ? proxy_ : probe_);
+        double begin = 0, end = 1;
         for (int i = 0; i < 3; ++i) {
-            const T slope = way[i] / length;
-            if (slope == T(0)) {
-                if (std::abs(probe_[i]) > kSide)
-                    far_end = T(-1);
+            const double way = far_end[i] - near_end[i];
+            if (way == 0 || !std::isfinite(way)) {
+                end = std::abs(near_end[i]) > kSide ? -1 : end;
                 continue;
             }
-            const T one = (probe_[i] - kSide) / slope, other = (probe_[i] + kSide) / slope;
-            near_end = std::max(near_end, std::min(one, other));
-            far_end = std::min(far_end, std::max(one, other));
+            const double low = (-kSide - near_end[i]) / way, high = (kSide - near_end[i]) / way;
+            begin = std::max(begin, std::min(low, high));
+            end = std::min(end, std::max(low, high));
         }
-        const Vector<T> place = probe_ - (far_end / length) * way;
-        const T size = largest_of(place);
-        const bool enters = near_end <= far_end && size > T(1.25) && size < T(kRegion);
-        go_to(enters ? place : probe_);
-        return enters;
+        if (!(begin <= end)) {
+            go_to(probe_);
+            return false;
+        }
+        Vector<T> place;
+        for (int i = 0; i < 3; ++i) {
+            const double there = near_end[i] + (back ? end : begin) * (far_end[i] - near_end[i]);
+            place[i] = static_cast<T>(std::clamp(there, -kSide, kSide));
+        }
+        // On the region's border to the last bit, so that it is outside of the mesh.
+        int side = std::abs(place[0]) < std::abs(place[1]) ? 1 : 0;
+        side = std::abs(place[side]) < std::abs(place[2]) ? 2 : side;
+        place[side] = std::copysign(T(kSide), place[side]);
+        go_to(place);
+        return true;
     }
 
     /// The first impact of a move. Triangles are sifted in batches without a branch each, so that one does not wait for
@@ -232,7 +247,7 @@ private:
         // Nothing in the way: without a plane to keep to, that is the probe itself.
         go_to(resting().count == 0 ? probe_ : move.at(T(1)));
         const bool one_face = pool_.count() == 1 && resting().count == 1 && pool_[0].above_face();
-        return resting().count == 0 || (one_face && stays_above_face(pool_[0], move.way));
+        return resting().count == 0 || (one_face && !pool_.shortened() && stays_above_face(pool_[0], move.way));
     }
 
     /// A move that leaves the region ends in the open.

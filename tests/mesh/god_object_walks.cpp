@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include <fmt/format.h>
 #include <glm/geometric.hpp>
 #include <glm/vec2.hpp>
 
@@ -35,6 +36,20 @@ PolygonSoup touching_folds(unsigned folds, double gap) {
     }
     for (unsigned i = 0; i < 2 * folds; ++i)
         add_facet(soup, {2 * i, 2 * i + 2, 2 * i + 3, 2 * i + 1});
+    return soup;
+}
+
+PolygonSoup pit(unsigned valence, double relief) {
+    std::mt19937 random(7);
+    PolygonSoup soup;
+    soup.vertices.push_back({0, 0, -0.3});
+    for (unsigned i = 0; i < valence; ++i) {
+        const double angle = 2 * std::acos(-1.0) * i / valence;
+        const double height = relief * (2 * double(random()) / double(std::mt19937::max()) - 1);
+        soup.vertices.push_back({std::cos(angle), std::sin(angle), height});
+    }
+    for (unsigned i = 0; i < valence; ++i)
+        add_facet(soup, {0, 1 + i, 1 + (i + 1) % valence});
     return soup;
 }
 
@@ -76,7 +91,19 @@ std::vector<Terrain> terrains() {
             {"polyhedra", shapes::random_polyhedra(20, 7)}};
 }
 
-Wanderer::Wanderer(const MeshStructure& structure, std::uint64_t seed) : structure_(structure), random_(seed) {
+std::vector<Terrain> pits() {
+    std::vector<Terrain> result;
+    for (const unsigned valence : {8U, 40U, 100U, 300U, 1000U})
+        for (const double relief : {0.0, 0.05, 0.3})
+            result.push_back(
+                {fmt::format("pit {} {}", valence, relief), pit(valence, relief), valence, glm::dvec3(0, 0, -0.3)});
+    return result;
+}
+
+Wanderer::Wanderer(const MeshStructure& structure, std::uint64_t seed, std::optional<glm::dvec3> focus)
+    : structure_(structure), random_(seed) {
+    if (focus)
+        focus_ = to_mesh_frame(structure, *focus);
     double area = 0;
     const auto& parts = *structure.parts;
     for (std::size_t t = 0; t < structure.triangles(); ++t) {
@@ -96,6 +123,8 @@ glm::dvec3 Wanderer::direction() {
 }
 
 glm::dvec3 Wanderer::near_surface() {
+    if (focus_)
+        return *focus_ + std::pow(10.0, random(-4, -1)) * direction();
     const auto& parts = *structure_.parts;
     const std::size_t t = random_() % structure_.triangles();
     double u = random(0, 1), v = random(0, 1);

@@ -1,6 +1,7 @@
 // Random paths over meshes of every kind, for the tests of the god-object.
 #pragma once
 
+#include <optional>
 #include <random>
 #include <string>
 
@@ -12,14 +13,20 @@ namespace forceshade::walks {
 struct Terrain {
     std::string name;
     PolygonSoup polygons;
+    unsigned valence = 6;                 /* the most triangles round a corner, about */
+    std::optional<glm::dvec3> focus = {}; /* in metres: where probes are to go, if not everywhere */
 };
 
 /// Spheres, acute wedges, saddles, a plate 10 um thick and 20 mm wide, folds that touch themselves, bumps of 16 facets.
 std::vector<Terrain> terrains();
+/// Pits of 8 to 1000 triangles, smooth and folded, whose corner is the focus.
+std::vector<Terrain> pits();
 
 PolygonSoup wedge(double angle);
 /// A sheet folded to and fro, whose folds touch along their edges.
 PolygonSoup touching_folds(unsigned folds, double gap);
+/// A fan round a corner 0.3 below its rim, whose heights are random within `relief`: narrow folds if there are many.
+PolygonSoup pit(unsigned valence, double relief);
 /// The bump of G2 on its plane, as quads.
 PolygonSoup bump(unsigned facets, unsigned rows);
 
@@ -27,7 +34,7 @@ PolygonSoup bump(unsigned facets, unsigned rows);
 /// or below the surface, some along the surface.
 class Wanderer {
 public:
-    Wanderer(const MeshStructure& structure, std::uint64_t seed);
+    Wanderer(const MeshStructure& structure, std::uint64_t seed, std::optional<glm::dvec3> focus = {});
     glm::dvec3 begin();
     glm::dvec3 step(const glm::dvec3& from);
 
@@ -38,6 +45,7 @@ private:
 
     const MeshStructure& structure_;
     std::mt19937_64 random_;
+    std::optional<glm::dvec3> focus_; /* in the mesh's frame */
     double facet_;
     glm::dvec3 goal_{0};
 };

@@ -1,0 +1,232 @@
+// L6: what holds a god-object at rest, and where it is without its skin.
+#pragma once
+
+#include "host/reference/god_object_walk.h"
+
+namespace forceshade::reference {
+
+/// What an update found.
+template <typename T> struct GodObjectContact {
+    Vector<T> proxy;           /* on the surface; the probe itself out of contact */
+    layout::uint count;        /* facets that hold the proxy */
+    layout::uint facets[3];    /* the lowest id first; one may come twice where a facet is not flat */
+    layout::uint triangles[3]; /* the triangle of each */
+    Vector<T> normals[3];      /* 1: unit normals of the triangles, towards the proxy's side */
+    bool touching;             /* count > 0 */
+    bool finished;             /* false: ended before it converged; the proxy is on its side all the same */
+    unsigned substeps;         /* straight pieces walked before the last, and looks taken */
+};
+
+template <typename T> bool is_finite(const Vector<T>& v) noexcept {
+    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+
+template <typename T> GodObjectContact<T> out_of_contact(const Vector<T>& probe) noexcept {
+    GodObjectContact<T> contact{};
+    contact.proxy = probe;
+    contact.finished = true;
+    return contact;
+}
+
+/// A probe less deep than rounding makes it is out of contact.
+template <typename T> T touch_tolerance(const Vector<T>& probe) noexcept {
+    return T(16) * std::numeric_limits<T>::epsilon() * (T(1) + largest_of(probe));
+}
+
+/// The same as contact_of() for one facet, the most common case.
+template <typename T>
+GodObjectContact<T> contact_of_one(const layout::MeshView<T>& mesh, layout::uint triangle, const Vector<T>& normal,
+                                   const Vector<T>& corner, const Vector<T>& probe) noexcept {
+    GodObjectContact<T> contact = out_of_contact(probe);
+    const T depth = dot(normal, corner - probe);
+    if (!(depth > touch_tolerance(probe)))
+        return contact;
+    contact.proxy = probe + depth * normal;
+    contact.proxy += dot(normal, corner - contact.proxy) * normal;
+    contact.count = 1;
+    contact.touching = true;
+    contact.triangles[0] = triangle;
+    contact.facets[0] = mesh.triangle_facets[triangle];
+    contact.normals[0] = normal;
+    return contact;
+}
+
+/// Adds a triangle that holds the proxy.
+template <typename T>
+void hold_also(const layout::MeshView<T>& mesh, layout::uint triangle, const Vector<T>& normal,
+               GodObjectContact<T>& contact) noexcept {
+    const layout::uint facet = mesh.triangle_facets[triangle];
+    layout::uint place = contact.count++;
+    for (; place > 0 && contact.facets[place - 1] > facet; --place) {
+        contact.facets[place] = contact.facets[place - 1];
+        contact.triangles[place] = contact.triangles[place - 1];
+        contact.normals[place] = contact.normals[place - 1];
+    }
+    contact.facets[place] = facet;
+    contact.triangles[place] = triangle;
+    contact.normals[place] = normal;
+    contact.touching = true;
+}
+
+/// The facets whose planes hold the probe back, and the nearest point to the probe in front of them: the proxy without
+/// its skin.
+template <typename T>
+GodObjectContact<T> contact_of(const layout::MeshView<T>& mesh, const layout::uint* triangles, const Vector<T>* normals,
+                               layout::uint count, const Vector<T>& probe) noexcept {
+    GodObjectContact<T> contact = out_of_contact(probe);
+    HalfSpace<T> planes[3];
+    for (layout::uint i = 0; i < count; ++i) {
+        const std::size_t corner = mesh.triangle_corners[3 * std::size_t(triangles[i])];
+        planes[i] = {normals[i], dot(normals[i], vector_at(mesh.vertices, corner) - probe), i};
+    }
+    const T tolerance = touch_tolerance(probe);
+    Projection<T> projection;
+    project(Vector<T>(T(0)), one_tolerance(tolerance), projection, [&](const Vector<T>& shift, HalfSpace<T>& space) {
+        T most = tolerance;
+        for (layout::uint i = 0; i < count; ++i) {
+            const T violation = planes[i].slack - dot(planes[i].normal, shift);
+            if (violation > most) {
+                most = violation;
+                space = planes[i];
+            }
+        }
+        return most > tolerance;
+    });
+    contact.proxy = probe + projection.vector;
+    for (layout::uint i = 0; i < projection.count; ++i) {
+        const layout::uint source = projection.held[i].source;
+        hold_also(mesh, triangles[source], normals[source], contact);
+    }
+    return contact;
+}
+
+/// The planes of up to three triangles that hold a proxy.
+template <typename T> struct Holders {
+    layout::uint triangles[3];
+    Vector<T> normals[3];
+    layout::uint count = 0;
+};
+
+/// Finds the triangle near the proxy whose plane a way violates most, the lowest facet and triangle first among equals.
+template <typename T>
+bool most_violated(const layout::MeshView<T>& mesh, Neighbourhood<T>& around, const Vector<T>& proxy,
+                   const Vector<T>& way, T tolerance, HalfSpace<T>& space) noexcept {
+    constexpr T kReach = Skin<T>::kNear;
+    T most = tolerance;
+    bool found = false;
+    visit_near(mesh, around, Move<T>{proxy, Vector<T>(T(0)), T(0)}, [&](layout::uint index) {
+        Vector<T> normal = vector_at(mesh.triangle_normals, index);
+        const Triangle<T> triangle = triangle_at(mesh, index);
+        const T height = dot(normal, proxy - triangle.corners[0]);
+        normal = height < T(0) ? -normal : normal;
+        const T violation = -dot(normal, way);
+        if (!(std::abs(height) <= kReach) || !(violation >= most) || !(violation > tolerance))
+            return;
+        const layout::uint facet = mesh.triangle_facets[index];
+        if (found && violation == most) {
+            const layout::uint other = mesh.triangle_facets[space.source];
+            if (facet > other || (facet == other && index > space.source))
+                return;
+        }
+        if (!(nearest_on_triangle(proxy, triangle).square <= kReach * kReach))
+            return;
+        most = violation;
+        space = {normal, T(0), index};
+        found = true;
+    });
+    return found;
+}
+
+/// Those of all triangles near the proxy whose planes together hold it.
+template <typename T>
+Holders<T> holders_of_all(const layout::MeshView<T>& mesh, Neighbourhood<T>& around, const Vector<T>& proxy,
+                          const Vector<T>& probe) noexcept {
+    const Vector<T> wish = probe - proxy;
+    const T tolerance = T(64) * std::numeric_limits<T>::epsilon() * largest_of(wish);
+    Projection<T> all;
+    project(wish, one_tolerance(tolerance), all, [&](const Vector<T>& way, HalfSpace<T>& space) {
+        return most_violated(mesh, around, proxy, way, tolerance, space);
+    });
+    Holders<T> holders;
+    for (; holders.count < all.count; ++holders.count) {
+        holders.triangles[holders.count] = all.held[holders.count].source;
+        holders.normals[holders.count] = all.held[holders.count].normal;
+    }
+    return holders;
+}
+
+/// How far from the proxy, in skins, the planes that hold it meet.
+template <typename T> T skins_to_planes(const GodObjectContact<T>& contact) noexcept {
+    HalfSpace<T> planes[3];
+    for (layout::uint i = 0; i < contact.count; ++i)
+        planes[i] = {contact.normals[i], T(-1), i};
+    const Vector<T> still(T(0));
+    Projection<T> meeting;
+    if (contact.count == 3)
+        meeting = onto_corner(still, planes[0], planes[1], planes[2]);
+    else if (contact.count == 2)
+        meeting = onto_line(still, planes[0], planes[1]);
+    return meeting.count > 0 ? std::sqrt(dot(meeting.vector, meeting.vector)) : T(1);
+}
+
+/// Whether something is in the way from the proxy to a place that may be up to two skins below it.
+template <typename T>
+bool is_behind(const layout::MeshView<T>& mesh, Neighbourhood<T>& around, const Vector<T>& proxy,
+               const Vector<T>& place) noexcept {
+    bool behind = false;
+    visit_near(mesh, around, Move<T>{proxy, place - proxy, T(1)}, [&](layout::uint index) {
+        const Triangle<T> triangle = triangle_at(mesh, index);
+        const T from = dot(triangle.normal, proxy - triangle.corners[0]);
+        const T to = dot(triangle.normal, place - triangle.corners[0]);
+        if (from * to >= T(0) || std::abs(to) <= Skin<T>::kNear)
+            return;
+        const Vector<T> crossing = proxy + (from / (from - to)) * (place - proxy);
+        behind = behind || nearest_on_triangle(crossing, triangle).square <= Skin<T>::kRest * Skin<T>::kRest;
+    });
+    return behind;
+}
+
+/// Whether a contact lies where the proxy is but for its skin.
+template <typename T>
+bool is_at_proxy(const layout::MeshView<T>& mesh, Neighbourhood<T>& around, const Vector<T>& proxy,
+                 const GodObjectContact<T>& contact) noexcept {
+    const Vector<T> shift = contact.proxy - proxy;
+    const T skins = std::sqrt(dot(shift, shift)) / Skin<T>::kWidth;
+    if (skins <= T(4))
+        return true;
+    return skins <= T(4) * (T(1) + skins_to_planes(contact)) && !is_behind(mesh, around, proxy, contact.proxy);
+}
+
+/// The contact of a proxy at rest. On rounded edges, or where the walk trod on the spot, the planes of all touching
+/// triangles together hold it. A contact that is not at the proxy is none: the proxy is, then, with its skin.
+template <typename T, typename Walk>
+GodObjectContact<T> contact_at_rest(const layout::MeshView<T>& mesh, Neighbourhood<T>& around, const Walk& walk,
+                                    const Vector<T>& probe) noexcept {
+    const Projection<T>& resting = walk.resting();
+    bool faces = largest_of(resting.vector) <= Skin<T>::kWidth;
+    Holders<T> holders;
+    for (layout::uint i = 0; i < resting.count; ++i) {
+        const Touch<T>& touch = walk.touch(resting.held[i].source);
+        holders.triangles[i] = touch.index;
+        holders.normals[i] = touch.face;
+        faces = faces && walk.held_by_face(i);
+    }
+    holders.count = resting.count;
+    GodObjectContact<T> contact;
+    if (faces && holders.count == 1) {
+        const Touch<T>& touch = walk.touch(resting.held[0].source);
+        contact = contact_of_one(mesh, touch.index, touch.face, touch.triangle.corners[0], probe);
+    } else {
+        const Holders<T> all = faces ? holders : holders_of_all(mesh, around, walk.proxy(), probe);
+        contact = contact_of(mesh, all.triangles, all.normals, all.count, probe);
+    }
+    if (!contact.touching || is_at_proxy(mesh, around, walk.proxy(), contact))
+        return contact;
+    contact = out_of_contact(probe);
+    contact.proxy = walk.proxy();
+    for (layout::uint i = 0; i < holders.count; ++i)
+        hold_also(mesh, holders.triangles[i], holders.normals[i], contact);
+    return contact;
+}
+
+} // namespace forceshade::reference
