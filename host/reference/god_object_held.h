@@ -169,18 +169,22 @@ template <typename T> T skins_to_planes(const GodObjectContact<T>& contact) noex
     return meeting.count > 0 ? std::sqrt(dot(meeting.vector, meeting.vector)) : T(1);
 }
 
-/// Whether something is in the way from the proxy to a place that may be up to two skins below it.
+/// Whether something is in the way from the proxy to a place that may touch: more than a skin, and a hundredth of the
+/// way in acute corners, before its end.
 template <typename T>
 bool is_behind(const layout::MeshView<T>& mesh, Neighbourhood<T>& around, const Vector<T>& proxy,
                const Vector<T>& place) noexcept {
+    const Vector<T> way = place - proxy;
+    const T last = T(0.99) - Skin<T>::kWidth / std::sqrt(dot(way, way));
     bool behind = false;
-    visit_near(mesh, around, Move<T>{proxy, place - proxy, T(1)}, [&](layout::uint index) {
+    visit_near(mesh, around, Move<T>{proxy, way, T(1)}, [&](layout::uint index) {
         const Triangle<T> triangle = triangle_at(mesh, index);
         const T from = dot(triangle.normal, proxy - triangle.corners[0]);
         const T to = dot(triangle.normal, place - triangle.corners[0]);
-        if (from * to >= T(0) || std::abs(to) <= Skin<T>::kNear)
+        const T time = from / (from - to);
+        if (!(from * to < T(0)) || time > last)
             return;
-        const Vector<T> crossing = proxy + (from / (from - to)) * (place - proxy);
+        const Vector<T> crossing = proxy + time * way;
         behind = behind || nearest_on_triangle(crossing, triangle).square <= Skin<T>::kRest * Skin<T>::kRest;
     });
     return behind;
@@ -192,7 +196,7 @@ bool is_at_proxy(const layout::MeshView<T>& mesh, Neighbourhood<T>& around, cons
                  const GodObjectContact<T>& contact) noexcept {
     const Vector<T> shift = contact.proxy - proxy;
     const T skins = std::sqrt(dot(shift, shift)) / Skin<T>::kWidth;
-    if (skins <= T(4))
+    if (skins <= T(2))
         return true;
     return skins <= T(4) * (T(1) + skins_to_planes(contact)) && !is_behind(mesh, around, proxy, contact.proxy);
 }

@@ -86,9 +86,9 @@ void wander(const walks::Terrain& terrain, std::uint64_t steps, std::uint64_t se
         const glm::dvec3 back = wide(state.proxy) - wide(contact.proxy);
         const double shift = contact.touching ? glm::length(back) / skin : 0;
         const double off_planes = shift / (1 + skins_to(normals, contact.count));
-        // In an acute corner, as near to it as a hundredth of a skin is off its planes.
-        const double short_of = (2 + 0.01 * skins_to(normals, contact.count)) / shift;
-        const bool behind = short_of < 1 && grid.touches(wide(state.proxy), wide(contact.proxy) + short_of * back);
+        // Touching is allowed within two skins; in an acute corner, where it is a hundredth of a skin wide.
+        const double lift = (2 + 0.01 * skins_to(normals, contact.count)) / shift;
+        const bool behind = lift < 1 && grid.touches(wide(state.proxy), wide(contact.proxy) + lift * back);
         reference::GodObject<T> same = state;
         const auto again = reference::update(mesh, same, *around, probe);
         const bool moved = glm::length(wide(again.proxy) - wide(contact.proxy)) > 2 * skin;
