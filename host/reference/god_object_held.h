@@ -207,7 +207,7 @@ template <typename T, typename Walk>
 GodObjectContact<T> contact_at_rest(const layout::MeshView<T>& mesh, Neighbourhood<T>& around, const Walk& walk,
                                     const Vector<T>& probe) noexcept {
     const Projection<T>& resting = walk.resting();
-    bool faces = largest_of(resting.vector) <= Skin<T>::kWidth;
+    bool faces = walk.rests();
     Holders<T> holders;
     for (layout::uint i = 0; i < resting.count; ++i) {
         const Touch<T>& touch = walk.touch(resting.held[i].source);

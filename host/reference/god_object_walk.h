@@ -21,7 +21,7 @@ template <typename T> constexpr T kStride = Skin<T>::kWidth* T(32);
 template <typename T, typename Trace = NoTrace> class Walk {
 public:
     static constexpr unsigned kSubsteps = 20000;
-    static constexpr unsigned kPatience = 32;
+    static constexpr unsigned kPatience = 16;
     static constexpr layout::uint kBatch = 64;
     static constexpr layout::uint kNone = ~0U;
 
@@ -44,11 +44,15 @@ public:
     /// Walks until the projection is zero, or to the end of a line between two faces.
     void run() noexcept {
         corner_ = false;
-        if (largest_of(proxy_) > T(kRegion) && !enter())
+        rests_ = largest_of(proxy_) > T(kRegion) && !enter();
+        if (rests_)
             return;
         Vector<T> before = proxy_;
         unsigned until = substeps_;
-        while (substeps_ < kSubsteps && !substep()) {
+        while (substeps_ < kSubsteps) {
+            rests_ = substep();
+            if (rests_)
+                return;
             ++substeps_;
             if (corner_)
                 return;
@@ -56,11 +60,14 @@ public:
                 continue;
             // Rounding may make it tread on the spot between rounded edges: that is rest as well.
             if (!(gain_since(before) > Skin<T>::kWidth * T(0.125)))
-                break;
+                return;
             before = proxy_;
             until = substeps_;
         }
     }
+
+    /// Whether what held the proxy last is what holds it: not if the walk was halted, or trod on the spot.
+    bool rests() const noexcept { return rests_; }
 
     /// By how much closer to the probe the proxy is than that place. Of a probe far off, what counts is the way.
     T gain_since(const Vector<T>& place) const noexcept {
@@ -91,6 +98,7 @@ public:
     /// Goes back to where an earlier copy of it was.
     void put_back(const Walk& earlier) noexcept {
         proxy_ = earlier.proxy_;
+        rests_ = earlier.rests_;
         pool_.become(earlier.pool_);
     }
 
@@ -290,6 +298,7 @@ private:
     TouchPool<T> pool_;
     unsigned substeps_ = 0;
     bool corner_ = false;
+    bool rests_ = false;
 };
 
 } // namespace forceshade::reference
