@@ -1,6 +1,7 @@
 // L6: the walk of a god-object towards the probe, until nothing near lets it come closer.
 #pragma once
 
+#include "host/reference/god_object_entry.h"
 #include "host/reference/god_object_pool.h"
 #include "host/reference/mesh_around.h"
 
@@ -10,9 +11,6 @@ namespace forceshade::reference {
 struct NoTrace {
     template <typename T> void operator()(const Vector<T>&, const Vector<T>&) const noexcept {}
 };
-
-/// Half the side of the box in which a proxy minds the mesh, none of whose coordinates is beyond 1.
-constexpr int kRegion = 2;
 
 /// How far a step from a corner goes, to be clear of what the skin makes of it.
 template <typename T> constexpr T kStride = Skin<T>::kWidth* T(32);
@@ -59,7 +57,7 @@ public:
             if (substeps_ < until + kPatience)
                 continue;
             // Rounding may make it tread on the spot between rounded edges: that is rest as well.
-            if (!(gain_since(before) > Skin<T>::kWidth * T(0.125)))
+            if (treads_since(before))
                 return;
             before = proxy_;
             until = substeps_;
@@ -68,6 +66,13 @@ public:
 
     /// Whether what held the proxy last is what holds it: not if the walk was halted, or trod on the spot.
     bool rests() const noexcept { return rests_; }
+
+    /// A probe far off is as far from everywhere: what is gained would not show.
+    bool treads_since(const Vector<T>& place) const noexcept {
+        if (largest_of(Vector<T>(probe_ - proxy_)) > kFarWay<T>)
+            return largest_of(Vector<T>(proxy_ - place)) <= Skin<T>::kWidth * T(4);
+        return !(gain_since(place) > Skin<T>::kWidth * T(0.0625));
+    }
 
     /// By how much closer to the probe the proxy is than that place. Of a probe far off, what counts is the way.
     T gain_since(const Vector<T>& place) const noexcept {
@@ -113,38 +118,12 @@ private:
         proxy_ = place;
     }
 
-    /// Far out there is nothing to hit: flies straight to the region, or to the probe if the way does not cross it. The
-    /// way is measured from its end nearer to the region, in double, so that it meets the region where it should.
+    /// Far out there is nothing to hit: flies straight to the region, or to the probe if the way does not cross it.
     bool enter() noexcept {
-        constexpr double kSide = kRegion * 0.75;
-        const bool back = largest_of(probe_) < largest_of(proxy_);
-        const glm::dvec3 near_end(back ? probe_ : proxy_), far_end(back ? proxy_ : probe_);
-        double begin = 0, end = 1;
-        for (int i = 0; i < 3; ++i) {
-            const double way = far_end[i] - near_end[i];
-            if (way == 0 || !std::isfinite(way)) {
-                end = std::abs(near_end[i]) > kSide ? -1 : end;
-                continue;
-            }
-            const double low = (-kSide - near_end[i]) / way, high = (kSide - near_end[i]) / way;
-            begin = std::max(begin, std::min(low, high));
-            end = std::min(end, std::max(low, high));
-        }
-        if (!(begin <= end)) {
-            go_to(probe_);
-            return false;
-        }
         Vector<T> place;
-        for (int i = 0; i < 3; ++i) {
-            const double there = near_end[i] + (back ? end : begin) * (far_end[i] - near_end[i]);
-            place[i] = static_cast<T>(std::clamp(there, -kSide, kSide));
-        }
-        // On the region's border to the last bit, so that it is outside of the mesh.
-        int side = std::abs(place[0]) < std::abs(place[1]) ? 1 : 0;
-        side = std::abs(place[side]) < std::abs(place[2]) ? 2 : side;
-        place[side] = std::copysign(T(kSide), place[side]);
-        go_to(place);
-        return true;
+        const bool enters = find_entry(proxy_, probe_, place);
+        go_to(enters ? place : probe_);
+        return enters;
     }
 
     /// The first impact of a move. Triangles are sifted in batches without a branch each, so that one does not wait for
