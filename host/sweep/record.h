@@ -25,7 +25,7 @@ struct CaseRecord {
     std::string name;
     std::string fingerprint; /* of everything that decides the bytes: scene, images, program, engine */
     std::vector<std::pair<std::string, std::string>> parameters; /* what varies */
-    std::vector<FileRecord> inputs; /* files that the scene names; bytes are not told */
+    std::vector<FileRecord> inputs;                              /* files that the scene names; bytes are not told */
     std::string precision;
     EngineReport engine;
     std::vector<FileRecord> files; /* the volume first */
