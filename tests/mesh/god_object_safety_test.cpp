@@ -101,7 +101,8 @@ void wander(const walks::Terrain& terrain, std::uint64_t steps, std::uint64_t se
         tally.crossed += crossed;
         tally.outside_cone += relative > 1e-9;
         tally.further += further > 8 * skin;
-        if (bad && tally.crossed + tally.outside_cone + tally.further + tally.unfinished + tally.behind < 6)
+        if (bad &&
+            tally.crossed + tally.outside_cone + tally.further + tally.unfinished + tally.behind + tally.again < 6)
             fmt::print("{} seed {} step {}: crossed {} cone {} further {} skins finished {} shift {} skins behind {} "
                        "moved {}, substeps {}, count {} depth {}\n",
                        terrain.name, seed, i, crossed, relative, further / skin, contact.finished, shift, behind, moved,
@@ -136,7 +137,8 @@ template <typename T> void wander_everywhere() {
         expect_safe(terrain, tally);
         EXPECT_EQ(tally.outside_cone, 0u) << terrain.name;
         EXPECT_EQ(tally.again, 0u) << terrain.name;
-        EXPECT_LE(tally.worst_shift, 1.01) << terrain.name;
+        // In float a skin is wide enough for a proxy to rest on what rounds an acute edge.
+        EXPECT_LE(tally.worst_shift, std::is_same_v<T, double> ? 1.01 : 4.01) << terrain.name;
     }
 }
 
@@ -149,7 +151,7 @@ template <typename T> void wander_in_pits() {
         print(terrain, tally);
         expect_safe(terrain, tally);
         EXPECT_LE(tally.again, tally.contacts / (terrain.valence < 300 ? 500 : 20)) << terrain.name;
-        EXPECT_LE(tally.most_substeps, 1000u) << terrain.name;
+        EXPECT_LE(tally.most_substeps, 2000u) << terrain.name;
     }
 }
 
