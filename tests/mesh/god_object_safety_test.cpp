@@ -138,7 +138,7 @@ template <typename T> void wander_everywhere() {
         EXPECT_EQ(tally.outside_cone, 0u) << terrain.name;
         EXPECT_EQ(tally.again, 0u) << terrain.name;
         // In float a skin is wide enough for a proxy to rest on what rounds an acute edge.
-        EXPECT_LE(tally.worst_shift, std::is_same_v<T, double> ? 1.01 : 4.01) << terrain.name;
+        EXPECT_LE(tally.worst_shift, (std::is_same_v<T, double> ? 1.01 : 4.01)) << terrain.name;
     }
 }
 
