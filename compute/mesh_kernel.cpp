@@ -26,7 +26,7 @@ constexpr SlotBindings kBindings{layout::kMeshBindCount,
 constexpr std::size_t kFacetChannel = 2, kProxyChannel = 3; // in the order of SlotBindings::results
 
 // The plan of so many samples fits into any buffer, however long the planner makes its lists.
-constexpr std::uint64_t kMostSamples = std::uint64_t(1) << 19; // 65 536 lists of 512 words: 128 MiB
+constexpr std::uint64_t kMostSamples = std::uint64_t(1) << 18; // 32 768 blocks, each with up to 512 candidates: 65 MiB
 
 double seconds_since(Clock::time_point start) {
     return std::chrono::duration<double>(Clock::now() - start).count();
