@@ -19,7 +19,10 @@ template <typename T> using Consume = std::function<void(const layout::FieldChun
 
 class CpuEngine final : public Engine {
 public:
-    explicit CpuEngine(const EngineOptions& options) { options_.chunk_bytes = options.chunk_bytes; }
+    explicit CpuEngine(const EngineOptions& options) {
+        options_.chunk_bytes = options.chunk_bytes;
+        path_options_.chunk_bytes = options.chunk_bytes;
+    }
 
     EngineReport report() const override { return {"cpu", "CPU reference", "", "", true, true}; }
 
@@ -30,9 +33,38 @@ public:
         return run(input, consume);
     }
 
+    EngineTimes explore(const layout::PathInput<float>& input, const reference::TakePaths<float>& take,
+                        const reference::TakeMetrics<float>& take_metrics) override {
+        return run_paths(input, take, take_metrics);
+    }
+    EngineTimes explore(const layout::PathInput<double>& input, const reference::TakePaths<double>& take,
+                        const reference::TakeMetrics<double>& take_metrics) override {
+        return run_paths(input, take, take_metrics);
+    }
+
 private:
+    using Clock = std::chrono::steady_clock;
+
+    // Times what lies between the callbacks.
+    template <typename T>
+    EngineTimes run_paths(const layout::PathInput<T>& input, const reference::TakePaths<T>& take,
+                          const reference::TakeMetrics<T>& take_metrics) {
+        EngineTimes times;
+        Clock::time_point start = Clock::now();
+        const auto timed = [&](const auto& callback, const auto&... values) {
+            times.kernel += std::chrono::duration<double>(Clock::now() - start).count();
+            callback(values...);
+            start = Clock::now();
+        };
+        reference::evaluate_paths<T>(
+            input, path_options_, [&](const layout::PathChunk<T>& chunk) { timed(take, chunk); },
+            [&](std::size_t first, std::span<const layout::PathMetrics<T>> metrics) {
+                timed(take_metrics, first, metrics);
+            });
+        return times;
+    }
+
     template <typename T> EngineTimes run(const layout::FieldInput<T>& input, const Consume<T>& consume) {
-        using Clock = std::chrono::steady_clock;
         EngineTimes times;
         Clock::time_point start = Clock::now();
         const Consume<T> timed = [&](const layout::FieldChunk<T>& chunk) {
@@ -45,6 +77,7 @@ private:
     }
 
     reference::FieldOptions options_;
+    reference::PathOptions path_options_;
 };
 
 class GpuEngine final : public Engine {
@@ -74,7 +107,23 @@ public:
         return run(input, consume);
     }
 
+    EngineTimes explore(const layout::PathInput<float>& input, const reference::TakePaths<float>& take,
+                        const reference::TakeMetrics<float>& take_metrics) override {
+        return run_paths(input, take, take_metrics);
+    }
+    EngineTimes explore(const layout::PathInput<double>& input, const reference::TakePaths<double>& take,
+                        const reference::TakeMetrics<double>& take_metrics) override {
+        return run_paths(input, take, take_metrics);
+    }
+
 private:
+    template <typename T>
+    EngineTimes run_paths(const layout::PathInput<T>&, const reference::TakePaths<T>&,
+                          const reference::TakeMetrics<T>&) {
+        throw compute::DeviceError(compute::DeviceError::Kind::unsupported,
+                                   "there is no kernel for paths yet: use --engine cpu");
+    }
+
     static compute::DeviceReport choose(const EngineOptions& options) {
         return compute::choose_device(compute::list_devices(), options.gpu, options.needs_f64);
     }

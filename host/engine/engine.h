@@ -7,6 +7,7 @@
 #include <memory>
 #include <string>
 
+#include "host/reference/paths.h"
 #include "shaders/shared/layout.h"
 
 namespace forceshade {
@@ -37,6 +38,12 @@ public:
                                  const std::function<void(const layout::FieldChunk<float>&)>& consume) = 0;
     virtual EngineTimes evaluate(const layout::FieldInput<double>& input,
                                  const std::function<void(const layout::FieldChunk<double>&)>& consume) = 0;
+    /// Takes every path through its law: chunks batch of paths by batch of paths, within one in the order of steps;
+    /// then the batch's metrics. \throws compute::DeviceError, and whatever the callbacks throw.
+    virtual EngineTimes explore(const layout::PathInput<float>& input, const reference::TakePaths<float>& take,
+                                const reference::TakeMetrics<float>& take_metrics) = 0;
+    virtual EngineTimes explore(const layout::PathInput<double>& input, const reference::TakePaths<double>& take,
+                                const reference::TakeMetrics<double>& take_metrics) = 0;
 };
 
 struct EngineOptions {

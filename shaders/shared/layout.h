@@ -318,6 +318,11 @@ template <typename real> struct FieldChunk {
     std::span<const real> proxy;    // m, 3 a sample
     std::span<const real> unshaded; // N, 3 a sample
 };
+#endif
+
+#include "path_layout.h"
+
+#ifdef __cplusplus
 } // namespace forceshade::layout
 #endif
 #undef FS_CONSTANT

@@ -1,0 +1,201 @@
+#include "host/reference/paths.h"
+
+#include <algorithm>
+#include <atomic>
+#include <thread>
+#include <vector>
+
+#include "host/reference/contact.h"
+#include "host/reference/god_object_contact.h"
+#include "host/reference/god_object_start.h"
+#include "host/reference/path_step.h"
+
+namespace forceshade::reference {
+namespace {
+
+// Samples of some steps of a batch, and what they are told to.
+template <typename T> struct Samples {
+    std::vector<T> position, force, depth, proxy;
+    std::vector<layout::uint> facet;
+
+    void resize(layout::uint channels, std::size_t count) {
+        position.resize(channels & layout::kChannelPosition ? 3 * count : 0);
+        force.resize(channels & layout::kChannelForce ? 3 * count : 0);
+        depth.resize(channels & layout::kChannelDepth ? count : 0);
+        facet.resize(channels & layout::kChannelFacet ? count : 0);
+        proxy.resize(channels & layout::kChannelProxy ? 3 * count : 0);
+    }
+
+    void store(std::size_t at, const PathSampled<T>& sampled) {
+        put(position, at, sampled.position);
+        put(force, at, sampled.force);
+        put(proxy, at, sampled.contact.proxy);
+        if (!depth.empty())
+            depth[at] = sampled.contact.depth;
+        if (!facet.empty())
+            facet[at] = sampled.contact.facet;
+    }
+
+private:
+    static void put(std::vector<T>& buffer, std::size_t at, const Vector<T>& value) {
+        if (buffer.empty())
+            return;
+        buffer[3 * at] = value.x;
+        buffer[3 * at + 1] = value.y;
+        buffer[3 * at + 2] = value.z;
+    }
+};
+
+std::size_t sample_bytes(layout::uint channels, std::size_t real_size) {
+    return (channels & layout::kChannelPosition ? 3 * real_size : 0) +
+           (channels & layout::kChannelForce ? 3 * real_size : 0) + (channels & layout::kChannelDepth ? real_size : 0) +
+           (channels & layout::kChannelFacet ? sizeof(layout::uint) : 0) +
+           (channels & layout::kChannelProxy ? 3 * real_size : 0);
+}
+
+template <typename T> class Run {
+public:
+    Run(const layout::PathInput<T>& input, const PathOptions& options)
+        : input_(input), options_(options),
+          threads_(options.threads ? options.threads : std::max(1u, std::thread::hardware_concurrency())),
+          recorded_(input.features.motion == layout::kMotionRecorded) {}
+
+    void run(const TakePaths<T>& take, const TakeMetrics<T>& take_metrics) {
+        for (std::size_t first = 0; first < input_.paths; first += batch_.count) {
+            batch_ = input_.source->batch(first, std::min(options_.batch_paths, input_.paths - first));
+            states_.assign(batch_.count, {});
+            proxies_.assign(on_mesh() ? batch_.count : 0, {});
+            run_batch(take);
+            metrics_.clear();
+            for (const layout::PathState<T>& state : states_)
+                metrics_.push_back(state.metrics);
+            take_metrics(batch_.first, metrics_);
+        }
+    }
+
+private:
+    bool on_mesh() const { return input_.law.features.surface == layout::kSurfaceMesh; }
+
+    void run_batch(const TakePaths<T>& take) {
+        const std::size_t row = std::max<std::size_t>(1, batch_.count * bytes_per_sample());
+        const std::size_t window = std::clamp<std::size_t>(options_.chunk_bytes / row, 1, input_.steps);
+        for (std::size_t step = 0; step < input_.steps; step += window) {
+            layout::PathChunk<T> chunk{};
+            chunk.path_first = batch_.first;
+            chunk.path_count = chunk.pitch = batch_.count;
+            chunk.step_first = step;
+            chunk.step_count = std::min(window, input_.steps - step);
+            run_chunk(chunk);
+            chunk.position = samples_.position;
+            chunk.force = samples_.force;
+            chunk.depth = samples_.depth;
+            chunk.facet = samples_.facet;
+            chunk.proxy = samples_.proxy;
+            if (input_.features.channels != 0)
+                take(chunk);
+        }
+    }
+
+    std::size_t bytes_per_sample() const {
+        return sample_bytes(input_.features.channels, sizeof(T)) + (recorded_ ? 3 * sizeof(T) : 0);
+    }
+
+    // Shares the batch's paths out among threads.
+    void run_chunk(const layout::PathChunk<T>& chunk) {
+        constexpr std::size_t kShare = 16; // paths that a thread takes at once
+        samples_.resize(input_.features.channels, chunk.step_count * chunk.pitch);
+        if (recorded_)
+            positions_ = input_.source->positions(chunk.step_first,
+                                                  std::min(chunk.step_count + 1, input_.steps - chunk.step_first));
+        std::atomic<std::size_t> next{0};
+        const auto work = [&] {
+            Neighbourhood<T> around;
+            for (std::size_t begin; (begin = kShare * next++) < chunk.path_count;)
+                for (std::size_t path = begin; path < std::min(begin + kShare, chunk.path_count); ++path)
+                    run_path(chunk, path, around);
+        };
+        std::vector<std::jthread> helpers;
+        for (std::size_t i = 1; i < threads_; ++i)
+            helpers.emplace_back(work);
+        work();
+    }
+
+    std::size_t steps_of(std::size_t path) const {
+        return batch_.steps.empty() ? input_.steps : std::size_t(batch_.steps[path]);
+    }
+
+    // The motion's place at a step; a recorded path rests where it ends.
+    Vector<T> target(const layout::PathChunk<T>& chunk, std::size_t path, std::size_t step) const {
+        if (!recorded_)
+            return motion_at(input_.law, input_.features, batch_, path, static_cast<layout::uint>(step));
+        const std::size_t last = std::min(step, steps_of(path) - 1);
+        return vector_at(positions_, (last - chunk.step_first) * batch_.count + path);
+    }
+
+    void run_path(const layout::PathChunk<T>& chunk, std::size_t path, Neighbourhood<T>& around) {
+        const std::size_t steps = steps_of(path), end = std::min(chunk.step_first + chunk.step_count, steps);
+        if (chunk.step_first >= end)
+            return;
+        const bool closed = input_.features.loop == layout::kLoopClosed;
+        const std::size_t hands = input_.hands.size();
+        const layout::HandParams<T> hand =
+            hands == 0 ? layout::HandParams<T>{} : input_.hands[hands == 1 ? 0 : batch_.first + path];
+        const layout::MotionParams<T> motion = recorded_ ? layout::MotionParams<T>{} : batch_.motions[path];
+        layout::PathState<T> state = states_[path];
+        Vector<T> here = target(chunk, path, chunk.step_first);
+        if (chunk.step_first == 0) {
+            state = begin_state(input_.features, hand, here);
+            if (on_mesh())
+                proxies_[path] = begun(batch_.proxies[path]);
+        }
+        const auto feel = [&](const Vector<T>& probe) { return felt_at(path, probe, around); };
+        for (std::size_t step = chunk.step_first; step < end; ++step) {
+            const bool last = step + 1 == steps;
+            const Vector<T> next = closed || !last ? target(chunk, path, last && recorded_ ? step : step + 1) : here;
+            const PathSampled<T> sampled =
+                take_step(input_.features, hand, state, here, next,
+                          completes_round(input_.features, motion, static_cast<layout::uint>(step)),
+                          static_cast<layout::uint>(steps), feel);
+            samples_.store((step - chunk.step_first) * chunk.pitch + path, sampled);
+            here = next;
+        }
+        states_[path] = state;
+    }
+
+    Felt<T> felt_at(std::size_t path, const Vector<T>& probe, Neighbourhood<T>& around) {
+        if (!on_mesh())
+            return {evaluate(input_.law, probe), true};
+        const Vector<T> local = to_mesh_frame(input_.law.mesh.params, probe);
+        const GodObjectContact<T> rest = update(input_.law.mesh, proxies_[path], around, local);
+        Felt<T> felt{mesh_contact(input_.law, rest, local), rest.finished};
+        if (felt.contact.facet == layout::kNoFacet)
+            felt.contact.proxy = probe; // not there and back through the mesh's frame
+        return felt;
+    }
+
+    const layout::PathInput<T>& input_;
+    const PathOptions& options_;
+    const std::size_t threads_;
+    const bool recorded_;
+    layout::PathBatch<T> batch_{};
+    std::vector<layout::PathState<T>> states_;
+    std::vector<GodObject<T>> proxies_;
+    std::vector<layout::PathMetrics<T>> metrics_;
+    std::span<const T> positions_; // of a recorded batch, from the chunk's first step on
+    Samples<T> samples_;
+};
+
+} // namespace
+
+template <typename T>
+void evaluate_paths(const layout::PathInput<T>& input, const PathOptions& options, const TakePaths<T>& take,
+                    const TakeMetrics<T>& take_metrics) {
+    Run<T>(input, options).run(take, take_metrics);
+}
+
+template void evaluate_paths<float>(const layout::PathInput<float>&, const PathOptions&, const TakePaths<float>&,
+                                    const TakeMetrics<float>&);
+template void evaluate_paths<double>(const layout::PathInput<double>&, const PathOptions&, const TakePaths<double>&,
+                                     const TakeMetrics<double>&);
+
+} // namespace forceshade::reference
