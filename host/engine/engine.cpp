@@ -107,23 +107,7 @@ public:
         return run(input, consume);
     }
 
-    EngineTimes explore(const layout::PathInput<float>& input, const reference::TakePaths<float>& take,
-                        const reference::TakeMetrics<float>& take_metrics) override {
-        return run_paths(input, take, take_metrics);
-    }
-    EngineTimes explore(const layout::PathInput<double>& input, const reference::TakePaths<double>& take,
-                        const reference::TakeMetrics<double>& take_metrics) override {
-        return run_paths(input, take, take_metrics);
-    }
-
 private:
-    template <typename T>
-    EngineTimes run_paths(const layout::PathInput<T>&, const reference::TakePaths<T>&,
-                          const reference::TakeMetrics<T>&) {
-        throw compute::DeviceError(compute::DeviceError::Kind::unsupported,
-                                   "there is no kernel for paths yet: use --engine cpu");
-    }
-
     static compute::DeviceReport choose(const EngineOptions& options) {
         return compute::choose_device(compute::list_devices(), options.gpu, options.needs_f64);
     }
@@ -187,7 +171,21 @@ private:
     std::unique_ptr<compute::MeshKernel> mesh_kernel_; // made for the first mesh
 };
 
+[[noreturn]] void refuse_paths() {
+    throw compute::DeviceError(compute::DeviceError::Kind::unsupported,
+                               "this engine has no kernel for paths: use --engine cpu");
+}
+
 } // namespace
+
+EngineTimes Engine::explore(const layout::PathInput<float>&, const reference::TakePaths<float>&,
+                            const reference::TakeMetrics<float>&) {
+    refuse_paths();
+}
+EngineTimes Engine::explore(const layout::PathInput<double>&, const reference::TakePaths<double>&,
+                            const reference::TakeMetrics<double>&) {
+    refuse_paths();
+}
 
 std::unique_ptr<Engine> make_engine(const EngineOptions& options) {
     if (options.cpu)
