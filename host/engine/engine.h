@@ -39,11 +39,11 @@ public:
     virtual EngineTimes evaluate(const layout::FieldInput<double>& input,
                                  const std::function<void(const layout::FieldChunk<double>&)>& consume) = 0;
     /// Takes every path through its law: chunks batch of paths by batch of paths, within one in the order of steps;
-    /// then the batch's metrics. \throws compute::DeviceError, and whatever the callbacks throw.
+    /// then the batch's metrics. \throws compute::DeviceError (unsupported, unless an engine says otherwise).
     virtual EngineTimes explore(const layout::PathInput<float>& input, const reference::TakePaths<float>& take,
-                                const reference::TakeMetrics<float>& take_metrics) = 0;
+                                const reference::TakeMetrics<float>& take_metrics);
     virtual EngineTimes explore(const layout::PathInput<double>& input, const reference::TakePaths<double>& take,
-                                const reference::TakeMetrics<double>& take_metrics) = 0;
+                                const reference::TakeMetrics<double>& take_metrics);
 };
 
 struct EngineOptions {
