@@ -7,6 +7,8 @@ namespace words {
 #include "field_f64.spv.h"
 #include "mesh_field_f32.spv.h"
 #include "mesh_field_f64.spv.h"
+#include "path_f32.spv.h"
+#include "path_f64.spv.h"
 } // namespace words
 
 std::span<const std::uint32_t> field_f32() {
@@ -27,6 +29,14 @@ std::span<const std::uint32_t> mesh_field_f32() {
 
 std::span<const std::uint32_t> mesh_field_f64() {
     return words::mesh_field_f64;
+}
+
+std::span<const std::uint32_t> path_f32() {
+    return words::path_f32;
+}
+
+std::span<const std::uint32_t> path_f64() {
+    return words::path_f64;
 }
 
 } // namespace forceshade::kernels

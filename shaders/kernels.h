@@ -16,5 +16,9 @@ std::span<const std::uint32_t> field_f64();
 std::span<const std::uint32_t> mesh_field_f32();
 /// The same in double precision; needs shaderFloat64.
 std::span<const std::uint32_t> mesh_field_f64();
+/// shaders/path.comp in single precision.
+std::span<const std::uint32_t> path_f32();
+/// The same in double precision; needs shaderFloat64.
+std::span<const std::uint32_t> path_f64();
 
 } // namespace forceshade::kernels

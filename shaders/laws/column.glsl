@@ -26,13 +26,12 @@ real3 map_normal(real x, real y) {
     return real3(normal_x, normal_y, normal_z);
 }
 
-Column column_at(real x, real y) {
+// `facet`: the bump's at x; of other surfaces the plane.
+Column column_over(Facet facet, real x, real y) {
     Column column;
     column.x = x;
     column.on_bump = abs(x) < law.half_width;
-    column.facet = Facet(exact_zero, exact_zero, ONE, 0u);
-    if (SURFACE == kSurfaceBump)
-        column.facet = facet_at(x);
+    column.facet = facet;
     column.direction = real3(exact_zero, exact_zero, ONE);
     if (SHADING == kShadingReference && REFERENCE == kReferenceNormal)
         column.direction = reference_normal(x, column.on_bump);
@@ -40,4 +39,10 @@ Column column_at(real x, real y) {
         column.direction = map_normal(x, y);
     column.texture = texture_gradient(x, y);
     return column;
+}
+
+Column column_at(real x, real y) {
+    if (SURFACE == kSurfaceBump)
+        return column_over(facet_at(x), x, y);
+    return column_over(Facet(exact_zero, exact_zero, ONE, 0u), x, y);
 }

@@ -30,9 +30,7 @@ real3 scaled(real factor, real3 v) {
 // v / |v|; 0 where v.v is not above 0.
 real3 normalised(real3 v) {
     precise real square = product(v, v);
-    if (!(square > ZERO))
-        return real3(ZERO);
     precise real size = sqrt(square);
     precise real3 direction = v / size;
-    return direction;
+    return square > ZERO ? direction : real3(ZERO);
 }

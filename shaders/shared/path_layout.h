@@ -24,6 +24,60 @@ FS_CONSTANT kQuarterTurn = 0x40000000u;
 FS_CONSTANT kHalfTurn = 0x80000000u;
 FS_CONSTANT kNever = 0xFFFFFFFFu; // a step that did not come
 
+// Bindings of the kernel of paths over analytic surfaces, all storage buffers in set 0.
+FS_CONSTANT kPathBindLaw = 0u;
+FS_CONSTANT kPathBindFacetVertices = 1u;
+FS_CONSTANT kPathBindMapGradients = 2u;
+FS_CONSTANT kPathBindTextureGradients = 3u;
+FS_CONSTANT kPathBindMotions = 4u;   // a MotionParams a path
+FS_CONSTANT kPathBindHarmonics = 5u; // component, axis, path, the last fastest
+FS_CONSTANT kPathBindHands = 6u;     // a HandParams for all, or one a path
+FS_CONSTANT kPathBindLengths = 7u;   // recorded: samples of each path
+FS_CONSTANT kPathBindRecorded = 8u;  // recorded: positions, step by step, path fastest
+FS_CONSTANT kPathBindStates = 9u;    // a PathState a path
+FS_CONSTANT kPathBindStatus = 10u;
+FS_CONSTANT kPathBindPosition = 11u;
+FS_CONSTANT kPathBindForce = 12u;
+FS_CONSTANT kPathBindDepth = 13u;
+FS_CONSTANT kPathBindFacet = 14u;
+FS_CONSTANT kPathBindProxy = 15u;
+FS_CONSTANT kPathBindCount = 16u;
+
+// Specialization constants of the kernel of paths.
+FS_CONSTANT kPathSpecLocalX = 0u;
+FS_CONSTANT kPathSpecSurface = 1u;
+FS_CONSTANT kPathSpecShading = 2u;
+FS_CONSTANT kPathSpecDepth = 3u;
+FS_CONSTANT kPathSpecReference = 4u;
+FS_CONSTANT kPathSpecMap = 5u;
+FS_CONSTANT kPathSpecTexture = 6u;
+FS_CONSTANT kPathSpecChannels = 7u;
+FS_CONSTANT kPathSpecMotion = 8u;
+FS_CONSTANT kPathSpecLoop = 9u;
+FS_CONSTANT kPathSpecFollow = 10u;
+FS_CONSTANT kPathSpecHarmonics = 11u; // of each axis
+FS_CONSTANT kPathSpecFriction = 12u;  // 1: some hand's device has friction
+FS_CONSTANT kPathSpecQuantised = 13u; // 1: some hand's device rounds positions
+FS_CONSTANT kPathSpecCount = 14u;
+
+// What one dispatch of a kernel of paths covers, as push constants.
+struct PathChunkParams {
+    uint paths;       // of the batch
+    uint step_first;  // of the dispatch
+    uint step_end;    // where it ends
+    uint row_first;   // the step at which results and recorded positions begin
+    uint steps;       // of a path, where it has no length of its own
+    uint own_lengths; // 1: each path has one
+    uint own_hands;   // 1: each path has a hand of its own
+};
+
+// A harmonic motion added along one axis of one path.
+FS_STRUCT Harmonic {
+    real amplitude;  // m
+    uint phase;      // at step 0
+    uint phase_step; // a sample
+};
+
 // One path's intended motion. The stroke's direction is (heading_x, heading_y), across is a quarter turn to its left.
 FS_STRUCT MotionParams {
     real centre_x; // m: the middle of the motion

@@ -138,14 +138,14 @@ std::uint32_t SpirvModule::size_of(std::uint32_t type) const {
         return found.operands[1] / 8;
     if (found.code == spv::OpTypeVector)
         return size_of(found.operands[1]) * found.operands[2];
-    throw std::runtime_error("neither scalar nor vector");
+    return 0;
 }
 
 std::optional<SpirvModule::Array> SpirvModule::array(std::uint32_t type) const {
     const Instruction& found = *types_.at(type);
     if (found.code != spv::OpTypeRuntimeArray && found.code != spv::OpTypeArray)
         return std::nullopt;
-    return Array{stride_of_.at(type), size_of(found.operands[1])};
+    return Array{stride_of_.at(type), size_of(found.operands[1]), found.operands[1]};
 }
 
 bool SpirvModule::is_real(std::uint32_t type) const {

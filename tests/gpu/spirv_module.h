@@ -30,9 +30,9 @@ public:
     std::optional<std::uint32_t> buffer(std::uint32_t binding) const;
     /// The struct type of the push constants.
     std::optional<std::uint32_t> push_constants() const;
-    /// Bytes from one element to the next, and bytes an element takes by its type; for arrays of scalars and vectors.
+    /// Bytes from one element to the next, bytes an element takes by its type (scalars and vectors), and that type.
     struct Array {
-        std::uint32_t stride = 0, element = 0;
+        std::uint32_t stride = 0, element = 0, type = 0; /* element: 0 of a struct */
     };
     std::optional<Array> array(std::uint32_t type) const;
 

@@ -101,6 +101,98 @@ template <typename real> void expect_mesh_layout(const SpirvModule& module) {
     expect_members(module, push[0].type, mesh_chunk_members());
 }
 
+std::vector<Expected> path_chunk_members() {
+    using Chunk = layout::PathChunkParams;
+    return {FS_MEMBER(Chunk, paths),     FS_MEMBER(Chunk, step_first), FS_MEMBER(Chunk, step_end),
+            FS_MEMBER(Chunk, row_first), FS_MEMBER(Chunk, steps),      FS_MEMBER(Chunk, own_lengths),
+            FS_MEMBER(Chunk, own_hands)};
+}
+
+template <typename real> std::vector<Expected> motion_members() {
+    using Motion = layout::MotionParams<real>;
+    return {FS_MEMBER(Motion, centre_x),     FS_MEMBER(Motion, centre_y),    FS_MEMBER(Motion, centre_z),
+            FS_MEMBER(Motion, heading_x),    FS_MEMBER(Motion, heading_y),   FS_MEMBER(Motion, reach),
+            FS_MEMBER(Motion, across),       FS_MEMBER(Motion, depth),       FS_MEMBER(Motion, depth_back),
+            FS_MEMBER(Motion, lift),         FS_MEMBER(Motion, phase),       FS_MEMBER(Motion, phase_step),
+            FS_MEMBER(Motion, radius_phase), FS_MEMBER(Motion, radius_step), FS_MEMBER(Motion, run),
+            FS_MEMBER(Motion, turn),         FS_MEMBER(Motion, lines),       FS_MEMBER(Motion, key_low),
+            FS_MEMBER(Motion, key_high),     FS_MEMBER(Motion, zero)};
+}
+
+template <typename real> std::vector<Expected> harmonic_members() {
+    using Harmonic = layout::Harmonic<real>;
+    return {FS_MEMBER(Harmonic, amplitude), FS_MEMBER(Harmonic, phase), FS_MEMBER(Harmonic, phase_step)};
+}
+
+template <typename real> std::vector<Expected> axis_members() {
+    using Axis = layout::AxisMap<real>;
+    return {FS_MEMBER(Axis, x_error), FS_MEMBER(Axis, x_speed), FS_MEMBER(Axis, x_force),
+            FS_MEMBER(Axis, v_error), FS_MEMBER(Axis, v_speed), FS_MEMBER(Axis, v_force)};
+}
+
+template <typename real> std::vector<Expected> hand_members() {
+    using Hand = layout::HandParams<real>;
+    return {FS_MEMBER(Hand, lateral),     FS_MEMBER(Hand, vertical),  FS_MEMBER(Hand, rate),
+            FS_MEMBER(Hand, period),      FS_MEMBER(Hand, stiffness), FS_MEMBER(Hand, stiffness_z),
+            FS_MEMBER(Hand, damping),     FS_MEMBER(Hand, push_x),    FS_MEMBER(Hand, push_y),
+            FS_MEMBER(Hand, push_z),      FS_MEMBER(Hand, quantum),   FS_MEMBER(Hand, coulomb),
+            FS_MEMBER(Hand, max_force),   FS_MEMBER(Hand, gain),      FS_MEMBER(Hand, bound),
+            FS_MEMBER(Hand, start_depth), FS_MEMBER(Hand, delay),     FS_MEMBER(Hand, zero)};
+}
+
+template <typename real> std::vector<Expected> metrics_members() {
+    using Metrics = layout::PathMetrics<real>;
+    return {FS_MEMBER(Metrics, largest_force),     FS_MEMBER(Metrics, force_square),
+            FS_MEMBER(Metrics, force_square_rest), FS_MEMBER(Metrics, largest_turn),
+            FS_MEMBER(Metrics, steepest_turn),     FS_MEMBER(Metrics, least_depth),
+            FS_MEMBER(Metrics, largest_depth),     FS_MEMBER(Metrics, depth),
+            FS_MEMBER(Metrics, depth_rest),        FS_MEMBER(Metrics, depth_square),
+            FS_MEMBER(Metrics, depth_square_rest), FS_MEMBER(Metrics, work),
+            FS_MEMBER(Metrics, work_rest),         FS_MEMBER(Metrics, effort),
+            FS_MEMBER(Metrics, effort_rest),       FS_MEMBER(Metrics, round_begin),
+            FS_MEMBER(Metrics, largest_round),     FS_MEMBER(Metrics, rounds_end),
+            FS_MEMBER(Metrics, early_speed),       FS_MEMBER(Metrics, late_speed),
+            FS_MEMBER(Metrics, contact_samples),   FS_MEMBER(Metrics, rounds),
+            FS_MEMBER(Metrics, unstable_step),     FS_MEMBER(Metrics, unfinished)};
+}
+
+template <typename real> std::vector<Expected> state_members() {
+    using State = layout::PathState<real>;
+    return {FS_MEMBER(State, x),          FS_MEMBER(State, y),          FS_MEMBER(State, z),
+            FS_MEMBER(State, speed_x),    FS_MEMBER(State, speed_y),    FS_MEMBER(State, speed_z),
+            FS_MEMBER(State, measured_x), FS_MEMBER(State, measured_y), FS_MEMBER(State, measured_z),
+            FS_MEMBER(State, force_x),    FS_MEMBER(State, force_y),    FS_MEMBER(State, force_z),
+            FS_MEMBER(State, metrics),    FS_MEMBER(State, step),       FS_MEMBER(State, touching)};
+}
+
+// A buffer of structs, one after the other as C++ has them.
+void expect_structs(const SpirvModule& module, std::uint32_t binding, const std::vector<Expected>& members,
+                    std::size_t size) {
+    const auto buffer = module.members(module.buffer(binding).value());
+    ASSERT_EQ(buffer.size(), 1u);
+    const auto array = module.array(buffer[0].type);
+    ASSERT_TRUE(array) << "binding " << binding;
+    EXPECT_EQ(array->stride, size) << "binding " << binding;
+    expect_members(module, array->type, members);
+}
+
+template <typename real> void expect_path_layout(const SpirvModule& module) {
+    const auto law_buffer = module.members(module.buffer(layout::kPathBindLaw).value());
+    ASSERT_EQ(law_buffer.size(), 1u);
+    expect_members(module, law_buffer[0].type, law_members<real>());
+    expect_structs(module, layout::kPathBindMotions, motion_members<real>(), sizeof(layout::MotionParams<real>));
+    expect_structs(module, layout::kPathBindHarmonics, harmonic_members<real>(), sizeof(layout::Harmonic<real>));
+    expect_structs(module, layout::kPathBindHands, hand_members<real>(), sizeof(layout::HandParams<real>));
+    expect_structs(module, layout::kPathBindStates, state_members<real>(), sizeof(layout::PathState<real>));
+    const auto hands = module.members(module.buffer(layout::kPathBindHands).value());
+    expect_members(module, module.members(module.array(hands[0].type)->type)[0].type, axis_members<real>());
+    const auto states = module.members(module.buffer(layout::kPathBindStates).value());
+    expect_members(module, module.members(module.array(states[0].type)->type)[12].type, metrics_members<real>());
+    const auto push = module.members(module.push_constants().value());
+    ASSERT_EQ(push.size(), 1u);
+    expect_members(module, push[0].type, path_chunk_members());
+}
+
 void expect_dense(const SpirvModule& module, std::uint32_t binding) {
     const auto members = module.members(module.buffer(binding).value());
     ASSERT_EQ(members.size(), 1u);
@@ -147,7 +239,18 @@ const SpirvModule& mesh_f64() {
     return module;
 }
 
+const SpirvModule& path_f32() {
+    static const SpirvModule module(kernels::path_f32());
+    return module;
+}
+const SpirvModule& path_f64() {
+    static const SpirvModule module(kernels::path_f64());
+    return module;
+}
+
 TEST(Spirv, OffsetsEqualThoseOfCpp) {
+    expect_path_layout<float>(path_f32());
+    expect_path_layout<double>(path_f64());
     expect_mesh_layout<float>(mesh_f32());
     expect_mesh_layout<double>(mesh_f64());
     expect_layout<float>(f32());
@@ -160,6 +263,12 @@ TEST(Spirv, ArraysAreDense) {
         for (std::uint32_t binding = layout::kMeshBindAxes; binding < layout::kMeshBindCount; ++binding)
             if (binding != layout::kMeshBindStatus)
                 expect_dense(*module, binding);
+    for (const SpirvModule* module : {&path_f32(), &path_f64()})
+        for (const std::uint32_t binding :
+             {layout::kPathBindFacetVertices, layout::kPathBindMapGradients, layout::kPathBindTextureGradients,
+              layout::kPathBindLengths, layout::kPathBindRecorded, layout::kPathBindPosition, layout::kPathBindForce,
+              layout::kPathBindDepth, layout::kPathBindFacet, layout::kPathBindProxy})
+            expect_dense(*module, binding);
     expect_arrays<float>(f32());
     expect_arrays<float>(f32_packed());
     expect_arrays<double>(f64());
@@ -185,6 +294,16 @@ TEST(Spirv, BindingsAndConstantsAreThoseOfTheLayout) {
         EXPECT_EQ(module->bindings(), bindings);
         EXPECT_EQ(module->specialization_ids(), constants);
     }
+    bindings.clear();
+    constants.clear();
+    for (std::uint32_t i = 0; i < layout::kPathBindCount; ++i)
+        bindings.insert(i);
+    for (std::uint32_t i = 0; i < layout::kPathSpecCount; ++i)
+        constants.insert(i);
+    for (const SpirvModule* module : {&path_f32(), &path_f64()}) {
+        EXPECT_EQ(module->bindings(), bindings);
+        EXPECT_EQ(module->specialization_ids(), constants);
+    }
 }
 
 // A device without 64-bit numbers must be able to take the plain kernel.
@@ -192,13 +311,16 @@ TEST(Spirv, CapabilitiesAreTheFewest) {
     const std::set<std::uint32_t> plain{spv::CapabilityShader};
     EXPECT_EQ(f32().capabilities(), plain);
     EXPECT_EQ(mesh_f32().capabilities(), plain);
+    EXPECT_EQ(path_f32().capabilities(), plain);
+    EXPECT_EQ(path_f64().capabilities(), (std::set<std::uint32_t>{spv::CapabilityShader, spv::CapabilityFloat64}));
     EXPECT_EQ(mesh_f64().capabilities(), (std::set<std::uint32_t>{spv::CapabilityShader, spv::CapabilityFloat64}));
     EXPECT_EQ(f32_packed().capabilities(), (std::set<std::uint32_t>{spv::CapabilityShader, spv::CapabilityInt64}));
     EXPECT_EQ(f64().capabilities(), (std::set<std::uint32_t>{spv::CapabilityShader, spv::CapabilityFloat64}));
 }
 
 TEST(Spirv, EveryOperationRoundsAsWritten) {
-    for (const SpirvModule* module : {&f32(), &f32_packed(), &f64(), &mesh_f32(), &mesh_f64()}) {
+    for (const SpirvModule* module :
+         {&f32(), &f32_packed(), &f64(), &mesh_f32(), &mesh_f64(), &path_f32(), &path_f64()}) {
         EXPECT_GT(module->arithmetic_count(), 100u);
         for (const std::string& complaint : module->inexact())
             ADD_FAILURE() << complaint;

@@ -1,0 +1,167 @@
+// Where the intended motion of a path is at a step. Phases are whole numbers, so nothing drifts, and a step needs none
+// before it. Needs philox.glsl and elementary.glsl; MOTION, LOOP and HARMONICS, constants of the kernel; the buffer
+// `harmonics`. Zeros are `exact_zero`: what they enter may be a zero with a sign.
+
+// A place in the motion's own frame, m: along the heading, to its left, and above the surface.
+struct Place {
+    real along;
+    real across;
+    real above;
+};
+
+// The stretch between two points of a minimum-jerk motion, kept from step to step; `index` kNever: none yet.
+struct Stretch {
+    uint index;
+    real2 from;
+    real2 to;
+};
+Stretch stretch = Stretch(kNever, real2(ZERO), real2(ZERO));
+
+// -1 at phase 0, 1 half a turn later, straight in between.
+real triangle_wave(uint phase) {
+    uint folded = phase < kHalfTurn ? phase : 0u - phase;
+    precise real wave = real(int(folded - kQuarterTurn)) * real(9.31322574615478515625e-10LF); // 2^-30
+    return wave;
+}
+
+real cosine_of_phase(uint phase) {
+    precise real turns = real(int(phase)) * real(2.3283064365386962890625e-10LF); // 2^-32
+    return cosine_of_turns(turns);
+}
+
+// The share of the way from point to point after a share of the time: 10 t^3 - 15 t^4 + 6 t^5.
+real minimum_jerk(real t) {
+    precise real share = t * t * t * (real(10.0LF) + t * (t * real(6.0LF) - real(15.0LF)));
+    return share;
+}
+
+Place stroke_place(MotionParams motion, uint phase) {
+    precise real along = motion.reach * triangle_wave(phase);
+    precise real above = -(phase < kHalfTurn ? motion.depth : motion.depth_back);
+    return Place(along, exact_zero, above);
+}
+
+// Where the line of a raster lies: -1 at the first, 1 at the last; lines are walked there and back.
+real raster_line(MotionParams motion, uint index) {
+    uint last = motion.lines - 1u;
+    uint folded = index % max(2u * last, 1u);
+    uint line = folded > last ? 2u * last - folded : folded;
+    precise real place = real(int(2u * line)) / real(int(last)) - ONE;
+    return last > 0u ? place : exact_zero;
+}
+
+Place raster_place(MotionParams motion, uint step) {
+    uint pitch = motion.run + motion.turn;
+    uint index = step / pitch;
+    uint within = step - index * pitch;
+    bool running = within < motion.run;
+    precise real ran = real(int(within)) / real(int(motion.run));
+    precise real crossed = real(int(within - motion.run)) / real(int(motion.turn));
+    real share = running ? ran : ONE;
+    real turned = running ? exact_zero : crossed;
+    precise real way = share * real(2.0LF) - ONE;
+    precise real back = -way;
+    real here = raster_line(motion, index);
+    real next = raster_line(motion, index + 1u);
+    precise real along = motion.reach * ((index & 1u) == 0u ? way : back);
+    precise real across = motion.across * (here + turned * (next - here));
+    precise real above = -motion.depth;
+    return Place(along, across, above);
+}
+
+Place round_place(MotionParams motion, real radius, uint phase) {
+    precise real along = radius * cosine_of_phase(phase);
+    precise real across = radius * cosine_of_phase(phase - kQuarterTurn);
+    precise real above = -motion.depth;
+    return Place(along, across, above);
+}
+
+Place spiral_place(MotionParams motion, uint phase, uint step) {
+    precise real share = real(0.5LF) * (ONE + triangle_wave(motion.radius_phase + step * motion.radius_step));
+    precise real radius = motion.across + share * (motion.reach - motion.across);
+    return round_place(motion, radius, phase);
+}
+
+Place tap_place(MotionParams motion, uint phase) {
+    precise real share = real(0.5LF) * (ONE + cosine_of_phase(phase));
+    precise real above = (motion.depth + motion.lift) * share - motion.depth;
+    return Place(exact_zero, exact_zero, above);
+}
+
+// The point number `index` of a path, anywhere within the region, in shares of its half sides.
+real2 via_point(MotionParams motion, uint index) {
+    uvec4 words = philox(uvec4(index, 1u, 0u, 0u), uvec2(motion.key_low, motion.key_high));
+    precise real along = real(int(words.x)) * real(4.656612873077392578125e-10LF); // 2^-31
+    precise real across = real(int(words.y)) * real(4.656612873077392578125e-10LF);
+    return real2(along, across);
+}
+
+Place minimum_jerk_place(MotionParams motion, uint step) {
+    uint index = step / motion.run;
+    uint within = step - index * motion.run;
+    // A loop, since software devices go round none that no lane enters, but through every branch.
+    while (stretch.index != index)
+        stretch = Stretch(index, via_point(motion, index), via_point(motion, index + 1u));
+    precise real time = real(int(within)) / real(int(motion.run));
+    precise real share = minimum_jerk(time);
+    precise real along = motion.reach * (stretch.from.x + share * (stretch.to.x - stretch.from.x));
+    precise real across = motion.across * (stretch.from.y + share * (stretch.to.y - stretch.from.y));
+    precise real above = -motion.depth;
+    return Place(along, across, above);
+}
+
+Place place_at(MotionParams motion, uint step) {
+    uint phase = motion.phase + step * motion.phase_step;
+    if (MOTION == kMotionStrokes)
+        return stroke_place(motion, phase);
+    if (MOTION == kMotionRaster)
+        return raster_place(motion, step);
+    if (MOTION == kMotionCircle)
+        return round_place(motion, motion.reach, phase);
+    if (MOTION == kMotionSpiral)
+        return spiral_place(motion, phase, step);
+    if (MOTION == kMotionTaps)
+        return tap_place(motion, phase);
+    if (MOTION == kMotionMinimumJerk)
+        return minimum_jerk_place(motion, step);
+    precise real above = -motion.depth;
+    return Place(exact_zero, exact_zero, above);
+}
+
+real harmonic_at(uint at, uint step) {
+    precise real value = harmonics[at].amplitude * cosine_of_phase(harmonics[at].phase + step * harmonics[at].phase_step);
+    return value;
+}
+
+// Harmonic motions added to path number `path` of `paths`: the whole of a random walk, the tremor of others.
+real3 harmonics_at(uint path, uint paths, uint step) {
+    real3 sum = real3(exact_zero);
+    for (uint i = 0u; i < HARMONICS; ++i) {
+        uint at = 3u * i * paths + path;
+        precise real x = sum.x + harmonic_at(at, step);
+        precise real y = sum.y + harmonic_at(at + paths, step);
+        precise real z = sum.z + harmonic_at(at + 2u * paths, step);
+        sum = real3(x, y, z);
+    }
+    return sum;
+}
+
+// The intended place of the probe at a step, m; one that follows the surface lies the nominal height above it.
+real3 motion_at(MotionParams motion, uint path, uint paths, uint step) {
+    Place place = place_at(motion, step);
+    real3 more = harmonics_at(path, paths, step);
+    precise real x = motion.centre_x + (place.along * motion.heading_x - place.across * motion.heading_y) + more.x;
+    precise real y = motion.centre_y + (place.along * motion.heading_y + place.across * motion.heading_x) + more.y;
+    precise real z = motion.centre_z + place.above + more.z;
+    return real3(x, y, z);
+}
+
+// Whether the work that a step adds completes a round of the motion (there and back, once about, a tap): in open loop
+// the work since the step before, in closed loop that until the next.
+bool completes_round(MotionParams motion, uint step) {
+    if (MOTION == kMotionRaster || MOTION == kMotionRandomWalk || MOTION == kMotionMinimumJerk || MOTION == kMotionRecorded)
+        return false;
+    bool open = LOOP == kLoopOpen;
+    uint phase = (open ? step - 1u : step) * motion.phase_step; // since the beginning
+    return motion.phase_step != 0u && !(open && step == 0u) && phase + motion.phase_step < phase;
+}

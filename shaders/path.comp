@@ -1,0 +1,132 @@
+// Exploration paths over analytic surfaces (L1 to L5, L8), open and closed loop. An invocation takes one path through the
+// steps of the dispatch; its state lies in registers, between dispatches in a buffer.
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#include "laws/real.glsl"
+#include "shared/layout.h"
+
+layout(local_size_x_id = kPathSpecLocalX) in;
+layout(constant_id = kPathSpecSurface) const uint SURFACE = kSurfaceBump;
+layout(constant_id = kPathSpecShading) const uint SHADING = kShadingNone;
+layout(constant_id = kPathSpecDepth) const uint DEPTH = kDepthVertical;
+layout(constant_id = kPathSpecReference) const uint REFERENCE = kReferenceNormal;
+layout(constant_id = kPathSpecMap) const uint MAP = kMapNone;
+layout(constant_id = kPathSpecTexture) const uint TEXTURE = kMapNone;
+layout(constant_id = kPathSpecChannels) const uint CHANNELS = 0u;
+layout(constant_id = kPathSpecMotion) const uint MOTION = kMotionStrokes;
+layout(constant_id = kPathSpecLoop) const uint LOOP = kLoopOpen;
+layout(constant_id = kPathSpecFollow) const uint FOLLOW = kFollowPlane;
+layout(constant_id = kPathSpecHarmonics) const uint HARMONICS = 0u;
+layout(constant_id = kPathSpecFriction) const uint FRICTION = 0u;
+layout(constant_id = kPathSpecQuantised) const uint QUANTISED = 0u;
+
+layout(std430, set = 0, binding = kPathBindLaw) readonly buffer LawBuffer { LawParams law_params; };
+layout(std430, set = 0, binding = kPathBindFacetVertices) readonly buffer FacetBuffer { real facet_vertices[]; };
+layout(std430, set = 0, binding = kPathBindMapGradients) readonly buffer MapBuffer { real map_gradients[]; };
+layout(std430, set = 0, binding = kPathBindTextureGradients) readonly buffer TextureBuffer { real texture_gradients[]; };
+layout(std430, set = 0, binding = kPathBindMotions) readonly buffer MotionBuffer { MotionParams motions[]; };
+layout(std430, set = 0, binding = kPathBindHarmonics) readonly buffer HarmonicBuffer { Harmonic harmonics[]; };
+layout(std430, set = 0, binding = kPathBindHands) readonly buffer HandBuffer { HandParams hands[]; };
+layout(std430, set = 0, binding = kPathBindLengths) readonly buffer LengthBuffer { uint lengths[]; };
+layout(std430, set = 0, binding = kPathBindRecorded) readonly buffer RecordedBuffer { real recorded[]; };
+layout(std430, set = 0, binding = kPathBindStates) buffer StateBuffer { PathState states[]; };
+layout(std430, set = 0, binding = kPathBindStatus) buffer StatusBuffer { uint status; };
+layout(std430, set = 0, binding = kPathBindPosition) writeonly buffer PositionBuffer { real position_out[]; };
+layout(std430, set = 0, binding = kPathBindForce) writeonly buffer ForceBuffer { real force_out[]; };
+layout(std430, set = 0, binding = kPathBindDepth) writeonly buffer DepthBuffer { real depth_out[]; };
+layout(std430, set = 0, binding = kPathBindFacet) writeonly buffer FacetIdBuffer { uint facet_out[]; };
+layout(std430, set = 0, binding = kPathBindProxy) writeonly buffer ProxyBuffer { real proxy_out[]; };
+layout(push_constant) uniform Push { PathChunkParams chunk; };
+
+// A copy made before any branch: there a uniform load is one load, within branches it is one a lane.
+LawParams law;
+// Zero, and unknown to the compiler where a sign of zero may come of it: llvmpipe takes x * 0 for 0 and 0 - x for -x.
+real exact_zero;
+
+#include "laws/circle.glsl"
+#include "laws/elementary.glsl"
+#include "laws/faceted_bump.glsl"
+#include "laws/remembered_facet.glsl"
+#include "laws/height_map.glsl"
+#define SAMPLED_GRADIENT sampled_map_gradient
+#define GRADIENTS map_gradients
+#include "laws/sampled_gradient.glsl"
+#undef SAMPLED_GRADIENT
+#undef GRADIENTS
+#define SAMPLED_GRADIENT sampled_texture_gradient
+#define GRADIENTS texture_gradients
+#include "laws/sampled_gradient.glsl"
+#include "laws/gradients.glsl"
+#include "laws/column.glsl"
+#include "laws/contact.glsl"
+#include "laws/vector.glsl"
+#include "laws/philox.glsl"
+#include "laws/motion.glsl"
+#include "laws/hand.glsl"
+#include "laws/path_metrics.glsl"
+#include "laws/path_step.glsl"
+#include "path_stores.glsl"
+
+// The nominal surface, m, from which a motion that follows it measures its depth.
+real nominal_height(real x) {
+    if (SURFACE == kSurfaceBump)
+        return remembered_facet_at(x).height;
+    if (SURFACE == kSurfaceCylinderBump && abs(x) < law.half_width)
+        return cylinder_height(law.half_width, law.radius, law.centre_depth, x);
+    return exact_zero;
+}
+
+// The motion's place at a step, m; a recorded path of so many steps rests where it ends.
+real3 target_at(MotionParams motion, uint path, uint step, uint steps) {
+    if (MOTION == kMotionRecorded) {
+        uint at = 3u * ((min(step, steps - 1u) - chunk.row_first) * chunk.paths + path);
+        return real3(recorded[at], recorded[at + 1u], recorded[at + 2u]);
+    }
+    real3 place = motion_at(motion, path, chunk.paths, step);
+    if (FOLLOW == kFollowPlane)
+        return place;
+    precise real z = place.z + nominal_height(place.x);
+    return real3(place.xy, z);
+}
+
+PathSample sample_at(real3 probe, HandParams hand) {
+    Facet plane = Facet(exact_zero, exact_zero, ONE, 0u);
+    Facet facet = SURFACE == kSurfaceBump ? remembered_facet_at(probe.x) : plane;
+    Contact contact = contact_at(column_over(facet, probe.x, probe.y), probe.y, probe.z);
+    real3 force = LOOP == kLoopClosed ? commanded(hand, contact.force) : contact.force;
+    return PathSample(probe, force, contact.depth, contact.proxy, contact.facet);
+}
+
+void main() {
+    law = law_params;
+    exact_zero = real(law.zero);
+    uint path = min(gl_GlobalInvocationID.x, chunk.paths - 1u);
+    MotionParams motion = motions[path];
+    HandParams hand = hands[chunk.own_hands * path];
+    uint steps = chunk.own_lengths != 0u ? lengths[path] : chunk.steps;
+    uint end = gl_GlobalInvocationID.x < chunk.paths ? min(chunk.step_end, steps) : 0u;
+    real3 here = target_at(motion, path, chunk.step_first, steps);
+    PathState state = states[path];
+    if (chunk.step_first == 0u)
+        state = begin_state(hand, here);
+    real3 unit = normalised(real3(state.force_x, state.force_y, state.force_z));
+    uint at = (chunk.step_first - chunk.row_first) * chunk.paths + path;
+    while (state.step < end && !leaves(state, hand, here)) {
+        real3 next = target_at(motion, path, state.step + 1u, steps);
+        PathSample taken = sample_at(probe_at(state, hand, here), hand);
+        store(at, taken);
+        take_step(state, unit, hand, taken, here, next, completes_round(motion, state.step), true, steps);
+        here = next;
+        at += chunk.paths;
+    }
+    while (LOOP == kLoopClosed && state.step < end) {
+        store(at, left_sample(state));
+        ++state.step;
+        at += chunk.paths;
+    }
+    if (gl_GlobalInvocationID.x < chunk.paths)
+        states[path] = state;
+    // A driver that silently ends long loops leaves steps undone.
+    if (state.step < end)
+        atomicOr(status, kStatusUnfinished);
+}
