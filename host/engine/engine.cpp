@@ -8,6 +8,7 @@
 
 #include "compute/field_kernel.h"
 #include "compute/mesh_kernel.h"
+#include "compute/path_kernel.h"
 #include "host/engine/pipeline_cache_file.h"
 #include "host/mesh/block_plan.h"
 #include "host/reference/field.h"
@@ -86,6 +87,7 @@ public:
         : cache_(options.cache), chosen_(choose(options)), device_(open(options)),
           kernel_(device_, kernel_options(options)) {
         mesh_options_.chunk_bytes = options.chunk_bytes;
+        path_options_.chunk_bytes = options.chunk_bytes;
     }
 
     ~GpuEngine() override {
@@ -105,6 +107,15 @@ public:
     }
     EngineTimes evaluate(const layout::FieldInput<double>& input, const Consume<double>& consume) override {
         return run(input, consume);
+    }
+
+    EngineTimes explore(const layout::PathInput<float>& input, const reference::TakePaths<float>& take,
+                        const reference::TakeMetrics<float>& take_metrics) override {
+        return run_paths(input, take, take_metrics);
+    }
+    EngineTimes explore(const layout::PathInput<double>& input, const reference::TakePaths<double>& take,
+                        const reference::TakeMetrics<double>& take_metrics) override {
+        return run_paths(input, take, take_metrics);
     }
 
 private:
@@ -130,7 +141,23 @@ private:
     template <typename T> EngineTimes run(const layout::FieldInput<T>& input, const Consume<T>& consume) {
         EngineTimes spent;
         const bool mesh = input.law.features.surface == layout::kSurfaceMesh;
-        const compute::FieldTimes times = mesh ? run_mesh(input, consume, spent) : kernel_.evaluate(input, consume);
+        add(mesh ? run_mesh(input, consume, spent) : kernel_.evaluate(input, consume), spent);
+        return spent;
+    }
+
+    template <typename T>
+    EngineTimes run_paths(const layout::PathInput<T>& input, const reference::TakePaths<T>& take,
+                          const reference::TakeMetrics<T>& take_metrics) {
+        EngineTimes spent;
+        if (input.law.features.surface == layout::kSurfaceMesh)
+            return Engine::explore(input, take, take_metrics); // no kernel for them
+        if (!path_kernel_)
+            path_kernel_ = std::make_unique<compute::PathKernel>(device_, path_options_);
+        add(path_kernel_->explore(input, take, take_metrics), spent);
+        return spent;
+    }
+
+    void add(const compute::FieldTimes& times, EngineTimes& spent) {
         if (const auto complaints = device_.validation_messages(); !complaints.empty())
             throw compute::DeviceError(compute::DeviceError::Kind::unsupported,
                                        "the validation layers complain: " + complaints.front());
@@ -138,7 +165,6 @@ private:
         spent.upload = times.upload;
         spent.kernel = times.kernel;
         spent.read_back = times.read_back;
-        return spent;
     }
 
     // Slab by slab, so that plans take little memory however large the grid is.
@@ -169,11 +195,13 @@ private:
     compute::FieldKernel kernel_;
     compute::MeshKernelOptions mesh_options_;
     std::unique_ptr<compute::MeshKernel> mesh_kernel_; // made for the first mesh
+    compute::PathKernelOptions path_options_;
+    std::unique_ptr<compute::PathKernel> path_kernel_; // made for the first paths
 };
 
 [[noreturn]] void refuse_paths() {
     throw compute::DeviceError(compute::DeviceError::Kind::unsupported,
-                               "this engine has no kernel for paths: use --engine cpu");
+                               "this engine has no kernel for such paths: use --engine cpu");
 }
 
 } // namespace
