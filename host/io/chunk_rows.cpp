@@ -30,6 +30,8 @@ const char* name_of_channel(std::uint32_t channel) {
         return "proxy";
     case layout::kChannelUnshaded:
         return "unshaded";
+    case layout::kChannelPosition:
+        return "position";
     default:
         throw std::logic_error(fmt::format("no channel {}", channel));
     }

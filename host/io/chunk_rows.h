@@ -16,7 +16,7 @@ constexpr std::size_t components_of(std::uint32_t channel) {
     return channel == layout::kChannelDepth || channel == layout::kChannelFacet ? 1 : 3;
 }
 
-/// The channel's name as a part, an array or a file calls it: force, depth, facet, proxy, unshaded.
+/// The channel's name as a part, an array or a file calls it: force, depth, facet, proxy, unshaded, position.
 const char* name_of_channel(std::uint32_t channel);
 
 /// Follows the rows of a grid in file order, row = z * ny + y.

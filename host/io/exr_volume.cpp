@@ -88,24 +88,32 @@ void require_possible(const VolumeHeader& header) {
             "a grid of {} samples along x is wider than the {} that an EXR holds: make it smaller", nx, kMostColumns));
 }
 
-Imf::Header make_header(const Part& part, const VolumeHeader& volume) {
-    const auto width = static_cast<int>(volume.size[0]);
-    const auto height = static_cast<int>(volume.size[1] * volume.size[2]);
-    Imf::Header header(width, height, 1.0f, Imath::V2f(0, 0), 1.0f, Imf::INCREASING_Y,
-                       compression_of(volume.compression));
+Imf::Header make_image_header(const Part& part, std::uint64_t width, std::uint64_t rows, Compression compression) {
+    Imf::Header header(static_cast<int>(width), static_cast<int>(rows), 1.0f, Imath::V2f(0, 0), 1.0f, Imf::INCREASING_Y,
+                       compression_of(compression));
     header.setName(name_of_channel(part.channel));
     header.setType(Imf::SCANLINEIMAGE);
     for (const char* name : part.channels)
         header.channels().insert(name, Imf::Channel(pixel_of(part.format)));
+    return header;
+}
+
+void insert_text(Imf::Header& header, const Part& part, const std::string& scene, const std::string& version,
+                 const std::string& omitted) {
+    header.insert("forceshade.units", Imf::StringAttribute(std::string("m ") + part.unit));
+    header.insert("forceshade.scene", Imf::StringAttribute(scene));
+    header.insert("forceshade.version", Imf::StringAttribute(version));
+    header.insert("forceshade.omitted", Imf::StringAttribute(omitted));
+}
+
+Imf::Header make_header(const Part& part, const VolumeHeader& volume) {
+    Imf::Header header = make_image_header(part, volume.size[0], volume.size[1] * volume.size[2], volume.compression);
     const auto vector_of = [](const std::array<double, 3>& v) { return Imf::V3dAttribute({v[0], v[1], v[2]}); };
     const auto size_of = [&](int axis) { return static_cast<int>(volume.size[static_cast<std::size_t>(axis)]); };
     header.insert("forceshade.grid", Imf::V3iAttribute({size_of(0), size_of(1), size_of(2)}));
     header.insert("forceshade.origin", vector_of(volume.origin));
     header.insert("forceshade.spacing", vector_of(volume.spacing));
-    header.insert("forceshade.units", Imf::StringAttribute(std::string("m ") + part.unit));
-    header.insert("forceshade.scene", Imf::StringAttribute(volume.scene));
-    header.insert("forceshade.version", Imf::StringAttribute(volume.version));
-    header.insert("forceshade.omitted", Imf::StringAttribute(volume.omitted));
+    insert_text(header, part, volume.scene, volume.version, volume.omitted);
     return header;
 }
 
@@ -121,12 +129,11 @@ Imf::FrameBuffer frame_of(const Part& part, std::uint64_t width, std::uint64_t f
     return frame;
 }
 
-std::uint64_t rows_per_group(const VolumeHeader& header) {
+std::uint64_t rows_per_group(std::uint64_t width, std::uint64_t rows) {
     constexpr std::uint64_t kGroupBytes = 4 << 20;
-    const std::uint64_t rows = kGroupBytes / (header.size[0] * 3 * sizeof(float));
-    const std::uint64_t all = header.size[1] * header.size[2];
-    return std::min(std::max(rows / kBlockRows, std::uint64_t{1}) * kBlockRows,
-                    (all + kBlockRows - 1) / kBlockRows * kBlockRows);
+    const std::uint64_t most = kGroupBytes / (width * 3 * sizeof(float));
+    return std::min(std::max(most / kBlockRows, std::uint64_t{1}) * kBlockRows,
+                    (rows + kBlockRows - 1) / kBlockRows * kBlockRows);
 }
 
 void require_workers(int threads) {

@@ -1,19 +1,17 @@
 #include "host/io/npy.h"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include "host/io/chunk_rows.h"
 #include "host/io/raw_rows.h"
 #include "host/io/temporary_file.h"
 
 namespace forceshade {
-namespace {
-
 /// Format version 1.0; NumPy wants the data to begin at a multiple of 64 bytes.
-std::string make_header(const std::array<std::uint64_t, 3>& size, std::uint32_t channel, Precision precision) {
+std::string npy_header(const std::vector<std::uint64_t>& shape, std::uint32_t channel, Precision precision) {
     const char* type = channel == layout::kChannelFacet ? "<u4" : precision == Precision::f64 ? "<f8" : "<f4";
-    std::string text = fmt::format("{{'descr': '{}', 'fortran_order': False, 'shape': ({}, {}, {}{}), }}", type,
-                                   size[2], size[1], size[0], components_of(channel) == 3 ? ", 3" : "");
+    std::string text =
+        fmt::format("{{'descr': '{}', 'fortran_order': False, 'shape': ({}), }}", type, fmt::join(shape, ", "));
     constexpr std::size_t kPreamble = 10;
     text.resize((kPreamble + text.size() + 1 + 63) / 64 * 64 - kPreamble - 1, ' ');
     text += '\n';
@@ -22,8 +20,6 @@ std::string make_header(const std::array<std::uint64_t, 3>& size, std::uint32_t 
     preamble += static_cast<char>(text.size() >> 8);
     return preamble + text;
 }
-
-} // namespace
 
 struct NpyWriter::State {
     TemporaryFile file;
@@ -40,7 +36,10 @@ struct NpyWriter::State {
 NpyWriter::NpyWriter(const std::filesystem::path& path, const std::array<std::uint64_t, 3>& size, std::uint32_t channel,
                      Precision precision)
     : state_(new State{TemporaryFile(path), RowOrder(size), channel, precision}) {
-    state_->file.write(make_header(size, channel, precision));
+    std::vector<std::uint64_t> shape(size.rbegin(), size.rend());
+    if (components_of(channel) == 3)
+        shape.push_back(3);
+    state_->file.write(npy_header(shape, channel, precision));
 }
 NpyWriter::~NpyWriter() = default;
 

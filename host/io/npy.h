@@ -5,11 +5,16 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "host/io/chunk_sink.h"
 #include "host/scene/scene.h"
 
 namespace forceshade {
+
+/// The bytes before the numbers of an array of a channel.
+std::string npy_header(const std::vector<std::uint64_t>& shape, std::uint32_t channel, Precision precision);
 
 class NpyWriter final : public ChunkSink {
 public:

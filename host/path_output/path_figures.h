@@ -1,0 +1,43 @@
+// What a path was like, in numbers that people read: made of its metrics, in double.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "shaders/shared/layout.h"
+
+namespace forceshade {
+
+/// Nothing where a number has no meaning: depths without contact, a speed ratio in open loop.
+struct PathFigures {
+    std::uint64_t steps = 0;
+    double contact_time = 0;                 /* s */
+    double largest_force = 0, rms_force = 0; /* N; over the samples before a path left its bound */
+    double largest_turn = 0;                 /* deg: of the force between two samples in a row, both in contact */
+    double steepest_turn = 0;                /* deg/mm: such a turn's chord over the distance between the samples */
+    double work = 0;                         /* J: done on the hand */
+    double round_work = 0;                   /* J: of the round with the most either way */
+    double effort = 0;                       /* J: sum of |F . dx| */
+    std::optional<double> eta;               /* 1: work / effort */
+    std::uint64_t rounds = 0;                /* complete ones */
+    std::optional<double> least_depth, mean_depth, largest_depth, depth_deviation; /* m: in contact */
+    std::optional<double> unstable_time; /* s: when the probe left its bound */
+    std::optional<double> speed_ratio;   /* 1: largest speed of the last quarter over that of the second */
+    bool began_inside = false;
+    std::uint64_t unfinished = 0; /* samples at which the proxy did not come to rest */
+};
+
+/// What a path's metrics do not say of it.
+struct PathFacts {
+    std::uint64_t steps = 0; /* samples of the path */
+    double rate = 1;         /* 1/s: samples a second */
+    bool closed = false;
+    bool began_inside = false;
+};
+
+template <typename T> PathFigures figures_of(const layout::PathMetrics<T>& metrics, const PathFacts& facts);
+
+extern template PathFigures figures_of<float>(const layout::PathMetrics<float>&, const PathFacts&);
+extern template PathFigures figures_of<double>(const layout::PathMetrics<double>&, const PathFacts&);
+
+} // namespace forceshade

@@ -1,0 +1,70 @@
+// Engines hand over steps of many paths at a time; files want path after path. A batch of paths is held in between.
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "host/io/path_rows.h"
+
+namespace forceshade {
+
+/// Most bytes of rows that are held at once; one path always may be.
+inline constexpr std::size_t kRowBytes = std::size_t(64) << 20;
+/// Most samples of a batch whose metrics alone are asked for: an interrupt is noticed between two batches.
+inline constexpr std::size_t kMetricSamples = std::size_t(1) << 24;
+
+/// Bytes of a sample of so many channels.
+std::size_t path_sample_bytes(layout::uint channels, std::size_t real_bytes);
+
+/// The paths of a batch whose rows of `channels` fit into kRowBytes: at least 1.
+std::size_t paths_that_fit(layout::uint channels, std::size_t real_bytes, std::size_t steps);
+
+/// Gives an engine fewer paths at a time than it asks for, and remembers of them what metrics do not say.
+template <typename T> class BatchedSource final : public layout::PathSource<T> {
+public:
+    /// `steps` of the longest path. `paths` must outlive this.
+    BatchedSource(layout::PathSource<T>& paths, std::size_t steps, std::size_t most)
+        : paths_(paths), steps_(steps), most_(most) {}
+
+    layout::PathBatch<T> batch(std::size_t first, std::size_t count) override;
+    std::span<const T> positions(std::size_t step, std::size_t steps) override { return paths_.positions(step, steps); }
+
+    /// Of the present batch: the samples of each path, and whether it began behind the surface (empty without a mesh).
+    std::span<const layout::uint> lengths() const { return lengths_; }
+    const std::vector<bool>& inside() const { return inside_; }
+
+private:
+    layout::PathSource<T>& paths_;
+    std::size_t steps_, most_;
+    std::vector<layout::uint> lengths_;
+    std::vector<bool> inside_;
+};
+
+template <typename T> class RowGatherer {
+public:
+    using Take = std::function<void(const PathRows<T>&)>;
+    /// `take` receives every batch of paths when its last step has come. `source` gives the chunks' batches.
+    RowGatherer(const BatchedSource<T>& source, std::size_t steps, Take take);
+
+    /// The next steps of a batch. \throws std::logic_error if they come out of order.
+    void add(const layout::PathChunk<T>& chunk);
+
+private:
+    struct Buffer {
+        std::vector<T> position, force, depth, proxy;
+        std::vector<layout::uint> facet;
+    };
+
+    const BatchedSource<T>& source_;
+    std::size_t steps_;
+    Take take_;
+    std::size_t next_step_ = 0;
+    Buffer rows_;
+};
+
+extern template class BatchedSource<float>;
+extern template class BatchedSource<double>;
+extern template class RowGatherer<float>;
+extern template class RowGatherer<double>;
+
+} // namespace forceshade

@@ -1,0 +1,201 @@
+// The files that explored paths are written to: what stands where, the same bytes however paths arrive.
+#include <cmath>
+#include <fstream>
+#include <sstream>
+
+#include <ImfChannelList.h>
+#include <ImfDoubleAttribute.h>
+#include <ImfFrameBuffer.h>
+#include <ImfHeader.h>
+#include <ImfInputPart.h>
+#include <ImfMultiPartInputFile.h>
+#include <ImfStringAttribute.h>
+#include <ImfVecAttribute.h>
+#include <gtest/gtest.h>
+
+#include "host/error.h"
+#include "host/io/exr_paths.h"
+#include "host/path_output/path_csv.h"
+#include "host/path_output/path_npy.h"
+#include "tests/io/folder.h"
+#include "tests/path_output/sample_paths.h"
+
+namespace forceshade::testing {
+namespace {
+
+const std::vector<layout::uint> kLengths{5, 7, 1, 7, 3, 6, 2, 7, 7, 4, 5, 7, 7, 7, 1, 2, 7, 7, 7, 3};
+constexpr std::size_t kSteps = 7;
+
+class PathFiles : public ::testing::Test {
+protected:
+    std::string read(const std::string& name) const {
+        std::ifstream file(folder_ / name, std::ios::binary);
+        std::ostringstream text;
+        text << file.rdbuf();
+        return text.str();
+    }
+    static PathVolumeHeader header() {
+        PathVolumeHeader header;
+        header.steps = kSteps;
+        header.paths = kLengths.size();
+        header.rate = 1000;
+        header.channels = kPathChannels;
+        header.scene = "[paths]\n";
+        header.version = "0.1.0";
+        return header;
+    }
+    template <typename T>
+    VolumeResult write_exr(const std::string& name, const PathVolumeHeader& header, std::size_t most = 6,
+                           std::size_t window = 3) const {
+        PathVolumeWriter writer(folder_ / name, header);
+        return write_paths<T>(writer, kLengths, kSteps, most, window);
+    }
+    Folder folder_;
+};
+
+std::vector<float> channel_of(const std::filesystem::path& path, const std::string& part, const char* name) {
+    Imf::MultiPartInputFile file(path.c_str());
+    for (int i = 0; i < file.parts(); ++i) {
+        if (file.header(i).name() != part)
+            continue;
+        Imf::InputPart input(file, i);
+        const Imath::Box2i box = input.header().dataWindow();
+        const auto width = static_cast<std::size_t>(box.max.x + 1), height = static_cast<std::size_t>(box.max.y + 1);
+        std::vector<float> values(width * height);
+        Imf::FrameBuffer frame;
+        frame.insert(name, Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(values.data()), 4, 4 * width));
+        input.setFrameBuffer(frame);
+        input.readPixels(0, static_cast<int>(height) - 1);
+        return values;
+    }
+    ADD_FAILURE() << "no part " << part;
+    return {};
+}
+
+TEST_F(PathFiles, exr_has_a_row_a_path_and_nan_behind_its_end) {
+    const VolumeResult result = write_exr<float>("a.exr", header());
+    EXPECT_EQ(result.non_finite, 0u) << "what lies behind an end is no value";
+    EXPECT_EQ(result.bytes, std::filesystem::file_size(folder_ / "a.exr"));
+    double channel = 1;
+    for (const char* part : {"force", "position", "proxy"}) {
+        std::size_t component = 0;
+        for (const char* name : {"R", "G", "B"}) {
+            const std::vector<float> values = channel_of(folder_ / "a.exr", part, name);
+            ASSERT_EQ(values.size(), kSteps * kLengths.size());
+            for (std::size_t path = 0; path < kLengths.size(); ++path)
+                for (std::size_t step = 0; step < kSteps; ++step) {
+                    const float value = values[path * kSteps + step];
+                    if (step < kLengths[path])
+                        EXPECT_EQ(value, float(sample_value(path, step, component, channel))) << part << name;
+                    else
+                        EXPECT_TRUE(std::isnan(value)) << part << name << path << ' ' << step;
+                }
+            ++component;
+        }
+        ++channel;
+    }
+    EXPECT_EQ(channel_of(folder_ / "a.exr", "depth", "Z")[kSteps], 4001);
+    EXPECT_TRUE(std::isnan(channel_of(folder_ / "a.exr", "depth", "Z")[5]));
+    const std::vector<float> facets = channel_of(folder_ / "a.exr", "facet", "id");
+    EXPECT_EQ(facets[0], float(layout::kNoFacet));
+    EXPECT_EQ(facets[kSteps + 1], 1);
+    EXPECT_EQ(facets[5], float(layout::kNoFacet)) << "behind the end";
+}
+
+TEST_F(PathFiles, exr_says_what_it_holds) {
+    write_exr<float>("a.exr", header());
+    Imf::MultiPartInputFile file((folder_ / "a.exr").c_str());
+    ASSERT_EQ(file.parts(), 5);
+    for (int i = 0; i < 5; ++i) {
+        const Imf::Header& part = file.header(i);
+        EXPECT_EQ(part.typedAttribute<Imf::V2iAttribute>("forceshade.paths").value(), Imath::V2i(7, 20));
+        EXPECT_EQ(part.typedAttribute<Imf::DoubleAttribute>("forceshade.rate").value(), 1000);
+        EXPECT_EQ(part.typedAttribute<Imf::StringAttribute>("forceshade.scene").value(), "[paths]\n");
+        EXPECT_EQ(part.typedAttribute<Imf::StringAttribute>("forceshade.version").value(), "0.1.0");
+    }
+    EXPECT_EQ(file.header(0).name(), "force");
+    EXPECT_EQ(file.header(0).typedAttribute<Imf::StringAttribute>("forceshade.units").value(), "m N");
+    EXPECT_EQ(file.header(1).name(), "position");
+    EXPECT_EQ(file.header(1).typedAttribute<Imf::StringAttribute>("forceshade.units").value(), "m m");
+}
+
+TEST_F(PathFiles, exr_is_the_same_however_paths_arrive) {
+    write_exr<float>("a.exr", header());
+    for (const auto& [most, window] : {std::pair<std::size_t, std::size_t>{1, 1}, {100, 7}, {3, 2}}) {
+        write_exr<float>("b.exr", header(), most, window);
+        EXPECT_EQ(read("a.exr"), read("b.exr")) << most << ' ' << window;
+    }
+    write_exr<double>("b.exr", header());
+    EXPECT_EQ(read("a.exr"), read("b.exr")) << "values that floats hold";
+    PathVolumeHeader threads = header();
+    threads.threads = 3;
+    write_exr<float>("b.exr", threads);
+    EXPECT_EQ(read("a.exr"), read("b.exr"));
+}
+
+TEST_F(PathFiles, exr_without_further_channels_has_two_parts) {
+    PathVolumeHeader plain = header();
+    plain.channels = 0;
+    plain.compression = Compression::pxr24;
+    write_exr<float>("a.exr", plain);
+    Imf::MultiPartInputFile file((folder_ / "a.exr").c_str());
+    EXPECT_EQ(file.parts(), 2);
+    EXPECT_EQ(channel_of(folder_ / "a.exr", "position", "R")[1], float(sample_value(0, 1, 0, 2)))
+        << "positions are exact whatever the compression";
+    plain.pixel = PixelType::half;
+    plain.compression = Compression::zip;
+    write_exr<float>("b.exr", plain);
+    EXPECT_EQ(channel_of(folder_ / "b.exr", "position", "R")[1], float(sample_value(0, 1, 0, 2)));
+    EXPECT_NE(channel_of(folder_ / "b.exr", "force", "R")[1], float(sample_value(0, 1, 0, 1)));
+}
+
+TEST_F(PathFiles, exr_refuses_what_is_not_finite) {
+    PathVolumeHeader one = header();
+    one.paths = 1;
+    one.steps = 3;
+    one.channels = 0;
+    std::vector<float> force(9, 1.f), position = force;
+    force[4] = INFINITY;
+    const std::vector<layout::uint> steps{3};
+    const PathRows<float> rows{0, 1, 3, steps, position, force, {}, {}, {}};
+    PathVolumeWriter writer(folder_ / "a.exr", one);
+    writer.write(rows);
+    const std::string message = message_of<Error>([&] { writer.finish(); });
+    EXPECT_NE(message.find("force is inf at step 1 of path 0"), std::string::npos) << message;
+    EXPECT_FALSE(std::filesystem::exists(folder_ / "a.exr"));
+    PathVolumeHeader long_one = header();
+    long_one.steps = std::uint64_t(1) << 31;
+    EXPECT_NE(message_of<UsageError>([&] { PathVolumeWriter(folder_ / "a.exr", long_one); }).find(".csv"),
+              std::string::npos);
+}
+
+TEST_F(PathFiles, csv_holds_what_was_felt_path_after_path) {
+    for (const std::size_t most : {1, 4, 100}) {
+        PathCsvWriter writer(folder_ / "a.csv", {100});
+        write_paths<float>(writer, {2, 1}, 2, most, 1);
+        EXPECT_EQ(read("a.csv"), "path,t,x,y,z,gx,gy,gz,fx,fy,fz,depth,facet\n"
+                                 "0,0,2000,2000.25,2000.5,3000,3000.25,3000.5,1000,1000.25,1000.5,4000,-1\n"
+                                 "0,0.01,2000.001,2000.251,2000.501,3000.001,3000.251,3000.501,1000.001,1000.251,"
+                                 "1000.501,4000.001,0\n"
+                                 "1,0,2001,2001.25,2001.5,3001,3001.25,3001.5,1001,1001.25,1001.5,4001,-1\n");
+    }
+}
+
+TEST_F(PathFiles, npy_is_shaped_by_path_and_step) {
+    PathNpyWriter force(folder_ / "force.npy", kLengths.size(), kSteps, layout::kChannelForce, Precision::f64);
+    write_paths<double>(force, kLengths, kSteps, 6, 3);
+    const std::string text = read("force.npy");
+    EXPECT_NE(text.find("'shape': (20, 7, 3), }"), std::string::npos) << text.substr(0, 128);
+    EXPECT_NE(text.find("'<f8'"), std::string::npos);
+    ASSERT_EQ(text.size(), 128 + 20 * 7 * 3 * 8u);
+    std::vector<double> values(20 * 7 * 3);
+    std::memcpy(values.data(), text.data() + 128, values.size() * 8);
+    EXPECT_EQ(values[3 * (7 + 6) + 2], sample_value(1, 6, 2, 1));
+    EXPECT_TRUE(std::isnan(values[3 * 5])) << "behind the first path's end";
+    PathNpyWriter facet(folder_ / "facet.npy", kLengths.size(), kSteps, layout::kChannelFacet, Precision::f64);
+    write_paths<double>(facet, kLengths, kSteps, 6, 3);
+    EXPECT_NE(read("facet.npy").find("'<u4', 'fortran_order': False, 'shape': (20, 7), }"), std::string::npos);
+}
+
+} // namespace
+} // namespace forceshade::testing
