@@ -16,14 +16,11 @@ namespace {
 
 constexpr double kMargin = 0.05; // of the box's longest side
 
-struct Box {
-    std::array<double, 3> low, high; /* m */
-};
+} // namespace
 
-// Of the vertices that some facet uses.
-Box bounding_box(const PolygonSoup& polygons) {
+MeshBox bounding_box(const PolygonSoup& polygons) {
     constexpr double kFar = std::numeric_limits<double>::infinity();
-    Box box{{kFar, kFar, kFar}, {-kFar, -kFar, -kFar}};
+    MeshBox box{{kFar, kFar, kFar}, {-kFar, -kFar, -kFar}};
     for (const std::uint32_t corner : polygons.corners)
         for (int axis = 0; axis < 3; ++axis) {
             const auto i = static_cast<std::size_t>(axis);
@@ -32,8 +29,6 @@ Box bounding_box(const PolygonSoup& polygons) {
         }
     return box;
 }
-
-} // namespace
 
 std::shared_ptr<const SceneMesh> read_scene_mesh(const MeshSpec& spec) {
     PolygonFile file = read_polygons(spec.path);
@@ -74,7 +69,7 @@ void check_mesh_fits(const Scene& scene, const SceneMesh& mesh) {
 }
 
 GridSpec fitted_grid(std::uint64_t samples, const Mesh& mesh) {
-    const Box box = bounding_box(mesh.polygons);
+    const MeshBox box = bounding_box(mesh.polygons);
     double longest = 0; /* m */
     for (std::size_t i = 0; i < 3; ++i)
         longest = std::max(longest, box.high[i] - box.low[i]);

@@ -1,6 +1,7 @@
 // A scene's mesh, read, put in its place and ready for every precision.
 #pragma once
 
+#include <array>
 #include <memory>
 #include <string>
 #include <type_traits>
@@ -23,6 +24,13 @@ struct SceneMesh {
     MeshStructure structure;
     MeshFindings findings;
 };
+
+struct MeshBox {
+    std::array<double, 3> low, high; /* m */
+};
+
+/// Of the vertices that some facet uses.
+MeshBox bounding_box(const PolygonSoup& polygons);
 
 /// Reads the file that the spec names. \throws IoError, UsageError for a file in which the law has no meaning.
 std::shared_ptr<const SceneMesh> read_scene_mesh(const MeshSpec& spec);

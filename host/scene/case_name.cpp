@@ -82,13 +82,16 @@ std::vector<std::size_t> varying_keys(const std::vector<Selection>& selections, 
 }
 
 // A key's last part; with its table where that would leave open which key is meant. A texture's keys always have
-// theirs.
+// theirs, those of paths if another table has a key of that name.
 std::string label(std::size_t key, const std::vector<std::size_t>& varying) {
     const Key& info = schema_keys()[key];
     const auto same_name = [&](std::size_t other) {
         return other != key && schema_keys()[other].name == info.name && schema_keys()[other].table != "texture";
     };
-    const bool ambiguous = std::any_of(varying.begin(), varying.end(), same_name);
+    const auto shared = [&](const Key& other) { return other.name == info.name && other.table != info.table; };
+    const auto keys = schema_keys();
+    const bool ambiguous = std::any_of(varying.begin(), varying.end(), same_name) ||
+                           (info.table == "paths" && std::any_of(keys.begin(), keys.end(), shared));
     return ambiguous || info.table == "texture" ? info.path() : std::string(info.name);
 }
 

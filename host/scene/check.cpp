@@ -2,6 +2,7 @@
 
 #include "host/error.h"
 #include "host/scene/limits.h"
+#include "host/scene/path_check.h"
 
 #include <algorithm>
 #include <array>
@@ -240,6 +241,7 @@ private:
 void check_scene(const Scene& scene, const Selection& selection, const std::string& source,
                  std::vector<std::string>& warnings) {
     Checker(scene, selection, source, warnings).check();
+    check_paths(scene, selection, source);
 }
 
 } // namespace forceshade

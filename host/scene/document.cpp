@@ -44,6 +44,12 @@ std::string tables_with(std::string_view name) {
     return fmt::format("{}", fmt::join(tables, " or "));
 }
 
+void note_table(std::string_view table, Layer& layer) {
+    layer.texture = layer.texture || table == "texture";
+    layer.paths = layer.paths || table == "paths";
+    layer.hand = layer.hand || table == "hand";
+}
+
 class LayerReader {
 public:
     LayerReader(const std::string& source, const std::string& folder) : source_(source), folder_(folder) {}
@@ -60,7 +66,9 @@ public:
         const Key& key = schema_keys()[index];
         for (const Entry& entry : layer_.entries)
             if (replaces(index, entry.key))
-                fail(source_, member.where, "give \"function\" or \"file\", not both");
+                fail(source_, member.where,
+                     fmt::format("give \"{}\" or \"{}\", not both", schema_keys()[std::min(index, entry.key)].name,
+                                 schema_keys()[std::max(index, entry.key)].name));
         layer_.entries.push_back({index, read_values(key, member.value, source_, folder_), member.where});
     }
 
@@ -72,30 +80,42 @@ private:
         if (member.value.type != Type::table)
             fail(source_, member.where,
                  fmt::format("[{}] is a table of keys; got {}", member.key, describe(member.value)));
-        layer_.texture = layer_.texture || member.key == "texture";
+        note_table(member.key, layer_);
         for (const TomlMember& item : member.value.members)
             read_item(member.key, item);
     }
 
     // A table within a table gives keys with a dot in their name.
     void read_item(const std::string& table, const TomlMember& item) {
-        const bool has_parts = item.value.type == Type::table && item.key == "transform";
-        if (item.key == "transform" && table == "surface" && !has_parts)
-            fail(source_, item.where,
-                 fmt::format(
-                     "transform is a table, for example {{ scale = 2, translate = [\"1 mm\", \"0 m\", \"0 m\"] }}; "
-                     "got {}",
-                     describe(item.value)));
-        for (const TomlMember& part : item.value.members)
-            if (has_parts && part.key.find('.') == std::string::npos)
-                read_key(table, {item.key + '.' + part.key, part.where, part.value});
-            else if (has_parts)
-                refuse_key(part, table);
-        if (has_parts)
-            return;
         if (item.key.find('.') != std::string::npos)
             refuse_key(item, table);
-        read_key(table, item);
+        read_part(table, item);
+    }
+
+    void read_part(const std::string& table, const TomlMember& item) {
+        const bool has_parts = is_table_of_parts(table, item.key);
+        if (has_parts && item.value.type != Type::table && find_key(table + '.' + item.key) < 0)
+            fail(source_, item.where,
+                 fmt::format("{} is a table, for example {}; got {}", item.key,
+                             item.key == "transform" ? "{ scale = 2, translate = [\"1 mm\", \"0 m\", \"0 m\"] }"
+                                                     : "{ amplitude = \"0.1 mm\", frequency = \"10 Hz\" }",
+                             describe(item.value)));
+        if (!has_parts || item.value.type != Type::table)
+            return read_key(table, item);
+        if (item.value.members.empty())
+            fail(source_, item.where, fmt::format("{} is a table without a key", item.key));
+        for (const TomlMember& part : item.value.members)
+            if (part.key.find('.') == std::string::npos)
+                read_part(table, {item.key + '.' + part.key, part.where, part.value});
+            else
+                refuse_key(part, table);
+    }
+
+    // Whether keys begin with this name and a dot.
+    static bool is_table_of_parts(std::string_view table, const std::string& name) {
+        const auto keys = schema_keys();
+        return std::any_of(keys.begin(), keys.end(),
+                           [&](const Key& key) { return key.table == table && key.name.starts_with(name + '.'); });
     }
 
     void read_key(const std::string& table, const TomlMember& item) {
@@ -199,7 +219,7 @@ Layer read_overrides(std::span<const Override> overrides, const std::string& fol
         }
         const Key& key = schema_keys()[static_cast<std::size_t>(index)];
         const auto key_index = static_cast<std::size_t>(index);
-        layer.texture = layer.texture || key.table == "texture";
+        note_table(key.table, layer);
         std::erase_if(layer.entries, [&](const Entry& e) { return e.key == key_index || replaces(key_index, e.key); });
         layer.entries.push_back(
             {key_index, read_values(key, override_member(key, text, source).value, source, folder), {}});
@@ -246,9 +266,14 @@ std::vector<std::size_t> name_order(const Document& document) {
     if (std::any_of(layers.begin(), layers.end(), [](const Layer* layer) { return layer->texture; }) &&
         std::find(tables.begin(), tables.end(), "texture") == tables.end())
         tables.emplace_back("texture");
-    // A texture that only variants have comes last: the resolved text cannot mention it in its base.
-    if (!document.base.texture && !document.overrides.texture)
-        std::stable_partition(tables.begin(), tables.end(), [](std::string_view table) { return table != "texture"; });
+    // A table without which a scene is another one comes last if only variants have it: the resolved text cannot
+    // mention it in its base.
+    const auto in_base = [&](std::string_view table) {
+        const auto has = [&](bool Layer::*flag) { return document.base.*flag || document.overrides.*flag; };
+        return (table != "texture" || has(&Layer::texture)) && (table != "paths" || has(&Layer::paths)) &&
+               (table != "hand" || has(&Layer::hand) || has(&Layer::paths));
+    };
+    std::stable_partition(tables.begin(), tables.end(), in_base);
     std::vector<std::size_t> order;
     for (const std::string_view table : tables) {
         add_function_of_variants(table, layers, order);
@@ -289,8 +314,7 @@ const Entry* Layer::find(std::size_t key) const {
 bool replaces(std::size_t key, std::size_t other) {
     const Key& a = schema_keys()[key];
     const Key& b = schema_keys()[other];
-    return a.table == b.table &&
-           ((a.name == "function" && b.name == "file") || (a.name == "file" && b.name == "function"));
+    return a.table == b.table && !a.choice.empty() && a.choice == b.choice && a.option != b.option;
 }
 
 const std::vector<Entry>& default_entries() {

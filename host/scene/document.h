@@ -24,6 +24,8 @@ struct Layer {
     Location where;
     std::vector<Entry> entries; // in file order
     bool texture = false;       // has a [texture] table, be it empty
+    bool paths = false;         // likewise
+    bool hand = false;
 
     const Entry* find(std::size_t key) const;
 };
@@ -48,7 +50,7 @@ Document read_document(std::string_view text, const std::string& source, const s
 /// The default of each key of the schema, by key; no values where it has none.
 const std::vector<Entry>& default_entries();
 
-/// True for the two keys of a table that each replace the other, `function` and `file`.
+/// True for two keys of a table that each replace the other, such as `function` and `file`.
 bool replaces(std::size_t key, std::size_t other);
 
 } // namespace forceshade

@@ -53,6 +53,8 @@ Digests known_digests(const Study& study) {
             digests[mesh.path] = mesh.sha256;
         if (one.scene.texture)
             add_digest(one.scene.texture->map, digests);
+        if (one.scene.paths && !one.scene.paths->sha256.empty())
+            digests[one.scene.paths->path] = one.scene.paths->sha256;
     }
     return digests;
 }
@@ -144,6 +146,8 @@ private:
         const bool useful = applies_to_any(key, forms_) || (given && applies_to_any(key, possible_forms(base_)));
         if (key.table == "grid" && !stands_in_base(index, given))
             return false;
+        if (key.subject == Subject::paths || key.subject == Subject::hand)
+            return useful && (base_.paths || (base_.hand && key.subject == Subject::hand));
         return useful && (key.table != "texture" || base_.texture);
     }
 
@@ -181,7 +185,7 @@ private:
                                [key](const Entry& entry) { return entry.key == key || replaces(entry.key, key); });
         };
         const std::vector<Forms> forms = possible_forms(merge({&document_.base, &variant, &document_.overrides}));
-        bool texture = false, grid = false;
+        bool texture = false, grid = false, paths = false, hand = false;
         for (const Entry& entry : variant.entries) {
             const Key& key = schema_keys()[entry.key];
             if (overridden(entry.key) || yields_to_override(entry.key) || !applies_to_any(key, forms))
@@ -192,6 +196,8 @@ private:
                 continue;
             grid = grid || key.table == "grid";
             texture = texture || key.table == "texture";
+            paths = paths || key.table == "paths";
+            hand = hand || key.table == "hand";
             writer_.add_dotted(key.path(), literal(key, entry));
             if (const std::string digest = digest_literal(entry, digests_);
                 key.kind == ValueKind::file && !digest.empty())
@@ -202,6 +208,10 @@ private:
             writer_.add_dotted("grid.samples", literal(schema_keys()[samples_], *samples));
         if (variant.texture && !texture)
             writer_.add_dotted("texture", "{}");
+        if (variant.paths && !paths)
+            writer_.add_dotted("paths", "{}");
+        if (variant.hand && !hand)
+            writer_.add_dotted("hand", "{}");
     }
 
     const Document& document_;
@@ -222,6 +232,7 @@ std::string resolved_toml(const Case& one) {
             continue;
         const SurfaceSpec& surface = one.scene.surface;
         const std::string& sha256 = setting.table == "texture"          ? one.scene.texture->map.sha256
+                                    : setting.table == "paths"          ? one.scene.paths->sha256
                                     : surface.kind == SurfaceKind::mesh ? surface.mesh.sha256
                                                                         : surface.map.sha256;
         if (!sha256.empty())

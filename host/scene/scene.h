@@ -21,6 +21,10 @@ enum class TextureEffect { force, normal };
 enum class Compression { none, zip1, zip, pxr24 };
 enum class PixelType { float32, half };
 enum class Precision { f32, f64 };
+enum class PathKind { strokes, raster, circle, spiral, taps, random_walk, minimum_jerk, recorded };
+enum class PathLoop { open, closed };
+enum class PathFollow { plane, surface };
+enum class PathDrive { depth, press, push };
 
 /// G3: U(x, y) over the plane, analytic or from an image file.
 struct HeightMapSpec {
@@ -92,11 +96,76 @@ struct OutputSpec {
     friend bool operator==(const OutputSpec&, const OutputSpec&) = default;
 };
 
+/// A quantity that may differ from path to path, in SI units.
+struct Spread {
+    enum class Shape { fixed, normal, uniform };
+    Shape shape = Shape::fixed;
+    double value = 0;         /* fixed: the value; normal: the mean */
+    double sd = 0;            /* normal: the standard deviation */
+    double low = 0, high = 0; /* uniform: the range */
+    friend bool operator==(const Spread&, const Spread&) = default;
+};
+
+constexpr Spread fixed_spread(double value) {
+    return {Spread::Shape::fixed, value, 0, 0, 0};
+}
+
+/// Exploration paths through a scene. What is not given follows from the surface (host/paths/region.h).
+struct PathsSpec {
+    PathKind kind = PathKind::strokes;
+    std::string file;           /* recorded: as written in the scene */
+    std::string path;           /* absolute path of the file, never written into results */
+    std::string sha256;         /* of the file's bytes, lower-case hex; empty until the file is read */
+    std::uint64_t count = 1000; /* paths */
+    std::uint64_t steps = 2000; /* samples of each */
+    double rate = 1000;         /* Hz */
+    std::uint64_t seed = 1;
+    std::optional<PathLoop> loop; /* as written */
+    PathDrive drive = PathDrive::depth;
+    Spread speed = fixed_spread(0.1);            /* m/s */
+    Spread depth = fixed_spread(0.001);          /* m: below the surface */
+    std::optional<Spread> depth_back;            /* m: strokes: on the way back */
+    double press = 1;                            /* N: into the surface */
+    std::array<double, 3> push{};                /* N: the hand's constant force */
+    Spread heading;                              /* rad: of the strokes, from x to y */
+    Spread offset;                               /* m: of the path's middle to the left of the heading */
+    Spread tremor_amplitude;                     /* m: root mean square on each axis */
+    double tremor_frequency = 10;                /* Hz */
+    std::optional<std::array<double, 2>> centre; /* m */
+    std::optional<double> height;                /* m: z of the plane that depth is measured from */
+    PathFollow follow = PathFollow::plane;
+    std::optional<double> length; /* m: of a stroke; of circles and spirals the largest diameter */
+    std::optional<double> width;  /* m: across */
+    std::uint64_t lines = 16;     /* of a raster; rounds of a spiral on its way out */
+    std::optional<double> inner;  /* m: the smallest radius of a spiral */
+    std::optional<double> lift;   /* m: of taps, above the surface at the top */
+    double start_depth = 0;       /* m: closed loop: below the target at the start */
+    std::optional<double> bound;  /* m: closed loop: further from the target is unstable */
+
+    bool closed() const { return loop ? *loop == PathLoop::closed : drive != PathDrive::depth; }
+    friend bool operator==(const PathsSpec&, const PathsSpec&) = default;
+};
+
+/// The hand and the device that it holds, used in closed loop.
+struct HandSpec {
+    double mass = 0.1;           /* kg */
+    double damping = 1;          /* N s/m: of the device */
+    double grip_stiffness = 500; /* N/m */
+    double grip_damping = 2;     /* N s/m */
+    std::uint64_t delay_samples = 0;
+    double quantisation = 0; /* m: step of the measured position; 0: none */
+    double coulomb = 0;      /* N: friction on each axis */
+    double max_force = 8.5;  /* N */
+    friend bool operator==(const HandSpec&, const HandSpec&) = default;
+};
+
 struct Scene {
     SurfaceSpec surface;
     ForceSpec force;
     std::optional<TextureSpec> texture;
     GridSpec grid;
+    std::optional<PathsSpec> paths;
+    HandSpec hand;
     OutputSpec output;
     Precision precision = Precision::f32;
     friend bool operator==(const Scene&, const Scene&) = default;

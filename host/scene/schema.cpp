@@ -1,7 +1,9 @@
 #include "host/scene/schema.h"
 
+#include "host/scene/scene.h"
 #include "host/scene/schema_keys.h"
 
+#include <bit>
 #include <vector>
 
 #include <fmt/format.h>
@@ -26,6 +28,29 @@ std::vector<std::string_view> map_names(std::uint32_t forms) {
     if (forms & kFormMapFile)
         names.push_back("file");
     return names;
+}
+
+std::string describe_path_forms(const Key& key, const Forms& forms) {
+    if (forms.paths == 0)
+        return "a scene without [paths]";
+    if (key.subject == Subject::paths && (key.forms & forms.paths) == 0)
+        return fmt::format("kind \"{}\"", kPathKinds[static_cast<std::size_t>(std::countr_zero(forms.paths))]);
+    return "an open loop";
+}
+
+std::string describe_path_applicability(const Key& key) {
+    std::vector<std::string_view> kinds;
+    for (std::size_t i = 0; i < kPathKinds.size(); ++i)
+        if (key.forms & (1u << i))
+            kinds.push_back(kPathKinds[i]);
+    const std::string_view loop = key.closed_loop ? "a closed loop" : "";
+    if (kinds.size() == kPathKinds.size())
+        return std::string(loop);
+    const auto recorded = static_cast<std::uint32_t>(PathKind::recorded);
+    const std::string kind = kinds.size() + 1 == kPathKinds.size() && !(key.forms & (1u << recorded))
+                                 ? "every kind but recorded"
+                                 : fmt::format("kind {}", join_or(kinds));
+    return loop.empty() ? kind : fmt::format("{} in {}", kind, loop);
 }
 
 } // namespace
@@ -60,11 +85,17 @@ bool applies(const Key& key, const Forms& forms) {
         return (key.forms & forms.texture) != 0;
     case Subject::shading:
         return (key.forms & forms.surface) != 0 && forms.reference_shading;
+    case Subject::paths:
+        return (key.forms & forms.paths) != 0 && (!key.closed_loop || forms.closed_loop);
+    case Subject::hand:
+        return forms.hand;
     }
     return true;
 }
 
 std::string describe_forms(const Key& key, const Forms& forms) {
+    if (key.subject == Subject::paths || key.subject == Subject::hand)
+        return describe_path_forms(key, forms);
     const std::uint32_t form = key.subject == Subject::texture ? forms.texture : forms.surface;
     if (form == 0)
         return "a scene without [texture]";
@@ -82,6 +113,10 @@ std::string describe_forms(const Key& key, const Forms& forms) {
 std::string describe_applicability(const Key& key) {
     if (key.subject == Subject::none)
         return "";
+    if (key.subject == Subject::hand)
+        return "a closed loop";
+    if (key.subject == Subject::paths)
+        return describe_path_applicability(key);
     std::vector<std::string_view> kinds;
     if (key.forms & kFormBump)
         kinds.push_back(kSurfaceKinds[0]);

@@ -29,9 +29,9 @@ enum Form : std::uint32_t {
     kFormMesh = 128,
 };
 
-/// What decides whether a key applies: nothing, the surface's form, the texture's form, or the shading of such a
-/// surface.
-enum class Subject { none, surface, texture, shading };
+/// What decides whether a key applies: nothing, the surface's form, the texture's form, the shading of such a surface,
+/// the kind of the paths, or whether a hand moves the probe.
+enum class Subject { none, surface, texture, shading, paths, hand };
 
 struct Key {
     std::string_view table;
@@ -41,14 +41,21 @@ struct Key {
     std::string_view doc;
     void (*set)(Scene&, const Value&);
     Subject subject = Subject::none;
-    std::uint32_t forms = 0;                 // bits of Form that it applies to, unless the subject is none
+    std::uint32_t forms = 0;                 // bits of Form, of paths 1 << PathKind, that it applies to, if the
+                                             // subject has forms
     Dimension dimension = Dimension::length; // of a quantity
     Sign sign = Sign::any;                   // of a quantity or number
-    std::uint64_t largest = 0;               // of an integer; the smallest is 1
+    std::uint64_t largest = 0;               // of an integer
     std::span<const std::string_view> choices = {};
-    std::uint32_t count = 1;  // components
-    bool one_for_all = false; // one value may stand for all components
-    bool axis = true;         // a list where one value may stand is a sweep axis
+    std::uint32_t count = 1;       // components
+    bool one_for_all = false;      // one value may stand for all components
+    bool axis = true;              // a list where one value may stand is a sweep axis
+    std::uint64_t smallest = 1;    // of an integer
+    std::string_view example = {}; // as TOML, where there is no default
+    std::string_view choice = {};  // of keys of a table that share this, those with another option replace each other
+    int option = 0;
+    bool spread_part = false; // "speed.mean" and the like: what "speed" may be as a table
+    bool closed_loop = false; // of a key of paths: applies in closed loop only
 
     /// "surface.radius"
     std::string path() const;
@@ -59,6 +66,9 @@ struct Forms {
     std::uint32_t surface = kFormBump;
     std::uint32_t texture = 0; // 0: no texture
     bool reference_shading = false;
+    std::uint32_t paths = 0; // 1 << PathKind; 0: no paths
+    bool closed_loop = false;
+    bool hand = false; // a hand moves the probe
     friend bool operator==(const Forms&, const Forms&) = default;
 };
 

@@ -27,6 +27,7 @@ constexpr std::array<Names, 4> kCompressions{"none", "zip1", "zip", "pxr24"};
 constexpr std::array<Names, 2> kPixelTypes{"float", "half"};
 constexpr std::array<Names, 2> kPrecisions{"f32", "f64"};
 
+constexpr Names kMapChoice = "map"; // a function or a file
 constexpr std::uint32_t kFormCircular = kFormMapCylinder | kFormMapDip;
 constexpr std::uint32_t kFormAnalytic = kFormCircular | kFormMapSine | kFormMapGaussian;
 
@@ -166,7 +167,8 @@ void add_map(std::vector<Key>& keys, std::string_view table, Subject subject, co
          .set = set.function,
          .subject = subject,
          .forms = kFormAnalytic,
-         .choices = kMapFunctions});
+         .choices = kMapFunctions,
+         .choice = kMapChoice});
     keys.push_back({.table = table,
                     .name = "file",
                     .kind = ValueKind::file,
@@ -174,7 +176,9 @@ void add_map(std::vector<Key>& keys, std::string_view table, Subject subject, co
                     .doc = texts.file,
                     .set = set.file,
                     .subject = subject,
-                    .forms = texts.file_forms});
+                    .forms = texts.file_forms,
+                    .choice = kMapChoice,
+                    .option = 1});
     keys.push_back({.table = table,
                     .name = "sha256",
                     .kind = ValueKind::digest,
@@ -348,6 +352,8 @@ std::vector<Key> make_keys() {
     add_force(keys);
     add_texture(keys);
     add_grid(keys);
+    add_path_keys(keys);
+    add_hand_keys(keys);
     add_output(keys);
     return keys;
 }

@@ -15,9 +15,18 @@ inline constexpr std::array<std::string_view, 4> kMapFunctions{"cylinder", "dip"
 
 inline constexpr std::uint32_t kFormBumps = kFormBump | kFormCylinderBump;
 
+// In the order of PathKind.
+inline constexpr std::array<std::string_view, 8> kPathKinds{"strokes", "raster",      "circle",       "spiral",
+                                                            "taps",    "random_walk", "minimum_jerk", "recorded"};
+
 std::vector<Key> make_keys();
 
 /// The keys of [surface] that a mesh alone has.
 void add_mesh_keys(std::vector<Key>& keys);
+
+/// The tables [paths] and [hand].
+void add_path_keys(std::vector<Key>& keys);
+void add_path_place_keys(std::vector<Key>& keys); // of [paths]: where they go
+void add_hand_keys(std::vector<Key>& keys);
 
 } // namespace forceshade

@@ -34,15 +34,23 @@ std::string type_name(const Key& key) {
     return "";
 }
 
+// The key of a quantity that may differ from path to path; its parts follow it in the schema.
+bool is_spread(const Key& key) {
+    const Key* next = &key + 1;
+    return next != schema_keys().data() + schema_keys().size() && !key.spread_part && next->spread_part;
+}
+
 // What may stand there: choices, a range, or a unit.
 std::string describe_values(const Key& key) {
     std::string text = type_name(key);
     if (!key.choices.empty())
         text = fmt::format("{}{}", key.kind == ValueKind::choices ? "a list of " : "", fmt::join(key.choices, " | "));
     else if (key.kind == ValueKind::integer)
-        text = fmt::format("integer, 1 to {}", key.largest);
+        text = fmt::format("integer, {} to {}", key.smallest, key.largest);
     else if (key.kind == ValueKind::quantity || key.kind == ValueKind::number)
         text += key.sign == Sign::positive ? ", positive" : key.sign == Sign::not_negative ? ", not negative" : "";
+    if (is_spread(key))
+        text += "; or { mean, sd }: normal; or { min, max }: uniform";
     if (key.count > 1)
         text += fmt::format("; {}{} values", key.one_for_all ? "1 or " : "", key.count);
     return text;
@@ -63,10 +71,23 @@ void add_key(const Key& key, std::string& result) {
     add_comment(
         fmt::format("    {}{}", describe_values(key), applicability.empty() ? "" : fmt::format(" ({})", applicability)),
         result);
-    const std::string_view example = key.kind == ValueKind::file     ? "\"u.exr\""
+    const bool image = key.kind == ValueKind::file && key.example.empty();
+    const std::string_view example = image                           ? "\"u.exr\""
                                      : key.kind == ValueKind::digest ? "\"(64 hexadecimal digits)\""
+                                     : !key.example.empty()          ? key.example
                                                                      : key.default_text;
     result += fmt::format("{}{} = {}\n", applies(key, Forms{}) ? "" : "# ", key.name, example);
+}
+
+std::string table_header(std::string_view table) {
+    std::string_view remark;
+    if (table == "texture")
+        remark = "(L8; a scene without this table has none)";
+    if (table == "paths")
+        remark = "(exploration paths; a scene without this table has none)";
+    if (table == "hand")
+        remark = "(what moves the probe along paths in closed loop)";
+    return remark.empty() ? fmt::format("\n[{}]\n", table) : fmt::format("\n# [{}]    {}\n", table, remark);
 }
 
 } // namespace
@@ -87,10 +108,10 @@ std::string schema_text() {
     std::string_view table;
     for (const Key& key : schema_keys()) {
         if (key.table != table)
-            result += fmt::format("\n{}[{}]{}\n", key.table == "texture" ? "# " : "", key.table,
-                                  key.table == "texture" ? "    (L8; a scene without this table has none)" : "");
+            result += table_header(key.table);
         table = key.table;
-        add_key(key, result);
+        if (!key.spread_part)
+            add_key(key, result);
     }
     return result;
 }
@@ -108,7 +129,7 @@ std::string schema_json() {
                                                            : "any";
         }
         if (key.kind == ValueKind::integer) {
-            row["minimum"] = 1;
+            row["minimum"] = key.smallest;
             row["maximum"] = key.largest;
         }
         if (!key.choices.empty())

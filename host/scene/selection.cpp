@@ -17,6 +17,10 @@ struct Selectors {
     std::size_t shading = key_index("force.shading");
     std::size_t texture_function = key_index("texture.function");
     std::size_t texture_file = key_index("texture.file");
+    std::size_t paths_kind = key_index("paths.kind");
+    std::size_t loop = key_index("paths.loop");
+    std::size_t press = key_index("paths.press");
+    std::size_t push = key_index("paths.push");
 };
 
 const Selectors& selectors() {
@@ -55,6 +59,40 @@ std::vector<std::uint32_t> map_forms(const Entry* function, const Entry* file) {
     return forms;
 }
 
+// Without paths a hand is what a scene says of it, with them it is needed in closed loop.
+Forms with_paths(Forms forms, std::uint32_t kind, bool closed_loop, bool hand) {
+    forms.paths = kind;
+    forms.closed_loop = kind != 0 && closed_loop;
+    forms.hand = kind != 0 ? closed_loop : hand;
+    return forms;
+}
+
+std::uint32_t path_form(const Value& kind) {
+    return 1u << kind.integers.front();
+}
+
+bool is_closed(const Value& loop) {
+    return static_cast<PathLoop>(loop.integers.front()) == PathLoop::closed;
+}
+
+// One form with every outcome that the paths allow.
+std::vector<Forms> with_paths(const Merged& merged, const Forms& form) {
+    const Selectors& s = selectors();
+    if (!merged.paths)
+        return {with_paths(form, 0, false, merged.hand)};
+    std::vector<bool> loops;
+    if (const Entry* loop = merged.entries[s.loop])
+        for (const Value& value : loop->values)
+            loops.push_back(is_closed(value));
+    else
+        loops.push_back(merged.entries[s.press] || merged.entries[s.push]);
+    std::vector<Forms> result;
+    for (const Value& kind : merged.entries[s.paths_kind]->values)
+        for (const bool closed : loops)
+            result.push_back(with_paths(form, path_form(kind), closed, merged.hand));
+    return result;
+}
+
 } // namespace
 
 Merged merge(std::initializer_list<const Layer*> layers) {
@@ -68,6 +106,8 @@ Merged merge(std::initializer_list<const Layer*> layers) {
         if (!layer)
             continue;
         merged.texture = merged.texture || layer->texture;
+        merged.paths = merged.paths || layer->paths;
+        merged.hand = merged.hand || layer->hand;
         for (const Entry& entry : layer->entries) {
             merged.entries[entry.key] = &entry;
             merged.ranks[entry.key] = rank;
@@ -90,9 +130,10 @@ std::vector<Forms> possible_forms(const Merged& merged) {
         for (const std::uint32_t map : map_forms(entries[s.function], entries[s.file]))
             for (const std::uint32_t texture : textures)
                 for (const Value& shading : entries[s.shading]->values) {
-                    const Forms forms{surface_form(kind, map), texture, is_reference(shading)};
-                    if (std::find(result.begin(), result.end(), forms) == result.end())
-                        result.push_back(forms);
+                    const Forms one{surface_form(kind, map), texture, is_reference(shading)};
+                    for (const Forms& forms : with_paths(merged, one))
+                        if (std::find(result.begin(), result.end(), forms) == result.end())
+                            result.push_back(forms);
                 }
     return result;
 }
@@ -116,6 +157,9 @@ void drop_inapplicable(Selection& selection, const Merged& merged) {
     if (merged.texture)
         forms.texture =
             selection[s.texture_file] ? std::uint32_t{kFormMapFile} : map_form(*selection[s.texture_function]);
+    const bool pressed = selection[s.press] || selection[s.push];
+    const bool closed = selection[s.loop] ? is_closed(*selection[s.loop]) : pressed;
+    forms = with_paths(forms, merged.paths ? path_form(*selection[s.paths_kind]) : 0, closed, merged.hand);
     for (std::size_t i = 0; i < selection.size(); ++i)
         if (!applies(schema_keys()[i], forms))
             selection[i] = nullptr;
@@ -147,6 +191,8 @@ Scene build_scene(const Selection& selection) {
         const Key& key = schema_keys()[i];
         if (key.table == "texture" && !scene.texture)
             scene.texture.emplace();
+        if (key.table == "paths" && !scene.paths)
+            scene.paths.emplace();
         key.set(scene, *selection[i]);
     }
     return scene;

@@ -153,8 +153,10 @@ private:
     void read_integer(const TomlNode& node, Value& value) {
         if (node.type != Type::integer)
             refuse(node, fmt::format("{} is a whole number without quotes; got {}", key_.name, describe(node)));
-        if (node.integer < 1 || static_cast<std::uint64_t>(node.integer) > key_.largest)
-            refuse(node, fmt::format("{} must be from 1 to {}, got {}", key_.name, key_.largest, node.integer));
+        if (node.integer < 0 || static_cast<std::uint64_t>(node.integer) < key_.smallest ||
+            static_cast<std::uint64_t>(node.integer) > key_.largest)
+            refuse(node, fmt::format("{} must be from {} to {}, got {}", key_.name, key_.smallest, key_.largest,
+                                     node.integer));
         value.integers.push_back(static_cast<std::uint64_t>(node.integer));
         value.texts.push_back(fmt::format("{}", node.integer));
     }

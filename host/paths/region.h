@@ -1,0 +1,25 @@
+// Where paths go: what a scene leaves open about its paths follows from its surface.
+#pragma once
+
+#include <array>
+
+#include "host/field/prepared_case.h"
+
+namespace forceshade {
+
+struct PathRegion {
+    std::array<double, 2> centre{}; /* m */
+    double height = 0;              /* m: z that depth is measured from */
+    double length = 0;              /* m: along the heading */
+    double width = 0;               /* m: across */
+    double inner = 0;               /* m: a spiral's smallest radius */
+    double bound = 0;               /* m: a probe further than this from its target has left */
+};
+
+/// The region of a scene's paths. Left open: about the origin, or the middle of a mesh's box; 1.2 times as long as the
+/// feature is wide along x (of a sine a wavelength, of a Gaussian 4 radii, of an image its size), as wide as long (of
+/// a mesh and an image 1.2 times their width along y); height 0 or the box's top. \throws UsageError for a spiral whose
+/// smallest radius is larger than its largest.
+PathRegion path_region(const PathsSpec& paths, const PreparedCase& prepared);
+
+} // namespace forceshade

@@ -1,0 +1,156 @@
+#include "host/paths/scene_paths.h"
+
+#include <atomic>
+#include <limits>
+#include <thread>
+
+#include "host/error.h"
+#include "host/paths/hand.h"
+#include "host/paths/harmonics.h"
+#include "host/paths/motions.h"
+#include "host/paths/recorded_paths.h"
+#include "host/reference/contact.h"
+#include "host/reference/god_object_start.h"
+#include "host/reference/path_step.h"
+
+namespace forceshade {
+namespace {
+
+const PathsSpec& paths_of(const PreparedCase& prepared) {
+    if (!prepared.one.scene.paths)
+        throw UsageError("the scene has no [paths]: add that table, or give recorded paths");
+    return *prepared.one.scene.paths;
+}
+
+layout::PathFeatures features_of(const PathsSpec& paths, std::uint32_t channels) {
+    layout::PathFeatures features;
+    features.motion = static_cast<layout::uint>(paths.kind);
+    features.loop = paths.closed() ? layout::kLoopClosed : layout::kLoopOpen;
+    features.follow = paths.follow == PathFollow::surface ? layout::kFollowSurface : layout::kFollowPlane;
+    features.harmonics = harmonic_count(paths);
+    features.channels = (channels & ~layout::kChannelUnshaded) | layout::kChannelPosition;
+    return features;
+}
+
+} // namespace
+
+template <typename T> ScenePaths<T>::ScenePaths(const PreparedCase& prepared) : spec_(paths_of(prepared)) {
+    if (spec_.kind == PathKind::recorded)
+        throw UsageError("recorded paths are read from a file");
+    prepare(prepared);
+}
+
+template <typename T>
+ScenePaths<T>::ScenePaths(const PreparedCase& prepared, const std::filesystem::path&)
+    : spec_(prepared.one.scene.paths.value_or(PathsSpec{})) {
+    spec_.kind = PathKind::recorded;
+    spec_.follow = PathFollow::plane;
+    prepare(prepared);
+}
+
+template <typename T> ScenePaths<T>::~ScenePaths() = default;
+
+template <typename T> void ScenePaths<T>::prepare(const PreparedCase& prepared) {
+    const Scene& scene = prepared.one.scene;
+    region_ = path_region(spec_, prepared);
+    tables_ = make_tables<T>(scene, prepared.images, Extent::what_varies);
+    law_ = tables_.law();
+    features_ = features_of(spec_, scene.output.channels);
+    if (spec_.closed())
+        hand_ = hand_params<T>(scene.hand, spec_, region_.bound);
+}
+
+template <typename T> layout::PathInput<T> ScenePaths<T>::input() {
+    layout::PathInput<T> input;
+    input.law = law_;
+    input.features = features_;
+    if (spec_.closed())
+        input.hands = {&hand_, 1};
+    input.paths = spec_.count;
+    input.steps = spec_.steps;
+    input.source = this;
+    return input;
+}
+
+template <typename T> std::vector<std::string> ScenePaths<T>::warnings() const {
+    return {};
+}
+
+template <typename T> std::span<const std::uint64_t> ScenePaths<T>::ids() const {
+    return {};
+}
+
+template <typename T> void ScenePaths<T>::add_path(std::size_t first, std::size_t path, std::size_t count) {
+    const PathDraws draws(spec_.seed, first + path);
+    motions_[path] = rounded_motion<T>(path_motion(spec_, region_, draws));
+    const Harmonics harmonics = path_harmonics(spec_, region_, draws);
+    for (std::size_t i = 0; i < harmonics.size(); ++i)
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            const std::size_t at = (3 * i + axis) * count + path;
+            amplitudes_[at] = static_cast<T>(harmonics[i][axis].amplitude);
+            phases_[at] = harmonics[i][axis].phase;
+            phase_steps_[at] = harmonics[i][axis].phase_step;
+        }
+}
+
+template <typename T> layout::PathBatch<T> ScenePaths<T>::batch(std::size_t first, std::size_t count) {
+    const std::size_t table = std::size_t(features_.harmonics) * 3 * count;
+    motions_.resize(count);
+    amplitudes_.resize(table);
+    phases_.resize(table);
+    phase_steps_.resize(table);
+    for (std::size_t path = 0; path < count; ++path)
+        add_path(first, path, count);
+    layout::PathBatch<T> batch;
+    batch.first = first;
+    batch.count = count;
+    batch.motions = motions_;
+    batch.amplitudes = amplitudes_;
+    batch.phases = phases_;
+    batch.phase_steps = phase_steps_;
+    if (law_.features.surface == layout::kSurfaceMesh) {
+        start_proxies(batch);
+        batch.proxies = proxies_;
+    }
+    return batch;
+}
+
+// Where the law is evaluated first decides on which side of the surface a path begins.
+template <typename T> void ScenePaths<T>::start_proxies(const layout::PathBatch<T>& batch) {
+    constexpr std::size_t kShare = 64; // paths that a thread takes at once
+    proxies_.resize(batch.count);
+    std::atomic<std::size_t> next{0};
+    const auto work = [&] {
+        reference::Neighbourhood<T> around;
+        for (std::size_t begin; (begin = kShare * next++) < batch.count;)
+            for (std::size_t path = begin; path < std::min(begin + kShare, batch.count); ++path) {
+                const reference::Vector<T> target = reference::motion_at(law_, features_, batch, path, 0);
+                const layout::PathState<T> state = reference::begin_state(features_, hand_, target);
+                const reference::Vector<T> begun{state.x, state.y, state.z};
+                const reference::Vector<T> probe =
+                    features_.loop == layout::kLoopClosed ? reference::measured(hand_, begun) : begun;
+                proxies_[path] =
+                    reference::proxy_start(law_, around, reference::to_mesh_frame(law_.mesh.params, probe));
+            }
+    };
+    {
+        std::vector<std::jthread> helpers;
+        const std::size_t shares = (batch.count + kShare - 1) / kShare;
+        for (std::size_t i = 1; i < std::min<std::size_t>(shares, std::thread::hardware_concurrency()); ++i)
+            helpers.emplace_back(work);
+        work();
+    }
+    for (std::size_t path = 0; path < batch.count; ++path)
+        if (batch.first + path >= counted_)
+            inside_ += proxies_[path].inside;
+    counted_ = std::max(counted_, batch.first + batch.count);
+}
+
+template <typename T> std::span<const T> ScenePaths<T>::positions(std::size_t, std::size_t) {
+    return {};
+}
+
+template class ScenePaths<float>;
+template class ScenePaths<double>;
+
+} // namespace forceshade

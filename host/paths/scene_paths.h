@@ -1,0 +1,63 @@
+// The paths that a scene describes, ready for an engine.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <vector>
+
+#include "host/field/prepared_case.h"
+#include "host/paths/region.h"
+#include "shaders/shared/layout.h"
+
+namespace forceshade {
+
+template <typename T> class RecordedPaths;
+
+/// Owns what a layout::PathInput only points to. A batch's tables are made when it is asked for, in double, and rounded
+/// once to T; a path depends on the seed and its number alone, neither on its batch nor on T but for that rounding.
+template <typename T> class ScenePaths final : public layout::PathSource<T> {
+public:
+    /// `prepared` must outlive it. \throws UsageError for a scene without [paths] or with values beyond T, IoError.
+    explicit ScenePaths(const PreparedCase& prepared);
+    /// With the paths of a CSV file in place of those of the scene, whose loop, drive, rate and hand hold.
+    ScenePaths(const PreparedCase& prepared, const std::filesystem::path& recorded);
+    ~ScenePaths() override;
+
+    /// Points to this. Channels are those of the scene's output that paths have, and the position.
+    layout::PathInput<T> input();
+
+    /// Paths of a mesh that began behind its surface, of those whose batch was made.
+    std::uint64_t begins_inside() const { return inside_; }
+
+    /// What is remarkable in the recorded file, `file:line:column: ...`.
+    std::vector<std::string> warnings() const;
+    /// The file's numbers of the paths, in the order of their first samples; none: not recorded.
+    std::span<const std::uint64_t> ids() const;
+
+    layout::PathBatch<T> batch(std::size_t first, std::size_t count) override;
+    std::span<const T> positions(std::size_t step, std::size_t steps) override;
+
+private:
+    void prepare(const PreparedCase& prepared);
+    void add_path(std::size_t first, std::size_t path, std::size_t count);
+    void start_proxies(const layout::PathBatch<T>& batch);
+
+    PathsSpec spec_;
+    PathRegion region_;
+    FieldTables<T> tables_;
+    layout::Law<T> law_; // points into the tables
+    layout::PathFeatures features_;
+    layout::HandParams<T> hand_{};
+    std::unique_ptr<RecordedPaths<T>> recorded_; // null: generated
+    std::vector<layout::MotionParams<T>> motions_;
+    std::vector<T> amplitudes_;
+    std::vector<layout::uint> phases_, phase_steps_;
+    std::vector<layout::ProxyStart<T>> proxies_;
+    std::uint64_t inside_ = 0;
+    std::size_t counted_ = 0; // paths whose beginning is known
+};
+
+extern template class ScenePaths<float>;
+extern template class ScenePaths<double>;
+
+} // namespace forceshade
