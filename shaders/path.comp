@@ -104,11 +104,12 @@ void main() {
     MotionParams motion = motions[path];
     HandParams hand = hands[chunk.own_hands * path];
     uint steps = chunk.own_lengths != 0u ? lengths[path] : chunk.steps;
-    uint end = gl_GlobalInvocationID.x < chunk.paths ? min(chunk.step_end, steps) : 0u;
     real3 here = target_at(motion, path, chunk.step_first, steps);
     PathState state = states[path];
     if (chunk.step_first == 0u)
         state = begin_state(hand, here);
+    bool idle = gl_GlobalInvocationID.x >= chunk.paths; // fills the last work group
+    uint end = idle ? state.step : min(chunk.step_end, steps);
     real3 unit = normalised(real3(state.force_x, state.force_y, state.force_z));
     uint at = (chunk.step_first - chunk.row_first) * chunk.paths + path;
     while (state.step < end && !leaves(state, hand, here)) {
@@ -124,9 +125,9 @@ void main() {
         ++state.step;
         at += chunk.paths;
     }
-    if (gl_GlobalInvocationID.x < chunk.paths)
+    if (!idle)
         states[path] = state;
-    // A driver that silently ends long loops leaves steps undone.
-    if (state.step < end)
+    // A driver that silently ends long loops leaves steps undone. Not "<": compilers know that loops end by it.
+    if (state.step != end)
         atomicOr(status, kStatusUnfinished);
 }

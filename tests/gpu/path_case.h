@@ -259,9 +259,31 @@ private:
     }
 };
 
-/// Takes the case's paths through device and oracle; any difference in a bit counts.
-template <typename T> PathComparison hold_paths(compute::PathKernel& kernel, PathCase<T>& one) {
-    const layout::PathInput<T> input = one.input();
+/// Some of a case's paths as if they were all.
+template <typename T> class PathSlice final : public layout::PathSource<T> {
+public:
+    PathSlice(PathCase<T>& of, std::size_t first) : of_(of), first_(first) {}
+    layout::PathBatch<T> batch(std::size_t first, std::size_t count) override {
+        layout::PathBatch<T> batch = of_.batch(first_ + first, count);
+        batch.first = first;
+        return batch;
+    }
+    std::span<const T> positions(std::size_t step, std::size_t steps) override { return of_.positions(step, steps); }
+
+private:
+    PathCase<T>& of_;
+    std::size_t first_;
+};
+
+/// Takes `count` of the case's paths through device and oracle; any difference in a bit counts.
+template <typename T>
+PathComparison hold_slice(compute::PathKernel& kernel, PathCase<T>& one, std::size_t slice, std::size_t count) {
+    PathSlice<T> source(one, slice);
+    layout::PathInput<T> input = one.input();
+    input.source = &source;
+    input.paths = count;
+    if (input.hands.size() > 1)
+        input.hands = input.hands.subspan(slice, count);
     PathResults<T> device(input.paths, input.steps), oracle(input.paths, input.steps);
     kernel.explore<T>(
         input, [&](const layout::PathChunk<T>& chunk) { device.add(chunk); },
@@ -276,20 +298,40 @@ template <typename T> PathComparison hold_paths(compute::PathKernel& kernel, Pat
         result.unstable += oracle.metrics[path].unstable_step != layout::kNever;
         result.rounds += oracle.metrics[path].rounds;
         result.touching += oracle.metrics[path].contact_samples;
-        for (std::size_t step = 0; step < one.length(path); ++step) {
+        for (std::size_t step = 0; step < one.length(slice + path); ++step) {
             ++result.samples;
             if (device.same(oracle, step * input.paths + path))
                 continue;
             if (result.differing++ == 0)
-                result.first = fmt::format("sample of path {} at step {}", path, step);
+                result.first = fmt::format("sample of path {} at step {}", slice + path, step);
         }
         const bool same = path < device.metrics.size() &&
                           std::memcmp(&device.metrics[path], &oracle.metrics[path], sizeof(oracle.metrics[path])) == 0;
         if (!same && result.differing_metrics++ == 0)
-            result.first += fmt::format(" metrics of path {}: work {} and {}", path, device.metrics[path].work,
+            result.first += fmt::format(" metrics of path {}: work {} and {}", slice + path, device.metrics[path].work,
                                         oracle.metrics[path].work);
     }
     return result;
+}
+
+/// Takes all of the case's paths through device and oracle, `slice` of them at a time; 0: all at once.
+template <typename T> PathComparison hold_paths(compute::PathKernel& kernel, PathCase<T>& one, std::size_t slice = 0) {
+    const std::size_t paths = one.input().paths;
+    PathComparison all;
+    for (std::size_t first = 0; first < paths; first += slice ? slice : paths) {
+        const PathComparison some = hold_slice(kernel, one, first, slice ? std::min(slice, paths - first) : paths);
+        if (all.equal())
+            all.first = some.first;
+        all.samples += some.samples;
+        all.differing += some.differing;
+        all.paths += some.paths;
+        all.differing_metrics += some.differing_metrics;
+        all.unstable += some.unstable;
+        all.rounds += some.rounds;
+        all.touching += some.touching;
+        all.in_order = all.in_order && some.in_order;
+    }
+    return all;
 }
 
 /// For gtest: says what differs.
