@@ -62,19 +62,11 @@ real exact_zero;
 #include "laws/vector.glsl"
 #include "laws/philox.glsl"
 #include "laws/motion.glsl"
+#include "laws/nominal_height.glsl"
 #include "laws/hand.glsl"
 #include "laws/path_metrics.glsl"
 #include "laws/path_step.glsl"
 #include "path_stores.glsl"
-
-// The nominal surface, m, from which a motion that follows it measures its depth.
-real nominal_height(real x) {
-    if (SURFACE == kSurfaceBump)
-        return remembered_facet_at(x).height;
-    if (SURFACE == kSurfaceCylinderBump && abs(x) < law.half_width)
-        return cylinder_height(law.half_width, law.radius, law.centre_depth, x);
-    return exact_zero;
-}
 
 // The motion's place at a step, m; a recorded path of so many steps rests where it ends.
 real3 target_at(MotionParams motion, uint path, uint step, uint steps) {
@@ -83,10 +75,7 @@ real3 target_at(MotionParams motion, uint path, uint step, uint steps) {
         return real3(recorded[at], recorded[at + 1u], recorded[at + 2u]);
     }
     real3 place = motion_at(motion, path, chunk.paths, step);
-    if (FOLLOW == kFollowPlane)
-        return place;
-    precise real z = place.z + nominal_height(place.x);
-    return real3(place.xy, z);
+    return FOLLOW == kFollowSurface ? above_surface(place) : place;
 }
 
 PathSample sample_at(real3 probe, HandParams hand) {

@@ -1,6 +1,6 @@
 # cmake -DSHADERS=DIR -DINTO=DIR -DGLSLANG=PROGRAM -DNAME=name -DPATTERN=glob -DFROM=text -DTO=text -P break_kernel.cmake
 # Copies the shaders, replaces a text in those that match, and compiles field.comp to INTO/NAME_{f32,f32_packed,f64}.spv.h
-# and mesh_field.comp to INTO/NAME_mesh_{f32,f64}.spv.h.
+# mesh_field.comp to INTO/NAME_mesh_{f32,f64}.spv.h and path.comp to INTO/NAME_path_{f32,f64}.spv.h.
 # An error if nothing was replaced: a break that no longer breaks would go unseen.
 string(REPLACE "\\n" "\n" TO "${TO}") # no build tool takes a line break in an argument
 file(REMOVE_RECURSE ${INTO}/${NAME})
@@ -21,7 +21,7 @@ if(NOT FROM STREQUAL "")
                             "adapt the break in tests/gpu/CMakeLists.txt")
     endif()
 endif()
-foreach(variant f32 f32_packed f64 mesh_f32 mesh_f64)
+foreach(variant f32 f32_packed f64 mesh_f32 mesh_f64 path_f32 path_f64)
     set(definitions)
     set(kernel field.comp)
     if(variant STREQUAL "f32_packed")
@@ -31,6 +31,8 @@ foreach(variant f32 f32_packed f64 mesh_f32 mesh_f64)
     endif()
     if(variant MATCHES "mesh")
         set(kernel mesh_field.comp)
+    elseif(variant MATCHES "path")
+        set(kernel path.comp)
     endif()
     execute_process(
         COMMAND ${GLSLANG} -V --quiet --target-env vulkan1.1 -S comp -I${INTO}/${NAME} ${definitions}

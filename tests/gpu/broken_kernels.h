@@ -14,6 +14,11 @@ enum class Break {
     tie,        /* L6: of triangles equally near, the last wins */
     outward,    /* L6: of an edge's two normals the pseudonormal takes the difference */
     tangent,    /* L7: half angles are measured wrongly */
+    friction,   /* a hand's friction drives it */
+    kahan,      /* a metric's sum loses more to rounding */
+    late,       /* a device without delay is late, and the other way round */
+    lap,        /* open loop: rounds are counted a step early */
+    forgetful,  /* G2: a facet keeps the vertex at its right */
     imprecise,  /* no `precise`: compilers reassociate */
 };
 

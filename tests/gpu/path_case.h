@@ -2,6 +2,8 @@
 // bit.
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <cstring>
 #include <random>
 #include <string>
@@ -100,6 +102,11 @@ public:
             for (std::size_t i = 0; i < 3 * batch_count_; ++i)
                 window_.push_back(recorded_[3 * (s * shape_.paths + batch_first_) + i]);
         return window_;
+    }
+
+    /// Puts a sample of a recorded path elsewhere, m.
+    void place(std::size_t step, std::size_t path, const std::array<T, 3>& at) {
+        std::copy(at.begin(), at.end(), recorded_.begin() + std::ptrdiff_t(3 * (step * shape_.paths + path)));
     }
 
     std::size_t length(std::size_t path) const {

@@ -15,6 +15,8 @@ namespace broken {
 #include "imprecise_f64.spv.h"
 #include "imprecise_mesh_f32.spv.h"
 #include "imprecise_mesh_f64.spv.h"
+#include "imprecise_path_f32.spv.h"
+#include "imprecise_path_f64.spv.h"
 } // namespace broken
 
 using test::SpirvModule;
@@ -330,7 +332,8 @@ TEST(Spirv, EveryOperationRoundsAsWritten) {
 // The check must see a kernel whose `precise` is gone, and one that uses what Vulkan leaves open.
 TEST(Spirv, TheCheckSeesWhatIsNotPrecise) {
     for (const SpirvModule& module : {SpirvModule(broken::imprecise_f32), SpirvModule(broken::imprecise_f64),
-                                      SpirvModule(broken::imprecise_mesh_f32), SpirvModule(broken::imprecise_mesh_f64)})
+                                      SpirvModule(broken::imprecise_mesh_f32), SpirvModule(broken::imprecise_mesh_f64),
+                                      SpirvModule(broken::imprecise_path_f32), SpirvModule(broken::imprecise_path_f64)})
         EXPECT_EQ(module.inexact().size(), module.arithmetic_count());
     // The same words with the square root made a sine: function 31 to 13 of GLSL.std.450.
     const auto words = kernels::field_f32();
