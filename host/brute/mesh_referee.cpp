@@ -74,7 +74,8 @@ Real angle_filled(const Vector& point, const Vector (&corners)[3], Real toleranc
 
 } // namespace
 
-MeshReferee::MeshReferee(const Mesh& mesh, MeshLaw law) : mesh_(mesh), law_(std::move(law)), size_(0) {
+MeshReferee::MeshReferee(const Mesh& mesh, MeshLaw law)
+    : mesh_(mesh), law_(std::move(law)), chosen_(choose_triangles(mesh)), size_(0) {
     Vector low{}, high{};
     low.fill(std::numeric_limits<Real>::infinity());
     high.fill(-low[0]);
@@ -88,7 +89,8 @@ MeshReferee::MeshReferee(const Mesh& mesh, MeshLaw law) : mesh_(mesh), law_(std:
 
 MeshPoint MeshReferee::nearest(const glm::dvec3& world) const {
     const Vector probe = vector_of(world), here{}; // all relative to the probe: the world's origin may be far away
-    const Real infinite = std::numeric_limits<Real>::infinity(), tolerance = size_ * Real(1e-16);
+    const Real infinite = std::numeric_limits<Real>::infinity(),
+               tolerance = std::max(size_ * Real(1e-16), chosen_.noise);
     std::vector<Vector> points(mesh_.triangles.size());
     std::vector<Real> distances(points.size(), infinite);
     MeshPoint best{{}, {}, infinite, 0xFFFFFFFFu, {}, infinite};
@@ -97,9 +99,7 @@ MeshPoint MeshReferee::nearest(const glm::dvec3& world) const {
             corners[j] = vector_of(mesh_.polygons.vertices[mesh_.triangles[i][j]]) - probe;
     };
     Vector corners[3];
-    for (std::size_t i = 0; i < points.size(); ++i) {
-        if (mesh_.triangle_normals[i] == glm::dvec3(0))
-            continue;
+    for (const std::size_t i : chosen_.touched) {
         corners_of(i, corners);
         points[i] = on_triangle(here, corners[0], corners[1], corners[2]);
         distances[i] = length(points[i]);
@@ -108,9 +108,7 @@ MeshPoint MeshReferee::nearest(const glm::dvec3& world) const {
             best.offset = points[i];
         }
     }
-    for (std::size_t i = 0; i < points.size(); ++i) {
-        if (!(distances[i] < infinite))
-            continue;
+    for (const std::size_t i : chosen_.touched) {
         corners_of(i, corners);
         const Vector there = on_triangle(best.offset, corners[0], corners[1], corners[2]);
         if (length(there - best.offset) > tolerance) {
@@ -127,7 +125,8 @@ MeshPoint MeshReferee::nearest(const glm::dvec3& world) const {
 
 Real MeshReferee::winding_number(const glm::dvec3& world) const {
     Real sum = 0;
-    for (const auto& triangle : mesh_.triangles) {
+    for (const std::size_t number : chosen_.once) {
+        const auto& triangle = mesh_.triangles[number];
         Vector u[3];
         for (std::size_t i = 0; i < 3; ++i)
             u[i] = unit(vector_of(mesh_.polygons.vertices[triangle[i]]) - vector_of(world));
@@ -142,7 +141,8 @@ int MeshReferee::crossings(const glm::dvec3& world) const {
     for (int attempt = 0; attempt < 100; ++attempt) {
         int count = 0;
         bool clear = true;
-        for (const auto& triangle : mesh_.triangles) {
+        for (const std::size_t number : chosen_.once) {
+            const auto& triangle = mesh_.triangles[number];
             Vector corners[3];
             for (std::size_t i = 0; i < 3; ++i)
                 corners[i] = vector_of(mesh_.polygons.vertices[triangle[i]]) - from;
@@ -269,9 +269,9 @@ std::vector<Answer> MeshReferee::all_at(const glm::dvec3& world, Real tolerance)
     std::vector<Answer> answers;
     if (!inside || either)
         answers.push_back({.proxy = probe});
-    for (std::size_t i = 0; (inside || either) && i < mesh_.triangles.size(); ++i) {
-        if (mesh_.triangle_normals[i] == glm::dvec3(0))
-            continue;
+    for (const std::size_t i : chosen_.touched) {
+        if (!inside && !either)
+            break;
         Vector corners[3];
         for (std::size_t j = 0; j < 3; ++j)
             corners[j] = vector_of(mesh_.polygons.vertices[mesh_.triangles[i][j]]) - probe;

@@ -1,12 +1,13 @@
 // L6 to L9 on a mesh, derived differently from the oracle: in the world's metres, in extended precision, by plain loops
-// over all triangles, regions of the plane instead of clamped edges, angles instead of tangents, and no topology.
-// Shares no code with oracle or kernels.
+// over all triangles, regions of the plane instead of clamped edges, angles instead
+// of tangents, and no topology. Shares no code with oracle or kernels.
 #pragma once
 
 #include <functional>
 #include <vector>
 
 #include "host/brute/answer.h"
+#include "host/brute/chosen_triangles.h"
 #include "host/mesh/mesh.h"
 
 namespace forceshade::brute {
@@ -33,7 +34,7 @@ struct MeshPoint {
     Vector offset;       /* m: from the probe */
     Vector point;        /* m */
     Real distance;       /* m */
-    std::uint32_t facet; /* lowest of those as near, to 1e-16 of the mesh's size */
+    std::uint32_t facet; /* lowest of those as near, to 1e-16 of the mesh's size or the noise */
     Vector outward;      /* 1: normals of the triangles there, weighted by the angles they fill round the point */
     Real runner_up;      /* m: distance to the nearest facet that does not hold the point; infinite if all do */
 };
@@ -66,6 +67,7 @@ private:
 
     const Mesh& mesh_;
     MeshLaw law_;
+    ChosenTriangles chosen_;
     Real size_; /* m: of the bounding box */
 };
 

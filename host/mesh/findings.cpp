@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <span>
 
+#include "host/mesh/coincident.h"
 #include "host/mesh/connectivity.h"
 #include "host/mesh/normals.h"
 #include "host/mesh/self_intersections.h"
@@ -44,23 +45,14 @@ void measure_box(const PolygonSoup& polygons, MeshFindings& found) {
     }
 }
 
-// Facets with their corners in order of vertex, so that equal ones can be told and repeated corners seen.
-void count_duplicates(const PolygonSoup& polygons, MeshFindings& found) {
-    std::vector<std::uint32_t> corners = polygons.corners, order(polygons.facets());
-    const auto facet_corners = [&](std::uint32_t facet) {
-        return std::span(corners).subspan(polygons.begins[facet], polygons.begins[facet + 1] - polygons.begins[facet]);
-    };
-    for (std::uint32_t facet = 0; facet < order.size(); ++facet) {
-        const auto mine = facet_corners(facet);
+void count_repeated_corners(const PolygonSoup& polygons, MeshFindings& found) {
+    std::vector<std::uint32_t> corners = polygons.corners;
+    for (std::size_t facet = 0; facet < polygons.facets(); ++facet) {
+        const auto mine =
+            std::span(corners).subspan(polygons.begins[facet], polygons.begins[facet + 1] - polygons.begins[facet]);
         std::ranges::sort(mine);
         found.repeated_corner_facets += std::ranges::adjacent_find(mine) != mine.end();
-        order[facet] = facet;
     }
-    std::ranges::sort(order, [&](std::uint32_t a, std::uint32_t b) {
-        return std::ranges::lexicographical_compare(facet_corners(a), facet_corners(b));
-    });
-    for (std::size_t i = 1; i < order.size(); ++i)
-        found.duplicate_facets += std::ranges::equal(facet_corners(order[i - 1]), facet_corners(order[i]));
 }
 
 // From the middle of the box, so that a mesh far from the origin loses no digits.
@@ -92,11 +84,22 @@ void look_for_self_intersections(const PolygonSoup& polygons, const Triangles& t
 
 } // namespace
 
-MeshFindings inspect(const PolygonSoup& polygons, const InspectionLimits& limits) {
+MeshFindings inspect(const PolygonSoup& all, const InspectionLimits& limits) {
     MeshFindings found;
-    count_kinds(polygons, found);
-    measure_box(polygons, found);
-    count_duplicates(polygons, found);
+    count_kinds(all, found);
+    measure_box(all, found);
+    count_repeated_corners(all, found);
+    std::vector<glm::dvec3> normals = facet_normals(all);
+    found.degenerate_facets = static_cast<std::size_t>(std::ranges::count(normals, glm::dvec3(0)));
+    const CoincidentFacets coincident = find_coincident(all, normals);
+    found.redundant_facets = coincident.redundant.size();
+    found.opposed_facets = coincident.opposed;
+    PolygonSoup rest;
+    if (!coincident.redundant.empty()) {
+        rest = without_facets(all, coincident.redundant);
+        normals = facet_normals(rest);
+    }
+    const PolygonSoup& polygons = coincident.redundant.empty() ? all : rest;
 
     const Connectivity connected = connectivity(polygons);
     found.components = connected.components;
@@ -107,8 +110,6 @@ MeshFindings inspect(const PolygonSoup& polygons, const InspectionLimits& limits
     found.misoriented_edges = connected.misoriented_edges;
     found.closed = found.facets > 0 && connected.odd_edges == 0;
 
-    const std::vector<glm::dvec3> normals = facet_normals(polygons);
-    found.degenerate_facets = static_cast<std::size_t>(std::ranges::count(normals, glm::dvec3(0)));
     const Triangles triangles = triangulate(polygons, normals);
     measure_surface(polygons, triangles, found);
     if (triangles.corners.size() <= limits.self_intersection_triangles)

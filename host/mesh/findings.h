@@ -13,7 +13,7 @@
 namespace forceshade {
 
 /// Lengths, areas and volumes are in the unit of the polygons' coordinates. Vertices that no facet uses count as unused
-/// and enter nothing else.
+/// and enter nothing else; redundant facets enter only the counts of facets.
 struct MeshFindings {
     std::size_t vertices = 0, unused_vertices = 0;
     std::size_t facets = 0, triangles = 0, quadrilaterals = 0, others = 0;
@@ -24,7 +24,8 @@ struct MeshFindings {
     std::size_t non_manifold_vertices = 0;         // where facets do not make one fan, joined by edges
     std::size_t misoriented_edges = 0;             // that two facets run through in the same direction
     std::size_t degenerate_facets = 0;             // without area
-    std::size_t duplicate_facets = 0;              // with the vertices of an earlier one, in any order
+    std::size_t redundant_facets = 0;              // that coincide with others and count for nothing (coincident.h)
+    std::size_t opposed_facets = 0;                // pairs that coincide, of opposite orientation, of which both count
     std::size_t repeated_corner_facets = 0;        // that come to a vertex twice
     std::optional<std::size_t> self_intersections; // pairs of triangles without a common corner that touch or cross
     bool more_self_intersections = false;          // the search was given up after those

@@ -22,6 +22,8 @@ struct PolygonSoup {
 /// A mesh prepared for the laws, in metres. Facets and vertices keep the order of the file.
 struct Mesh {
     PolygonSoup polygons;                                /* m */
+    std::vector<std::uint32_t> redundant_facets;         /* ascending: coincide with others, count for nothing
+                                                            (coincident.h) */
     std::vector<glm::dvec3> facet_normals;               /* 1: unit Newell normals; 0 where a facet has no area */
     std::vector<glm::dvec3> vertex_normals;              /* 1: unit, what L7 interpolates; 0 where they cancel */
     std::vector<std::array<std::uint32_t, 3>> triangles; /* vertices; by facet */

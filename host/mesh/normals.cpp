@@ -165,12 +165,15 @@ std::vector<glm::dvec3> facet_normals(const PolygonSoup& polygons) {
 }
 
 std::vector<glm::dvec3> vertex_normals(const PolygonSoup& polygons, std::span<const glm::dvec3> facet_normals,
-                                       VertexNormals weights) {
+                                       VertexNormals weights, std::span<const std::uint32_t> left_out) {
     std::vector<WeightedNormal> sums(polygons.vertices.size());
     std::vector<std::uint32_t> last_facet(weights == VertexNormals::plain ? sums.size() : 0, 0xFFFFFFFFu);
+    auto next = left_out.begin();
     for (std::size_t facet = 0; facet < facet_normals.size(); ++facet) {
         const glm::dvec3& normal = facet_normals[facet];
-        if (normal == glm::dvec3(0))
+        const bool is_left_out = next != left_out.end() && *next == facet;
+        next += is_left_out ? 1 : 0;
+        if (is_left_out || normal == glm::dvec3(0))
             continue;
         if (weights == VertexNormals::plain)
             add_plain(sums, polygons, facet, normal, last_facet);

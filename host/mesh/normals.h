@@ -26,8 +26,9 @@ std::vector<glm::dvec3> facet_normals(const PolygonSoup& polygons);
 
 /// The unit normal of each vertex (see VertexNormals). 0 where the facets' normals cancel to within 1e-12 of the sum of
 /// their weights, and where no facet with an area is. A facet that comes to a vertex twice counts once in `plain`, with
-/// the sum of its angles in `angle`; a reflex corner has an angle beyond pi.
+/// the sum of its angles in `angle`; a reflex corner has an angle beyond pi. Facets in `left_out` (ascending) count for
+/// nothing.
 std::vector<glm::dvec3> vertex_normals(const PolygonSoup& polygons, std::span<const glm::dvec3> facet_normals,
-                                       VertexNormals weights);
+                                       VertexNormals weights, std::span<const std::uint32_t> left_out = {});
 
 } // namespace forceshade

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "host/error.h"
+#include "host/mesh/coincident.h"
 #include "host/mesh/triangulate.h"
 
 namespace forceshade {
@@ -91,7 +92,8 @@ Mesh prepare_mesh(PolygonSoup polygons, const MeshPlacement& placement, VertexNo
     mesh.polygons = std::move(polygons);
     place(mesh.polygons.vertices, placement);
     mesh.facet_normals = facet_normals(mesh.polygons);
-    mesh.vertex_normals = vertex_normals(mesh.polygons, mesh.facet_normals, weights);
+    mesh.redundant_facets = find_coincident(mesh.polygons, mesh.facet_normals).redundant;
+    mesh.vertex_normals = vertex_normals(mesh.polygons, mesh.facet_normals, weights, mesh.redundant_facets);
     Triangles triangles = triangulate(mesh.polygons, mesh.facet_normals);
     mesh.triangles = std::move(triangles.corners);
     mesh.triangle_facets = std::move(triangles.facets);

@@ -2,15 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <thread>
 
 #include <fmt/format.h>
-#include <glm/common.hpp>
 
 #include "host/error.h"
 #include "host/mesh/structure_edges.h"
 #include "host/mesh/structure_tree.h"
+#include "host/mesh/surface.h"
+#include "host/mesh/weld.h"
 #include "host/mesh/winding.h"
 
 namespace forceshade {
@@ -20,33 +20,6 @@ using layout::uint;
 
 constexpr uint kUnnumbered = 0xFFFFFFFFu;
 constexpr std::size_t kMostTriangles = std::size_t(1) << 28; // a leaf names its first in 28 bits
-
-struct Frame {
-    glm::dvec3 centre;
-    double scale;
-};
-
-/// Corners of facets only: a vertex that none uses has no say.
-Frame frame_of(const PolygonSoup& polygons) {
-    glm::dvec3 low(std::numeric_limits<double>::infinity()), high(-low);
-    for (const uint corner : polygons.corners) {
-        low = glm::min(low, polygons.vertices[corner]);
-        high = glm::max(high, polygons.vertices[corner]);
-    }
-    const glm::dvec3 centre = low / 2.0 + high / 2.0;
-    double reach = 0;
-    for (int axis = 0; axis < 3; ++axis)
-        reach = std::max({reach, centre[axis] - low[axis], high[axis] - centre[axis]});
-    if (!std::isfinite(reach))
-        throw UsageError("the mesh is too large: its bounding box is no finite number of metres");
-    int exponent = 0;
-    if (std::frexp(reach, &exponent) == 0.5)
-        --exponent;
-    const double scale = reach > 0 ? std::ldexp(1.0, exponent) : 1.0;
-    if (!std::isfinite(scale))
-        throw UsageError("the mesh is too large: its bounding box is no finite number of metres");
-    return {centre, scale};
-}
 
 float rounded_down(double value) {
     const auto nearest = static_cast<float>(value);
@@ -61,16 +34,21 @@ float rounded_up(double value) {
 /// Builds one structure, step by step.
 class Assembly {
 public:
-    Assembly(const Mesh& mesh, unsigned threads) : mesh_(mesh), threads_(threads), frame_(frame_of(mesh.polygons)) {}
+    Assembly(const Mesh& mesh, unsigned threads)
+        : mesh_(mesh), threads_(threads), frame_(frame_of(mesh.polygons)), surface_(make_surface(mesh, frame_)),
+          corners_(surface_ ? surface_->corners : mesh.triangles),
+          facets_(surface_ ? surface_->facets : mesh.triangle_facets),
+          normals_(surface_ ? surface_->normals : mesh.triangle_normals) {}
 
     void make_tree(unsigned leaf_triangles) {
         const std::vector<glm::dvec3>& vertices = mesh_.polygons.vertices;
-        for (std::size_t triangle = 0; triangle < mesh_.triangles.size(); ++triangle) {
-            if (mesh_.triangle_normals[triangle] == glm::dvec3(0))
+        order_.reserve(corners_.size());
+        for (std::size_t triangle = 0; triangle < corners_.size(); ++triangle) {
+            if (normals_[triangle] == glm::dvec3(0))
                 continue;
             TreeItem item{{2, 2, 2}, static_cast<std::uint32_t>(triangle), {-2, -2, -2}, 0};
-            for (const uint corner : mesh_.triangles[triangle]) {
-                const glm::dvec3 at = local(vertices[corner]);
+            for (const uint corner : corners_[triangle]) {
+                const glm::dvec3 at = frame_.local(vertices[corner]);
                 for (int axis = 0; axis < 3; ++axis) {
                     float& low = item.low[std::size_t(axis)];
                     float& high = item.high[std::size_t(axis)];
@@ -96,10 +74,10 @@ public:
         parts_.triangle_facets.reserve(triangles);
         reals_.triangle_normals.reserve(3 * triangles);
         for (const TreeItem& item : order_) {
-            for (const uint corner : mesh_.triangles[item.triangle])
+            for (const uint corner : corners_[item.triangle])
                 parts_.triangle_corners.push_back(number_of(corner));
-            parts_.triangle_facets.push_back(mesh_.triangle_facets[item.triangle]);
-            append(reals_.triangle_normals, mesh_.triangle_normals[item.triangle]);
+            parts_.triangle_facets.push_back(facets_[item.triangle]);
+            append(reals_.triangle_normals, normals_[item.triangle]);
         }
         order_ = {};
         parts_.facet_begins = mesh_.polygons.begins;
@@ -109,7 +87,7 @@ public:
         reals_.vertices.reserve(3 * used_.size());
         reals_.vertex_normals.reserve(3 * used_.size());
         for (const uint vertex : used_) {
-            append(reals_.vertices, local(mesh_.polygons.vertices[vertex]));
+            append(reals_.vertices, frame_.local(mesh_.polygons.vertices[vertex]));
             append(reals_.vertex_normals, mesh_.vertex_normals[vertex]);
         }
         reals_.facet_normals.reserve(3 * mesh_.facet_normals.size());
@@ -135,8 +113,6 @@ public:
     }
 
 private:
-    glm::dvec3 local(const glm::dvec3& world) const { return (world - frame_.centre) / frame_.scale; }
-
     static void append(std::vector<double>& table, const glm::dvec3& vector) {
         table.insert(table.end(), {vector.x, vector.y, vector.z});
     }
@@ -151,7 +127,11 @@ private:
 
     const Mesh& mesh_;
     unsigned threads_;
-    Frame frame_;
+    MeshFrame frame_;
+    std::unique_ptr<const Surface> surface_; // null: the mesh's own triangles
+    const std::vector<std::array<uint, 3>>& corners_;
+    const std::vector<uint>& facets_;
+    const std::vector<glm::dvec3>& normals_;
     std::vector<TreeItem> order_;
     std::vector<uint> numbers_, used_;
     MeshParts parts_;

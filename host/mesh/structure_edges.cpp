@@ -1,9 +1,7 @@
 #include "host/mesh/structure_edges.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
-#include <cstring>
 
 #include "host/reference/vector.h"
 
@@ -15,11 +13,6 @@ using Vector = reference::Vector<double>;
 
 Vector vector_at(const std::vector<double>& table, std::size_t index) {
     return reference::vector_at<double>(table, index);
-}
-
-std::uint64_t mixed(std::uint64_t hash, double value) {
-    hash = (hash ^ std::bit_cast<std::uint64_t>(value + 0.0)) * 0x9E3779B97F4A7C15u; // + 0.0: -0 is 0
-    return hash ^ (hash >> 29);
 }
 
 /// A triangle's edge, filed under the lower place of its ends.
@@ -105,26 +98,6 @@ double angle_between(const Vector& u, const Vector& v) {
 }
 
 } // namespace
-
-std::vector<uint> weld(const std::vector<double>& vertices) {
-    const std::size_t count = vertices.size() / 3;
-    const std::size_t slots = std::bit_ceil(2 * count + 1);
-    std::vector<uint> table(slots, 0xFFFFFFFFu), places(count);
-    for (std::size_t i = 0; i < count; ++i) {
-        const double* at = &vertices[3 * i];
-        std::size_t slot = mixed(mixed(mixed(0, at[0]), at[1]), at[2]) & (slots - 1);
-        const auto differs = [&](uint other) {
-            const double* there = &vertices[3 * std::size_t(other)];
-            return at[0] != there[0] || at[1] != there[1] || at[2] != there[2];
-        };
-        while (table[slot] != 0xFFFFFFFFu && differs(table[slot]))
-            slot = (slot + 1) & (slots - 1);
-        if (table[slot] == 0xFFFFFFFFu)
-            table[slot] = static_cast<uint>(i);
-        places[i] = table[slot];
-    }
-    return places;
-}
 
 void connect_edges(MeshParts& parts, MeshReals<double>& reals, const std::vector<uint>& places) {
     parts.triangle_neighbours.resize(parts.triangle_corners.size());

@@ -6,9 +6,6 @@
 
 namespace forceshade {
 
-/// One representative for all vertices at the same place: the lowest. `vertices` has three numbers a vertex.
-std::vector<layout::uint> weld(const std::vector<double>& vertices);
-
 /// Fills parts.triangle_neighbours and reals.edge_pseudonormals. Edges are matched by the places of their ends.
 void connect_edges(MeshParts& parts, MeshReals<double>& reals, const std::vector<layout::uint>& places);
 

@@ -58,22 +58,21 @@ void add_topology(const MeshFindings& found, MeshUse use, std::vector<std::strin
 void add_facets(const MeshFindings& found, MeshUse use, std::vector<std::string>& text) {
     const bool by_normals = use == MeshUse::any || use == MeshUse::pseudonormal_field;
     if (found.degenerate_facets > 0)
-        text.push_back(fmt::format("{} without area: left out{}", counted(found.degenerate_facets, "facet", "facets"),
-                                   by_normals
-                                       ? ", so that its neighbours' edges end there, and what is inside may be wrong "
-                                         "where these are the nearest; inside = \"winding\" does not mind"
-                                       : ""));
+        text.push_back(fmt::format("{} without area: left out, and what lies on both sides of them is joined",
+                                   counted(found.degenerate_facets, "facet", "facets")));
     if (found.repeated_corner_facets > 0)
         text.push_back(
             fmt::format("{} coming to a vertex twice", counted(found.repeated_corner_facets, "facet", "facets")));
-    if (found.duplicate_facets > 0)
-        text.push_back(fmt::format("{} with the vertices of another one: of facets that coincide the first in the "
-                                   "file is the one touched, and each weighs in the vertex normals{}",
-                                   counted(found.duplicate_facets, "facet", "facets"),
-                                   by_normals
-                                       ? "; what is inside may be wrong wherever their edges are the nearest, and "
-                                         "inside = \"winding\" is the safer choice"
-                                       : ""));
+    if (found.redundant_facets > 0)
+        text.push_back(fmt::format("{} given once more: left out", counted(found.redundant_facets, "facet", "facets")));
+    if (found.opposed_facets > 0)
+        text.push_back(
+            fmt::format("{} that coincide and face opposite ways: the first in the file is the one touched, and both "
+                        "weigh in the vertex normals{}",
+                        counted(found.opposed_facets, "pair of facets", "pairs of facets"),
+                        by_normals ? "; what is inside may be wrong wherever they are the nearest, and inside = "
+                                     "\"winding\", for which they cancel, is the safer choice"
+                                   : ""));
     if (found.unused_vertices > 0)
         text.push_back(
             fmt::format("{} that no facet uses: ignored", counted(found.unused_vertices, "vertex", "vertices")));
@@ -92,7 +91,8 @@ void add_facets(const MeshFindings& found, MeshUse use, std::vector<std::string>
 
 bool is_solid(const MeshFindings& findings) {
     const bool sound = findings.non_manifold_edges + findings.non_manifold_vertices + findings.misoriented_edges +
-                           findings.degenerate_facets + findings.duplicate_facets + findings.repeated_corner_facets ==
+                           findings.degenerate_facets + findings.redundant_facets + findings.opposed_facets +
+                           findings.repeated_corner_facets ==
                        0;
     return sound && findings.closed && findings.components == 1 && findings.self_intersections == 0U;
 }

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "host/mesh/structure_edges.h"
+#include "host/mesh/weld.h"
 #include "host/reference/vector.h"
 
 namespace forceshade {

@@ -4,6 +4,7 @@
 #include "host/mesh/block_plan.h"
 #include "host/mesh_file/mesh_file.h"
 #include "tests/gpu/mesh_case.h"
+#include "tests/mesh/damage.h"
 
 namespace forceshade {
 namespace {
@@ -62,6 +63,7 @@ struct Shape {
 };
 
 std::vector<Shape> shapes_of_all_kinds() {
+    std::mt19937 random(3);
     PolygonSoup open = shapes::icosphere(2);
     open.begins.resize(open.begins.size() - 100);
     open.corners.resize(open.begins.back());
@@ -77,7 +79,10 @@ std::vector<Shape> shapes_of_all_kinds() {
             {"hexagons", shapes::patch(shapes::Cells::hexagons, 8, [](double x, double y) { return x * x - y * y; }),
              false},
             {"open sphere", open},
-            {"touching twice", shapes::merged(shapes::cube(true), shapes::cube(true))}};
+            {"wall between cubes",
+             shapes::merged(shapes::cube(true), shapes::moved(shapes::cube(true), glm::dvec3(1), {2, 0, 0}))},
+            {"damaged",
+             shapes::damaged(shapes::icosphere(2), {.caps = 60, .needles = 20, .repeats = 20, .strays = 3}, random)}};
 }
 
 TEST_F(MeshField, EqualsTheOracleOnEveryGrid) {

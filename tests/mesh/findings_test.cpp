@@ -9,6 +9,7 @@
 #include "host/error.h"
 #include "host/mesh/connectivity.h"
 #include "host/mesh_file/mesh_file.h"
+#include "tests/mesh/damage.h"
 #include "tests/mesh/shapes.h"
 
 namespace forceshade {
@@ -110,14 +111,47 @@ TEST(Findings, FacetsThatAreDegenerateDuplicateOrRepeatACorner) {
     add_facet(soup, {a, b, 8});
     soup.vertices.emplace_back(1e9, 0, 0);
     const MeshFindings found = inspect(soup);
-    EXPECT_EQ(found.duplicate_facets, 2u);
+    EXPECT_EQ(found.redundant_facets, 2u);
+    EXPECT_EQ(found.opposed_facets, 0u);
     EXPECT_EQ(found.repeated_corner_facets, 1u);
     EXPECT_EQ(found.degenerate_facets, 2u);
     EXPECT_EQ(found.unused_vertices, 1u);
     EXPECT_LT(found.high.x, 10); // the unused vertex is not in the box
-    for (const char* words : {"2 facets with the vertices of another", "1 facet coming to a vertex twice",
-                              "2 facets without area", "1 vertex that no facet uses"})
+    for (const char* words : {"2 facets given once more", "1 facet coming to a vertex twice", "2 facets without area",
+                              "1 vertex that no facet uses"})
         EXPECT_TRUE(says(found, words)) << words;
+}
+
+TEST(Findings, RedundantFacetsEnterNothing) {
+    const MeshFindings sound = inspect(shapes::icosphere(1));
+    std::mt19937 random(5);
+    for (int trial = 0; trial < 20; ++trial) {
+        MeshFindings found =
+            inspect(shapes::damaged(shapes::icosphere(1), {.repeats = 10, .strays = 5, .shuffled = false}, random));
+        EXPECT_EQ(found.redundant_facets, found.facets - sound.facets);
+        EXPECT_EQ(warnings(found, MeshUse::winding_field).size(), found.unused_vertices > 0 ? 2u : 1u);
+        EXPECT_TRUE(found.closed);
+        EXPECT_NEAR(found.volume, sound.volume, 1e-5);
+        EXPECT_NEAR(found.area, sound.area, 1e-5);
+        EXPECT_EQ(found.non_manifold_edges + found.boundary_edges, 0u);
+        EXPECT_EQ(found.components, 1u);
+    }
+}
+
+TEST(Findings, SheetsAndWallsAreToldOf) {
+    PolygonSoup sheet;
+    sheet.vertices = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
+    add_facet(sheet, {0, 1, 2, 3});
+    add_facet(sheet, {3, 2, 1, 0});
+    const MeshFindings found = inspect(sheet);
+    EXPECT_EQ(found.opposed_facets, 1u);
+    EXPECT_EQ(found.redundant_facets, 0u);
+    EXPECT_TRUE(says(found, "1 pair of facets that coincide and face opposite ways"));
+    // Two cubes that share a face, each with its own.
+    const PolygonSoup cube = shapes::cube();
+    const MeshFindings cells = inspect(shapes::merged(cube, shapes::moved(cube, glm::dvec3(1), {2, 0, 0})));
+    EXPECT_EQ(cells.opposed_facets, 1u);
+    EXPECT_EQ(cells.redundant_facets, 0u);
 }
 
 TEST(Findings, SelfIntersections) {

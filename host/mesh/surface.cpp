@@ -1,0 +1,245 @@
+#include "host/mesh/surface.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <unordered_map>
+
+#include "host/mesh/weld.h"
+
+namespace forceshade {
+namespace {
+
+using Corners = std::array<std::uint32_t, 3>;
+
+double square(const glm::dvec3& v) {
+    return v.x * v.x + v.y * v.y + v.z * v.z;
+}
+
+glm::dvec3 cross(const glm::dvec3& a, const glm::dvec3& b) {
+    return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+
+enum class Kind : std::uint8_t { plain, needle, cap };
+
+/// Tells what a triangle is.
+class Sorting {
+public:
+    Sorting(const Mesh& mesh, const MeshFrame& frame) : mesh_(mesh), frame_(frame) {
+        // Placing a mesh rounds each coordinate a few times; the shape of one far away is not known better.
+        constexpr double kRoundings = 16 * std::numeric_limits<double>::epsilon(), kMost = 1e-6;
+        const glm::dvec3& centre = frame.centre;
+        const double farthest = std::max({std::abs(centre.x), std::abs(centre.y), std::abs(centre.z)});
+        height_ = std::min(kRoundings * (1 + farthest / frame.scale), kMost);
+        side_ = 1024 * height_;
+        inverse_ = 1 / std::max(frame.scale, 0x1p-1000); // sides of a mesh that is smaller seem too short for caps
+    }
+
+    Kind of(std::size_t triangle) const {
+        if (mesh_.triangle_normals[triangle] == glm::dvec3(0))
+            return Kind::cap;
+        glm::dvec3 at[3], sides[3];
+        for (std::size_t i = 0; i < 3; ++i)
+            at[i] = mesh_.polygons.vertices[mesh_.triangles[triangle][i]];
+        double longest = 0, shortest = std::numeric_limits<double>::infinity();
+        for (std::size_t i = 0; i < 3; ++i) {
+            sides[i] = (at[(i + 1) % 3] - at[i]) * inverse_;
+            longest = std::max(longest, square(sides[i]));
+            shortest = std::min(shortest, square(sides[i]));
+        }
+        if (shortest > side_ * side_)
+            return square(cross(sides[0], sides[1])) <= height_ * height_ * longest ? Kind::cap : Kind::plain;
+        const glm::dvec3 a = frame_.local(at[0]), b = frame_.local(at[1]), c = frame_.local(at[2]);
+        return a == b || b == c || c == a ? Kind::needle : Kind::plain;
+    }
+
+private:
+    const Mesh& mesh_;
+    const MeshFrame& frame_;
+    double height_, side_; // 1, of the frame: a cap's height at most, its shorter sides at least
+    double inverse_;       // 1/m: of the frame's scale
+};
+
+/// Cuts triangles where caps say that a vertex lies on an edge.
+class Closing {
+public:
+    explicit Closing(const PolygonSoup& polygons) : polygons_(polygons), places_(weld(polygons)) {}
+
+    void note(const Corners& cap, std::size_t name) {
+        std::vector<Corners> waiting{cap};
+        while (!waiting.empty()) {
+            const Corners corners = waiting.back();
+            waiting.pop_back();
+            if (same(corners[0], corners[1]) || same(corners[1], corners[2]) || same(corners[2], corners[0]))
+                continue;
+            const auto [start, middle, end] = along(corners);
+            const auto [hint, is_new] = hints_.try_emplace(edge(start, end), Hint{middle, name, false});
+            const std::uint32_t other = hint->second.vertex;
+            if (is_new || same(other, middle))
+                continue;
+            waiting.push_back({start, other, middle}); // both on one edge: the second one on a part of it
+            waiting.push_back({other, middle, end});
+        }
+    }
+
+    /// Calls use(corners) for the pieces of a triangle.
+    template <typename Use> void cut(const Corners& triangle, const Use& use) {
+        // Vertices that rounding has moved might, in theory, be cut off again and again.
+        std::size_t left = 64 + 16 * hints_.size();
+        std::vector<Corners> waiting{triangle};
+        while (!waiting.empty()) {
+            const Corners corners = waiting.back();
+            waiting.pop_back();
+            std::size_t side = 0;
+            const Hint* hint = nullptr;
+            for (; left > 0 && side < 3 && hint == nullptr; ++side)
+                hint = on_side(corners, side);
+            if (hint == nullptr) {
+                use(corners);
+                continue;
+            }
+            --left;
+            const std::uint32_t start = corners[side - 1], end = corners[side % 3], tip = corners[(side + 1) % 3];
+            waiting.push_back({hint->vertex, end, tip});
+            waiting.push_back({start, hint->vertex, tip});
+        }
+    }
+
+    /// Another cap takes what was said of its sides into account, too.
+    void use_sides(const Corners& cap, std::size_t name) {
+        for (std::size_t side = 0; side < 3; ++side)
+            if (const auto hint = hints_.find(edge(cap[side], cap[(side + 1) % 3]));
+                hint != hints_.end() && hint->second.name != name)
+                hint->second.used = true;
+    }
+
+    /// Whether another triangle has this cap's longest side.
+    bool was_used(const Corners& cap, std::size_t name) const {
+        const auto [start, middle, end] = along(cap);
+        const auto hint = hints_.find(edge(start, end));
+        return hint == hints_.end() || hint->second.name != name || hint->second.used;
+    }
+
+private:
+    struct Hint {
+        std::uint32_t vertex; // that lies on the edge
+        std::size_t name;     // of the cap that says so
+        bool used;
+    };
+
+    bool same(std::uint32_t one, std::uint32_t other) const { return places_[one] == places_[other]; }
+
+    std::uint64_t edge(std::uint32_t start, std::uint32_t end) const { return edge_of(places_[start], places_[end]); }
+
+    /// A cap's corners in their order along the axis on which it is longest.
+    Corners along(Corners corners) const {
+        int axis = 0;
+        double longest = 0;
+        const auto at = [&](std::uint32_t vertex) -> const glm::dvec3& { return polygons_.vertices[vertex]; };
+        for (int i = 0; i < 3; ++i) {
+            const double a = at(corners[0])[i], b = at(corners[1])[i], c = at(corners[2])[i];
+            const double length = std::max({a, b, c}) - std::min({a, b, c});
+            if (length > longest) {
+                longest = length;
+                axis = i;
+            }
+        }
+        std::ranges::sort(corners, {}, [&](std::uint32_t vertex) { return at(vertex)[axis]; });
+        return corners;
+    }
+
+    const Hint* on_side(const Corners& corners, std::size_t side) {
+        const auto hint = hints_.find(edge(corners[side], corners[(side + 1) % 3]));
+        if (hint == hints_.end() || same(hint->second.vertex, corners[(side + 2) % 3]))
+            return nullptr;
+        hint->second.used = true;
+        return &hint->second;
+    }
+
+    const PolygonSoup& polygons_;
+    std::vector<std::uint32_t> places_;
+    std::unordered_map<std::uint64_t, Hint> hints_; // by edge
+};
+
+class Making {
+public:
+    Making(const Mesh& mesh, const MeshFrame& frame) : mesh_(mesh), sorting_(mesh, frame) {}
+
+    std::unique_ptr<const Surface> run() {
+        std::size_t sound = 0;
+        while (sound < mesh_.triangles.size() && sorting_.of(sound) == Kind::plain)
+            ++sound;
+        if (sound == mesh_.triangles.size() && mesh_.redundant_facets.empty())
+            return nullptr;
+        collect();
+        if (kept_.empty())
+            return nullptr;
+        if (!caps_.empty())
+            close();
+        auto surface = std::make_unique<Surface>();
+        if (caps_.empty())
+            for (const std::size_t triangle : kept_)
+                append(*surface, mesh_.triangles[triangle], triangle);
+        for (const Piece& piece : pieces_)
+            append(*surface, piece.corners, piece.triangle);
+        return surface;
+    }
+
+private:
+    struct Piece {
+        std::size_t triangle;
+        Corners corners;
+    };
+
+    void collect() {
+        kept_.reserve(mesh_.triangles.size());
+        auto redundant = mesh_.redundant_facets.begin();
+        for (std::size_t triangle = 0; triangle < mesh_.triangles.size(); ++triangle) {
+            const std::uint32_t facet = mesh_.triangle_facets[triangle];
+            while (redundant != mesh_.redundant_facets.end() && *redundant < facet)
+                ++redundant;
+            if (redundant != mesh_.redundant_facets.end() && *redundant == facet)
+                continue;
+            const Kind kind = sorting_.of(triangle);
+            if (kind == Kind::plain)
+                kept_.push_back(triangle);
+            else if (kind == Kind::cap)
+                caps_.push_back(triangle);
+        }
+    }
+
+    void close() {
+        Closing closing(mesh_.polygons);
+        for (const std::size_t cap : caps_)
+            closing.note(mesh_.triangles[cap], cap);
+        for (const std::size_t triangle : kept_)
+            closing.cut(mesh_.triangles[triangle], [&](const Corners& corners) {
+                pieces_.push_back({triangle, corners});
+            });
+        for (const std::size_t cap : caps_)
+            closing.use_sides(mesh_.triangles[cap], cap);
+        for (const std::size_t cap : caps_)
+            if (mesh_.triangle_normals[cap] != glm::dvec3(0) && !closing.was_used(mesh_.triangles[cap], cap))
+                pieces_.push_back({cap, mesh_.triangles[cap]});
+        std::ranges::stable_sort(pieces_, {}, &Piece::triangle);
+    }
+
+    void append(Surface& surface, const Corners& corners, std::size_t triangle) const {
+        surface.corners.push_back(corners);
+        surface.facets.push_back(mesh_.triangle_facets[triangle]);
+        surface.normals.push_back(mesh_.triangle_normals[triangle]);
+    }
+
+    const Mesh& mesh_;
+    Sorting sorting_;
+    std::vector<std::size_t> kept_, caps_;
+    std::vector<Piece> pieces_;
+};
+
+} // namespace
+
+std::unique_ptr<const Surface> make_surface(const Mesh& mesh, const MeshFrame& frame) {
+    return Making(mesh, frame).run();
+}
+
+} // namespace forceshade

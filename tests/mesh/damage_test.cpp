@@ -1,0 +1,149 @@
+// Facets without area, needles of no width and facets given twice change nothing: inside is where the winding number of
+// the sound mesh says, near and far, in both precisions.
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "host/brute/mesh_referee.h"
+#include "host/mesh/prepare_mesh.h"
+#include "host/mesh/structure.h"
+#include "host/reference/mesh_nearest.h"
+#include "host/reference/mesh_winding.h"
+#include "tests/mesh/damage.h"
+#include "tests/mesh/shapes.h"
+
+namespace forceshade {
+namespace {
+
+using shapes::Damage;
+
+double uniform(std::mt19937& random) {
+    return (double(random()) + 0.5) / 2147483648.0 - 1;
+}
+
+glm::dvec3 anywhere(std::mt19937& random, double reach) {
+    const double x = reach * uniform(random), y = reach * uniform(random);
+    return {x, y, reach * uniform(random)};
+}
+
+PolygonSoup shape(unsigned kind, std::mt19937& random) {
+    switch (kind % 6) {
+    case 0:
+        return shapes::cube(true);
+    case 1:
+        return shapes::moved(
+            shapes::merged(shapes::icosphere(1), shapes::moved(shapes::cube(true), glm::dvec3(-0.3), {})), {1, 1, 0.5},
+            {});
+    case 2:
+        return shapes::tetrahedron({0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.1, 0.2, 0.7});
+    default:
+        return shapes::lumpy_sphere(kind % 6 == 3 ? 2 : 1, random);
+    }
+}
+
+/// On the surface, an edge or a corner, or off by up to `off`.
+glm::dvec3 near_surface(const PolygonSoup& polygons, double off, std::mt19937& random) {
+    const std::size_t first = 3 * (random() % polygons.facets());
+    const auto vertex = [&](std::size_t i) { return polygons.vertices[polygons.corners[first + i]]; };
+    const double u = random() % 3 == 0 ? 0 : std::abs(uniform(random)), v = (1 - u) * std::abs(uniform(random));
+    return vertex(0) + u * (vertex(1) - vertex(0)) + v * (vertex(2) - vertex(0)) + anywhere(random, off);
+}
+
+struct Count {
+    int asked = 0, wrong = 0, referee_wrong = 0;
+};
+
+/// Probes against the sound mesh's winding number; `surely` in units of the frame: nearer ones are not judged.
+template <typename T>
+Count count_wrong(const Mesh& sound, const Mesh& broken, int probes, double surely, std::mt19937& random) {
+    const MeshStructure structure = build_structure(broken);
+    const MeshTables<T> tables = make_mesh_tables<T>(structure, 1);
+    const layout::MeshView<T> view = tables.view();
+    const brute::MeshReferee referee(sound, {}), of_broken(broken, {});
+    Count count;
+    for (int i = 0; i < probes; ++i) {
+        const double off = std::pow(10.0, -4 + 4 * std::abs(uniform(random)));
+        const glm::dvec3 world = i % 3 == 0 ? structure.centre + structure.scale * anywhere(random, i % 2 == 0 ? 1 : 30)
+                                            : near_surface(sound.polygons, off * structure.scale, random);
+        const reference::Vector<T> probe(to_mesh_frame(structure, world));
+        const auto found = reference::nearest(view, probe);
+        if (std::sqrt(double(found.square)) < surely * std::max(1.0, double(reference::largest_coordinate(probe))))
+            continue;
+        ++count.asked;
+        const glm::dvec3 there = structure.centre + structure.scale * glm::dvec3(probe);
+        const bool inside = referee.winding_number(there) > 0.5L;
+        count.wrong += reference::inside_by_pseudonormal(view, found) != inside;
+        // What the program is validated by must know these meshes too.
+        count.referee_wrong += (of_broken.at(there).depth > 0) != inside;
+        count.referee_wrong += (of_broken.winding_number(there) > 0.5L) != inside;
+    }
+    return count;
+}
+
+void expect_right(const Damage& most, const MeshPlacement& placement, unsigned meshes, const char* what) {
+    std::mt19937 random(11);
+    Count doubles, singles;
+    for (unsigned i = 0; i < meshes; ++i) {
+        const PolygonSoup polygons = shapes::rounded(shape(i, random));
+        const auto some = [&](unsigned count) { return count > 0 ? 1 + unsigned(random()) % count : 0; };
+        const Damage damage{some(most.caps), some(most.needles), some(most.repeats),
+                            some(std::min(most.strays, unsigned(polygons.facets() / 10))), most.shuffled};
+        const PolygonSoup broken = shapes::damaged(polygons, damage, random);
+        const Mesh sound_mesh = prepare_mesh(polygons, placement, VertexNormals::plain);
+        const Mesh mesh = prepare_mesh(broken, placement, VertexNormals::plain);
+        const Count one = count_wrong<double>(sound_mesh, mesh, 100, 1e-8, random);
+        const Count other = count_wrong<float>(sound_mesh, mesh, 100, 1e-4, random);
+        doubles = {doubles.asked + one.asked, doubles.wrong + one.wrong, doubles.referee_wrong + one.referee_wrong};
+        singles = {singles.asked + other.asked, singles.wrong + other.wrong,
+                   singles.referee_wrong + other.referee_wrong};
+    }
+    EXPECT_EQ(doubles.wrong, 0) << what << ", of " << doubles.asked;
+    EXPECT_EQ(singles.wrong, 0) << what << ", of " << singles.asked;
+    EXPECT_EQ(doubles.referee_wrong + singles.referee_wrong, 0) << what;
+}
+
+constexpr MeshPlacement kTurned{.unit = 1e-3, .scale = 1.7, .rotate = {0.3, 1.1, -0.7}, .translate = {0.01, 0.02, 0.7}};
+constexpr MeshPlacement kFar{.unit = 1, .scale = 1, .rotate = {0.3, 1.1, -0.7}, .translate = {1000, -300, 20}};
+
+TEST(Damage, NoneIsRight) {
+    expect_right({}, {}, 60, "sound");
+}
+
+TEST(Damage, Caps) {
+    expect_right({.caps = 1}, {}, 120, "one cap");
+    expect_right({.caps = 100}, {}, 120, "caps");
+}
+
+TEST(Damage, CapsThatPlacingHasRounded) {
+    expect_right({.caps = 1}, kTurned, 120, "one cap turned");
+    expect_right({.caps = 100}, kTurned, 120, "caps turned");
+    expect_right({.caps = 100}, kFar, 120, "caps far");
+}
+
+TEST(Damage, Needles) {
+    expect_right({.needles = 30}, {}, 120, "needles");
+    expect_right({.needles = 30}, kTurned, 120, "needles turned");
+}
+
+TEST(Damage, Repeats) {
+    expect_right({.repeats = 1}, {}, 120, "one repeat");
+    expect_right({.repeats = 100}, kTurned, 120, "repeats");
+}
+
+TEST(Damage, Strays) {
+    expect_right({.strays = 1}, {}, 120, "at most one stray");
+    // Of a mesh that is given once as it is and once turned over, neither side could be told from the other.
+    expect_right({.strays = 10}, kTurned, 120, "strays");
+    expect_right({.repeats = 20, .strays = 10}, kFar, 120, "repeats and strays");
+}
+
+TEST(Damage, AllAtOnce) {
+    expect_right({.caps = 60, .needles = 20, .repeats = 40}, {}, 200, "all");
+    expect_right({.caps = 60, .needles = 20, .repeats = 40}, kTurned, 200, "all turned");
+    expect_right({.caps = 60, .needles = 20, .repeats = 40, .strays = 3}, kTurned, 200, "all with strays");
+}
+
+} // namespace
+} // namespace forceshade
