@@ -63,7 +63,8 @@ private:
 /// Cuts triangles where caps say that a vertex lies on an edge.
 class Closing {
 public:
-    explicit Closing(const PolygonSoup& polygons) : polygons_(polygons), places_(weld(polygons)) {}
+    explicit Closing(const PolygonSoup& polygons)
+        : polygons_(polygons), places_(weld(polygons)), ends_(places_.size()) {}
 
     void note(const Corners& cap, std::size_t name) {
         std::vector<Corners> waiting{cap};
@@ -75,6 +76,7 @@ public:
             const auto [start, middle, end] = along(corners);
             const auto [hint, is_new] = hints_.try_emplace(edge(start, end), Hint{middle, name, false});
             const std::uint32_t other = hint->second.vertex;
+            ends_[places_[start]] = ends_[places_[end]] = true;
             if (is_new || same(other, middle))
                 continue;
             waiting.push_back({start, other, middle}); // both on one edge: the second one on a part of it
@@ -84,6 +86,10 @@ public:
 
     /// Calls use(corners) for the pieces of a triangle.
     template <typename Use> void cut(const Corners& triangle, const Use& use) {
+        if (ends_[places_[triangle[0]]] + ends_[places_[triangle[1]]] + ends_[places_[triangle[2]]] < 2) {
+            use(triangle); // as most
+            return;
+        }
         // Vertices that rounding has moved might, in theory, be cut off again and again.
         std::size_t left = 64 + 16 * hints_.size();
         std::vector<Corners> waiting{triangle};
@@ -158,6 +164,7 @@ private:
 
     const PolygonSoup& polygons_;
     std::vector<std::uint32_t> places_;
+    std::vector<bool> ends_;                        // by place: of edges with hints
     std::unordered_map<std::uint64_t, Hint> hints_; // by edge
 };
 
