@@ -1,0 +1,163 @@
+// The oracle against closed forms: sampled stability, flutter, and the work round a rectangle (shaders/README.md).
+#include <cmath>
+#include <numbers>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "tests/paths/explored.h"
+
+namespace forceshade {
+namespace {
+
+constexpr double kMil = 25.4e-6; // m
+
+// The logarithm of how much faster a probe moves in the last quarter of its time than in the second.
+double growth(const std::string& scene) {
+    const auto result = explored<double>(scene, {}, false);
+    const auto& metrics = result.metrics.front();
+    EXPECT_EQ(metrics.unstable_step, layout::kNever);
+    return std::log(metrics.late_speed / metrics.early_speed);
+}
+
+// Where something that increases is zero, between two places on both sides of it.
+template <typename Function> double zero_of(double low, double high, const Function& function) {
+    for (int i = 0; i < 25; ++i) {
+        const double middle = (low + high) / 2;
+        (function(middle) < 0 ? low : high) = middle;
+    }
+    return (low + high) / 2;
+}
+
+struct Plant {
+    double mass, damping, period; /* kg, N s/m, s */
+    double limit, limit_late;     /* N/m: K_crit, and with a sample of delay */
+};
+
+constexpr std::array<Plant, 6> kPlants{{{0.075, 0.5, 1e-3, 1001.11, 333.95},
+                                        {0.1, 1.0, 1e-3, 2003.34, 668.51},
+                                        {0.1, 5.0, 1e-3, 10084.03, 3378.94},
+                                        {0.1, 1.0, 1e-4, 20003.33, 6668.52},
+                                        {0.05, 20, 1e-3, 42849.01, 14646.91},
+                                        {0.01, 50, 1e-3, 165192.52, 48213.32}}};
+
+// A probe pressed into the plane with a constant force, at rest but a ten thousandth of its depth too deep.
+std::string pressed(const Plant& plant, double stiffness, int delay) {
+    const double keeps = std::exp(-plant.damping * plant.period / plant.mass); // of its speed, in a sample
+    return fmt::format(R"(
+[force]
+stiffness = "{} N/m"
+[paths]
+count = 1
+steps = {}
+rate = "{} Hz"
+length = "0 m"
+press = "1 N"
+start_depth = "{} m"
+[hand]
+mass = "{} kg"
+damping = "{} N s/m"
+grip_stiffness = "0 N/m"
+grip_damping = "0 N s/m"
+delay_samples = {}
+max_force = "1000 N"
+)",
+                       stiffness, static_cast<int>(400 / (1 - keeps)), 1 / plant.period, 1.0001 / stiffness, plant.mass,
+                       plant.damping, delay);
+}
+
+TEST(SampledStability, LimitOfAPlaneToATenthOfAPercent) {
+    for (const Plant& plant : kPlants)
+        for (const int delay : {0, 1}) {
+            const double right = delay ? plant.limit_late : plant.limit;
+            const double found = zero_of(0.99 * right, 1.01 * right,
+                                         [&](double stiffness) { return growth(pressed(plant, stiffness, delay)); });
+            EXPECT_NEAR(found, right, 1e-3 * right) << plant.mass << ' ' << plant.damping << ' ' << delay;
+        }
+}
+
+TEST(SampledStability, DecaysBelowAndCyclesAbove) {
+    const Plant& plant = kPlants[1];
+    EXPECT_LT(growth(pressed(plant, 0.95 * plant.limit, 0)), -0.5);
+    EXPECT_GT(growth(pressed(plant, 1.05 * plant.limit, 0)), 0.5);
+}
+
+// A probe held by a constant force on a slope of 50 degrees of a shaded dip, off its place by a thousandth of a
+// millimetre.
+std::string fluttering(double stiffness, double rate) {
+    constexpr double kRadius = 0.025, kDepth = 0.131 * kRadius;
+    const double slope = 50 * std::numbers::pi / 180, force = stiffness * kDepth;
+    return fmt::format(R"(
+[surface]
+kind = "height_map"
+function = "dip"
+radius = "{0} m"
+width = "{1} m"
+[force]
+stiffness = "{2} N/m"
+shading = "height_map"
+[paths]
+count = 1
+steps = {3}
+rate = "{4} Hz"
+length = "0 m"
+centre = ["{5} m", "0 m"]
+push = ["{6} N", "0 N", "{7} N"]
+start_depth = "{8} m"
+[hand]
+mass = "0.1 kg"
+damping = "1 N s/m"
+grip_stiffness = "0 N/m"
+grip_damping = "0 N s/m"
+)",
+                       kRadius, 1.9 * kRadius, stiffness, static_cast<int>(8 * rate), rate,
+                       kRadius * std::sin(slope) + 1e-6, force * std::sin(slope), -force * std::cos(slope), kDepth);
+}
+
+TEST(Flutter, LimitOfAShadedDip) {
+    const auto limit = [](double rate) {
+        return zero_of(60, 80, [&](double stiffness) { return growth(fluttering(stiffness, rate)); });
+    };
+    const double held = limit(1000), continuous = limit(20000);
+    EXPECT_NEAR(continuous, 71, 0.03 * 71);
+    EXPECT_NEAR(held, 69, 0.03 * 69);
+}
+
+// There at d1 and back at d2 over the flat shaded plane.
+TEST(Work, RoundTheRectangle) {
+    constexpr int kSteps = 1 << 23; // a round
+    constexpr double kDeep = 0.002, kShallow = 0.001, kStiffness = 500;
+    constexpr std::array<double, 3> kRadii{600, 1000, 1400};
+    constexpr std::array<double, 3> kWork{2.3061e-3, 1.4841e-3, 1.0823e-3}; // J
+    for (std::size_t i = 0; i < 3; ++i) {
+        const double radius = kRadii[i] * kMil, end = 0.999 * 500 * kMil;
+        const auto result = explored<double>(fmt::format(R"(
+[surface]
+radius = "{} mil"
+[force]
+stiffness = "500 N/m"
+shading = "reference"
+[paths]
+count = 1
+steps = {}
+length = "{} m"
+centre = ["{} m", "0 m"]
+speed = "{} m/s"
+depth = "2 mm"
+depth_back = "1 mm"
+)",
+                                                         kRadii[i], kSteps + 1, end, end / 2, 2 * end * 1000 / kSteps),
+                                             {}, false);
+        const auto& metrics = result.metrics.front();
+        const double share = end / radius;
+        const double exact =
+            kStiffness * (kDeep - kShallow) * end * end / (2 * radius) +
+            kStiffness / 2 * (kDeep * kDeep - kShallow * kShallow) * (std::sqrt(1 - share * share) - 1);
+        EXPECT_EQ(metrics.rounds, 1u);
+        EXPECT_NEAR(metrics.largest_round, exact, 1e-6 * exact);
+        EXPECT_NEAR(exact, kWork[i], 1e-7);
+    }
+}
+
+} // namespace
+} // namespace forceshade
