@@ -45,6 +45,12 @@ void SurfaceWalker::begin(const glm::dvec3& probe) {
     fan_.clear();
 }
 
+void SurfaceWalker::begin_on(std::uint32_t triangle, const glm::dvec3& proxy, bool in_front, double flush) {
+    proxy_ = proxy;
+    side_ = in_front ? 1 : -1;
+    settle_on({triangle}, flush);
+}
+
 void SurfaceWalker::offer(Way& best, Way way) {
     if (!(way.gain > kRest))
         return;
@@ -139,7 +145,7 @@ bool SurfaceWalker::at_border() const {
 }
 
 // What the proxy is on, of these triangles.
-void SurfaceWalker::settle_on(const std::vector<std::uint32_t>& candidates) {
+void SurfaceWalker::settle_on(const std::vector<std::uint32_t>& candidates, Real flush) {
     fan_ = candidates;
     corners_ = 3;
     const Point& n = normals_[candidates[0]];
@@ -147,7 +153,7 @@ void SurfaceWalker::settle_on(const std::vector<std::uint32_t>& candidates) {
     for (const std::uint32_t t : candidates)
         for (std::size_t i = 0; i < 3; ++i) {
             const std::uint32_t a = triangles_[t][i], b = triangles_[t][(i + 1) % 3];
-            if (glm::length(proxy_ - vertices_[a]) <= 4 * kFlush) {
+            if (glm::length(proxy_ - vertices_[a]) <= 4 * flush) {
                 corners_ = 1;
                 feature_ = {a, a, a};
                 proxy_ = vertices_[a];
@@ -157,7 +163,7 @@ void SurfaceWalker::settle_on(const std::vector<std::uint32_t>& candidates) {
             const Point edge = glm::normalize(vertices_[b] - vertices_[a]);
             const Point to = proxy_ - vertices_[a];
             const Real along = glm::dot(to, edge);
-            if (glm::length(to - along * edge) <= kFlush && along > 0 &&
+            if (glm::length(to - along * edge) <= flush && along > 0 &&
                 along < glm::length(vertices_[b] - vertices_[a])) {
                 corners_ = 2;
                 feature_ = {a, b, b};
@@ -178,7 +184,7 @@ void SurfaceWalker::slide(const Way& way, const Point& probe) {
                 length = std::min(length, inside / -rate);
         }
     proxy_ += length * way.direction;
-    settle_on(way.on);
+    settle_on(way.on, kFlush);
 }
 
 // Straight towards the probe; false if nothing is in the way.
@@ -209,7 +215,7 @@ bool SurfaceWalker::fly(const Point& probe) {
         return false;
     proxy_ += first * pull;
     side_ = glm::dot(normals_[hit], pull) < 0 ? 1 : -1;
-    settle_on({hit});
+    settle_on({hit}, kFlush);
     return true;
 }
 

@@ -24,6 +24,8 @@ public:
 
     /// Puts the proxy in the open.
     void begin(const glm::dvec3& probe);
+    /// Puts the proxy on a triangle, or on that corner or edge of it that is within a flush of it, in front or behind.
+    void begin_on(std::uint32_t triangle, const glm::dvec3& proxy, bool in_front, double flush);
     /// Moves the probe and lets the proxy follow to rest. False if it does not come to rest.
     bool update(const glm::dvec3& probe);
 
@@ -50,7 +52,7 @@ private:
     bool at_border() const;
     void slide(const Way& way, const Point& probe);
     bool fly(const Point& probe);
-    void settle_on(const std::vector<std::uint32_t>& candidates);
+    void settle_on(const std::vector<std::uint32_t>& candidates, Real flush);
 
     std::vector<Point> vertices_;
     std::vector<std::array<std::uint32_t, 3>> triangles_;

@@ -55,19 +55,18 @@ GodObjectContact<T> update(const layout::MeshView<T>& mesh, GodObject<T>& state,
         return out_of_contact(probe);
     if (!state.started)
         begin_path(mesh, state, around, probe);
+    Rest<T> rest{
+        state.proxy, {state.triangles[0], state.triangles[1], state.triangles[2]}, state.count, state.cornered};
     Walk<T, Trace> walk(mesh, around, state.proxy, probe, trace);
-    for (layout::uint i = 0; i < state.count; ++i)
-        walk.remember(state.triangles[i]);
     Settler<T, Walk<T, Trace>> settler(mesh, around, probe, walk);
-    settler.run(state.cornered);
-    GodObjectContact<T> contact = contact_at_rest(mesh, around, walk, probe);
-    contact.finished = walk.finished();
+    GodObjectContact<T> contact = settler.run(rest);
+    contact.finished = settler.finished();
     contact.substeps = walk.substeps();
-    state.proxy = walk.proxy();
-    state.count = contact.count;
-    state.cornered = settler.doubtful();
-    for (layout::uint i = 0; i < contact.count; ++i)
-        state.triangles[i] = contact.triangles[i];
+    state.proxy = rest.proxy;
+    state.cornered = rest.cornered;
+    state.count = rest.cornered ? rest.count : contact.count;
+    for (layout::uint i = 0; i < state.count; ++i)
+        state.triangles[i] = rest.cornered ? rest.triangles[i] : contact.triangles[i];
     return contact;
 }
 

@@ -107,20 +107,62 @@ template <typename T> struct Holders {
     layout::uint count = 0;
 };
 
+/// Where a proxy rests, all that is kept of it.
+template <typename T> struct Rest {
+    Vector<T> proxy;
+    layout::uint triangles[3]; /* that hold it */
+    layout::uint count;
+    bool cornered; /* by edges or corners, or three faces */
+};
+
+/// Whether the proxy is in front of the surface: of that feature, of the triangles that hold it, which is nearest.
+template <typename T> bool is_in_front(const layout::MeshView<T>& mesh, const Rest<T>& rest) noexcept {
+    Nearest<T> nearest{};
+    nearest.square = std::numeric_limits<T>::max();
+    for (layout::uint i = 0; i < rest.count; ++i) {
+        const layout::uint triangle = rest.triangles[i];
+        const TrianglePoint<T> point = nearest_on_triangle(rest.proxy, triangle_at(mesh, triangle));
+        if (point.square < nearest.square)
+            nearest = {triangle, mesh.triangle_facets[triangle], point.feature, point.offset, point.square};
+    }
+    return rest.count == 0 || !inside_by_pseudonormal(mesh, nearest);
+}
+
+/// Whether a proxy in front of the surface is in front of this triangle. Beside the triangle that is not for the plane
+/// to tell, which may cut through a fold.
+template <typename T>
+bool is_above(const Triangle<T>& triangle, const TrianglePoint<T>& nearest, const Vector<T>& proxy,
+              bool front) noexcept {
+    return nearest.feature == layout::kMeshFace ? !(dot(triangle.normal, proxy - triangle.corners[0]) < T(0)) : front;
+}
+
+/// How a proxy sees the triangles around: those seen from the other side of the surface are what is beyond a fold,
+/// unless the mesh is not consistently oriented.
+struct View {
+    bool front, both_sides;
+};
+
 /// Finds the triangle near the proxy whose plane a way violates most, the lowest facet and triangle first among equals.
 template <typename T>
-bool most_violated(const layout::MeshView<T>& mesh, Neighbourhood<T>& around, const Vector<T>& proxy,
+bool most_violated(const layout::MeshView<T>& mesh, Neighbourhood<T>& around, const Vector<T>& proxy, View view,
                    const Vector<T>& way, T tolerance, HalfSpace<T>& space) noexcept {
     constexpr T kReach = Skin<T>::kNear;
     T most = tolerance;
     bool found = false;
     visit_near(mesh, around, Move<T>{proxy, Vector<T>(T(0)), T(0)}, [&](layout::uint index) {
-        Vector<T> normal = vector_at(mesh.triangle_normals, index);
         const Triangle<T> triangle = triangle_at(mesh, index);
-        const T height = dot(normal, proxy - triangle.corners[0]);
-        normal = height < T(0) ? -normal : normal;
-        const T violation = -dot(normal, way);
-        if (!(std::abs(height) <= kReach) || !(violation >= most) || !(violation > tolerance))
+        const T height = dot(triangle.normal, proxy - triangle.corners[0]);
+        const T rate = dot(triangle.normal, way);
+        const T pushed = view.both_sides ? std::abs(rate) : (view.front ? -rate : rate);
+        if (!(std::abs(height) <= kReach) || !(pushed >= most) || !(pushed > tolerance))
+            return;
+        const TrianglePoint<T> nearest = nearest_on_triangle(proxy, triangle);
+        const bool above = is_above(triangle, nearest, proxy, view.front);
+        if (above != view.front && !view.both_sides)
+            return;
+        const Vector<T> normal = above ? triangle.normal : -triangle.normal;
+        const T violation = above ? -rate : rate;
+        if (!(violation > T(0)) || !(nearest.square <= kReach * kReach))
             return;
         const layout::uint facet = mesh.triangle_facets[index];
         if (found && violation == most) {
@@ -128,8 +170,6 @@ bool most_violated(const layout::MeshView<T>& mesh, Neighbourhood<T>& around, co
             if (facet > other || (facet == other && index > space.source))
                 return;
         }
-        if (!(nearest_on_triangle(proxy, triangle).square <= kReach * kReach))
-            return;
         most = violation;
         space = {normal, T(0), index};
         found = true;
@@ -139,13 +179,13 @@ bool most_violated(const layout::MeshView<T>& mesh, Neighbourhood<T>& around, co
 
 /// Those of all triangles near the proxy whose planes together hold it.
 template <typename T>
-Holders<T> holders_of_all(const layout::MeshView<T>& mesh, Neighbourhood<T>& around, const Vector<T>& proxy,
+Holders<T> holders_of_all(const layout::MeshView<T>& mesh, Neighbourhood<T>& around, const Vector<T>& proxy, View view,
                           const Vector<T>& probe) noexcept {
     const Vector<T> wish = probe - proxy;
     const T tolerance = T(64) * std::numeric_limits<T>::epsilon() * largest_of(wish);
     Projection<T> all;
     project(wish, one_tolerance(tolerance), all, [&](const Vector<T>& way, HalfSpace<T>& space) {
-        return most_violated(mesh, around, proxy, way, tolerance, space);
+        return most_violated(mesh, around, proxy, view, way, tolerance, space);
     });
     Holders<T> holders;
     for (; holders.count < all.count; ++holders.count) {
@@ -201,28 +241,44 @@ bool is_at_proxy(const layout::MeshView<T>& mesh, Neighbourhood<T>& around, cons
     return skins <= T(4) * (T(1) + skins_to_planes(contact)) && !is_behind(mesh, around, proxy, contact.proxy);
 }
 
-/// The contact of a proxy at rest. On rounded edges, or where the walk trod on the spot, the planes of all touching
-/// triangles together hold it. A contact that is not at the proxy is none: the proxy is, then, with its skin.
-template <typename T, typename Walk>
-GodObjectContact<T> contact_at_rest(const layout::MeshView<T>& mesh, Neighbourhood<T>& around, const Walk& walk,
-                                    const Vector<T>& probe) noexcept {
-    const Projection<T>& resting = walk.resting();
-    bool faces = walk.rests();
-    Holders<T> holders;
-    for (layout::uint i = 0; i < resting.count; ++i) {
-        const Touch<T>& touch = walk.touch(resting.held[i].source);
-        holders.triangles[i] = touch.index;
-        holders.normals[i] = touch.face;
-        faces = faces && walk.held_by_face(i);
+/// The contact of a proxy at rest on edges or corners, from what is kept of the rest.
+template <typename T>
+GodObjectContact<T> contact_at_corner(const layout::MeshView<T>& mesh, Neighbourhood<T>& around, const Rest<T>& rest,
+                                      const Vector<T>& probe) noexcept {
+    const bool front = is_in_front(mesh, rest);
+    for (const bool both_sides : {false, true}) {
+        const Holders<T> all = holders_of_all(mesh, around, rest.proxy, View{front, both_sides}, probe);
+        const GodObjectContact<T> contact = contact_of(mesh, all.triangles, all.normals, all.count, probe);
+        if (contact.touching ? is_at_proxy(mesh, around, rest.proxy, contact) : both_sides)
+            return contact;
     }
-    holders.count = resting.count;
+    GodObjectContact<T> contact = out_of_contact(probe);
+    contact.proxy = rest.proxy;
+    for (layout::uint i = 0; i < rest.count; ++i) {
+        const Triangle<T> triangle = triangle_at(mesh, rest.triangles[i]);
+        const bool above = is_above(triangle, nearest_on_triangle(rest.proxy, triangle), rest.proxy, front);
+        hold_also(mesh, rest.triangles[i], above ? triangle.normal : -triangle.normal, contact);
+    }
+    return contact;
+}
+
+/// The contact of a proxy in the open or held by faces alone, where a walk came to rest.
+template <typename T, typename Walk>
+GodObjectContact<T> contact_at_faces(const layout::MeshView<T>& mesh, Neighbourhood<T>& around, const Walk& walk,
+                                     const Vector<T>& probe) noexcept {
+    const Projection<T>& resting = walk.resting();
+    Holders<T> holders;
+    for (; holders.count < resting.count; ++holders.count) {
+        const Touch<T>& touch = walk.touch(resting.held[holders.count].source);
+        holders.triangles[holders.count] = touch.index;
+        holders.normals[holders.count] = touch.face;
+    }
     GodObjectContact<T> contact;
-    if (faces && holders.count == 1) {
+    if (holders.count == 1) {
         const Touch<T>& touch = walk.touch(resting.held[0].source);
         contact = contact_of_one(mesh, touch.index, touch.face, touch.triangle.corners[0], probe);
     } else {
-        const Holders<T> all = faces ? holders : holders_of_all(mesh, around, walk.proxy(), probe);
-        contact = contact_of(mesh, all.triangles, all.normals, all.count, probe);
+        contact = contact_of(mesh, holders.triangles, holders.normals, holders.count, probe);
     }
     if (!contact.touching || is_at_proxy(mesh, around, walk.proxy(), contact))
         return contact;

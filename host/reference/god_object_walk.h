@@ -83,14 +83,6 @@ public:
 
     bool above_held_face(layout::uint i) const noexcept { return pool_[resting().held[i].source].above_face(); }
 
-    /// Moves by `way` as far as nothing is hit.
-    void nudge(const Vector<T>& way) noexcept {
-        pool_.forget_all();
-        const Move<T> move{proxy_, way, T(1)};
-        const Impact impact = cast(move);
-        go_to(impact.time <= T(1) ? move.at(impact.time) : proxy_ + way);
-    }
-
     /// Moves there unless something is in the way.
     bool jump(const Vector<T>& there) noexcept {
         pool_.forget_all();
@@ -100,11 +92,13 @@ public:
         return true;
     }
 
-    /// Goes back to where an earlier copy of it was.
-    void put_back(const Walk& earlier) noexcept {
-        proxy_ = earlier.proxy_;
-        rests_ = earlier.rests_;
-        pool_.become(earlier.pool_);
+    /// Begins anew from a rest.
+    template <typename Rest> void put_back(const Rest& rest) noexcept {
+        proxy_ = rest.proxy;
+        rests_ = corner_ = false;
+        pool_.forget_all();
+        for (layout::uint i = 0; i < rest.count; ++i)
+            remember(rest.triangles[i]);
     }
 
 private:

@@ -143,7 +143,8 @@ template <typename T> void wander_everywhere() {
     }
 }
 
-/// Of corners of many triangles. A fold as narrow as the skin may let the next update go on.
+/// Of corners of many triangles. In float, folds as narrow as the skin may once in a long while let the next update go
+/// on.
 template <typename T> void wander_in_pits() {
     const std::uint64_t steps = std::getenv("FORCESHADE_LONG") ? 8000000 : 400000;
     for (const walks::Terrain& terrain : walks::pits()) {
@@ -151,7 +152,7 @@ template <typename T> void wander_in_pits() {
         wander<T>(terrain, steps / terrain.valence, 1, tally);
         print(terrain, tally);
         expect_safe(terrain, tally);
-        EXPECT_LE(tally.again, tally.contacts / (terrain.valence < 300 ? 500 : 20)) << terrain.name;
+        EXPECT_LE(tally.again, (std::is_same_v<T, double> ? 0 : tally.contacts / 500)) << terrain.name;
         EXPECT_LE(tally.most_substeps, 2000u) << terrain.name;
     }
 }

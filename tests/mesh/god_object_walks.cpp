@@ -39,10 +39,10 @@ PolygonSoup touching_folds(unsigned folds, double gap) {
     return soup;
 }
 
-PolygonSoup pit(unsigned valence, double relief) {
-    std::mt19937 random(7);
+PolygonSoup pit(unsigned valence, double relief, unsigned seed, double depth) {
+    std::mt19937 random(seed);
     PolygonSoup soup;
-    soup.vertices.push_back({0, 0, -0.3});
+    soup.vertices.push_back({0, 0, -depth});
     for (unsigned i = 0; i < valence; ++i) {
         const double angle = 2 * std::acos(-1.0) * i / valence;
         const double height = relief * (2 * double(random()) / double(std::mt19937::max()) - 1);

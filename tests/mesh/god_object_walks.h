@@ -25,8 +25,9 @@ std::vector<Terrain> pits();
 PolygonSoup wedge(double angle);
 /// A sheet folded to and fro, whose folds touch along their edges.
 PolygonSoup touching_folds(unsigned folds, double gap);
-/// A fan round a corner 0.3 below its rim, whose heights are random within `relief`: narrow folds if there are many.
-PolygonSoup pit(unsigned valence, double relief);
+/// A fan round a corner `depth` below its rim, whose heights are random within `relief`: narrow folds if there are
+/// many.
+PolygonSoup pit(unsigned valence, double relief, unsigned seed = 7, double depth = 0.3);
 /// The bump of G2 on its plane, as quads.
 PolygonSoup bump(unsigned facets, unsigned rows);
 

@@ -1,0 +1,159 @@
+// L6: one update converges fully, at folded corners of many triangles too: from where the proxy rests a solver that
+// walks on the surface itself goes no further, and the same probe given again moves nothing.
+#include <cstdlib>
+
+#include <fmt/format.h>
+#include <glm/geometric.hpp>
+#include <gtest/gtest.h>
+
+#include "host/brute/god_object_referee.h"
+#include "host/brute/god_object_walker.h"
+#include "host/reference/god_object.h"
+#include "tests/mesh/god_object_walks.h"
+
+namespace forceshade {
+namespace {
+
+using glm::dvec3;
+
+template <typename T> dvec3 wide(const glm::vec<3, T>& v) {
+    return {double(v.x), double(v.y), double(v.z)};
+}
+
+template <typename T> brute::SurfaceWalker walker_of(const layout::MeshView<T>& mesh) {
+    std::vector<dvec3> vertices;
+    std::vector<std::array<std::uint32_t, 3>> triangles;
+    for (std::size_t i = 0; i + 2 < mesh.vertices.size(); i += 3)
+        vertices.emplace_back(mesh.vertices[i], mesh.vertices[i + 1], mesh.vertices[i + 2]);
+    const auto& corners = mesh.triangle_corners;
+    for (std::size_t i = 0; i + 2 < corners.size(); i += 3)
+        triangles.push_back({corners[i], corners[i + 1], corners[i + 2]});
+    return {vertices, triangles, {mesh.triangle_facets.begin(), mesh.triangle_facets.end()}};
+}
+
+struct Tally {
+    std::uint64_t steps = 0, contacts = 0, crossed = 0;
+    std::uint64_t again = 0;     /* moved on when the same probe was given again */
+    std::uint64_t stuck = 0;     /* rested where the solver goes on */
+    std::uint64_t elsewhere = 0; /* rests elsewhere than the solver that came the same way, and no worse by itself */
+};
+
+template <typename T> class Path {
+public:
+    static constexpr double kSkin = double(reference::Skin<T>::kWidth);
+    static constexpr double kFlush = std::is_same_v<T, double> ? 1e-12 : kSkin / 8;
+    static constexpr double kApart = std::is_same_v<T, double> ? 1e-9 : 16 * kSkin;
+
+    Path(const walks::Terrain& terrain, std::uint64_t seed)
+        : structure_(build_structure(shapes::mesh_of(terrain.polygons))), tables_(make_mesh_tables<T>(structure_, 1.0)),
+          mesh_(tables_.view()), triangles_(brute::Triangles::of(mesh_.vertices, mesh_.triangle_corners)),
+          grid_(triangles_), beside_(walker_of(mesh_)), after_(beside_), wanderer_(structure_, seed, terrain.focus) {}
+
+    void wander(std::uint64_t steps, Tally& tally) {
+        bool fresh = true;
+        for (std::uint64_t i = 0; i < steps; ++i) {
+            at_ = fresh || i % 500 == 0 ? wanderer_.begin() : wanderer_.step(at_);
+            if (fresh || i % 500 == 0) {
+                state_ = {};
+                beside_.begin(wide(glm::vec<3, T>(at_)));
+            }
+            fresh = !step(tally);
+        }
+    }
+
+private:
+    /// False if the proxy and the solver are on different ways from here.
+    bool step(Tally& tally) {
+        const glm::vec<3, T> probe(at_);
+        bool crossed = false;
+        const auto trace = [&](const glm::vec<3, T>& from, const glm::vec<3, T>& to) {
+            crossed = crossed || grid_.touches(wide(from), wide(to));
+        };
+        const auto contact = reference::update(mesh_, state_, *around_, probe, trace);
+        reference::GodObject<T> same = state_;
+        const auto again = reference::update(mesh_, same, *around_, probe);
+        beside_.update(wide(probe));
+        const bool apart = glm::length(wide(contact.proxy) - beside_.proxy()) > kApart;
+        ++tally.steps;
+        tally.contacts += contact.touching;
+        tally.crossed += crossed;
+        tally.again += glm::length(wide(again.proxy) - wide(contact.proxy)) > 2 * kSkin;
+        tally.elsewhere += apart;
+        tally.stuck += contact.touching && goes_on(contact, probe);
+        return !apart;
+    }
+
+    bool goes_on(const reference::GodObjectContact<T>& contact, const glm::vec<3, T>& probe) {
+        const std::uint32_t triangle = contact.triangles[0];
+        const auto normal = reference::vector_at(mesh_.triangle_normals, triangle);
+        after_.begin_on(triangle, wide(contact.proxy), dot(normal, contact.normals[0]) > 0, kFlush);
+        after_.update(wide(probe));
+        const double gain = glm::length(wide(contact.proxy - probe)) - glm::length(after_.proxy() - wide(probe));
+        return gain > 4 * kSkin && glm::length(after_.proxy() - wide(contact.proxy)) > kApart;
+    }
+
+    MeshStructure structure_;
+    MeshTables<T> tables_;
+    layout::MeshView<T> mesh_;
+    brute::Triangles triangles_;
+    brute::TriangleGrid grid_;
+    brute::SurfaceWalker beside_, after_;
+    walks::Wanderer wanderer_;
+    std::unique_ptr<reference::Neighbourhood<T>> around_ = std::make_unique<reference::Neighbourhood<T>>();
+    reference::GodObject<T> state_;
+    dvec3 at_{0};
+};
+
+/// In double, folds are wide beside the skin: the proxy rests where the solver would. In float those of a corner of
+/// many triangles are not, for as far as thousands of skins.
+template <typename T> void expect_rest(const std::string& name, const Tally& tally, bool narrow) {
+    fmt::print("{:14} {} steps, {} contacts: {} crossed, {} again, {} stuck, {} elsewhere\n", name, tally.steps,
+               tally.contacts, tally.crossed, tally.again, tally.stuck, tally.elsewhere);
+    EXPECT_EQ(tally.crossed, 0u) << name;
+    EXPECT_GT(tally.contacts, tally.steps / 20) << name;
+    const bool exact = std::is_same_v<T, double>;
+    EXPECT_LE(tally.again, exact ? 0 : tally.contacts / 2000) << name;
+    EXPECT_LE(tally.stuck, exact ? 0 : tally.contacts / (narrow ? 10 : 200)) << name;
+    EXPECT_LE(tally.elsewhere, tally.contacts / (exact ? 100 : narrow ? 8 : 25)) << name;
+}
+
+bool is_long() {
+    return std::getenv("FORCESHADE_LONG") != nullptr;
+}
+
+/// Fans round a corner below or amid their rim, more and more folded.
+template <typename T> void rest_on_stars() {
+    for (const unsigned valence : {4U, 6U, 8U, 12U, 40U})
+        for (const double relief : {0.2, 0.4, 0.8}) {
+            Tally tally;
+            for (unsigned seed = 1; seed <= (is_long() ? 50 : 5); ++seed)
+                for (const double depth : {0.0, 0.3})
+                    Path<T>({"star", walks::pit(valence, relief, seed, depth), valence, dvec3(0, 0, -depth)}, seed)
+                        .wander(300, tally);
+            expect_rest<T>(fmt::format("star {} {}", valence, relief), tally, false);
+        }
+}
+
+template <typename T> void rest_in_pits() {
+    for (const walks::Terrain& terrain : walks::pits()) {
+        Tally tally;
+        Path<T>(terrain, 1).wander(is_long() ? 30000 : 200000 / (100 + terrain.valence), tally);
+        expect_rest<T>(terrain.name, tally, terrain.valence > 40);
+    }
+}
+
+TEST(GodObjectRest, OnStarsDouble) {
+    rest_on_stars<double>();
+}
+TEST(GodObjectRest, OnStarsFloat) {
+    rest_on_stars<float>();
+}
+TEST(GodObjectRest, InPitsDouble) {
+    rest_in_pits<double>();
+}
+TEST(GodObjectRest, InPitsFloat) {
+    rest_in_pits<float>();
+}
+
+} // namespace
+} // namespace forceshade
