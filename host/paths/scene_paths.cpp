@@ -1,10 +1,13 @@
 #include "host/paths/scene_paths.h"
 
+#include <algorithm>
 #include <atomic>
-#include <limits>
+#include <cmath>
 #include <thread>
 
 #include "host/error.h"
+#include "host/explore/path_law.h"
+#include "host/field/scene_mesh.h"
 #include "host/paths/hand.h"
 #include "host/paths/harmonics.h"
 #include "host/paths/motions.h"
@@ -32,20 +35,40 @@ layout::PathFeatures features_of(const PathsSpec& paths, std::uint32_t channels)
     return features;
 }
 
+// Of a probe: squares stay numbers of T, and a mesh can still be told from a point.
+template <typename T> double largest_coordinate(const PreparedCase& prepared) {
+    if (!prepared.images.mesh)
+        return kLargestLength<T>;
+    const MeshStructure& mesh = prepared.images.mesh->structure;
+    const double middle = std::max({std::abs(mesh.centre.x), std::abs(mesh.centre.y), std::abs(mesh.centre.z)});
+    return std::min(kLargestLength<T>, middle + kMeshReach<T> * mesh.scale);
+}
+
 } // namespace
 
 template <typename T> ScenePaths<T>::ScenePaths(const PreparedCase& prepared) : spec_(paths_of(prepared)) {
-    if (spec_.kind == PathKind::recorded)
-        throw UsageError("recorded paths are read from a file");
     prepare(prepared);
+    if (spec_.kind == PathKind::recorded)
+        read_recorded(prepared, spec_.path);
 }
 
 template <typename T>
-ScenePaths<T>::ScenePaths(const PreparedCase& prepared, const std::filesystem::path&)
+ScenePaths<T>::ScenePaths(const PreparedCase& prepared, const std::filesystem::path& recorded)
     : spec_(prepared.one.scene.paths.value_or(PathsSpec{})) {
     spec_.kind = PathKind::recorded;
     spec_.follow = PathFollow::plane;
     prepare(prepared);
+    read_recorded(prepared, recorded);
+}
+
+template <typename T>
+void ScenePaths<T>::read_recorded(const PreparedCase& prepared, const std::filesystem::path& file) {
+    RecordedOptions options;
+    options.largest_coordinate = largest_coordinate<T>(prepared);
+    options.period = spec_.closed() ? 1 / spec_.rate : 0;
+    recorded_ = std::make_unique<RecordedPaths<T>>(file, options);
+    spec_.count = recorded_->paths();
+    spec_.steps = recorded_->longest();
 }
 
 template <typename T> ScenePaths<T>::~ScenePaths() = default;
@@ -73,11 +96,11 @@ template <typename T> layout::PathInput<T> ScenePaths<T>::input() {
 }
 
 template <typename T> std::vector<std::string> ScenePaths<T>::warnings() const {
-    return {};
+    return recorded_ ? recorded_->warnings() : std::vector<std::string>{};
 }
 
 template <typename T> std::span<const std::uint64_t> ScenePaths<T>::ids() const {
-    return {};
+    return recorded_ ? recorded_->ids() : std::span<const std::uint64_t>{};
 }
 
 template <typename T> void ScenePaths<T>::add_path(std::size_t first, std::size_t path, std::size_t count) {
@@ -94,20 +117,13 @@ template <typename T> void ScenePaths<T>::add_path(std::size_t first, std::size_
 }
 
 template <typename T> layout::PathBatch<T> ScenePaths<T>::batch(std::size_t first, std::size_t count) {
-    const std::size_t table = std::size_t(features_.harmonics) * 3 * count;
-    motions_.resize(count);
-    amplitudes_.resize(table);
-    phases_.resize(table);
-    phase_steps_.resize(table);
-    for (std::size_t path = 0; path < count; ++path)
-        add_path(first, path, count);
     layout::PathBatch<T> batch;
     batch.first = first;
-    batch.count = count;
-    batch.motions = motions_;
-    batch.amplitudes = amplitudes_;
-    batch.phases = phases_;
-    batch.phase_steps = phase_steps_;
+    batch.count = recorded_ ? recorded_->select(first, count) : count;
+    if (recorded_)
+        batch.steps = recorded_->steps();
+    else
+        generate(batch);
     if (law_.features.surface == layout::kSurfaceMesh) {
         start_proxies(batch);
         batch.proxies = proxies_;
@@ -115,20 +131,36 @@ template <typename T> layout::PathBatch<T> ScenePaths<T>::batch(std::size_t firs
     return batch;
 }
 
+template <typename T> void ScenePaths<T>::generate(layout::PathBatch<T>& batch) {
+    const std::size_t table = std::size_t(features_.harmonics) * 3 * batch.count;
+    motions_.resize(batch.count);
+    amplitudes_.resize(table);
+    phases_.resize(table);
+    phase_steps_.resize(table);
+    for (std::size_t path = 0; path < batch.count; ++path)
+        add_path(batch.first, path, batch.count);
+    batch.motions = motions_;
+    batch.amplitudes = amplitudes_;
+    batch.phases = phases_;
+    batch.phase_steps = phase_steps_;
+}
+
 // Where the law is evaluated first decides on which side of the surface a path begins.
 template <typename T> void ScenePaths<T>::start_proxies(const layout::PathBatch<T>& batch) {
     constexpr std::size_t kShare = 64; // paths that a thread takes at once
     proxies_.resize(batch.count);
+    const std::span<const T> begun = recorded_ ? recorded_->positions(0, 1) : std::span<const T>{};
     std::atomic<std::size_t> next{0};
     const auto work = [&] {
         reference::Neighbourhood<T> around;
         for (std::size_t begin; (begin = kShare * next++) < batch.count;)
             for (std::size_t path = begin; path < std::min(begin + kShare, batch.count); ++path) {
-                const reference::Vector<T> target = reference::motion_at(law_, features_, batch, path, 0);
-                const layout::PathState<T> state = reference::begin_state(features_, hand_, target);
-                const reference::Vector<T> begun{state.x, state.y, state.z};
-                const reference::Vector<T> probe =
-                    features_.loop == layout::kLoopClosed ? reference::measured(hand_, begun) : begun;
+                const auto target = recorded_ ? reference::vector_at(begun, path)
+                                              : reference::motion_at(law_, features_, batch, path, 0);
+                const auto state = reference::begin_state(features_, hand_, target);
+                const reference::Vector<T> place{state.x, state.y, state.z};
+                const bool closed = features_.loop == layout::kLoopClosed;
+                const auto probe = closed ? reference::measured(hand_, place) : place;
                 proxies_[path] =
                     reference::proxy_start(law_, around, reference::to_mesh_frame(law_.mesh.params, probe));
             }
@@ -146,8 +178,8 @@ template <typename T> void ScenePaths<T>::start_proxies(const layout::PathBatch<
     counted_ = std::max(counted_, batch.first + batch.count);
 }
 
-template <typename T> std::span<const T> ScenePaths<T>::positions(std::size_t, std::size_t) {
-    return {};
+template <typename T> std::span<const T> ScenePaths<T>::positions(std::size_t step, std::size_t steps) {
+    return recorded_ ? recorded_->positions(step, steps) : std::span<const T>{};
 }
 
 template class ScenePaths<float>;

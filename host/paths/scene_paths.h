@@ -39,6 +39,8 @@ public:
 
 private:
     void prepare(const PreparedCase& prepared);
+    void read_recorded(const PreparedCase& prepared, const std::filesystem::path& file);
+    void generate(layout::PathBatch<T>& batch);
     void add_path(std::size_t first, std::size_t path, std::size_t count);
     void start_proxies(const layout::PathBatch<T>& batch);
 
