@@ -1,6 +1,7 @@
 // Scenes from text taken along their paths by the oracle.
 #pragma once
 
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,10 @@ namespace forceshade {
 inline PreparedCase prepared_scene(const std::string& text, const std::filesystem::path& folder = {}) {
     CasePreparation preparation;
     return preparation.prepare(parse_scene(text, "scene.toml", folder));
+}
+
+template <typename T> bool is_finite(const reference::Vector<T>& v) {
+    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
 
 /// What an exploration gave: sample (step, path) at step * paths + path.

@@ -1,0 +1,196 @@
+// Generated paths: speeds, extents and spreads as the scene says, and nothing of a path that depends on others.
+#include "host/paths/motions.h"
+
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "host/paths/harmonics.h"
+#include "tests/paths/explored.h"
+
+namespace forceshade {
+namespace {
+
+constexpr std::array kKinds{"strokes", "raster", "circle", "spiral", "taps", "random_walk", "minimum_jerk"};
+
+template <typename T> Explored<T> paths_of(const std::string& keys, const reference::PathOptions& options = {}) {
+    return explored<T>("[paths]\n" + keys, options);
+}
+
+double distance(const reference::Vector<double>& a, const reference::Vector<double>& b) {
+    const reference::Vector<double> way = a - b;
+    return std::sqrt(reference::dot(way, way));
+}
+
+double way_length(const Explored<double>& result) {
+    double sum = 0;
+    for (std::size_t i = 1; i < result.steps; ++i)
+        sum += distance(result.place(i), result.place(i - 1));
+    return sum;
+}
+
+TEST(Motion, SpeedIsTheScenes) {
+    const auto speed = [](const std::string& keys) {
+        return way_length(paths_of<double>("count = 1\nsteps = 20001\nspeed = \"150 mm/s\"\n" + keys)) / 20;
+    };
+    EXPECT_NEAR(speed("kind = \"strokes\"\nlength = \"30 mm\""), 0.15, 1e-6);
+    EXPECT_NEAR(speed("kind = \"circle\"\nlength = \"30 mm\""), 0.15, 1e-4);
+    EXPECT_NEAR(speed("kind = \"raster\"\nlength = \"30 mm\""), 0.15, 1e-3);
+    EXPECT_NEAR(speed("kind = \"taps\"\ndepth = \"2 mm\"\nlift = \"5 mm\""), 0.15, 1e-3);
+    EXPECT_NEAR(speed("kind = \"spiral\"\nlength = \"30 mm\"\ninner = \"15 mm\""), 0.15, 1e-4);
+    EXPECT_NEAR(speed("kind = \"minimum_jerk\"\nlength = \"30 mm\""), 0.15, 0.03);
+}
+
+TEST(Motion, RandomWalkHasItsSizeAndSpeed) {
+    const auto result = paths_of<double>("kind = \"random_walk\"\ncount = 200\nsteps = 4000\nlength = \"40 mm\"\n"
+                                         "width = \"20 mm\"\nspeed = \"100 mm/s\"\n");
+    double x = 0, y = 0, speed = 0;
+    for (std::size_t step = 0; step + 1 < result.steps; ++step)
+        for (std::size_t path = 0; path < result.paths; ++path) {
+            const auto& here = result.place(step, path);
+            x += here.x * here.x;
+            y += here.y * here.y;
+            speed += std::pow(1000 * distance(result.place(step + 1, path), here), 2);
+        }
+    const double samples = 3999 * 200;
+    EXPECT_NEAR(std::sqrt(x / samples), 0.04 / std::sqrt(8), 3e-4);
+    EXPECT_NEAR(std::sqrt(y / samples), 0.02 / std::sqrt(8), 3e-4);
+    EXPECT_NEAR(std::sqrt(speed / samples), 0.1, 2e-3);
+}
+
+TEST(Motion, StrokesBeginAtTheirEndAndGoThere) {
+    const auto result = paths_of<double>("count = 1\nsteps = 601\nlength = \"30 mm\"\nheading = \"90 deg\"\n"
+                                         "centre = [\"5 mm\", \"1 mm\"]\noffset = \"2 mm\"\ndepth = \"3 mm\"\n"
+                                         "depth_back = \"-1 mm\"\nheight = \"10 mm\"\n");
+    EXPECT_NEAR(distance(result.place(0), {0.003, -0.014, 0.007}), 0, 1e-15);
+    EXPECT_NEAR(distance(result.place(150), {0.003, 0.001, 0.007}), 0, 3e-9);
+    EXPECT_NEAR(distance(result.place(450), {0.003, 0.001, 0.011}), 0, 3e-9);
+    EXPECT_NEAR(result.place(300).y, 0.016, 3e-9);
+}
+
+TEST(Motion, DefaultsFollowTheSurface) {
+    EXPECT_NEAR(explored<double>("[paths]\ncount = 1\n").place(0).x, -0.6 * 0.0254, 1e-15);
+    EXPECT_NEAR(explored<double>("[surface]\nwidth = \"10 mm\"\n[paths]\ncount = 1\n").place(0).x, -0.006, 1e-15);
+    const auto above = explored<double>("[surface]\nfacets = 2\n[paths]\ncount = 1\nfollow = \"surface\"\n"
+                                        "length = \"0 m\"\n");
+    EXPECT_NEAR(above.place(0).z, 0.01524 - std::sqrt(0.01524 * 0.01524 - 0.0127 * 0.0127) - 0.001, 1e-9);
+}
+
+TEST(Motion, SpreadsAreTheScenes) {
+    const PathsSpec spec = parse_scene("[paths]\nspeed = { mean = \"100 mm/s\", sd = \"80 mm/s\" }\n"
+                                       "depth = { min = \"1 mm\", max = \"3 mm\" }\n",
+                                       "scene")
+                               .scene.paths.value();
+    double sum = 0, square = 0, least = 1, depth = 0;
+    constexpr int kPaths = 20000;
+    for (int i = 0; i < kPaths; ++i) {
+        const PathDraws draws(7, static_cast<std::uint64_t>(i));
+        const double speed = draws.value(spec.speed, Draw::speed, true), deep = draws.value(spec.depth, Draw::depth);
+        least = std::min(least, speed);
+        sum += speed;
+        square += speed * speed;
+        depth += deep;
+        EXPECT_TRUE(deep > 0.001 && deep < 0.003);
+    }
+    // A normal distribution without its part below 0.
+    const double at = -0.1 / 0.08, density = std::exp(-at * at / 2) / std::sqrt(2 * std::numbers::pi);
+    const double kept = 0.5 * std::erfc(at / std::sqrt(2.0)), shift = density / kept;
+    const double mean = 0.1 + 0.08 * shift, sd = 0.08 * std::sqrt(1 + at * shift - shift * shift);
+    EXPECT_GT(least, 0);
+    EXPECT_NEAR(sum / kPaths, mean, 4 * sd / std::sqrt(kPaths));
+    EXPECT_NEAR(std::sqrt(square / kPaths - std::pow(sum / kPaths, 2)), sd, 0.002);
+    EXPECT_NEAR(depth / kPaths, 0.002, 2e-5);
+}
+
+TEST(Motion, TremorHasItsSize) {
+    const auto still = paths_of<double>("count = 100\nsteps = 4000\nlength = \"0 m\"\n");
+    const auto trembling = paths_of<double>("count = 100\nsteps = 4000\nlength = \"0 m\"\n"
+                                            "tremor = { amplitude = \"0.2 mm\", frequency = \"9 Hz\" }\n");
+    for (int axis = 0; axis < 3; ++axis) {
+        double square = 0;
+        for (std::size_t i = 0; i < still.position.size(); ++i)
+            square += std::pow(trembling.position[i][axis] - still.position[i][axis], 2);
+        EXPECT_NEAR(std::sqrt(square / static_cast<double>(still.position.size())), 2e-4, 1e-5);
+    }
+}
+
+// Whatever the batch, the window or the number of threads.
+TEST(Motion, PathsAreTheirOwn) {
+    for (const char* kind : kKinds)
+        for (const bool closed : {false, true}) {
+            const std::string scene = fmt::format(
+                "[surface]\nfacets = 3\n[force]\nshading = \"reference\"\n[paths]\nkind = \"{}\"\ncount = 70\n"
+                "steps = 300\nloop = \"{}\"\nseed = 9\nspeed = {{ mean = \"100 mm/s\", sd = \"30 mm/s\" }}\n{}",
+                kind, closed ? "closed" : "open",
+                std::string_view(kind) == "random_walk" ? "" : "tremor.amplitude = \"0.1 mm\"\n");
+            const auto whole = explored<float>(scene, {.threads = 1});
+            for (const reference::PathOptions& options :
+                 {reference::PathOptions{3, 20000, 16384}, reference::PathOptions{2, 1 << 20, 17},
+                  reference::PathOptions{1, 1, 1}}) {
+                const auto parts = explored<float>(scene, options);
+                EXPECT_EQ(whole.position, parts.position) << kind;
+                EXPECT_EQ(whole.force, parts.force) << kind;
+            }
+        }
+}
+
+TEST(Motion, SingleAndDoubleGoTheSameWay) {
+    for (const char* kind : kKinds) {
+        const std::string keys = fmt::format("kind = \"{}\"\ncount = 50\nsteps = 500\n", kind);
+        const auto single = paths_of<float>(keys);
+        const auto exact = paths_of<double>(keys);
+        for (std::size_t i = 0; i < single.position.size(); ++i)
+            EXPECT_LT(distance(reference::Vector<double>(single.position[i]), exact.position[i]), 1e-7) << kind;
+    }
+}
+
+TEST(Motion, ExtremesAreNumbers) {
+    for (const char* kind : kKinds)
+        for (const char* length : {"0 m", "1e-40 m", "1 m"})
+            for (const char* speed : {"1e-12 m/s", "25 m/s", "1e12 m/s"})
+                for (const char* depth : {"1e-44 m", "0 m", "0.25 m"})
+                    for (const int steps : {1, 50}) {
+                        const bool taps = std::string_view(kind) == "taps";
+                        const auto result = paths_of<float>(fmt::format(
+                            "kind = \"{}\"\n{}speed = \"{}\"\ndepth = \"{}\"\nsteps = {}\ncount = 1\n", kind,
+                            taps ? "" : fmt::format("length = \"{}\"\n", length), speed, depth, steps));
+                        for (const auto& place : result.position)
+                            ASSERT_TRUE(is_finite(place)) << kind << length << speed << depth;
+                        for (const auto& force : result.force)
+                            ASSERT_TRUE(is_finite(force)) << kind << length << speed << depth;
+                    }
+}
+
+TEST(Motion, AMillionPaths) {
+    const auto result = explored<float>("[paths]\ncount = 1000000\nsteps = 2\nspeed = { min = \"10 mm/s\", max = "
+                                        "\"100 mm/s\" }\n",
+                                        {}, false);
+    EXPECT_EQ(result.metrics.size(), 1000000u);
+}
+
+TEST(Motion, MeanDistanceInARectangle) {
+    EXPECT_NEAR(mean_distance(1, 1), 0.5214054331647207, 1e-14);
+    EXPECT_NEAR(mean_distance(3, 0), 1, 1e-15);
+    EXPECT_NEAR(mean_distance(2.0, 2.1e-4), mean_distance(2.0, 1.9e-4), 1e-6);
+    std::mt19937_64 random(3);
+    std::uniform_real_distribution<double> x(0, 3), y(0, 0.5);
+    double sum = 0;
+    for (int i = 0; i < 400000; ++i)
+        sum += std::hypot(x(random) - x(random), y(random) - y(random));
+    EXPECT_NEAR(mean_distance(0.5, 3), sum / 400000, 5e-3);
+    EXPECT_EQ(mean_distance(0, 0), 0);
+}
+
+TEST(Motion, PhasesOfTurns) {
+    EXPECT_EQ(phase_of_turns(0.25), 1u << 30);
+    EXPECT_EQ(phase_of_turns(7.5), 1u << 31);
+    EXPECT_EQ(phase_of_turns(-0.25), 3u << 30);
+    EXPECT_EQ(phase_of_turns(1 - 1e-12), 0u);
+    EXPECT_EQ(phase_of_turns(HUGE_VAL), 0u);
+}
+
+} // namespace
+} // namespace forceshade
