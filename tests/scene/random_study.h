@@ -49,6 +49,30 @@ inline const std::vector<RandomKey>& random_keys() {
         {"grid.origin", {"[\"0 m\", \"0 m\", \"0 m\"]", "[\"1 km\", \"-1 km\", \"5 mil\"]"}},
         {"grid.spacing",
          {"\"1 nm\"", "[\"1 mm\", \"1 mm\", \"1 mm\"]", "[\"1 mm\"]", "[\"1 mm\", \"2 mm\", \"3 mm\"]"}},
+        {"paths.kind", {"\"strokes\"", "\"raster\"", "\"taps\"", "\"random_walk\"", "\"recorded\""}},
+        {"paths.file", {"\"p.csv\"", "\"q.csv\""}},
+        {"paths.count", {"1", "1000000"}},
+        {"paths.seed", {"0", "9223372036854775807"}},
+        {"paths.rate", {"\"1 kHz\"", "\"10 Hz\""}},
+        {"paths.loop", {"\"open\"", "\"closed\""}},
+        {"paths.speed", {"\"1 m/s\"", "\"3 mm/s\""}},
+        {"paths.speed.mean", {"\"1 m/s\"", "\"1 mm/s\""}},
+        {"paths.speed.sd", {"\"1 m/s\"", "\"0 mm/s\""}},
+        {"paths.speed.min", {"\"1 mm/s\""}},
+        {"paths.speed.max", {"\"2 mm/s\""}},
+        {"paths.depth", {"\"1 mm\"", "\"-1e-30 m\""}},
+        {"paths.depth.min", {"\"1 mm\""}},
+        {"paths.depth.max", {"\"1 m\""}},
+        {"paths.press", {"\"1 N\"", "\"0 N\""}},
+        {"paths.push", {"[\"1 N\", \"0 N\", \"-1 N\"]"}},
+        {"paths.tremor.amplitude", {"\"0.1 mm\""}},
+        {"paths.tremor.frequency", {"\"9 Hz\"", "\"12 Hz\""}},
+        {"paths.centre", {"[\"1 mm\", \"0 m\"]", "[\"0 m\", \"0 m\"]"}},
+        {"paths.length", {"\"0 m\"", "\"30 mm\""}},
+        {"paths.lines", {"1", "16"}},
+        {"paths.bound", {"\"1 m\""}},
+        {"hand.mass", {"\"0.1 kg\"", "\"75 g\""}},
+        {"hand.delay_samples", {"0", "1"}},
         {"output.channels", {"[\"force\"]", "[\"depth\"]", "[\"unshaded\", \"force\", \"facet\"]"}},
         {"output.compression", {"\"none\"", "\"zip1\"", "\"zip\"", "\"pxr24\""}},
         {"output.pixel", {"\"float\"", "\"half\""}},
@@ -114,6 +138,10 @@ inline std::string random_study() {
         text += "[[variant]]\n";
         if (random_below(8) == 0)
             text += "texture = {}\n";
+        if (random_below(8) == 0)
+            text += "paths = {}\n";
+        if (random_below(8) == 0)
+            text += "hand = {}\n";
         text += random_layer(random_below(5));
     }
     return text;
