@@ -1,0 +1,110 @@
+// How paths on a mesh begin: outside, inside, on an edge; and paths far beyond the object.
+#include <cmath>
+#include <fstream>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "tests/io/folder.h"
+#include "tests/paths/explored.h"
+
+namespace forceshade {
+namespace {
+
+constexpr double kStiffness = 1000; // N/m
+
+// A cube of 2 cm whose top is z = 0.
+class MeshStart : public ::testing::Test {
+protected:
+    MeshStart() {
+        std::ofstream(folder_ / "cube.obj") << "v -1 -1 -2\nv 1 -1 -2\nv 1 1 -2\nv -1 1 -2\nv -1 -1 0\nv 1 -1 0\n"
+                                               "v 1 1 0\nv -1 1 0\nf 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\n"
+                                               "f 3 4 8 7\nf 4 1 5 8\n";
+    }
+    std::string scene(const std::string& keys) const {
+        return "[surface]\nkind = \"mesh\"\nfile = \"cube.obj\"\nunit = \"cm\"\n[paths]\n" + keys;
+    }
+    template <typename T>
+    Explored<T> explore(const std::string& keys, const reference::PathOptions& options = {}) const {
+        const PreparedCase prepared = prepared_scene(scene(keys), folder_.path());
+        ScenePaths<T> source(prepared);
+        return explored(source, options);
+    }
+    std::uint64_t inside(const std::string& keys) const {
+        const PreparedCase prepared = prepared_scene(scene(keys), folder_.path());
+        ScenePaths<double> source(prepared);
+        source.batch(0, 1000);
+        source.batch(0, 1000); // counted once
+        return source.begins_inside();
+    }
+
+    forceshade::testing::Folder folder_;
+};
+
+TEST_F(MeshStart, RegionIsTheBoxs) {
+    const auto result = explore<double>("count = 1\n");
+    EXPECT_NEAR(result.place(0).x, -0.012, 1e-15); // 1.2 times the box, from its middle
+    EXPECT_NEAR(result.place(0).z, -0.001, 1e-15); // below its top
+}
+
+TEST_F(MeshStart, InsideIsCountedAndFeltFromTheNearestPlace) {
+    EXPECT_EQ(inside("count = 1000\n"), 0u); // strokes begin beside the cube
+    EXPECT_EQ(inside("count = 1000\nlength = \"1 cm\"\n"), 1000u);
+    EXPECT_EQ(inside("count = 1000\nlength = \"1 cm\"\ndepth = \"-1 mm\"\n"), 0u);
+    EXPECT_EQ(inside("count = 1000\nlength = \"1 cm\"\ndepth = \"-1 mm\"\nloop = \"closed\"\nstart_depth = \"3 mm\"\n"),
+              1000u);
+    const auto result = explore<double>("count = 1\nsteps = 2\nlength = \"1 cm\"\ndepth = \"2 mm\"\n");
+    EXPECT_NEAR(result.force[0].z, kStiffness * 0.002, 1e-6);
+    const auto beside = explore<double>("count = 1\nsteps = 2\nlength = \"19 mm\"\ndepth = \"2 mm\"\n");
+    EXPECT_NEAR(beside.force[0].x, -kStiffness * 0.0005, 1e-6); // the side is nearer
+    EXPECT_NEAR(beside.force[0].z, 0, 1e-6);
+}
+
+// Half of a uniform spread of depths about the top begins below it.
+TEST_F(MeshStart, EachPathByItsOwnPlace) {
+    const auto count = inside("count = 1000\nlength = \"1 cm\"\ndepth = { min = \"-1 mm\", max = \"1 mm\" }\n");
+    EXPECT_NEAR(static_cast<double>(count), 500, 60);
+    const std::string pressed = "count = 100\nsteps = 100\nlength = \"1 cm\"\npress = \"1 N\"\n"
+                                "heading = { min = \"0 deg\", max = \"90 deg\" }\n";
+    const auto whole = explore<float>(pressed);
+    const auto parts = explore<float>(pressed, {.threads = 3, .chunk_bytes = 1000, .batch_paths = 7});
+    EXPECT_EQ(whole.position, parts.position);
+    EXPECT_EQ(whole.force, parts.force);
+}
+
+TEST_F(MeshStart, OnAnEdgeACornerOrTheTop) {
+    for (const char* where :
+         {"[\"1 cm\", \"0 m\"]", "[\"1 cm\", \"1 cm\"]", "[\"-1 cm\", \"1 cm\"]", "[\"0 m\", \"0 m\"]"})
+        for (const char* loop : {"open", "closed"}) {
+            const auto result = explore<float>(
+                fmt::format("count = 1\nsteps = 200\nlength = \"0 m\"\ndepth = \"0 m\"\ncentre = {}\nloop = \"{}\"\n",
+                            where, loop));
+            for (const auto& force : result.force)
+                EXPECT_LT(std::sqrt(reference::dot(force, force)), 1e-4f) << where << loop;
+        }
+}
+
+template <typename T> void expect_numbers(const Explored<T>& result, const std::string& what) {
+    for (const auto& place : result.position)
+        ASSERT_TRUE(is_finite(place)) << what;
+    for (const auto& force : result.force)
+        ASSERT_TRUE(is_finite(force)) << what;
+    for (const auto& metrics : result.metrics)
+        ASSERT_TRUE(std::isfinite(metrics.work) && std::isfinite(metrics.steepest_turn)) << what;
+}
+
+TEST_F(MeshStart, DepthsAndSpeedsBeyondReason) {
+    for (const char* depth : {"1e-44 m", "1e-300 m", "1 um", "2 cm", "20 cm", "1 km"})
+        for (const char* speed : {"1 mm/s", "30 m/s", "1e9 m/s"})
+            for (const char* loop : {"open", "closed"}) {
+                const std::string keys =
+                    fmt::format("count = 8\nsteps = 200\ndepth = \"{}\"\nspeed = \"{}\"\nloop = \"{}\"\n"
+                                "heading = {{ min = \"0 deg\", max = \"360 deg\" }}\n",
+                                depth, speed, loop);
+                expect_numbers(explore<float>(keys), keys);
+                expect_numbers(explore<double>(keys), keys);
+            }
+}
+
+} // namespace
+} // namespace forceshade
