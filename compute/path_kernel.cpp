@@ -132,10 +132,9 @@ template <typename T> std::size_t PathKernel::Implementation::Run<T>::batch_path
 template <typename T> uint PathKernel::Implementation::Run<T>::window() const {
     if (self.options.steps != 0)
         return self.options.steps;
-    const std::size_t wanted = self.device.report.software
-                                   ? std::min(self.options.chunk_bytes, self.options.software_chunk_bytes)
-                                   : self.options.chunk_bytes;
-    const std::uint64_t bytes = std::min<std::uint64_t>(wanted, self.device.limits.maxStorageBufferRange);
+    // Each dispatch loads and stores every state: short windows would be mostly that.
+    const std::uint64_t bytes =
+        std::min<std::uint64_t>(self.options.chunk_bytes, self.device.limits.maxStorageBufferRange);
     return steps_of_dispatch(step_work(input.law.features, input.features, input.law.params.facets, sizeof(T)),
                              batch.count, input.steps, bytes);
 }

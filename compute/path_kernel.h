@@ -15,9 +15,8 @@ template <typename T>
 using TakeMetrics = std::function<void(std::size_t first, std::span<const layout::PathMetrics<T>>)>;
 
 struct PathKernelOptions {
-    std::size_t chunk_bytes = std::size_t(32) << 20;         /* most for the samples of one dispatch */
-    std::size_t software_chunk_bytes = std::size_t(8) << 20; /* the same on a software device */
-    std::size_t batch_paths = 16384;                         /* most paths whose tables are held at once */
+    std::size_t chunk_bytes = std::size_t(32) << 20; /* most for the samples of one dispatch */
+    std::size_t batch_paths = 16384;                 /* most paths whose tables are held at once */
     std::uint32_t steps = 0;    /* of a dispatch; 0: as many as end within a second, and no driver breaks off */
     bool force_staging = false; /* copy through a staging buffer even where the host shares the memory */
 };

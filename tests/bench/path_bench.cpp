@@ -97,7 +97,8 @@ template <typename T> void paths(benchmark::State& state, layout::uint loop, lay
             touched += path.contact_samples;
     };
     std::vector<double> gpu, cpu, gpu_core, cpu_core;
-    const auto on_device = [&] { kernel.explore<T>(input, take, take_metrics); };
+    compute::FieldTimes times;
+    const auto on_device = [&] { times = kernel.explore<T>(input, take, take_metrics); };
     on_device();
     for (auto _ : state) {
         gpu_core.push_back(core_seconds([&] { gpu.push_back(seconds(on_device)); }));
@@ -112,6 +113,7 @@ template <typename T> void paths(benchmark::State& state, layout::uint loop, lay
     state.counters["of_cpu"] = median(cpu) / median(gpu);
     state.counters["M_steps_per_core_s"] = 1e-6 * steps / median(gpu_core);
     state.counters["of_cpu_by_core_s"] = median(cpu_core) / median(gpu_core);
+    state.counters["of_it_reading_back"] = times.read_back / gpu.back();
     state.counters["in_contact"] =
         static_cast<double>(touched) / steps / static_cast<double>(2 * gpu.size() + 1); // of all runs
 }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstring>
 #include <random>
 #include <string>
@@ -209,6 +210,7 @@ private:
 struct PathComparison {
     std::uint64_t samples = 0, differing = 0;
     std::uint64_t paths = 0, differing_metrics = 0;
+    std::uint64_t not_finite = 0;                         // paths with a metric that is NaN
     std::uint64_t unstable = 0, rounds = 0, touching = 0; // of the oracle's metrics
     bool in_order = true;
     std::string first; // where the first difference is
@@ -332,6 +334,7 @@ template <typename T> PathComparison hold_paths(compute::PathKernel& kernel, Pat
         all.samples += some.samples;
         all.differing += some.differing;
         all.paths += some.paths;
+        all.not_finite += some.not_finite;
         all.differing_metrics += some.differing_metrics;
         all.unstable += some.unstable;
         all.rounds += some.rounds;
