@@ -1,6 +1,7 @@
 #include "host/paths/region.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include <fmt/format.h>
 
@@ -51,6 +52,20 @@ Feature feature_of(const PreparedCase& prepared) {
     return {{}, 0, surface.width, surface.width};
 }
 
+// Without its sign.
+double largest(const Spread& spread) {
+    constexpr double kDeviations = 8;
+    switch (spread.shape) {
+    case Spread::Shape::fixed:
+        return std::abs(spread.value);
+    case Spread::Shape::normal:
+        return std::abs(spread.value) + kDeviations * spread.sd;
+    case Spread::Shape::uniform:
+        break;
+    }
+    return std::max(std::abs(spread.low), std::abs(spread.high));
+}
+
 } // namespace
 
 PathRegion path_region(const PathsSpec& paths, const PreparedCase& prepared) {
@@ -67,6 +82,19 @@ PathRegion path_region(const PathsSpec& paths, const PreparedCase& prepared) {
                                      "length, {} m",
                                      region.inner, region.length / 2));
     return region;
+}
+
+double farthest_coordinate(const PathsSpec& paths, const PathRegion& region) {
+    constexpr double kPeak = 6; // of a sum of harmonics, in root mean squares, and more
+    const bool walks = paths.kind == PathKind::random_walk;
+    const double reach = (walks ? kPeak / 2 : 0.5) * (region.length + region.width);
+    const double shaken = kPeak * largest(paths.tremor_amplitude);
+    const double depth = std::max(largest(paths.depth), paths.depth_back ? largest(*paths.depth_back) : 0);
+    const double across =
+        std::max(std::abs(region.centre[0]), std::abs(region.centre[1])) + reach + largest(paths.offset);
+    const double up = std::abs(region.height) + depth + std::max(paths.lift.value_or(0), depth);
+    const double away = paths.closed() ? region.bound + std::abs(paths.start_depth) : 0;
+    return std::max(across, up) + shaken + away;
 }
 
 } // namespace forceshade

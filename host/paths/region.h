@@ -22,4 +22,8 @@ struct PathRegion {
 /// smallest radius is larger than its largest.
 PathRegion path_region(const PathsSpec& paths, const PreparedCase& prepared);
 
+/// The largest coordinate, m, that a path may come to: of a normal distribution 8 standard deviations are counted, and
+/// of a closed loop what its bound allows.
+double farthest_coordinate(const PathsSpec& paths, const PathRegion& region);
+
 } // namespace forceshade

@@ -4,6 +4,9 @@
 #include <atomic>
 #include <cmath>
 #include <thread>
+#include <type_traits>
+
+#include <fmt/format.h>
 
 #include "host/error.h"
 #include "host/explore/path_law.h"
@@ -81,6 +84,12 @@ template <typename T> void ScenePaths<T>::prepare(const PreparedCase& prepared) 
     features_ = features_of(spec_, scene.output.channels);
     if (spec_.closed())
         hand_ = hand_params<T>(scene.hand, spec_, region_.bound);
+    const double farthest = farthest_coordinate(spec_, region_);
+    if (prepared.images.mesh && spec_.kind != PathKind::recorded && !(farthest <= largest_coordinate<T>(prepared)))
+        throw UsageError(fmt::format("the paths come to {:.3g} m from the origin, further from the mesh than {} can "
+                                     "follow: at most {:.3g} m; are the units right?",
+                                     farthest, std::is_same_v<T, float> ? "f32" : "f64",
+                                     largest_coordinate<T>(prepared)));
 }
 
 template <typename T> layout::PathInput<T> ScenePaths<T>::input() {

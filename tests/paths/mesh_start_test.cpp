@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include "host/error.h"
 #include "tests/io/folder.h"
 #include "tests/paths/explored.h"
 
@@ -104,6 +105,12 @@ TEST_F(MeshStart, DepthsAndSpeedsBeyondReason) {
                 expect_numbers(explore<float>(keys), keys);
                 expect_numbers(explore<double>(keys), keys);
             }
+}
+
+TEST_F(MeshStart, FurtherThanAFloatCanFollow) {
+    EXPECT_THROW(explore<float>("depth = \"100 km\"\n"), UsageError);
+    EXPECT_THROW(explore<float>("press = \"1 N\"\nbound = \"100 km\"\n"), UsageError);
+    EXPECT_NO_THROW(explore<double>("count = 1\nsteps = 1\ndepth = \"100 km\"\n"));
 }
 
 } // namespace
