@@ -12,7 +12,9 @@ constexpr std::uint32_t kWalk = 16, kTremor = 4;
 constexpr double kSpread = 0.2; // of the tremor's frequency, either way
 
 bool trembles(const Spread& amplitude) {
-    return amplitude.shape != Spread::Shape::fixed || amplitude.value > 0;
+    if (amplitude.shape == Spread::Shape::uniform)
+        return amplitude.high > 0;
+    return amplitude.value > 0 || amplitude.sd > 0;
 }
 
 // Frequencies as shares of the band's edge are drawn first; the edge is where the speed comes out.

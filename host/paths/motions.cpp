@@ -111,6 +111,16 @@ layout::MotionParams<double> path_motion(const PathsSpec& paths, const PathRegio
     return motion;
 }
 
+bool paths_differ(const PathsSpec& paths) {
+    const auto varies = [](const Spread& spread) {
+        return spread.shape == Spread::Shape::normal ? spread.sd > 0 : spread.low < spread.high;
+    };
+    const bool drawn = paths.kind == PathKind::random_walk || paths.kind == PathKind::minimum_jerk;
+    const bool deep =
+        paths.drive == PathDrive::depth && (varies(paths.depth) || (paths.depth_back && varies(*paths.depth_back)));
+    return drawn || deep || varies(paths.speed) || varies(paths.heading) || varies(paths.offset);
+}
+
 template <typename T> layout::MotionParams<T> rounded_motion(const layout::MotionParams<double>& motion) {
     const auto real = [](double value) { return static_cast<T>(value); };
     return {real(motion.centre_x),

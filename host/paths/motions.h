@@ -14,6 +14,9 @@ std::uint32_t phase_of_turns(double turns);
 /// heading, spirals at their smallest radius, taps at the top. A way of no length is not gone along.
 layout::MotionParams<double> path_motion(const PathsSpec& paths, const PathRegion& region, const PathDraws& draws);
 
+/// Whether paths that do not tremble differ from each other.
+bool paths_differ(const PathsSpec& paths);
+
 /// Rounded once to T.
 template <typename T> layout::MotionParams<T> rounded_motion(const layout::MotionParams<double>& motion);
 

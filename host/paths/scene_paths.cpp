@@ -105,7 +105,13 @@ template <typename T> layout::PathInput<T> ScenePaths<T>::input() {
 }
 
 template <typename T> std::vector<std::string> ScenePaths<T>::warnings() const {
-    return recorded_ ? recorded_->warnings() : std::vector<std::string>{};
+    if (recorded_)
+        return recorded_->warnings();
+    if (spec_.count < 2 || features_.harmonics > 0 || paths_differ(spec_))
+        return {};
+    return {fmt::format("[paths]: all {} paths are the same one; spread speed, depth, heading or offset, as in speed = "
+                        "{{ mean = \"100 mm/s\", sd = \"20 mm/s\" }}, or say count = 1",
+                        spec_.count)};
 }
 
 template <typename T> std::span<const std::uint64_t> ScenePaths<T>::ids() const {

@@ -29,7 +29,7 @@ public:
     /// Paths of a mesh that began behind its surface, of those whose batch was made.
     std::uint64_t begins_inside() const { return inside_; }
 
-    /// What is remarkable in the recorded file, `file:line:column: ...`.
+    /// What is remarkable in the recorded file, `file:line:column: ...`, or in what is generated.
     std::vector<std::string> warnings() const;
     /// The file's numbers of the paths, in the order of their first samples; none: not recorded.
     std::span<const std::uint64_t> ids() const;

@@ -32,8 +32,8 @@ void add_inertia(std::vector<Key>& keys) {
                     .name = "grip_stiffness",
                     .kind = ValueKind::quantity,
                     .default_text = "\"500 N/m\"",
-                    .doc = "of the spring that pulls the probe to its path; along z none with press or push (Hajian & "
-                           "Howe 1997: a fingertip has 200 to 1000 N/m)",
+                    .doc = "of the spring that pulls the probe to its path; along z none with press or push. A round "
+                           "value, of the size that is measured at fingertips (Hajian & Howe 1997)",
                     .set = [](Scene& s, const Value& v) { s.hand.grip_stiffness = v.numbers.at(0); },
                     .subject = Subject::hand,
                     .dimension = Dimension::stiffness,
@@ -42,7 +42,7 @@ void add_inertia(std::vector<Key>& keys) {
                     .name = "grip_damping",
                     .kind = ValueKind::quantity,
                     .default_text = "\"2 N s/m\"",
-                    .doc = "of the grip, against its path's speed (Hajian & Howe 1997: a fingertip has a few N s/m)",
+                    .doc = "of the grip, against its path's speed: likewise",
                     .set = [](Scene& s, const Value& v) { s.hand.grip_damping = v.numbers.at(0); },
                     .subject = Subject::hand,
                     .dimension = Dimension::damping,

@@ -164,6 +164,20 @@ TEST(Motion, ExtremesAreNumbers) {
                     }
 }
 
+TEST(Motion, EqualPathsAreRemarkedOn) {
+    const auto remarks = [](const std::string& keys) {
+        const PreparedCase prepared = prepared_scene("[paths]\n" + keys);
+        return ScenePaths<double>(prepared).warnings().size();
+    };
+    EXPECT_EQ(remarks(""), 1u);
+    EXPECT_EQ(remarks("count = 1\n"), 0u);
+    EXPECT_EQ(remarks("kind = \"random_walk\"\n"), 0u);
+    EXPECT_EQ(remarks("tremor.amplitude = \"1 um\"\n"), 0u);
+    EXPECT_EQ(remarks("tremor.amplitude = { min = \"0 m\", max = \"0 m\" }\n"), 1u);
+    EXPECT_EQ(remarks("offset = { min = \"0 m\", max = \"1 m\" }\n"), 0u);
+    EXPECT_EQ(remarks("speed = { mean = \"1 m/s\", sd = \"0 m/s\" }\n"), 1u);
+}
+
 TEST(Motion, AMillionPaths) {
     const auto result = explored<float>("[paths]\ncount = 1000000\nsteps = 2\nspeed = { min = \"10 mm/s\", max = "
                                         "\"100 mm/s\" }\n",
