@@ -1,3 +1,5 @@
+#include <thread>
+
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -6,6 +8,8 @@
 #include "host/error.h"
 #include "host/explore/explore.h"
 #include "host/field/scene_mesh.h"
+#include "host/io/temporary_file.h"
+#include "host/path_run/path_run.h"
 #include "host/remark.h"
 #include "host/sweep/progress.h"
 
@@ -14,6 +18,14 @@ namespace {
 
 struct ExploreArguments {
     std::string scene, paths, out;
+    std::vector<std::string> also;
+    bool metrics_only = false;
+
+    std::filesystem::path stem() const {
+        const std::filesystem::path file = std::filesystem::absolute(out);
+        return file.parent_path() / file.stem();
+    }
+    std::filesystem::path summary() const { return stem().string() + ".paths.csv"; }
 };
 
 // The same file by whatever name; one that is not there is no other's.
@@ -22,54 +34,49 @@ bool is_same_file(const std::filesystem::path& a, const std::filesystem::path& b
     return std::filesystem::equivalent(a, b, ignored);
 }
 
-void check(const ExploreArguments& arguments, const CommonOptions& common) {
-    if (common.engine != "cpu")
-        throw UsageError("explore has no kernel for a GPU yet: say --engine cpu, and it runs on the CPU oracle");
-    engine_options(common, false); // refuses --gpu beside it
+void check(const ExploreArguments& arguments, const std::string& recorded) {
     const std::string extension = std::filesystem::path(arguments.out).extension().string();
-    if (extension == ".exr")
-        throw UsageError(
-            fmt::format("--out {}: explored paths cannot be written as OpenEXR yet; name a .csv file", arguments.out));
-    if (extension != ".csv")
-        throw UsageError(
-            fmt::format("--out {}: explored paths are a CSV file, so its name ends in .csv", arguments.out));
-    for (const std::string& input : {arguments.paths, arguments.scene})
-        if (is_same_file(arguments.out, input))
-            throw UsageError(
-                fmt::format("--out {} would replace {}, which is read; choose another name", arguments.out, input));
+    if (extension != ".csv" && extension != ".exr")
+        throw UsageError(fmt::format("--out {}: explored paths are an OpenEXR or a CSV file, so its name ends in .exr "
+                                     "or .csv",
+                                     arguments.out));
+    for (const std::string& input : {recorded, arguments.scene})
+        for (const std::filesystem::path& written : {std::filesystem::path(arguments.out), arguments.summary()})
+            if (is_same_file(written, input))
+                throw UsageError(
+                    fmt::format("--out {} would replace {}, which is read; choose another name", arguments.out, input));
+    if (arguments.metrics_only && !arguments.also.empty())
+        throw UsageError("--metrics-only and --also exclude each other: there are no samples then");
 }
 
-std::string as_json(const ExploreResult& result, const ExploreArguments& arguments) {
-    nlohmann::ordered_json json;
-    json["out"] = arguments.out;
-    json["samples"] = result.samples;
-    json["paths"] = result.paths;
-    json["samples_in_contact"] = result.in_contact;
-    json["contact_share"] = static_cast<double>(result.in_contact) / static_cast<double>(result.samples);
-    json["largest_force_N"] = result.largest_force;
-    json["unfinished"] = result.unfinished;
-    json["seconds_per_sample"] = result.law_seconds / static_cast<double>(result.samples);
-    return json.dump(2) + "\n";
+void take_also(const ExploreArguments& arguments, PathRunOptions& options) {
+    for (const std::string& name : arguments.also) {
+        if (name != "npy" && name != "png")
+            throw UsageError(fmt::format("--also {}: for paths there are npy and png", name));
+        (name == "npy" ? options.npy : options.png) = true;
+    }
 }
 
-void print_outcome(const ExploreResult& result, const ExploreArguments& arguments) {
-    const auto samples = static_cast<double>(result.samples);
-    remark("{}: {} sample{} on {} path{}, {:.3g} % in contact, largest force {:.4g} N, {:.3g} ns a sample\n",
-           arguments.out, result.samples, result.samples == 1 ? "" : "s", result.paths, result.paths == 1 ? "" : "s",
-           100 * static_cast<double>(result.in_contact) / samples, result.largest_force,
-           1e9 * result.law_seconds / samples);
+std::string plural(std::uint64_t count, const char* noun) {
+    return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s");
 }
 
-int run(const ExploreArguments& arguments, const CommonOptions& common) {
+double share(std::uint64_t part, std::uint64_t whole) {
+    return whole > 0 ? double(part) / double(whole) : 0;
+}
+
+// Recorded positions in open loop on the CPU: sample by sample, in the order of the file, whatever its length.
+bool is_streamed(const ExploreArguments& arguments, const CommonOptions& common, const Scene& scene,
+                 const std::string& recorded) {
+    return common.engine == "cpu" && !recorded.empty() && !(scene.paths && scene.paths->closed()) &&
+           !arguments.metrics_only && arguments.also.empty() &&
+           std::filesystem::path(arguments.out).extension() == ".csv";
+}
+
+int stream(const ExploreArguments& arguments, const CommonOptions& common, const PreparedCase& prepared,
+           const std::string& recorded) {
     constexpr int kMegabyte = 1000000;
     constexpr std::uint64_t kWorthWatching = 64; // MB: a second
-    check(arguments, common);
-    std::vector<std::string> warnings;
-    CasePreparation preparation;
-    const PreparedCase prepared = preparation.prepare(read_scene(arguments.scene, overrides(common), &warnings));
-    print_warnings(warnings, common);
-    if (prepared.images.mesh)
-        print_warnings(warnings_of(prepared.one.scene.surface.mesh, *prepared.images.mesh, MeshUse::path), common);
     std::optional<Progress> bar;
     std::uint64_t megabytes = 0; // done
     const auto show = [&](std::uint64_t done, std::uint64_t total) {
@@ -78,13 +85,26 @@ int run(const ExploreArguments& arguments, const CommonOptions& common) {
         if (done / kMegabyte > std::exchange(megabytes, done / kMegabyte))
             bar->update(megabytes, "");
     };
-    const ExploreResult result = explore(prepared, arguments.paths, std::filesystem::absolute(arguments.out), show);
+    const ExploreResult result = explore(prepared, recorded, std::filesystem::absolute(arguments.out), show);
     bar.reset();
     print_warnings(result.warnings, common);
     if (!common.quiet)
-        print_outcome(result, arguments);
-    if (common.json)
-        print_data(as_json(result, arguments));
+        remark("{}: {} on {}, {:.3g} % in contact, largest force {:.4g} N, {:.3g} ns a sample\n", arguments.out,
+               plural(result.samples, "sample"), plural(result.paths, "path"),
+               100 * share(result.in_contact, result.samples), result.largest_force,
+               1e9 * result.law_seconds / double(result.samples));
+    if (common.json) {
+        nlohmann::ordered_json json;
+        json["out"] = arguments.out;
+        json["samples"] = result.samples;
+        json["paths"] = result.paths;
+        json["samples_in_contact"] = result.in_contact;
+        json["contact_share"] = share(result.in_contact, result.samples);
+        json["largest_force_N"] = result.largest_force;
+        json["unfinished"] = result.unfinished;
+        json["seconds_per_sample"] = result.law_seconds / double(result.samples);
+        print_data(json.dump(2) + "\n");
+    }
     if (result.unfinished > 0)
         throw Error(ExitCode::failed, fmt::format("{}: at {} of {} samples the proxy did not come to rest within its "
                                                   "limit of steps; their forces are not to be trusted",
@@ -92,20 +112,127 @@ int run(const ExploreArguments& arguments, const CommonOptions& common) {
     return 0;
 }
 
+std::string as_json(const PathRecord& record, const ExploreArguments& arguments, const EngineReport& engine) {
+    nlohmann::ordered_json json;
+    json["out"] = arguments.metrics_only ? nlohmann::ordered_json() : nlohmann::ordered_json(arguments.out);
+    json["files"] = nlohmann::ordered_json::array();
+    for (const FileRecord& file : record.files)
+        json["files"].push_back({{"name", file.name}, {"sha256", file.sha256}, {"bytes", file.bytes}});
+    json["engine"] = {{"kind", engine.engine}, {"device", engine.device}, {"driver", engine.driver}};
+    json["paths"] = record.paths;
+    json["steps"] = record.steps;
+    json["samples"] = record.samples;
+    json["samples_in_contact"] = record.in_contact;
+    json["contact_share"] = share(record.in_contact, record.samples);
+    json["unstable"] = record.unstable;
+    json["began_inside"] = record.began_inside;
+    json["unfinished"] = record.unfinished;
+    json["largest_force_N"] = record.largest_force;
+    json["work_J"] = record.work;
+    json["effort_J"] = record.effort;
+    json["mean_depth_m"] = record.mean_depth;
+    json["depth_deviation_m"] = record.depth_deviation;
+    json["steps_per_second"] = record.steps_per_second();
+    json["oracle"] = {{"paths_compared", record.error.paths},        {"samples_compared", record.error.samples},
+                      {"samples_differing", record.error.differing}, {"samples_beyond_bound", record.error.beyond},
+                      {"metrics_differing", record.error.metrics},   {"largest_error_N", record.error.largest}};
+    return json.dump(2) + "\n";
+}
+
+void print_outcome(const PathRecord& record, const std::string& out, const EngineReport& engine) {
+    remark("{}: {} of {} on {}, {:.3g} million steps/s, {:.3g} % in contact, {} unstable, largest force {:.4g} N, work "
+           "{:.4g} J, depth {:.4g} m, {:.2g} m (RMS) about it; {} of {} compared with the oracle, {} differ\n",
+           out, plural(record.paths, "path"), plural(record.steps, "step"), engine.device,
+           record.steps_per_second() / 1e6, 100 * share(record.in_contact, record.samples), record.unstable,
+           record.largest_force, record.work, record.mean_depth, record.depth_deviation, record.error.paths,
+           plural(record.paths, "path"), record.error.differing + record.error.metrics);
+    if (record.in_contact == 0)
+        remark("warning: no sample is in contact, so the force is 0 everywhere\n");
+    if (record.began_inside > 0)
+        remark("warning: {} of {} begin behind the mesh's surface; their proxies begin at the nearest place of it\n",
+               record.began_inside, plural(record.paths, "path"));
+    if (record.unstable > 0)
+        remark("warning: {} of {} left the bound round their target and are flagged unstable\n", record.unstable,
+               plural(record.paths, "path"));
+}
+
+int take_paths(const ExploreArguments& arguments, const CommonOptions& common, const PreparedCase& prepared) {
+    constexpr std::uint64_t kWorthWatching = std::uint64_t(1) << 22; // steps: a second
+    const auto engine = make_engine(engine_options(common, prepared.one.scene.precision == Precision::f64));
+    PathRunOptions options;
+    options.stem = arguments.stem();
+    if (!arguments.metrics_only)
+        options.samples = std::filesystem::absolute(arguments.out);
+    if (!arguments.paths.empty())
+        options.recorded = arguments.paths;
+    options.threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+    take_also(arguments, options);
+    std::optional<Progress> bar;
+    options.progress = [&, shown = std::uint64_t(0)](std::uint64_t done, std::uint64_t total) mutable {
+        if (done <= std::exchange(shown, done))
+            return;
+        if (!bar)
+            bar.emplace("steps", total, common.quiet || total < kWorthWatching);
+        bar->update(done, "");
+    };
+    clear_stale_temporaries(options.stem.parent_path());
+    const PathRecord record = run_paths(*engine, prepared, options);
+    bar.reset();
+    const std::string out = arguments.metrics_only ? arguments.summary().filename().string() : arguments.out;
+    print_warnings(record.warnings, common);
+    if (!common.quiet)
+        print_outcome(record, out, engine->report());
+    if (common.json)
+        print_data(as_json(record, arguments, engine->report()));
+    if (const std::string wrong = complaint(record, out, engine->report().device); !wrong.empty())
+        throw Error(ExitCode::failed, wrong);
+    return 0;
+}
+
+int run(const ExploreArguments& arguments, const CommonOptions& common) {
+    std::vector<std::string> warnings;
+    CasePreparation preparation;
+    PreparedCase prepared = preparation.prepare(read_scene(arguments.scene, overrides(common), &warnings));
+    prepared.one.name = std::filesystem::path(arguments.out).stem().string(); // what pictures are headed with
+    const Scene& scene = prepared.one.scene;
+    const bool in_scene = scene.paths && scene.paths->kind == PathKind::recorded;
+    const std::string recorded = !arguments.paths.empty() ? arguments.paths : in_scene ? scene.paths->path : "";
+    check(arguments, recorded);
+    if (recorded.empty() && !scene.paths)
+        throw UsageError(fmt::format("{}: nothing says where the probe goes: add a [paths] table, or give --paths with "
+                                     "a CSV file of positions",
+                                     arguments.scene));
+    print_warnings(warnings, common);
+    if (prepared.images.mesh)
+        print_warnings(warnings_of(scene.surface.mesh, *prepared.images.mesh, MeshUse::path), common);
+    engine_options(common, false); // refuses --gpu beside --engine cpu
+    if (is_streamed(arguments, common, scene, recorded))
+        return stream(arguments, common, prepared, recorded);
+    return take_paths(arguments, common, prepared);
+}
+
 } // namespace
 
 void add_explore_command(CLI::App& program, const CommonOptions& common, Command& chosen) {
     const auto arguments = std::make_shared<ExploreArguments>();
-    CLI::App* command = program.add_subcommand("explore", "Take a probe along recorded paths and write what it feels");
-    command->add_option("SCENE", arguments->scene, "scene file (TOML); needs no [grid]")->required();
+    CLI::App* command = program.add_subcommand("explore", "Take probes along a scene's paths and write what they feel");
     command
-        ->add_option("--paths", arguments->paths,
-                     "CSV file with a header and columns path, t, x, y, z (s, m); others are not read")
+        ->add_option("SCENE", arguments->scene,
+                     "scene file (TOML) with [paths], unless --paths is given; needs no [grid]")
         ->required();
+    command->add_option("--paths", arguments->paths,
+                        "recorded positions in place of the scene's: a CSV file with a header and columns path, t, x, "
+                        "y, z (s, m); others are not read");
     command
         ->add_option("--out", arguments->out,
-                     "CSV file: those columns, proxy gx, gy, gz (m), force fx, fy, fz (N), depth (m) and facet")
+                     "OUT.exr (a row a path) or OUT.csv (a line a sample); OUT.paths.csv beside it has a line a path")
         ->required();
+    command
+        ->add_option("--also", arguments->also,
+                     "further files beside it: npy (NumPy), png (paths over the surface, direction of the force)")
+        ->delimiter(',');
+    command->add_flag("--metrics-only", arguments->metrics_only,
+                      "no samples, only OUT.paths.csv: memory does not grow with the steps");
     command->callback([=, &common, &chosen] { chosen = [=, &common] { return run(*arguments, common); }; });
 }
 

@@ -56,6 +56,12 @@ int run(const FieldArguments& arguments, const CommonOptions& common) {
     CaseJob job;
     CasePreparation preparation;
     job.prepared = preparation.prepare(read_scene(arguments.scene, overrides(common), &warnings));
+    if (!job.prepared.one.scene.field)
+        throw UsageError(
+            fmt::format("{}: this scene has [paths] and no [grid], so it has no field: add a [grid], or use "
+                        "forceshade explore",
+                        arguments.scene));
+    job.prepared.one.scene.paths.reset(); // they are explore's
     job.volume = std::filesystem::absolute(volume);
     clear_stale_temporaries(job.volume.parent_path());
     job.prepared.one.name = volume.stem().string(); // what pictures are headed with

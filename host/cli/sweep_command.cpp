@@ -28,6 +28,7 @@ std::string as_json(const SweepResult& result, const SweepOptions& options) {
     json["kept"] = result.kept;
     json["failures"] = result.failures;
     json["voxels_differing_from_oracle"] = result.differing;
+    json["samples_differing_from_oracle"] = result.differing_samples;
     json["largest_relative_error"] = result.largest_relative_error;
     json["wall_s"] = result.account.wall;
     json["cpu_s"] = result.account.cpu;

@@ -2,8 +2,10 @@
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "host/cli/command.h"
+#include "host/path_run/path_comparison.h"
 #include "host/remark.h"
 #include "host/scene/case_filter.h"
 #include "host/sweep/progress.h"
@@ -29,34 +31,67 @@ std::vector<Precision> precisions(const CommonOptions& common, const EngineRepor
     return {Precision::f32};
 }
 
+// What was compared, and whether all of it passed.
+struct Compared {
+    std::vector<Comparison> fields;
+    std::vector<PathComparison> paths;
+
+    bool passed() const { return totals_of(fields).passed && totals_of(paths).passed; }
+};
+
+void print(const Compared& compared, const CommonOptions& common, const EngineReport& engine) {
+    const Totals voxels = totals_of(compared.fields);
+    const PathTotals samples = totals_of(compared.paths);
+    if (common.json) {
+        nlohmann::ordered_json json = nlohmann::ordered_json::parse(comparison_json(compared.fields, engine));
+        if (!compared.paths.empty()) {
+            json["paths"] = nlohmann::ordered_json::parse(path_comparison_json(compared.paths));
+            json["samples"] = samples.samples;
+            json["samples_differing"] = samples.differing;
+            json["passed"] = compared.passed();
+        }
+        print_data(json.dump(2) + "\n");
+        return;
+    }
+    std::string text;
+    if (!compared.fields.empty())
+        text +=
+            comparison_table(compared.fields) + fmt::format("{} voxels, {} differ\n", voxels.voxels, voxels.differing);
+    if (!compared.paths.empty())
+        text += path_comparison_table(compared.paths) +
+                fmt::format("{} samples, {} differ\n", samples.samples, samples.differing);
+    print_data(text);
+}
+
 int run(const ValidateArguments& arguments, const CommonOptions& common) {
     const Study study = load_study(arguments.study, common);
     const std::vector<const Case*> cases = cases_named(study, arguments.only);
     const auto engine = make_engine(engine_options(common, common.precision == "f64"));
     const std::vector<Precision> wanted = precisions(common, engine->report());
     CasePreparation preparation;
-    std::vector<Comparison> comparisons;
+    Compared compared;
     std::set<std::string> warned;
-    Progress progress("comparisons", cases.size() * wanted.size(), common.quiet);
+    std::size_t all = 0;
+    for (const Case* one : cases)
+        all += wanted.size() * ((one->scene.field ? 1 : 0) + (one->scene.paths ? 1 : 0));
+    Progress progress("comparisons", all, common.quiet);
     for (const Case* one : cases) {
         const PreparedCase prepared = preparation.prepare(*one);
         for (const std::string& warning : prepared.warnings)
             if (warned.insert(warning).second)
                 print_warnings({warning}, common);
         for (const Precision precision : wanted) {
-            comparisons.push_back(compare_case(*engine, prepared, precision));
-            progress.update(comparisons.size(), one->name);
+            if (one->scene.field)
+                compared.fields.push_back(compare_case(*engine, prepared, precision));
+            if (one->scene.paths)
+                compared.paths.push_back(compare_paths(*engine, prepared, precision));
+            progress.update(compared.fields.size() + compared.paths.size(), one->name);
         }
     }
-    const Totals totals = totals_of(comparisons);
-    if (common.json)
-        print_data(comparison_json(comparisons, engine->report()) + "\n");
-    else
-        print_data(comparison_table(comparisons) +
-                   fmt::format("{} voxels, {} differ\n", totals.voxels, totals.differing));
-    if (!totals.passed && !common.quiet)
+    print(compared, common, engine->report());
+    if (!compared.passed() && !common.quiet)
         remark("a bound was exceeded on {}\n", engine->report().device);
-    return totals.passed ? 0 : 1;
+    return compared.passed() ? 0 : 1;
 }
 
 } // namespace
@@ -64,7 +99,7 @@ int run(const ValidateArguments& arguments, const CommonOptions& common) {
 void add_validate_command(CLI::App& program, const CommonOptions& common, Command& chosen) {
     const auto arguments = std::make_shared<ValidateArguments>();
     CLI::App* command = program.add_subcommand(
-        "validate", "Hold the device against the CPU oracle and the closed forms, on every voxel");
+        "validate", "Hold the device against the CPU oracle and the closed forms, on every voxel and every path");
     command->add_option("SCENE-or-STUDY", arguments->study,
                         "TOML file; without it the paper's study, which is built in");
     command->add_option("--only", arguments->only, "shell pattern of case names");

@@ -9,9 +9,11 @@
 
 #include "host/explore/path_law.h"
 #include "host/explore/path_reader.h"
+#include "host/explore/path_track.h"
 #include "host/explore/path_writer.h"
 #include "host/interrupt.h"
 #include "host/norm.h"
+#include "host/path_output/path_summary.h"
 
 namespace forceshade {
 namespace {
@@ -38,7 +40,8 @@ private:
 template <typename T> class Exploration {
 public:
     Exploration(const PreparedCase& prepared, const std::filesystem::path& paths, const std::filesystem::path& out)
-        : law_(make_path_law<T>(prepared)), reader_(paths, law_->largest_coordinate()), writer_(out) {}
+        : scene_(prepared.one.scene), law_(make_path_law<T>(prepared)), reader_(paths, law_->largest_coordinate()),
+          writer_(out), summary_(out.parent_path() / (out.stem().string() + ".paths.csv"), scene_.precision) {}
 
     ExploreResult run(const ExploreProgress& progress) {
         for (reader_.read(samples_, kBatch); !samples_.empty(); reader_.read(samples_, kBatch)) {
@@ -49,7 +52,9 @@ public:
             progress(reader_.csv().bytes_read(), reader_.csv().bytes());
         }
         warn();
+        summarise();
         writer_.publish();
+        summary_.finish();
         result_.paths = numbers_.size();
         return result_;
     }
@@ -62,10 +67,24 @@ private:
                 location_prefix(source, reader_.csv().end()) +
                 "the last line has no line feed: if the file was cut off, its last number may be too");
         if (inside_ > 0)
-            result_.warnings.push_back(
-                location_prefix(source, {first_inside_, 1}) +
-                fmt::format("{} of {} paths, here the first, begin behind the mesh's surface and are held on that side",
-                            inside_, numbers_.size()));
+            result_.warnings.push_back(location_prefix(source, {first_inside_, 1}) +
+                                       fmt::format("{} of {} paths, here the first, begin behind the mesh's surface; "
+                                                   "their proxies begin at the nearest place of it",
+                                                   inside_, numbers_.size()));
+    }
+
+    void summarise() {
+        const double rate = scene_.paths ? scene_.paths->rate : PathsSpec{}.rate;
+        for (const PathTrack<T>& track : tracks_)
+            summary_.add(track.id, figures_of(track.metrics, {track.steps, rate, false, track.inside}));
+    }
+
+    // After the law has been asked, in the order of the samples.
+    void follow(const PathSample& sample, const PathContact<T>& felt) {
+        const std::size_t number = numbers_(sample.path);
+        if (number == tracks_.size())
+            tracks_.push_back(PathTrack<T>(sample.path, felt.begins_inside));
+        tracks_[number].add(reference::Vector<T>(sample.probe), felt.contact, felt.finished);
     }
 
     void evaluate() {
@@ -89,12 +108,16 @@ private:
         if (felt.begins_inside && inside_++ == 0)
             first_inside_ = sample.line;
         result_.largest_force = std::max(result_.largest_force, size);
+        follow(sample, felt);
         writer_.add(sample, felt.contact);
     }
 
+    const Scene& scene_;
     std::unique_ptr<PathLaw<T>> law_;
     PathReader reader_;
     PathWriter writer_;
+    PathSummary summary_;
+    std::vector<PathTrack<T>> tracks_; // by path
     PathNumbers numbers_;
     std::vector<PathSample> samples_;
     std::vector<PathContact<T>> felt_;

@@ -11,6 +11,7 @@
 #include "host/explore/path_law.h"
 #include "host/field/scene_mesh.h"
 #include "host/reference/god_object_contact.h"
+#include "host/reference/god_object_start.h"
 
 namespace forceshade {
 
@@ -27,32 +28,27 @@ public:
     }
 
     PathContact<T> at(std::size_t path, const glm::dvec3& probe) override {
-        const reference::Vector<T> local(to_mesh_frame(structure_, probe));
+        const reference::Vector<T> local = reference::to_mesh_frame(law_.mesh.params, reference::Vector<T>(probe));
         if (!(reference::largest_coordinate(local) <= T(kMeshReach<T>)))
             throw UsageError(
                 fmt::format("path position ({}, {}, {}) m is more than {:.0f} times the mesh's size from its "
                             "centre, further than {} can follow; is the unit right?",
                             probe.x, probe.y, probe.z, kMeshReach<T> / 2, std::is_same_v<T, float> ? "f32" : "f64"));
-        const bool begins = path == proxies_.size();
-        if (begins)
-            proxies_.emplace_back();
-        const auto rest = reference::update(law_.mesh, proxies_[path], around_, local);
         PathContact<T> felt;
+        if (path == proxies_.size()) {
+            const layout::ProxyStart<T> start = reference::proxy_start(law_, around_, local);
+            proxies_.push_back(reference::begun(start));
+            felt.begins_inside = start.inside != 0;
+        }
+        const auto rest = reference::update(law_.mesh, proxies_[path], around_, local);
         felt.contact = reference::mesh_contact(law_, rest, local);
         if (felt.contact.facet == layout::kNoFacet)
             felt.contact.proxy = reference::Vector<T>(probe); // not there and back through the mesh's frame
         felt.finished = rest.finished;
-        felt.begins_inside = begins && is_inside(local);
         return felt;
     }
 
 private:
-    bool is_inside(const reference::Vector<T>& local) const {
-        if (law_.features.inside == layout::kInsideWinding)
-            return reference::inside_by_winding(law_.mesh, local);
-        return reference::inside_by_pseudonormal(law_.mesh, reference::nearest(law_.mesh, local));
-    }
-
     const MeshStructure& structure_;
     FieldTables<T> tables_;
     layout::Law<T> law_; // points into the tables

@@ -15,8 +15,9 @@ namespace forceshade {
 /// What a sample felt, in world coordinates.
 template <typename T> struct PathContact {
     reference::Contact<T> contact; /* out of contact the proxy is the probe, the facet layout::kNoFacet */
-    bool begins_inside = false;    /* first sample of a path, behind the surface: it stays on that side */
-    bool finished = true;          /* false: the proxy could not come to rest within its limit of steps */
+    bool begins_inside =
+        false;            /* first sample of a path, behind the surface: its proxy begins at the nearest place of it */
+    bool finished = true; /* false: the proxy could not come to rest within its limit of steps */
 };
 
 /// Squares of lengths up to this, m, stay numbers of T: the most that scenes may have, too.

@@ -11,8 +11,8 @@ constexpr std::size_t kText = std::size_t(1) << 18; // bytes gathered before the
 
 } // namespace
 
-PathCsvWriter::PathCsvWriter(const std::filesystem::path& path, const PathClock& clock)
-    : file_(path), clock_(clock), text_("path,t,x,y,z,gx,gy,gz,fx,fy,fz,depth,facet\n") {}
+PathCsvWriter::PathCsvWriter(const std::filesystem::path& path, const PathLabels& labels)
+    : file_(path), labels_(labels), text_("path,t,x,y,z,gx,gy,gz,fx,fy,fz,depth,facet\n") {}
 
 template <typename T> void PathCsvWriter::number(T value, char after) {
     char digits[40]; // the shortest form of a double has 24 at most
@@ -22,8 +22,8 @@ template <typename T> void PathCsvWriter::number(T value, char after) {
 
 template <typename T> void PathCsvWriter::add_sample(const PathRows<T>& rows, std::size_t path, std::size_t step) {
     const std::size_t at = path * rows.pitch + step;
-    number(std::uint64_t(rows.path_first + path), ',');
-    number(clock_.time(step), ',');
+    number(labels_.id(rows.path_first + path), ',');
+    number(labels_.time(rows.path_first + path, step), ',');
     for (const std::span<const T>& vector : {rows.position, rows.proxy, rows.force})
         for (std::size_t i = 0; i < 3; ++i)
             number(vector[3 * at + i], ',');

@@ -10,9 +10,9 @@
 namespace forceshade {
 
 /// What a sample is called by.
-struct PathClock {
-    double rate = 1;                                                      /* 1/s: samples a second */
-    double time(std::uint64_t step) const { return double(step) / rate; } /* s */
+struct PathLabels {
+    std::function<std::uint64_t(std::uint64_t path)> id;
+    std::function<double(std::uint64_t path, std::uint64_t step)> time; /* s; asked path after path, step after step */
 };
 
 /// Columns path,t,x,y,z,gx,gy,gz,fx,fy,fz,depth,facet (s, m, N); g is the proxy, facet -1 out of contact. Every number
@@ -20,7 +20,7 @@ struct PathClock {
 class PathCsvWriter final : public PathSink {
 public:
     /// Throws IoError, as do the others.
-    PathCsvWriter(const std::filesystem::path& path, const PathClock& clock);
+    PathCsvWriter(const std::filesystem::path& path, const PathLabels& labels);
     void write(const PathRows<float>& rows) override { add(rows); }
     void write(const PathRows<double>& rows) override { add(rows); }
     VolumeResult finish() override;
@@ -31,7 +31,7 @@ private:
     template <typename T> void number(T value, char after);
 
     TemporaryFile file_;
-    PathClock clock_;
+    PathLabels labels_;
     std::string text_;
 };
 

@@ -49,6 +49,7 @@ void note_table(std::string_view table, Layer& layer) {
     layer.texture = layer.texture || table == "texture";
     layer.paths = layer.paths || table == "paths";
     layer.hand = layer.hand || table == "hand";
+    layer.grid = layer.grid || table == "grid";
 }
 
 class LayerReader {

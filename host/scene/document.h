@@ -26,6 +26,7 @@ struct Layer {
     bool texture = false;       // has a [texture] table, be it empty
     bool paths = false;         // likewise
     bool hand = false;
+    bool grid = false;
 
     const Entry* find(std::size_t key) const;
 };

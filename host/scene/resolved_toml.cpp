@@ -144,11 +144,18 @@ private:
         const Key& key = schema_keys()[index];
         const bool given = document_.base.find(index) || document_.overrides.find(index);
         const bool useful = applies_to_any(key, forms_) || (given && applies_to_any(key, possible_forms(base_)));
-        if (key.table == "grid" && !stands_in_base(index, given))
+        if (key.table == "grid" && (!stands_in_base(index, given) || (any_paths() && !base_.grid)))
             return false;
         if (key.subject == Subject::paths || key.subject == Subject::hand)
             return useful && (base_.paths || (base_.hand && key.subject == Subject::hand));
         return useful && (key.table != "texture" || base_.texture);
+    }
+
+    // Paths without a grid in the text mean paths only: then its defaults must be left to be defaults.
+    bool any_paths() const {
+        const auto has = [](const Layer& layer) { return layer.paths; };
+        return has(document_.base) || has(document_.overrides) ||
+               std::any_of(document_.variants.begin(), document_.variants.end(), has);
     }
 
     // Where a mesh's grid may be made from its box, what was given last holds: defaults are then left to be defaults.

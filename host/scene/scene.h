@@ -164,6 +164,7 @@ struct Scene {
     ForceSpec force;
     std::optional<TextureSpec> texture;
     GridSpec grid;
+    bool field = true; /* false: a scene with [paths] and without [grid] asks for paths only */
     std::optional<PathsSpec> paths;
     HandSpec hand;
     OutputSpec output;

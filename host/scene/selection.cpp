@@ -108,6 +108,7 @@ Merged merge(std::initializer_list<const Layer*> layers) {
         merged.texture = merged.texture || layer->texture;
         merged.paths = merged.paths || layer->paths;
         merged.hand = merged.hand || layer->hand;
+        merged.grid = merged.grid || layer->grid;
         for (const Entry& entry : layer->entries) {
             merged.entries[entry.key] = &entry;
             merged.ranks[entry.key] = rank;
@@ -161,7 +162,7 @@ void drop_inapplicable(Selection& selection, const Merged& merged) {
     const bool closed = selection[s.loop] ? is_closed(*selection[s.loop]) : pressed;
     forms = with_paths(forms, merged.paths ? path_form(*selection[s.paths_kind]) : 0, closed, merged.hand);
     for (std::size_t i = 0; i < selection.size(); ++i)
-        if (!applies(schema_keys()[i], forms))
+        if (!applies(schema_keys()[i], forms) || (schema_keys()[i].table == "grid" && merged.paths && !merged.grid))
             selection[i] = nullptr;
     const std::size_t samples = key_index("grid.samples");
     if (!selection[samples])
@@ -185,6 +186,7 @@ std::string identity(const Selection& selection) {
 
 Scene build_scene(const Selection& selection) {
     Scene scene;
+    scene.field = false;
     for (std::size_t i = 0; i < selection.size(); ++i) {
         if (!selection[i])
             continue;
@@ -193,6 +195,7 @@ Scene build_scene(const Selection& selection) {
             scene.texture.emplace();
         if (key.table == "paths" && !scene.paths)
             scene.paths.emplace();
+        scene.field = scene.field || key.table == "grid";
         key.set(scene, *selection[i]);
     }
     return scene;

@@ -15,7 +15,7 @@ namespace forceshade {
 struct Merged {
     std::vector<const Entry*> entries;
     std::vector<int> ranks;                            // of the layer that gave the entry; 0: a default
-    bool texture = false, paths = false, hand = false; // has such a table
+    bool texture = false, paths = false, hand = false, grid = false; // has such a table
 };
 
 /// The defaults, then the layers in turn. Null layers are skipped. The layers must outlive the result.

@@ -8,8 +8,8 @@
 #include "host/io/npy.h"
 #include "host/io/temporary_file.h"
 #include "host/io/vti.h"
+#include "host/outline/surface_lines.h"
 #include "host/picture/picture.h"
-#include "host/sweep/surface_lines.h"
 #include "host/version.h"
 
 namespace forceshade {
@@ -48,6 +48,8 @@ std::vector<FileRecord> inputs_of(const Scene& scene) {
         if (!sha256.empty())
             inputs.push_back({std::filesystem::path(file).filename().string(), sha256, 0});
     };
+    if (scene.paths)
+        add(scene.paths->file, scene.paths->sha256);
     add(scene.surface.mesh.file, scene.surface.mesh.sha256);
     add(scene.surface.map.file, scene.surface.map.sha256);
     if (scene.texture)
@@ -82,8 +84,12 @@ AlsoFormats parse_also(const std::vector<std::string>& names) {
     return also;
 }
 
-std::vector<std::string> file_names(const std::string& stem, std::uint32_t channels, AlsoFormats also) {
-    std::vector<std::string> names{stem + ".exr"};
+namespace {
+
+// Of a field; force is always among the channels.
+void add_field_files(const std::string& stem, std::uint32_t channels, AlsoFormats also,
+                     std::vector<std::string>& names) {
+    names.push_back(stem + ".exr");
     if (also.vti)
         names.push_back(stem + ".vti");
     if (also.npy)
@@ -94,7 +100,53 @@ std::vector<std::string> file_names(const std::string& stem, std::uint32_t chann
         names.insert(names.end(), {stem + ".mosaic.png", stem + ".arrows.png"});
     if (also.png && (channels & layout::kChannelUnshaded))
         names.push_back(stem + ".shading.png");
+}
+
+void add_path_files(const std::string& stem, std::uint32_t channels, AlsoFormats also,
+                    std::vector<std::string>& names) {
+    for (std::string& name : path_file_names(path_options(stem + ".exr", also, 0), channels))
+        names.push_back(std::move(name));
+}
+
+} // namespace
+
+std::vector<std::string> file_names(const std::string& stem, const Scene& scene, AlsoFormats also) {
+    std::vector<std::string> names;
+    if (scene.field)
+        add_field_files(stem, scene.output.channels, also, names);
+    if (scene.paths)
+        add_path_files(stem, scene.output.channels, also, names);
     return names;
+}
+
+std::vector<std::string> possible_file_names(const std::string& stem, AlsoFormats also) {
+    std::vector<std::string> names;
+    add_field_files(stem, kAllChannels, also, names);
+    add_path_files(stem, kAllChannels, also, names);
+    return names;
+}
+
+PathRunOptions path_options(const std::filesystem::path& volume, AlsoFormats also, int threads) {
+    const std::string stem = volume.stem().string();
+    PathRunOptions options;
+    options.samples = volume.parent_path() / (stem + ".paths.exr");
+    options.stem = volume.parent_path() / stem;
+    options.label = ".paths";
+    options.npy = also.npy;
+    options.png = also.png;
+    options.threads = threads;
+    return options;
+}
+
+CaseRecord empty_record(const PreparedCase& prepared) {
+    const Scene& scene = prepared.one.scene;
+    CaseRecord record;
+    record.name = prepared.one.name;
+    record.parameters = prepared.one.varied;
+    record.inputs = inputs_of(scene);
+    record.precision = scene.precision == Precision::f32 ? "f32" : "f64";
+    record.omitted = omissions(scene);
+    return record;
 }
 
 CaseOutput::CaseOutput(const PreparedCase& prepared, const std::filesystem::path& volume, AlsoFormats also, int threads,
@@ -137,12 +189,7 @@ template void CaseOutput::write<double>(const layout::FieldChunk<double>&);
 
 CaseRecord CaseOutput::finish() {
     const Scene& scene = prepared_.one.scene;
-    CaseRecord record;
-    record.name = prepared_.one.name;
-    record.parameters = prepared_.one.varied;
-    record.inputs = inputs_of(scene);
-    record.precision = scene.precision == Precision::f32 ? "f32" : "f64";
-    record.omitted = omissions(scene);
+    CaseRecord record = empty_record(prepared_);
     record.voxels = scene.grid.size[0] * scene.grid.size[1] * scene.grid.size[2];
     record.evaluated = evaluated_;
     record.error = check_.error();

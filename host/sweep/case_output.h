@@ -8,6 +8,7 @@
 
 #include "host/field/prepared_case.h"
 #include "host/io/chunk_sink.h"
+#include "host/path_run/path_run.h"
 #include "host/picture/slice_collector.h"
 #include "host/sweep/record.h"
 
@@ -24,9 +25,16 @@ AlsoFormats parse_also(const std::vector<std::string>& names);
 inline constexpr std::uint32_t kAllChannels = layout::kChannelForce | layout::kChannelDepth | layout::kChannelFacet |
                                               layout::kChannelProxy | layout::kChannelUnshaded;
 
-/// The names of all files that a case leaves for a volume called `STEM.exr`, the volume first. Force is always among
-/// the channels.
-std::vector<std::string> file_names(const std::string& stem, std::uint32_t channels, AlsoFormats also);
+/// The names of all files that a case leaves whose volume is or would be called `STEM.exr`, the volume first.
+std::vector<std::string> file_names(const std::string& stem, const Scene& scene, AlsoFormats also);
+/// Every name that a case may leave.
+std::vector<std::string> possible_file_names(const std::string& stem, AlsoFormats also);
+
+/// Where the paths of such a case go: STEM.paths.exr, STEM.paths.csv and what else is asked for.
+PathRunOptions path_options(const std::filesystem::path& volume, AlsoFormats also, int threads);
+
+/// The record of a case without what is computed.
+CaseRecord empty_record(const PreparedCase& prepared);
 
 class CaseOutput {
 public:

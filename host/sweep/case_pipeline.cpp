@@ -4,6 +4,7 @@
 #include <condition_variable>
 #include <deque>
 #include <mutex>
+#include <optional>
 #include <thread>
 
 #include "host/interrupt.h"
@@ -20,7 +21,27 @@ struct Transfer {
     std::unique_ptr<CaseJob> job;
     ChunkQueue chunks;
     EngineTimes times; // complete before the queue is closed
+    std::optional<PathRecord> paths;
+    std::exception_ptr error; // of the paths: concerns this case alone
 };
+
+// An error of the case alone: the others go on.
+bool concerns_one_case(const std::exception_ptr& error) {
+    try {
+        std::rethrow_exception(error);
+    } catch (const Error& known) {
+        return known.code() == ExitCode::failed || known.code() == ExitCode::usage;
+    } catch (...) {
+        return false;
+    }
+}
+
+void add_paths(PathRecord paths, CaseRecord& record) {
+    record.files.insert(record.files.end(), paths.files.begin(), paths.files.end());
+    paths.files.clear();
+    paths.warnings.clear();
+    record.paths = std::move(paths);
+}
 
 class Encoders {
 public:
@@ -78,6 +99,8 @@ private:
             CaseOutcome outcome{transfer->job.get(), {}, nullptr};
             try {
                 throw_if_stopped();
+                if (transfer->error)
+                    std::rethrow_exception(transfer->error);
                 if (!encode(*transfer, outcome.record))
                     continue; // the engine gave up and says why itself
             } catch (...) {
@@ -90,6 +113,19 @@ private:
 
     // False if the engine never completed the case.
     bool encode(Transfer& transfer, CaseRecord& record) {
+        const PreparedCase& prepared = transfer.job->prepared;
+        if (!prepared.one.scene.field)
+            record = empty_record(prepared);
+        else if (!encode_field(transfer, record))
+            return false;
+        record.fingerprint = transfer.job->fingerprint;
+        record.engine = engine_;
+        if (transfer.paths)
+            add_paths(std::move(*transfer.paths), record);
+        return true;
+    }
+
+    bool encode_field(Transfer& transfer, CaseRecord& record) {
         CaseOutput output(transfer.job->prepared, transfer.job->volume, transfer.job->also, threads_a_volume_,
                           engine_.software);
         while (const auto waiting = transfer.chunks.pop()) {
@@ -99,24 +135,11 @@ private:
         if (!transfer.chunks.whole())
             return false;
         record = output.finish();
-        record.fingerprint = transfer.job->fingerprint;
-        record.engine = engine_;
         record.engine_times = transfer.times;
         // Which blocks of a mesh's grid are free, a device's engine alone finds out.
         if (transfer.job->prepared.images.mesh && engine_.engine == "gpu")
             record.evaluated = transfer.times.voxels_evaluated;
         return true;
-    }
-
-    // An error of the case alone: the others go on.
-    static bool concerns_one_case(const std::exception_ptr& error) {
-        try {
-            std::rethrow_exception(error);
-        } catch (const Error& known) {
-            return known.code() == ExitCode::failed || known.code() == ExitCode::usage;
-        } catch (...) {
-            return false;
-        }
     }
 
     void report(const CaseOutcome& outcome) {
@@ -152,6 +175,21 @@ template <typename T> EngineTimes compute(Engine& engine, const CaseJob& job, Ch
     });
 }
 
+// Paths are written as they are computed, by the engine's thread: their rows need no second copy.
+void compute_paths(Engine& engine, Transfer& transfer) {
+    const CaseJob& job = *transfer.job;
+    if (!job.prepared.one.scene.paths)
+        return;
+    const auto cores = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+    try {
+        transfer.paths = run_paths(engine, job.prepared, path_options(job.volume, job.also, cores));
+    } catch (...) {
+        transfer.error = std::current_exception();
+        if (!concerns_one_case(transfer.error))
+            throw;
+    }
+}
+
 } // namespace
 
 void run_cases(Engine& engine, const std::function<std::unique_ptr<CaseJob>()>& next, std::size_t cases,
@@ -166,7 +204,13 @@ void run_cases(Engine& engine, const std::function<std::unique_ptr<CaseJob>()>& 
         check_interrupt();
         pool.throw_if_stopped();
         const auto transfer = std::make_shared<Transfer>(std::move(job), budget);
+        compute_paths(engine, *transfer);
+        const bool field = transfer->job->prepared.one.scene.field && !transfer->error;
         pool.add(transfer);
+        if (!field) {
+            transfer->chunks.close(true);
+            continue;
+        }
         try {
             transfer->times = transfer->job->prepared.one.scene.precision == Precision::f32
                                   ? compute<float>(engine, *transfer->job, transfer->chunks)

@@ -1,5 +1,6 @@
 #include "host/sweep/manifest.h"
 
+#include <algorithm>
 #include <fstream>
 #include <set>
 #include <sstream>
@@ -53,7 +54,37 @@ Json last_account(const std::filesystem::path& path) {
     return json.is_object() && json.contains("last_run") ? json["last_run"] : Json(nullptr);
 }
 
-// Columns: the case, every key that varies in the study, then figures that do not change from run to run.
+constexpr const char* kPathColumns[] = {"paths",
+                                        "path_steps",
+                                        "path_samples",
+                                        "path_contact_share",
+                                        "unstable_paths",
+                                        "path_largest_force_N",
+                                        "path_work_J",
+                                        "path_mean_depth_m",
+                                        "path_depth_deviation_m",
+                                        "path_samples_compared",
+                                        "path_samples_differing",
+                                        "paths_exr_sha256"};
+
+void add_paths(const CaseRecord& record, CsvText& csv) {
+    if (!record.paths) {
+        for ([[maybe_unused]] const char* column : kPathColumns)
+            csv.add("");
+        return;
+    }
+    const PathRecord& paths = *record.paths;
+    const auto exr = std::find_if(record.files.begin(), record.files.end(),
+                                  [](const FileRecord& file) { return file.name.ends_with(".paths.exr"); });
+    csv.add(paths.paths).add(paths.steps).add(paths.samples);
+    csv.add(paths.samples ? double(paths.in_contact) / double(paths.samples) : 0.0);
+    csv.add(paths.unstable).add(paths.largest_force).add(paths.work).add(paths.mean_depth).add(paths.depth_deviation);
+    csv.add(paths.error.samples).add(paths.error.differing);
+    csv.add(exr == record.files.end() ? std::string() : exr->sha256);
+}
+
+// Columns: the case, every key that varies in the study, then figures that do not change from run to run; those of
+// paths only where a case of the study has some.
 std::string summary(const Study& study, const std::vector<CaseRecord>& records) {
     std::vector<std::string> keys;
     for (const Case& one : study.cases)
@@ -68,6 +99,11 @@ std::string summary(const Study& study, const std::vector<CaseRecord>& records) 
          {"precision", "voxels", "voxels_evaluated", "largest_force_N", "oracle_voxels", "oracle_differing",
           "oracle_largest_error_N", "oracle_relative_error", "exr_bytes", "exr_sha256"})
         csv.add(column);
+    const bool paths = std::any_of(study.cases.begin(), study.cases.end(),
+                                   [](const Case& one) { return one.scene.paths.has_value(); });
+    if (paths)
+        for (const char* column : kPathColumns)
+            csv.add(column);
     csv.end();
     for (const CaseRecord& record : records) {
         csv.add(record.name);
@@ -79,6 +115,8 @@ std::string summary(const Study& study, const std::vector<CaseRecord>& records) 
         csv.add(record.precision).add(record.voxels).add(record.evaluated).add(record.largest_force);
         csv.add(record.error.compared).add(record.error.differing).add(record.error.largest);
         csv.add(record.error.relative()).add(record.files.front().bytes).add(record.files.front().sha256);
+        if (paths)
+            add_paths(record, csv);
         csv.end();
     }
     return csv.text();

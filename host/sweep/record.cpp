@@ -13,6 +13,69 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+Json times_of(const EngineTimes& engine, const VolumeTimings& volume) {
+    return {{"plan", engine.plan},     {"compile", engine.compile},     {"upload", engine.upload},
+            {"kernel", engine.kernel}, {"read_back", engine.read_back}, {"encode", volume.encode},
+            {"flush", volume.flush},   {"verify", volume.read_back},    {"hash", volume.hash}};
+}
+
+EngineTimes engine_times_of(const Json& seconds) {
+    return {seconds.at("compile"), seconds.at("upload"), seconds.at("kernel"), seconds.at("read_back"),
+            seconds.at("plan")};
+}
+
+VolumeTimings volume_times_of(const Json& seconds) {
+    return {seconds.at("encode"), seconds.at("flush"), seconds.at("verify"), seconds.at("hash")};
+}
+
+Json paths_json(const PathRecord& paths) {
+    return {{"paths", paths.paths},
+            {"steps", paths.steps},
+            {"samples", paths.samples},
+            {"samples_in_contact", paths.in_contact},
+            {"unstable", paths.unstable},
+            {"began_inside", paths.began_inside},
+            {"unfinished", paths.unfinished},
+            {"largest_force_N", paths.largest_force},
+            {"work_J", paths.work},
+            {"effort_J", paths.effort},
+            {"mean_depth_m", paths.mean_depth},
+            {"depth_deviation_m", paths.depth_deviation},
+            {"oracle",
+             {{"paths_compared", paths.error.paths},
+              {"samples_compared", paths.error.samples},
+              {"samples_differing", paths.error.differing},
+              {"samples_beyond_bound", paths.error.beyond},
+              {"metrics_differing", paths.error.metrics},
+              {"largest_error_N", paths.error.largest},
+              {"largest_force_N", paths.error.largest_force},
+              {"first_difference", paths.error.first}}},
+            {"seconds", times_of(paths.engine_times, paths.volume_times)}};
+}
+
+PathRecord paths_of(const Json& json) {
+    PathRecord paths;
+    paths.paths = json.at("paths");
+    paths.steps = json.at("steps");
+    paths.samples = json.at("samples");
+    paths.in_contact = json.at("samples_in_contact");
+    paths.unstable = json.at("unstable");
+    paths.began_inside = json.at("began_inside");
+    paths.unfinished = json.at("unfinished");
+    paths.largest_force = json.at("largest_force_N");
+    paths.work = json.at("work_J");
+    paths.effort = json.at("effort_J");
+    paths.mean_depth = json.at("mean_depth_m");
+    paths.depth_deviation = json.at("depth_deviation_m");
+    const Json& oracle = json.at("oracle");
+    paths.error = {oracle.at("paths_compared"),       oracle.at("samples_compared"),  oracle.at("samples_differing"),
+                   oracle.at("samples_beyond_bound"), oracle.at("metrics_differing"), oracle.at("largest_error_N"),
+                   oracle.at("largest_force_N"),      oracle.at("first_difference")};
+    paths.engine_times = engine_times_of(json.at("seconds"));
+    paths.volume_times = volume_times_of(json.at("seconds"));
+    return paths;
+}
+
 Json to_json(const CaseRecord& record) {
     Json json;
     json["case"] = record.name;
@@ -40,15 +103,9 @@ Json to_json(const CaseRecord& record) {
                       {"voxels_beyond_bound", record.error.beyond}, {"voxels_on_edge", record.error.on_edge},
                       {"largest_error_N", record.error.largest},    {"largest_force_N", record.error.largest_force},
                       {"relative_error", record.error.relative()}};
-    json["seconds"] = {{"plan", record.engine_times.plan},
-                       {"compile", record.engine_times.compile},
-                       {"upload", record.engine_times.upload},
-                       {"kernel", record.engine_times.kernel},
-                       {"read_back", record.engine_times.read_back},
-                       {"encode", record.volume_times.encode},
-                       {"flush", record.volume_times.flush},
-                       {"verify", record.volume_times.read_back},
-                       {"hash", record.volume_times.hash}};
+    json["seconds"] = times_of(record.engine_times, record.volume_times);
+    if (record.paths)
+        json["paths"] = paths_json(*record.paths);
     return json;
 }
 
@@ -73,10 +130,10 @@ CaseRecord from_json(const Json& json) {
     const Json& oracle = json.at("oracle");
     record.error = {oracle.at("voxels_compared"), oracle.at("voxels_differing"), oracle.at("voxels_beyond_bound"),
                     oracle.at("voxels_on_edge"),  oracle.at("largest_error_N"),  oracle.at("largest_force_N")};
-    const Json& seconds = json.at("seconds");
-    record.engine_times = {seconds.at("compile"), seconds.at("upload"), seconds.at("kernel"), seconds.at("read_back"),
-                           seconds.at("plan")};
-    record.volume_times = {seconds.at("encode"), seconds.at("flush"), seconds.at("verify"), seconds.at("hash")};
+    record.engine_times = engine_times_of(json.at("seconds"));
+    record.volume_times = volume_times_of(json.at("seconds"));
+    if (json.contains("paths"))
+        record.paths = paths_of(json.at("paths"));
     return record;
 }
 
@@ -84,7 +141,7 @@ CaseRecord from_json(const Json& json) {
 
 std::string complaint(const CaseRecord& record) {
     if (record.error.beyond == 0)
-        return {};
+        return record.paths ? complaint(*record.paths, record.name, record.engine.device) : std::string();
     return fmt::format("{}: {} of {} voxels compared are further from the CPU oracle than rounding allows on {}; its "
                        "volume is not to be trusted (forceshade validate tells more)",
                        record.name, record.error.beyond, record.error.compared, record.engine.device);

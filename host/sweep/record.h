@@ -11,15 +11,11 @@
 
 #include "host/engine/engine.h"
 #include "host/io/chunk_sink.h"
+#include "host/io/file_record.h"
+#include "host/path_run/path_run.h"
 #include "host/validate/oracle_check.h"
 
 namespace forceshade {
-
-struct FileRecord {
-    std::string name; /* in the sweep's folder */
-    std::string sha256;
-    std::uint64_t bytes = 0;
-};
 
 struct CaseRecord {
     std::string name;
@@ -28,18 +24,20 @@ struct CaseRecord {
     std::vector<FileRecord> inputs;                              /* files that the scene names; bytes are not told */
     std::string precision;
     EngineReport engine;
-    std::vector<FileRecord> files; /* the volume first */
+    std::vector<FileRecord> files; /* the volume first, the paths' last */
     std::vector<std::string> omitted;
     std::uint64_t voxels = 0;    /* of the grid */
     std::uint64_t evaluated = 0; /* by the engine */
     double largest_force = 0;    /* N */
     std::array<std::uint64_t, 3> largest_voxel{};
-    OracleError error; /* against the oracle */
+    OracleError error;               /* against the oracle */
+    std::optional<PathRecord> paths; /* without files, which stand above, and warnings */
     EngineTimes engine_times;
     VolumeTimings volume_times;
 };
 
-/// What is wrong with a case whose field is further from the oracle than rounding allows; empty where nothing is.
+/// What is wrong with a case whose field or paths are further from the oracle than rounding allows; empty where nothing
+/// is.
 std::string complaint(const CaseRecord& record);
 
 /// `FOLDER/manifest.d/CASE.json`

@@ -35,8 +35,7 @@ bool is_done(const CaseJob& job, const SweepOptions& options, std::optional<Case
     // By name, not by UUID: the equal devices of a cluster finish each other's sweeps.
     if (options.device && (engine.device != options.device->name || engine.driver != options.device->driver))
         return false;
-    for (const std::string& name :
-         file_names(job.prepared.one.name, job.prepared.one.scene.output.channels, options.also)) {
+    for (const std::string& name : file_names(job.prepared.one.name, job.prepared.one.scene, options.also)) {
         const auto file = std::find_if(record->files.begin(), record->files.end(),
                                        [&](const FileRecord& known) { return known.name == name; });
         if (file == record->files.end() || !volume_is_intact(options.folder / name, file->sha256))
@@ -48,9 +47,10 @@ bool is_done(const CaseJob& job, const SweepOptions& options, std::optional<Case
 // What lies beside a volume is made again with it, so that nothing of an earlier scene stays under the case's name.
 AlsoFormats with_present(AlsoFormats also, const std::filesystem::path& folder, const std::string& stem) {
     const auto any = [&](AlsoFormats one) {
-        const std::vector<std::string> names = file_names(stem, kAllChannels, one);
-        return std::any_of(names.begin() + 1, names.end(),
-                           [&](const std::string& name) { return std::filesystem::exists(folder / name); });
+        const std::vector<std::string> plain = possible_file_names(stem, {}), names = possible_file_names(stem, one);
+        return std::any_of(names.begin(), names.end(), [&](const std::string& name) {
+            return std::find(plain.begin(), plain.end(), name) == plain.end() && std::filesystem::exists(folder / name);
+        });
     };
     return {also.vti || any({.vti = true}), also.npy || any({.npy = true}), also.png || any({.png = true})};
 }
@@ -59,8 +59,8 @@ AlsoFormats with_present(AlsoFormats also, const std::filesystem::path& folder, 
 void forget(const std::filesystem::path& folder, const Case& one, AlsoFormats also) {
     std::error_code ignored;
     std::filesystem::remove(record_path(folder, one.name), ignored);
-    const std::vector<std::string> keep = file_names(one.name, one.scene.output.channels, also);
-    for (const std::string& name : file_names(one.name, kAllChannels, {true, true, true}))
+    const std::vector<std::string> keep = file_names(one.name, one.scene, also);
+    for (const std::string& name : possible_file_names(one.name, {true, true, true}))
         if (std::find(keep.begin(), keep.end(), name) == keep.end())
             std::filesystem::remove(folder / name, ignored);
 }
@@ -124,6 +124,8 @@ void note_failure(SweepResult& result, const CaseOutcome& outcome) {
 void count(SweepResult& result, const CaseRecord& record) {
     result.largest_relative_error = std::max(result.largest_relative_error, record.error.relative());
     result.differing += record.error.differing;
+    if (record.paths)
+        result.differing_samples += record.paths->error.differing;
     if (const std::string wrong = complaint(record); !wrong.empty()) {
         result.failures.push_back(wrong);
         result.exit_code = std::max(result.exit_code, static_cast<int>(ExitCode::failed));
@@ -133,6 +135,12 @@ void count(SweepResult& result, const CaseRecord& record) {
 void count(RunAccount& account, const CaseRecord& record) {
     account.engine += record.engine_times.plan + record.engine_times.upload + record.engine_times.kernel +
                       record.engine_times.read_back;
+    if (record.paths) {
+        const EngineTimes& engine = record.paths->engine_times;
+        const VolumeTimings& files = record.paths->volume_times;
+        account.engine += engine.upload + engine.kernel + engine.read_back;
+        account.output += files.encode + files.flush + files.read_back + files.hash;
+    }
     account.output += record.volume_times.encode + record.volume_times.flush + record.volume_times.read_back +
                       record.volume_times.hash;
 }

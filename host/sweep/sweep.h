@@ -28,10 +28,11 @@ struct SweepOptions {
 
 struct SweepResult {
     std::size_t chosen = 0, computed = 0, kept = 0;
-    std::vector<std::string> failures; /* "CASE: why" */
-    int exit_code = 0;                 /* of the failures; 0 without */
-    std::uint64_t differing = 0;       /* voxels of the chosen cases whose bits are not the oracle's */
-    double largest_relative_error = 0; /* against the oracle in double, over all chosen cases */
+    std::vector<std::string> failures;   /* "CASE: why" */
+    int exit_code = 0;                   /* of the failures; 0 without */
+    std::uint64_t differing = 0;         /* voxels of the chosen cases whose bits are not the oracle's */
+    std::uint64_t differing_samples = 0; /* likewise of their paths */
+    double largest_relative_error = 0;   /* against the oracle in double, over all chosen cases */
     RunAccount account;
 };
 

@@ -171,7 +171,8 @@ TEST_F(PathFiles, exr_refuses_what_is_not_finite) {
 
 TEST_F(PathFiles, csv_holds_what_was_felt_path_after_path) {
     for (const std::size_t most : {1, 4, 100}) {
-        PathCsvWriter writer(folder_ / "a.csv", {100});
+        PathCsvWriter writer(folder_ / "a.csv", {[](std::uint64_t path) { return path; },
+                                                 [](std::uint64_t, std::uint64_t step) { return double(step) / 100; }});
         write_paths<float>(writer, {2, 1}, 2, most, 1);
         EXPECT_EQ(read("a.csv"), "path,t,x,y,z,gx,gy,gz,fx,fy,fz,depth,facet\n"
                                  "0,0,2000,2000.25,2000.5,3000,3000.25,3000.5,1000,1000.25,1000.5,4000,-1\n"

@@ -1,4 +1,4 @@
-#include "host/sweep/surface_lines.h"
+#include "host/outline/surface_lines.h"
 
 #include <algorithm>
 #include <cmath>
@@ -104,16 +104,12 @@ std::vector<picture::LinePoint> mesh_section(const Mesh& mesh, double y) {
 
 } // namespace
 
-picture::SurfaceLines surface_lines(const PreparedCase& prepared) {
+picture::SurfaceLines surface_lines(const PreparedCase& prepared, const SectionSpan& section) {
     const Scene& scene = prepared.one.scene;
-    const GridSpec& grid = scene.grid;
-    const Span x{grid.origin[0], grid.origin[0] + grid.spacing[0] * static_cast<double>(grid.size[0] - 1)};
-    const double middle_y = grid.origin[1] + grid.spacing[1] * static_cast<double>((grid.size[1] - 1) / 2);
+    const Span x{section.from, section.to};
     const SurfaceSpec& surface = scene.surface;
     const auto circle = [&](double at) { return circle_height(surface.width / 2, surface.radius, at); };
     picture::SurfaceLines lines;
-    if (grid.size[0] < 2)
-        return lines;
     switch (surface.kind) {
     case SurfaceKind::bump:
         lines.nominal = surface.facets <= kMostVertices ? facet_line(surface, x) : curve(x, circle);
@@ -127,13 +123,22 @@ picture::SurfaceLines surface_lines(const PreparedCase& prepared) {
         lines.nominal = {{x.from, 0}, {x.to, 0}};
         if (scene.force.shading != Shading::none)
             lines.smooth =
-                curve(x, [&](double at) { return map_height(surface.map, prepared.images.map.get(), at, middle_y); });
+                curve(x, [&](double at) { return map_height(surface.map, prepared.images.map.get(), at, section.y); });
         break;
     case SurfaceKind::mesh:
-        lines.nominal = mesh_section(prepared.images.mesh->mesh, middle_y);
+        lines.nominal = mesh_section(prepared.images.mesh->mesh, section.y);
         break;
     }
     return lines;
+}
+
+picture::SurfaceLines surface_lines(const PreparedCase& prepared) {
+    const GridSpec& grid = prepared.one.scene.grid;
+    if (grid.size[0] < 2)
+        return {};
+    return surface_lines(prepared,
+                         {grid.origin[0], grid.origin[0] + grid.spacing[0] * static_cast<double>(grid.size[0] - 1),
+                          grid.origin[1] + grid.spacing[1] * static_cast<double>((grid.size[1] - 1) / 2)});
 }
 
 } // namespace forceshade

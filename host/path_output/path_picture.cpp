@@ -1,0 +1,142 @@
+#include "host/path_output/path_picture.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "host/picture/quantity.h"
+
+namespace forceshade {
+namespace {
+
+constexpr std::uint64_t kDrawn = 5;          // paths
+constexpr std::uint64_t kDrawnSteps = 40000; // of each
+constexpr double kDegrees = 180 / std::numbers::pi;
+
+struct OnLine {
+    double height; /* m */
+    double angle;  /* deg: of the normal, from z towards x */
+};
+
+std::optional<OnLine> on_line(const std::vector<picture::LinePoint>& line, double x) {
+    const auto after = std::upper_bound(line.begin(), line.end(), x,
+                                        [](double at, const picture::LinePoint& point) { return at < point.x; });
+    if (after == line.begin() || after == line.end())
+        return std::nullopt;
+    const picture::LinePoint &from = *(after - 1), &to = *after;
+    const double share = (x - from.x) / (to.x - from.x);
+    return OnLine{std::lerp(from.z, to.z, share), std::atan2(from.z - to.z, to.x - from.x) * kDegrees};
+}
+
+std::string length_text(double metres) {
+    if (!(metres > 0))
+        return "0 m";
+    const picture::Unit unit = picture::choose_unit(metres, "m");
+    return picture::with_unit(picture::three_digits(picture::divide_by_power_of_ten(metres, unit.exponent)), unit);
+}
+
+std::string follows(const Following& f, const char* line) {
+    return fmt::format("{} from {} sunk by {}, the force {:.2f}° (median {:.2f}°) from its normal",
+                       length_text(f.distance), line, length_text(std::fabs(f.sunk)), f.angle, f.median_angle);
+}
+
+} // namespace
+
+PathCollector::PathCollector(std::uint64_t paths, std::uint64_t steps)
+    : count_(paths), every_(std::max<std::uint64_t>(1, (paths + kDrawn - 1) / kDrawn)),
+      stride_(std::max<std::uint64_t>(1, (steps + kDrawnSteps - 1) / kDrawnSteps)) {}
+
+template <typename T> void PathCollector::add(const PathRows<T>& rows) {
+    for (std::size_t path = 0; path < rows.path_count; ++path)
+        if ((rows.path_first + path) % every_ == 0)
+            add_path(rows, path);
+}
+template void PathCollector::add<float>(const PathRows<float>&);
+template void PathCollector::add<double>(const PathRows<double>&);
+
+template <typename T> void PathCollector::add_path(const PathRows<T>& rows, std::size_t path) {
+    picture::DrawnPath& drawn = paths_.emplace_back();
+    drawn.label = fmt::format("path {}", rows.path_first + path);
+    for (std::size_t step = 0; step < rows.steps[path]; step += stride_) {
+        const std::size_t at = 3 * (path * rows.pitch + step);
+        const double fx = double(rows.force[at]), fz = double(rows.force[at + 2]);
+        drawn.way.push_back({double(rows.position[at]), double(rows.position[at + 2])});
+        drawn.direction.push_back(fx == 0 && fz == 0 ? std::numeric_limits<double>::quiet_NaN()
+                                                     : std::atan2(fx, fz) * kDegrees);
+        y_sum_ += double(rows.position[at + 1]);
+        ++y_samples_;
+    }
+}
+
+PathCollector::Reach PathCollector::reach() const {
+    Reach reach{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity(),
+                y_samples_ ? y_sum_ / double(y_samples_) : 0};
+    for (const picture::DrawnPath& path : paths_)
+        for (const picture::LinePoint& point : path.way) {
+            reach.from = std::min(reach.from, point.x);
+            reach.to = std::max(reach.to, point.x);
+        }
+    return reach;
+}
+
+picture::Picture PathCollector::draw(const std::string& name, const picture::SurfaceLines& surface) const {
+    picture::PathDrawing drawing{name, {}, paths_, surface, is_graph(surface.nominal)};
+    std::string shown = fmt::format("{} of {} paths", paths_.size(), count_);
+    if (stride_ > 1)
+        shown += fmt::format(", every {}th sample", stride_);
+    drawing.notes.push_back(shown + " over the section of the surface at their mean y; below, the direction of the "
+                                    "force in the x-z plane, from z towards x");
+    std::string note;
+    if (const Following f = following(paths_, surface.nominal); f.samples > 0)
+        note = "in contact (root mean square): " + follows(f, "the surface");
+    if (const Following f = following(paths_, surface.smooth); f.samples > 0 && !note.empty())
+        note += "; " + follows(f, "the shape that the shading imitates");
+    if (!note.empty())
+        drawing.notes.push_back(note);
+    return picture::draw_paths(drawing);
+}
+
+bool is_graph(const std::vector<picture::LinePoint>& line) {
+    for (std::size_t i = 1; i < line.size(); ++i)
+        if (!(line[i].x > line[i - 1].x))
+            return false;
+    return !line.empty();
+}
+
+Following following(const std::vector<picture::DrawnPath>& paths, const std::vector<picture::LinePoint>& line) {
+    Following result;
+    if (!is_graph(line))
+        return result;
+    std::vector<double> below, turns;
+    double turned = 0;
+    for (const picture::DrawnPath& path : paths)
+        for (std::size_t i = 0; i < path.way.size(); ++i) {
+            const std::optional<OnLine> nearest = on_line(line, path.way[i].x);
+            if (!nearest || std::isnan(path.direction[i]))
+                continue;
+            below.push_back(nearest->height - path.way[i].z);
+            result.sunk += below.back();
+            turns.push_back(std::fabs(std::remainder(path.direction[i] - nearest->angle, 360)));
+            turned += turns.back() * turns.back();
+        }
+    result.samples = below.size();
+    if (below.empty())
+        return result;
+    const double samples = double(below.size());
+    result.sunk /= samples;
+    double square = 0;
+    for (const double depth : below)
+        square += (depth - result.sunk) * (depth - result.sunk);
+    result.distance = std::sqrt(square / samples);
+    result.angle = std::sqrt(turned / samples);
+    const auto middle = turns.begin() + static_cast<std::ptrdiff_t>(turns.size() / 2);
+    std::nth_element(turns.begin(), middle, turns.end());
+    result.median_angle = *middle;
+    return result;
+}
+
+} // namespace forceshade

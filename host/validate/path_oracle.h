@@ -1,0 +1,68 @@
+// Explored paths held against the oracle in the same precision: some of them, evenly chosen, or all.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "host/path_output/row_gatherer.h"
+
+namespace forceshade {
+
+struct PathError {
+    std::uint64_t paths = 0;     /* compared */
+    std::uint64_t samples = 0;   /* compared */
+    std::uint64_t differing = 0; /* samples any of whose channels differs in a bit */
+    std::uint64_t beyond = 0;    /* samples further from the oracle than rounding allows: on a software device all that
+                                    differ */
+    std::uint64_t metrics = 0;   /* paths whose metrics differ: on a software device in a bit, else beyond rounding */
+    double largest = 0;          /* N: largest |F - F_oracle| */
+    double largest_force = 0;    /* N: of the oracle */
+    std::string first;           /* where and what, for the first sample or path that is beyond */
+
+    bool passed() const { return beyond == 0 && metrics == 0; }
+};
+
+/// Most samples that are compared where not all are asked for: about a second's work.
+inline constexpr std::uint64_t kComparedSamples = std::uint64_t(1) << 20;
+
+/// Evaluates the chosen paths of each batch once more, by reference::evaluate_paths on all cores. On hardware, whose
+/// divisions and square roots may round otherwise, what is felt is held against the law at the very position where it
+/// was felt, within 1e-4 of it and what 1 um of stiffness gives, or, on a mesh in open loop, 1e-3 of the largest force
+/// for all but one sample in a hundred, since a probe on an edge may be given to either facet; an open loop's positions
+/// may be off by 1e-5 of their size, and of its metrics the work by as much as 1e-3 of the effort. A closed loop's
+/// course is not compared there: it follows from what it felt.
+template <typename T> class PathOracle {
+public:
+    /// `input` is the oracle's own, its source is asked for other batches than the engine's. Both it and `exact_bits`'
+    /// meaning as in OracleCheck. `most`: samples compared, evenly chosen paths; 0: all.
+    PathOracle(const layout::PathInput<T>& input, bool exact_bits, std::uint64_t most = kComparedSamples);
+    ~PathOracle();
+
+    /// The engine's rows of a batch, unless metrics alone were asked for; then its metrics.
+    void compare(const PathRows<T>& rows);
+    void compare(std::size_t first, std::span<const layout::PathMetrics<T>> metrics);
+
+    const PathError& error() const { return error_; }
+
+private:
+    struct Batch;
+    void evaluate(std::size_t first, std::size_t count);
+    void compare_sample(const PathRows<T>& rows, std::size_t path, std::size_t step, const PathRows<T>& alike,
+                        std::size_t chosen);
+    bool is_beyond(const PathRows<T>& rows, std::size_t at) const;
+    bool metrics_differ(const layout::PathMetrics<T>& computed, const layout::PathMetrics<T>& alike) const;
+    void note(const std::string& text);
+
+    layout::PathInput<T> input_;
+    bool exact_bits_;
+    std::uint64_t every_;
+    std::unique_ptr<Batch> batch_; // the oracle's, of the engine's present batch
+    std::uint64_t mesh_off_ = 0;
+    PathError error_;
+};
+
+extern template class PathOracle<float>;
+extern template class PathOracle<double>;
+
+} // namespace forceshade

@@ -1,0 +1,230 @@
+// Generated paths, from the command line: files, figures, refusals, sweeps, validation.
+#include <csignal>
+#include <sstream>
+#include <thread>
+
+#include <fmt/format.h>
+
+#include <ImfChannelList.h>
+#include <ImfHeader.h>
+#include <ImfMultiPartInputFile.h>
+
+#include "tests/e2e/workplace.h"
+
+namespace forceshade::testing {
+namespace {
+
+constexpr std::uint64_t kMebibyte = 1 << 20;
+
+std::vector<std::map<std::string, std::string>> table_in(const std::string& text) {
+    const auto cells_of = [](const std::string& line) {
+        std::vector<std::string> cells(1);
+        for (const char c : line)
+            if (c == ',')
+                cells.emplace_back();
+            else
+                cells.back() += c;
+        return cells;
+    };
+    std::istringstream lines(text);
+    std::string line;
+    std::getline(lines, line);
+    const std::vector<std::string> names = cells_of(line);
+    std::vector<std::map<std::string, std::string>> rows;
+    while (std::getline(lines, line)) {
+        const std::vector<std::string> cells = cells_of(line);
+        EXPECT_EQ(cells.size(), names.size()) << line;
+        for (std::size_t i = 0; i < std::min(cells.size(), names.size()); ++i)
+            (i == 0 ? rows.emplace_back() : rows.back())[names[i]] = cells[i];
+    }
+    return rows;
+}
+
+class Paths : public Workplace {
+protected:
+    Paths() {
+        write("open.toml",
+              scene("count = 20\nsteps = 100\nseed = 7\nspeed = { mean = \"100 mm/s\", sd = \"20 mm/s\" }\n"));
+        write("closed.toml", scene("count = 6\nsteps = 300\npress = \"1 N\"\n"));
+    }
+    static std::string scene(const std::string& paths) {
+        return "[surface]\nfacets = 3\n[force]\nshading = \"reference\"\n[paths]\n" + paths;
+    }
+    static std::vector<std::string> explore(const std::string& scene, const std::string& out,
+                                            std::vector<std::string> further = {}) {
+        std::vector<std::string> all{"explore", scene, "--out", out, "--engine", "cpu"};
+        all.insert(all.end(), further.begin(), further.end());
+        return all;
+    }
+    std::vector<std::string> names() const {
+        std::vector<std::string> names = folder_.names();
+        std::erase_if(names, [](const std::string& name) { return name.ends_with(".toml") || name == "cache"; });
+        return names;
+    }
+};
+
+TEST_F(Paths, become_an_exr_and_a_table) {
+    const Outcome outcome = expect_success(explore("open.toml", "a.exr", {"--also", "npy,png"}));
+    EXPECT_EQ(outcome.out, "");
+    for (const char* word : {"a.exr: 20 paths of 100 steps", "million steps/s", "0 unstable", "0 differ"})
+        EXPECT_NE(outcome.error.find(word), std::string::npos) << outcome.error;
+    for (const char* name : {"a.exr", "a.paths.csv", "a.force.npy", "a.position.npy", "a.paths.png"})
+        EXPECT_TRUE(std::filesystem::exists(path(name))) << name;
+    Imf::MultiPartInputFile file(path("a.exr").c_str());
+    EXPECT_EQ(file.parts(), 2);
+    EXPECT_EQ(file.header(0).dataWindow().max, Imath::V2i(99, 19));
+    const auto rows = table_in(read_text(path("a.paths.csv")));
+    ASSERT_EQ(rows.size(), 20u);
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+        EXPECT_EQ(rows[i].at("path"), std::to_string(i));
+        EXPECT_EQ(rows[i].at("unstable"), "0");
+        EXPECT_EQ(rows[i].at("speed_ratio"), "") << "open loop";
+        EXPECT_GT(std::stod(rows[i].at("largest_force_N")), 0.5);
+    }
+    const Tree first = tree_of(folder_.path());
+    expect_success(explore("open.toml", "a.exr", {"--also", "npy,png", "--quiet"}));
+    EXPECT_EQ(differences(first, tree_of(folder_.path())), std::set<std::string>{}) << "the same bytes in every run";
+    EXPECT_EQ(temporaries_in(folder_.path()), std::vector<std::string>{});
+}
+
+TEST_F(Paths, in_closed_loop_have_a_speed_ratio) {
+    expect_success(explore("closed.toml", "a.csv"));
+    for (const auto& row : table_in(read_text(path("a.paths.csv"))))
+        EXPECT_GT(std::stod(row.at("speed_ratio")), 0);
+    EXPECT_EQ(table_in(read_text(path("a.csv"))).size(), 6u * 300);
+}
+
+TEST_F(Paths, are_the_same_on_a_gpu) {
+    for (const char* scene : {"open.toml", "closed.toml"})
+        for (const char* precision : {"f32", "f64"}) {
+            expect_success(explore(scene, "cpu.csv", {"--precision", precision}));
+            expect_success({"explore", scene, "--out", "gpu.csv", "--precision", precision});
+            EXPECT_EQ(read_text(path("cpu.csv")), read_text(path("gpu.csv"))) << scene << precision;
+            EXPECT_EQ(read_text(path("cpu.paths.csv")), read_text(path("gpu.paths.csv"))) << scene << precision;
+        }
+}
+
+TEST_F(Paths, of_metrics_alone_take_no_memory_for_steps) {
+    expect_success(explore("open.toml", "a.exr"));
+    const std::string table = read_text(path("a.paths.csv"));
+    std::filesystem::remove(path("a.exr"));
+    expect_success(explore("open.toml", "a.exr", {"--metrics-only"}));
+    EXPECT_EQ(read_text(path("a.paths.csv")), table);
+    EXPECT_FALSE(std::filesystem::exists(path("a.exr")));
+    write("few.toml", scene("count = 50\nsteps = 1000\n"));
+    write("many.toml", scene("count = 50\nsteps = 100000\n"));
+    const std::uint64_t few = expect_success(explore("few.toml", "a.exr", {"--metrics-only"})).peak_memory;
+    EXPECT_LT(expect_success(explore("many.toml", "a.exr", {"--metrics-only"})).peak_memory, few + 4 * kMebibyte);
+    expect_failure(2, explore("open.toml", "a.exr", {"--metrics-only", "--also", "npy"}), {"--metrics-only"});
+}
+
+TEST_F(Paths, say_in_json_what_became_of_them) {
+    const nlohmann::json said = nlohmann::json::parse(expect_success(explore("open.toml", "a.exr", {"--json"})).out);
+    EXPECT_EQ(said["paths"], 20);
+    EXPECT_EQ(said["steps"], 100);
+    EXPECT_EQ(said["samples"], 2000);
+    EXPECT_EQ(said["oracle"]["samples_compared"], 2000);
+    EXPECT_EQ(said["oracle"]["samples_differing"], 0);
+    EXPECT_EQ(said["files"][0]["name"], "a.exr");
+    EXPECT_GT(said["steps_per_second"], 0);
+    EXPECT_LT(said["work_J"], 1);
+}
+
+TEST_F(Paths, at_their_extremes_are_written) {
+    write("one.toml", scene("count = 1\nsteps = 1\n"));
+    write("still.toml", scene("count = 3\nsteps = 50\nlength = \"0 mm\"\n"));
+    write("wide.toml", scene("count = 100000\nsteps = 1\n"));
+    for (const char* out : {"a.exr", "a.csv"}) {
+        expect_success(explore("one.toml", out, {"--also", "png"}));
+        EXPECT_EQ(table_in(read_text(path("a.paths.csv"))).size(), 1u);
+        expect_success(explore("still.toml", out, {"--also", "png"}));
+        EXPECT_EQ(table_in(read_text(path("a.paths.csv"))).size(), 3u);
+        expect_success(explore("wide.toml", out));
+        EXPECT_EQ(table_in(read_text(path("a.paths.csv"))).size(), 100000u);
+    }
+}
+
+TEST_F(Paths, leave_nothing_where_they_cannot_be_written) {
+    const Tree before = tree_of(folder_.path());
+    expect_failure(4, explore("open.toml", "nosuch/a.exr"), {"nosuch"});
+    expect_failure(2, explore("open.toml", "a.png"), {".exr", ".csv"});
+    expect_failure(2, explore("open.toml", "a.exr", {"--also", "vti"}), {"npy", "png"});
+    write("long.toml", scene("count = 2000\nsteps = 500\n[output]\ncompression = \"none\"\n"));
+    for (const char* out : {"a.exr", "a.csv"}) {
+        Launch launch = this->launch(explore("long.toml", out));
+        launch.most_file_bytes = kMebibyte;
+        expect_failure(4, launch, {out});
+    }
+    std::filesystem::remove(path("long.toml"));
+    EXPECT_EQ(differences(before, tree_of(folder_.path())), std::set<std::string>{});
+}
+
+TEST_F(Paths, leave_nothing_when_interrupted) {
+    write("long.toml", scene("count = 200000\nsteps = 2000\n"));
+    const std::vector<std::string> before = names();
+    for (const char* out : {"a.exr", "a.csv"}) {
+        Process process(launch(explore("long.toml", out)));
+        while (process.running() && temporaries_in(folder_.path()).empty())
+            std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        std::this_thread::sleep_for(std::chrono::milliseconds(300));
+        process.send(SIGINT);
+        const Outcome outcome = process.wait();
+        EXPECT_EQ(outcome.code, 130) << outcome.error;
+        EXPECT_EQ(names(), before);
+    }
+}
+
+TEST_F(Paths, stand_in_sweeps_beside_fields_or_alone) {
+    write("study.toml",
+          "[surface]\nfacets = [1, 3]\n[force]\nshading = \"reference\"\n[paths]\ncount = 5\nsteps = 40\n");
+    expect_success({"sweep", "study.toml", "--out", "s", "--engine", "cpu", "--also", "png"});
+    const std::set<std::string> expected{"bump_facets-1.paths.exr",
+                                         "bump_facets-1.paths.csv",
+                                         "bump_facets-1.paths.png",
+                                         "bump_facets-3.paths.exr",
+                                         "bump_facets-3.paths.csv",
+                                         "bump_facets-3.paths.png",
+                                         "summary.csv",
+                                         "study.toml"};
+    const Tree first = results_in(path("s"));
+    std::set<std::string> there;
+    for (const auto& [name, text] : first)
+        there.insert(name);
+    EXPECT_EQ(there, expected);
+    const auto rows = table_in(first.at("summary.csv"));
+    ASSERT_EQ(rows.size(), 2u);
+    EXPECT_EQ(rows[0].at("paths"), "5");
+    EXPECT_EQ(rows[0].at("path_samples"), "200");
+    EXPECT_EQ(rows[0].at("path_samples_differing"), "0");
+    EXPECT_EQ(rows[0].at("voxels"), "0");
+    // Again: all is kept. A file gone: made again, byte for byte.
+    EXPECT_NE(expect_success({"sweep", "study.toml", "--out", "s", "--engine", "cpu", "--also", "png"})
+                  .error.find("0 computed, 2 kept"),
+              std::string::npos);
+    std::filesystem::remove(path("s/bump_facets-3.paths.csv"));
+    EXPECT_NE(expect_success({"sweep", "study.toml", "--out", "s", "--engine", "cpu"}).error.find("1 computed"),
+              std::string::npos);
+    EXPECT_EQ(differences(first, results_in(path("s"))), std::set<std::string>{});
+    // The resolved study asks for the same.
+    expect_success({"sweep", "s/study.toml", "--out", "t", "--engine", "cpu", "--also", "png"});
+    EXPECT_EQ(differences(first, results_in(path("t"))), std::set<std::string>{});
+    write("both.toml", read_text(path("study.toml")) + "[grid]\nsize = [8, 2, 4]\n");
+    expect_success({"sweep", "both.toml", "--out", "b", "--engine", "cpu"});
+    for (const char* name : {"bump_facets-1.exr", "bump_facets-1.paths.exr", "bump_facets-1.paths.csv"})
+        EXPECT_TRUE(std::filesystem::exists(path("b") / name)) << name;
+    EXPECT_EQ(read_json("b/manifest.json")["cases"][0]["paths"]["paths"], 5);
+    expect_failure(2, {"field", "open.toml", "--out", "f.exr", "--engine", "cpu"}, {"[paths]", "[grid]", "explore"});
+}
+
+TEST_F(Paths, are_validated) {
+    const Outcome outcome = expect_success({"validate", "closed.toml"});
+    EXPECT_EQ(last_line(outcome.out), fmt::format("{} samples, 0 differ", 2 * 6 * 300));
+    EXPECT_EQ(outcome.out.find("voxels"), std::string::npos) << outcome.out;
+    write("both.toml", read_text(path("open.toml")) + "[grid]\nsize = [8, 2, 4]\n");
+    const Outcome both = expect_success({"validate", "both.toml", "--engine", "cpu", "--precision", "f32"});
+    EXPECT_EQ(last_line(both.out), "2000 samples, 0 differ");
+    EXPECT_NE(both.out.find("\n64 voxels, 0 differ\n"), std::string::npos) << both.out;
+}
+
+} // namespace
+} // namespace forceshade::testing

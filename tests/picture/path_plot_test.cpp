@@ -1,0 +1,66 @@
+// The picture of explored paths: normals of lines, texts that keep clear of each other, the same bytes.
+#include <cmath>
+#include <limits>
+
+#include <gtest/gtest.h>
+
+#include "host/picture/canvas.h"
+#include "host/picture/path_plot.h"
+
+namespace forceshade::picture::test {
+namespace {
+
+PathDrawing sample() {
+    PathDrawing drawing{"bump_facets-3", {"2 of 2 paths"}, {}, {{{-0.02, 0}, {0, 0.002}, {0.02, 0}}, {}}, true};
+    for (int p = 0; p < 2; ++p) {
+        DrawnPath path;
+        path.label = "path " + std::to_string(p);
+        for (int i = 0; i <= 100; ++i) {
+            path.way.push_back({-0.015 + i * 3e-4, 0.001 * p});
+            path.direction.push_back(i % 10 == 9 ? std::numeric_limits<double>::quiet_NaN() : 5.0 - i * 0.1);
+        }
+        drawing.paths.push_back(path);
+    }
+    return drawing;
+}
+
+TEST(PathPlot, normals_lean_away_from_the_slope) {
+    const std::vector<LinePoint> normals = normals_of({{0, 0}, {1, 1}, {2, 1}, {3, 0}});
+    ASSERT_EQ(normals.size(), 6u);
+    EXPECT_NEAR(normals[0].z, -45, 1e-12) << "uphill to the right: the normal points to the left";
+    EXPECT_EQ(normals[1].x, 1);
+    EXPECT_EQ(normals[2].z, 0);
+    EXPECT_NEAR(normals[5].z, 45, 1e-12);
+    EXPECT_TRUE(normals_of({{0, 0}}).empty());
+}
+
+TEST(PathPlot, is_the_same_every_time_and_its_texts_are_on_the_sheet) {
+    const Picture one = draw_paths(sample()), other = draw_paths(sample());
+    EXPECT_EQ(one.png, other.png);
+    EXPECT_GT(one.texts.size(), 15u);
+    for (std::size_t i = 0; i < one.texts.size(); ++i) {
+        const Box& a = one.texts[i].ink;
+        EXPECT_GE(a.x, 0) << one.texts[i].text;
+        EXPECT_LE(a.x + a.width, one.width) << one.texts[i].text;
+        EXPECT_LE(a.y + a.height, one.height) << one.texts[i].text;
+        for (std::size_t j = 0; j < i; ++j) {
+            const Box& b = one.texts[j].ink;
+            const bool apart =
+                a.x + a.width <= b.x || b.x + b.width <= a.x || a.y + a.height <= b.y || b.y + b.height <= a.y;
+            EXPECT_TRUE(apart) << one.texts[i].text << " over " << one.texts[j].text;
+        }
+    }
+}
+
+TEST(PathPlot, of_a_path_that_stands_still_is_drawn) {
+    PathDrawing drawing = sample();
+    drawing.paths.resize(1);
+    drawing.paths[0].way = {{0.001, 0.002}};
+    drawing.paths[0].direction = {std::numeric_limits<double>::quiet_NaN()};
+    EXPECT_GT(draw_paths(drawing).png.size(), 1000u);
+    drawing.surface = {};
+    EXPECT_GT(draw_paths(drawing).png.size(), 1000u);
+}
+
+} // namespace
+} // namespace forceshade::picture::test
