@@ -2,6 +2,7 @@
 // steps of the dispatch; its state lies in registers, between dispatches in a buffer.
 #version 450
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
 #include "laws/real.glsl"
 #include "shared/layout.h"
 
@@ -61,6 +62,7 @@ real exact_zero;
 #include "laws/contact.glsl"
 #include "laws/vector.glsl"
 #include "laws/philox.glsl"
+#define KEPT_HARMONICS 16u
 #include "laws/motion.glsl"
 #include "laws/nominal_height.glsl"
 #include "laws/hand.glsl"
@@ -93,6 +95,7 @@ void main() {
     MotionParams motion = motions[path];
     HandParams hand = hands[chunk.own_hands * path];
     uint steps = chunk.own_lengths != 0u ? lengths[path] : chunk.steps;
+    keep_harmonics(path, chunk.paths);
     real3 here = target_at(motion, path, chunk.step_first, steps);
     PathState state = states[path];
     if (chunk.step_first == 0u)

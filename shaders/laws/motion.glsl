@@ -1,6 +1,7 @@
 // Where the intended motion of a path is at a step. Phases are whole numbers, so nothing drifts, and a step needs none
 // before it. Needs philox.glsl and elementary.glsl; MOTION, LOOP and HARMONICS, constants of the kernel; the buffer
-// `harmonics`. Zeros are `exact_zero`: what they enter may be a zero with a sign.
+// `harmonics`; GL_EXT_control_flow_attributes. Where KEPT_HARMONICS is set, keep_harmonics comes before the first step.
+// Zeros are `exact_zero`: what they enter may be a zero with a sign.
 
 // A place in the motion's own frame, m: along the heading, to its left, and above the surface.
 struct Place {
@@ -128,21 +129,46 @@ Place place_at(MotionParams motion, uint step) {
     return Place(exact_zero, exact_zero, above);
 }
 
-real harmonic_at(uint at, uint step) {
-    precise real value = harmonics[at].amplitude * cosine_of_phase(harmonics[at].phase + step * harmonics[at].phase_step);
+// Up to KEPT_HARMONICS of each axis a path keeps from its beginning on, where a kernel says so: in a loop a software device
+// would load them lane by lane. Loops over them are unrolled, so that they are registers.
+#ifndef KEPT_HARMONICS
+#define KEPT_HARMONICS 0u
+#endif
+Harmonic kept_harmonics[3u * KEPT_HARMONICS + 1u];
+
+void keep_harmonics(uint path, uint paths) {
+    if (HARMONICS > KEPT_HARMONICS)
+        return;
+    [[unroll]] for (uint i = 0u; i < 3u * KEPT_HARMONICS; ++i)
+        if (i < 3u * HARMONICS)
+            kept_harmonics[i] = harmonics[i * paths + path];
+}
+
+real harmonic_at(Harmonic harmonic, uint step) {
+    precise real value = harmonic.amplitude * cosine_of_phase(harmonic.phase + step * harmonic.phase_step);
     return value;
+}
+
+real3 with_harmonics(real3 sum, Harmonic along_x, Harmonic along_y, Harmonic along_z, uint step) {
+    precise real x = sum.x + harmonic_at(along_x, step);
+    precise real y = sum.y + harmonic_at(along_y, step);
+    precise real z = sum.z + harmonic_at(along_z, step);
+    return real3(x, y, z);
 }
 
 // Harmonic motions added to path number `path` of `paths`: the whole of a random walk, the tremor of others.
 real3 harmonics_at(uint path, uint paths, uint step) {
     real3 sum = real3(exact_zero);
-    for (uint i = 0u; i < HARMONICS; ++i) {
-        uint at = 3u * i * paths + path;
-        precise real x = sum.x + harmonic_at(at, step);
-        precise real y = sum.y + harmonic_at(at + paths, step);
-        precise real z = sum.z + harmonic_at(at + 2u * paths, step);
-        sum = real3(x, y, z);
+    if (HARMONICS > KEPT_HARMONICS) {
+        for (uint i = 0u; i < HARMONICS; ++i) {
+            uint at = 3u * i * paths + path;
+            sum = with_harmonics(sum, harmonics[at], harmonics[at + paths], harmonics[at + 2u * paths], step);
+        }
+        return sum;
     }
+    [[unroll]] for (uint i = 0u; i < KEPT_HARMONICS; ++i)
+        if (i < HARMONICS)
+            sum = with_harmonics(sum, kept_harmonics[3u * i], kept_harmonics[3u * i + 1u], kept_harmonics[3u * i + 2u], step);
     return sum;
 }
 

@@ -19,7 +19,7 @@ constexpr std::size_t kPaths = 10000, kSteps = 1000;
 // Every path with a phase, a depth and a heading of its own.
 template <typename T> class Strokes final : public layout::PathSource<T> {
 public:
-    Strokes() {
+    explicit Strokes(std::size_t harmonics) {
         for (std::size_t i = 0; i < kPaths; ++i) {
             const double share = static_cast<double>(i) / kPaths, heading = 0.2 * (share - 0.5);
             layout::MotionParams<T> motion{};
@@ -31,18 +31,28 @@ public:
             motion.phase_step = static_cast<layout::uint>(0x1p31 / 305);
             motions_.push_back(motion);
         }
+        for (std::size_t i = 0; i < 3 * kPaths * harmonics; ++i) {
+            amplitudes_.push_back(T(1e-5));
+            phases_.push_back(static_cast<layout::uint>(i * 2654435761u));
+            phase_steps_.push_back(static_cast<layout::uint>(0x1p32 / 100 * (1 + 1e-7 * static_cast<double>(i))));
+        }
     }
     layout::PathBatch<T> batch(std::size_t first, std::size_t count) override {
         layout::PathBatch<T> batch{};
         batch.first = first;
         batch.count = count;
-        batch.motions = std::span(motions_).subspan(first, count);
+        batch.motions = motions_; // all of them: there is one batch
+        batch.amplitudes = amplitudes_;
+        batch.phases = phases_;
+        batch.phase_steps = phase_steps_;
         return batch;
     }
     std::span<const T> positions(std::size_t, std::size_t) override { return {}; }
 
 private:
     std::vector<layout::MotionParams<T>> motions_;
+    std::vector<T> amplitudes_;
+    std::vector<layout::uint> phases_, phase_steps_;
 };
 
 // 0.1 kg, 3 N s/m along all axes, no spring: the exact map over 1 ms. Pressed with 1 N.
@@ -79,15 +89,17 @@ template <typename Work> double core_seconds(const Work& work) {
     return static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
 }
 
-template <typename T> void paths(benchmark::State& state, layout::uint loop, layout::uint channels) {
+template <typename T>
+void paths(benchmark::State& state, layout::uint loop, layout::uint channels, layout::uint harmonics) {
     compute::Device device;
     compute::PathKernel kernel(device);
     const FieldTables<T> law = tables<T>();
-    Strokes<T> source;
+    Strokes<T> source(harmonics);
     const layout::HandParams<T> one = hand<T>();
     layout::PathInput<T> input{law.law(), {}, {}, kPaths, kSteps, &source};
     input.features.loop = loop;
     input.features.channels = channels;
+    input.features.harmonics = harmonics;
     if (loop == layout::kLoopClosed)
         input.hands = {&one, 1};
     std::uint64_t touched = 0;
@@ -97,8 +109,7 @@ template <typename T> void paths(benchmark::State& state, layout::uint loop, lay
             touched += path.contact_samples;
     };
     std::vector<double> gpu, cpu, gpu_core, cpu_core;
-    compute::FieldTimes times;
-    const auto on_device = [&] { times = kernel.explore<T>(input, take, take_metrics); };
+    const auto on_device = [&] { kernel.explore<T>(input, take, take_metrics); };
     on_device();
     for (auto _ : state) {
         gpu_core.push_back(core_seconds([&] { gpu.push_back(seconds(on_device)); }));
@@ -113,20 +124,22 @@ template <typename T> void paths(benchmark::State& state, layout::uint loop, lay
     state.counters["of_cpu"] = median(cpu) / median(gpu);
     state.counters["M_steps_per_core_s"] = 1e-6 * steps / median(gpu_core);
     state.counters["of_cpu_by_core_s"] = median(cpu_core) / median(gpu_core);
-    state.counters["of_it_reading_back"] = times.read_back / gpu.back();
     state.counters["in_contact"] =
         static_cast<double>(touched) / steps / static_cast<double>(2 * gpu.size() + 1); // of all runs
 }
 
+// `harmonics` of each axis are added to the strokes: four are a tremor, sixteen as many as a random walk has.
 constexpr layout::uint kSamples = layout::kChannelForce | layout::kChannelPosition;
 const auto f32 = paths<float>;
 const auto f64 = paths<double>;
-BENCHMARK_CAPTURE(f32, open_metrics, layout::kLoopOpen, 0)->UseManualTime()->Iterations(5);
-BENCHMARK_CAPTURE(f32, open_samples, layout::kLoopOpen, kSamples)->UseManualTime()->Iterations(5);
-BENCHMARK_CAPTURE(f32, closed_metrics, layout::kLoopClosed, 0)->UseManualTime()->Iterations(5);
-BENCHMARK_CAPTURE(f32, closed_samples, layout::kLoopClosed, kSamples)->UseManualTime()->Iterations(5);
-BENCHMARK_CAPTURE(f64, open_metrics, layout::kLoopOpen, 0)->UseManualTime()->Iterations(5);
-BENCHMARK_CAPTURE(f64, closed_metrics, layout::kLoopClosed, 0)->UseManualTime()->Iterations(5);
+BENCHMARK_CAPTURE(f32, open_metrics, layout::kLoopOpen, 0, 0)->UseManualTime()->Iterations(5);
+BENCHMARK_CAPTURE(f32, open_samples, layout::kLoopOpen, kSamples, 0)->UseManualTime()->Iterations(5);
+BENCHMARK_CAPTURE(f32, closed_metrics, layout::kLoopClosed, 0, 0)->UseManualTime()->Iterations(5);
+BENCHMARK_CAPTURE(f32, closed_samples, layout::kLoopClosed, kSamples, 0)->UseManualTime()->Iterations(5);
+BENCHMARK_CAPTURE(f32, tremor_metrics, layout::kLoopOpen, 0, 4)->UseManualTime()->Iterations(3);
+BENCHMARK_CAPTURE(f32, sixteen_harmonics, layout::kLoopOpen, 0, 16)->UseManualTime()->Iterations(1);
+BENCHMARK_CAPTURE(f64, open_metrics, layout::kLoopOpen, 0, 0)->UseManualTime()->Iterations(5);
+BENCHMARK_CAPTURE(f64, closed_metrics, layout::kLoopClosed, 0, 0)->UseManualTime()->Iterations(5);
 
 } // namespace
 } // namespace forceshade::bench

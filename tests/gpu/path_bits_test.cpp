@@ -50,6 +50,16 @@ TEST_F(PathBits, EveryMotionOpenAndClosed) {
         }
 }
 
+// As many as a path keeps, and more.
+TEST_F(PathBits, ManyHarmonics) {
+    for (const layout::uint harmonics : {1u, 16u, 17u, 40u}) {
+        PathShape shape = shape_of(layout::kMotionRandomWalk, layout::kLoopOpen);
+        shape.features.harmonics = harmonics;
+        hold<float>(surfaces()[1], shape);
+        hold<double>(surfaces()[1], shape);
+    }
+}
+
 TEST_F(PathBits, EverySurfaceOpenAndClosed) {
     for (const Surface& surface : surfaces())
         for (const layout::uint loop : {layout::kLoopOpen, layout::kLoopClosed})
