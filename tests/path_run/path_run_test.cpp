@@ -1,0 +1,180 @@
+// An engine that errs is caught, wherever it errs and however little; one that does not, is not.
+#include <cmath>
+#include <functional>
+
+#include <gtest/gtest.h>
+
+#include "host/error.h"
+#include "host/path_run/path_comparison.h"
+#include "host/path_run/path_run.h"
+#include "tests/io/folder.h"
+
+namespace forceshade::testing {
+namespace {
+
+// The CPU engine, and what is done to its chunks and metrics on their way.
+class Tampering final : public Engine {
+public:
+    std::function<void(layout::PathChunk<float>& chunk, std::vector<float>& force, std::vector<float>& position)>
+        chunks;
+    std::function<void(std::size_t first, std::vector<layout::PathMetrics<float>>& metrics)> metrics;
+    bool software = true;
+
+    EngineReport report() const override { return {"gpu", "tampered", "", "", software, true}; }
+    EngineTimes evaluate(const layout::FieldInput<float>&,
+                         const std::function<void(const layout::FieldChunk<float>&)>&) override {
+        return {};
+    }
+    EngineTimes evaluate(const layout::FieldInput<double>&,
+                         const std::function<void(const layout::FieldChunk<double>&)>&) override {
+        return {};
+    }
+    EngineTimes explore(const layout::PathInput<float>& input, const reference::TakePaths<float>& take,
+                        const reference::TakeMetrics<float>& take_metrics) override {
+        EngineOptions options;
+        options.cpu = true;
+        options.chunk_bytes = 20000; // several windows a batch
+        return make_engine(options)->explore(
+            input,
+            [&](const layout::PathChunk<float>& chunk) {
+                layout::PathChunk<float> changed = chunk;
+                std::vector<float> force(chunk.force.begin(), chunk.force.end()),
+                    position(chunk.position.begin(), chunk.position.end());
+                if (chunks)
+                    chunks(changed, force, position);
+                changed.force = force;
+                changed.position = position;
+                take(changed);
+            },
+            [&](std::size_t first, std::span<const layout::PathMetrics<float>> all) {
+                std::vector<layout::PathMetrics<float>> changed(all.begin(), all.end());
+                if (metrics)
+                    metrics(first, changed);
+                take_metrics(first, changed);
+            });
+    }
+    using Engine::explore;
+};
+
+class PathRun : public ::testing::Test {
+protected:
+    PreparedCase prepared(const std::string& paths = "count = 50\nsteps = 200\ndepth = \"1 mm\"\n") const {
+        return CasePreparation().prepare(
+            parse_scene("[surface]\nfacets = 3\n[force]\nshading = \"reference\"\n[paths]\n" + paths, "scene"));
+    }
+    PathRecord run(Engine& engine, const PreparedCase& one) const {
+        PathRunOptions options;
+        options.samples = folder_ / "a.exr";
+        options.stem = folder_ / "a";
+        return run_paths(engine, one, options);
+    }
+    // Changes one force, x of (path, step), by a factor.
+    static void change(Tampering& engine, std::size_t path, std::size_t step, float factor) {
+        engine.chunks = [=](layout::PathChunk<float>& chunk, std::vector<float>& force, std::vector<float>&) {
+            if (step >= chunk.step_first && step < chunk.step_first + chunk.step_count && path >= chunk.path_first &&
+                path < chunk.path_first + chunk.path_count)
+                for (std::size_t i = 0; i < 3; ++i)
+                    force[3 * ((step - chunk.step_first) * chunk.pitch + path - chunk.path_first) + i] *= factor;
+        };
+    }
+    Folder folder_;
+};
+
+TEST_F(PathRun, of_a_true_engine_agrees_with_the_oracle) {
+    for (const bool software : {true, false})
+        for (const char* paths : {"count = 50\nsteps = 200\n", "count = 7\nsteps = 300\npress = \"1 N\"\n",
+                                  "kind = \"random_walk\"\ncount = 9\nsteps = 100\n", "count = 1\nsteps = 1\n"}) {
+            Tampering engine;
+            engine.software = software;
+            const PathRecord record = run(engine, prepared(paths));
+            EXPECT_EQ(record.error.differing, 0u) << paths;
+            EXPECT_EQ(record.error.paths, record.paths);
+            EXPECT_EQ(record.error.samples, record.samples);
+            EXPECT_EQ(complaint(record, "a.exr", "device"), "");
+        }
+}
+
+TEST_F(PathRun, catches_a_single_bit) {
+    for (const std::size_t path : {0, 33, 49})
+        for (const std::size_t step : {0, 71, 199}) {
+            Tampering engine;
+            change(engine, path, step, 1 + 0x1p-23f);
+            const PathRecord record = run(engine, prepared());
+            EXPECT_EQ(record.error.differing, 1u) << path << ' ' << step;
+            EXPECT_EQ(record.error.beyond, 1u);
+            const std::string wrong = complaint(record, "a.exr", "device");
+            EXPECT_NE(wrong.find("path " + std::to_string(path) + ", step " + std::to_string(step)), std::string::npos)
+                << wrong;
+        }
+}
+
+TEST_F(PathRun, allows_hardware_its_roundings_and_no_more) {
+    for (const char* paths : {"count = 50\nsteps = 200\n", "count = 50\nsteps = 200\npress = \"1 N\"\n"})
+        for (const auto& [factor, beyond] : {std::pair{1 + 0x1p-22f, 0u}, {1.01f, 1u}}) {
+            Tampering engine;
+            engine.software = false;
+            change(engine, 20, 100, factor);
+            const PathRecord record = run(engine, prepared(paths));
+            EXPECT_EQ(record.error.differing, 1u);
+            EXPECT_EQ(record.error.beyond, beyond) << paths << factor;
+        }
+}
+
+TEST_F(PathRun, catches_positions_and_metrics) {
+    Tampering engine;
+    engine.chunks = [](layout::PathChunk<float>&, std::vector<float>&, std::vector<float>& position) {
+        position[3] = std::nextafter(position[3], 1.f);
+    };
+    EXPECT_GE(run(engine, prepared()).error.beyond, 1u);
+    Tampering other;
+    other.metrics = [](std::size_t, std::vector<layout::PathMetrics<float>>& metrics) { ++metrics[3].rounds; };
+    const PathRecord record = run(other, prepared());
+    EXPECT_EQ(record.error.metrics, 1u);
+    EXPECT_EQ(record.error.beyond, 0u);
+    EXPECT_NE(complaint(record, "a.exr", "device").find("path 3: its metrics"), std::string::npos);
+}
+
+TEST_F(PathRun, of_metrics_alone_is_held_against_the_oracle_too) {
+    PathRunOptions options;
+    options.stem = folder_ / "a";
+    Tampering engine;
+    const PreparedCase one = prepared();
+    EXPECT_EQ(complaint(run_paths(engine, one, options), "a", ""), "");
+    engine.metrics = [](std::size_t first, std::vector<layout::PathMetrics<float>>& metrics) {
+        metrics[40 - first].work = std::nextafter(metrics[40 - first].work, 1.f);
+    };
+    EXPECT_EQ(run_paths(engine, one, options).error.metrics, 1u);
+    EXPECT_EQ(folder_.names(), std::vector<std::string>{"a.paths.csv"});
+}
+
+TEST_F(PathRun, refuses_forces_that_are_no_numbers_and_leaves_nothing) {
+    Tampering engine;
+    change(engine, 4, 5, NAN);
+    const PreparedCase one = prepared();
+    const std::string message = message_of<Error>([&] { run(engine, one); });
+    EXPECT_NE(message.find("path 4 at step 5"), std::string::npos) << message;
+    EXPECT_EQ(folder_.names(), std::vector<std::string>{});
+}
+
+TEST_F(PathRun, compares_evenly_chosen_paths_of_many) {
+    Tampering engine;
+    const PathRecord record =
+        run(engine, prepared("count = 3000\nsteps = 1000\nspeed = { mean = \"100 mm/s\", sd = \"10 mm/s\" }\n"));
+    EXPECT_EQ(record.error.paths, 1000u);
+    EXPECT_EQ(record.error.samples, 1000000u);
+    EXPECT_EQ(record.error.differing, 0u);
+}
+
+TEST_F(PathRun, validation_covers_every_path) {
+    Tampering engine;
+    change(engine, 49, 199, 1 + 0x1p-23f);
+    const PathComparison comparison = compare_paths(engine, prepared(), Precision::f32);
+    EXPECT_FALSE(comparison.passed);
+    EXPECT_EQ(comparison.error.samples, 10000u);
+    EXPECT_EQ(comparison.error.differing, 1u);
+    EXPECT_NE(path_comparison_table({comparison}).find("FAILED: path 49, step 199"), std::string::npos);
+    EXPECT_EQ(totals_of(std::vector{comparison}).differing, 1u);
+}
+
+} // namespace
+} // namespace forceshade::testing
