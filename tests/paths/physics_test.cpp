@@ -159,5 +159,58 @@ depth_back = "1 mm"
     }
 }
 
+// G2: the height of n facets over equal arcs, m.
+double polygon(double radius, int facets, double x) {
+    const double half = 500 * kMil, edge = std::asin(half / radius);
+    if (std::abs(x) >= half)
+        return 0;
+    const auto vertex = [&](int i) { return -edge + 2 * edge * i / facets; };
+    const double base = radius * std::cos(edge);
+    int i = 0;
+    while (i + 1 < facets && radius * std::sin(vertex(i + 1)) <= x)
+        ++i;
+    const double left = radius * std::sin(vertex(i)), right = radius * std::sin(vertex(i + 1));
+    const double low = radius * std::cos(vertex(i)) - base, high = radius * std::cos(vertex(i + 1)) - base;
+    return low + (high - low) * (x - left) / (right - left);
+}
+
+// As in the paper: over a shaded bump the probe goes along the polygon while the force turns as on the cylinder.
+TEST(ShadedBump, ProbeFollowsThePolygonAndForceTheCylinder) {
+    constexpr double kStiffness = 1000, kRadius = 1000 * kMil, kHalf = 500 * kMil;
+    const auto result = explored<double>(R"(
+[surface]
+facets = 2
+radius = "1000 mil"
+[force]
+shading = "reference"
+[paths]
+count = 1
+steps = 6000
+speed = "50 mm/s"
+press = "1 N"
+start_depth = "1 mm"
+)");
+    double square = 0, square_round = 0, angle = 0;
+    int samples = 0;
+    for (std::size_t step = 500; step < result.steps; ++step) {
+        const auto& place = result.place(step);
+        const auto& force = result.force[step];
+        const double size = std::sqrt(reference::dot(force, force));
+        if (std::abs(place.x) >= kHalf || size == 0)
+            continue;
+        const double away = place.z - (polygon(kRadius, 2, place.x) - 1 / kStiffness);
+        const double round = std::sqrt(kRadius * kRadius - place.x * place.x) -
+                             std::sqrt(kRadius * kRadius - kHalf * kHalf) - 1 / kStiffness;
+        square += away * away;
+        square_round += (place.z - round) * (place.z - round);
+        angle = std::max(angle, std::abs(force.x / size - place.x / kRadius));
+        ++samples;
+    }
+    EXPECT_GT(samples, 3000);
+    EXPECT_LT(std::sqrt(square / samples), 3e-4);
+    EXPECT_LT(4 * square, square_round); // and not along the cylinder
+    EXPECT_LT(angle, 1e-12);
+}
+
 } // namespace
 } // namespace forceshade
