@@ -1,0 +1,357 @@
+// Exploration paths drawn at random over a scene's law, and what a device makes of them held against the oracle bit for
+// bit.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <random>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "compute/path_kernel.h"
+#include "host/field/tables.h"
+#include "host/reference/paths.h"
+
+namespace forceshade::test {
+
+inline constexpr layout::uint kAllPathChannels = layout::kChannelPosition | layout::kChannelForce |
+                                                 layout::kChannelDepth | layout::kChannelFacet | layout::kChannelProxy;
+
+/// What paths are drawn.
+struct PathShape {
+    layout::PathFeatures features;
+    std::size_t paths = 100, steps = 200;
+    std::uint64_t seed = 1;
+    double reach = 0.016;    /* m: half of a stroke */
+    double depth = 1e-3;     /* m */
+    double quantum = 0;      /* m */
+    double coulomb = 0;      /* N */
+    double max_force = 8.5;  /* N */
+    double gain = 1;         /* 1 */
+    double grip = 500;       /* N/m */
+    double bound = 0.5;      /* m */
+    layout::uint delay = 0;  /* samples */
+    bool own_hands = false;  /* each path its own, every other one without friction and rounding */
+    bool own_lengths = true; /* of recorded paths */
+};
+
+/// Mass, damping, spring over a sample by the series of the matrix exponential.
+inline std::array<double, 6> axis_map(double mass, double damping, double spring, double period) {
+    // Rows of exp(A t) - I for A = [[0, 1, 0], [-k/m, -b/m, 1/m], [0, 0, 0]].
+    const double a[3][3] = {{0, 1, 0}, {-spring / mass, -damping / mass, 1 / mass}, {0, 0, 0}};
+    double term[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, sum[3][3] = {};
+    for (int n = 1; n < 60; ++n) {
+        double next[3][3] = {};
+        for (int i = 0; i < 3; ++i)
+            for (int j = 0; j < 3; ++j)
+                for (int k = 0; k < 3; ++k)
+                    next[i][j] += term[i][k] * a[k][j] * period / n;
+        std::memcpy(term, next, sizeof(term));
+        for (int i = 0; i < 3; ++i)
+            for (int j = 0; j < 3; ++j)
+                sum[i][j] += term[i][j];
+    }
+    return {sum[0][0], sum[0][1], sum[0][2], sum[1][0], 1 + sum[1][1], sum[1][2]};
+}
+
+template <typename T> class PathCase final : public layout::PathSource<T> {
+public:
+    PathCase(const Scene& scene, const PathShape& shape, const SceneImages& images = {})
+        : tables_(make_tables<T>(scene, images, Extent::everything)), shape_(shape), random_(shape.seed) {
+        for (std::size_t i = 0; i < shape.paths; ++i)
+            motions_.push_back(draw_motion());
+        for (std::size_t i = 0; i < 3 * shape.paths * shape.features.harmonics; ++i) {
+            amplitudes_.push_back(T(uniform(0, 1e-4)));
+            phases_.push_back(bits());
+            phase_steps_.push_back(bits() >> 5);
+        }
+        if (shape.features.loop == layout::kLoopClosed)
+            for (std::size_t i = 0; i < (shape.own_hands ? shape.paths : 1); ++i)
+                hands_.push_back(draw_hand(i));
+        if (shape.features.motion == layout::kMotionRecorded)
+            record();
+    }
+
+    layout::PathInput<T> input() { return {tables_.law(), shape_.features, hands_, shape_.paths, shape_.steps, this}; }
+
+    layout::PathBatch<T> batch(std::size_t first, std::size_t count) override {
+        batch_first_ = first;
+        batch_count_ = count;
+        layout::PathBatch<T> batch{};
+        batch.first = first;
+        batch.count = count;
+        if (!recorded_.empty()) {
+            if (shape_.own_lengths)
+                batch.steps = std::span(lengths_).subspan(first, count);
+            return batch;
+        }
+        batch.motions = std::span(motions_).subspan(first, count);
+        batch.amplitudes = part(amplitudes_, batch_amplitudes_);
+        batch.phases = part(phases_, batch_phases_);
+        batch.phase_steps = part(phase_steps_, batch_phase_steps_);
+        return batch;
+    }
+
+    std::span<const T> positions(std::size_t step, std::size_t steps) override {
+        window_.clear();
+        for (std::size_t s = step; s < step + steps; ++s)
+            for (std::size_t i = 0; i < 3 * batch_count_; ++i)
+                window_.push_back(recorded_[3 * (s * shape_.paths + batch_first_) + i]);
+        return window_;
+    }
+
+    /// Puts a sample of a recorded path elsewhere, m.
+    void place(std::size_t step, std::size_t path, const std::array<T, 3>& at) {
+        std::copy(at.begin(), at.end(), recorded_.begin() + std::ptrdiff_t(3 * (step * shape_.paths + path)));
+    }
+
+    std::size_t length(std::size_t path) const {
+        return recorded_.empty() || !shape_.own_lengths ? shape_.steps : lengths_[path];
+    }
+
+private:
+    layout::uint bits() { return static_cast<layout::uint>(random_()); }
+    double uniform(double low, double high) { return low + (high - low) * static_cast<double>(bits()) * 0x1p-32; }
+
+    layout::MotionParams<T> draw_motion() {
+        layout::MotionParams<T> motion{};
+        const double angle = uniform(-1, 1) * (bits() % 4 == 0 ? 3.14 : 0.2);
+        motion.centre_x = T(uniform(-0.1, 0.1) * shape_.reach);
+        motion.centre_y = T(uniform(-0.1, 0.1) * shape_.reach);
+        motion.centre_z = T(bits() % 2 ? 0 : uniform(0, 2) * shape_.depth);
+        motion.heading_x = T(bits() % 8 ? std::cos(angle) : 1);
+        motion.heading_y = T(motion.heading_x == T(1) ? 0 : std::sin(angle));
+        motion.reach = T(shape_.reach * uniform(0.5, 1.2));
+        motion.across = T(shape_.reach * uniform(0.05, 0.5));
+        motion.depth = T(shape_.depth * uniform(-0.2, 2));
+        motion.depth_back = T(shape_.depth * uniform(0.2, 1));
+        motion.lift = T(shape_.depth * uniform(0, 1));
+        motion.phase = bits();
+        motion.phase_step = bits() % 64 == 0 ? 0 : bits() >> 6;
+        motion.radius_phase = bits();
+        motion.radius_step = bits() >> 8;
+        motion.run = 1 + bits() % 40;
+        motion.turn = bits() % 8;
+        motion.lines = 1 + bits() % 5;
+        motion.key_low = bits();
+        motion.key_high = bits();
+        return motion;
+    }
+
+    layout::HandParams<T> draw_hand(std::size_t index) {
+        layout::HandParams<T> hand{};
+        const double rate = 1000, mass = uniform(0.05, 0.2), damping = uniform(0.5, 5);
+        const bool plain = shape_.own_hands && index % 2 == 1;
+        const auto map = [&](double spring) {
+            const auto m = axis_map(mass, damping, spring, 1 / rate);
+            return layout::AxisMap<T>{T(m[0]), T(m[1]), T(m[2]), T(m[3]), T(m[4]), T(m[5])};
+        };
+        const double along_z = shape_.seed % 2 ? shape_.grip : 0;
+        hand.lateral = map(shape_.grip);
+        hand.vertical = map(along_z);
+        hand.rate = T(rate);
+        hand.period = T(1 / rate);
+        hand.stiffness = T(shape_.grip);
+        hand.stiffness_z = T(along_z);
+        hand.damping = T(0.5 * damping);
+        hand.push_z = T(-uniform(0.2, 2));
+        hand.push_x = T(shape_.seed % 3 ? 0 : uniform(-0.1, 0.1));
+        hand.quantum = T(plain ? 0 : shape_.quantum);
+        hand.coulomb = T(plain ? 0 : shape_.coulomb);
+        hand.max_force = T(shape_.max_force);
+        hand.gain = T(shape_.gain);
+        hand.bound = T(shape_.bound);
+        hand.start_depth = T(shape_.seed % 5 ? 0 : shape_.depth);
+        hand.delay = shape_.delay;
+        return hand;
+    }
+
+    // Wavy lines, some of which end early.
+    void record() {
+        recorded_.resize(3 * shape_.paths * shape_.steps);
+        for (std::size_t path = 0; path < shape_.paths; ++path) {
+            lengths_.push_back(path == 0 || bits() % 2 ? static_cast<layout::uint>(shape_.steps)
+                                                       : static_cast<layout::uint>(1 + bits() % shape_.steps));
+            const double x = uniform(-1, 1), y = uniform(-1, 1), turn = uniform(0, 0.2);
+            for (std::size_t step = 0; step < shape_.steps; ++step) {
+                const double t = turn * static_cast<double>(step);
+                T* const place = &recorded_[3 * (step * shape_.paths + path)];
+                place[0] = T(shape_.reach * (x + 0.5 * std::sin(t)));
+                place[1] = T(shape_.reach * y);
+                place[2] = T(shape_.depth * (std::cos(3 * t) - 0.5));
+            }
+        }
+    }
+
+    template <typename Value> std::span<const Value> part(const std::vector<Value>& all, std::vector<Value>& batch) {
+        batch.clear();
+        for (std::size_t row = 0; row < 3 * shape_.features.harmonics; ++row)
+            batch.insert(batch.end(), all.begin() + std::ptrdiff_t(row * shape_.paths + batch_first_),
+                         all.begin() + std::ptrdiff_t(row * shape_.paths + batch_first_ + batch_count_));
+        return batch;
+    }
+
+    FieldTables<T> tables_;
+    PathShape shape_;
+    std::mt19937_64 random_;
+    std::vector<layout::MotionParams<T>> motions_;
+    std::vector<T> amplitudes_, batch_amplitudes_, recorded_, window_;
+    std::vector<layout::uint> phases_, phase_steps_, batch_phases_, batch_phase_steps_, lengths_;
+    std::vector<layout::HandParams<T>> hands_;
+    std::size_t batch_first_ = 0, batch_count_ = 0;
+};
+
+/// What came of holding paths against reference<T>.
+struct PathComparison {
+    std::uint64_t samples = 0, differing = 0;
+    std::uint64_t paths = 0, differing_metrics = 0;
+    std::uint64_t not_finite = 0;                         // paths with a metric that is NaN
+    std::uint64_t unstable = 0, rounds = 0, touching = 0; // of the oracle's metrics
+    bool in_order = true;
+    std::string first; // where the first difference is
+
+    bool equal() const { return differing == 0 && differing_metrics == 0 && in_order; }
+};
+
+/// One side's results, in memory: sample (step, path) at step * paths + path.
+template <typename T> struct PathResults {
+    std::size_t paths, steps;
+    std::vector<T> position, force, depth, proxy;
+    std::vector<layout::uint> facet;
+    std::vector<layout::PathMetrics<T>> metrics;
+    std::size_t next_path = 0, next_step = 0;
+    bool in_order = true;
+
+    PathResults(std::size_t path_count, std::size_t step_count) : paths(path_count), steps(step_count) {}
+
+    void add(const layout::PathChunk<T>& chunk) {
+        in_order = in_order && chunk.path_first == metrics.size() && chunk.step_first == next_step;
+        next_step = (chunk.step_first + chunk.step_count) % steps;
+        put(position, chunk, chunk.position, 3);
+        put(force, chunk, chunk.force, 3);
+        put(depth, chunk, chunk.depth, 1);
+        put(facet, chunk, chunk.facet, 1);
+        put(proxy, chunk, chunk.proxy, 3);
+    }
+
+    void add(std::size_t first, std::span<const layout::PathMetrics<T>> some) {
+        in_order = in_order && first == metrics.size() && next_step == 0;
+        metrics.insert(metrics.end(), some.begin(), some.end());
+    }
+
+    /// A sample of every channel has the same bits.
+    bool same(const PathResults& other, std::size_t at) const {
+        const auto alike = [&](const auto& ours, const auto& theirs, std::size_t width) {
+            if (ours.empty() || theirs.empty())
+                return ours.empty() && theirs.empty();
+            return std::memcmp(&ours[width * at], &theirs[width * at], width * sizeof(ours[0])) == 0;
+        };
+        return alike(position, other.position, 3) && alike(force, other.force, 3) && alike(depth, other.depth, 1) &&
+               alike(facet, other.facet, 1) && alike(proxy, other.proxy, 3);
+    }
+
+private:
+    template <typename Value>
+    void put(std::vector<Value>& into, const layout::PathChunk<T>& chunk, std::span<const Value> from,
+             std::size_t width) {
+        if (from.empty())
+            return;
+        into.resize(width * paths * steps);
+        for (std::size_t step = 0; step < chunk.step_count; ++step)
+            std::memcpy(&into[width * ((chunk.step_first + step) * paths + chunk.path_first)],
+                        &from[width * step * chunk.pitch], width * chunk.path_count * sizeof(Value));
+    }
+};
+
+/// Some of a case's paths as if they were all.
+template <typename T> class PathSlice final : public layout::PathSource<T> {
+public:
+    PathSlice(PathCase<T>& of, std::size_t first) : of_(of), first_(first) {}
+    layout::PathBatch<T> batch(std::size_t first, std::size_t count) override {
+        layout::PathBatch<T> batch = of_.batch(first_ + first, count);
+        batch.first = first;
+        return batch;
+    }
+    std::span<const T> positions(std::size_t step, std::size_t steps) override { return of_.positions(step, steps); }
+
+private:
+    PathCase<T>& of_;
+    std::size_t first_;
+};
+
+/// Takes `count` of the case's paths through device and oracle; any difference in a bit counts.
+template <typename T>
+PathComparison hold_slice(compute::PathKernel& kernel, PathCase<T>& one, std::size_t slice, std::size_t count) {
+    PathSlice<T> source(one, slice);
+    layout::PathInput<T> input = one.input();
+    input.source = &source;
+    input.paths = count;
+    if (input.hands.size() > 1)
+        input.hands = input.hands.subspan(slice, count);
+    PathResults<T> device(input.paths, input.steps), oracle(input.paths, input.steps);
+    kernel.explore<T>(
+        input, [&](const layout::PathChunk<T>& chunk) { device.add(chunk); },
+        [&](std::size_t first, std::span<const layout::PathMetrics<T>> metrics) { device.add(first, metrics); });
+    reference::evaluate_paths<T>(
+        input, {}, [&](const layout::PathChunk<T>& chunk) { oracle.add(chunk); },
+        [&](std::size_t first, std::span<const layout::PathMetrics<T>> metrics) { oracle.add(first, metrics); });
+    PathComparison result;
+    result.in_order = device.in_order && device.metrics.size() == input.paths;
+    for (std::size_t path = 0; path < input.paths; ++path) {
+        ++result.paths;
+        result.unstable += oracle.metrics[path].unstable_step != layout::kNever;
+        result.rounds += oracle.metrics[path].rounds;
+        result.touching += oracle.metrics[path].contact_samples;
+        for (std::size_t step = 0; step < one.length(slice + path); ++step) {
+            ++result.samples;
+            if (device.same(oracle, step * input.paths + path))
+                continue;
+            if (result.differing++ == 0)
+                result.first = fmt::format("sample of path {} at step {}", slice + path, step);
+        }
+        const bool same = path < device.metrics.size() &&
+                          std::memcmp(&device.metrics[path], &oracle.metrics[path], sizeof(oracle.metrics[path])) == 0;
+        if (!same && result.differing_metrics++ == 0)
+            result.first += fmt::format(" metrics of path {}: work {} and {}", slice + path, device.metrics[path].work,
+                                        oracle.metrics[path].work);
+    }
+    return result;
+}
+
+/// Takes all of the case's paths through device and oracle, `slice` of them at a time; 0: all at once.
+template <typename T> PathComparison hold_paths(compute::PathKernel& kernel, PathCase<T>& one, std::size_t slice = 0) {
+    const std::size_t paths = one.input().paths;
+    PathComparison all;
+    for (std::size_t first = 0; first < paths; first += slice ? slice : paths) {
+        const PathComparison some = hold_slice(kernel, one, first, slice ? std::min(slice, paths - first) : paths);
+        if (all.equal())
+            all.first = some.first;
+        all.samples += some.samples;
+        all.differing += some.differing;
+        all.paths += some.paths;
+        all.not_finite += some.not_finite;
+        all.differing_metrics += some.differing_metrics;
+        all.unstable += some.unstable;
+        all.rounds += some.rounds;
+        all.touching += some.touching;
+        all.in_order = all.in_order && some.in_order;
+    }
+    return all;
+}
+
+/// For gtest: says what differs.
+inline ::testing::AssertionResult is_equal(const PathComparison& comparison) {
+    if (comparison.equal())
+        return ::testing::AssertionSuccess();
+    return ::testing::AssertionFailure() << fmt::format(
+               "{} of {} samples and the metrics of {} of {} paths differ{}; {}", comparison.differing,
+               comparison.samples, comparison.differing_metrics, comparison.paths,
+               comparison.in_order ? "" : ", chunks out of order", comparison.first);
+}
+
+} // namespace forceshade::test
