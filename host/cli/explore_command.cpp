@@ -10,6 +10,7 @@
 #include "host/field/scene_mesh.h"
 #include "host/io/temporary_file.h"
 #include "host/path_run/path_run.h"
+#include "host/paths/recorded_paths.h"
 #include "host/remark.h"
 #include "host/sweep/progress.h"
 
@@ -193,6 +194,8 @@ int run(const ExploreArguments& arguments, const CommonOptions& common) {
     std::vector<std::string> warnings;
     CasePreparation preparation;
     PreparedCase prepared = preparation.prepare(read_scene(arguments.scene, overrides(common), &warnings));
+    if (arguments.paths.empty())
+        add_recorded_digest(prepared);
     prepared.one.name = std::filesystem::path(arguments.out).stem().string(); // what pictures are headed with
     const Scene& scene = prepared.one.scene;
     const bool in_scene = scene.paths && scene.paths->kind == PathKind::recorded;

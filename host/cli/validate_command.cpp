@@ -6,6 +6,7 @@
 
 #include "host/cli/command.h"
 #include "host/path_run/path_comparison.h"
+#include "host/paths/recorded_paths.h"
 #include "host/remark.h"
 #include "host/scene/case_filter.h"
 #include "host/sweep/progress.h"
@@ -76,7 +77,8 @@ int run(const ValidateArguments& arguments, const CommonOptions& common) {
         all += wanted.size() * ((one->scene.field ? 1 : 0) + (one->scene.paths ? 1 : 0));
     Progress progress("comparisons", all, common.quiet);
     for (const Case* one : cases) {
-        const PreparedCase prepared = preparation.prepare(*one);
+        PreparedCase prepared = preparation.prepare(*one);
+        add_recorded_digest(prepared);
         for (const std::string& warning : prepared.warnings)
             if (warned.insert(warning).second)
                 print_warnings({warning}, common);

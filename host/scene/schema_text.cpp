@@ -84,7 +84,7 @@ std::string table_header(std::string_view table) {
     if (table == "texture")
         remark = "(L8; a scene without this table has none)";
     if (table == "paths")
-        remark = "(exploration paths; a scene without this table has none)";
+        remark = "(exploration paths; a scene without this table has none, one with it and without [grid] no field)";
     if (table == "hand")
         remark = "(what moves the probe along paths in closed loop)";
     return remark.empty() ? fmt::format("\n[{}]\n", table) : fmt::format("\n# [{}]    {}\n", table, remark);

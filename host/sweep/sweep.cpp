@@ -11,6 +11,7 @@
 #include "host/io/exr_volume.h"
 #include "host/io/hash.h"
 #include "host/io/temporary_file.h"
+#include "host/paths/recorded_paths.h"
 #include "host/remark.h"
 #include "host/scene/case_filter.h"
 #include "host/sweep/case_pipeline.h"
@@ -84,12 +85,18 @@ struct Prepared {
     std::set<std::string> warnings; // of the files of the cases chosen
 };
 
+PreparedCase prepared_case(CasePreparation& preparation, const Case& one) {
+    PreparedCase prepared = preparation.prepare(one);
+    add_recorded_digest(prepared);
+    return prepared;
+}
+
 Prepared prepare(const Study& study, const std::vector<const Case*>& chosen, CasePreparation& preparation) {
     Prepared result{study, {}, {}};
     const std::set<const Case*> wanted(chosen.begin(), chosen.end());
     for (std::size_t i = 0; i < study.cases.size(); ++i)
         try {
-            const PreparedCase prepared = preparation.prepare(study.cases[i]);
+            const PreparedCase prepared = prepared_case(preparation, study.cases[i]);
             result.study.cases[i].scene = prepared.one.scene;
             if (wanted.count(&study.cases[i]))
                 result.warnings.insert(prepared.warnings.begin(), prepared.warnings.end());
@@ -185,7 +192,7 @@ SweepResult run_sweep(const Study& study, const std::function<std::unique_ptr<En
     prepare_folder(prepared.study, options.folder);
 
     const auto job_of = [&](const Case& one) {
-        CaseJob job{preparation.prepare(one), options.folder / (one.name + ".exr"), {}, {}};
+        CaseJob job{prepared_case(preparation, one), options.folder / (one.name + ".exr"), {}, {}};
         job.fingerprint = fingerprint(job.prepared, cpu_engine);
         job.also = with_present(options.also, options.folder, one.name);
         return job;

@@ -1,5 +1,6 @@
 // Generated paths, from the command line: files, figures, refusals, sweeps, validation.
 #include <csignal>
+#include <set>
 #include <sstream>
 #include <thread>
 
@@ -214,6 +215,60 @@ TEST_F(Paths, stand_in_sweeps_beside_fields_or_alone) {
         EXPECT_TRUE(std::filesystem::exists(path("b") / name)) << name;
     EXPECT_EQ(read_json("b/manifest.json")["cases"][0]["paths"]["paths"], 5);
     expect_failure(2, {"field", "open.toml", "--out", "f.exr", "--engine", "cpu"}, {"[paths]", "[grid]", "explore"});
+}
+
+TEST_F(Paths, recorded_in_a_file_are_felt_alike_however_they_are_taken) {
+    std::string rows = "path,t,x,y,z\n";
+    for (int i = 0; i < 200; ++i)
+        for (const int p : {30, 10, 20})
+            if (p != 10 || i < 50)
+                rows += fmt::format("{},{:.6g},{:.6g},{:.6g},0.003\n", p, i * 0.002, (i - 100) * 1.5e-4, p * 1e-4);
+    write("in.csv", rows);
+    write("plain.toml", "[surface]\nfacets = 3\n[force]\nshading = \"reference\"\n");
+    const auto sorted = [&](const char* name) {
+        std::istringstream lines(read_text(path(name)));
+        std::multiset<std::string> all;
+        for (std::string line; std::getline(lines, line);)
+            all.insert(line);
+        return all;
+    };
+    for (const char* precision : {"f32", "f64"}) {
+        expect_success(explore("plain.toml", "row.csv", {"--paths", "in.csv", "--precision", precision}));
+        expect_success(
+            explore("plain.toml", "cpu.csv", {"--paths", "in.csv", "--precision", precision, "--also", "png"}));
+        expect_success({"explore", "plain.toml", "--paths", "in.csv", "--out", "gpu.csv", "--precision", precision});
+        EXPECT_EQ(sorted("row.csv"), sorted("cpu.csv")) << "but for the order of the rows";
+        EXPECT_EQ(read_text(path("cpu.csv")), read_text(path("gpu.csv")));
+        EXPECT_EQ(read_text(path("row.paths.csv")), read_text(path("cpu.paths.csv")));
+        EXPECT_EQ(read_text(path("row.paths.csv")), read_text(path("gpu.paths.csv")));
+    }
+    EXPECT_TRUE(read_text(path("cpu.csv")).find("\n30,0,-0.015,") != std::string::npos);
+    const auto table = table_in(read_text(path("cpu.paths.csv")));
+    ASSERT_EQ(table.size(), 3u);
+    EXPECT_EQ(table[0].at("path"), "30") << "in the order of their first samples";
+    EXPECT_EQ(table[1].at("steps"), "50");
+}
+
+TEST_F(Paths, recorded_in_a_file_stand_in_sweeps_under_its_digest) {
+    write("in.csv", "path,t,x,y,z\n0,0,0,0,0.003\n0,1,0.001,0,0.003\n");
+    write("study.toml", "[surface]\nfacets = [1, 3]\n[paths]\nkind = \"recorded\"\nfile = \"in.csv\"\n");
+    const auto sweep = [&] { return expect_success({"sweep", "study.toml", "--out", "s", "--engine", "cpu"}).error; };
+    EXPECT_NE(sweep().find("2 computed"), std::string::npos);
+    EXPECT_NE(sweep().find("2 kept"), std::string::npos);
+    EXPECT_EQ(read_json("s/manifest.json")["cases"][0]["inputs"][0]["name"], "in.csv");
+    const Tree first = results_in(path("s"));
+    EXPECT_NE(first.at("study.toml").find("sha256"), std::string::npos);
+    write("in.csv", "path,t,x,y,z\n0,0,0,0,0.003\n0,1,0.002,0,0.003\n");
+    EXPECT_NE(sweep().find("2 computed"), std::string::npos) << "the file is another one";
+    expect_failure(4, {"sweep", "s/study.toml", "--out", "t", "--engine", "cpu"}, {"in.csv"}); // it is not beside that
+}
+
+TEST_F(Paths, of_a_study_are_shared_out_among_shards) {
+    write("study.toml", "[surface]\nfacets = [1, 2, 3]\n[paths]\ncount = 5\nsteps = 40\n");
+    expect_success({"sweep", "study.toml", "--out", "all", "--engine", "cpu"});
+    for (const char* shard : {"2/2", "1/2"})
+        expect_success({"sweep", "study.toml", "--out", "shards", "--engine", "cpu", "--shard", shard});
+    EXPECT_EQ(differences(results_in(path("all")), results_in(path("shards"))), std::set<std::string>{});
 }
 
 TEST_F(Paths, are_validated) {
