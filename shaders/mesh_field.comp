@@ -65,6 +65,7 @@ const uint kNoCandidate = 0xFFFFFFFFu;
 #include "laws/mesh_tables.glsl"
 #include "laws/mesh_shading.glsl"
 #include "laws/mesh_contact.glsl"
+#include "laws/mesh_static.glsl"
 
 #define STORE_VECTOR(buffer, at, value)                                                                                \
     {                                                                                                                  \

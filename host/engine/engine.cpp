@@ -3,15 +3,18 @@
 #include <chrono>
 #include <cstdlib>
 #include <fstream>
+#include <thread>
 
 #include <spdlog/spdlog.h>
 
 #include "compute/field_kernel.h"
 #include "compute/mesh_kernel.h"
+#include "compute/mesh_path_kernel.h"
 #include "compute/path_kernel.h"
 #include "host/engine/pipeline_cache_file.h"
 #include "host/mesh/block_plan.h"
 #include "host/reference/field.h"
+#include "host/reference/mesh_updates.h"
 
 namespace forceshade {
 namespace {
@@ -88,6 +91,7 @@ public:
           kernel_(device_, kernel_options(options)) {
         mesh_options_.chunk_bytes = options.chunk_bytes;
         path_options_.chunk_bytes = options.chunk_bytes;
+        mesh_path_options_.chunk_bytes = options.chunk_bytes;
     }
 
     ~GpuEngine() override {
@@ -149,12 +153,26 @@ private:
     EngineTimes run_paths(const layout::PathInput<T>& input, const reference::TakePaths<T>& take,
                           const reference::TakeMetrics<T>& take_metrics) {
         EngineTimes spent;
-        if (input.law.features.surface == layout::kSurfaceMesh)
-            return Engine::explore(input, take, take_metrics); // no kernel for them
+        if (input.law.features.surface == layout::kSurfaceMesh) {
+            add(run_mesh_paths(input, take, take_metrics), spent);
+            return spent;
+        }
         if (!path_kernel_)
             path_kernel_ = std::make_unique<compute::PathKernel>(device_, path_options_);
         add(path_kernel_->explore(input, take, take_metrics), spent);
         return spent;
+    }
+
+    // What rests at corners and edges is the oracle's: its updates there go many ways, few steps need them.
+    template <typename T>
+    compute::FieldTimes run_mesh_paths(const layout::PathInput<T>& input, const reference::TakePaths<T>& take,
+                                       const reference::TakeMetrics<T>& take_metrics) {
+        if (!mesh_path_kernel_)
+            mesh_path_kernel_ = std::make_unique<compute::MeshPathKernel>(device_, mesh_path_options_);
+        const compute::FinishUpdates<T> finish = [&](std::span<layout::MeshUpdate<T>> updates) {
+            reference::finish_updates(input.law.mesh, updates, std::thread::hardware_concurrency());
+        };
+        return mesh_path_kernel_->explore(input, finish, take, take_metrics);
     }
 
     void add(const compute::FieldTimes& times, EngineTimes& spent) {
@@ -197,6 +215,8 @@ private:
     std::unique_ptr<compute::MeshKernel> mesh_kernel_; // made for the first mesh
     compute::PathKernelOptions path_options_;
     std::unique_ptr<compute::PathKernel> path_kernel_; // made for the first paths
+    compute::MeshPathOptions mesh_path_options_;
+    std::unique_ptr<compute::MeshPathKernel> mesh_path_kernel_; // made for the first paths on a mesh
 };
 
 [[noreturn]] void refuse_paths() {

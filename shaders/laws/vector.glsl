@@ -27,6 +27,11 @@ real3 scaled(real factor, real3 v) {
     return value;
 }
 
+real3 divided(real3 v, real divisor) {
+    precise real3 value = v / divisor;
+    return value;
+}
+
 // v / |v|; 0 where v.v is not above 0.
 real3 normalised(real3 v) {
     precise real square = product(v, v);

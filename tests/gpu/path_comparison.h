@@ -77,10 +77,10 @@ private:
 };
 
 /// Takes the paths through device and oracle; any difference in a bit counts. `length(path)` samples of each are held.
-template <typename T, typename Length>
-PathComparison hold_input(compute::PathKernel& kernel, const layout::PathInput<T>& input, const Length& length) {
+template <typename Kernel, typename T, typename Length>
+PathComparison hold_input(Kernel& kernel, const layout::PathInput<T>& input, const Length& length) {
     PathResults<T> device(input.paths, input.steps), oracle(input.paths, input.steps);
-    kernel.explore<T>(
+    kernel.template explore<T>(
         input, [&](const layout::PathChunk<T>& chunk) { device.add(chunk); },
         [&](std::size_t first, std::span<const layout::PathMetrics<T>> metrics) { device.add(first, metrics); });
     reference::evaluate_paths<T>(

@@ -1,0 +1,29 @@
+// What the kernels of paths read of a mesh and its law, on the device. For compute/*.cpp only.
+#pragma once
+
+#include "compute/input_buffers.h"
+#include "shaders/shared/layout.h"
+
+namespace forceshade::compute {
+
+class MeshPathInputs {
+public:
+    explicit MeshPathInputs(Device::Implementation& device) : buffers_(device, layout::kMeshPathBindRecorded) {}
+
+    /// Uploads everything. \throws DeviceError: out_of_memory for a table beyond the device's range.
+    template <typename T> void upload(const layout::Law<T>& law);
+
+    /// Uploads what a batch of paths moves by.
+    template <typename T> void upload(const layout::PathInput<T>& input, const layout::PathBatch<T>& batch);
+
+    /// The buffer of a binding below layout::kMeshPathBindRecorded; a small one where the scene has none.
+    vk::Buffer buffer(layout::uint binding) const { return buffers_.buffer(binding); }
+
+private:
+    template <typename T> void upload_triangles(const layout::MeshView<T>& mesh);
+    template <typename T> void upload_vectors(const layout::MeshView<T>& mesh);
+
+    InputBuffers buffers_;
+};
+
+} // namespace forceshade::compute

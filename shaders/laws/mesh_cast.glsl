@@ -1,0 +1,114 @@
+// L6: how close a straight move comes to a triangle, step for step as host/reference/mesh_cast.h.
+
+// The skin that keeps a god-object off every triangle.
+#ifdef FS_F64
+const real kWidth = real(9.094947017729282379150390625e-13LF); // 2^-40
+#else
+const real kWidth = real(6.103515625e-05LF); // 2^-14
+#endif
+const real kImpact = kWidth * real(0.875LF);
+const real kPlane = kWidth * real(0.90625LF);
+const real kCulled = kWidth * real(0.9375LF);
+const real kTangent = kWidth * real(1.015625LF);
+const real kNear = kWidth * real(2.0LF);
+const real kCorner = kWidth * real(8.0LF);
+const real kRest = kWidth * real(0.015625LF);
+const uint kNewtonSteps = 40u;
+
+// from + t * way for t in [0, until].
+struct Move {
+    real3 from;
+    real3 way;
+    real until;
+};
+
+real3 place_at(Move move, real t) {
+    return sum(move.from, scaled(t, move.way));
+}
+
+// The part of a move that is within kCulled of the triangle's plane; empty if begin > end.
+struct Stretch {
+    real begin;
+    real end;
+};
+
+Stretch stretch_near_plane(Move move, real height, real rate) {
+    precise real last = height + move.until * rate;
+    precise real enter_above = (kCulled - height) / rate;
+    precise real enter_below = (-kCulled - height) / rate;
+    real begin = ZERO;
+    real end = move.until;
+    if (height > kCulled)
+        begin = enter_above;
+    else if (height < -kCulled)
+        begin = enter_below;
+    if (last > kCulled)
+        end = enter_above;
+    else if (last < -kCulled)
+        end = enter_below;
+    Stretch stretch = Stretch(begin > ZERO ? begin : ZERO, end < move.until ? end : move.until);
+    if ((height > kCulled && last > kCulled) || (height < -kCulled && last < -kCulled))
+        stretch = Stretch(ONE, ZERO);
+    return stretch;
+}
+
+bool beyond_edge(real3 start, real3 stop, real3 normal, real3 begin, real3 end) {
+    real3 edge = difference(stop, start);
+    real3 inward = cross_product(normal, edge);
+    real one = product(inward, difference(begin, start));
+    real other = product(inward, difference(end, start));
+    real nearer = one > other ? one : other;
+    precise real square = nearer * nearer;
+    precise real reach = kWidth * kWidth * product(edge, edge);
+    return nearer < ZERO && square > reach;
+}
+
+// Whether both ends of a stretch are further than the skin outside the same edge.
+bool beyond_an_edge(Triangle triangle, real3 begin, real3 end) {
+    return beyond_edge(triangle.a, triangle.b, triangle.normal, begin, end) ||
+           beyond_edge(triangle.b, triangle.c, triangle.normal, begin, end) ||
+           beyond_edge(triangle.c, triangle.a, triangle.normal, begin, end);
+}
+
+// The time within the move at which it comes within kImpact of the triangle, approaching; above `move.until` if it
+// never does.
+real impact_time(Triangle triangle, Move move) {
+    precise real never = move.until + ONE;
+    real t = ZERO;
+    real until = move.until;
+    bool meets = true;
+    if (product(triangle.normal, triangle.normal) > ZERO) {
+        real height = product(triangle.normal, difference(move.from, triangle.a));
+        Stretch stretch = stretch_near_plane(move, height, product(triangle.normal, move.way));
+        t = stretch.begin;
+        until = stretch.end;
+        meets = t <= until && !beyond_an_edge(triangle, place_at(move, t), place_at(move, until));
+    }
+    real time = meets ? t : never;
+    uint left = meets ? kNewtonSteps : 0u;
+    [[dont_unroll]] do {
+        TrianglePoint nearest = nearest_on_triangle(place_at(move, t), triangle);
+        precise real size = sqrt(nearest.square);
+        real approach = product(nearest.offset, move.way); // times the distance
+        precise real excess = size - kImpact;
+        precise real next = t + excess * size / approach;
+        bool leaves = !(approach > ZERO);
+        bool touches = !(excess > kRest);
+        bool late = !(next <= until);
+        if (left > 0u) {
+            if (leaves || (!touches && late)) {
+                time = never;
+                left = 0u;
+            } else if (touches) {
+                time = t;
+                left = 0u;
+            } else {
+                t = next;
+                time = t;
+                --left;
+            }
+        }
+        ++spent;
+    } while (left > 0u);
+    return time;
+}

@@ -1,0 +1,93 @@
+// L6: the triangles that a move may come close to, out of the tree. A search goes on in pieces: runs of triangles are
+// collected until there is no room for more, looked at, and so on.
+
+const uint kMeshStack = 145u; // 3 siblings a node of the longest path to a leaf, and the root
+const uint kRuns = 16u;
+#ifdef FS_F64
+const real kSteep = real(1e30LF);
+#else
+const real kSteep = real(1e15LF);
+#endif
+const real kBoxMargin = kCorner + real(9.5367431640625e-07LF); // 2^-20
+
+uint stack[kMeshStack];
+uint runs[kRuns]; // as leaves are written
+uint stack_height;
+uint run_count;
+
+real steepness(real way) {
+    precise real inverse = ONE / way;
+    return abs(way) * kSteep > ONE ? inverse : kSteep;
+}
+
+// The interval of times at which a move is between two bounds.
+void clip(real4 low, real4 high, real from, real inverse, inout real4 begin, inout real4 end) {
+    real4 one = (low - real4(kBoxMargin + from)) * inverse;
+    real4 other = (high + real4(kBoxMargin - from)) * inverse;
+    begin = max(begin, min(one, other));
+    end = min(end, max(one, other));
+}
+
+void begin_search() {
+    stack[0] = 0u;
+    stack_height = 1u;
+    run_count = 0u;
+}
+
+// Goes on until the runs are full or the tree is done.
+void search_on(Move move) {
+    real3 inverse = real3(steepness(move.way.x), steepness(move.way.y), steepness(move.way.z));
+    bool going = stack_height > 0u && run_count + kMeshChildren <= kRuns;
+    [[dont_unroll]] do {
+        if (going) {
+            MeshNode4 node = nodes[stack[--stack_height]];
+            real4 begin = real4(ZERO);
+            real4 end = real4(move.until);
+            clip(real4(node.low_x), real4(node.high_x), move.from.x, inverse.x, begin, end);
+            clip(real4(node.low_y), real4(node.high_y), move.from.y, inverse.y, begin, end);
+            clip(real4(node.low_z), real4(node.high_z), move.from.z, inverse.z, begin, end);
+            [[unroll]] for (uint i = 0u; i < kMeshChildren; ++i)
+                if (node.child[i] != kMeshNoChild && begin[i] <= end[i]) {
+                    if ((node.child[i] & kMeshLeaf) == 0u)
+                        stack[stack_height++] = node.child[i];
+                    else
+                        runs[run_count++] = node.child[i];
+                }
+        }
+        ++spent;
+        going = going && stack_height > 0u && run_count + kMeshChildren <= kRuns && spent < spent_limit;
+    } while (going);
+    if (stack_height > 0u && spent >= spent_limit)
+        overrun = true;
+}
+
+bool search_goes_on() {
+    return stack_height > 0u && !overrun;
+}
+
+// Goes through the triangles of the runs that were collected.
+struct RunCursor {
+    uint run;
+    uint next;
+    uint end;
+};
+
+RunCursor first_of_runs() {
+    return RunCursor(0u, 0u, 0u);
+}
+
+// The next triangle; false if there is none, and then the runs are empty.
+bool next_of_runs(inout RunCursor cursor, out uint triangle) {
+    if (cursor.next == cursor.end && cursor.run < run_count) {
+        uint leaf = runs[cursor.run++];
+        cursor.next = (leaf & ~kMeshLeaf) / kMeshLeafTriangles;
+        cursor.end = cursor.next + leaf % kMeshLeafTriangles + 1u;
+    }
+    bool found = cursor.next < cursor.end;
+    triangle = found ? cursor.next : 0u;
+    if (found)
+        ++cursor.next;
+    else
+        run_count = 0u;
+    return found;
+}

@@ -1,0 +1,224 @@
+// Exploration paths on a mesh: an invocation takes one path through many steps. Here stands what most steps need: a proxy
+// that slides over faces, none in its way but those that the host listed, and rests on one or two of them. A step that
+// needs more is left, as it began, to the rare kernel (mesh_rest.comp), which finds its contact.
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
+#include "laws/real.glsl"
+#include "shared/layout.h"
+
+layout(local_size_x_id = kMeshPathSpecLocalX) in;
+layout(constant_id = kMeshPathSpecShading) const uint SHADING = kShadingNone;
+layout(constant_id = kMeshPathSpecMap) const uint MAP = kMapNone;
+layout(constant_id = kMeshPathSpecTexture) const uint TEXTURE = kMapNone;
+layout(constant_id = kMeshPathSpecChannels) const uint CHANNELS = 0u;
+layout(constant_id = kMeshPathSpecMotion) const uint MOTION = kMotionStrokes;
+layout(constant_id = kMeshPathSpecLoop) const uint LOOP = kLoopOpen;
+layout(constant_id = kMeshPathSpecHarmonics) const uint HARMONICS = 0u;
+layout(constant_id = kMeshPathSpecFriction) const uint FRICTION = 0u;
+layout(constant_id = kMeshPathSpecQuantised) const uint QUANTISED = 0u;
+layout(constant_id = kMeshPathSpecUnroll) const uint UNROLL = 1u;
+
+layout(std430, set = 0, binding = kMeshPathBindMapGradients) readonly buffer MapBuffer { real map_gradients[]; };
+layout(std430, set = 0, binding = kMeshPathBindTextureGradients) readonly buffer TextureBuffer { real texture_gradients[]; };
+layout(std430, set = 0, binding = kMeshPathBindMotions) readonly buffer MotionBuffer { MotionParams motions[]; };
+layout(std430, set = 0, binding = kMeshPathBindHarmonics) readonly buffer HarmonicBuffer { Harmonic harmonics[]; };
+layout(std430, set = 0, binding = kMeshPathBindHands) readonly buffer HandBuffer { HandParams hands[]; };
+layout(std430, set = 0, binding = kMeshPathBindRecorded) readonly buffer RecordedBuffer { real recorded[]; };
+layout(std430, set = 0, binding = kMeshPathBindStates) buffer StateBuffer { PathState states[]; };
+layout(std430, set = 0, binding = kMeshPathBindSamples) writeonly buffer SampleBuffer { real sample_out[]; };
+layout(std430, set = 0, binding = kMeshPathBindFacet) writeonly buffer FacetIdBuffer { uint facet_out[]; };
+
+// Copies made before any branch: there a uniform load is one load, within branches it is one a lane.
+LawParams law;
+MeshParams mesh;
+
+#define POOL 3u
+#include "laws/vector.glsl"
+#include "laws/mesh_triangle.glsl"
+#include "laws/god_object.glsl"
+#include "laws/circle.glsl"
+#include "laws/elementary.glsl"
+#include "laws/height_map.glsl"
+#define SAMPLED_GRADIENT sampled_map_gradient
+#define GRADIENTS map_gradients
+#include "laws/sampled_gradient.glsl"
+#undef SAMPLED_GRADIENT
+#undef GRADIENTS
+#define SAMPLED_GRADIENT sampled_texture_gradient
+#define GRADIENTS texture_gradients
+#include "laws/sampled_gradient.glsl"
+#include "laws/gradients.glsl"
+
+// What mesh_shading.glsl reads.
+#define facet_words indices
+#define status walk_words[kWalkWordCount * chunk.paths]
+
+real3 facet_normal(uint facet) {
+    return vectors[3u * mesh.triangles + facet].xyz;
+}
+
+real3 vertex_position(uint vertex) {
+    return vectors[3u * mesh.triangles + mesh.facets + 2u * vertex].xyz;
+}
+
+real3 vertex_normal(uint vertex) {
+    return vectors[3u * mesh.triangles + mesh.facets + 2u * vertex + 1u].xyz;
+}
+
+#include "laws/mesh_shading.glsl"
+#include "laws/mesh_contact.glsl"
+#include "laws/god_object_force.glsl"
+#include "laws/philox.glsl"
+#define Stretch MotionStretch
+#include "laws/motion.glsl"
+#undef Stretch
+#include "laws/hand.glsl"
+#include "laws/path_metrics.glsl"
+#include "laws/path_step.glsl"
+
+// One after the other in the buffer of samples, those that are asked for.
+const uint kPositionWidth = (CHANNELS & kChannelPosition) != 0u ? 3u : 0u;
+const uint kForceWidth = (CHANNELS & kChannelForce) != 0u ? 3u : 0u;
+const uint kDepthWidth = (CHANNELS & kChannelDepth) != 0u ? 1u : 0u;
+
+void store_vector(uint at, real3 value) {
+    sample_out[at] = value.x;
+    sample_out[at + 1u] = value.y;
+    sample_out[at + 2u] = value.z;
+}
+
+void store(uint path, uint step, PathSample taken) {
+    uint samples = chunk.rows * chunk.paths;
+    uint at = (step - chunk.row_first) * chunk.paths + path;
+    if ((CHANNELS & kChannelPosition) != 0u)
+        store_vector(3u * at, taken.position);
+    if ((CHANNELS & kChannelForce) != 0u)
+        store_vector(kPositionWidth * samples + 3u * at, taken.force);
+    if ((CHANNELS & kChannelDepth) != 0u)
+        sample_out[(kPositionWidth + kForceWidth) * samples + at] = taken.depth;
+    if ((CHANNELS & kChannelProxy) != 0u)
+        store_vector((kPositionWidth + kForceWidth + kDepthWidth) * samples + 3u * at, taken.proxy);
+    if ((CHANNELS & kChannelFacet) != 0u)
+        facet_out[at] = taken.facet;
+}
+
+// The motion's place at a step, m; a recorded path of so many steps rests where it ends.
+real3 target_at(MotionParams motion, uint path, uint step, uint steps) {
+    if (MOTION == kMotionRecorded) {
+        uint at = 3u * ((min(step, steps - 1u) - chunk.row_first) * chunk.paths + path);
+        return real3(recorded[at], recorded[at + 1u], recorded[at + 2u]);
+    }
+    return motion_at(motion, path, chunk.paths, step);
+}
+
+real3 to_mesh(real3 world) {
+    return divided(difference(world, real3(mesh.centre_x, mesh.centre_y, mesh.centre_z)), mesh.scale);
+}
+
+bool is_finite(real3 v) {
+    return largest_of(v) <= LARGEST;
+}
+
+// What a step begins with that only the rare kernel takes.
+bool begins_rare(uint held, real3 probe) {
+    return (held & kHeldCornered) != 0u || !is_finite(probe);
+}
+
+PathSample sample_of(Rest rest, HandParams hand, real3 position, real3 probe) {
+    Contact contact = force_of(rest, probe);
+    real3 force = LOOP == kLoopClosed ? commanded(hand, contact.force) : contact.force;
+    bool free = contact.facet == kNoFacet; // not there and back through the mesh's frame
+    real3 proxy = real3(free ? position.x : contact.proxy.x, free ? position.y : contact.proxy.y,
+                        free ? position.z : contact.proxy.z);
+    return PathSample(position, force, contact.depth, proxy, contact.facet);
+}
+
+void main() {
+    law = law_params.law;
+    mesh = law_params.mesh;
+    exact_zero = real(mesh.zero);
+    uint pause = chunk.pause;
+    spent_limit = chunk.limit;
+    spent = 0u;
+    overrun = false;
+    is_rare = false;
+    uint path = listed_path();
+    if (path == kNoPath)
+        return;
+    uint steps = walk_word(path, kWalkWordSteps);
+    uint end = min(chunk.step_end, steps);
+    MotionParams motion = motions[path];
+    HandParams hand = hands[chunk.own_hands * path];
+    PathState state = states[path];
+    real3 here = target_at(motion, path, walk_word(path, kWalkWordStep), steps);
+    if (walk_word(path, kWalkWordStep) == 0u && walk_word(path, kWalkWordPhase) == kPhaseStep)
+        state = begin_state(hand, here);
+    real3 unit = normalised(real3(state.force_x, state.force_y, state.force_z));
+    bool left = leaves(state, hand, here);
+    real3 position = probe_at(state, hand, here);
+    real3 probe = to_mesh(position);
+
+    uint held = walk_word(path, kWalkWordHeld);
+    uvec3 triangles = walk_triangles(path);
+    real3 proxy = walk_real3(path, kWalkRealProxy);
+    begin_update(proxy, probe, held, triangles);
+    bool felt = walk_word(path, kWalkWordPhase) == kPhaseFelt;
+    Rest rest = out_of_contact(walk_real3(path, kWalkRealRest));
+    rest.count = (held & kHeldTouching) != 0u ? 1u : 0u;
+    rest.facets.x = triangle_words[2u * walk_word(path, kWalkWordFelt)].x;
+    rest.sources = uvec3(0u, 1u, 2u);
+    rest.back = (held & kHeldBack) != 0u;
+    is_rare = !felt && !left && (is_rare || begins_rare(held, probe));
+    bool going = !is_rare;
+    [[dont_unroll]] do {
+        bool complete = felt || left;
+        if (!complete) {
+            walk_on();
+            is_rare = is_rare || (!walk_runs && !walk_rests) || spent > spent_limit;
+            if (walk_rests)
+                rest = contact_at_rest();
+            complete = walk_rests && !is_rare;
+        }
+        if (complete) {
+            PathSample taken = sample_of(rest, hand, position, probe);
+            if (left)
+                taken = left_sample(state);
+            store(path, state.step, taken);
+            real3 next = target_at(motion, path, state.step + 1u, steps);
+            if (left)
+                ++state.step;
+            else
+                take_step(state, unit, hand, taken, here, next, completes_round(motion, state.step),
+                          (held & kHeldUnfinished) == 0u, steps);
+            here = next;
+            if (state.step < steps)
+                left = leaves(state, hand, here);
+            if (!felt) {
+                proxy = walk_proxy;
+                held = rest.count;
+                triangles = rest.triangles;
+            }
+            felt = false;
+            held &= kHeldCount | kHeldCornered;
+            position = probe_at(state, hand, here);
+            probe = to_mesh(position);
+            go_on(held & kHeldCount, rest.sources, probe);
+            is_rare = !left && (is_rare || begins_rare(held, probe));
+        }
+        going = !is_rare && state.step < end && spent < pause;
+        ++spent;
+    } while (going);
+    // A driver that silently ends long loops leaves a lane going.
+    if (going)
+        atomicOr(status, kStatusUnfinished);
+    bool begun = is_rare || (walk_substeps > 0u && !left);
+    uint phase = (held & kHeldCornered) != 0u ? kPhaseHost : kPhaseRare;
+    put_walk_word(path, kWalkWordPhase, begun && state.step < end ? phase : kPhaseStep);
+    put_walk_word(path, kWalkWordStep, state.step);
+    put_walk_word(path, kWalkWordHeld, held);
+    put_walk_triangles(path, triangles);
+    put_walk_real3(path, kWalkRealProxy, proxy);
+    put_walk_real3(path, kWalkRealProbe, probe);
+    states[path] = state;
+}

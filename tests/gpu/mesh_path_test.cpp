@@ -1,0 +1,142 @@
+// Exploration paths over meshes, open and closed loop: samples and metrics have the oracle's bits.
+#include <gtest/gtest.h>
+
+#include "host/mesh_file/mesh_file.h"
+#include "tests/gpu/mesh_path_case.h"
+#include "tests/gpu/software_device.h"
+
+namespace forceshade {
+namespace {
+
+using test::MeshPathCase;
+using test::PathShape;
+
+PathShape shape_of(layout::uint motion, layout::uint loop, std::size_t paths = 64, std::size_t steps = 200) {
+    PathShape shape;
+    shape.features.motion = motion;
+    shape.features.loop = loop;
+    shape.features.harmonics = motion == layout::kMotionRandomWalk ? 6 : 1;
+    shape.features.channels = test::kAllPathChannels;
+    shape.paths = paths;
+    shape.steps = steps;
+    return shape;
+}
+
+// A sphere of 25 mm whose top is the origin.
+MeshStructure ball(unsigned levels) {
+    return build_structure(
+        shapes::mesh_of(shapes::moved(shapes::icosphere(levels), glm::dvec3(0.025), glm::dvec3(0, 0, -0.025))));
+}
+
+class MeshPath : public test::SoftwareDeviceTest {
+protected:
+    static compute::MeshPathKernel& kernel() {
+        static compute::MeshPathKernel one(device());
+        return one;
+    }
+
+    template <typename T> static test::PathComparison held(test::MeshPathRunner& runner, MeshPathCase<T>& one) {
+        return test::hold_input(runner, one.input(), [&](std::size_t path) { return one.length(path); });
+    }
+
+    template <typename T>
+    static test::PathComparison hold(MeshPathCase<T>& one, const std::string& name,
+                                     compute::MeshPathKernel& on = kernel()) {
+        test::MeshPathRunner runner{on};
+        const test::PathComparison comparison = held(runner, one);
+        EXPECT_TRUE(is_equal(comparison)) << name << ", f" << 8 * sizeof(T);
+        return comparison;
+    }
+};
+
+TEST_F(MeshPath, EveryMotionOpenAndClosed) {
+    const MeshStructure structure = ball(4);
+    std::uint64_t touching = 0;
+    for (layout::uint motion = layout::kMotionStrokes; motion <= layout::kMotionRecorded; ++motion)
+        for (const layout::uint loop : {layout::kLoopOpen, layout::kLoopClosed}) {
+            PathShape shape = shape_of(motion, loop, 40, 150);
+            shape.seed = motion + 1;
+            shape.reach = 0.004;
+            shape.delay = motion % 2;
+            shape.own_hands = motion % 3 == 0;
+            shape.coulomb = motion % 2 ? 0.01 : 0;
+            shape.quantum = motion % 4 ? 0 : 1e-5;
+            MeshPathCase<float> one(structure, shape);
+            touching += hold(one, fmt::format("motion {} loop {}", motion, loop)).touching;
+        }
+    EXPECT_GT(touching, 10000u);
+    MeshPathCase<double> one(structure, shape_of(layout::kMotionCircle, layout::kLoopClosed));
+    EXPECT_GT(hold(one, "circle").touching, 100u);
+}
+
+TEST_F(MeshPath, WanderingOverEveryTerrain) {
+    for (const auto& terrains : {walks::terrains(), walks::pits()})
+        for (const walks::Terrain& terrain : terrains) {
+            const MeshStructure structure = build_structure(shapes::mesh_of(terrain.polygons));
+            const PathShape shape = shape_of(layout::kMotionRecorded, layout::kLoopOpen, 24, 60);
+            MeshPathCase<float> one(structure, shape, true, terrain.focus);
+            hold(one, terrain.name);
+            MeshPathCase<double> other(structure, shape, true, terrain.focus);
+            hold(other, terrain.name);
+        }
+}
+
+TEST_F(MeshPath, ShadingsTiltsAndTextures) {
+    const MeshStructure structure =
+        build_structure(shapes::mesh_of(read_polygons(FORCESHADE_DATA "/spot.obj").polygons));
+    for (const layout::uint shading : {layout::kShadingNone, layout::kShadingMorgenbesser, layout::kShadingBarycentric,
+                                       layout::kShadingMeanValue, layout::kShadingTwoPass})
+        for (const bool maps : {false, true}) {
+            MeshPathCase<float> one(structure, shape_of(layout::kMotionRecorded, layout::kLoopOpen, 48, 80), true);
+            one.law.features.shading = shading;
+            if (maps) {
+                one.law.features.map = layout::kMapSine;
+                one.law.features.texture = layout::kMapGaussian;
+                one.law.params.map.slope = 0.3F;
+                one.law.params.map.inverse_length = 7;
+                one.law.params.texture.slope = 0.2F;
+                one.law.params.texture.inverse_length = 2;
+                one.law.params.texture_stiffness = 100;
+            }
+            EXPECT_GT(hold(one, fmt::format("shading {}", shading)).touching, 400u);
+        }
+}
+
+TEST_F(MeshPath, InPiecesAsOnceThrough) {
+    const MeshStructure structure = ball(3);
+    compute::MeshPathOptions options;
+    options.batch_paths = 17;
+    options.chunk_bytes = 17 * 60 * 7;
+    options.pause = 20;
+    options.rare_pause = 40;
+    compute::MeshPathKernel pieces(device(), options);
+    for (const layout::uint motion : {layout::kMotionRecorded, layout::kMotionStrokes}) {
+        MeshPathCase<float> one(structure, shape_of(motion, layout::kLoopOpen, 40, 50),
+                                motion == layout::kMotionRecorded);
+        hold(one, "pieces", pieces);
+    }
+}
+
+// What takes more loops than an invocation may run goes to the host, and is the same.
+TEST_F(MeshPath, FewLoops) {
+    const MeshStructure structure = ball(4);
+    compute::MeshPathOptions options;
+    options.rare_pause = 4;
+    options.limit = 6;
+    options.limit_alone = 9;
+    compute::MeshPathKernel few(device(), options);
+    MeshPathCase<float> one(structure, shape_of(layout::kMotionRecorded, layout::kLoopOpen, 24, 60), true);
+    test::MeshPathRunner runner{few};
+    EXPECT_TRUE(is_equal(held(runner, one)));
+    EXPECT_GT(runner.times.host_updates, 100u);
+}
+
+TEST_F(MeshPath, MetricsAlone) {
+    PathShape shape = shape_of(layout::kMotionStrokes, layout::kLoopClosed);
+    shape.features.channels = 0;
+    MeshPathCase<float> one(ball(3), shape);
+    hold(one, "no channels");
+}
+
+} // namespace
+} // namespace forceshade
