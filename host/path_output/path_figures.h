@@ -8,7 +8,8 @@
 
 namespace forceshade {
 
-/// Nothing where a number has no meaning: depths without contact, a speed ratio in open loop.
+/// Nothing where a number has no meaning: depths without contact, a speed ratio in open loop. The deviation of depths
+/// is a difference of sums: in single precision it is known to about 3e-4 of the mean depth.
 struct PathFigures {
     std::uint64_t steps = 0;
     double contact_time = 0;                 /* s */

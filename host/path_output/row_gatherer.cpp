@@ -39,11 +39,17 @@ std::size_t path_sample_bytes(layout::uint channels, std::size_t real_bytes) {
     return bytes + (channels & layout::kChannelFacet ? sizeof(layout::uint) : 0);
 }
 
-std::size_t paths_that_fit(layout::uint channels, std::size_t real_bytes, std::size_t steps) {
-    const std::size_t fit = channels ? kRowBytes / (path_sample_bytes(channels, real_bytes) * steps)
-                                     : std::max<std::size_t>(256, kMetricSamples / steps);
+template <typename T> std::size_t paths_that_fit(const layout::PathInput<T>& input) {
+    constexpr std::size_t kAbreast = 256; // fewer leave a device idle
+    const bool mesh = input.law.features.surface == layout::kSurfaceMesh;
+    const std::size_t row = path_sample_bytes(input.features.channels, sizeof(T)) * input.steps;
+    const std::size_t fit =
+        row ? kRowBytes / row
+            : std::max<std::size_t>(kAbreast, (mesh ? kMeshMetricSamples : kMetricSamples) / input.steps);
     return std::clamp<std::size_t>(fit, 1, kMostPaths);
 }
+template std::size_t paths_that_fit<float>(const layout::PathInput<float>&);
+template std::size_t paths_that_fit<double>(const layout::PathInput<double>&);
 
 template <typename T> layout::PathBatch<T> BatchedSource<T>::batch(std::size_t first, std::size_t count) {
     const layout::PathBatch<T> batch = paths_.batch(first, std::min(count, most_));

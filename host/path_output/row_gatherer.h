@@ -12,12 +12,14 @@ namespace forceshade {
 inline constexpr std::size_t kRowBytes = std::size_t(64) << 20;
 /// Most samples of a batch whose metrics alone are asked for: an interrupt is noticed between two batches.
 inline constexpr std::size_t kMetricSamples = std::size_t(1) << 24;
+/// Likewise on a mesh, where a sample takes longer.
+inline constexpr std::size_t kMeshMetricSamples = std::size_t(1) << 22;
 
 /// Bytes of a sample of so many channels.
 std::size_t path_sample_bytes(layout::uint channels, std::size_t real_bytes);
 
-/// The paths of a batch whose rows of `channels` fit into kRowBytes: at least 1.
-std::size_t paths_that_fit(layout::uint channels, std::size_t real_bytes, std::size_t steps);
+/// The paths of a batch of an input whose rows fit into kRowBytes, or whose metrics come soon enough: at least 1.
+template <typename T> std::size_t paths_that_fit(const layout::PathInput<T>& input);
 
 /// Gives an engine fewer paths at a time than it asks for, and remembers of them what metrics do not say.
 template <typename T> class BatchedSource final : public layout::PathSource<T> {

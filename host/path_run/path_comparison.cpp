@@ -25,7 +25,7 @@ template <typename T> PathError compare_in(Engine& engine, const PreparedCase& p
     const auto paths = make_paths<T>(prepared), alike = make_paths<T>(prepared);
     layout::PathInput<T> input = paths->input(), same = alike->input();
     input.features.channels = same.features.channels = kEverything;
-    BatchedSource<T> source(*paths, input.steps, paths_that_fit(kEverything, sizeof(T), input.steps));
+    BatchedSource<T> source(*paths, input.steps, paths_that_fit(input));
     input.source = &source;
     PathOracle<T> oracle(same, engine.report().software, 0);
     RowGatherer<T> gatherer(source, input.steps, [&](const PathRows<T>& rows) { oracle.compare(rows); });

@@ -78,8 +78,7 @@ public:
                              "take them yet");
         const layout::uint channels = channels_for(options, prepared.one.scene.output.channels);
         input_.features.channels = channels;
-        source_ = std::make_unique<BatchedSource<T>>(*paths_, input_.steps,
-                                                     paths_that_fit(channels, sizeof(T), input_.steps));
+        source_ = std::make_unique<BatchedSource<T>>(*paths_, input_.steps, paths_that_fit(input_));
         input_.source = source_.get();
         layout::PathInput<T> same = alike_->input();
         same.features.channels = channels;

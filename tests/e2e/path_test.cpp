@@ -271,6 +271,35 @@ TEST_F(Paths, of_a_study_are_shared_out_among_shards) {
     EXPECT_EQ(differences(results_in(path("all")), results_in(path("shards"))), std::set<std::string>{});
 }
 
+TEST_F(Paths, that_leave_their_bound_are_flagged_and_hold_no_nan) {
+    write("wild.toml", "[surface]\nfacets = 3\n[force]\nstiffness = \"100 N/mm\"\n[paths]\ncount = 5\nsteps = 3000\n"
+                       "press = \"1 N\"\nbound = \"20 mm\"\n[hand]\nmax_force = \"1000 N\"\ndelay_samples = 1\n");
+    for (const char* engine : {"cpu", "gpu"}) {
+        const Outcome outcome = expect_success({"explore", "wild.toml", "--out", "a.csv", "--engine", engine});
+        EXPECT_NE(outcome.error.find("5 of 5 paths left the bound"), std::string::npos) << outcome.error;
+        EXPECT_EQ(read_text(path("a.csv")).find("nan"), std::string::npos);
+        EXPECT_EQ(read_text(path("a.csv")).find("inf"), std::string::npos);
+        for (const auto& row : table_in(read_text(path("a.paths.csv")))) {
+            EXPECT_EQ(row.at("unstable"), "1");
+            EXPECT_GT(std::stod(row.at("unstable_time_s")), 0.01);
+            EXPECT_LT(std::stod(row.at("unstable_time_s")), 3);
+        }
+    }
+}
+
+TEST_F(Paths, that_begin_within_a_mesh_are_told_of) {
+    write("roof.obj", "v -1 -1 0\nv 0 -1 1\nv 1 -1 0\nv -1 1 0\nv 0 1 1\nv 1 1 0\nf 1 2 5 4\nf 2 3 6 5\n");
+    write("mesh.toml",
+          "[surface]\nkind = \"mesh\"\nfile = \"roof.obj\"\nunit = \"cm\"\n[paths]\ncount = 3\nsteps = 50\n"
+          "length = \"4 mm\"\ndepth = \"5 mm\"\nspeed = { mean = \"100 mm/s\", sd = \"5 mm/s\" }\n");
+    const Outcome outcome = expect_success(explore("mesh.toml", "a.exr", {"--also", "png"}));
+    EXPECT_NE(outcome.error.find("3 of 3 paths begin behind the mesh's surface"), std::string::npos) << outcome.error;
+    for (const auto& row : table_in(read_text(path("a.paths.csv")))) {
+        EXPECT_EQ(row.at("began_inside"), "1");
+        EXPECT_EQ(row.at("contact_time_s"), "0.05") << "pushed out at the nearest place";
+    }
+}
+
 TEST_F(Paths, are_validated) {
     const Outcome outcome = expect_success({"validate", "closed.toml"});
     EXPECT_EQ(last_line(outcome.out), fmt::format("{} samples, 0 differ", 2 * 6 * 300));
