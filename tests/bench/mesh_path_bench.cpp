@@ -10,6 +10,7 @@
 #include "host/mesh/structure.h"
 #include "host/reference/god_object_start.h"
 #include "host/reference/mesh_updates.h"
+#include "host/reference/path_step.h"
 #include "host/reference/paths.h"
 #include "tests/bench/geodesic.h"
 #include "tests/bench/measure.h"
