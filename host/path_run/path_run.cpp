@@ -18,6 +18,7 @@
 #include "host/path_output/path_npy.h"
 #include "host/path_output/path_picture.h"
 #include "host/path_output/path_summary.h"
+#include "host/path_run/path_files.h"
 #include "host/path_run/recorded_times.h"
 #include "host/paths/recorded_paths.h"
 #include "host/paths/scene_paths.h"
@@ -26,34 +27,8 @@
 namespace forceshade {
 namespace {
 
-constexpr layout::uint kSampled = layout::kChannelForce | layout::kChannelPosition | layout::kChannelDepth |
-                                  layout::kChannelFacet | layout::kChannelProxy;
-constexpr layout::uint kAlways = layout::kChannelForce | layout::kChannelPosition;
-constexpr std::array kOrder{layout::kChannelForce, layout::kChannelPosition, layout::kChannelDepth,
-                            layout::kChannelFacet, layout::kChannelProxy};
-
-bool is_csv(const std::filesystem::path& path) {
-    return path.extension() == ".csv";
-}
-
-// What must be computed for the files.
-layout::uint channels_for(const PathRunOptions& options, layout::uint asked) {
-    if (options.samples.empty())
-        return 0;
-    return is_csv(options.samples) ? kSampled : (asked & kSampled) | kAlways;
-}
-
 double rate_of(const Scene& scene) {
     return scene.paths ? scene.paths->rate : PathsSpec{}.rate;
-}
-
-// Empty: the paths are generated.
-std::filesystem::path recorded_file(const Scene& scene, const PathRunOptions& options) {
-    if (options.recorded)
-        return *options.recorded;
-    if (scene.paths && scene.paths->kind == PathKind::recorded)
-        return scene.paths->path;
-    return {};
 }
 
 template <typename T>
@@ -110,7 +85,7 @@ private:
                          : std::make_unique<PathVolumeWriter>(options_.samples, header()));
         summary_.emplace(beside(".paths.csv"), scene.precision);
         if (options_.npy)
-            for (const layout::uint channel : kOrder)
+            for (const layout::uint channel : kPathChannels)
                 if (input_.features.channels & channel) {
                     const std::filesystem::path file =
                         beside(fmt::format("{}.{}.npy", options_.label, name_of_channel(channel)));
@@ -278,44 +253,10 @@ private:
 
 } // namespace
 
-double PathRecord::steps_per_second() const {
-    const double seconds = engine_times.upload + engine_times.kernel + engine_times.read_back;
-    return seconds > 0 ? double(samples) / seconds : 0;
-}
-
-std::vector<std::string> path_file_names(const PathRunOptions& options, layout::uint channels) {
-    std::vector<std::string> names;
-    const std::string stem = options.stem.filename().string();
-    if (!options.samples.empty())
-        names.push_back(options.samples.filename().string());
-    names.push_back(stem + ".paths.csv");
-    if (options.npy)
-        for (const layout::uint channel : kOrder)
-            if (channels_for(options, channels) & channel)
-                names.push_back(fmt::format("{}{}.{}.npy", stem, options.label, name_of_channel(channel)));
-    if (options.png)
-        names.push_back(stem + ".paths.png");
-    return names;
-}
-
 PathRecord run_paths(Engine& engine, const PreparedCase& prepared, const PathRunOptions& options) {
     if (prepared.one.scene.precision == Precision::f32)
         return Run<float>(engine, prepared, options).run();
     return Run<double>(engine, prepared, options).run();
-}
-
-std::string complaint(const PathRecord& record, const std::string& name, const std::string& device) {
-    if (!record.error.passed())
-        return fmt::format("{}: {} of {} samples and the metrics of {} of {} paths compared are further from the CPU "
-                           "oracle than rounding allows on {} ({}); it is not to be trusted (forceshade validate tells "
-                           "more)",
-                           name, record.error.beyond, record.error.samples, record.error.metrics, record.error.paths,
-                           device, record.error.first);
-    if (record.unfinished > 0)
-        return fmt::format("{}: at {} of {} samples the proxy did not come to rest within its limit of steps; their "
-                           "forces are not to be trusted",
-                           name, record.unfinished, record.samples);
-    return {};
 }
 
 } // namespace forceshade
