@@ -49,7 +49,10 @@ TEST_F(Paths, in_closed_loop_have_a_speed_ratio) {
 }
 
 TEST_F(Paths, are_the_same_on_a_gpu) {
-    for (const char* scene : {"open.toml", "closed.toml"})
+    write("roof.obj", "v -1 -1 0\nv 0 -1 1\nv 1 -1 0\nv -1 1 0\nv 0 1 1\nv 1 1 0\nf 1 2 5 4\nf 2 3 6 5\n");
+    write("mesh.toml", "[surface]\nkind = \"mesh\"\nfile = \"roof.obj\"\nunit = \"cm\"\n[paths]\ncount = 7\n"
+                       "steps = 300\ndepth = \"2 mm\"\nspeed = { mean = \"100 mm/s\", sd = \"5 mm/s\" }\n");
+    for (const char* scene : {"open.toml", "closed.toml", "mesh.toml"})
         for (const char* precision : {"f32", "f64"}) {
             expect_success(explore(scene, "cpu.csv", {"--precision", precision}));
             expect_success({"explore", scene, "--out", "gpu.csv", "--precision", precision});
