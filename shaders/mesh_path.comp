@@ -162,6 +162,8 @@ void main() {
     uint held = walk_word(path, kWalkWordHeld);
     uvec3 triangles = walk_triangles(path);
     real3 proxy = walk_real3(path, kWalkRealProxy);
+    free_place = walk_real3(path, kWalkRealFree);
+    free_distance = walk_reals[kWalkRealReach * chunk.paths + path];
     begin_update(proxy, probe, held, triangles);
     bool felt = walk_word(path, kWalkWordPhase) == kPhaseFelt;
     Rest rest = out_of_contact(walk_real3(path, kWalkRealRest));

@@ -34,6 +34,11 @@ void put_rest(uint path, Rest rest) {
     put_walk_word(path, kWalkWordFelt, rest.triangles.x);
     put_walk_real3(path, kWalkRealProxy, walk_proxy);
     put_walk_real3(path, kWalkRealRest, rest.proxy);
+    // The next steps of a probe in the open most likely meet nothing either.
+    if (rest.count == 0u) {
+        put_walk_real3(path, kWalkRealFree, walk_proxy);
+        walk_reals[kWalkRealReach * chunk.paths + path] = free_reach(walk_proxy);
+    }
 }
 
 // What a walk that goes on with the next dispatch must know.

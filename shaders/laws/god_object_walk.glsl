@@ -98,7 +98,17 @@ Impact first_impact(Move move) {
     return first;
 }
 #else
-// The first impact of a move along a face, with what was found beforehand to stand above that face's plane around it.
+// Nothing is nearer to this place.
+real3 free_place;
+real free_distance;
+
+bool is_free(real3 place) {
+    real3 off = difference(place, free_place);
+    return product(off, off) < free_distance * free_distance;
+}
+
+// The first impact of a move along a face, with what was found beforehand to stand above that face's plane around it; or
+// through free space.
 Impact first_impact(Move move) {
     Impact first = Impact(real(2.0LF), 0u);
     bool one = resting.count > 0u && hold_at(resting.one.source) == kHoldFace;
@@ -110,8 +120,10 @@ Impact first_impact(Move move) {
     bool front = product(touch.face, touch.triangle.normal) > ZERO;
     uint begin = front ? words.x : words.y;
     uint end = front ? words.y : words.z;
-    is_rare = is_rare || !(one || two) || (words.w & kTriangleCrowded) != 0u;
-    if (is_rare)
+    bool listed = (one || two) && (words.w & kTriangleCrowded) == 0u;
+    bool free = resting.count == 0u && is_free(move.from) && is_free(place_at(move, move.until));
+    is_rare = is_rare || !(listed || free);
+    if (is_rare || free)
         end = begin;
     [[dont_unroll]] do {
         if (begin < end)

@@ -91,3 +91,34 @@ bool next_of_runs(inout RunCursor cursor, out uint triangle) {
         run_count = 0u;
     return found;
 }
+
+// How far each of the four boxes of a node is from a place, squared.
+real4 box_squares(MeshNode4 node, real3 place) {
+    real4 x = max(max(real4(node.low_x) - place.x, place.x - real4(node.high_x)), real4(ZERO));
+    real4 y = max(max(real4(node.low_y) - place.y, place.y - real4(node.high_y)), real4(ZERO));
+    real4 z = max(max(real4(node.low_z) - place.z, place.z - real4(node.high_z)), real4(ZERO));
+    return x * x + y * y + z * z;
+}
+
+// A distance within which there is nothing about a place, up to half the mesh's frame: that of the
+// nearest leaf's box, less what rounding and the skin make of it.
+real free_reach(real3 place) {
+    const real most = real(0.5LF);
+    real nearest = most * most;
+    stack[0] = 0u;
+    stack_height = 1u;
+    [[dont_unroll]] do {
+        MeshNode4 node = nodes[stack[--stack_height]];
+        real4 squares = box_squares(node, place);
+        [[unroll]] for (uint i = 0u; i < kMeshChildren; ++i)
+            if (node.child[i] != kMeshNoChild && squares[i] < nearest) {
+                if ((node.child[i] & kMeshLeaf) == 0u)
+                    stack[stack_height++] = node.child[i];
+                else
+                    nearest = squares[i];
+            }
+        ++spent;
+    } while (stack_height > 0u && spent < spent_limit);
+    real reach = sqrt(nearest) - real(2.0LF) * kBoxMargin;
+    return stack_height == 0u && reach > ZERO ? reach : ZERO;
+}

@@ -82,7 +82,9 @@ FS_CONSTANT kWalkRealProbe = 3u;
 FS_CONSTANT kWalkRealRest = 6u;   // the contact's proxy
 FS_CONSTANT kWalkRealAt = 9u;     // where the walk is
 FS_CONSTANT kWalkRealTread = 12u; // where it was last asked whether it moves
-FS_CONSTANT kWalkRealCount = 15u;
+FS_CONSTANT kWalkRealFree = 15u;  // nothing is nearer to here than
+FS_CONSTANT kWalkRealReach = 18u; // 1: this; 0: not known
+FS_CONSTANT kWalkRealCount = 19u;
 
 // What one dispatch covers, as push constants.
 struct MeshPathChunkParams {
