@@ -34,16 +34,6 @@ public:
             touches_[i].faceless = false;
     }
 
-    /// Takes over what another pool on the same mesh knows.
-    void become(const TouchPool& other) noexcept {
-        count_ = other.count_;
-        projection_ = other.projection_;
-        tolerance_ = other.tolerance_;
-        shortened_ = other.shortened_;
-        std::copy(other.touches_, other.touches_ + count_, touches_);
-        std::copy(other.holds_, other.holds_ + count_, holds_);
-    }
-
     /// What the proxy may touch; no harm if it does not.
     void remember(layout::uint triangle, const Vector<T>& proxy) noexcept {
         if (knows(triangle) || (count_ == kMost && !forget_one()))
