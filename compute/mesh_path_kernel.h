@@ -12,7 +12,7 @@ namespace forceshade::compute {
 struct MeshPathOptions {
     std::size_t batch_paths = 16384;                 /* most paths on the device at once */
     std::size_t chunk_bytes = std::size_t(64) << 20; /* most for the samples of a chunk of steps */
-    std::uint32_t pause = 1500;                      /* loops after which an invocation begins no other step */
+    std::uint32_t pause = 250;                       /* loops after which an invocation begins no other step */
     std::uint32_t rare_pause = 600;                  /* likewise, no other piece of one update */
     std::uint32_t limit = 3600;        /* loops that an invocation may run: up to 16 together share a driver's limit */
     std::uint32_t limit_alone = 29000; /* likewise, of one that has its neighbours' share */

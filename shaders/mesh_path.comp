@@ -208,7 +208,8 @@ void main() {
             go_on(held & kHeldCount, rest.sources, probe);
             is_rare = !left && (is_rare || begins_rare(held, probe));
         }
-        going = !is_rare && state.step < end && spent < pause;
+        // Not within a step, if it can be helped: it would begin anew.
+        going = !is_rare && state.step < end && (spent < pause || (!complete && spent < 2u * pause));
         ++spent;
     } while (going);
     // A driver that silently ends long loops leaves a lane going.
