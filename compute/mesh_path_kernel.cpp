@@ -14,6 +14,8 @@
 namespace forceshade::compute {
 namespace {
 
+constexpr std::size_t kMostSamples = std::size_t(1) << 24; // from one callback to the next
+
 using layout::uint;
 using Clock = std::chrono::steady_clock;
 
@@ -198,8 +200,9 @@ MeshPathTimes MeshPathKernel::explore(const layout::PathInput<T>& input, const F
             const layout::PathBatch<T> batch =
                 input.source->batch(first, std::min(self.options.batch_paths, input.paths - first));
             const std::size_t row = MeshPathBatch::row_bytes(channels, batch.count, sizeof(T), recorded);
+            const std::size_t most = std::clamp<std::size_t>(kMostSamples / batch.count, 1, input.steps);
             const std::size_t rows =
-                std::clamp<std::size_t>(self.options.chunk_bytes / std::max<std::size_t>(row, 1), 1, input.steps);
+                std::clamp<std::size_t>(self.options.chunk_bytes / std::max<std::size_t>(row, 1), 1, most);
             self.inputs.upload(input, batch);
             self.batch.begin(batch, input.steps, channels, rows, recorded);
             self.bind();
@@ -209,8 +212,7 @@ MeshPathTimes MeshPathKernel::explore(const layout::PathInput<T>& input, const F
                 if (recorded)
                     self.batch.put_positions(input.source->positions(step, std::min(count + 1, input.steps - step)));
                 run.chunk(step, count);
-                if (channels != 0)
-                    take(self.batch.chunk<T>(step, count));
+                take(self.batch.chunk<T>(step, count));
             }
             take_metrics(batch.first, self.batch.metrics<T>());
         }

@@ -143,8 +143,6 @@ template <typename T> void PathKernel::Implementation::Run<T>::hand_over(PathSlo
     if (!slot.results.in_flight())
         return;
     slot.results.finish(times);
-    if (input.features.channels == 0)
-        return;
     const layout::FieldChunk<T> results = slot.results.results<T>(batch.count);
     layout::PathChunk<T> chunk{};
     chunk.path_first = batch.first;

@@ -73,7 +73,8 @@ real exact_zero;
 // The motion's place at a step, m; a recorded path of so many steps rests where it ends.
 real3 target_at(MotionParams motion, uint path, uint step, uint steps) {
     if (MOTION == kMotionRecorded) {
-        uint at = 3u * ((min(step, steps - 1u) - chunk.row_first) * chunk.paths + path);
+        uint row = max(min(step, steps - 1u), chunk.row_first) - chunk.row_first; // one that ended before does not matter
+        uint at = 3u * (row * chunk.paths + path);
         return real3(recorded[at], recorded[at + 1u], recorded[at + 2u]);
     }
     real3 place = motion_at(motion, path, chunk.paths, step);

@@ -129,7 +129,8 @@ private:
 
     void take(const layout::PathChunk<T>& chunk) {
         check_interrupt();
-        gatherer_->add(chunk);
+        if (input_.features.channels != 0)
+            gatherer_->add(chunk);
         progress(chunk.path_first * input_.steps + chunk.path_count * (chunk.step_first + chunk.step_count));
     }
 

@@ -75,8 +75,10 @@ void set_kind(const PathsSpec& paths, const PathRegion& region, double speed, Mo
 std::uint32_t phase_of_turns(double turns) {
     if (!std::isfinite(turns))
         return 0;
-    const double share = turns - std::floor(turns);
-    return static_cast<std::uint32_t>(static_cast<std::uint64_t>(std::round(share * 0x1p32)));
+    constexpr double kRounding = 0x1p-17; // of a share in 2^-32 turns
+    const double share = (turns - std::floor(turns)) * 0x1p32, nearest = std::round(share);
+    return static_cast<std::uint32_t>(
+        static_cast<std::uint64_t>(std::abs(share - nearest) <= kRounding ? nearest : std::ceil(share)));
 }
 
 double mean_distance(double side, double other) {

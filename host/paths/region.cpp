@@ -12,6 +12,7 @@ namespace forceshade {
 namespace {
 
 constexpr double kBeyond = 1.2;      // a path's length, of the feature's
+constexpr double kUpon = 0.5;        // the same where a hand that presses would fall off a mesh's rim
 constexpr double kGaussianRadii = 4; // a Gaussian's width: at its ends it has fallen to height e^-4
 constexpr double kInnerShare = 0.05; // a spiral's smallest radius, of its length
 constexpr double kBoundLengths = 10; // a probe that has left, in lengths
@@ -73,8 +74,10 @@ PathRegion path_region(const PathsSpec& paths, const PreparedCase& prepared) {
     PathRegion region;
     region.centre = paths.centre.value_or(feature.middle);
     region.height = paths.height.value_or(feature.top);
-    region.length = paths.length.value_or(kBeyond * feature.along);
-    region.width = paths.width.value_or(paths.length ? *paths.length : kBeyond * feature.across);
+    const bool falls = prepared.one.scene.surface.kind == SurfaceKind::mesh && paths.drive != PathDrive::depth;
+    const double share = falls ? kUpon : kBeyond;
+    region.length = paths.length.value_or(share * feature.along);
+    region.width = paths.width.value_or(paths.length ? *paths.length : share * feature.across);
     region.inner = paths.inner.value_or(kInnerShare * region.length);
     region.bound = paths.bound.value_or(std::max(kLeastBound, kBoundLengths * region.length));
     if (paths.kind == PathKind::spiral && region.inner > region.length / 2)

@@ -18,7 +18,8 @@ struct PathRegion {
 
 /// The region of a scene's paths. Left open: about the origin, or the middle of a mesh's box; 1.2 times as long as the
 /// feature is wide along x (of a sine a wavelength, of a Gaussian 4 radii, of an image its size), as wide as long (of
-/// a mesh and an image 1.2 times their width along y); height 0 or the box's top. \throws UsageError for a spiral whose
+/// a mesh and an image 1.2 times their width along y), but half of a mesh's box for a hand that presses and would fall
+/// off its rim; height 0 or the box's top. \throws UsageError for a spiral whose
 /// smallest radius is larger than its largest.
 PathRegion path_region(const PathsSpec& paths, const PreparedCase& prepared);
 

@@ -53,6 +53,9 @@ std::size_t sample_bytes(layout::uint channels, std::size_t real_size) {
            (channels & layout::kChannelProxy ? 3 * real_size : 0);
 }
 
+// Evaluated from one callback to the next: a second or so.
+constexpr std::size_t kMostSamples = std::size_t(1) << 22;
+
 template <typename T> class Run {
 public:
     Run(const layout::PathInput<T>& input, const PathOptions& options)
@@ -78,7 +81,8 @@ private:
 
     void run_batch(const TakePaths<T>& take) {
         const std::size_t row = std::max<std::size_t>(1, batch_.count * bytes_per_sample());
-        const std::size_t window = std::clamp<std::size_t>(options_.chunk_bytes / row, 1, input_.steps);
+        const std::size_t most = std::max<std::size_t>(1, kMostSamples / batch_.count);
+        const std::size_t window = std::clamp<std::size_t>(options_.chunk_bytes / row, 1, std::min(most, input_.steps));
         for (std::size_t step = 0; step < input_.steps; step += window) {
             layout::PathChunk<T> chunk{};
             chunk.path_first = batch_.first;
@@ -91,8 +95,7 @@ private:
             chunk.depth = samples_.depth;
             chunk.facet = samples_.facet;
             chunk.proxy = samples_.proxy;
-            if (input_.features.channels != 0)
-                take(chunk);
+            take(chunk);
         }
     }
 

@@ -20,8 +20,8 @@ using TakeMetrics = std::function<void(std::size_t first, std::span<const layout
 template <typename T> using TakePaths = std::function<void(const layout::PathChunk<T>&)>;
 
 /// Takes every path of the input through its law, in T. Chunks come batch of paths by batch of paths, within one in the
-/// order of steps; then the batch's metrics. Nothing of a path depends on the others, on the batch or on the number of
-/// threads. Stops early when a callback throws.
+/// order of steps, empty ones where no channel is asked for; then the batch's metrics. Nothing of a path depends on the
+/// others, on the batch or on the number of threads. Stops early when a callback throws.
 template <typename T>
 void evaluate_paths(const layout::PathInput<T>& input, const PathOptions& options, const TakePaths<T>& take,
                     const TakeMetrics<T>& take_metrics);

@@ -203,6 +203,11 @@ TEST(Motion, PhasesOfTurns) {
     EXPECT_EQ(phase_of_turns(7.5), 1u << 31);
     EXPECT_EQ(phase_of_turns(-0.25), 3u << 30);
     EXPECT_EQ(phase_of_turns(1 - 1e-12), 0u);
+    // A round of so many samples is complete after so many.
+    for (std::uint64_t samples = 2; samples <= 5000; ++samples) {
+        const std::uint64_t turned = samples * phase_of_turns(1.0 / static_cast<double>(samples));
+        EXPECT_TRUE(turned >= (std::uint64_t(1) << 32) && turned < (std::uint64_t(1) << 32) + samples) << samples;
+    }
     EXPECT_EQ(phase_of_turns(HUGE_VAL), 0u);
 }
 
