@@ -213,6 +213,8 @@ private:
         const Entry* samples = document_.overrides.find(samples_);
         if (grid && samples && grid_fits_mesh(base_) && applies_to_any(schema_keys()[samples_], forms))
             writer_.add_dotted("grid.samples", literal(schema_keys()[samples_], *samples));
+        if (variant.grid && !grid && any_paths())
+            writer_.add_dotted("grid", "{}");
         if (variant.texture && !texture)
             writer_.add_dotted("texture", "{}");
         if (variant.paths && !paths)

@@ -47,6 +47,9 @@ Explored<T> explored(ScenePaths<T>& source, const reference::PathOptions& option
     reference::evaluate_paths<T>(
         input, options,
         [&](const layout::PathChunk<T>& chunk) {
+            ASSERT_EQ(chunk.force.empty(), !samples);
+            if (!samples)
+                return;
             for (std::size_t step = 0; step < chunk.step_count; ++step)
                 for (std::size_t path = 0; path < chunk.path_count; ++path) {
                     const std::size_t from = step * chunk.pitch + path;

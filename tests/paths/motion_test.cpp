@@ -36,7 +36,7 @@ TEST(Motion, SpeedIsTheScenes) {
     const auto speed = [](const std::string& keys) {
         return way_length(paths_of<double>("count = 1\nsteps = 20001\nspeed = \"150 mm/s\"\n" + keys)) / 20;
     };
-    EXPECT_NEAR(speed("kind = \"strokes\"\nlength = \"30 mm\""), 0.15, 1e-6);
+    EXPECT_NEAR(speed("kind = \"strokes\"\nlength = \"30 mm\""), 0.15, 1e-5);
     EXPECT_NEAR(speed("kind = \"circle\"\nlength = \"30 mm\""), 0.15, 1e-4);
     EXPECT_NEAR(speed("kind = \"raster\"\nlength = \"30 mm\""), 0.15, 1e-3);
     EXPECT_NEAR(speed("kind = \"taps\"\ndepth = \"2 mm\"\nlift = \"5 mm\""), 0.15, 1e-3);
