@@ -63,10 +63,11 @@ std::vector<std::size_t> key_order(const Document& document) {
         tables.emplace_back("texture");
     // A table without which a scene is another one comes last if only variants have it: the resolved text cannot
     // mention it in its base.
+    const bool paths = std::any_of(layers.begin(), layers.end(), [](const Layer* layer) { return layer->paths; });
     const auto in_base = [&](std::string_view table) {
         const auto has = [&](bool Layer::*flag) { return document.base.*flag || document.overrides.*flag; };
-        return (table != "texture" || has(&Layer::texture)) && (table != "paths" || has(&Layer::paths)) &&
-               (table != "hand" || has(&Layer::hand) || has(&Layer::paths));
+        return (table != "texture" || has(&Layer::texture)) && (table != "grid" || !paths || has(&Layer::grid)) &&
+               (table != "paths" || has(&Layer::paths)) && (table != "hand" || has(&Layer::hand) || has(&Layer::paths));
     };
     std::stable_partition(tables.begin(), tables.end(), in_base);
     std::vector<std::size_t> order;
