@@ -7,12 +7,12 @@ namespace words {
 #include "field_f64.spv.h"
 #include "mesh_field_f32.spv.h"
 #include "mesh_field_f64.spv.h"
-#include "path_f32.spv.h"
-#include "path_f64.spv.h"
 #include "mesh_path_f32.spv.h"
 #include "mesh_path_f64.spv.h"
 #include "mesh_rest_f32.spv.h"
 #include "mesh_rest_f64.spv.h"
+#include "path_f32.spv.h"
+#include "path_f64.spv.h"
 } // namespace words
 
 std::span<const std::uint32_t> field_f32() {

@@ -14,7 +14,7 @@ namespace forceshade {
 /// file holds.
 struct Merged {
     std::vector<const Entry*> entries;
-    std::vector<int> ranks;                            // of the layer that gave the entry; 0: a default
+    std::vector<int> ranks;                                          // of the layer that gave the entry; 0: a default
     bool texture = false, paths = false, hand = false, grid = false; // has such a table
 };
 

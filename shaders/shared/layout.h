@@ -320,8 +320,8 @@ template <typename real> struct FieldChunk {
 };
 #endif
 
-#include "path_layout.h"
 #include "mesh_path_layout.h"
+#include "path_layout.h"
 
 #ifdef __cplusplus
 } // namespace forceshade::layout

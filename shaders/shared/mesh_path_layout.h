@@ -1,5 +1,5 @@
-// The nouns of paths on meshes: bindings of their two kernels, and what they hand each other. Included by layout.h, under
-// its rules.
+// The nouns of paths on meshes: bindings of their two kernels, and what they hand each other. Included by layout.h,
+// under its rules.
 
 // Bindings, all storage buffers in set 0. Sixteen, as many as a plain device may have.
 FS_CONSTANT kMeshPathBindLaw = 0u;
