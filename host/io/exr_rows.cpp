@@ -1,5 +1,6 @@
 #include "host/io/exr_rows.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cstring>
 #include <utility>
@@ -31,7 +32,7 @@ RowsWriter::RowsWriter(const std::filesystem::path& path, Sheet sheet, bool allo
       group_rows_(rows_per_group(sheet_.width, sheet_.rows)) {
     require_workers(sheet_.threads);
     for (const Part& part : sheet_.parts)
-        parts_.emplace_back(part, group_rows_ * sheet_.width * part.sample_bytes());
+        parts_.emplace_back(part, std::min(group_rows_, sheet_.rows) * sheet_.width * part.sample_bytes());
     guarded(stream_, "write", path, [&] {
         output_ = std::make_unique<Imf::MultiPartOutputFile>(
             stream_, sheet_.headers.data(), static_cast<int>(sheet_.headers.size()), false, sheet_.threads);

@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include <ImfInputPart.h>
 #include <ImfMultiPartInputFile.h>
 
@@ -20,7 +22,7 @@ std::vector<std::uint64_t> checksums_of(const std::filesystem::path& file, const
         for (std::size_t i = 0; i < parts.size() && static_cast<int>(i) < input.parts(); ++i) {
             Imf::InputPart pixels(input, static_cast<int>(i));
             const std::size_t row_bytes = sheet.width * parts[i].sample_bytes();
-            std::vector<std::byte> rows(group * row_bytes);
+            std::vector<std::byte> rows(std::min(group, sheet.rows) * row_bytes);
             PixelChecksum checksum;
             for (std::uint64_t first = 0; first < sheet.rows; first += group) {
                 const std::uint64_t count = std::min(group, sheet.rows - first);
