@@ -200,17 +200,18 @@ MeshPathTimes MeshPathKernel::explore(const layout::PathInput<T>& input, const F
             const layout::PathBatch<T> batch =
                 input.source->batch(first, std::min(self.options.batch_paths, input.paths - first));
             const std::size_t row = MeshPathBatch::row_bytes(channels, batch.count, sizeof(T), recorded);
-            const std::size_t most = std::clamp<std::size_t>(kMostSamples / batch.count, 1, input.steps);
+            const std::size_t steps = batch.longest ? batch.longest : input.steps;
+            const std::size_t most = std::clamp<std::size_t>(kMostSamples / batch.count, 1, steps);
             const std::size_t rows =
                 std::clamp<std::size_t>(self.options.chunk_bytes / std::max<std::size_t>(row, 1), 1, most);
             self.inputs.upload(input, batch);
-            self.batch.begin(batch, input.steps, channels, rows, recorded);
+            self.batch.begin(batch, steps, channels, rows, recorded);
             self.bind();
             times.upload += seconds_since(start);
-            for (std::size_t step = 0; step < input.steps; step += rows) {
-                const std::size_t count = std::min(rows, input.steps - step);
+            for (std::size_t step = 0; step < steps; step += rows) {
+                const std::size_t count = std::min(rows, steps - step);
                 if (recorded)
-                    self.batch.put_positions(input.source->positions(step, std::min(count + 1, input.steps - step)));
+                    self.batch.put_positions(input.source->positions(step, std::min(count + 1, steps - step)));
                 run.chunk(step, count);
                 take(self.batch.chunk<T>(step, count));
             }

@@ -113,6 +113,7 @@ template <typename T> struct PathKernel::Implementation::Run {
     std::size_t turn = 0;
 
     bool recorded() const { return input.features.motion == layout::kMotionRecorded; }
+    std::size_t steps() const { return batch.longest ? batch.longest : input.steps; }
     std::size_t batch_paths() const;
     uint window() const;
     void hand_over(PathSlot& slot);
@@ -136,7 +137,7 @@ template <typename T> uint PathKernel::Implementation::Run<T>::window() const {
     const std::uint64_t bytes =
         std::min<std::uint64_t>(self.options.chunk_bytes, self.device.limits.maxStorageBufferRange);
     return steps_of_dispatch(step_work(input.law.features, input.features, input.law.params.facets, sizeof(T)),
-                             batch.count, input.steps, bytes);
+                             batch.count, steps(), bytes);
 }
 
 template <typename T> void PathKernel::Implementation::Run<T>::hand_over(PathSlot& slot) {
@@ -178,16 +179,16 @@ template <typename T> void PathKernel::Implementation::Run<T>::submit(std::size_
     PathSlot& slot = self.slots[turn++ % kSlots];
     hand_over(slot);
     const Clock::time_point start = Clock::now();
-    const std::size_t count = std::min<std::size_t>(window, input.steps - step);
+    const std::size_t count = std::min<std::size_t>(window, steps() - step);
     slot.chunk = {};
     slot.chunk.paths = static_cast<uint>(batch.count);
     slot.chunk.step_first = slot.chunk.row_first = static_cast<uint>(step);
     slot.chunk.step_end = static_cast<uint>(step + count);
-    slot.chunk.steps = static_cast<uint>(input.steps);
+    slot.chunk.steps = static_cast<uint>(steps());
     slot.chunk.own_lengths = !batch.steps.empty();
     slot.chunk.own_hands = input.hands.size() > 1;
     if (recorded())
-        self.put_recorded(slot, std::as_bytes(input.source->positions(step, std::min(count + 1, input.steps - step))));
+        self.put_recorded(slot, std::as_bytes(input.source->positions(step, std::min(count + 1, steps() - step))));
     slot.results.reserve(slot_channels(input.features.channels), batch.count * window, sizeof(T), [&](uint binding) {
         if (binding == layout::kPathBindStates)
             return self.states.buffer();
@@ -206,9 +207,9 @@ template <typename T> void PathKernel::Implementation::Run<T>::run_batch(std::si
     self.inputs.upload(input, batch);
     self.states.reserve(batch.count, sizeof(layout::PathState<T>));
     times.upload += seconds_since(start);
-    const uint steps = window();
-    for (std::size_t step = 0; step < input.steps; step += steps)
-        submit(step, steps);
+    const uint most = window();
+    for (std::size_t step = 0; step < steps(); step += most)
+        submit(step, most);
     for (std::size_t i = 0; i < kSlots; ++i)
         hand_over(self.slots[(turn + i) % kSlots]);
 }

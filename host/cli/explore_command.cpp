@@ -1,4 +1,7 @@
+#include <algorithm>
+#include <optional>
 #include <thread>
+#include <utility>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -74,20 +77,36 @@ bool is_streamed(const ExploreArguments& arguments, const CommonOptions& common,
            std::filesystem::path(arguments.out).extension() == ".csv";
 }
 
+// Progress in bytes of a file that is read.
+class Megabytes {
+public:
+    explicit Megabytes(bool quiet) : quiet_(quiet) {}
+
+    void show(std::uint64_t done, std::uint64_t total) {
+        constexpr std::uint64_t kMegabyte = 1000000;
+        constexpr std::uint64_t kWorthWatching = 64; // MB: a second
+        done = std::min(done, total);                // a file may grow
+        if (!bar_)
+            bar_.emplace("MB", total / kMegabyte, quiet_ || total / kMegabyte < kWorthWatching);
+        if (done / kMegabyte > std::exchange(done_, done / kMegabyte))
+            bar_->update(done_, "");
+        if (done == total)
+            end();
+    }
+    void end() { bar_.reset(); }
+
+private:
+    bool quiet_;
+    std::optional<Progress> bar_;
+    std::uint64_t done_ = 0; // MB
+};
+
 int stream(const ExploreArguments& arguments, const CommonOptions& common, const PreparedCase& prepared,
            const std::string& recorded) {
-    constexpr int kMegabyte = 1000000;
-    constexpr std::uint64_t kWorthWatching = 64; // MB: a second
-    std::optional<Progress> bar;
-    std::uint64_t megabytes = 0; // done
-    const auto show = [&](std::uint64_t done, std::uint64_t total) {
-        if (!bar)
-            bar.emplace("MB", total / kMegabyte, common.quiet || total / kMegabyte < kWorthWatching);
-        if (done / kMegabyte > std::exchange(megabytes, done / kMegabyte))
-            bar->update(megabytes, "");
-    };
+    Megabytes bar(common.quiet);
+    const auto show = [&](std::uint64_t done, std::uint64_t total) { bar.show(done, total); };
     const ExploreResult result = explore(prepared, recorded, std::filesystem::absolute(arguments.out), show);
-    bar.reset();
+    bar.end();
     print_warnings(result.warnings, common);
     if (!common.quiet)
         remark("{}: {} on {}, {:.3g} % in contact, largest force {:.4g} N, {:.3g} ns a sample\n", arguments.out,
@@ -168,6 +187,8 @@ int take_paths(const ExploreArguments& arguments, const CommonOptions& common, c
         options.recorded = arguments.paths;
     options.threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
     take_also(arguments, options);
+    Megabytes reading(common.quiet);
+    options.reading = [&](std::uint64_t done, std::uint64_t total) { reading.show(done, total); };
     std::optional<Progress> bar;
     options.progress = [&, shown = std::uint64_t(0)](std::uint64_t done, std::uint64_t total) mutable {
         if (done <= std::exchange(shown, done))

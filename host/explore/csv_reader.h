@@ -35,6 +35,7 @@ public:
     bool ends_open() const noexcept { return ends_open_; }
 
     const std::string& source() const noexcept { return source_; }
+    const ReadableFile& file() const noexcept { return file_; }
     std::uint64_t bytes() const noexcept { return file_.size(); } /* in all */
     std::uint64_t bytes_read() const noexcept { return offset_ - (filled_ - next_); }
 

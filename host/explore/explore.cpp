@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <unordered_map>
 
 #include <fmt/format.h>
 
+#include "host/explore/path_census.h"
 #include "host/explore/path_law.h"
 #include "host/explore/path_reader.h"
 #include "host/explore/path_track.h"
@@ -20,42 +20,26 @@ namespace {
 
 constexpr std::size_t kBatch = 4096; // samples between looks at the clock and for interrupts
 
-// Numbers paths by their first sample.
-class PathNumbers {
-public:
-    std::size_t operator()(std::uint64_t id) {
-        if (numbers_.empty() || id != last_id_) // most samples go on with the same path
-            last_number_ = numbers_.try_emplace(id, numbers_.size()).first->second;
-        last_id_ = id;
-        return last_number_;
-    }
-    std::size_t size() const { return numbers_.size(); }
-
-private:
-    std::unordered_map<std::uint64_t, std::size_t> numbers_;
-    std::uint64_t last_id_ = 0;
-    std::size_t last_number_ = 0;
-};
-
 template <typename T> class Exploration {
 public:
     Exploration(const PreparedCase& prepared, const std::filesystem::path& paths, const std::filesystem::path& out)
-        : scene_(prepared.one.scene), law_(make_path_law<T>(prepared)), reader_(paths, law_->largest_coordinate()),
-          writer_(out), summary_(out.parent_path() / (out.stem().string() + ".paths.csv"), scene_.precision) {}
+        : law_(make_path_law<T>(prepared)), reader_(paths, law_->largest_coordinate()), census_(reader_.csv().source()),
+          writer_(out),
+          summary_(out.parent_path() / (out.stem().string() + ".paths.csv"), prepared.one.scene.precision) {}
 
     ExploreResult run(const ExploreProgress& progress) {
         for (reader_.read(samples_, kBatch); !samples_.empty(); reader_.read(samples_, kBatch)) {
             check_interrupt();
             evaluate();
             for (std::size_t i = 0; i < samples_.size(); ++i)
-                add(samples_[i], felt_[i]);
+                add(samples_[i], numbers_[i], felt_[i]);
             progress(reader_.csv().bytes_read(), reader_.csv().bytes());
         }
         warn();
         summarise();
         writer_.publish();
         summary_.finish();
-        result_.paths = numbers_.size();
+        result_.paths = census_.paths();
         return result_;
     }
 
@@ -70,32 +54,35 @@ private:
             result_.warnings.push_back(location_prefix(source, {first_inside_, 1}) +
                                        fmt::format("{} of {} paths, here the first, begin behind the mesh's surface; "
                                                    "their proxies begin at the nearest place of it",
-                                                   inside_, numbers_.size()));
+                                                   inside_, census_.paths()));
     }
 
     void summarise() {
-        const double rate = scene_.paths ? scene_.paths->rate : PathsSpec{}.rate;
         for (const PathTrack<T>& track : tracks_)
-            summary_.add(track.id, figures_of(track.metrics, {track.steps, rate, false, track.inside}));
+            summary_.add(track.id, figures_of(track.metrics, {.steps = track.steps,
+                                                              .began_inside = track.inside,
+                                                              .times = PathTimes{.contact = track.contact.total()}}));
     }
 
     // After the law has been asked, in the order of the samples.
-    void follow(const PathSample& sample, const PathContact<T>& felt) {
-        const std::size_t number = numbers_(sample.path);
+    void follow(const PathSample& sample, std::size_t number, const PathContact<T>& felt) {
         if (number == tracks_.size())
             tracks_.push_back(PathTrack<T>(sample.path, felt.begins_inside));
-        tracks_[number].add(reference::Vector<T>(sample.probe), felt.contact, felt.finished);
+        tracks_[number].add(sample.time, reference::Vector<T>(sample.probe), felt.contact, felt.finished);
     }
 
     void evaluate() {
         const auto start = std::chrono::steady_clock::now();
+        numbers_.clear();
         felt_.clear();
-        for (const PathSample& sample : samples_)
-            felt_.push_back(law_->at(numbers_(sample.path), sample.probe));
+        for (const PathSample& sample : samples_) {
+            numbers_.push_back(census_.add(sample));
+            felt_.push_back(law_->at(numbers_.back(), sample.probe));
+        }
         result_.law_seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     }
 
-    void add(const PathSample& sample, const PathContact<T>& felt) {
+    void add(const PathSample& sample, std::size_t number, const PathContact<T>& felt) {
         const reference::Vector<T>& force = felt.contact.force;
         const double size = norm(double(force.x), double(force.y), double(force.z));
         if (!std::isfinite(size))
@@ -108,18 +95,18 @@ private:
         if (felt.begins_inside && inside_++ == 0)
             first_inside_ = sample.line;
         result_.largest_force = std::max(result_.largest_force, size);
-        follow(sample, felt);
+        follow(sample, number, felt);
         writer_.add(sample, felt.contact);
     }
 
-    const Scene& scene_;
     std::unique_ptr<PathLaw<T>> law_;
     PathReader reader_;
+    PathCensus census_;
     PathWriter writer_;
     PathSummary summary_;
     std::vector<PathTrack<T>> tracks_; // by path
-    PathNumbers numbers_;
     std::vector<PathSample> samples_;
+    std::vector<std::size_t> numbers_; // of their paths
     std::vector<PathContact<T>> felt_;
     std::uint64_t inside_ = 0; // paths that begin there
     std::uint32_t first_inside_ = 0;

@@ -26,7 +26,7 @@ using ExploreProgress = std::function<void(std::uint64_t done, std::uint64_t tot
 /// Reads `paths` (PathReader), evaluates the scene's law at every sample in the scene's precision on the calling
 /// thread, and writes `out` (PathWriter), rows in the order of the input, and STEM.paths.csv beside it (PathSummary).
 /// Memory does not grow with the number of samples, only with that of paths. Nothing is written unless all is well.
-/// \throws UsageError for what is wrong in the paths, IoError, Interrupted.
+/// \throws UsageError for what is wrong in the paths (PathReader, PathCensus), IoError, Interrupted.
 ExploreResult explore(const PreparedCase& prepared, const std::filesystem::path& paths,
                       const std::filesystem::path& out, const ExploreProgress& progress);
 

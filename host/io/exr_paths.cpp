@@ -69,7 +69,8 @@ exr::Sheet sheet_of(const PathVolumeHeader& header) {
                                                    lossy && is_exact(channel) ? Compression::zip : header.compression);
         image.insert("forceshade.paths",
                      Imf::V2iAttribute({static_cast<int>(header.steps), static_cast<int>(header.paths)}));
-        image.insert("forceshade.rate", Imf::DoubleAttribute(header.rate));
+        if (header.rate > 0)
+            image.insert("forceshade.rate", Imf::DoubleAttribute(header.rate));
         exr::insert_text(image, part, header.scene, header.version, header.omitted);
         sheet.parts.push_back(part);
         sheet.headers.push_back(image);
@@ -96,40 +97,48 @@ struct PathVolumeWriter::State {
         : header(from), rows(path, sheet_of(from), false) {}
 
     template <typename T> void write(const PathRows<T>& paths) {
-        if (paths.path_first != next || paths.pitch != header.steps || next + paths.path_count > header.paths)
-            throw std::logic_error(
-                fmt::format("path {} is not what follows {} of {}", paths.path_first, next, header.paths));
+        if (paths.path_first != next || paths.step_first != step || paths.step_first + paths.pitch > header.steps ||
+            next + paths.path_count > header.paths)
+            throw std::logic_error(fmt::format("step {} of path {} is not what follows step {} of {}", paths.step_first,
+                                               paths.path_first, step, next));
         const exr::Stopwatch stopwatch(rows.timings.encode);
         for (std::size_t path = 0; path < paths.path_count; ++path) {
             for (exr::PartRows& part : rows.parts())
                 convert_row(paths, path, part);
+            step = paths.step_first + paths.pitch;
+            if (!paths.ends(path))
+                continue;
             rows.advance();
+            step = 0;
+            ++next;
         }
-        next += paths.path_count;
     }
 
+    // The samples, and where the path ends with them what fills its row up.
     template <typename T> void convert_row(const PathRows<T>& paths, std::size_t path, exr::PartRows& part) {
         const std::size_t components = components_of(part.part.channel);
-        const std::size_t row = path * paths.pitch, steps = paths.steps[path];
-        std::byte* const target = rows.target(part);
+        const std::size_t first = path * paths.pitch, samples = paths.samples(path);
+        const std::size_t width = paths.ends(path) ? header.steps - paths.step_first : samples;
+        std::byte* const target = rows.target(part) + paths.step_first * part.part.sample_bytes();
         if (part.part.format == PixelFormat::id) {
-            ids.assign(paths.pitch, layout::kNoFacet);
-            std::copy_n(paths.facet.begin() + static_cast<std::ptrdiff_t>(row), steps, ids.begin());
+            ids.assign(width, layout::kNoFacet);
+            std::copy_n(paths.facet.begin() + static_cast<std::ptrdiff_t>(first), samples, ids.begin());
             std::memcpy(target, ids.data(), ids.size() * sizeof(layout::uint));
             return;
         }
-        const std::span<const T> values = values_of(paths, part.part.channel).subspan(row * components);
-        rounded.assign(paths.pitch * components, std::numeric_limits<float>::quiet_NaN());
-        for (std::size_t i = 0; i < steps * components; ++i)
+        const std::span<const T> values = values_of(paths, part.part.channel).subspan(first * components);
+        rounded.assign(width * components, std::numeric_limits<float>::quiet_NaN());
+        for (std::size_t i = 0; i < samples * components; ++i)
             rounded[i] = static_cast<float>(values[i]);
-        part.watch.add(std::span(rounded).first(steps * components), paths.path_first + path, 0, 1);
+        part.watch.add(std::span(rounded).first(samples * components), paths.path_first + path, 0, 1, paths.step_first);
         encode_row(rounded, part.part.format, target);
     }
 
     PathVolumeHeader header;
     exr::RowsWriter rows;
     std::uint64_t next = 0;        // path
-    std::vector<float> rounded;    // one row
+    std::uint64_t step = 0;        // of it, the next
+    std::vector<float> rounded;    // a row, or a part of one
     std::vector<layout::uint> ids; // likewise
 };
 

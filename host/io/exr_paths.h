@@ -15,7 +15,7 @@ namespace forceshade {
 struct PathVolumeHeader {
     std::uint64_t steps = 0;    /* of the longest path */
     std::uint64_t paths = 0;    /* in the file */
-    double rate = 0;            /* 1/s: samples a second */
+    double rate = 0;            /* 1/s: samples a second; 0: they come at times of their own */
     std::uint32_t channels = 0; /* layout::kChannel... bits; force and position are always among them */
     Compression compression = Compression::zip;
     PixelType pixel = PixelType::float32; /* of force and depth; positions and proxies are always float */

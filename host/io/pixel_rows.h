@@ -34,8 +34,9 @@ struct WatchedValue {
 class PixelWatch {
 public:
     explicit PixelWatch(std::size_t components) : components_(components) {}
-    /// Values of the row at (y, z), which stands `repeat` times.
-    void add(std::span<const float> values, std::uint64_t y, std::uint64_t z, std::uint64_t repeat);
+    /// Values of the row at (y, z), which stands `repeat` times; the first of them belongs to its sample `x`.
+    void add(std::span<const float> values, std::uint64_t y, std::uint64_t z, std::uint64_t repeat,
+             std::uint64_t x = 0);
 
     std::uint64_t non_finite() const noexcept { return non_finite_; }
     const WatchedValue& first_non_finite() const noexcept { return first_non_finite_; }
@@ -45,9 +46,9 @@ public:
     const WatchedValue& longest() const noexcept { return longest_; }
 
 private:
-    void add_largest(std::span<const float> values, std::uint64_t y, std::uint64_t z);
-    void add_longest(std::span<const float> values, std::uint64_t y, std::uint64_t z);
-    void add_non_finite(std::span<const float> values, std::uint64_t y, std::uint64_t z, std::uint64_t repeat);
+    void add_largest(std::span<const float> values, const Voxel& first);
+    void add_longest(std::span<const float> values, const Voxel& first);
+    void add_non_finite(std::span<const float> values, const Voxel& first, std::uint64_t repeat);
 
     std::size_t components_;
     std::uint64_t non_finite_ = 0;

@@ -11,6 +11,21 @@
 #include "host/io/file_error.h"
 
 namespace forceshade {
+namespace {
+
+FileStamp stamp_of(const struct stat& status) {
+    return {status.st_dev, status.st_ino, static_cast<std::uint64_t>(status.st_size), status.st_mtim.tv_sec,
+            status.st_mtim.tv_nsec};
+}
+
+} // namespace
+
+FileStamp stamp_of(const std::filesystem::path& path) {
+    struct stat status {};
+    if (::stat(path.c_str(), &status) != 0)
+        throw file_error("read", path, errno);
+    return stamp_of(status);
+}
 
 ReadableFile::ReadableFile(std::filesystem::path path) : path_(std::move(path)) {
     // Without O_NONBLOCK a named pipe would wait for its writer.
@@ -27,7 +42,7 @@ ReadableFile::ReadableFile(std::filesystem::path path) : path_(std::move(path)) 
         ::close(descriptor_);
         throw IoError(fmt::format("cannot read {}: it is not a regular file", path_.string()));
     }
-    size_ = static_cast<std::uint64_t>(status.st_size);
+    stamp_ = stamp_of(status);
 }
 
 ReadableFile::~ReadableFile() {

@@ -12,6 +12,15 @@ namespace forceshade {
 /// The whole file as bytes. Throws IoError.
 std::string read_file(const std::filesystem::path& path);
 
+/// What tells one state of a file from another: which file it is, how long, and when it was written.
+struct FileStamp {
+    std::uint64_t device = 0, inode = 0, size = 0;
+    std::int64_t seconds = 0, nanoseconds = 0; /* of the last change */
+    friend bool operator==(const FileStamp&, const FileStamp&) = default;
+};
+/// The file's present state. Throws IoError.
+FileStamp stamp_of(const std::filesystem::path& path);
+
 class ReadableFile {
 public:
     /// Throws IoError if the file is missing, unreadable or no regular file.
@@ -21,7 +30,8 @@ public:
     ReadableFile& operator=(const ReadableFile&) = delete;
 
     const std::filesystem::path& path() const noexcept { return path_; }
-    std::uint64_t size() const noexcept { return size_; } /* bytes, when it was opened */
+    std::uint64_t size() const noexcept { return stamp_.size; } /* bytes, when it was opened */
+    const FileStamp& stamp() const noexcept { return stamp_; }  /* likewise */
 
     /// Reads up to bytes.size() from `offset` and returns how many there were: fewer only at the file's end. Throws
     /// IoError.
@@ -30,7 +40,7 @@ public:
 private:
     std::filesystem::path path_;
     int descriptor_ = -1;
-    std::uint64_t size_ = 0;
+    FileStamp stamp_;
 };
 
 } // namespace forceshade

@@ -21,7 +21,7 @@ template <typename T> void PathCsvWriter::number(T value, char after) {
 }
 
 template <typename T> void PathCsvWriter::add_sample(const PathRows<T>& rows, std::size_t path, std::size_t step) {
-    const std::size_t at = path * rows.pitch + step;
+    const std::size_t at = path * rows.pitch + step - rows.step_first;
     number(labels_.id(rows.path_first + path), ',');
     number(labels_.time(rows.path_first + path, step), ',');
     for (const std::span<const T>& vector : {rows.position, rows.proxy, rows.force})
@@ -36,8 +36,8 @@ template <typename T> void PathCsvWriter::add_sample(const PathRows<T>& rows, st
 
 template <typename T> void PathCsvWriter::add(const PathRows<T>& rows) {
     for (std::size_t path = 0; path < rows.path_count; ++path)
-        for (std::size_t step = 0; step < rows.steps[path]; ++step) {
-            add_sample(rows, path, step);
+        for (std::size_t i = 0; i < rows.samples(path); ++i) {
+            add_sample(rows, path, rows.step_first + i);
             if (text_.size() < kText)
                 continue;
             file_.write(text_);

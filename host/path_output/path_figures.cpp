@@ -39,7 +39,7 @@ template <typename T> PathFigures figures_of(const layout::PathMetrics<T>& metri
     const std::uint64_t felt = unstable ? metrics.unstable_step : facts.steps;
     PathFigures figures;
     figures.steps = facts.steps;
-    figures.contact_time = double(metrics.contact_samples) / facts.rate;
+    figures.contact_time = facts.times ? facts.times->contact : double(metrics.contact_samples) / facts.rate;
     figures.largest_force = double(metrics.largest_force);
     if (felt > 0)
         figures.rms_force =
@@ -54,7 +54,7 @@ template <typename T> PathFigures figures_of(const layout::PathMetrics<T>& metri
     figures.rounds = metrics.rounds;
     add_depths(figures, metrics);
     if (unstable)
-        figures.unstable_time = double(metrics.unstable_step) / facts.rate;
+        figures.unstable_time = facts.times ? facts.times->unstable : double(metrics.unstable_step) / facts.rate;
     if (facts.closed && metrics.early_speed > 0)
         figures.speed_ratio = double(metrics.late_speed) / double(metrics.early_speed);
     figures.began_inside = facts.began_inside;

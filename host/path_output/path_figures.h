@@ -12,7 +12,7 @@ namespace forceshade {
 /// is a difference of sums: in single precision it is known to about 3e-4 of the mean depth.
 struct PathFigures {
     std::uint64_t steps = 0;
-    double contact_time = 0;                 /* s */
+    double contact_time = 0;                 /* s: of recorded paths as ContactTime says */
     double largest_force = 0, rms_force = 0; /* N; over the samples before a path left its bound */
     double largest_turn = 0;                 /* deg: of the force between two samples in a row, both in contact */
     double steepest_turn = 0;                /* deg/mm: such a turn's chord over the distance between the samples */
@@ -22,10 +22,16 @@ struct PathFigures {
     std::optional<double> eta;               /* 1: work / effort */
     std::uint64_t rounds = 0;                /* complete ones */
     std::optional<double> least_depth, mean_depth, largest_depth, depth_deviation; /* m: in contact */
-    std::optional<double> unstable_time; /* s: when the probe left its bound */
+    std::optional<double> unstable_time; /* s: t of the sample at which the probe left its bound */
     std::optional<double> speed_ratio;   /* 1: largest speed of the last quarter over that of the second */
     bool began_inside = false;
     std::uint64_t unfinished = 0; /* samples at which the proxy did not come to rest */
+};
+
+/// Of a path whose samples come at times of their own.
+struct PathTimes {
+    double contact = 0;  /* s: in contact, as ContactTime counts it */
+    double unstable = 0; /* s: t of the sample at which the probe left its bound, if it did */
 };
 
 /// What a path's metrics do not say of it.
@@ -34,6 +40,7 @@ struct PathFacts {
     double rate = 1;         /* 1/s: samples a second */
     bool closed = false;
     bool began_inside = false;
+    std::optional<PathTimes> times{}; /* of a recorded path; else samples come at the rate, the first at 0 s */
 };
 
 template <typename T> PathFigures figures_of(const layout::PathMetrics<T>& metrics, const PathFacts& facts);

@@ -25,6 +25,7 @@ private:
     template <typename T> void add(const PathRows<T>& rows);
 
     TemporaryFile file_;
+    std::uint64_t steps_;
     std::uint32_t channel_;
 };
 

@@ -59,10 +59,12 @@ template void PathCollector::add<float>(const PathRows<float>&);
 template void PathCollector::add<double>(const PathRows<double>&);
 
 template <typename T> void PathCollector::add_path(const PathRows<T>& rows, std::size_t path) {
-    picture::DrawnPath& drawn = paths_.emplace_back();
-    drawn.label = fmt::format("path {}", rows.path_first + path);
-    for (std::size_t step = 0; step < rows.steps[path]; step += stride_) {
-        const std::size_t at = 3 * (path * rows.pitch + step);
+    if (rows.step_first == 0)
+        paths_.emplace_back().label = fmt::format("path {}", rows.path_first + path);
+    picture::DrawnPath& drawn = paths_.back();
+    const std::size_t end = rows.step_first + rows.samples(path);
+    for (std::size_t step = (rows.step_first + stride_ - 1) / stride_ * stride_; step < end; step += stride_) {
+        const std::size_t at = 3 * (path * rows.pitch + step - rows.step_first);
         const double fx = double(rows.force[at]), fz = double(rows.force[at + 2]);
         drawn.way.push_back({double(rows.position[at]), double(rows.position[at + 2])});
         drawn.direction.push_back(fx == 0 && fz == 0 ? std::numeric_limits<double>::quiet_NaN()

@@ -41,6 +41,13 @@ void PathSummary::number(const std::optional<double>& value) {
         text_ += ',';
 }
 
+// A point of time is that of a sample, in double as it stands beside samples.
+void PathSummary::time(const std::optional<double>& value) {
+    text_ += ',';
+    if (value)
+        append(text_, *value);
+}
+
 void PathSummary::whole(std::uint64_t value) {
     text_ += ',';
     append(text_, value);
@@ -57,7 +64,7 @@ void PathSummary::add(std::uint64_t path, const PathFigures& figures) {
     for (const auto& depth : {figures.least_depth, figures.mean_depth, figures.largest_depth, figures.depth_deviation})
         number(depth);
     whole(figures.unstable_time ? 1 : 0);
-    number(figures.unstable_time);
+    time(figures.unstable_time);
     number(figures.speed_ratio);
     whole(figures.began_inside ? 1 : 0);
     whole(figures.unfinished);

@@ -24,6 +24,7 @@ public:
 private:
     void number(double value);
     void number(const std::optional<double>& value);
+    void time(const std::optional<double>& value);
     void whole(std::uint64_t value);
 
     TemporaryFile file_;

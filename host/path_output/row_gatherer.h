@@ -1,4 +1,5 @@
-// Engines hand over steps of many paths at a time; files want path after path. A batch of paths is held in between.
+// Engines hand over steps of many paths at a time; files want path after path. A batch of paths is held in between, but
+// a batch of one path goes on as it comes.
 #pragma once
 
 #include <functional>
@@ -8,7 +9,7 @@
 
 namespace forceshade {
 
-/// Most bytes of rows that are held at once; one path always may be.
+/// Most bytes of rows that are held at once.
 inline constexpr std::size_t kRowBytes = std::size_t(64) << 20;
 /// Most samples of a batch whose metrics alone are asked for: an interrupt is noticed between two batches.
 inline constexpr std::size_t kMetricSamples = std::size_t(1) << 24;
@@ -18,10 +19,13 @@ inline constexpr std::size_t kMeshMetricSamples = std::size_t(1) << 22;
 /// Bytes of a sample of so many channels.
 std::size_t path_sample_bytes(layout::uint channels, std::size_t real_bytes);
 
-/// The paths of a batch of an input whose rows fit into kRowBytes, or whose metrics come soon enough: at least 1.
+/// The samples of a batch whose rows fit into kRowBytes, or whose metrics come soon enough.
+template <typename T> std::size_t samples_that_fit(const layout::PathInput<T>& input);
+/// The paths of such a batch, at least 1. Of recorded paths, whose lengths differ, their source knows better how many.
 template <typename T> std::size_t paths_that_fit(const layout::PathInput<T>& input);
 
-/// Gives an engine fewer paths at a time than it asks for, and remembers of them what metrics do not say.
+/// Gives an engine fewer paths at a time than it asks for, tells it how long the longest of them is, and remembers of
+/// them what metrics do not say.
 template <typename T> class BatchedSource final : public layout::PathSource<T> {
 public:
     /// `steps` of the longest path. `paths` must outlive this.
@@ -31,13 +35,15 @@ public:
     layout::PathBatch<T> batch(std::size_t first, std::size_t count) override;
     std::span<const T> positions(std::size_t step, std::size_t steps) override { return paths_.positions(step, steps); }
 
-    /// Of the present batch: the samples of each path, and whether it began behind the surface (empty without a mesh).
+    /// Of the present batch: the samples of each path and of the longest, and whether a path began behind the surface
+    /// (empty without a mesh).
     std::span<const layout::uint> lengths() const { return lengths_; }
+    std::size_t longest() const { return longest_; }
     const std::vector<bool>& inside() const { return inside_; }
 
 private:
     layout::PathSource<T>& paths_;
-    std::size_t steps_, most_;
+    std::size_t steps_, most_, longest_ = 0;
     std::vector<layout::uint> lengths_;
     std::vector<bool> inside_;
 };
@@ -45,8 +51,9 @@ private:
 template <typename T> class RowGatherer {
 public:
     using Take = std::function<void(const PathRows<T>&)>;
-    /// `take` receives every batch of paths when its last step has come. `source` gives the chunks' batches.
-    RowGatherer(const BatchedSource<T>& source, std::size_t steps, Take take);
+    /// `take` receives every batch of paths when its last step has come, of a batch of one path every chunk. `source`
+    /// gives the chunks' batches.
+    RowGatherer(const BatchedSource<T>& source, Take take);
 
     /// The next steps of a batch. \throws std::logic_error if they come out of order.
     void add(const layout::PathChunk<T>& chunk);
@@ -58,7 +65,6 @@ private:
     };
 
     const BatchedSource<T>& source_;
-    std::size_t steps_;
     Take take_;
     std::size_t next_step_ = 0;
     Buffer rows_;

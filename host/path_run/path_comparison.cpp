@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/interrupt.h"
+#include "host/paths/recorded_file.h"
 #include "host/paths/scene_paths.h"
 
 namespace forceshade {
@@ -15,20 +16,19 @@ namespace {
 constexpr layout::uint kEverything = layout::kChannelForce | layout::kChannelPosition | layout::kChannelDepth |
                                      layout::kChannelFacet | layout::kChannelProxy;
 
-template <typename T> std::unique_ptr<ScenePaths<T>> make_paths(const PreparedCase& prepared) {
-    const PathsSpec& paths = *prepared.one.scene.paths;
-    return paths.kind == PathKind::recorded ? std::make_unique<ScenePaths<T>>(prepared, paths.path)
-                                            : std::make_unique<ScenePaths<T>>(prepared);
-}
-
 template <typename T> PathError compare_in(Engine& engine, const PreparedCase& prepared) {
-    const auto paths = make_paths<T>(prepared), alike = make_paths<T>(prepared);
-    layout::PathInput<T> input = paths->input(), same = alike->input();
+    const PathsSpec& spec = *prepared.one.scene.paths;
+    const bool recorded = spec.kind == PathKind::recorded;
+    const std::shared_ptr<const RecordedFile> file = recorded ? read_recorded<T>(prepared, spec.path) : nullptr;
+    ScenePaths<T> paths(prepared, file), alike(prepared, file);
+    layout::PathInput<T> input = paths.input(), same = alike.input();
     input.features.channels = same.features.channels = kEverything;
-    BatchedSource<T> source(*paths, input.steps, paths_that_fit(input));
+    for (ScenePaths<T>* each : {&paths, &alike})
+        each->limit_batches(samples_that_fit(input));
+    BatchedSource<T> source(paths, input.steps, paths_that_fit(input));
     input.source = &source;
     PathOracle<T> oracle(same, engine.report().software, 0);
-    RowGatherer<T> gatherer(source, input.steps, [&](const PathRows<T>& rows) { oracle.compare(rows); });
+    RowGatherer<T> gatherer(source, [&](const PathRows<T>& rows) { oracle.compare(rows); });
     engine.explore(
         input,
         [&](const layout::PathChunk<T>& chunk) {
@@ -36,6 +36,8 @@ template <typename T> PathError compare_in(Engine& engine, const PreparedCase& p
             gatherer.add(chunk);
         },
         [&](std::size_t first, std::span<const layout::PathMetrics<T>> metrics) { oracle.compare(first, metrics); });
+    if (file)
+        file->require_unchanged();
     return oracle.error();
 }
 

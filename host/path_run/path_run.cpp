@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <numeric>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -20,7 +22,7 @@
 #include "host/path_output/path_summary.h"
 #include "host/path_run/path_files.h"
 #include "host/path_run/recorded_times.h"
-#include "host/paths/recorded_paths.h"
+#include "host/paths/recorded_file.h"
 #include "host/paths/scene_paths.h"
 #include "host/version.h"
 
@@ -31,11 +33,11 @@ double rate_of(const Scene& scene) {
     return scene.paths ? scene.paths->rate : PathsSpec{}.rate;
 }
 
+// Null: the paths are generated.
 template <typename T>
-std::unique_ptr<ScenePaths<T>> make_paths(const PreparedCase& prepared, const PathRunOptions& options) {
-    if (const std::filesystem::path file = recorded_file(prepared.one.scene, options); !file.empty())
-        return std::make_unique<ScenePaths<T>>(prepared, file);
-    return std::make_unique<ScenePaths<T>>(prepared);
+std::shared_ptr<const RecordedFile> read_paths(const PreparedCase& prepared, const PathRunOptions& options) {
+    const std::filesystem::path file = recorded_file(prepared.one.scene, options);
+    return file.empty() ? nullptr : read_recorded<T>(prepared, file, options.reading);
 }
 
 struct NamedSink {
@@ -46,20 +48,22 @@ struct NamedSink {
 template <typename T> class Run {
 public:
     Run(Engine& engine, const PreparedCase& prepared, const PathRunOptions& options)
-        : engine_(engine), prepared_(prepared), options_(options), paths_(make_paths<T>(prepared, options)),
-          alike_(make_paths<T>(prepared, options)), input_(paths_->input()), rate_(rate_of(prepared.one.scene)) {
-        if (!recorded_file(prepared.one.scene, options).empty() && paths_->ids().empty())
-            throw UsageError("recorded paths go through --engine cpu into a .csv file, in open loop; nothing else can "
-                             "take them yet");
-        const layout::uint channels = channels_for(options, prepared.one.scene.output.channels);
-        input_.features.channels = channels;
-        source_ = std::make_unique<BatchedSource<T>>(*paths_, input_.steps, paths_that_fit(input_));
-        input_.source = source_.get();
-        layout::PathInput<T> same = alike_->input();
-        same.features.channels = channels;
-        oracle_ = std::make_unique<PathOracle<T>>(same, engine.report().software);
-        gatherer_ =
-            std::make_unique<RowGatherer<T>>(*source_, input_.steps, [this](const PathRows<T>& rows) { take(rows); });
+        : engine_(engine), prepared_(prepared), options_(options), file_(read_paths<T>(prepared, options)),
+          paths_(prepared, file_), alike_(prepared, file_), input_(paths_.input()), rate_(rate_of(prepared.one.scene)),
+          written_(channels_for(options, prepared.one.scene.output.channels)) {
+        // How long a recorded path was in contact is known from its samples alone.
+        input_.features.channels = file_ ? written_ | layout::kChannelFacet : written_;
+        source_.emplace(paths_, input_.steps, paths_that_fit(input_));
+        input_.source = &*source_;
+        for (ScenePaths<T>* paths : {&paths_, &alike_})
+            paths->limit_batches(samples_that_fit(input_));
+        layout::PathInput<T> same = alike_.input();
+        same.features.channels = input_.features.channels;
+        oracle_.emplace(same, engine.report().software);
+        gatherer_.emplace(*source_, [this](const PathRows<T>& rows) { take(rows); });
+        if (file_)
+            times_.emplace(file_);
+        total_ = file_ ? file_->samples() : std::uint64_t(input_.paths) * input_.steps;
         open_files();
     }
 
@@ -86,7 +90,7 @@ private:
         summary_.emplace(beside(".paths.csv"), scene.precision);
         if (options_.npy)
             for (const layout::uint channel : kPathChannels)
-                if (input_.features.channels & channel) {
+                if (written_ & channel) {
                     const std::filesystem::path file =
                         beside(fmt::format("{}.{}.npy", options_.label, name_of_channel(channel)));
                     add_sink(file, std::make_unique<PathNpyWriter>(file, input_.paths, input_.steps, channel,
@@ -105,8 +109,8 @@ private:
         PathVolumeHeader header;
         header.steps = input_.steps;
         header.paths = input_.paths;
-        header.rate = rate_;
-        header.channels = input_.features.channels;
+        header.rate = file_ && input_.features.loop == layout::kLoopOpen ? 0 : rate_;
+        header.channels = written_;
         header.compression = scene.output.compression;
         header.pixel = scene.output.pixel;
         header.scene = prepared_.scene;
@@ -116,25 +120,26 @@ private:
         return header;
     }
 
-    std::uint64_t id_of(std::uint64_t path) const { return paths_->ids().empty() ? path : paths_->ids()[path]; }
+    std::uint64_t id_of(std::uint64_t path) const { return file_ ? file_->ids()[path] : path; }
+    double time_of(std::uint64_t path, std::uint64_t step) const {
+        return times_ ? times_->at(path, step) : double(step) / rate_;
+    }
 
     PathLabels labels() {
-        const auto id = [this](std::uint64_t path) { return id_of(path); };
-        if (paths_->ids().empty())
-            return {id, [this](std::uint64_t, std::uint64_t step) { return double(step) / rate_; }};
-        const std::filesystem::path file = recorded_file(prepared_.one.scene, options_);
-        const auto times = std::make_shared<RecordedTimes>(file, kRecordedSamples);
-        return {id, [times](std::uint64_t path, std::uint64_t step) { return times->at(path, step); }};
+        return {[this](std::uint64_t path) { return id_of(path); },
+                [this](std::uint64_t path, std::uint64_t step) { return time_of(path, step); }};
     }
 
     void take(const layout::PathChunk<T>& chunk) {
         check_interrupt();
         if (input_.features.channels != 0)
             gatherer_->add(chunk);
-        progress(chunk.path_first * input_.steps + chunk.path_count * (chunk.step_first + chunk.step_count));
+        progress(std::min(batch_samples(), chunk.path_count * (chunk.step_first + chunk.step_count)));
     }
 
     void take(const PathRows<T>& rows) {
+        if (times_)
+            times_->take(rows);
         require_finite(rows);
         oracle_->compare(rows);
         for (NamedSink& sink : sinks_) {
@@ -146,11 +151,13 @@ private:
     }
 
     void require_finite(const PathRows<T>& rows) const {
+        if (rows.force.empty())
+            return;
         for (std::size_t path = 0; path < rows.path_count; ++path)
-            for (std::size_t i = 3 * path * rows.pitch; i < 3 * (path * rows.pitch + rows.steps[path]); ++i)
+            for (std::size_t i = 3 * path * rows.pitch; i < 3 * (path * rows.pitch + rows.samples(path)); ++i)
                 if (!std::isfinite(rows.force[i]) || !std::isfinite(rows.position[i]))
                     refuse(rows.path_first + path,
-                           fmt::format(" at step {}, at ({}, {}, {}) m,", i / 3 - path * rows.pitch,
+                           fmt::format(" at step {}, at ({}, {}, {}) m,", rows.step_first + i / 3 - path * rows.pitch,
                                        rows.position[i / 3 * 3], rows.position[i / 3 * 3 + 1],
                                        rows.position[i / 3 * 3 + 2]));
     }
@@ -167,13 +174,26 @@ private:
         const bool closed = input_.features.loop == layout::kLoopClosed;
         for (std::size_t i = 0; i < metrics.size(); ++i) {
             const bool inside = !source_->inside().empty() && source_->inside()[i];
-            const PathFigures figures = figures_of(metrics[i], {source_->lengths()[i], rate_, closed, inside});
+            const PathFigures figures =
+                figures_of(metrics[i], {source_->lengths()[i], rate_, closed, inside, times_of(first + i, metrics[i])});
             if (!std::isfinite(figures.largest_force + figures.rms_force + figures.work))
                 refuse(first + i, "");
             summary_->add(id_of(first + i), figures);
             count(figures, metrics[i].contact_samples);
         }
-        progress((first + metrics.size()) * input_.steps);
+        done_ += batch_samples();
+        progress(0);
+    }
+
+    std::optional<PathTimes> times_of(std::uint64_t path, const layout::PathMetrics<T>& metrics) {
+        if (!times_)
+            return std::nullopt;
+        const bool left = metrics.unstable_step != layout::kNever;
+        return PathTimes{times_->contact_time(path), left ? times_->later(path, metrics.unstable_step) : 0};
+    }
+
+    std::uint64_t batch_samples() const {
+        return std::accumulate(source_->lengths().begin(), source_->lengths().end(), std::uint64_t(0));
     }
 
     void count(const PathFigures& figures, std::uint64_t contact) {
@@ -192,9 +212,10 @@ private:
                                             *figures.depth_deviation * *figures.depth_deviation);
     }
 
+    // `done`: of the present batch.
     void progress(std::uint64_t done) const {
         if (options_.progress)
-            options_.progress(done, std::uint64_t(input_.paths) * input_.steps);
+            options_.progress(done_ + done, total_);
     }
 
     void add_file(const std::string& name, const VolumeResult& result) {
@@ -207,8 +228,10 @@ private:
 
     void finish() {
         check_interrupt();
+        if (file_)
+            file_->require_unchanged();
         record_.error = oracle_->error();
-        record_.warnings = paths_->warnings();
+        record_.warnings = paths_.warnings();
         if (record_.in_contact > 0) {
             const double samples = double(record_.in_contact);
             record_.mean_depth = depth_ / samples;
@@ -239,12 +262,16 @@ private:
     Engine& engine_;
     const PreparedCase& prepared_;
     const PathRunOptions& options_;
-    std::unique_ptr<ScenePaths<T>> paths_, alike_; // the engine's, and the oracle's
+    std::shared_ptr<const RecordedFile> file_; // null: the paths are generated
+    ScenePaths<T> paths_, alike_;              // the engine's, and the oracle's
     layout::PathInput<T> input_;
-    double rate_; /* 1/s */
-    std::unique_ptr<BatchedSource<T>> source_;
-    std::unique_ptr<PathOracle<T>> oracle_;
-    std::unique_ptr<RowGatherer<T>> gatherer_;
+    double rate_;                        /* 1/s */
+    layout::uint written_;               // channels
+    std::uint64_t total_ = 0, done_ = 0; // samples: in all, and of the batches before
+    std::optional<BatchedSource<T>> source_;
+    std::optional<PathOracle<T>> oracle_;
+    std::optional<RowGatherer<T>> gatherer_;
+    std::optional<RecordedTimes> times_;
     std::vector<NamedSink> sinks_; // the samples first, if there are any
     std::optional<PathSummary> summary_;
     std::optional<PathCollector> collector_;

@@ -22,7 +22,8 @@ struct PathRunOptions {
     std::optional<std::filesystem::path> recorded; /* in place of the scene's paths */
     bool npy = false, png = false;                 /* not with metrics alone */
     int threads = 0;                               /* that compress */
-    std::function<void(std::uint64_t done, std::uint64_t total)> progress; /* samples; may be empty */
+    std::function<void(std::uint64_t done, std::uint64_t total)> reading;  /* bytes of the recorded file, checked */
+    std::function<void(std::uint64_t done, std::uint64_t total)> progress; /* samples; both may be empty */
 };
 
 /// What became of paths.
@@ -48,7 +49,10 @@ struct PathRecord {
 /// The names of the files of a run, the samples first.
 std::vector<std::string> path_file_names(const PathRunOptions& options, layout::uint channels);
 
-/// Memory is bounded by row_gatherer.h and the engine, whatever paths there are. Nothing stands under a final name
+/// Memory is bounded by row_gatherer.h, recorded_file.h and the engine, whatever paths there are, but for the rows of
+/// an EXR. A recorded file is read once to check it, once for the engine, once for its times and once for the oracle;
+/// it must not change meanwhile. Of recorded paths facets are computed always: contact time follows from them. Nothing
+/// stands under a final name
 /// unless all of it was computed. \throws UsageError for what is wrong in the scene or the recorded file, IoError,
 /// Interrupted, compute::DeviceError, Error (exit 1) for forces that are no finite numbers.
 PathRecord run_paths(Engine& engine, const PreparedCase& prepared, const PathRunOptions& options);

@@ -1,48 +1,34 @@
 #include "host/path_run/recorded_times.h"
 
-#include <limits>
-
 namespace forceshade {
-namespace {
 
-constexpr std::size_t kBatch = 4096; // samples
-constexpr double kAnywhere = std::numeric_limits<double>::max();
-
-} // namespace
-
-RecordedTimes::RecordedTimes(const std::filesystem::path& path, std::size_t most) : file_(path) {
-    if (keep(most))
-        return;
+template <typename T> void RecordedTimes::take(const PathRows<T>& rows) {
+    first_ = rows.path_first;
+    step_first_ = rows.step_first;
+    if (rows.step_first == 0)
+        contact_.assign(rows.path_count, ContactTime{});
+    begins_.clear();
     times_.clear();
-    reader_ = std::make_unique<PathReader>(file_, kAnywhere);
-    samples_.clear();
-}
-
-bool RecordedTimes::keep(std::size_t most) {
-    PathReader reader(file_, kAnywhere);
-    std::unordered_map<std::uint64_t, std::size_t> numbers;
-    std::size_t kept = 0;
-    for (reader.read(samples_, kBatch); !samples_.empty(); reader.read(samples_, kBatch)) {
-        kept += samples_.size();
-        if (kept > most)
-            return false;
-        for (const PathSample& sample : samples_) {
-            const std::size_t number = numbers.try_emplace(sample.path, numbers.size()).first->second;
-            times_.resize(numbers.size());
-            times_[number].push_back(sample.time);
+    for (std::size_t path = 0; path < rows.path_count; ++path) {
+        begins_.push_back(times_.size());
+        for (std::size_t i = 0; i < rows.samples(path); ++i) {
+            times_.push_back(cursor_.next().time);
+            contact_[path].add(times_.back(), rows.facet[path * rows.pitch + i] != layout::kNoFacet);
         }
     }
-    return true;
+}
+template void RecordedTimes::take<float>(const PathRows<float>&);
+template void RecordedTimes::take<double>(const PathRows<double>&);
+
+double RecordedTimes::at(std::uint64_t path, std::uint64_t step) const {
+    return times_[begins_[path - first_] + (step - step_first_)];
 }
 
-double RecordedTimes::at(std::uint64_t path, std::uint64_t step) {
-    if (!reader_)
-        return times_[path][step];
-    if (next_ == samples_.size()) {
-        reader_->read(samples_, kBatch);
-        next_ = 0;
-    }
-    return samples_[next_++].time;
+double RecordedTimes::later(std::uint64_t path, std::uint64_t step) {
+    for (; later_path_ < path; ++later_path_)
+        later_begin_ += file_->steps()[later_path_];
+    later_.go_to(later_begin_ + step);
+    return later_.next().time;
 }
 
 } // namespace forceshade

@@ -1,32 +1,40 @@
-// The times that a recorded file gives its samples, by path.
+// The times that a recorded file gives its samples, as its paths go by.
 #pragma once
 
-#include <filesystem>
 #include <memory>
-#include <unordered_map>
 #include <vector>
 
-#include "host/explore/path_reader.h"
+#include "host/io/path_rows.h"
+#include "host/path_output/contact_time.h"
+#include "host/paths/recorded_file.h"
 
 namespace forceshade {
 
-/// A file of up to `most` samples is kept in memory, and its paths may be interleaved; a longer one is read once more
-/// as times are asked for, path after path, in which order it must then have them.
+/// Reads the file alongside of an engine's rows, and sums up of each path how long it was in contact.
 class RecordedTimes {
 public:
-    RecordedTimes(const std::filesystem::path& path, std::size_t most);
+    explicit RecordedTimes(std::shared_ptr<const RecordedFile> file)
+        : file_(std::move(file)), cursor_(*file_), later_(*file_) {}
 
-    /// s. Paths are numbered by their first sample.
-    double at(std::uint64_t path, std::uint64_t step);
+    /// The times of these rows, which come in order; they need the channel of facets.
+    template <typename T> void take(const PathRows<T>& rows);
+
+    /// s: of a sample of the rows taken last.
+    double at(std::uint64_t path, std::uint64_t step) const;
+    /// s: how long a path of the rows taken last was in contact, once they end it.
+    double contact_time(std::uint64_t path) const { return contact_[path - first_].total(); }
+    /// s: of a sample of a path, wherever it is; paths come in order.
+    double later(std::uint64_t path, std::uint64_t step);
 
 private:
-    bool keep(std::size_t most);
-
-    std::filesystem::path file_;
-    std::vector<std::vector<double>> times_;
-    std::unique_ptr<PathReader> reader_; // where times are not kept
-    std::vector<PathSample> samples_;    // the next of them
-    std::size_t next_ = 0;
+    std::shared_ptr<const RecordedFile> file_;
+    RecordedCursor cursor_, later_;
+    std::uint64_t first_ = 0;                        // path
+    std::uint64_t step_first_ = 0;                   // of the rows
+    std::vector<std::size_t> begins_;                // in times_, by path
+    std::vector<double> times_;                      /* s */
+    std::vector<ContactTime> contact_;               // by path
+    std::uint64_t later_path_ = 0, later_begin_ = 0; // a path, and its first sample in the file
 };
 
 } // namespace forceshade

@@ -1,83 +1,53 @@
-// Paths recorded in a CSV file, a batch at a time.
+// The positions of recorded paths, a batch at a time.
 #pragma once
 
-#include <filesystem>
+#include <algorithm>
 #include <memory>
-#include <string>
 #include <vector>
 
-#include "host/explore/path_reader.h"
+#include "host/paths/recorded_file.h"
 #include "host/reference/vector.h"
-#include "shaders/shared/layout.h"
 
 namespace forceshade {
 
 struct PreparedCase;
 
-/// Samples that are held in memory at once, at most.
-inline constexpr std::size_t kRecordedSamples = std::size_t(1) << 22;
-/// Paths of a file, at most.
-inline constexpr std::size_t kRecordedPaths = std::size_t(1) << 24;
+/// Samples of a batch of several recorded paths, at most, each counted as long as the longest.
+inline constexpr std::size_t kRecordedSamples = std::size_t(1) << 20;
 
-/// How a file of recorded paths is read.
-struct RecordedOptions {
-    double largest_coordinate = 0; /* m: as for PathReader */
-    double period = 0; /* s: of a closed loop, to which times must keep to 1 %; 0: they need only increase */
-    std::size_t most = kRecordedSamples;
-};
-
-/// Reads the file once to check it and to count. A file of up to `most` samples is kept then, and its paths may be
-/// interleaved; of a longer one each path's samples stand together, and it is read again as an engine asks for batches.
-/// Positions are rounded once to T.
+/// Paths as an engine asks for them. Of a file that is not kept a batch of several paths is held in memory; one path
+/// that is longer than a batch may be goes by in windows. Positions are rounded once to T.
 template <typename T> class RecordedPaths {
 public:
-    /// \throws IoError, UsageError `file:line:column: ...` for what is wrong in the file, for times of a path that do
-    /// not increase or do not keep to the period, and for a path that goes on after another in a long file.
-    RecordedPaths(const std::filesystem::path& file, const RecordedOptions& options);
+    /// `most`: samples of a batch, as kRecordedSamples.
+    explicit RecordedPaths(std::shared_ptr<const RecordedFile> file, std::size_t most = kRecordedSamples)
+        : file_(std::move(file)), cursor_(*file_), most_(most) {}
 
-    std::size_t paths() const { return steps_.size(); }
-    std::size_t longest() const { return longest_; } /* samples */
-    std::span<const std::uint64_t> ids() const { return ids_; }
-    const std::vector<std::string>& warnings() const { return warnings_; }
+    const std::shared_ptr<const RecordedFile>& file() const { return file_; }
+    /// Further batches have at most so many samples.
+    void limit(std::size_t most) { most_ = std::min(most_, most); }
 
-    /// Goes to the path `first`; how many paths from there on, at most `count`, are taken together.
+    /// Goes to the path `first`; how many paths from there on, at most `count`, are taken together. A batch ends before
+    /// a path that is so much longer or shorter that most of its steps would be those of paths that have ended.
     std::size_t select(std::size_t first, std::size_t count);
     /// Samples of each selected path.
-    std::span<const layout::uint> steps() const { return {steps_.data() + first_, count_}; }
-    /// As layout::PathSource::positions; windows of a selection come in the order of steps.
+    std::span<const layout::uint> steps() const { return file_->steps().subspan(first_, count_); }
+    /// As layout::PathSource::positions; windows of a selection come in the order of steps. \throws IoError if the file
+    /// is not what it was when it was read first.
     std::span<const T> positions(std::size_t step, std::size_t steps);
 
 private:
     using Place = reference::Vector<T>;
-    struct Census;
 
-    void read_all();
-    void add(const PathSample& sample, Census& census);
-    std::uint32_t number_of(const PathSample& sample, Census& census);
-    void check_time(const PathSample& sample, double before, const std::string& source) const;
-    void keep(const PathSample& sample, std::uint32_t number, Census& census);
-    void group(const std::vector<std::uint32_t>& owners);
-    bool next(PathSample& sample);
-    void go_to(std::uint64_t sample);
-    void hold(std::size_t begin, std::size_t end);
+    void hold(std::uint64_t begin, std::uint64_t end);
 
-    std::filesystem::path file_;
-    RecordedOptions options_;
-    std::vector<std::uint64_t> ids_;
-    std::vector<layout::uint> steps_;
-    std::size_t longest_ = 0;
-    std::vector<std::string> warnings_;
-
-    bool kept_ = true;                  // all samples are in places_
+    std::shared_ptr<const RecordedFile> file_;
+    RecordedCursor cursor_;
+    std::size_t most_;
     std::size_t first_ = 0, count_ = 0; // selected paths
     std::uint64_t begin_ = 0;           // the first selected sample of the file
     std::vector<Place> places_;         // path by path, from sample held_ on
     std::uint64_t held_ = 0;
-
-    std::unique_ptr<PathReader> reader_; // of a long file, before sample read_
-    std::vector<PathSample> ahead_;
-    std::size_t taken_ = 0; // of ahead_
-    std::uint64_t read_ = 0;
     std::vector<T> window_;
 };
 

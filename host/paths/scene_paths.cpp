@@ -49,29 +49,40 @@ template <typename T> double largest_coordinate(const PreparedCase& prepared) {
 
 } // namespace
 
+template <typename T>
+std::shared_ptr<const RecordedFile>
+read_recorded(const PreparedCase& prepared, const std::filesystem::path& file,
+              const std::function<void(std::uint64_t done, std::uint64_t total)>& progress) {
+    const std::optional<PathsSpec>& paths = prepared.one.scene.paths;
+    RecordedOptions options;
+    options.largest_coordinate = largest_coordinate<T>(prepared);
+    options.period = paths && paths->closed() ? 1 / paths->rate : 0;
+    options.progress = progress;
+    return std::make_shared<const RecordedFile>(file, options);
+}
+
 template <typename T> ScenePaths<T>::ScenePaths(const PreparedCase& prepared) : spec_(paths_of(prepared)) {
     prepare(prepared);
     if (spec_.kind == PathKind::recorded)
-        read_recorded(prepared, spec_.path);
+        take_recorded(read_recorded<T>(prepared, spec_.path));
 }
 
 template <typename T>
-ScenePaths<T>::ScenePaths(const PreparedCase& prepared, const std::filesystem::path& recorded)
-    : spec_(prepared.one.scene.paths.value_or(PathsSpec{})) {
-    spec_.kind = PathKind::recorded;
-    spec_.follow = PathFollow::plane;
+ScenePaths<T>::ScenePaths(const PreparedCase& prepared, std::shared_ptr<const RecordedFile> recorded)
+    : spec_(recorded ? prepared.one.scene.paths.value_or(PathsSpec{}) : paths_of(prepared)) {
+    if (recorded) {
+        spec_.kind = PathKind::recorded;
+        spec_.follow = PathFollow::plane;
+    }
     prepare(prepared);
-    read_recorded(prepared, recorded);
+    if (recorded)
+        take_recorded(std::move(recorded));
 }
 
-template <typename T>
-void ScenePaths<T>::read_recorded(const PreparedCase& prepared, const std::filesystem::path& file) {
-    RecordedOptions options;
-    options.largest_coordinate = largest_coordinate<T>(prepared);
-    options.period = spec_.closed() ? 1 / spec_.rate : 0;
-    recorded_ = std::make_unique<RecordedPaths<T>>(file, options);
-    spec_.count = recorded_->paths();
-    spec_.steps = recorded_->longest();
+template <typename T> void ScenePaths<T>::take_recorded(std::shared_ptr<const RecordedFile> file) {
+    spec_.count = file->paths();
+    spec_.steps = file->longest();
+    recorded_ = std::make_unique<RecordedPaths<T>>(std::move(file));
 }
 
 template <typename T> ScenePaths<T>::~ScenePaths() = default;
@@ -106,7 +117,7 @@ template <typename T> layout::PathInput<T> ScenePaths<T>::input() {
 
 template <typename T> std::vector<std::string> ScenePaths<T>::warnings() const {
     if (recorded_)
-        return recorded_->warnings();
+        return recorded_->file()->warnings();
     if (spec_.count < 2 || features_.harmonics > 0 || paths_differ(spec_))
         return {};
     return {fmt::format("[paths]: all {} paths are the same one; spread speed, depth, heading or offset, as in speed = "
@@ -114,8 +125,13 @@ template <typename T> std::vector<std::string> ScenePaths<T>::warnings() const {
                         spec_.count)};
 }
 
-template <typename T> std::span<const std::uint64_t> ScenePaths<T>::ids() const {
-    return recorded_ ? recorded_->ids() : std::span<const std::uint64_t>{};
+template <typename T> std::shared_ptr<const RecordedFile> ScenePaths<T>::recorded() const {
+    return recorded_ ? recorded_->file() : nullptr;
+}
+
+template <typename T> void ScenePaths<T>::limit_batches(std::size_t samples) {
+    if (recorded_)
+        recorded_->limit(samples);
 }
 
 template <typename T> void ScenePaths<T>::add_path(std::size_t first, std::size_t path, std::size_t count) {
@@ -197,6 +213,12 @@ template <typename T> std::span<const T> ScenePaths<T>::positions(std::size_t st
     return recorded_ ? recorded_->positions(step, steps) : std::span<const T>{};
 }
 
+template std::shared_ptr<const RecordedFile>
+read_recorded<float>(const PreparedCase&, const std::filesystem::path&,
+                     const std::function<void(std::uint64_t, std::uint64_t)>&);
+template std::shared_ptr<const RecordedFile>
+read_recorded<double>(const PreparedCase&, const std::filesystem::path&,
+                      const std::function<void(std::uint64_t, std::uint64_t)>&);
 template class ScenePaths<float>;
 template class ScenePaths<double>;
 

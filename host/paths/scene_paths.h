@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -11,7 +12,15 @@
 
 namespace forceshade {
 
+class RecordedFile;
 template <typename T> class RecordedPaths;
+
+/// Reads a file of recorded paths for a scene: its positions must be within reach of the scene in T, its times keep to
+/// the rate where the loop is closed. `progress` as in RecordedOptions. \throws as RecordedFile.
+template <typename T>
+std::shared_ptr<const RecordedFile>
+read_recorded(const PreparedCase& prepared, const std::filesystem::path& file,
+              const std::function<void(std::uint64_t done, std::uint64_t total)>& progress = {});
 
 /// Owns what a layout::PathInput only points to. A batch's tables are made when it is asked for, in double, and rounded
 /// once to T; a path depends on the seed and its number alone, neither on its batch nor on T but for that rounding.
@@ -19,8 +28,8 @@ template <typename T> class ScenePaths final : public layout::PathSource<T> {
 public:
     /// `prepared` must outlive it. \throws UsageError for a scene without [paths] or with values beyond T, IoError.
     explicit ScenePaths(const PreparedCase& prepared);
-    /// With the paths of a CSV file in place of those of the scene, whose loop, drive, rate and hand hold.
-    ScenePaths(const PreparedCase& prepared, const std::filesystem::path& recorded);
+    /// With the paths of a file in place of those of the scene, whose loop, drive, rate and hand hold; null: as above.
+    ScenePaths(const PreparedCase& prepared, std::shared_ptr<const RecordedFile> recorded);
     ~ScenePaths() override;
 
     /// Points to this. Channels are those of the scene's output that paths have, and the position.
@@ -31,15 +40,17 @@ public:
 
     /// What is remarkable in the recorded file, `file:line:column: ...`, or in what is generated.
     std::vector<std::string> warnings() const;
-    /// The file's numbers of the paths, in the order of their first samples; none: not recorded.
-    std::span<const std::uint64_t> ids() const;
+    /// Null: not recorded.
+    std::shared_ptr<const RecordedFile> recorded() const;
+    /// Batches of recorded paths have at most so many samples, each path counted as long as the longest.
+    void limit_batches(std::size_t samples);
 
     layout::PathBatch<T> batch(std::size_t first, std::size_t count) override;
     std::span<const T> positions(std::size_t step, std::size_t steps) override;
 
 private:
     void prepare(const PreparedCase& prepared);
-    void read_recorded(const PreparedCase& prepared, const std::filesystem::path& file);
+    void take_recorded(std::shared_ptr<const RecordedFile> file);
     void generate(layout::PathBatch<T>& batch);
     void add_path(std::size_t first, std::size_t path, std::size_t count);
     void start_proxies(const layout::PathBatch<T>& batch);
@@ -61,5 +72,11 @@ private:
 
 extern template class ScenePaths<float>;
 extern template class ScenePaths<double>;
+extern template std::shared_ptr<const RecordedFile>
+read_recorded<float>(const PreparedCase&, const std::filesystem::path&,
+                     const std::function<void(std::uint64_t, std::uint64_t)>&);
+extern template std::shared_ptr<const RecordedFile>
+read_recorded<double>(const PreparedCase&, const std::filesystem::path&,
+                      const std::function<void(std::uint64_t, std::uint64_t)>&);
 
 } // namespace forceshade

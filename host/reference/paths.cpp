@@ -55,49 +55,46 @@ std::size_t sample_bytes(layout::uint channels, std::size_t real_size) {
 
 // Evaluated from one callback to the next: a second or so.
 constexpr std::size_t kMostSamples = std::size_t(1) << 22;
+// Likewise of a path: more at once are no quicker, and take memory.
+constexpr std::size_t kMostSteps = std::size_t(1) << 16;
 
-template <typename T> class Run {
-public:
-    Run(const layout::PathInput<T>& input, const PathOptions& options)
+} // namespace
+
+template <typename T> struct PathWalk<T>::State {
+    State(const layout::PathInput<T>& input, const PathOptions& options)
         : input_(input), options_(options),
           threads_(options.threads ? options.threads : std::max(1u, std::thread::hardware_concurrency())),
           recorded_(input.features.motion == layout::kMotionRecorded) {}
 
-    void run(const TakePaths<T>& take, const TakeMetrics<T>& take_metrics) {
-        for (std::size_t first = 0; first < input_.paths; first += batch_.count) {
-            batch_ = input_.source->batch(first, std::min(options_.batch_paths, input_.paths - first));
-            states_.assign(batch_.count, {});
-            proxies_.assign(on_mesh() ? batch_.count : 0, {});
-            run_batch(take);
-            metrics_.clear();
-            for (const layout::PathState<T>& state : states_)
-                metrics_.push_back(state.metrics);
-            take_metrics(batch_.first, metrics_);
-        }
+    void begin(std::size_t first, std::size_t count) {
+        batch_ = input_.source->batch(first, count);
+        states_.assign(batch_.count, {});
+        proxies_.assign(on_mesh() ? batch_.count : 0, {});
+        step_ = 0;
     }
 
-private:
-    bool on_mesh() const { return input_.law.features.surface == layout::kSurfaceMesh; }
+    std::size_t steps() const { return batch_.longest ? batch_.longest : input_.steps; }
 
-    void run_batch(const TakePaths<T>& take) {
+    layout::PathChunk<T> walk(std::size_t most) {
         const std::size_t row = std::max<std::size_t>(1, batch_.count * bytes_per_sample());
-        const std::size_t most = std::max<std::size_t>(1, kMostSamples / batch_.count);
-        const std::size_t window = std::clamp<std::size_t>(options_.chunk_bytes / row, 1, std::min(most, input_.steps));
-        for (std::size_t step = 0; step < input_.steps; step += window) {
-            layout::PathChunk<T> chunk{};
-            chunk.path_first = batch_.first;
-            chunk.path_count = chunk.pitch = batch_.count;
-            chunk.step_first = step;
-            chunk.step_count = std::min(window, input_.steps - step);
-            run_chunk(chunk);
-            chunk.position = samples_.position;
-            chunk.force = samples_.force;
-            chunk.depth = samples_.depth;
-            chunk.facet = samples_.facet;
-            chunk.proxy = samples_.proxy;
-            take(chunk);
-        }
+        const std::size_t soon = std::clamp<std::size_t>(kMostSamples / batch_.count, 1, kMostSteps);
+        layout::PathChunk<T> chunk{};
+        chunk.path_first = batch_.first;
+        chunk.path_count = chunk.pitch = batch_.count;
+        chunk.step_first = step_;
+        chunk.step_count =
+            std::clamp<std::size_t>(options_.chunk_bytes / row, 1, std::min({most, soon, steps() - step_}));
+        run_chunk(chunk);
+        step_ += chunk.step_count;
+        chunk.position = samples_.position;
+        chunk.force = samples_.force;
+        chunk.depth = samples_.depth;
+        chunk.facet = samples_.facet;
+        chunk.proxy = samples_.proxy;
+        return chunk;
     }
+
+    bool on_mesh() const { return input_.law.features.surface == layout::kSurfaceMesh; }
 
     std::size_t bytes_per_sample() const {
         return sample_bytes(input_.features.channels, sizeof(T)) + (recorded_ ? 3 * sizeof(T) : 0);
@@ -108,8 +105,8 @@ private:
         constexpr std::size_t kShare = 16; // paths that a thread takes at once
         samples_.resize(input_.features.channels, chunk.step_count * chunk.pitch);
         if (recorded_)
-            positions_ = input_.source->positions(chunk.step_first,
-                                                  std::min(chunk.step_count + 1, input_.steps - chunk.step_first));
+            positions_ =
+                input_.source->positions(chunk.step_first, std::min(chunk.step_count + 1, steps() - chunk.step_first));
         std::atomic<std::size_t> next{0};
         const auto work = [&] {
             Neighbourhood<T> around;
@@ -181,21 +178,56 @@ private:
     const std::size_t threads_;
     const bool recorded_;
     layout::PathBatch<T> batch_{};
+    std::size_t step_ = 0; // the next
     std::vector<layout::PathState<T>> states_;
     std::vector<GodObject<T>> proxies_;
-    std::vector<layout::PathMetrics<T>> metrics_;
     std::span<const T> positions_; // of a recorded batch, from the chunk's first step on
     Samples<T> samples_;
 };
 
-} // namespace
+template <typename T>
+PathWalk<T>::PathWalk(const layout::PathInput<T>& input, const PathOptions& options)
+    : state_(std::make_unique<State>(input, options)) {}
+template <typename T> PathWalk<T>::~PathWalk() = default;
+
+template <typename T> std::size_t PathWalk<T>::begin(std::size_t first, std::size_t count) {
+    state_->begin(first, count);
+    return state_->batch_.count;
+}
+
+template <typename T> std::size_t PathWalk<T>::steps() const {
+    return state_->steps();
+}
+
+template <typename T> layout::PathChunk<T> PathWalk<T>::walk(std::size_t most) {
+    return state_->walk(most);
+}
+
+template <typename T> std::vector<layout::PathMetrics<T>> PathWalk<T>::metrics() const {
+    std::vector<layout::PathMetrics<T>> metrics;
+    metrics.reserve(state_->states_.size());
+    for (const layout::PathState<T>& path : state_->states_)
+        metrics.push_back(path.metrics);
+    return metrics;
+}
 
 template <typename T>
 void evaluate_paths(const layout::PathInput<T>& input, const PathOptions& options, const TakePaths<T>& take,
                     const TakeMetrics<T>& take_metrics) {
-    Run<T>(input, options).run(take, take_metrics);
+    PathWalk<T> walk(input, options);
+    for (std::size_t first = 0, count = 0; first < input.paths; first += count) {
+        count = walk.begin(first, std::min(options.batch_paths, input.paths - first));
+        for (std::size_t step = 0; step < walk.steps();) {
+            const layout::PathChunk<T> chunk = walk.walk(walk.steps() - step);
+            take(chunk);
+            step += chunk.step_count;
+        }
+        take_metrics(first, walk.metrics());
+    }
 }
 
+template class PathWalk<float>;
+template class PathWalk<double>;
 template void evaluate_paths<float>(const layout::PathInput<float>&, const PathOptions&, const TakePaths<float>&,
                                     const TakeMetrics<float>&);
 template void evaluate_paths<double>(const layout::PathInput<double>&, const PathOptions&, const TakePaths<double>&,

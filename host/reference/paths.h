@@ -2,6 +2,8 @@
 #pragma once
 
 #include <functional>
+#include <memory>
+#include <vector>
 
 #include "shaders/shared/layout.h"
 
@@ -19,13 +21,37 @@ template <typename T>
 using TakeMetrics = std::function<void(std::size_t first, std::span<const layout::PathMetrics<T>>)>;
 template <typename T> using TakePaths = std::function<void(const layout::PathChunk<T>&)>;
 
+/// A batch of paths taken through its law some steps at a time. Nothing of a path depends on the others, on the batch,
+/// on how many steps are taken at once or on the number of threads.
+template <typename T> class PathWalk {
+public:
+    /// `input` and `options` must outlive it.
+    PathWalk(const layout::PathInput<T>& input, const PathOptions& options);
+    ~PathWalk();
+
+    /// Before the first step of the paths from `first` on, at most `count`; how many they are.
+    std::size_t begin(std::size_t first, std::size_t count);
+    std::size_t steps() const; /* of the batch's longest path */
+    /// The batch's next steps, as many as the options let and at most `most`, at least one. The chunk lives until the
+    /// next call.
+    layout::PathChunk<T> walk(std::size_t most);
+    /// Of the batch's paths, up to where they are.
+    std::vector<layout::PathMetrics<T>> metrics() const;
+
+private:
+    struct State;
+    std::unique_ptr<State> state_;
+};
+
 /// Takes every path of the input through its law, in T. Chunks come batch of paths by batch of paths, within one in the
-/// order of steps, empty ones where no channel is asked for; then the batch's metrics. Nothing of a path depends on the
-/// others, on the batch or on the number of threads. Stops early when a callback throws.
+/// order of steps, up to the batch's longest, empty ones where no channel is asked for; then the batch's metrics. Stops
+/// early when a callback throws.
 template <typename T>
 void evaluate_paths(const layout::PathInput<T>& input, const PathOptions& options, const TakePaths<T>& take,
                     const TakeMetrics<T>& take_metrics);
 
+extern template class PathWalk<float>;
+extern template class PathWalk<double>;
 extern template void evaluate_paths<float>(const layout::PathInput<float>&, const PathOptions&, const TakePaths<float>&,
                                            const TakeMetrics<float>&);
 extern template void evaluate_paths<double>(const layout::PathInput<double>&, const PathOptions&,

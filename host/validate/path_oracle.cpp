@@ -5,9 +5,11 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <stdexcept>
 
 #include <fmt/format.h>
 
+#include "host/interrupt.h"
 #include "host/norm.h"
 #include "host/reference/contact.h"
 #include "host/reference/hand.h"
@@ -36,18 +38,52 @@ bool same(std::span<const Value> computed, std::size_t at, std::span<const Value
 
 } // namespace
 
-// The rows are copies: the oracle's chunks die with their callback.
+// Some paths of the engine's present batch, where the engine is with them.
 template <typename T> struct PathOracle<T>::Batch {
-    std::size_t first = 0, count = 0;
-    std::vector<std::size_t> chosen; // paths
-    std::vector<layout::uint> steps;
-    std::vector<T> position, force, depth, proxy;
-    std::vector<layout::uint> facet;
-    std::vector<layout::PathMetrics<T>> metrics;
-
-    PathRows<T> rows(std::size_t pitch) const {
-        return {first, chosen.size(), pitch, steps, position, force, depth, facet, proxy};
+    Batch(const layout::PathInput<T>& from, std::size_t first_path, std::size_t paths, std::size_t every)
+        : first(first_path), count(paths), chosen(choose(first, count, every)), paths_chosen(from, chosen),
+          source(paths_chosen, from.steps, chosen.size()), hands(hands_of(from, chosen)), input(from),
+          mesh_off(chosen.size(), 0) {
+        input.paths = chosen.size();
+        input.hands = hands;
+        input.source = &source;
+        if (!chosen.empty())
+            walk.begin(0, chosen.size());
     }
+
+    static std::vector<std::size_t> choose(std::size_t first, std::size_t count, std::size_t every) {
+        std::vector<std::size_t> chosen;
+        for (std::size_t path = (first + every - 1) / every * every; path < first + count; path += every)
+            chosen.push_back(path);
+        return chosen;
+    }
+
+    static std::vector<layout::HandParams<T>> hands_of(const layout::PathInput<T>& from,
+                                                       const std::vector<std::size_t>& chosen) {
+        if (from.hands.size() <= 1)
+            return {from.hands.begin(), from.hands.end()};
+        std::vector<layout::HandParams<T>> hands;
+        for (const std::size_t path : chosen)
+            hands.push_back(from.hands[path]);
+        return hands;
+    }
+
+    std::size_t first, count;
+    std::vector<std::size_t> chosen; // paths
+    ChosenPaths<T> paths_chosen;
+    BatchedSource<T> source;
+    std::vector<layout::HandParams<T>> hands;
+    layout::PathInput<T> input;
+    reference::PathOptions options{};
+    reference::PathWalk<T> walk{input, options};
+    std::size_t step = 0;                // the next
+    std::vector<std::uint64_t> mesh_off; // of each chosen path
+};
+
+// A chosen path's sample.
+template <typename T> struct PathOracle<T>::Sample {
+    std::size_t chosen, path, step; // among the chosen, of all, of the path
+    std::size_t at, other;          // in the engine's rows, in the oracle's chunk
 };
 
 template <typename T>
@@ -64,62 +100,44 @@ template <typename T> void PathOracle<T>::note(const std::string& text) {
         error_.first = text;
 }
 
-template <typename T> void PathOracle<T>::evaluate(std::size_t first, std::size_t count) {
-    batch_ = std::make_unique<Batch>();
-    batch_->first = first;
-    batch_->count = count;
-    for (std::size_t path = (first + every_ - 1) / every_ * every_; path < first + count; path += every_)
-        batch_->chosen.push_back(path);
-    if (batch_->chosen.empty())
-        return;
-    ChosenPaths<T> paths(input_, batch_->chosen);
-    std::vector<layout::HandParams<T>> hands(input_.hands.begin(), input_.hands.end());
-    if (hands.size() > 1) {
-        hands.clear();
-        for (const std::size_t path : batch_->chosen)
-            hands.push_back(input_.hands[path]);
-    }
-    BatchedSource<T> source(paths, input_.steps, batch_->chosen.size());
-    layout::PathInput<T> some = input_;
-    some.paths = batch_->chosen.size();
-    some.hands = hands;
-    some.source = &source;
-    RowGatherer<T> gatherer(source, some.steps, [&](const PathRows<T>& rows) {
-        batch_->position.assign(rows.position.begin(), rows.position.end());
-        batch_->force.assign(rows.force.begin(), rows.force.end());
-        batch_->depth.assign(rows.depth.begin(), rows.depth.end());
-        batch_->facet.assign(rows.facet.begin(), rows.facet.end());
-        batch_->proxy.assign(rows.proxy.begin(), rows.proxy.end());
-    });
-    reference::evaluate_paths<T>(
-        some, {}, [&](const layout::PathChunk<T>& chunk) { gatherer.add(chunk); },
-        [&](std::size_t, std::span<const layout::PathMetrics<T>> metrics) {
-            batch_->metrics.assign(metrics.begin(), metrics.end());
-            batch_->steps.assign(source.lengths().begin(), source.lengths().end());
-        });
+template <typename T> void PathOracle<T>::begin(std::size_t first, std::size_t count) {
+    batch_.reset();
+    batch_ = std::make_unique<Batch>(input_, first, count, every_);
 }
 
 template <typename T> void PathOracle<T>::compare(const PathRows<T>& rows) {
-    evaluate(rows.path_first, rows.path_count);
-    const PathRows<T> alike = batch_->rows(rows.pitch);
+    if (rows.step_first == 0)
+        begin(rows.path_first, rows.path_count);
+    if (batch_->chosen.empty())
+        return;
+    const std::size_t end = std::min(rows.step_first + rows.pitch, batch_->walk.steps());
+    while (batch_->step < end) {
+        const layout::PathChunk<T> alike = batch_->walk.walk(end - batch_->step);
+        compare(rows, alike);
+        batch_->step += alike.step_count;
+    }
+    if (end == batch_->walk.steps())
+        end_mesh_paths();
+}
+
+template <typename T> void PathOracle<T>::compare(const PathRows<T>& rows, const layout::PathChunk<T>& alike) {
     for (std::size_t i = 0; i < batch_->chosen.size(); ++i) {
-        mesh_off_ = 0;
         const std::size_t path = batch_->chosen[i] - rows.path_first;
-        for (std::size_t step = 0; step < rows.steps[path]; ++step)
-            compare_sample(rows, path, step, alike, i);
-        if (100 * mesh_off_ > rows.steps[path]) {
-            error_.beyond += mesh_off_;
-            note(fmt::format("path {}: {} of {} forces differ", batch_->chosen[i], mesh_off_, rows.steps[path]));
-        }
+        const std::size_t end = std::min<std::size_t>(alike.step_first + alike.step_count, rows.steps[path]);
+        for (std::size_t step = alike.step_first; step < end; ++step)
+            compare_sample(rows, alike,
+                           {i, batch_->chosen[i], step, path * rows.pitch + step - rows.step_first,
+                            (step - alike.step_first) * alike.pitch + i});
     }
 }
 
 template <typename T>
-void PathOracle<T>::compare_sample(const PathRows<T>& rows, std::size_t path, std::size_t step,
-                                   const PathRows<T>& alike, std::size_t chosen) {
-    const std::size_t at = path * rows.pitch + step, other = chosen * rows.pitch + step;
+void PathOracle<T>::compare_sample(const PathRows<T>& rows, const layout::PathChunk<T>& alike, const Sample& sample) {
+    const auto [chosen, path, step, at, other] = sample;
     ++error_.samples;
-    const Places force = vector_of(rows.force, at), expected = vector_of(alike.force, other);
+    const bool felt = !rows.force.empty(); // else the engine only told where there is contact
+    const Places force = felt ? vector_of(rows.force, at) : Places{};
+    const Places expected = felt ? vector_of(alike.force, other) : Places{};
     const double off = apart(force, expected);
     error_.largest = std::isnan(off) ? std::numeric_limits<double>::infinity() : std::max(error_.largest, off);
     error_.largest_force = std::max(error_.largest_force, norm(expected[0], expected[1], expected[2]));
@@ -128,22 +146,34 @@ void PathOracle<T>::compare_sample(const PathRows<T>& rows, std::size_t path, st
         same(rows.facet, at, alike.facet, other, 1))
         return;
     ++error_.differing;
-    bool beyond = exact_bits_;
-    if (!exact_bits_) {
-        const Places place = vector_of(rows.position, at), meant = vector_of(alike.position, other);
-        const bool open = input_.features.loop == layout::kLoopOpen;
-        beyond = open && apart(place, meant) > 1e-5 * (norm(meant[0], meant[1], meant[2]) + 1e-3);
-        if (input_.law.features.surface == layout::kSurfaceMesh)
-            mesh_off_ += open && !(off <= 1e-3 * error_.largest_force);
-        else
-            beyond = beyond || is_beyond(rows, at);
-    }
-    if (!beyond)
+    if (!exact_bits_ && !(felt && differs_beyond(rows, alike, sample, off)))
         return;
     ++error_.beyond;
     note(fmt::format("path {}, step {}: force ({:.9g}, {:.9g}, {:.9g}) N, the oracle says ({:.9g}, {:.9g}, {:.9g}) N",
-                     rows.path_first + path, step, force[0], force[1], force[2], expected[0], expected[1],
-                     expected[2]));
+                     path, step, force[0], force[1], force[2], expected[0], expected[1], expected[2]));
+}
+
+// On hardware. `off`, N: |F - F_oracle|.
+template <typename T>
+bool PathOracle<T>::differs_beyond(const PathRows<T>& rows, const layout::PathChunk<T>& alike, const Sample& sample,
+                                   double off) {
+    const Places place = vector_of(rows.position, sample.at), meant = vector_of(alike.position, sample.other);
+    const bool open = input_.features.loop == layout::kLoopOpen;
+    const bool elsewhere = open && apart(place, meant) > 1e-5 * (norm(meant[0], meant[1], meant[2]) + 1e-3);
+    if (input_.law.features.surface != layout::kSurfaceMesh)
+        return elsewhere || is_beyond(rows, sample.at);
+    batch_->mesh_off[sample.chosen] += open && !(off <= 1e-3 * error_.largest_force);
+    return elsewhere;
+}
+
+template <typename T> void PathOracle<T>::end_mesh_paths() {
+    for (std::size_t i = 0; i < batch_->chosen.size(); ++i) {
+        const std::uint64_t off = batch_->mesh_off[i], steps = batch_->source.lengths()[i];
+        if (100 * off <= steps)
+            continue;
+        error_.beyond += off;
+        note(fmt::format("path {}: {} of {} forces differ", batch_->chosen[i], off, steps));
+    }
 }
 
 // What was felt at the very position where it was felt: 1e-4 of it, or of what 1 um of stiffness gives, is more than
@@ -170,18 +200,25 @@ bool PathOracle<T>::metrics_differ(const layout::PathMetrics<T>& computed, const
 }
 
 template <typename T> void PathOracle<T>::compare(std::size_t first, std::span<const layout::PathMetrics<T>> metrics) {
+    if (input_.features.channels == 0)
+        begin(first, metrics.size());
     if (!batch_ || batch_->first != first || batch_->count != metrics.size())
-        evaluate(first, metrics.size());
+        throw std::logic_error(fmt::format("the metrics of {} paths from {} are of other paths than the samples before",
+                                           metrics.size(), first));
+    if (batch_->chosen.empty())
+        return;
+    for (; batch_->step < batch_->walk.steps(); check_interrupt())
+        batch_->step += batch_->walk.walk(batch_->walk.steps()).step_count;
+    const std::vector<layout::PathMetrics<T>> alike = batch_->walk.metrics();
     for (std::size_t i = 0; i < batch_->chosen.size(); ++i) {
         ++error_.paths;
         if (input_.features.channels == 0)
-            error_.samples += batch_->steps[i];
-        if (!metrics_differ(metrics[batch_->chosen[i] - first], batch_->metrics[i]))
+            error_.samples += batch_->source.lengths()[i];
+        if (!metrics_differ(metrics[batch_->chosen[i] - first], alike[i]))
             continue;
         ++error_.metrics;
         note(fmt::format("path {}: its metrics differ", batch_->chosen[i]));
     }
-    batch_.reset();
 }
 
 template class PathOracle<float>;

@@ -39,7 +39,8 @@ public:
     PathOracle(const layout::PathInput<T>& input, bool exact_bits, std::uint64_t most = kComparedSamples);
     ~PathOracle();
 
-    /// The engine's rows of a batch, unless metrics alone were asked for; then its metrics.
+    /// The engine's rows of a batch as they come, unless metrics alone were asked for; then its metrics. Of each sample
+    /// no more than a window is held.
     void compare(const PathRows<T>& rows);
     void compare(std::size_t first, std::span<const layout::PathMetrics<T>> metrics);
 
@@ -47,9 +48,12 @@ public:
 
 private:
     struct Batch;
-    void evaluate(std::size_t first, std::size_t count);
-    void compare_sample(const PathRows<T>& rows, std::size_t path, std::size_t step, const PathRows<T>& alike,
-                        std::size_t chosen);
+    struct Sample;
+    void begin(std::size_t first, std::size_t count);
+    void compare(const PathRows<T>& rows, const layout::PathChunk<T>& alike);
+    void compare_sample(const PathRows<T>& rows, const layout::PathChunk<T>& alike, const Sample& sample);
+    bool differs_beyond(const PathRows<T>& rows, const layout::PathChunk<T>& alike, const Sample& sample, double off);
+    void end_mesh_paths();
     bool is_beyond(const PathRows<T>& rows, std::size_t at) const;
     bool metrics_differ(const layout::PathMetrics<T>& computed, const layout::PathMetrics<T>& alike) const;
     void note(const std::string& text);
@@ -58,7 +62,6 @@ private:
     bool exact_bits_;
     std::uint64_t every_;
     std::unique_ptr<Batch> batch_; // the oracle's, of the engine's present batch
-    std::uint64_t mesh_off_ = 0;
     PathError error_;
 };
 

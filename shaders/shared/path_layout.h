@@ -213,6 +213,7 @@ template <typename real> struct PathBatch {
     std::span<const uint> phase_steps;           // a sample
     std::span<const uint> steps;                 // recorded: samples of each path; none: PathInput::steps
     std::span<const ProxyStart<real>> proxies;   // of a mesh: 1 a path
+    std::size_t longest = 0;                     // steps of the longest of them; 0: PathInput::steps
 };
 
 // Where a run of paths gets its tables; spans live until the next call of the same function.

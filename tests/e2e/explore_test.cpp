@@ -1,6 +1,7 @@
 // Probes along recorded paths, from the command line: streams, refusals, memory, interrupts.
 #include <array>
 #include <csignal>
+#include <iterator>
 #include <sstream>
 #include <thread>
 
@@ -31,14 +32,14 @@ protected:
         expect_failure(code, std::move(arguments), words);
         EXPECT_EQ(differences(before, tree_of(folder_.path())), std::set<std::string>{});
     }
-    // `count` rows on four paths, quickly made.
-    void write_long(const std::string& name, int count) const {
-        std::string rows, text = "path,t,x,y,z\n";
-        for (int i = 0; i < 1000; ++i)
-            rows += fmt::format("{},{},{},0.001234567,-0.000123456789\n", i % 4, i, (i - 500) * 3.3e-5);
-        for (int i = 0; i < count / 1000; ++i)
-            text += rows;
-        write(name, text);
+    // `count` rows on four paths in turn, or on one after the other, quickly made.
+    void write_long(const std::string& name, int count, bool in_turn = true) const {
+        fmt::memory_buffer text;
+        fmt::format_to(std::back_inserter(text), "path,t,x,y,z\n");
+        for (int i = 0; i < count; ++i)
+            fmt::format_to(std::back_inserter(text), "{},{},{}e-5,0.001234567,-0.000123456789\n",
+                           in_turn ? i % 4 : i / ((count + 3) / 4), i, i % 1000 - 500);
+        write(name, fmt::to_string(text));
     }
 };
 
@@ -124,6 +125,19 @@ TEST_F(Explore, refuses_paths_that_are_none) {
                    {"axis.toml:2"});
 }
 
+TEST_F(Explore, refuses_times_that_do_not_increase_whatever_the_route) {
+    const std::string head = "path,t,x,y,z\n3,0,0,0,0\n5,9,0,0,0\n3,0.5,0,0,0\n";
+    for (const auto& [row, words] : {std::pair{"3,0.5,0,0,0\n", "t: 0.5 s comes after 0.5 s on path 3"},
+                                     {"5,8,0,0,0\n", "t: 8 s comes after 9 s on path 5"}}) {
+        write("in.csv", head + row);
+        const std::string expected = std::string("error: in.csv:5:1: ") + words + ": times of a path must increase";
+        for (const std::vector<std::string>& way : {std::vector<std::string>{}, {"--metrics-only"}, {"--also", "png"}})
+            expect_refused(arguments(way), {expected});
+        expect_refused({"explore", "scene.toml", "--paths", "in.csv", "--out", "out.csv"}, {expected});
+        expect_refused({"explore", "scene.toml", "--paths", "in.csv", "--out", "out.exr"}, {expected});
+    }
+}
+
 TEST_F(Explore, takes_a_god_object_over_a_mesh) {
     write("roof.obj", "v -1 -1 0\nv 0 -1 1\nv 1 -1 0\nv -1 1 0\nv 0 1 1\nv 1 1 0\nf 1 2 5 4\nf 2 3 6 5\n");
     write("mesh.toml", "[surface]\nkind = \"mesh\"\nfile = \"roof.obj\"\nunit = \"cm\"\n");
@@ -174,10 +188,24 @@ TEST_F(Explore, shows_progress_of_a_large_file_in_lines) {
     const std::string error = expect_success(arguments()).error;
     EXPECT_NE(error.find(" MB in 0:"), std::string::npos) << error;
     EXPECT_EQ(error.find('\r'), std::string::npos);
+    write_long("in.csv", 2000000, false);
+    EXPECT_NE(expect_success(arguments({"--metrics-only"})).error.find(" MB in 0:"), std::string::npos);
 }
 
 TEST_F(Explore, leaves_nothing_when_interrupted) {
-    write_long("in.csv", 4000000);
+    write_long("in.csv", 4000000, false);
+    for (const int signal : {SIGINT, SIGTERM}) { // while it is read for the first time, and later
+        for (const int delay : {50, 900}) {
+            Process process(launch(arguments({"--metrics-only"})));
+            std::this_thread::sleep_for(std::chrono::milliseconds(delay));
+            process.send(signal);
+            const Outcome outcome = process.wait();
+            EXPECT_EQ(outcome.code, 130) << outcome.error;
+            EXPECT_LT(outcome.seconds, 5);
+            EXPECT_EQ(temporaries_in(folder_.path()), std::vector<std::string>{});
+            EXPECT_FALSE(std::filesystem::exists(path("out.paths.csv")));
+        }
+    }
     for (const int signal : {SIGINT, SIGTERM}) {
         Process process(launch(arguments()));
         while (process.running() && temporaries_in(folder_.path()).empty())

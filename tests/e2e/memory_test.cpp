@@ -1,5 +1,9 @@
 // Peak memory: bounded for large fields, and independent of the number of cases.
+#include <functional>
+#include <iterator>
+
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "tests/e2e/workplace.h"
 #include "tests/io/picture.h"
@@ -73,6 +77,41 @@ TEST_F(Memory, does_not_grow_with_the_number_of_height_maps) {
     const std::uint64_t few = peak(14), many = peak(42);
     EXPECT_LT(double(many), 1.15 * double(few) + 8 * kMebibyte)
         << few / kMebibyte << " MiB for 14 maps, " << many / kMebibyte << " MiB for 42";
+}
+
+// A path of ten times the steps takes no more memory, where no row of an image needs them all.
+TEST_F(Memory, does_not_grow_with_the_steps_of_a_path) {
+    constexpr int kFew = 70000, kMany = 700000;
+    for (const int steps : {kFew, kMany}) {
+        const std::string name = std::to_string(steps), scene = "[surface]\nfacets = 3\n[paths]\n";
+        fmt::memory_buffer rows;
+        fmt::format_to(std::back_inserter(rows), "path,t,x,y,z\n");
+        for (int i = 0; i < steps; ++i)
+            fmt::format_to(std::back_inserter(rows), "0,{},{}e-5,0,0.003\n", i, i % 4000 - 2000);
+        write(name + ".csv", fmt::to_string(rows));
+        write(name + ".made.toml", scene + "count = 1\nsteps = " + name + "\n");
+        write(name + ".recorded.toml", scene + "kind = \"recorded\"\nfile = \"" + name + ".csv\"\n");
+    }
+    const auto expect_flat = [&](const std::function<std::vector<std::string>(const std::string&)>& arguments) {
+        const std::uint64_t few = expect_success(arguments(std::to_string(kFew))).peak_memory;
+        const std::uint64_t many = expect_success(arguments(std::to_string(kMany))).peak_memory;
+        EXPECT_LT(many, few + 12 * kMebibyte) << fmt::format("{}", fmt::join(arguments("*"), " ")) << ": "
+                                              << few / kMebibyte << " MiB, then " << many / kMebibyte;
+    };
+    for (const std::string kind : {"made", "recorded"}) {
+        for (const std::string engine : {"cpu", "gpu"})
+            for (const std::vector<std::string>& way :
+                 {std::vector<std::string>{"--metrics-only"}, {"--also", "npy"}, {}})
+                expect_flat([&](const std::string& steps) {
+                    std::vector<std::string> all{
+                        "explore", steps + "." + kind + ".toml", "--out", "out.csv", "--quiet", "--engine", engine};
+                    all.insert(all.end(), way.begin(), way.end());
+                    return all;
+                });
+        expect_flat([&](const std::string& steps) {
+            return std::vector<std::string>{"validate", steps + "." + kind + ".toml", "--quiet"};
+        });
+    }
 }
 
 } // namespace

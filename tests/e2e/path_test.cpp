@@ -1,4 +1,5 @@
 // Generated and recorded paths, from the command line: files, figures, refusals.
+#include <algorithm>
 #include <csignal>
 #include <set>
 #include <sstream>
@@ -116,11 +117,29 @@ TEST_F(Paths, leave_nothing_where_they_cannot_be_written) {
     EXPECT_EQ(differences(before, tree_of(folder_.path())), std::set<std::string>{});
 }
 
+TEST_F(Paths, leave_nothing_where_nobody_may_write) {
+    write("in.csv", "path,t,x,y,z\n0,0,0,0,0.003\n0,1,0,0,0.003\n");
+    std::filesystem::create_directory(path("theirs"));
+    std::filesystem::permissions(path("theirs"), std::filesystem::perms(0555));
+    std::filesystem::permissions(folder_.path(), std::filesystem::perms(0755));
+    const std::vector<std::vector<std::string>> ways{{"--metrics-only"}, {"--also", "npy"}, {"--paths", "in.csv"}};
+    for (const std::vector<std::string>& way : ways)
+        for (const char* out : {"theirs/a.exr", "theirs/a.csv"}) {
+            Launch launch = this->launch(explore("open.toml", out, way));
+            if (is_root())
+                launch.user = 65534;
+            expect_failure(4, launch, {"theirs/", "Permission denied"});
+            EXPECT_TRUE(std::filesystem::is_empty(path("theirs")));
+        }
+}
+
 TEST_F(Paths, leave_nothing_when_interrupted) {
     write("long.toml", scene("count = 200000\nsteps = 2000\n"));
     const std::vector<std::string> before = names();
-    for (const char* out : {"a.exr", "a.csv"}) {
-        Process process(launch(explore("long.toml", out)));
+    const std::vector<std::pair<const char*, std::vector<std::string>>> ways{
+        {"a.exr", {}}, {"a.csv", {}}, {"a.csv", {"--metrics-only"}}};
+    for (const auto& [out, further] : ways) {
+        Process process(launch(explore("long.toml", out, further)));
         while (process.running() && temporaries_in(folder_.path()).empty())
             std::this_thread::sleep_for(std::chrono::milliseconds(1));
         std::this_thread::sleep_for(std::chrono::milliseconds(300));
@@ -161,6 +180,84 @@ TEST_F(Paths, recorded_in_a_file_are_felt_alike_however_they_are_taken) {
     ASSERT_EQ(table.size(), 3u);
     EXPECT_EQ(table[0].at("path"), "30") << "in the order of their first samples";
     EXPECT_EQ(table[1].at("steps"), "50");
+}
+
+TEST_F(Paths, recorded_at_times_of_their_own_are_in_contact_as_long_as_those_say) {
+    // In contact at x = 0 and z = 0.003, away at z = 0.1. A sample counts until the next, the last as the one before.
+    write("in.csv", "path,t,x,y,z\n7,100,0,0,0.003\n7,100.5,0,0,0.1\n7,102,0,0,0.003\n7,102.25,0,0,0.003\n"
+                    "8,3,0,0,0.003\n9,0,0,0,0.1\n9,10,0,0,0.003\n");
+    write("plain.toml", "[surface]\nfacets = 3\n");
+    write("rate.toml", "[surface]\nfacets = 3\n[paths]\nrate = \"10 Hz\"\n");
+    for (const char* scene : {"plain.toml", "rate.toml"})
+        for (const char* precision : {"f32", "f64"}) {
+            const std::vector<std::string> common{"--paths", "in.csv", "--precision", precision};
+            const auto with = [&](std::vector<std::string> more) {
+                more.insert(more.end(), common.begin(), common.end());
+                return more;
+            };
+            expect_success(explore(scene, "a.csv", common));
+            const std::string table = read_text(path("a.paths.csv"));
+            const auto rows = table_in(table);
+            ASSERT_EQ(rows.size(), 3u);
+            EXPECT_EQ(rows[0].at("contact_time_s"), "1") << "0.5 + 0.25 + 0.25";
+            EXPECT_EQ(rows[1].at("contact_time_s"), "0") << "one sample has no time";
+            EXPECT_EQ(rows[2].at("contact_time_s"), "10");
+            for (const char* engine : {"cpu", "gpu"})
+                for (const std::vector<std::string>& how : {std::vector<std::string>{"--out", "a.exr"},
+                                                            {"--out", "a.csv", "--metrics-only"},
+                                                            {"--out", "a.csv", "--also", "npy"}}) {
+                    std::vector<std::string> all{"explore", scene, "--engine", engine};
+                    all.insert(all.end(), how.begin(), how.end());
+                    expect_success(with(all));
+                    EXPECT_EQ(read_text(path("a.paths.csv")), table) << engine << how.back();
+                }
+        }
+}
+
+TEST_F(Paths, recorded_that_leave_their_bound_say_at_which_of_their_times) {
+    std::string rows = "path,t,x,y,z\n";
+    for (int p = 0; p < 3; ++p)
+        for (int i = 0; i < 2000; ++i) // a clock's times
+            rows += fmt::format("{},{:.3f},{:.6f},0,0.005\n", p, 1700000000 + 10 * p + i * 0.001, i * 1e-6);
+    write("in.csv", rows);
+    write("wild.toml", "[surface]\nfacets = 3\n[force]\nstiffness = \"100 N/mm\"\n[paths]\nkind = \"recorded\"\n"
+                       "file = \"in.csv\"\npress = \"1 N\"\nbound = \"20 mm\"\n[hand]\nmax_force = \"1000 N\"\n"
+                       "delay_samples = 1\n");
+    for (const char* engine : {"cpu", "gpu"}) {
+        expect_success({"explore", "wild.toml", "--out", "a.csv", "--engine", engine});
+        const auto samples = table_in(read_text(path("a.csv")));
+        const auto table = table_in(read_text(path("a.paths.csv")));
+        ASSERT_EQ(table.size(), 3u);
+        for (std::size_t p = 0; p < 3; ++p) {
+            ASSERT_EQ(table[p].at("unstable"), "1");
+            const std::string left = table[p].at("unstable_time_s");
+            EXPECT_GT(std::stod(left), 1700000000 + 10.0 * double(p)) << left;
+            const auto at = std::ranges::find_if(samples, [&](const auto& row) { return row.at("t") == left; });
+            ASSERT_NE(at, samples.end()) << left << " is the t of a sample";
+            EXPECT_EQ(at->at("fz"), "0") << "it feels nothing from there on";
+            EXPECT_NE((at - 1)->at("x"), "");
+        }
+    }
+    rows.insert(rows.find("0,1700000001.000"), "0,1700000000.9995,0,0,0.005\n");
+    write("in.csv", rows);
+    expect_failure(2, explore("wild.toml", "a.csv"), {"in.csv:1002:1: t: ", "paths.rate", "resample"});
+}
+
+TEST_F(Paths, recorded_of_very_unequal_lengths_are_written_alike_by_every_route) {
+    std::string rows = "path,t,x,y,z\n";
+    for (int p = 0; p < 300; ++p)
+        for (int i = 0; i < (p == 150 ? 70000 : p % 3 + 1); ++i)
+            rows += fmt::format("{},{},{:.7f},{:.5f},0.003\n", p, i * 0.25, (i % 4000 - 2000) * 1e-5, p * 1e-5);
+    write("in.csv", rows);
+    write("plain.toml", "[surface]\nfacets = 3\n[force]\nshading = \"reference\"\n");
+    expect_success(explore("plain.toml", "row.csv", {"--paths", "in.csv"}));
+    const std::string row = read_text(path("row.csv")), table = read_text(path("row.paths.csv"));
+    for (const char* engine : {"cpu", "gpu"}) {
+        expect_success(
+            {"explore", "plain.toml", "--paths", "in.csv", "--out", "a.csv", "--also", "png", "--engine", engine});
+        EXPECT_TRUE(read_text(path("a.csv")) == row) << engine;
+        EXPECT_EQ(read_text(path("a.paths.csv")), table) << engine;
+    }
 }
 
 TEST_F(Paths, that_leave_their_bound_are_flagged_and_hold_no_nan) {

@@ -27,8 +27,8 @@ protected:
         write("mesh.obj", obj(polygons));
         return "[surface]\nkind = \"mesh\"\nfile = \"mesh.obj\"\n" + more;
     }
-    static std::string row(int path, const glm::dvec3& p) {
-        return fmt::format("{},0,{},{},{}\n", path, p.x, p.y, p.z);
+    std::string row(int path, const glm::dvec3& p) const {
+        return fmt::format("{},{},{},{},{}\n", path, rows_++, p.x, p.y, p.z);
     }
 
     std::vector<Felt> stroke(const std::string& scene, const std::string& rows,
@@ -60,6 +60,7 @@ protected:
         EXPECT_LT(length(felt.force - kStiffness * depth * plane.normal), kStiffness * tolerance);
         EXPECT_LT(length(felt.proxy - (felt.probe + depth * plane.normal)), tolerance);
     }
+    mutable int rows_ = 0; // a second each
 };
 
 // Spirals inward from 1 mm above to 1 mm below the surface, over the whole sphere.
@@ -189,10 +190,12 @@ TEST_F(MeshPath, feels_texture_alike_from_both_sides) {
     const std::string texture =
         "[texture]\nstiffness = \"0.5 N/mm\"\nfunction = \"sine\"\nwidth = \"2 mm\"\nheight = \"0.1 mm\"\n";
     // The second comes to the other side round the border: below it a path would begin behind the surface.
-    std::string rows =
-        row(1, {0, 0, 0.001}) + row(2, {0.03, 0, 0}) + row(2, {0.03, 0, -0.001}) + row(2, {0, 0, -0.001});
+    std::string rows = row(1, {0, 0, 0.001});
+    for (const glm::dvec3& probe : {glm::dvec3{0.03, 0, 0}, {0.03, 0, -0.001}, {0, 0, -0.001}})
+        rows += row(2, probe);
     for (int i = 0; i < 100; ++i)
-        rows += row(1, {i * 5e-5, 0, -0.001}) + row(2, {i * 5e-5, 0, 0.001});
+        for (const int path : {1, 2})
+            rows += row(path, {i * 5e-5, 0, path == 1 ? -0.001 : 0.001});
     for (const char* shading : {"none", "mean_value"}) {
         const auto felt =
             stroke(scene({{kA, kB, kC, kD}}, fmt::format("[force]\nshading = \"{}\"\n", shading) + texture), rows);
@@ -216,15 +219,15 @@ TEST_F(MeshPath, keeps_a_history_for_each_path) {
     std::string above = row(1, {0, 0, 0.001}), below = row(2, {0, 0, -0.001}), both = above + below;
     for (int i = 0; i < 500; ++i) {
         const glm::dvec3 probe{i * 1e-5, 0, 0.002 * std::sin(i * 0.1)};
-        above += row(1, probe);
-        below += row(2, probe);
-        both += row(1, probe) + row(2, probe);
+        const std::string rows[]{row(1, probe), row(2, probe)};
+        above += rows[0];
+        below += rows[1];
+        both += rows[0] + rows[1];
     }
     const std::string plates = scene(plate);
-    const std::string together = felt(prepare(plates), "path,t,x,y,z\n" + both);
+    const auto rows = rows_of(felt(prepare(plates), "path,t,x,y,z\n" + both));
     const auto apart = {rows_of(felt(prepare(plates), "path,t,x,y,z\n" + above)),
                         rows_of(felt(prepare(plates), "path,t,x,y,z\n" + below))};
-    const auto rows = rows_of(together);
     ASSERT_EQ(rows.size(), 1002u);
     for (std::size_t i = 0; i < rows.size(); ++i)
         EXPECT_EQ(rows[i], (apart.begin() + i % 2)->at(i / 2));

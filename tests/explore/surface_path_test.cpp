@@ -169,8 +169,8 @@ TEST_F(SurfacePath, is_finite_at_the_limits_of_its_precision) {
     for (const Precision precision : {Precision::f32, Precision::f64}) {
         const char* far = precision == Precision::f32 ? "1e15" : "1e150";
         const auto rows = rows_of(
-            felt(prepare(scene, precision), fmt::format("path,t,x,y,z\n0,0,0,0,-{0}\n0,0,-{0},{0},-{0}\n0,0,{0},0,{0}\n"
-                                                        "0,0,1e-320,0,-1e-320\n",
+            felt(prepare(scene, precision), fmt::format("path,t,x,y,z\n0,0,0,0,-{0}\n0,1,-{0},{0},-{0}\n0,2,{0},0,{0}\n"
+                                                        "0,3,1e-320,0,-1e-320\n",
                                                         far)));
         EXPECT_NEAR(number_in<double>(rows[0][10]) / number_in<double>(far), 1000, 1e-3);
         EXPECT_EQ(rows[2][12], "-1");

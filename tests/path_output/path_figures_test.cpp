@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "host/path_output/contact_time.h"
 #include "host/path_output/path_figures.h"
 #include "host/path_output/path_summary.h"
 #include "host/reference/path_metrics.h"
@@ -69,6 +70,25 @@ TEST(PathFigures, of_a_path_that_left_count_up_to_then) {
     EXPECT_EQ(*figures.unstable_time, 0);
 }
 
+TEST(PathFigures, of_a_recorded_path_follow_the_times_of_its_samples) {
+    ContactTime contact;
+    EXPECT_EQ(contact.total(), 0);
+    contact.add(10, true);
+    EXPECT_EQ(contact.total(), 0) << "one sample has no time";
+    contact.add(10.5, false);
+    EXPECT_EQ(contact.total(), 0.5);
+    contact.add(11, true);
+    EXPECT_EQ(contact.total(), 1) << "the last one counts as much as the one before it";
+    contact.add(15, true);
+    EXPECT_EQ(contact.total(), 0.5 + 4 + 4);
+    layout::PathMetrics<float> metrics = reference::no_metrics<float>();
+    metrics.contact_samples = 3;
+    metrics.unstable_step = 3;
+    const PathFigures figures = figures_of(metrics, {4, 1000, true, false, PathTimes{contact.total(), 15}});
+    EXPECT_EQ(figures.contact_time, 8.5);
+    EXPECT_EQ(figures.unstable_time, 15);
+}
+
 TEST(PathSummary, leaves_cells_empty_that_have_no_meaning) {
     Folder folder;
     PathSummary summary(folder / "a.paths.csv", Precision::f32);
@@ -76,14 +96,15 @@ TEST(PathSummary, leaves_cells_empty_that_have_no_meaning) {
     summary.add(7, figures);
     figures.largest_force = double(0.1f);
     figures.eta = 0.25;
-    figures.unstable_time = 0.002;
+    figures.unstable_time = 1700000000.125; // a clock's, which a float does not hold
     summary.add(8, figures);
     summary.finish();
     std::ifstream file(folder / "a.paths.csv");
     std::ostringstream text;
     text << file.rdbuf();
-    EXPECT_EQ(text.str(), std::string(path_summary_header()) + "7,3,0,0,0,0,0,0,0,0,,0,,,,,0,,,0,0\n"
-                                                               "8,3,0,0.1,0,0,0,0,0,0,0.25,0,,,,,1,0.002,,0,0\n");
+    EXPECT_EQ(text.str(), std::string(path_summary_header()) +
+                              "7,3,0,0,0,0,0,0,0,0,,0,,,,,0,,,0,0\n"
+                              "8,3,0,0.1,0,0,0,0,0,0,0.25,0,,,,,1,1700000000.125,,0,0\n");
 }
 
 } // namespace

@@ -121,7 +121,7 @@ TEST_F(PathFiles, exr_says_what_it_holds) {
 
 TEST_F(PathFiles, exr_is_the_same_however_paths_arrive) {
     write_exr<float>("a.exr", header());
-    for (const auto& [most, window] : {std::pair<std::size_t, std::size_t>{1, 1}, {100, 7}, {3, 2}}) {
+    for (const auto& [most, window] : {std::pair<std::size_t, std::size_t>{1, 1}, {1, 2}, {100, 7}, {3, 2}}) {
         write_exr<float>("b.exr", header(), most, window);
         EXPECT_EQ(read("a.exr"), read("b.exr")) << most << ' ' << window;
     }
@@ -147,6 +147,31 @@ TEST_F(PathFiles, exr_without_further_channels_has_two_parts) {
     write_exr<float>("b.exr", plain);
     EXPECT_EQ(channel_of(folder_ / "b.exr", "position", "R")[1], float(sample_value(0, 1, 0, 2)));
     EXPECT_NE(channel_of(folder_ / "b.exr", "force", "R")[1], float(sample_value(0, 1, 0, 1)));
+}
+
+TEST_F(PathFiles, of_paths_with_times_of_their_own_tell_no_rate) {
+    PathVolumeHeader recorded = header();
+    recorded.rate = 0;
+    write_exr<float>("a.exr", recorded);
+    Imf::MultiPartInputFile file((folder_ / "a.exr").c_str());
+    EXPECT_EQ(file.header(0).findTypedAttribute<Imf::DoubleAttribute>("forceshade.rate"), nullptr);
+}
+
+TEST_F(PathFiles, exr_says_where_in_a_part_of_a_path_a_value_stands) {
+    PathVolumeHeader one = header();
+    one.paths = 1;
+    one.channels = 0;
+    PathVolumeWriter writer(folder_ / "a.exr", one);
+    const std::vector<layout::uint> steps{5};
+    for (const std::size_t step : {0, 3}) {
+        std::vector<float> force(9, 1.f), position = force;
+        if (step == 3)
+            force[4] = 7;
+        writer.write(PathRows<float>{0, 1, step == 0 ? 3u : 2u, steps, position, force, {}, {}, {}, step});
+    }
+    const VolumeResult result = writer.finish();
+    EXPECT_EQ(result.largest_voxel[0], 4u);
+    EXPECT_EQ(result.largest_voxel[1], 0u);
 }
 
 TEST_F(PathFiles, exr_refuses_what_is_not_finite) {
@@ -196,6 +221,9 @@ TEST_F(PathFiles, npy_is_shaped_by_path_and_step) {
     PathNpyWriter facet(folder_ / "facet.npy", kLengths.size(), kSteps, layout::kChannelFacet, Precision::f64);
     write_paths<double>(facet, kLengths, kSteps, 6, 3);
     EXPECT_NE(read("facet.npy").find("'<u4', 'fortran_order': False, 'shape': (20, 7), }"), std::string::npos);
+    PathNpyWriter alone(folder_ / "alone.npy", kLengths.size(), kSteps, layout::kChannelForce, Precision::f64);
+    write_paths<double>(alone, kLengths, kSteps, 1, 2);
+    EXPECT_EQ(read("alone.npy"), text) << "path by path, in pieces";
 }
 
 } // namespace

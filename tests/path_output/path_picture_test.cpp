@@ -43,5 +43,32 @@ TEST(PathPicture, shows_a_handful_of_paths_of_many) {
     EXPECT_EQ(collector.reach().y, 0.5);
 }
 
+TEST(PathPicture, is_the_same_of_a_path_in_pieces) {
+    constexpr std::size_t kLong = 100000; // every third sample is shown
+    const std::vector<layout::uint> steps{kLong};
+    std::vector<float> position(3 * kLong, 0.f), force(3 * kLong, 1.f);
+    for (std::size_t i = 0; i < kLong; ++i)
+        position[3 * i] = static_cast<float>(i);
+    PathCollector whole(1, kLong), pieces(1, kLong);
+    whole.add(PathRows<float>{0, 1, kLong, steps, position, force, {}, {}, {}});
+    for (std::size_t first = 0, count = 0; first < kLong; first += count) {
+        count = std::min<std::size_t>(7777, kLong - first);
+        pieces.add(PathRows<float>{0,
+                                   1,
+                                   count,
+                                   steps,
+                                   std::span(position).subspan(3 * first),
+                                   std::span(force).subspan(3 * first),
+                                   {},
+                                   {},
+                                   {},
+                                   first});
+    }
+    ASSERT_EQ(pieces.paths().size(), 1u);
+    ASSERT_EQ(pieces.paths()[0].way.size(), whole.paths()[0].way.size());
+    for (std::size_t i = 0; i < pieces.paths()[0].way.size(); ++i)
+        EXPECT_EQ(pieces.paths()[0].way[i].x, whole.paths()[0].way[i].x);
+}
+
 } // namespace
 } // namespace forceshade::testing

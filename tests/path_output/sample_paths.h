@@ -28,12 +28,13 @@ inline double sample_value(std::size_t path, std::size_t step, std::size_t compo
     return double(path) + double(step) / 1024 + double(component) / 4 + channel * 1000;
 }
 
-/// Hands over paths in batches as `source` gives them, `window` steps at a time; ended paths hold junk.
+/// Hands over paths in batches as `source` gives them, up to each batch's longest, `window` steps at a time; ended
+/// paths hold junk.
 template <typename T>
-void hand_over(BatchedSource<T>& source, std::size_t paths, std::size_t steps, std::size_t window,
-               RowGatherer<T>& gatherer) {
+void hand_over(BatchedSource<T>& source, std::size_t paths, std::size_t window, RowGatherer<T>& gatherer) {
     for (std::size_t first = 0; first < paths;) {
         const layout::PathBatch<T> batch = source.batch(first, paths - first);
+        const std::size_t steps = batch.longest;
         for (std::size_t step = 0; step < steps; step += window) {
             layout::PathChunk<T> chunk{};
             chunk.path_first = first;
@@ -75,8 +76,8 @@ VolumeResult write_paths(PathSink& sink, const std::vector<layout::uint>& length
     LengthSource<T> lengths_only;
     lengths_only.lengths = lengths;
     BatchedSource<T> source(lengths_only, steps, most);
-    RowGatherer<T> gatherer(source, steps, [&](const PathRows<T>& rows) { sink.write(rows); });
-    hand_over(source, lengths.size(), steps, window, gatherer);
+    RowGatherer<T> gatherer(source, [&](const PathRows<T>& rows) { sink.write(rows); });
+    hand_over(source, lengths.size(), window, gatherer);
     return sink.finish();
 }
 

@@ -1,5 +1,6 @@
 // An engine that errs is caught, wherever it errs and however little; one that does not, is not.
 #include <cmath>
+#include <fstream>
 #include <functional>
 
 #include <gtest/gtest.h>
@@ -163,6 +164,63 @@ TEST_F(PathRun, compares_evenly_chosen_paths_of_many) {
     EXPECT_EQ(record.error.paths, 1000u);
     EXPECT_EQ(record.error.samples, 1000000u);
     EXPECT_EQ(record.error.differing, 0u);
+}
+
+TEST_F(PathRun, of_recorded_paths_takes_hardly_more_steps_than_they_have) {
+    std::ofstream file(folder_ / "in.csv");
+    file << "path,t,x,y,z\n";
+    std::uint64_t samples = 0;
+    for (int path = 0; path < 500; ++path)
+        for (int i = 0; i < (path == 250 ? 100000 : 2); ++i, ++samples)
+            file << path << ',' << i << ",0,0,0.003\n";
+    file.close();
+    for (const bool metrics_only : {false, true}) {
+        Tampering engine;
+        PathRunOptions options;
+        options.stem = folder_ / "a";
+        options.recorded = folder_ / "in.csv";
+        if (!metrics_only)
+            options.samples = folder_ / "a.csv";
+        std::uint64_t taken = 0;
+        engine.chunks = [&](layout::PathChunk<float>& chunk, std::vector<float>&, std::vector<float>&) {
+            taken += chunk.path_count * chunk.step_count;
+        };
+        std::uint64_t last = 0;
+        options.progress = [&](std::uint64_t done, std::uint64_t total) {
+            EXPECT_GE(done, last);
+            EXPECT_EQ(total, samples);
+            last = done;
+        };
+        EXPECT_EQ(run_paths(engine, prepared(), options).samples, samples);
+        EXPECT_LT(taken, 5 * samples) << "of 500 paths as long as the longest";
+        EXPECT_EQ(last, samples);
+    }
+}
+
+TEST_F(PathRun, of_a_file_that_changes_meanwhile_writes_nothing) {
+    const auto write = [&](int rows) {
+        std::ofstream file(folder_ / "in.csv");
+        file << "path,t,x,y,z\n";
+        for (int i = 0; i < rows; ++i)
+            file << "0," << i << ",0,0,0.003\n";
+    };
+    for (const int later : {150000, 1000, 0}) {
+        write(200000);
+        Tampering engine;
+        PathRunOptions options;
+        options.stem = folder_ / "a";
+        options.samples = folder_ / "a.csv";
+        options.recorded = folder_ / "in.csv";
+        engine.chunks = [&](layout::PathChunk<float>& chunk, std::vector<float>&, std::vector<float>&) {
+            if (chunk.step_first == 0)
+                write(later);
+        };
+        const PreparedCase one = prepared();
+        const std::string message = message_of<IoError>([&] { run_paths(engine, one, options); });
+        EXPECT_NE(message.find("in.csv was changed while it was read; nothing was written"), std::string::npos)
+            << message;
+        EXPECT_EQ(folder_.names(), std::vector<std::string>{"in.csv"});
+    }
 }
 
 TEST_F(PathRun, validation_covers_every_path) {

@@ -1,6 +1,8 @@
 // Recorded paths: read whole or piece by piece, they are the file's.
 #include "host/paths/recorded_paths.h"
 
+#include <algorithm>
+#include <chrono>
 #include <fstream>
 
 #include <fmt/format.h>
@@ -21,7 +23,7 @@ protected:
     }
     std::string error(const std::string& text, const RecordedOptions& options) const {
         try {
-            RecordedPaths<double>(write(text), options);
+            RecordedFile(write(text), options);
         } catch (const UsageError& found) {
             const std::string message = found.what();
             return message.substr(message.find("paths.csv"));
@@ -32,7 +34,7 @@ protected:
     forceshade::testing::Folder folder_;
 };
 
-constexpr RecordedOptions kLoose{.largest_coordinate = 10};
+const RecordedOptions kLoose{.largest_coordinate = 10};
 
 // Path p has `3 + p % 5` samples; sample i stands at (p, i, -p i).
 std::string rows(int path, int begin, int end) {
@@ -53,10 +55,11 @@ std::string grouped(int paths) {
 }
 
 void expect_rows(RecordedPaths<double>& recorded, std::size_t most, std::size_t window) {
-    for (std::size_t first = 0, count = 0; first < recorded.paths(); first += count) {
+    const std::size_t paths = recorded.file()->paths();
+    for (std::size_t first = 0, count = 0; first < paths; first += count) {
         count = recorded.select(first, most);
         ASSERT_GE(count, 1u);
-        for (std::size_t step = 0; step < recorded.longest(); step += window) {
+        for (std::size_t step = 0; step < recorded.file()->longest(); step += window) {
             const auto positions = recorded.positions(step, window + 1); // and one ahead
             for (std::size_t path = 0; path < count; ++path)
                 for (std::size_t i = step; i < std::min<std::size_t>(step + window + 1, recorded.steps()[path]); ++i) {
@@ -69,15 +72,21 @@ void expect_rows(RecordedPaths<double>& recorded, std::size_t most, std::size_t 
 }
 
 TEST_F(Recorded, WholeOrInPieces) {
-    const auto file = write(grouped(40));
-    for (const std::size_t most : {1000u, 20u, 7u, 4u, 1u}) {
-        RecordedPaths<double> recorded(file, {.largest_coordinate = 10, .period = 0.001, .most = most});
-        EXPECT_EQ(recorded.paths(), 40u);
-        EXPECT_EQ(recorded.longest(), 7u);
-        EXPECT_EQ(recorded.ids()[3], 97u);
-        for (const std::size_t window : {1u, 2u, 5u, 50u}) {
-            expect_rows(recorded, 1000, window);
-            expect_rows(recorded, 3, window); // and again from the beginning
+    const auto path = write(grouped(40));
+    for (const std::size_t kept : {0u, 1000u}) {
+        const auto file = std::make_shared<const RecordedFile>(
+            path, RecordedOptions{.largest_coordinate = 10, .period = 0.001, .most_kept = kept});
+        EXPECT_EQ(file->kept().empty(), kept == 0);
+        EXPECT_EQ(file->paths(), 40u);
+        EXPECT_EQ(file->longest(), 7u);
+        EXPECT_EQ(file->samples(), 200u);
+        EXPECT_EQ(file->ids()[3], 97u);
+        for (const std::size_t most : {1000u, 20u, 7u, 4u, 1u}) {
+            RecordedPaths<double> recorded(file, most);
+            for (const std::size_t window : {1u, 2u, 5u, 50u}) {
+                expect_rows(recorded, 1000, window);
+                expect_rows(recorded, 3, window); // and again from the beginning
+            }
         }
     }
 }
@@ -87,11 +96,66 @@ TEST_F(Recorded, PathsMayBeInterleavedInAShortFile) {
     for (int i = 0; i < 7; ++i)
         for (int path = 0; path < 40; ++path)
             text += rows(path, i, std::min(i + 1, samples_of(path)));
-    RecordedPaths<double> recorded(write(text), kLoose);
-    expect_rows(recorded, 1000, 3);
-    EXPECT_EQ(error(text, {.largest_coordinate = 10, .period = 0, .most = 50}),
+    const auto path = write(text);
+    for (const std::size_t kept : {0u, 1000u}) {
+        RecordedPaths<double> recorded(
+            std::make_shared<const RecordedFile>(path, RecordedOptions{.largest_coordinate = 10, .most_kept = kept}));
+        expect_rows(recorded, 1000, 3);
+    }
+    EXPECT_EQ(error(text, {.largest_coordinate = 10, .most_interleaved = 50}),
               "paths.csv:42:1: a path goes on here after samples of another; in a file of more than 50 samples each "
               "path's stand together: sort it by path");
+}
+
+// A batch takes as many steps as its longest path has, for each of its paths.
+TEST_F(Recorded, ABatchHoldsPathsOfLengthsThatGoTogether) {
+    constexpr std::uint64_t kLong = 40000;
+    std::string text = "path,t,x,y,z\n";
+    for (int path = 0; path < 200; ++path)
+        for (std::uint64_t i = 0; i < (path == 100 ? kLong : 3); ++i)
+            text += fmt::format("{},{},0,0,0\n", path, i);
+    const auto file = std::make_shared<const RecordedFile>(write(text), kLoose);
+    RecordedPaths<double> recorded(file);
+    std::uint64_t steps = 0;
+    for (std::size_t first = 0, count = 0; first < file->paths(); first += count) {
+        count = recorded.select(first, 1000);
+        steps += count * *std::ranges::max_element(recorded.steps());
+    }
+    EXPECT_LT(steps, 10 * kLong) << "not 200 times";
+}
+
+TEST_F(Recorded, AFileThatChangesIsNoLongerRead) {
+    const std::string text = grouped(40);
+    const auto refusal = [&](const std::string& later, std::size_t kept, bool touch = true) {
+        const auto path = write(text);
+        const auto file =
+            std::make_shared<const RecordedFile>(path, RecordedOptions{.largest_coordinate = 10, .most_kept = kept});
+        RecordedPaths<double> recorded(file, 20);
+        recorded.select(0, 100);
+        recorded.positions(0, 10); // the reader stands within the file
+        const auto written = std::filesystem::last_write_time(path);
+        write(later);
+        std::filesystem::last_write_time(path, touch ? written + std::chrono::seconds(1) : written);
+        try {
+            for (std::size_t first = 0, count = 0; first < file->paths(); first += count) {
+                count = recorded.select(first, 100);
+                recorded.positions(0, 10);
+            }
+            file->require_unchanged();
+        } catch (const IoError& error) {
+            return std::string(error.what());
+        }
+        return std::string("(no error)");
+    };
+    std::string renumbered = text, other = text;
+    renumbered.replace(renumbered.rfind("\n61,") + 1, 2, "97");
+    other.replace(other.rfind("0.001"), 5, "0.002");
+    for (const std::size_t kept : {0u, 1000u}) {
+        for (const std::string& later : {text.substr(0, text.size() / 2), text.substr(0, 14), renumbered, other})
+            EXPECT_NE(refusal(later, kept).find("paths.csv was changed while it was read"), std::string::npos)
+                << later.size();
+        EXPECT_EQ(refusal(text, kept, false), "(no error)");
+    }
 }
 
 TEST_F(Recorded, TimesIncreaseAndKeepToTheRate) {
