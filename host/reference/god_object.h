@@ -46,15 +46,10 @@ void begin_path(const layout::MeshView<T>& mesh, GodObject<T>& state, Neighbourh
     }
 }
 
-/// L6: the probe takes its new position, in the mesh's frame; the proxy follows until nothing lets it come closer,
-/// crossing no triangle. A probe that is not finite changes nothing and is out of contact. No allocation.
-template <typename T, typename Trace = NoTrace>
-GodObjectContact<T> update(const layout::MeshView<T>& mesh, GodObject<T>& state, Neighbourhood<T>& around,
-                           const Vector<T>& probe, const Trace& trace = {}) noexcept {
-    if (!is_finite(probe))
-        return out_of_contact(probe);
-    if (!state.started)
-        begin_path(mesh, state, around, probe);
+/// The update of a path that has begun, to a probe that is finite.
+template <typename T, typename Trace>
+GodObjectContact<T> follow(const layout::MeshView<T>& mesh, GodObject<T>& state, Neighbourhood<T>& around,
+                           const Vector<T>& probe, const Trace& trace) noexcept {
     Rest<T> rest{
         state.proxy, {state.triangles[0], state.triangles[1], state.triangles[2]}, state.count, state.cornered};
     Walk<T, Trace> walk(mesh, around, state.proxy, probe, trace);
@@ -65,9 +60,22 @@ GodObjectContact<T> update(const layout::MeshView<T>& mesh, GodObject<T>& state,
     state.proxy = rest.proxy;
     state.cornered = rest.cornered;
     state.count = rest.cornered ? rest.count : contact.count;
-    for (layout::uint i = 0; i < state.count; ++i)
-        state.triangles[i] = rest.cornered ? rest.triangles[i] : contact.triangles[i];
+    for (layout::uint i = 0; i < 3; ++i)
+        if (i < state.count)
+            state.triangles[i] = rest.cornered ? rest.triangles[i] : contact.triangles[i];
     return contact;
+}
+
+/// L6: the probe takes its new position, in the mesh's frame; the proxy follows until nothing lets it come closer,
+/// crossing no triangle. A probe that is not finite changes nothing and is out of contact. No allocation.
+template <typename T, typename Trace = NoTrace>
+GodObjectContact<T> update(const layout::MeshView<T>& mesh, GodObject<T>& state, Neighbourhood<T>& around,
+                           const Vector<T>& probe, const Trace& trace = {}) noexcept {
+    if (!is_finite(probe))
+        return out_of_contact(probe);
+    if (!state.started)
+        begin_path(mesh, state, around, probe);
+    return follow(mesh, state, around, probe, trace);
 }
 
 } // namespace forceshade::reference

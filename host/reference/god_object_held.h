@@ -22,8 +22,10 @@ template <typename T> bool is_finite(const Vector<T>& v) noexcept {
 }
 
 template <typename T> GodObjectContact<T> out_of_contact(const Vector<T>& probe) noexcept {
-    GodObjectContact<T> contact{};
+    GodObjectContact<T> contact; // no zeros beyond count: this is on every update's way
     contact.proxy = probe;
+    contact.count = contact.substeps = 0;
+    contact.touching = false;
     contact.finished = true;
     return contact;
 }
@@ -33,22 +35,20 @@ template <typename T> T touch_tolerance(const Vector<T>& probe) noexcept {
     return T(16) * std::numeric_limits<T>::epsilon() * (T(1) + largest_of(probe));
 }
 
-/// The same as contact_of() for one facet, the most common case.
+/// Adds to a probe out of contact what contact_of() finds for one facet, the most common case.
 template <typename T>
-GodObjectContact<T> contact_of_one(const layout::MeshView<T>& mesh, layout::uint triangle, const Vector<T>& normal,
-                                   const Vector<T>& corner, const Vector<T>& probe) noexcept {
-    GodObjectContact<T> contact = out_of_contact(probe);
+void touch_one(const layout::MeshView<T>& mesh, layout::uint triangle, const Vector<T>& normal, const Vector<T>& corner,
+               const Vector<T>& probe, GodObjectContact<T>& contact) noexcept {
     const T depth = dot(normal, corner - probe);
     if (!(depth > touch_tolerance(probe)))
-        return contact;
-    contact.proxy = probe + depth * normal;
-    contact.proxy += dot(normal, corner - contact.proxy) * normal;
+        return;
+    const Vector<T> place = probe + depth * normal;
+    contact.proxy = place + dot(normal, corner - place) * normal;
     contact.count = 1;
     contact.touching = true;
     contact.triangles[0] = triangle;
     contact.facets[0] = mesh.triangle_facets[triangle];
     contact.normals[0] = normal;
-    return contact;
 }
 
 /// Adds a triangle that holds the proxy.
@@ -273,10 +273,10 @@ GodObjectContact<T> contact_at_faces(const layout::MeshView<T>& mesh, Neighbourh
         holders.triangles[holders.count] = touch.index;
         holders.normals[holders.count] = touch.face;
     }
-    GodObjectContact<T> contact;
+    GodObjectContact<T> contact = out_of_contact(probe);
     if (holders.count == 1) {
         const Touch<T>& touch = walk.touch(resting.held[0].source);
-        contact = contact_of_one(mesh, touch.index, touch.face, touch.triangle.corners[0], probe);
+        touch_one(mesh, touch.index, touch.face, touch.triangle.corners[0], probe, contact);
     } else {
         contact = contact_of(mesh, holders.triangles, holders.normals, holders.count, probe);
     }

@@ -212,7 +212,7 @@ private:
     Touch<T> touches_[kMost];
     Hold holds_[kMost];
     layout::uint count_ = 0;
-    Projection<T> projection_{};
+    Projection<T> projection_;
     T tolerance_{};
     bool shortened_ = false;
 };

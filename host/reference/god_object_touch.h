@@ -29,13 +29,18 @@ template <typename T> struct Touch {
 
 template <typename T> void begin_touch(const layout::MeshView<T>& mesh, layout::uint index, Touch<T>& touch) noexcept {
     touch.index = index;
-    touch.triangle = triangle_at(mesh, index);
     touch.faceless = false;
-    for (layout::uint i = 0; i < 3; ++i) {
-        touch.edges[i] = touch.triangle.corners[(i + 1) % 3] - touch.triangle.corners[i];
-        touch.inwards[i] = cross(touch.triangle.normal, touch.edges[i]);
-        touch.squares[i] = dot(touch.edges[i], touch.edges[i]);
-    }
+    touch.triangle = triangle_at(mesh, index);
+    const Vector<T>&a = touch.triangle.corners[0], &b = touch.triangle.corners[1], &c = touch.triangle.corners[2];
+    const Vector<T>& normal = touch.triangle.normal;
+    const auto begin_edge = [&](layout::uint i, const Vector<T>& edge) {
+        touch.edges[i] = edge;
+        touch.inwards[i] = cross(normal, edge);
+        touch.squares[i] = dot(edge, edge);
+    };
+    begin_edge(0, b - a);
+    begin_edge(1, c - b);
+    begin_edge(2, a - c);
 }
 
 /// Beside the face, or too near its border to tell at a glance.

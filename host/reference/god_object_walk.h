@@ -86,7 +86,8 @@ public:
     /// Moves there unless something is in the way.
     bool jump(const Vector<T>& there) noexcept {
         pool_.forget_all();
-        if (cast(Move<T>{proxy_, there - proxy_, T(1)}).time <= T(1))
+        Move<T> move{proxy_, there - proxy_, T(1)};
+        if (cast(move).time <= T(1))
             return false;
         go_to(there);
         return true;
@@ -120,9 +121,9 @@ private:
         return enters;
     }
 
-    /// The first impact of a move. Triangles are sifted in batches without a branch each, so that one does not wait for
-    /// the memory of another.
-    Impact cast(Move<T> move) noexcept {
+    /// The first impact of a move, which is cut there. Triangles are sifted in batches without a branch each, so that
+    /// one does not wait for the memory of another.
+    Impact cast(Move<T>& move) noexcept {
         Impact first{T(2), 0};
         layout::uint batch[kBatch];
         layout::uint count = 0;
@@ -166,7 +167,7 @@ private:
             if (pool_.keeps_off(batch[i], move.way))
                 continue;
             const Triangle<T> triangle = triangle_at(mesh_, batch[i]);
-            if (pool_.lies_below(triangle))
+            if (is_off_plane(triangle, move) || pool_.lies_below(triangle))
                 continue;
             const T time = impact_time(triangle, move);
             if (time > move.until || (time == first.time && !comes_before(batch[i], first.triangle)))
@@ -185,7 +186,7 @@ private:
     bool substep() noexcept {
         pool_.look_again(proxy_);
         pool_.find_way(proxy_, probe_);
-        const Vector<T> way = resting().vector;
+        const Vector<T>& way = resting().vector;
         if (largest_of(way) <= pool_.tolerance() && resting().count > 0)
             return true;
         Move<T> move{proxy_, way, T(1)};
@@ -205,10 +206,10 @@ private:
         return finish(move, release, released);
     }
 
-    bool finish(const Move<T>& move, const Release<T>& release, layout::uint released) noexcept {
+    bool finish(Move<T>& move, const Release<T>& release, layout::uint released) noexcept {
         const Impact impact = clipped_cast(move);
-        const bool hit = impact.time <= move.until;
-        const T time = hit ? impact.time : move.until;
+        const bool hit = impact.time <= release.time;
+        const T time = hit ? impact.time : release.time;
         const T length = time * largest_of(move.way);
         const bool moves = length > Skin<T>::kRest;
         corner_ = (hit || released != kNone) && resting().count == 2 && length > kStride<T>;
@@ -232,7 +233,7 @@ private:
     }
 
     /// A move that leaves the region ends in the open.
-    Impact clipped_cast(Move<T> move) noexcept {
+    Impact clipped_cast(Move<T>& move) noexcept {
         const T reach = largest_of(move.at(move.until));
         if (reach > T(kRegion)) {
             T until = move.until;

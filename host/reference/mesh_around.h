@@ -229,7 +229,7 @@ bool bring_close(const layout::MeshView<T>& mesh, Neighbourhood<T>& around, cons
     // What is left of the way, most likely, is walked next.
     const Move<T> whole{move.from, move.way, largest_coordinate(move.way) <= T(around.reach) ? T(1) : move.until};
     const MoveBox box = box_ahead(whole, close.reach);
-    close.count = 0;
+    close.begin(box);
     bool fits = true;
     const bool known = visit_known(mesh, around, whole, box, [&](layout::uint triangle, layout::uint end) {
         fits = fits && put_close(mesh, triangle, end, close);

@@ -28,7 +28,8 @@ template <typename T> struct Triangle {
     Vector<T> normal; /* unit, 0 without area */
 };
 
-template <typename T> Triangle<T> triangle_at(const layout::MeshView<T>& mesh, layout::uint triangle) noexcept {
+template <typename T>
+[[gnu::always_inline]] inline Triangle<T> triangle_at(const layout::MeshView<T>& mesh, layout::uint triangle) noexcept {
     const std::size_t first = 3 * std::size_t(triangle);
     return {{vector_at(mesh.vertices, mesh.triangle_corners[first]),
              vector_at(mesh.vertices, mesh.triangle_corners[first + 1]),
@@ -66,6 +67,14 @@ template <typename T> Stretch<T> stretch_near_plane(const Move<T>& move, T heigh
     else if (last < -kReach)
         end = (-kReach - height) / rate;
     return {begin > T(0) ? begin : T(0), end < move.until ? end : move.until};
+}
+
+/// Whether all of a move is further than kCulled from the triangle's plane, on one side.
+template <typename T> bool is_off_plane(const Triangle<T>& triangle, const Move<T>& move) noexcept {
+    constexpr T kFar = Skin<T>::kCulled;
+    const T begin = dot(triangle.normal, move.from - triangle.corners[0]);
+    const T end = begin + move.until * dot(triangle.normal, move.way);
+    return (begin > kFar && end > kFar) || (begin < -kFar && end < -kFar);
 }
 
 /// Whether both ends of a stretch are further than the skin outside the same edge.

@@ -1,7 +1,10 @@
 // L6: triangles around a god-object, laid out so that a move is checked against many at once.
 #pragma once
 
+#include <algorithm>
 #include <bit>
+#include <cstdint>
+#include <limits>
 
 #if defined(__SSE2__)
 #include <emmintrin.h>
@@ -42,7 +45,7 @@ template <typename T> MoveBox box_of(const Move<T>& move, float margin) noexcept
 
 /// The box that a move is likely to go on in: further ahead than aside.
 template <typename T> MoveBox box_ahead(const Move<T>& move, float reach) noexcept {
-    MoveBox box = box_of(move, kBoxMargin<T> + 0.125F * reach);
+    MoveBox box = box_of(move, kBoxMargin<T> + 0.0625F * reach);
     const T length = largest_coordinate(move.way);
     for (int i = 0; i < 3; ++i) {
         const float ahead = length > T(0) ? reach * static_cast<float>(move.way[i] / length) : 0.0F;
@@ -53,25 +56,44 @@ template <typename T> MoveBox box_ahead(const Move<T>& move, float reach) noexce
 }
 
 /// All triangles that meet a box (and some others), as planes in columns: one gathering serves the substeps of several
-/// updates. Only saves time, as the neighbourhood that it is part of.
+/// updates. Only saves time, as the neighbourhood that it is part of. Single precision, seen from the middle of the
+/// box, tells most of them apart from a move; what it lets pass is looked at again.
 template <typename T> struct CloseTriangles {
     static constexpr layout::uint kMost = 64;
-    static constexpr layout::uint kFew = 8, kMany = 16;
+    static constexpr layout::uint kFew = 16, kMany = 32;
     static constexpr layout::uint kRow = 4;      /* checked together */
     static constexpr layout::uint kPatience = 8; /* moves that pass before the next box is tried */
-    T normal_x[kMost], normal_y[kMost], normal_z[kMost];
-    T corner_x[kMost], corner_y[kMost], corner_z[kMost]; /* the first of each */
-    layout::uint triangles[kMost];
+    // What single precision makes of heights within the box is less than 20 roundings of its longest side.
+    static constexpr float kRounding = 0x1p-18F;
+    // What T makes of the height above a plane whose corner is far off.
+    static constexpr float kFarCorner = static_cast<float>(T(16) * std::numeric_limits<T>::epsilon());
+    static constexpr layout::uint kRoom = kMost + 4;
+    float normal_x[kRoom], normal_y[kRoom], normal_z[kRoom];
+    float offset[kRoom]; /* of the plane from the middle */
+    layout::uint triangles[kRoom];
     layout::uint count = 0;
     layout::uint patience = 0;
     Vector<T> low{T(1)}, high{T(-1)}; /* moves between them come close to nothing that is not here */
-    float reach = 0x1p-6F;            /* how far beyond a move the next box goes */
+    Vector<T> middle{T(0)};
+    float margin = 0;      /* what is further than this from a plane is further than kCulled */
+    float reach = 0x1p-6F; /* how far beyond a move the next box goes */
 
     void shrink(float share) noexcept { reach *= reach > 0x1p-20F ? share : 1.0F; }
 
     void forget() noexcept {
         low = Vector<T>(T(1));
         high = Vector<T>(T(-1));
+    }
+
+    /// Forgets all triangles; those that meet this box are to be put here.
+    void begin(const MoveBox& box) noexcept {
+        count = 0;
+        float side = 0;
+        for (int i = 0; i < 3; ++i) {
+            middle[i] = (T(box.low[i]) + T(box.high[i])) * T(0.5);
+            side = std::max(side, box.high[i] - box.low[i]);
+        }
+        margin = static_cast<float>(Skin<T>::kCulled) + kFarCorner + kRounding * side;
     }
 
     /// All that meets the box was put here.
@@ -88,89 +110,96 @@ template <typename T> struct CloseTriangles {
     }
 };
 
-/// Adds a run of triangles. False if there is no room.
+/// Adds a run of triangles. False if there is no room. Writes fours, the last ones to be written over: no processor
+/// guesses how long a run is.
 template <typename T>
 bool put_close(const layout::MeshView<T>& mesh, layout::uint triangle, layout::uint end,
                CloseTriangles<T>& close) noexcept {
-    if (close.count + (end - triangle) > CloseTriangles<T>::kMost)
+    const layout::uint first = close.count, count = end - triangle;
+    if (first + count > CloseTriangles<T>::kMost)
         return false;
-    for (; triangle < end; ++triangle) {
-        const layout::uint place = close.count++;
-        const Vector<T> normal = vector_at(mesh.triangle_normals, triangle);
-        const Vector<T> corner = vector_at(mesh.vertices, mesh.triangle_corners[3 * std::size_t(triangle)]);
-        close.normal_x[place] = normal.x;
-        close.normal_y[place] = normal.y;
-        close.normal_z[place] = normal.z;
-        close.corner_x[place] = corner.x;
-        close.corner_y[place] = corner.y;
-        close.corner_z[place] = corner.z;
-        close.triangles[place] = triangle;
-    }
+    const auto last = static_cast<layout::uint>(mesh.triangle_facets.size() - 1);
+    for (layout::uint four = 0; four < count; four += 4)
+        for (layout::uint i = four; i < four + 4; ++i) {
+            const layout::uint index = std::min(triangle + i, last);
+            const Vector<T> normal = vector_at(mesh.triangle_normals, index);
+            const Vector<T> corner = vector_at(mesh.vertices, mesh.triangle_corners[3 * std::size_t(index)]);
+            close.normal_x[first + i] = static_cast<float>(normal.x);
+            close.normal_y[first + i] = static_cast<float>(normal.y);
+            close.normal_z[first + i] = static_cast<float>(normal.z);
+            close.offset[first + i] = static_cast<float>(dot(normal, corner - close.middle));
+            close.triangles[first + i] = index;
+        }
+    close.count += count;
     return true;
 }
 
 /// Fills the last row with what no move meets.
 template <typename T> void complete_row(CloseTriangles<T>& close) noexcept {
     for (layout::uint i = close.count; i % CloseTriangles<T>::kRow != 0; ++i) {
-        // Far from everything.
-        close.normal_x[i] = T(1);
-        close.normal_y[i] = close.normal_z[i] = close.corner_y[i] = close.corner_z[i] = T(0);
-        close.corner_x[i] = T(16);
+        close.normal_x[i] = close.normal_y[i] = close.normal_z[i] = 0;
+        close.offset[i] = 16; /* far from everything */
     }
 }
 
-#if defined(__SSE2__)
-/// Bit i of the result: a move comes within kCulled of the plane of triangle i of a row.
-inline unsigned row_meeting(const CloseTriangles<double>& close, layout::uint row, const Move<double>& move) noexcept {
-    const auto both = [](double one) { return _mm_set1_pd(one); };
-    const __m128d far = both(Skin<double>::kCulled), below = both(-Skin<double>::kCulled), until = both(move.until);
-    unsigned meeting = 0;
-    for (unsigned i = 0; i < 4; i += 2) {
-        const __m128d x = _mm_loadu_pd(&close.normal_x[row + i]);
-        const __m128d y = _mm_loadu_pd(&close.normal_y[row + i]);
-        const __m128d z = _mm_loadu_pd(&close.normal_z[row + i]);
-        const auto product = [&](__m128d u, __m128d v, __m128d w) {
-            return _mm_add_pd(_mm_add_pd(_mm_mul_pd(x, u), _mm_mul_pd(y, v)), _mm_mul_pd(z, w));
-        };
-        const __m128d begin = product(_mm_sub_pd(both(move.from.x), _mm_loadu_pd(&close.corner_x[row + i])),
-                                      _mm_sub_pd(both(move.from.y), _mm_loadu_pd(&close.corner_y[row + i])),
-                                      _mm_sub_pd(both(move.from.z), _mm_loadu_pd(&close.corner_z[row + i])));
-        const __m128d rate = product(both(move.way.x), both(move.way.y), both(move.way.z));
-        const __m128d end = _mm_add_pd(begin, _mm_mul_pd(until, rate));
-        const __m128d above = _mm_cmpgt_pd(_mm_min_pd(begin, end), far);
-        const __m128d under = _mm_cmplt_pd(_mm_max_pd(begin, end), below);
-        meeting |= (~static_cast<unsigned>(_mm_movemask_pd(_mm_or_pd(above, under))) & 3U) << i;
-    }
-    return meeting;
-}
-#endif
+/// A move as the close triangles see it: from the middle of their box.
+struct CloseMove {
+    float from[3], way[3];
+};
 
-/// The same in any precision.
+template <typename T> CloseMove seen_from_middle(const CloseTriangles<T>& close, const Move<T>& move) noexcept {
+    CloseMove seen;
+    for (int i = 0; i < 3; ++i) {
+        seen.from[i] = static_cast<float>(move.from[i] - close.middle[i]);
+        seen.way[i] = static_cast<float>(move.until * move.way[i]);
+    }
+    return seen;
+}
+
+/// Bit i of the result: the move may come within kCulled of the plane of triangle i of a row.
 template <typename T>
-unsigned row_meeting(const CloseTriangles<T>& close, layout::uint row, const Move<T>& move) noexcept {
-    constexpr T kFar = Skin<T>::kCulled;
+unsigned row_meeting(const CloseTriangles<T>& close, layout::uint row, const CloseMove& move) noexcept {
+#if defined(__SSE2__)
+    const __m128 x = _mm_loadu_ps(&close.normal_x[row]), y = _mm_loadu_ps(&close.normal_y[row]);
+    const __m128 z = _mm_loadu_ps(&close.normal_z[row]);
+    const auto product = [&](const float* v) {
+        return _mm_add_ps(_mm_add_ps(_mm_mul_ps(x, _mm_set1_ps(v[0])), _mm_mul_ps(y, _mm_set1_ps(v[1]))),
+                          _mm_mul_ps(z, _mm_set1_ps(v[2])));
+    };
+    const __m128 begin = _mm_sub_ps(product(move.from), _mm_loadu_ps(&close.offset[row]));
+    const __m128 end = _mm_add_ps(begin, product(move.way));
+    const __m128 above = _mm_cmpgt_ps(_mm_min_ps(begin, end), _mm_set1_ps(close.margin));
+    const __m128 under = _mm_cmplt_ps(_mm_max_ps(begin, end), _mm_set1_ps(-close.margin));
+    return ~static_cast<unsigned>(_mm_movemask_ps(_mm_or_ps(above, under))) & 15U;
+#else
     unsigned meeting = 0;
     for (unsigned i = 0; i < CloseTriangles<T>::kRow; ++i) {
         const layout::uint place = row + i;
-        const T begin = close.normal_x[place] * (move.from.x - close.corner_x[place]) +
-                        close.normal_y[place] * (move.from.y - close.corner_y[place]) +
-                        close.normal_z[place] * (move.from.z - close.corner_z[place]);
-        const T rate = close.normal_x[place] * move.way.x + close.normal_y[place] * move.way.y +
-                       close.normal_z[place] * move.way.z;
-        const T end = begin + move.until * rate;
-        const bool apart = ((begin > kFar) & (end > kFar)) | ((begin < -kFar) & (end < -kFar));
+        const auto product = [&](const float* v) {
+            return close.normal_x[place] * v[0] + close.normal_y[place] * v[1] + close.normal_z[place] * v[2];
+        };
+        const float begin = product(move.from) - close.offset[place], end = begin + product(move.way);
+        const bool apart =
+            ((begin > close.margin) & (end > close.margin)) | ((begin < -close.margin) & (end < -close.margin));
         meeting |= static_cast<unsigned>(!apart) << i;
     }
     return meeting;
+#endif
 }
 
-/// Writes the triangles whose planes a move comes within kCulled of, and returns their number.
+/// Writes the triangles whose planes a move may come within kCulled of, and returns their number. The move must stay
+/// within what is known.
 template <typename T>
 layout::uint sift(const CloseTriangles<T>& close, const Move<T>& move, layout::uint* left) noexcept {
-    layout::uint count = 0;
+    static_assert(CloseTriangles<T>::kMost <= 64);
+    const CloseMove seen = seen_from_middle(close, move);
+    // All rows before any bit: a processor guesses badly in which row there is one.
+    std::uint64_t meeting = 0;
     for (layout::uint row = 0; row < close.count; row += CloseTriangles<T>::kRow)
-        for (unsigned meeting = row_meeting(close, row, move); meeting != 0; meeting &= meeting - 1)
-            left[count++] = close.triangles[row + static_cast<unsigned>(std::countr_zero(meeting))];
+        meeting |= std::uint64_t(row_meeting(close, row, seen)) << row;
+    layout::uint count = 0;
+    for (; meeting != 0; meeting &= meeting - 1)
+        left[count++] = close.triangles[std::countr_zero(meeting)];
     return count;
 }
 
