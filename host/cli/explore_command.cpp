@@ -246,7 +246,7 @@ void add_explore_command(CLI::App& program, const CommonOptions& common, Command
         ->required();
     command->add_option("--paths", arguments->paths,
                         "recorded positions in place of the scene's: a CSV file with a header and columns path, t, x, "
-                        "y, z (s, m); others are not read");
+                        "y, z (s, m); others are not read, and times of a path increase");
     command
         ->add_option("--out", arguments->out,
                      "OUT.exr (a row a path) or OUT.csv (a line a sample); OUT.paths.csv beside it has a line a path")
@@ -255,8 +255,7 @@ void add_explore_command(CLI::App& program, const CommonOptions& common, Command
         ->add_option("--also", arguments->also,
                      "further files beside it: npy (NumPy), png (paths over the surface, direction of the force)")
         ->delimiter(',');
-    command->add_flag("--metrics-only", arguments->metrics_only,
-                      "no samples, only OUT.paths.csv: memory does not grow with the steps");
+    command->add_flag("--metrics-only", arguments->metrics_only, "no samples, only OUT.paths.csv");
     command->callback([=, &common, &chosen] { chosen = [=, &common] { return run(*arguments, common); }; });
 }
 

@@ -53,8 +53,8 @@ void add_kind(std::vector<Key>& keys) {
                     .name = "file",
                     .kind = ValueKind::file,
                     .default_text = "",
-                    .doc = "recorded paths as CSV with a header and columns path, t, x, y, z (s, m), relative to this "
-                           "TOML file or absolute",
+                    .doc = "recorded paths as CSV with a header and columns path, t, x, y, z (s, m), times of a path "
+                           "increasing; relative to this TOML file or absolute",
                     .set =
                         [](Scene& s, const Value& v) {
                             s.paths->file = v.texts.at(0);
@@ -98,7 +98,7 @@ void add_counts(std::vector<Key>& keys) {
                     .name = "rate",
                     .kind = ValueKind::quantity,
                     .default_text = "\"1 kHz\"",
-                    .doc = "samples a second",
+                    .doc = "samples a second; recorded paths have times of their own, which in closed loop keep to it",
                     .set = [](Scene& s, const Value& v) { s.paths->rate = v.numbers.at(0); },
                     .subject = Subject::paths,
                     .forms = kAll,
