@@ -20,6 +20,22 @@ constexpr std::array<Channel, 4> kReals{{{layout::kChannelPosition, 3},
                                          {layout::kChannelDepth, 1},
                                          {layout::kChannelProxy, 3}}};
 
+// The list in which a path of this phase waits.
+std::size_t list_of(uint phase) {
+    switch (phase) {
+    case layout::kPhaseRare:
+        return 1;
+    case layout::kPhaseAlone:
+        return 2;
+    case layout::kPhaseSettle:
+        return 3;
+    case layout::kPhaseSettleAlone:
+        return 4;
+    default:
+        return 0;
+    }
+}
+
 std::size_t reals_of(uint channels) {
     std::size_t width = 0;
     for (const Channel& channel : kReals)
@@ -69,37 +85,29 @@ template <typename T> void MeshPathBatch::put_positions(std::span<const T> posit
 
 WaitingPaths MeshPathBatch::waiting(std::uint32_t step_end) const {
     visible_to_host(device_, words_);
-    WaitingPaths lists;
+    WaitingPaths waiting;
     for (std::size_t path = 0; path < paths_; ++path) {
-        const auto id = static_cast<uint>(path);
-        const uint step = word(layout::kWalkWordStep, path);
-        if (step >= std::min(step_end, word(layout::kWalkWordSteps, path)))
+        const uint step = word(layout::kWalkWordStep, path), phase = word(layout::kWalkWordPhase, path);
+        if (step >= std::min(step_end, word(layout::kWalkWordSteps, path)) || phase == layout::kPhaseHost)
             continue;
-        switch (word(layout::kWalkWordPhase, path)) {
-        case layout::kPhaseStep:
-        case layout::kPhaseFelt:
-            lists[0].push_back(id);
-            break;
-        case layout::kPhaseRare:
-            lists[1].push_back(id);
-            break;
-        case layout::kPhaseAlone:
-            lists[2].push_back(id);
-            lists[2].resize(lists[2].size() + kApart - 1, layout::kNoPath);
-            break;
-        default:
-            break;
-        }
+        const bool alone = phase == layout::kPhaseAlone || phase == layout::kPhaseSettleAlone;
+        std::vector<uint>& list = waiting.lists[list_of(phase)];
+        list.push_back(static_cast<uint>(path));
+        if (alone)
+            list.resize(list.size() + kApart - 1, layout::kNoPath);
+        const bool begins = word(layout::kWalkWordStage, path) != layout::kStageSettle;
+        waiting.settling += phase == layout::kPhaseSettle && begins ? 1 : 0;
     }
-    return lists;
+    return waiting;
 }
 
-template <typename T> HostUpdates<T> MeshPathBatch::host_updates() const {
+template <typename T> HostUpdates<T> MeshPathBatch::host_updates(bool settles) const {
     visible_to_host(device_, words_);
     visible_to_host(device_, reals_);
     HostUpdates<T> waiting;
     for (std::size_t path = 0; path < paths_; ++path) {
-        if (word(layout::kWalkWordPhase, path) != layout::kPhaseHost)
+        const uint phase = word(layout::kWalkWordPhase, path);
+        if (phase != layout::kPhaseHost && (settles || phase != layout::kPhaseSettle))
             continue;
         layout::MeshUpdate<T> update{};
         for (uint i = 0; i < 3; ++i) {
@@ -130,19 +138,20 @@ template <typename T> void MeshPathBatch::put(const HostUpdates<T>& done) {
                                             (update.back ? layout::kHeldBack : 0) |
                                             (update.finished ? 0 : layout::kHeldUnfinished);
         word(layout::kWalkWordPhase, path) = layout::kPhaseFelt;
+        word(layout::kWalkWordStage, path) = layout::kStageBegin;
     }
     flush_to_device(device_, words_);
     flush_to_device(device_, reals_);
 }
 
-std::array<std::uint32_t, 3> MeshPathBatch::put_lists(const WaitingPaths& lists) {
+std::array<std::uint32_t, kMeshPathLists> MeshPathBatch::put_lists(const WaitingPaths& waiting) {
     uint* const to = reinterpret_cast<uint*>(words_.mapped) + layout::kWalkWordCount * paths_ + 1;
-    std::array<std::uint32_t, 3> begins{};
+    std::array<std::uint32_t, kMeshPathLists> begins{};
     std::uint32_t at = 0;
-    for (std::size_t i = 0; i < lists.size(); ++i) {
+    for (std::size_t i = 0; i < kMeshPathLists; ++i) {
         begins[i] = at;
-        std::ranges::copy(lists[i], to + at);
-        at += static_cast<std::uint32_t>(lists[i].size());
+        std::ranges::copy(waiting.lists[i], to + at);
+        at += static_cast<std::uint32_t>(waiting.lists[i].size());
     }
     flush_to_device(device_, words_);
     return begins;
@@ -202,8 +211,8 @@ vk::Buffer MeshPathBatch::buffer(uint binding) const {
 
 template void MeshPathBatch::begin<float>(const layout::PathBatch<float>&, std::size_t, uint, std::size_t, bool);
 template void MeshPathBatch::begin<double>(const layout::PathBatch<double>&, std::size_t, uint, std::size_t, bool);
-template HostUpdates<float> MeshPathBatch::host_updates<float>() const;
-template HostUpdates<double> MeshPathBatch::host_updates<double>() const;
+template HostUpdates<float> MeshPathBatch::host_updates<float>(bool) const;
+template HostUpdates<double> MeshPathBatch::host_updates<double>(bool) const;
 template void MeshPathBatch::put<float>(const HostUpdates<float>&);
 template void MeshPathBatch::put<double>(const HostUpdates<double>&);
 template void MeshPathBatch::put_positions<float>(std::span<const float>);

@@ -24,15 +24,22 @@ template <typename T> void MeshPathInputs::upload_triangles(const layout::MeshVi
     indices.insert(indices.end(), mesh.facet_corners.begin(), mesh.facet_corners.end());
     const auto first = static_cast<uint>(indices.size());
     indices.insert(indices.end(), obstacles.triangles.begin(), obstacles.triangles.end());
-    std::vector<uint> words(8 * triangles);
+    // What is across an edge with a pseudonormal of its own leads to that in the vectors.
+    const std::size_t vectors = 3 * triangles + mesh.facet_normals.size() / 3 + mesh.vertices.size(); // three a vertex
+    const auto found = [&](uint across) {
+        const bool many = across != layout::kMeshBorder && (across & layout::kMeshManyBit) != 0;
+        return many ? across + static_cast<uint>(vectors) : across;
+    };
+    std::vector<uint> words(12 * triangles);
     for (std::size_t t = 0; t < triangles; ++t) {
         uint* const to = &words[8 * t];
         to[0] = mesh.triangle_facets[t];
-        std::ranges::copy(mesh.triangle_neighbours.subspan(3 * t, 3), to + 1);
+        std::ranges::transform(mesh.triangle_neighbours.subspan(3 * t, 3), to + 1, found);
         to[4] = first + obstacles.front[t];
         to[5] = first + obstacles.back[t];
         to[6] = first + obstacles.front[t + 1];
         to[7] = obstacles.crowded[t] ? layout::kTriangleCrowded : 0;
+        std::ranges::copy(mesh.triangle_corners.subspan(3 * t, 3), &words[8 * triangles + 4 * t]);
     }
     buffers_.upload(layout::kMeshPathBindTriangles, bytes_of(words));
     buffers_.upload(layout::kMeshPathBindIndices, bytes_of(indices));
@@ -42,7 +49,8 @@ template <typename T> void MeshPathInputs::upload_vectors(const layout::MeshView
     const std::size_t triangles = mesh.triangle_facets.size(), vertices = mesh.vertices.size() / 3;
     const std::size_t facets = mesh.facet_normals.size() / 3;
     std::vector<T> table;
-    table.reserve(4 * (3 * triangles + facets + 2 * vertices));
+    const std::size_t edges = mesh.edge_pseudonormals.size() / 3;
+    table.reserve(4 * (3 * triangles + facets + 3 * vertices + edges));
     const auto add = [&](std::span<const T> from, std::size_t i, T beside) {
         table.insert(table.end(), {from[3 * i], from[3 * i + 1], from[3 * i + 2], beside});
     };
@@ -54,7 +62,10 @@ template <typename T> void MeshPathInputs::upload_vectors(const layout::MeshView
     for (std::size_t v = 0; v < vertices; ++v) {
         add(mesh.vertices, v, T(0));
         add(mesh.vertex_normals, v, T(0));
+        add(mesh.vertex_pseudonormals, v, T(0));
     }
+    for (std::size_t e = 0; e < edges; ++e)
+        add(mesh.edge_pseudonormals, e, T(0));
     buffers_.upload(layout::kMeshPathBindVectors, bytes_of(table));
 }
 

@@ -49,6 +49,7 @@ std::array<std::uint32_t, layout::kMeshPathSpecCount> constants_of(const layout:
 struct MeshPathKernel::Implementation {
     Device::Implementation& device;
     MeshPathOptions options;
+    bool settles;
     Pipelines pipelines;
     MeshPathInputs inputs;
     MeshPathBatch batch;
@@ -58,8 +59,9 @@ struct MeshPathKernel::Implementation {
     vk::raii::Fence fence;
 
     Implementation(Device::Implementation& on, const MeshPathOptions& wanted)
-        : device(on), options(wanted), pipelines(on, layout::kMeshPathBindCount, sizeof(layout::MeshPathChunkParams)),
-          inputs(on), batch(on), commands(make_commands(on)), fence(on.device.createFence({})) {
+        : device(on), options(wanted), settles(wanted.settles.value_or(!on.report.software)),
+          pipelines(on, layout::kMeshPathBindCount, sizeof(layout::MeshPathChunkParams)), inputs(on), batch(on),
+          commands(make_commands(on)), fence(on.device.createFence({})) {
         const vk::DescriptorPoolSize size(vk::DescriptorType::eStorageBuffer, layout::kMeshPathBindCount);
         sets = device.device.createDescriptorPool({vk::DescriptorPoolCreateFlagBits::eFreeDescriptorSet, 1, size});
         set = std::move(device.device.allocateDescriptorSets({*sets, *pipelines.set_layout()}).front());
@@ -86,9 +88,9 @@ template <typename T> struct MeshPathKernel::Implementation::Run {
     const layout::PathInput<T>& input;
     const FinishUpdates<T>& finish;
     MeshPathTimes& times;
-    vk::Pipeline hot, rare;
+    vk::Pipeline hot, rare, settling;
 
-    void dispatch(const WaitingPaths& lists, layout::MeshPathChunkParams chunk);
+    void dispatch(const WaitingPaths& waiting, layout::MeshPathChunkParams chunk);
     bool round(layout::MeshPathChunkParams chunk);
     void finish_waiting();
     void chunk(std::size_t step_first, std::size_t step_count);
@@ -96,18 +98,20 @@ template <typename T> struct MeshPathKernel::Implementation::Run {
 
 // Lists are of different paths, so the dispatches need not wait for each other.
 template <typename T>
-void MeshPathKernel::Implementation::Run<T>::dispatch(const WaitingPaths& lists, layout::MeshPathChunkParams chunk) {
-    const auto begins = self.batch.put_lists(lists);
+void MeshPathKernel::Implementation::Run<T>::dispatch(const WaitingPaths& waiting, layout::MeshPathChunkParams chunk) {
+    const std::array<vk::Pipeline, kMeshPathLists> kernels{hot, rare, rare, settling, settling};
+    const auto begins = self.batch.put_lists(waiting);
     const vk::raii::CommandBuffer& commands = self.commands;
     commands.bindDescriptorSets(vk::PipelineBindPoint::eCompute, *self.pipelines.layout(), 0, *self.set, {});
-    for (std::size_t i = 0; i < lists.size(); ++i) {
-        if (lists[i].empty())
+    for (std::size_t i = 0; i < kMeshPathLists; ++i) {
+        if (waiting.lists[i].empty())
             continue;
+        const bool alone = i == 2 || i == 4;
         chunk.first = begins[i];
-        chunk.listed = static_cast<std::uint32_t>(lists[i].size());
+        chunk.listed = static_cast<std::uint32_t>(waiting.lists[i].size());
         chunk.pause = i == 0 ? self.options.pause : self.options.rare_pause;
-        chunk.limit = i == 2 ? self.options.limit_alone : self.options.limit;
-        commands.bindPipeline(vk::PipelineBindPoint::eCompute, i == 0 ? hot : rare);
+        chunk.limit = alone ? self.options.limit_alone : self.options.limit;
+        commands.bindPipeline(vk::PipelineBindPoint::eCompute, kernels[i]);
         commands.pushConstants<layout::MeshPathChunkParams>(*self.pipelines.layout(), vk::ShaderStageFlagBits::eCompute,
                                                             0, chunk);
         commands.dispatch((chunk.listed + kGroup - 1) / kGroup, 1, 1);
@@ -117,14 +121,15 @@ void MeshPathKernel::Implementation::Run<T>::dispatch(const WaitingPaths& lists,
 // Takes every path as far as one dispatch goes. False if all have come to the end.
 template <typename T> bool MeshPathKernel::Implementation::Run<T>::round(layout::MeshPathChunkParams chunk) {
     using Stage = vk::PipelineStageFlagBits;
-    const WaitingPaths lists = self.batch.waiting(chunk.step_end);
-    if (std::ranges::all_of(lists, [](const auto& list) { return list.empty(); }))
+    const WaitingPaths waiting = self.batch.waiting(chunk.step_end);
+    if (std::ranges::all_of(waiting.lists, [](const auto& list) { return list.empty(); }))
         return false;
     ++times.dispatches;
-    times.rare_updates += lists[1].size();
+    times.rare_updates += waiting.lists[1].size();
+    times.settled_updates += waiting.settling;
     self.commands.reset();
     self.commands.begin({vk::CommandBufferUsageFlagBits::eOneTimeSubmit});
-    dispatch(lists, chunk);
+    dispatch(waiting, chunk);
     const vk::MemoryBarrier to_host(vk::AccessFlagBits::eShaderWrite, vk::AccessFlagBits::eHostRead);
     self.commands.pipelineBarrier(Stage::eComputeShader, Stage::eHost, {}, to_host, {}, {});
     self.commands.end();
@@ -139,7 +144,7 @@ template <typename T> bool MeshPathKernel::Implementation::Run<T>::round(layout:
 }
 
 template <typename T> void MeshPathKernel::Implementation::Run<T>::finish_waiting() {
-    HostUpdates<T> waiting = self.batch.host_updates<T>();
+    HostUpdates<T> waiting = self.batch.host_updates<T>(self.settles);
     if (waiting.paths.empty())
         return;
     const Clock::time_point start = Clock::now();
@@ -191,7 +196,10 @@ MeshPathTimes MeshPathKernel::explore(const layout::PathInput<T>& input, const F
             times,
             self.pipelines.get(kDouble ? kernels::mesh_path_f64() : kernels::mesh_path_f32(), constants),
             self.pipelines.get(kDouble ? kernels::mesh_rest_f64() : kernels::mesh_rest_f32(),
-                               std::span(constants).first(1))};
+                               std::span(constants).first(1)),
+            self.settles ? self.pipelines.get(kDouble ? kernels::mesh_settle_f64() : kernels::mesh_settle_f32(),
+                                              std::span(constants).first(1))
+                         : vk::Pipeline{}};
         times.compile = seconds_since(start);
         const uint channels = input.features.channels;
         const bool recorded = input.features.motion == layout::kMotionRecorded;

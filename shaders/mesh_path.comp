@@ -59,11 +59,11 @@ real3 facet_normal(uint facet) {
 }
 
 real3 vertex_position(uint vertex) {
-    return vectors[3u * mesh.triangles + mesh.facets + 2u * vertex].xyz;
+    return vectors[3u * mesh.triangles + mesh.facets + 3u * vertex].xyz;
 }
 
 real3 vertex_normal(uint vertex) {
-    return vectors[3u * mesh.triangles + mesh.facets + 2u * vertex + 1u].xyz;
+    return vectors[3u * mesh.triangles + mesh.facets + 3u * vertex + 1u].xyz;
 }
 
 #include "laws/mesh_shading.glsl"
@@ -217,7 +217,7 @@ void main() {
     if (going)
         atomicOr(status, kStatusUnfinished);
     bool begun = is_rare || (walk_substeps > 0u && !left);
-    uint phase = (held & kHeldCornered) != 0u ? kPhaseHost : kPhaseRare;
+    uint phase = (held & kHeldCornered) != 0u ? kPhaseSettle : kPhaseRare;
     put_walk_word(path, kWalkWordPhase, begun && state.step < end ? phase : kPhaseStep);
     put_walk_word(path, kWalkWordStep, state.step);
     put_walk_word(path, kWalkWordHeld, held);

@@ -25,6 +25,7 @@ layout(std430, set = 0, binding = kMeshPathBindNodes) readonly buffer NodeBuffer
 #include "laws/vector.glsl"
 #include "laws/mesh_triangle.glsl"
 #include "laws/god_object.glsl"
+#include "laws/mesh_path_walk.glsl"
 
 void put_rest(uint path, Rest rest) {
     uint bits = (rest.count > 0u ? kHeldTouching : 0u) | (rest.back ? kHeldBack : 0u);
@@ -41,41 +42,16 @@ void put_rest(uint path, Rest rest) {
     }
 }
 
-// What a walk that goes on with the next dispatch must know.
-void put_walk(uint path) {
-    put_walk_word(path, kWalkWordStage, kStageWalk);
+// A rest at a corner or an edge, from which the settling kernel goes on.
+void put_doubtful(uint path) {
+    put_walk_word(path, kWalkWordPhase, walk_substeps < kSubsteps ? kPhaseSettle : kPhaseHost);
+    put_walk_word(path, kWalkWordStage, kStageRest);
     put_walk_word(path, kWalkWordSubsteps, walk_substeps);
-    put_walk_word(path, kWalkWordTread, tread_substeps);
-    put_walk_word(path, kWalkWordPool, pool_count | pool_faceless << kPoolFaceless);
-    [[unroll]] for (uint i = 0u; i < POOL; ++i)
-        put_walk_word(path, kWalkWordPooled + i, pool_index[i]);
+    put_walk_word(path, kWalkWordSettling, resting.count << kSettlingCount | (walk_corner ? 1u : 0u) << kSettlingHalted);
+    put_walk_word(path, kWalkWordBefore, index_at(resting.one.source));
+    put_walk_word(path, kWalkWordBefore + 1u, index_at(resting.two.source));
+    put_walk_word(path, kWalkWordBefore + 2u, index_at(resting.three.source));
     put_walk_real3(path, kWalkRealAt, walk_proxy);
-    put_walk_real3(path, kWalkRealTread, tread_place);
-}
-
-void take_walk(uint path) {
-    walk_proxy = walk_real3(path, kWalkRealAt);
-    walk_substeps = walk_word(path, kWalkWordSubsteps);
-    walk_corner = false;
-    walk_rests = false;
-    walk_runs = true;
-    tread_place = walk_real3(path, kWalkRealTread);
-    tread_substeps = walk_word(path, kWalkWordTread);
-    uint word = walk_word(path, kWalkWordPool);
-    forget_all();
-    uint count = word & kPoolCount;
-    [[dont_unroll]] do {
-        if (pool_count < count) {
-            uint triangle = walk_word(path, kWalkWordPooled + pool_count);
-            remember(triangle, triangle_at(triangle), POOL);
-        }
-        ++spent;
-    } while (pool_count < count);
-    pool_faceless = word >> kPoolFaceless;
-}
-
-bool is_finite(real3 v) {
-    return largest_of(v) <= LARGEST;
 }
 
 void main() {
@@ -112,20 +88,22 @@ void main() {
     // A driver that silently ends long loops leaves a lane going.
     if (going)
         atomicOr(walk_words[kWalkWordCount * chunk.paths], kStatusUnfinished);
-    // What does not come to rest on faces alone is the host's.
+    // What does not come to rest on faces alone may go on.
     bool ends = !walk_runs && !overrun;
-    bool on_faces = ends && walk_rests && !is_doubtful();
+    bool on_faces = ends && (resting.count == 0u || (walk_rests && !is_doubtful())) && walk_substeps < kSubsteps;
     Rest rest = out_of_contact(walk_probe);
     if (on_faces)
         rest = contact_at_rest();
     if (on_faces && !overrun)
         put_rest(path, rest);
     else if (ends && !on_faces)
-        put_walk_word(path, kWalkWordPhase, kPhaseHost);
-    else if (!overrun)
+        put_doubtful(path);
+    else if (!overrun) {
         put_walk(path);
+        put_walk_word(path, kWalkWordStage, kStageWalk);
+    }
     if (overrun)
         put_walk_word(path, kWalkWordPhase, walk_word(path, kWalkWordPhase) == kPhaseAlone ? kPhaseHost : kPhaseAlone);
-    if (ends || overrun)
+    if (on_faces || overrun)
         put_walk_word(path, kWalkWordStage, kStageBegin);
 }

@@ -163,7 +163,7 @@ private:
         return spent;
     }
 
-    // What rests at corners and edges is the oracle's: its updates there go many ways, few steps need them.
+    // What kernels leave is the oracle's: its updates go many ways there, few steps need them.
     template <typename T>
     compute::FieldTimes run_mesh_paths(const layout::PathInput<T>& input, const reference::TakePaths<T>& take,
                                        const reference::TakeMetrics<T>& take_metrics) {

@@ -13,6 +13,11 @@ uint walk_substeps;
 bool walk_rests; // what held the proxy last is what holds it
 bool walk_corner; // halted where a line between two faces ended
 bool walk_runs; // has not come to an end
+#ifdef FS_SETTLE
+bool jumps; // the next substep is a jump there, which ends the walk if something is in the way
+real3 jump_goal;
+bool jump_blocked;
+#endif
 real3 tread_place; // where the proxy was
 uint tread_substeps; // so many substeps ago
 
@@ -144,7 +149,12 @@ real clipped(real from, real way, real until, real clip) {
 
 // A move that leaves the region ends in the open.
 Impact clipped_cast(Move move) {
-    if (largest_of(place_at(move, move.until)) > kRegion) {
+#ifdef FS_SETTLE
+    bool clips = !jumps;
+#else
+    const bool clips = true;
+#endif
+    if (clips && largest_of(place_at(move, move.until)) > kRegion) {
         real until = clipped(move.from.x, move.way.x, move.until, move.until);
         until = clipped(move.from.y, move.way.y, move.until, until);
         until = clipped(move.from.z, move.way.z, move.until, until);
@@ -175,6 +185,12 @@ void finish_substep(Move move, uint released, uint edge) {
     if (overrun || is_rare)
         return;
     bool was_hit = impact.time <= move.until;
+#ifdef FS_SETTLE
+    if (jumps) {
+        jump_blocked = was_hit;
+        return;
+    }
+#endif
     bool was_released = released != POOL;
     real time = was_hit ? impact.time : move.until;
     precise real size = time * largest_of(move.way);
@@ -217,6 +233,10 @@ void substep() {
     find_way(walk_proxy, walk_probe);
     real3 way = resting.vector;
     walk_rests = largest_of(way) <= pool_tolerance && resting.count > 0u;
+#ifdef FS_SETTLE
+    if (jumps)
+        way = difference(jump_goal, walk_proxy);
+#endif
     Release release = Release(ONE, 3u);
     uint released = POOL;
 #ifdef FS_RARE
@@ -241,6 +261,10 @@ void walk_on() {
     substep();
     if (overrun || is_rare)
         return;
+#ifdef FS_SETTLE
+    if (jumps)
+        return;
+#endif
     if (!walk_rests)
         ++walk_substeps;
     walk_runs = !walk_rests && !walk_corner && walk_substeps < kSubsteps;
@@ -270,40 +294,3 @@ void begin_walk() {
     tread_place = walk_proxy;
     tread_substeps = walk_substeps;
 }
-
-// Where a path's god-object was left, and where its pool begins.
-void begin_update(real3 proxy, real3 probe, uint held, uvec3 triangles) {
-    walk_proxy = proxy;
-    walk_probe = probe;
-    walk_substeps = 0u;
-    forget_all();
-    uint count = held & kHeldCount;
-    uint i = 0u;
-    [[dont_unroll]] do {
-        uint triangle = i == 0u ? triangles.x : i == 1u ? triangles.y : triangles.z;
-        if (i < count)
-            remember(triangle, triangle_at(triangle), POOL);
-        ++i;
-        ++spent;
-    } while (i < count);
-    begin_walk();
-}
-
-#ifndef FS_RARE
-// The next update begins with `count` triangles of the pool.
-void go_on(uint count, uvec3 sources, real3 probe) {
-    Touch first = touch_at(sources.x);
-    Touch second = touch_at(sources.y);
-    uint first_index = index_at(sources.x);
-    uint second_index = index_at(sources.y);
-    if (count == 1u || count == 2u)
-        put_touch(0u, first_index, first);
-    if (count == 2u)
-        put_touch(1u, second_index, second);
-    forget_all();
-    pool_count = count;
-    walk_probe = probe;
-    walk_substeps = 0u;
-    begin_walk();
-}
-#endif

@@ -23,6 +23,27 @@ Triangle triangle_at(uint triangle) {
     return Triangle(a.xyz, b.xyz, c.xyz, real3(a.w, b.w, c.w));
 }
 
+#ifdef FS_SETTLE
+uint corner_words; // where the triangles' corners begin
+uint vertex_vectors; // where the vertices do
+
+real3 triangle_normal(uint triangle) {
+    return real3(vectors[3u * triangle].w, vectors[3u * triangle + 1u].w, vectors[3u * triangle + 2u].w);
+}
+
+uvec3 triangle_corners(uint triangle) {
+    return triangle_words[corner_words + triangle].xyz;
+}
+
+real3 vertex_place(uint vertex) {
+    return vectors[vertex_vectors + 3u * vertex].xyz;
+}
+
+real3 vertex_pseudonormal(uint vertex) {
+    return vectors[vertex_vectors + 3u * vertex + 2u].xyz;
+}
+#endif
+
 real3 walk_real3(uint path, uint field) {
     return real3(walk_reals[field * chunk.paths + path], walk_reals[(field + 1u) * chunk.paths + path],
                  walk_reals[(field + 2u) * chunk.paths + path]);

@@ -220,5 +220,13 @@ Words mesh_rest_f64() {
     return {};
 }
 
+Words mesh_settle_f32() {
+    return {};
+}
+
+Words mesh_settle_f64() {
+    return {};
+}
+
 } // namespace kernels
 } // namespace forceshade

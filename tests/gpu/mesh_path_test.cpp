@@ -30,8 +30,14 @@ MeshStructure ball(unsigned levels) {
 
 class MeshPath : public test::SoftwareDeviceTest {
 protected:
+    static compute::MeshPathOptions settling() {
+        compute::MeshPathOptions options;
+        options.settles = true;
+        return options;
+    }
+
     static compute::MeshPathKernel& kernel() {
-        static compute::MeshPathKernel one(device());
+        static compute::MeshPathKernel one(device(), settling());
         return one;
     }
 
@@ -46,6 +52,18 @@ protected:
         const test::PathComparison comparison = held(runner, one);
         EXPECT_TRUE(is_equal(comparison)) << name << ", f" << 8 * sizeof(T);
         return comparison;
+    }
+
+    // Paths that wander over a terrain; what became of the updates that rest at edges and corners.
+    template <typename T>
+    static compute::MeshPathTimes wander(const walks::Terrain& terrain, compute::MeshPathKernel& on = kernel(),
+                                         std::size_t steps = 60) {
+        const MeshStructure structure = build_structure(shapes::mesh_of(terrain.polygons));
+        MeshPathCase<T> one(structure, shape_of(layout::kMotionRecorded, layout::kLoopOpen, 24, steps), true,
+                            terrain.focus);
+        test::MeshPathRunner runner{on};
+        EXPECT_TRUE(is_equal(held(runner, one))) << terrain.name << ", f" << 8 * sizeof(T);
+        return runner.times;
     }
 };
 
@@ -70,15 +88,46 @@ TEST_F(MeshPath, EveryMotionOpenAndClosed) {
 }
 
 TEST_F(MeshPath, WanderingOverEveryTerrain) {
+    std::array<std::uint64_t, 2> settled{};
     for (const auto& terrains : {walks::terrains(), walks::pits()})
-        for (const walks::Terrain& terrain : terrains) {
-            const MeshStructure structure = build_structure(shapes::mesh_of(terrain.polygons));
-            const PathShape shape = shape_of(layout::kMotionRecorded, layout::kLoopOpen, 24, 60);
-            MeshPathCase<float> one(structure, shape, true, terrain.focus);
-            hold(one, terrain.name);
-            MeshPathCase<double> other(structure, shape, true, terrain.focus);
-            hold(other, terrain.name);
+        for (const walks::Terrain& terrain : terrains)
+            for (const bool f64 : {false, true}) {
+                const compute::MeshPathTimes times = f64 ? wander<double>(terrain) : wander<float>(terrain);
+                settled[f64] += times.settled_updates;
+                if (terrain.valence < 100) {
+                    EXPECT_EQ(times.host_updates, 0u) << terrain.name;
+                }
+            }
+    EXPECT_GT(settled[0], 400u);
+    EXPECT_GT(settled[1], 150u);
+}
+
+// On these the device settles many times, in many pieces, and some without neighbours.
+TEST_F(MeshPath, SettlingInPieces) {
+    compute::MeshPathOptions options = settling();
+    options.rare_pause = 12;
+    options.limit = 300;
+    compute::MeshPathKernel pieces(device(), options);
+    std::vector<walks::Terrain> terrains{{"spot", read_polygons(FORCESHADE_DATA "/spot.obj").polygons},
+                                         {"narrow folds", walks::pit(24, 0.3), 24, glm::dvec3(0, 0, -0.3)}};
+    for (const walks::Terrain& terrain : terrains)
+        for (const compute::MeshPathTimes& times :
+             {wander<float>(terrain, pieces, 200), wander<double>(terrain, pieces, 200)}) {
+            EXPECT_GT(times.settled_updates, 10u) << terrain.name;
+            EXPECT_EQ(times.host_updates, 0u) << terrain.name;
         }
+}
+
+// Unless it is told to, a software device leaves that to the host.
+TEST_F(MeshPath, TheHostSettles) {
+    compute::MeshPathKernel plain(device());
+    std::uint64_t host = 0;
+    for (const walks::Terrain& terrain : walks::pits()) {
+        const compute::MeshPathTimes times = wander<float>(terrain, plain);
+        EXPECT_EQ(times.settled_updates, 0u);
+        host += times.host_updates;
+    }
+    EXPECT_GT(host, 400u);
 }
 
 TEST_F(MeshPath, ShadingsTiltsAndTextures) {
@@ -104,7 +153,7 @@ TEST_F(MeshPath, ShadingsTiltsAndTextures) {
 
 TEST_F(MeshPath, InPiecesAsOnceThrough) {
     const MeshStructure structure = ball(3);
-    compute::MeshPathOptions options;
+    compute::MeshPathOptions options = settling();
     options.batch_paths = 17;
     options.chunk_bytes = 17 * 60 * 7;
     options.pause = 20;
@@ -120,7 +169,7 @@ TEST_F(MeshPath, InPiecesAsOnceThrough) {
 // What takes more loops than an invocation may run goes to the host, and is the same.
 TEST_F(MeshPath, FewLoops) {
     const MeshStructure structure = ball(4);
-    compute::MeshPathOptions options;
+    compute::MeshPathOptions options = settling();
     options.rare_pause = 4;
     options.limit = 6;
     options.limit_alone = 9;

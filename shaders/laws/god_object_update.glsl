@@ -1,0 +1,42 @@
+// L6: where the walks of a god-object begin.
+
+// A walk begins where a god-object was left, with so many triangles.
+void put_back(real3 proxy, uint count, uvec3 triangles) {
+    walk_proxy = proxy;
+    forget_all();
+    uint i = 0u;
+    [[dont_unroll]] do {
+        uint triangle = i == 0u ? triangles.x : i == 1u ? triangles.y : triangles.z;
+        if (i < count)
+            remember(triangle, triangle_at(triangle), POOL);
+        ++i;
+        ++spent;
+    } while (i < count);
+    begin_walk();
+}
+
+// Where a path's god-object was left, and where its pool begins.
+void begin_update(real3 proxy, real3 probe, uint held, uvec3 triangles) {
+    walk_probe = probe;
+    walk_substeps = 0u;
+    put_back(proxy, held & kHeldCount, triangles);
+}
+
+#ifndef FS_RARE
+// The next update begins with `count` triangles of the pool.
+void go_on(uint count, uvec3 sources, real3 probe) {
+    Touch first = touch_at(sources.x);
+    Touch second = touch_at(sources.y);
+    uint first_index = index_at(sources.x);
+    uint second_index = index_at(sources.y);
+    if (count == 1u || count == 2u)
+        put_touch(0u, first_index, first);
+    if (count == 2u)
+        put_touch(1u, second_index, second);
+    forget_all();
+    pool_count = count;
+    walk_probe = probe;
+    walk_substeps = 0u;
+    begin_walk();
+}
+#endif
