@@ -27,7 +27,7 @@ template <typename T> PathError compare_in(Engine& engine, const PreparedCase& p
         each->limit_batches(samples_that_fit(input));
     BatchedSource<T> source(paths, input.steps, paths_that_fit(input));
     input.source = &source;
-    PathOracle<T> oracle(same, engine.report().software, 0);
+    PathOracle<T> oracle(prepared, same, engine.report().software, 0);
     RowGatherer<T> gatherer(source, [&](const PathRows<T>& rows) { oracle.compare(rows); });
     engine.explore(
         input,

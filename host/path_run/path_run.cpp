@@ -59,7 +59,7 @@ public:
             paths->limit_batches(samples_that_fit(input_));
         layout::PathInput<T> same = alike_.input();
         same.features.channels = input_.features.channels;
-        oracle_.emplace(same, engine.report().software);
+        oracle_.emplace(prepared, same, engine.report().software);
         gatherer_.emplace(*source_, [this](const PathRows<T>& rows) { take(rows); });
         if (file_)
             times_.emplace(file_);

@@ -1,7 +1,6 @@
 #include "host/validate/path_oracle.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -19,13 +18,11 @@
 namespace forceshade {
 namespace {
 
-using Places = std::array<double, 3>;
-
-template <typename T> Places vector_of(std::span<const T> values, std::size_t at) {
+template <typename T> Triple vector_of(std::span<const T> values, std::size_t at) {
     return {double(values[3 * at]), double(values[3 * at + 1]), double(values[3 * at + 2])};
 }
 
-double apart(const Places& a, const Places& b) {
+double apart(const Triple& a, const Triple& b) {
     return norm(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
 }
 
@@ -43,7 +40,7 @@ template <typename T> struct PathOracle<T>::Batch {
     Batch(const layout::PathInput<T>& from, std::size_t first_path, std::size_t paths, std::size_t every)
         : first(first_path), count(paths), chosen(choose(first, count, every)), paths_chosen(from, chosen),
           source(paths_chosen, from.steps, chosen.size()), hands(hands_of(from, chosen)), input(from),
-          mesh_off(chosen.size(), 0) {
+          mesh_off(chosen.size(), 0), positions(3 * chosen.size()) {
         input.paths = chosen.size();
         input.hands = hands;
         input.source = &source;
@@ -78,6 +75,8 @@ template <typename T> struct PathOracle<T>::Batch {
     reference::PathWalk<T> walk{input, options};
     std::size_t step = 0;                // the next
     std::vector<std::uint64_t> mesh_off; // of each chosen path
+    std::vector<double> sizes;           // m: of each chosen path's motion, where its places are held against bounds
+    std::vector<T> positions;            // of each chosen path's last sample, the engine's
 };
 
 // A chosen path's sample.
@@ -87,8 +86,11 @@ template <typename T> struct PathOracle<T>::Sample {
 };
 
 template <typename T>
-PathOracle<T>::PathOracle(const layout::PathInput<T>& input, bool exact_bits, std::uint64_t most)
+PathOracle<T>::PathOracle(const PreparedCase& prepared, const layout::PathInput<T>& input, bool exact_bits,
+                          std::uint64_t most)
     : input_(input), exact_bits_(exact_bits) {
+    if (!exact_bits)
+        bound_.emplace(prepared);
     const std::uint64_t samples = std::uint64_t(input.paths) * input.steps;
     every_ = most == 0 ? 1 : std::max<std::uint64_t>(1, (samples + most - 1) / most);
 }
@@ -103,6 +105,11 @@ template <typename T> void PathOracle<T>::note(const std::string& text) {
 template <typename T> void PathOracle<T>::begin(std::size_t first, std::size_t count) {
     batch_.reset();
     batch_ = std::make_unique<Batch>(input_, first, count, every_);
+    if (exact_bits_)
+        return;
+    const bool recorded = input_.features.motion == layout::kMotionRecorded && input_.features.harmonics == 0;
+    for (const std::size_t path : batch_->chosen)
+        batch_->sizes.push_back(recorded ? 0 : PathBound<T>::size(input_.source->batch(path, 1)));
 }
 
 template <typename T> void PathOracle<T>::compare(const PathRows<T>& rows) {
@@ -118,6 +125,10 @@ template <typename T> void PathOracle<T>::compare(const PathRows<T>& rows) {
     }
     if (end == batch_->walk.steps())
         end_mesh_paths();
+    else if (!exact_bits_)
+        for (std::size_t i = 0; i < batch_->chosen.size(); ++i)
+            std::copy_n(&rows.position[3 * ((batch_->chosen[i] - rows.path_first + 1) * rows.pitch - 1)], 3,
+                        &batch_->positions[3 * i]);
 }
 
 template <typename T> void PathOracle<T>::compare(const PathRows<T>& rows, const layout::PathChunk<T>& alike) {
@@ -136,8 +147,8 @@ void PathOracle<T>::compare_sample(const PathRows<T>& rows, const layout::PathCh
     const auto [chosen, path, step, at, other] = sample;
     ++error_.samples;
     const bool felt = !rows.force.empty(); // else the engine only told where there is contact
-    const Places force = felt ? vector_of(rows.force, at) : Places{};
-    const Places expected = felt ? vector_of(alike.force, other) : Places{};
+    const Triple force = felt ? vector_of(rows.force, at) : Triple{};
+    const Triple expected = felt ? vector_of(alike.force, other) : Triple{};
     const double off = apart(force, expected);
     error_.largest = std::isnan(off) ? std::numeric_limits<double>::infinity() : std::max(error_.largest, off);
     error_.largest_force = std::max(error_.largest_force, norm(expected[0], expected[1], expected[2]));
@@ -157,11 +168,12 @@ void PathOracle<T>::compare_sample(const PathRows<T>& rows, const layout::PathCh
 template <typename T>
 bool PathOracle<T>::differs_beyond(const PathRows<T>& rows, const layout::PathChunk<T>& alike, const Sample& sample,
                                    double off) {
-    const Places place = vector_of(rows.position, sample.at), meant = vector_of(alike.position, sample.other);
+    const Triple meant = vector_of(alike.position, sample.other);
     const bool open = input_.features.loop == layout::kLoopOpen;
-    const bool elsewhere = open && apart(place, meant) > 1e-5 * (norm(meant[0], meant[1], meant[2]) + 1e-3);
+    const bool elsewhere = open && !(apart(vector_of(rows.position, sample.at), meant) <=
+                                     bound_->place(input_.features, batch_->sizes[sample.chosen], meant));
     if (input_.law.features.surface != layout::kSurfaceMesh)
-        return elsewhere || is_beyond(rows, sample.at);
+        return elsewhere || is_beyond(rows, sample);
     batch_->mesh_off[sample.chosen] += open && !(off <= 1e-3 * error_.largest_force);
     return elsewhere;
 }
@@ -176,17 +188,37 @@ template <typename T> void PathOracle<T>::end_mesh_paths() {
     }
 }
 
-// What was felt at the very position where it was felt: 1e-4 of it, or of what 1 um of stiffness gives, is more than
-// any chain of roundings, and less than any error of a law.
-template <typename T> bool PathOracle<T>::is_beyond(const PathRows<T>& rows, std::size_t at) const {
-    const reference::Vector<T> probe{rows.position[3 * at], rows.position[3 * at + 1], rows.position[3 * at + 2]};
-    reference::Vector<T> force = reference::evaluate(input_.law, probe).force;
-    if (input_.features.loop == layout::kLoopClosed)
-        force = reference::commanded(input_.hands.front(), force);
-    const Places expected{double(force.x), double(force.y), double(force.z)}, felt = vector_of(rows.force, at);
-    const double size = norm(expected[0], expected[1], expected[2]);
-    return !(apart(felt, expected) <= 1e-4 * size + 1e-6 * double(input_.law.params.stiffness)) &&
-           norm(felt[0], felt[1], felt[2]) > 0; // a probe that left feels nothing
+// What was felt, held against the law at the very position where it was felt.
+template <typename T> bool PathOracle<T>::is_beyond(const PathRows<T>& rows, const Sample& sample) {
+    const bool closed = input_.features.loop == layout::kLoopClosed;
+    Reading felt;
+    felt.force = vector_of(rows.force, sample.at);
+    layout::uint channels = layout::kChannelForce;
+    if (!rows.proxy.empty()) {
+        felt.proxy = vector_of(rows.proxy, sample.at);
+        channels |= layout::kChannelProxy;
+    }
+    if (!rows.depth.empty()) {
+        felt.depth = double(rows.depth[sample.at]);
+        channels |= layout::kChannelDepth;
+    }
+    if (!rows.facet.empty()) {
+        felt.facet = rows.facet[sample.at];
+        channels |= layout::kChannelFacet;
+    }
+    const std::vector<layout::HandParams<T>>& hands = batch_->hands;
+    const layout::HandParams<T>* const hand = closed ? &hands[hands.size() > 1 ? sample.chosen : 0] : nullptr;
+    return !bound_->allows(input_.law, hand, felt, vector_of(rows.position, sample.at), channels) &&
+           !(closed && has_left(rows, sample));
+}
+
+// A probe that left its bound stays where it was and feels nothing.
+template <typename T> bool PathOracle<T>::has_left(const PathRows<T>& rows, const Sample& sample) const {
+    if (sample.step == 0)
+        return false;
+    const T* const here = &rows.position[3 * sample.at];
+    const T* const before = sample.step > rows.step_first ? here - 3 : &batch_->positions[3 * sample.chosen];
+    return std::memcmp(here, before, 3 * sizeof(T)) == 0 && vector_of(rows.force, sample.at) == Triple{};
 }
 
 template <typename T>

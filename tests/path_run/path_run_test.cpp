@@ -111,7 +111,7 @@ TEST_F(PathRun, catches_a_single_bit) {
 
 TEST_F(PathRun, allows_hardware_its_roundings_and_no_more) {
     for (const char* paths : {"count = 50\nsteps = 200\n", "count = 50\nsteps = 200\npress = \"1 N\"\n"})
-        for (const auto& [factor, beyond] : {std::pair{1 + 0x1p-22f, 0u}, {1.01f, 1u}}) {
+        for (const auto& [factor, beyond] : {std::pair{1 + 0x1p-22f, 0u}, {1.002f, 1u}, {0.f, 1u}}) {
             Tampering engine;
             engine.software = false;
             change(engine, 20, 100, factor);
@@ -119,6 +119,40 @@ TEST_F(PathRun, allows_hardware_its_roundings_and_no_more) {
             EXPECT_EQ(record.error.differing, 1u);
             EXPECT_EQ(record.error.beyond, beyond) << paths << factor;
         }
+}
+
+TEST_F(PathRun, allows_hardware_a_place_that_is_rounded_and_no_other) {
+    for (const char* paths : {"count = 50\nsteps = 200\ndepth = \"1 mm\"\n", "kind = \"minimum_jerk\"\nsteps = 200\n",
+                              "kind = \"random_walk\"\nsteps = 200\nfollow = \"plane\"\n"})
+        for (const auto& [off, beyond] : {std::pair{1e-9f, 0u}, {3e-5f, 1u}}) {
+            Tampering engine;
+            engine.software = false;
+            engine.chunks = [off = off](layout::PathChunk<float>& chunk, std::vector<float>&,
+                                        std::vector<float>& position) {
+                if (chunk.path_first == 0 && 100 >= chunk.step_first && 100 < chunk.step_first + chunk.step_count)
+                    position[3 * (100 - chunk.step_first) * chunk.pitch + 1] += off;
+            };
+            EXPECT_EQ(run(engine, prepared(paths)).error.beyond, beyond) << paths << off;
+        }
+}
+
+TEST_F(PathRun, takes_hardware_that_left_its_bound_for_what_it_is) {
+    Tampering engine;
+    engine.software = false;
+    // So hard a wall that the loop is unstable.
+    const PreparedCase one = CasePreparation().prepare(
+        parse_scene("[surface]\nfacets = 3\n[force]\nstiffness = \"1e5 N/m\"\n[paths]\ncount = 5\nsteps = 3000\npress "
+                    "= \"1 N\"\nbound = \"20 mm\"\n[hand]\nmax_force = \"1000 N\"\ndelay_samples = 1\n",
+                    "scene"));
+    PathRecord record = run(engine, one);
+    EXPECT_GT(record.unstable, 0u);
+    EXPECT_EQ(record.error.differing, 0u);
+    // A device that feels nothing, but moves on, did not leave.
+    engine.chunks = [](layout::PathChunk<float>&, std::vector<float>& force, std::vector<float>&) {
+        std::fill(force.begin(), force.end(), 0.f);
+    };
+    record = run(engine, one);
+    EXPECT_GT(record.error.beyond, record.error.differing / 2);
 }
 
 TEST_F(PathRun, catches_positions_and_metrics) {
