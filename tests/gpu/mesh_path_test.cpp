@@ -102,6 +102,24 @@ TEST_F(MeshPath, WanderingOverEveryTerrain) {
     EXPECT_GT(settled[1], 150u);
 }
 
+// Strokes through a model of edges that fold either way.
+TEST_F(MeshPath, SettlingOnSpot) {
+    const MeshStructure structure =
+        build_structure(shapes::mesh_of(read_polygons(FORCESHADE_DATA "/spot.obj").polygons));
+    PathShape shape = shape_of(layout::kMotionStrokes, layout::kLoopOpen, 400, 150);
+    shape.reach = 0.4;
+    shape.depth = 0.3;
+    shape.seed = 3;
+    const auto settled = [&](auto one) {
+        test::MeshPathRunner runner{kernel()};
+        EXPECT_TRUE(is_equal(held(runner, one)));
+        EXPECT_EQ(runner.times.host_updates, 0u);
+        return runner.times.settled_updates;
+    };
+    EXPECT_GT(settled(MeshPathCase<float>(structure, shape)), 400u);
+    EXPECT_GT(settled(MeshPathCase<double>(structure, shape)), 400u);
+}
+
 // On these the device settles many times, in many pieces, and some without neighbours.
 TEST_F(MeshPath, SettlingInPieces) {
     compute::MeshPathOptions options = settling();
