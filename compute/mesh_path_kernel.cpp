@@ -162,6 +162,7 @@ void MeshPathKernel::Implementation::Run<T>::chunk(std::size_t step_first, std::
     chunk.rows = static_cast<std::uint32_t>(self.batch.rows());
     chunk.step_end = static_cast<std::uint32_t>(step_first + step_count);
     chunk.own_hands = input.hands.size() > 1;
+    chunk.stretch = input.stretch;
     while (round(chunk)) {
     }
 }

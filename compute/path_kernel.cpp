@@ -187,6 +187,7 @@ template <typename T> void PathKernel::Implementation::Run<T>::submit(std::size_
     slot.chunk.steps = static_cast<uint>(steps());
     slot.chunk.own_lengths = !batch.steps.empty();
     slot.chunk.own_hands = input.hands.size() > 1;
+    slot.chunk.stretch = input.stretch;
     if (recorded())
         self.put_recorded(slot, std::as_bytes(input.source->positions(step, std::min(count + 1, steps() - step))));
     slot.results.reserve(slot_channels(input.features.channels), batch.count * window, sizeof(T), [&](uint binding) {

@@ -139,6 +139,7 @@ void main() {
     law = law_params.law;
     mesh = law_params.mesh;
     exact_zero = real(mesh.zero);
+    least_reach = square_of(real(chunk.stretch));
     uint pause = chunk.pause;
     spent_limit = chunk.limit;
     spent = 0u;
@@ -151,11 +152,13 @@ void main() {
     uint end = min(chunk.step_end, steps);
     MotionParams motion = motions[path];
     HandParams hand = hands[chunk.own_hands * path];
+    per_phase_step = ONE / real(int(motion.phase_step));
+    round_end = in_world(motion, place_at(motion, 0u), real3(exact_zero));
     PathState state = states[path];
     real3 here = target_at(motion, path, walk_word(path, kWalkWordStep), steps);
     if (walk_word(path, kWalkWordStep) == 0u && walk_word(path, kWalkWordPhase) == kPhaseStep)
         state = begin_state(hand, here);
-    real3 unit = normalised(real3(state.force_x, state.force_y, state.force_z));
+    real3 unit = direction_of(real3(state.force_x, state.force_y, state.force_z));
     bool left = leaves(state, hand, here);
     real3 position = probe_at(state, hand, here);
     real3 probe = to_mesh(position);
@@ -192,8 +195,7 @@ void main() {
             if (left)
                 ++state.step;
             else
-                take_step(state, unit, hand, taken, here, next, completes_round(motion, state.step),
-                          (held & kHeldUnfinished) == 0u, steps);
+                take_step(state, unit, hand, motion, taken, here, next, (held & kHeldUnfinished) == 0u, steps);
             here = next;
             if (state.step < steps)
                 left = leaves(state, hand, here);

@@ -70,6 +70,12 @@ real exact_zero;
 #include "laws/path_step.glsl"
 #include "path_stores.glsl"
 
+// Where rounds begin and end, m.
+real3 round_end_of(MotionParams motion) {
+    real3 place = in_world(motion, place_at(motion, 0u), real3(exact_zero));
+    return FOLLOW == kFollowSurface ? above_surface(place) : place;
+}
+
 // The motion's place at a step, m; a recorded path of so many steps rests where it ends.
 real3 target_at(MotionParams motion, uint path, uint step, uint steps) {
     if (MOTION == kMotionRecorded) {
@@ -92,24 +98,27 @@ PathSample sample_at(real3 probe, HandParams hand) {
 void main() {
     law = law_params;
     exact_zero = real(law.zero);
+    least_reach = square_of(real(chunk.stretch));
     uint path = min(gl_GlobalInvocationID.x, chunk.paths - 1u);
     MotionParams motion = motions[path];
     HandParams hand = hands[chunk.own_hands * path];
     uint steps = chunk.own_lengths != 0u ? lengths[path] : chunk.steps;
     keep_harmonics(path, chunk.paths);
+    per_phase_step = ONE / real(int(motion.phase_step));
+    round_end = round_end_of(motion);
     real3 here = target_at(motion, path, chunk.step_first, steps);
     PathState state = states[path];
     if (chunk.step_first == 0u)
         state = begin_state(hand, here);
     bool idle = gl_GlobalInvocationID.x >= chunk.paths; // fills the last work group
     uint end = idle ? state.step : min(chunk.step_end, steps);
-    real3 unit = normalised(real3(state.force_x, state.force_y, state.force_z));
+    real3 unit = direction_of(real3(state.force_x, state.force_y, state.force_z));
     uint at = (chunk.step_first - chunk.row_first) * chunk.paths + path;
     while (state.step < end && !leaves(state, hand, here)) {
         real3 next = target_at(motion, path, state.step + 1u, steps);
         PathSample taken = sample_at(probe_at(state, hand, here), hand);
         store(at, taken);
-        take_step(state, unit, hand, taken, here, next, completes_round(motion, state.step), true, steps);
+        take_step(state, unit, hand, motion, taken, here, next, true, steps);
         here = next;
         at += chunk.paths;
     }

@@ -14,6 +14,7 @@
 #include "host/io/temporary_file.h"
 #include "host/path_run/path_run.h"
 #include "host/paths/recorded_paths.h"
+#include "host/paths/region.h"
 #include "host/remark.h"
 #include "host/sweep/progress.h"
 
@@ -105,7 +106,9 @@ int stream(const ExploreArguments& arguments, const CommonOptions& common, const
            const std::string& recorded) {
     Megabytes bar(common.quiet);
     const auto show = [&](std::uint64_t done, std::uint64_t total) { bar.show(done, total); };
-    const ExploreResult result = explore(prepared, recorded, std::filesystem::absolute(arguments.out), show);
+    const PathRegion region = recorded_region(prepared);
+    const ExploreResult result =
+        explore(prepared, recorded, std::filesystem::absolute(arguments.out), single_stretch(region), show);
     bar.end();
     print_warnings(result.warnings, common);
     if (!common.quiet)
@@ -121,6 +124,7 @@ int stream(const ExploreArguments& arguments, const CommonOptions& common, const
         json["samples_in_contact"] = result.in_contact;
         json["contact_share"] = share(result.in_contact, result.samples);
         json["largest_force_N"] = result.largest_force;
+        json["stretch_m"] = region.stretch;
         json["unfinished"] = result.unfinished;
         json["seconds_per_sample"] = result.law_seconds / double(result.samples);
         print_data(json.dump(2) + "\n");
@@ -144,7 +148,9 @@ std::string as_json(const PathRecord& record, const ExploreArguments& arguments,
     json["samples"] = record.samples;
     json["samples_in_contact"] = record.in_contact;
     json["contact_share"] = share(record.in_contact, record.samples);
+    json["stretch_m"] = record.stretch;
     json["unstable"] = record.unstable;
+    json["fell"] = record.fell;
     json["began_inside"] = record.began_inside;
     json["unfinished"] = record.unfinished;
     json["largest_force_N"] = record.largest_force;
@@ -172,8 +178,9 @@ void print_outcome(const PathRecord& record, const std::string& out, const Engin
         remark("warning: {} of {} begin behind the mesh's surface; their proxies begin at the nearest place of it\n",
                record.began_inside, plural(record.paths, "path"));
     if (record.unstable > 0)
-        remark("warning: {} of {} left the bound round their target and are flagged unstable\n", record.unstable,
-               plural(record.paths, "path"));
+        remark("warning: {} of {} left the bound round their target and are flagged unstable{}\n", record.unstable,
+               plural(record.paths, "path"),
+               record.fell > 0 ? fmt::format(", {} of them fell off the surface", record.fell) : "");
 }
 
 int take_paths(const ExploreArguments& arguments, const CommonOptions& common, const PreparedCase& prepared) {

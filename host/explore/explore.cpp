@@ -22,9 +22,10 @@ constexpr std::size_t kBatch = 4096; // samples between looks at the clock and f
 
 template <typename T> class Exploration {
 public:
-    Exploration(const PreparedCase& prepared, const std::filesystem::path& paths, const std::filesystem::path& out)
-        : law_(make_path_law<T>(prepared)), reader_(paths, law_->largest_coordinate()), census_(reader_.csv().source()),
-          writer_(out),
+    Exploration(const PreparedCase& prepared, const std::filesystem::path& paths, const std::filesystem::path& out,
+                float stretch)
+        : stretch_(stretch), law_(make_path_law<T>(prepared)), reader_(paths, law_->largest_coordinate()),
+          census_(reader_.csv().source()), writer_(out),
           summary_(out.parent_path() / (out.stem().string() + ".paths.csv"), prepared.one.scene.precision) {}
 
     ExploreResult run(const ExploreProgress& progress) {
@@ -59,16 +60,17 @@ private:
 
     void summarise() {
         for (const PathTrack<T>& track : tracks_)
-            summary_.add(track.id, figures_of(track.metrics, {.steps = track.steps,
-                                                              .began_inside = track.inside,
-                                                              .times = PathTimes{.contact = track.contact.total()}}));
+            summary_.add(track.id,
+                         figures_of(track.state.metrics, {.steps = track.steps,
+                                                          .began_inside = track.inside,
+                                                          .times = PathTimes{.contact = track.contact.total()}}));
     }
 
     // After the law has been asked, in the order of the samples.
     void follow(const PathSample& sample, std::size_t number, const PathContact<T>& felt) {
         if (number == tracks_.size())
             tracks_.push_back(PathTrack<T>(sample.path, felt.begins_inside));
-        tracks_[number].add(sample.time, reference::Vector<T>(sample.probe), felt.contact, felt.finished);
+        tracks_[number].add(sample.time, reference::Vector<T>(sample.probe), felt.contact, felt.finished, T(stretch_));
     }
 
     void evaluate() {
@@ -99,6 +101,7 @@ private:
         writer_.add(sample, felt.contact);
     }
 
+    const float stretch_; // m
     std::unique_ptr<PathLaw<T>> law_;
     PathReader reader_;
     PathCensus census_;
@@ -116,10 +119,10 @@ private:
 } // namespace
 
 ExploreResult explore(const PreparedCase& prepared, const std::filesystem::path& paths,
-                      const std::filesystem::path& out, const ExploreProgress& progress) {
+                      const std::filesystem::path& out, float stretch, const ExploreProgress& progress) {
     if (prepared.one.scene.precision == Precision::f32)
-        return Exploration<float>(prepared, paths, out).run(progress);
-    return Exploration<double>(prepared, paths, out).run(progress);
+        return Exploration<float>(prepared, paths, out, stretch).run(progress);
+    return Exploration<double>(prepared, paths, out, stretch).run(progress);
 }
 
 } // namespace forceshade

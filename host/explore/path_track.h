@@ -4,7 +4,7 @@
 #include <cstdint>
 
 #include "host/path_output/contact_time.h"
-#include "host/reference/path_metrics.h"
+#include "host/reference/path_step.h"
 
 namespace forceshade {
 
@@ -12,32 +12,25 @@ template <typename T> struct PathTrack {
     std::uint64_t id;
     bool inside; /* it began behind the surface */
     std::uint64_t steps = 0;
-    layout::PathMetrics<T> metrics = reference::no_metrics<T>();
+    layout::PathState<T> state{};
     ContactTime contact;
 
     PathTrack(std::uint64_t number, bool began_inside) : id(number), inside(began_inside) {}
 
     /// The next sample: when, s, where the probe is, m, and what it feels. As reference::take_step in open loop.
-    void add(double time, const reference::Vector<T>& probe, const reference::Contact<T>& felt, bool finished) {
-        reference::add_sample(metrics, felt, felt.force);
-        metrics.unfinished += finished ? 0 : 1;
-        const bool touches = felt.facet != layout::kNoFacet;
-        contact.add(time, touches);
-        if (steps > 0) {
-            const reference::Vector<T> way{probe.x - last_.x, probe.y - last_.y, probe.z - last_.z};
-            if (touching_ && touches)
-                reference::add_turn(metrics, force_, felt.force, way);
-            reference::add_work(metrics, T(0.5) * reference::dot(reference::Vector<T>(force_ + felt.force), way));
-        }
-        last_ = probe;
-        force_ = felt.force;
-        touching_ = touches;
+    void add(double time, const reference::Vector<T>& probe, const reference::Contact<T>& felt, bool finished,
+             T stretch) {
+        if (steps == 0)
+            state = reference::state_at(probe);
+        const reference::PathSampled<T> sampled{probe, felt.force, felt};
+        reference::add_sample(state.metrics, felt, felt.force);
+        state.metrics.unfinished += finished ? 0 : 1;
+        contact.add(time, felt.facet != layout::kNoFacet);
+        reference::add_turn_at(state, sampled, stretch);
+        reference::add_between(state, sampled);
+        reference::keep_sample(state, sampled);
         ++steps;
     }
-
-private:
-    reference::Vector<T> last_{T(0), T(0), T(0)}, force_{T(0), T(0), T(0)};
-    bool touching_ = false;
 };
 
 } // namespace forceshade

@@ -31,6 +31,16 @@ template <typename T> void add_depths(PathFigures& figures, const layout::PathMe
     figures.depth_deviation = std::sqrt(std::max(square - mean * mean, 0.0));
 }
 
+// All rounds together have done the work up to where the next one began.
+template <typename T> void add_rounds(PathFigures& figures, const layout::PathMetrics<T>& metrics) {
+    figures.rounds = metrics.rounds;
+    if (metrics.rounds == 0)
+        return;
+    figures.least_round = double(metrics.least_round);
+    figures.mean_round = whole(metrics.round_begin, metrics.round_begin_rest) / double(metrics.rounds);
+    figures.largest_round = double(metrics.largest_round);
+}
+
 } // namespace
 
 template <typename T> PathFigures figures_of(const layout::PathMetrics<T>& metrics, const PathFacts& facts) {
@@ -45,16 +55,17 @@ template <typename T> PathFigures figures_of(const layout::PathMetrics<T>& metri
         figures.rms_force =
             std::sqrt(std::max(whole(metrics.force_square, metrics.force_square_rest), 0.0) / double(felt));
     figures.largest_turn = angle_of(double(metrics.largest_turn));
-    figures.steepest_turn = std::sqrt(double(metrics.steepest_turn)) * kDegrees / kMillimetres;
+    figures.steepest_turn =
+        angle_of(double(metrics.steepest_turn)) / (std::sqrt(double(metrics.steepest_way)) * kMillimetres);
     figures.work = whole(metrics.work, metrics.work_rest);
-    figures.round_work = double(metrics.largest_round);
     figures.effort = whole(metrics.effort, metrics.effort_rest);
     if (figures.effort > 0)
         figures.eta = figures.work / figures.effort;
-    figures.rounds = metrics.rounds;
+    add_rounds(figures, metrics);
     add_depths(figures, metrics);
     if (unstable)
         figures.unstable_time = facts.times ? facts.times->unstable : double(metrics.unstable_step) / facts.rate;
+    figures.fell = metrics.fell != 0;
     if (facts.closed && metrics.early_speed > 0)
         figures.speed_ratio = double(metrics.late_speed) / double(metrics.early_speed);
     figures.began_inside = facts.began_inside;

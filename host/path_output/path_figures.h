@@ -15,14 +15,15 @@ struct PathFigures {
     double contact_time = 0;                 /* s: of recorded paths as ContactTime says */
     double largest_force = 0, rms_force = 0; /* N; over the samples before a path left its bound */
     double largest_turn = 0;                 /* deg: of the force between two samples in a row, both in contact */
-    double steepest_turn = 0;                /* deg/mm: such a turn's chord over the distance between the samples */
+    double steepest_turn = 0;                /* deg/mm: of the force, over ways of a stretch or more */
     double work = 0;                         /* J: done on the hand */
-    double round_work = 0;                   /* J: of the round with the most either way */
     double effort = 0;                       /* J: sum of |F . dx| */
     std::optional<double> eta;               /* 1: work / effort */
     std::uint64_t rounds = 0;                /* complete ones */
+    std::optional<double> least_round, mean_round, largest_round; /* J: done on the hand in a complete round */
     std::optional<double> least_depth, mean_depth, largest_depth, depth_deviation; /* m: in contact */
     std::optional<double> unstable_time; /* s: t of the sample at which the probe left its bound */
+    bool fell = false;                   /* free of contact, the way the hand pushes: off the rim of a surface */
     std::optional<double> speed_ratio;   /* 1: largest speed of the last quarter over that of the second */
     bool began_inside = false;
     std::uint64_t unfinished = 0; /* samples at which the proxy did not come to rest */

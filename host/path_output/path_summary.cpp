@@ -18,8 +18,9 @@ template <typename T> void append(std::string& text, T value) {
 
 const char* path_summary_header() {
     return "path,steps,contact_time_s,largest_force_N,rms_force_N,largest_turn_deg,steepest_turn_deg_per_mm,work_J,"
-           "largest_round_work_J,effort_J,eta,rounds,least_depth_m,mean_depth_m,largest_depth_m,depth_deviation_m,"
-           "unstable,unstable_time_s,speed_ratio,began_inside,unfinished_samples\n";
+           "effort_J,eta,rounds,least_round_work_J,mean_round_work_J,largest_round_work_J,least_depth_m,mean_depth_m,"
+           "largest_depth_m,depth_deviation_m,"
+           "unstable,unstable_time_s,fell,speed_ratio,began_inside,unfinished_samples\n";
 }
 
 PathSummary::PathSummary(const std::filesystem::path& path, Precision precision)
@@ -57,14 +58,17 @@ void PathSummary::add(std::uint64_t path, const PathFigures& figures) {
     append(text_, path);
     whole(figures.steps);
     for (const double value : {figures.contact_time, figures.largest_force, figures.rms_force, figures.largest_turn,
-                               figures.steepest_turn, figures.work, figures.round_work, figures.effort})
+                               figures.steepest_turn, figures.work, figures.effort})
         number(value);
     number(figures.eta);
     whole(figures.rounds);
+    for (const auto& work : {figures.least_round, figures.mean_round, figures.largest_round})
+        number(work);
     for (const auto& depth : {figures.least_depth, figures.mean_depth, figures.largest_depth, figures.depth_deviation})
         number(depth);
     whole(figures.unstable_time ? 1 : 0);
     time(figures.unstable_time);
+    whole(figures.fell ? 1 : 0);
     number(figures.speed_ratio);
     whole(figures.began_inside ? 1 : 0);
     whole(figures.unfinished);

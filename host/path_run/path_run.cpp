@@ -70,6 +70,7 @@ public:
     PathRecord run() {
         record_.paths = input_.paths;
         record_.steps = input_.steps;
+        record_.stretch = paths_.stretch();
         record_.engine_times = engine_.explore(
             input_, [this](const layout::PathChunk<T>& chunk) { take(chunk); },
             [this](std::size_t first, std::span<const layout::PathMetrics<T>> metrics) { take(first, metrics); });
@@ -176,7 +177,7 @@ private:
             const bool inside = !source_->inside().empty() && source_->inside()[i];
             const PathFigures figures =
                 figures_of(metrics[i], {source_->lengths()[i], rate_, closed, inside, times_of(first + i, metrics[i])});
-            if (!std::isfinite(figures.largest_force + figures.rms_force + figures.work))
+            if (!std::isfinite(figures.largest_force + figures.rms_force + figures.work + figures.steepest_turn))
                 refuse(first + i, "");
             summary_->add(id_of(first + i), figures);
             count(figures, metrics[i].contact_samples);
@@ -200,6 +201,7 @@ private:
         record_.samples += figures.steps;
         record_.in_contact += contact;
         record_.unstable += figures.unstable_time.has_value();
+        record_.fell += figures.fell;
         record_.began_inside += figures.began_inside;
         record_.unfinished += figures.unfinished;
         record_.largest_force = std::max(record_.largest_force, figures.largest_force);

@@ -31,7 +31,9 @@ struct PathRecord {
     std::uint64_t paths = 0;
     std::uint64_t steps = 0; /* of the longest */
     std::uint64_t samples = 0, in_contact = 0;
+    double stretch = 0;                           /* m: the way that turns of the force are counted over */
     std::uint64_t unstable = 0, began_inside = 0; /* paths */
+    std::uint64_t fell = 0;                       /* of the unstable ones */
     std::uint64_t unfinished = 0;                 /* samples */
     double largest_force = 0;                     /* N */
     double work = 0, effort = 0;                  /* J: sums over the paths */

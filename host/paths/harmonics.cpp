@@ -17,23 +17,35 @@ bool trembles(const Spread& amplitude) {
     return amplitude.value > 0 || amplitude.sd > 0;
 }
 
-// Frequencies as shares of the band's edge are drawn first; the edge is where the speed comes out.
-Harmonics random_walk(const PathsSpec& paths, const PathRegion& region, const PathDraws& draws) {
-    const std::array<double, 2> sizes{region.length / std::sqrt(8.0), region.width / std::sqrt(8.0)}; /* m, rms */
-    const double speed = draws.value(paths.speed, Draw::speed, true);
+// A random walk's band: root mean squares, m, frequencies as shares of the edge, and the edge.
+struct Band {
+    std::array<double, 2> sizes{};
     std::array<std::array<double, kWalk>, 2> shares{};
+    double edge = 0; /* turns a sample */
+};
+
+// The shares are drawn first; the edge is where the speed comes out.
+Band walk_band(const PathsSpec& paths, const PathRegion& region, const PathDraws& draws) {
+    Band band;
+    band.sizes = {region.length / std::sqrt(8.0), region.width / std::sqrt(8.0)};
+    const double speed = draws.value(paths.speed, Draw::speed, true);
     double square = 0; /* m^2: of the speed over the edge's angular frequency */
     for (std::uint32_t i = 0; i < kWalk; ++i)
         for (std::uint32_t axis = 0; axis < 2; ++axis) {
-            shares[axis][i] = (i + draws.uniform(Draw::walk_frequency, 2 * i + axis)) / kWalk;
-            square += std::pow(sizes[axis] * shares[axis][i], 2) / kWalk;
+            band.shares[axis][i] = (i + draws.uniform(Draw::walk_frequency, 2 * i + axis)) / kWalk;
+            square += std::pow(band.sizes[axis] * band.shares[axis][i], 2) / kWalk;
         }
-    const double turns = square > 0 ? speed / (2 * std::numbers::pi * std::sqrt(square) * paths.rate) : 0;
+    band.edge = square > 0 ? speed / (2 * std::numbers::pi * std::sqrt(square) * paths.rate) : 0;
+    return band;
+}
+
+Harmonics random_walk(const PathsSpec& paths, const PathRegion& region, const PathDraws& draws) {
+    const Band band = walk_band(paths, region, draws);
     Harmonics harmonics(kWalk);
     for (std::uint32_t i = 0; i < kWalk; ++i)
         for (std::uint32_t axis = 0; axis < 2; ++axis)
-            harmonics[i][axis] = {sizes[axis] * std::sqrt(2.0 / kWalk), draws.word(Draw::walk_phase, 2 * i + axis),
-                                  phase_of_turns(turns * shares[axis][i])};
+            harmonics[i][axis] = {band.sizes[axis] * std::sqrt(2.0 / kWalk), draws.word(Draw::walk_phase, 2 * i + axis),
+                                  phase_of_turns(band.edge * band.shares[axis][i])};
     return harmonics;
 }
 
@@ -56,6 +68,14 @@ std::uint32_t harmonic_count(const PathsSpec& paths) {
     if (paths.kind == PathKind::random_walk)
         return kWalk;
     return paths.kind != PathKind::recorded && trembles(paths.tremor_amplitude) ? kTremor : 0;
+}
+
+double highest_tremor(const PathsSpec& paths) {
+    return (1 + kSpread) * paths.tremor_frequency;
+}
+
+double walk_edge(const PathsSpec& paths, const PathRegion& region, const PathDraws& draws) {
+    return walk_band(paths, region, draws).edge;
 }
 
 Harmonics path_harmonics(const PathsSpec& paths, const PathRegion& region, const PathDraws& draws) {

@@ -27,4 +27,10 @@ std::uint32_t harmonic_count(const PathsSpec& paths);
 /// of its own.
 Harmonics path_harmonics(const PathsSpec& paths, const PathRegion& region, const PathDraws& draws);
 
+/// Above every frequency of a scene's tremor, Hz.
+double highest_tremor(const PathsSpec& paths);
+
+/// The edge of a random walk's band, turns a sample: above every frequency of it.
+double walk_edge(const PathsSpec& paths, const PathRegion& region, const PathDraws& draws);
+
 } // namespace forceshade

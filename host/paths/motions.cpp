@@ -23,9 +23,9 @@ void set_heading(double angle, Motion& motion) {
     motion.heading_y = std::abs(y) < kNothing ? 0 : y;
 }
 
-// Of a round trip of this length, m, at this speed, the share that a sample takes.
-double turns_per_sample(double speed, double round, double rate) {
-    return round > 0 ? speed / (round * rate) : 0;
+// The lift of a path of taps, m.
+double lift_of(const PathsSpec& paths, double depth) {
+    return paths.lift.value_or(std::abs(depth));
 }
 
 void set_raster(const PathsSpec& paths, const PathRegion& region, double speed, Motion& motion) {
@@ -35,39 +35,51 @@ void set_raster(const PathsSpec& paths, const PathRegion& region, double speed, 
     motion.turn = samples_of(between / speed * paths.rate);
 }
 
-void set_spiral(const PathsSpec& paths, const PathRegion& region, double speed, Motion& motion) {
-    const double turns = turns_per_sample(speed, 2 * std::numbers::pi * motion.reach, paths.rate);
+void set_spiral(const PathsSpec& paths, const PathRegion& region, double turns, Motion& motion) {
     motion.across = region.inner;
-    motion.phase_step = phase_of_turns(turns);
     motion.radius_step = phase_of_turns(turns / (2 * static_cast<double>(paths.lines)));
 }
 
-void set_taps(const PathsSpec& paths, double speed, Motion& motion) {
-    motion.lift = paths.lift.value_or(std::abs(motion.depth));
-    motion.phase_step = phase_of_turns(turns_per_sample(speed, 2 * std::abs(motion.depth + motion.lift), paths.rate));
-}
-
-void set_kind(const PathsSpec& paths, const PathRegion& region, double speed, Motion& motion) {
+// The way there and back, or once about, m; 0 for what has none.
+double round_way(const PathsSpec& paths, const PathRegion& region, double depth) {
     switch (paths.kind) {
     case PathKind::strokes:
-        motion.phase_step = phase_of_turns(turns_per_sample(speed, 2 * region.length, paths.rate));
-        return;
     case PathKind::raster:
-        return set_raster(paths, region, speed, motion);
+        return 2 * region.length;
     case PathKind::circle:
-        motion.phase_step = phase_of_turns(turns_per_sample(speed, 2 * std::numbers::pi * motion.reach, paths.rate));
-        return;
     case PathKind::spiral:
-        return set_spiral(paths, region, speed, motion);
+        return std::numbers::pi * region.length;
     case PathKind::taps:
-        return set_taps(paths, speed, motion);
+        return 2 * std::abs(depth + lift_of(paths, depth));
     case PathKind::minimum_jerk:
-        motion.run = samples_of(mean_distance(region.length, region.width) / speed * paths.rate);
-        return;
+        return 2 * mean_distance(region.length, region.width);
     case PathKind::random_walk:
     case PathKind::recorded:
-        return;
+        break;
     }
+    return 0;
+}
+
+void set_kind(const PathsSpec& paths, const PathRegion& region, const PathPace& pace, Motion& motion) {
+    switch (paths.kind) {
+    case PathKind::raster:
+        return set_raster(paths, region, pace.speed, motion);
+    case PathKind::minimum_jerk:
+        motion.run = samples_of(mean_distance(region.length, region.width) / pace.speed * paths.rate);
+        return;
+    case PathKind::spiral:
+        set_spiral(paths, region, pace.turns, motion);
+        break;
+    case PathKind::taps:
+        motion.lift = lift_of(paths, motion.depth);
+        break;
+    case PathKind::strokes:
+    case PathKind::circle:
+    case PathKind::random_walk:
+    case PathKind::recorded:
+        break;
+    }
+    motion.phase_step = phase_of_turns(pace.turns);
 }
 
 } // namespace
@@ -92,9 +104,15 @@ double mean_distance(double side, double other) {
             2.5 * (r * r * std::log((1 + d) / r) + std::log((r + d) / 1) / r));
 }
 
+PathPace path_pace(const PathsSpec& paths, const PathRegion& region, const PathDraws& draws) {
+    const double speed = draws.value(paths.speed, Draw::speed, true);
+    const double depth = paths.drive == PathDrive::depth ? draws.value(paths.depth, Draw::depth) : 0;
+    const double way = round_way(paths, region, depth);
+    return {speed, way > 0 ? speed / (way * paths.rate) : 0};
+}
+
 layout::MotionParams<double> path_motion(const PathsSpec& paths, const PathRegion& region, const PathDraws& draws) {
     Motion motion{};
-    const double speed = draws.value(paths.speed, Draw::speed, true);
     const double offset = draws.value(paths.offset, Draw::offset);
     set_heading(draws.value(paths.heading, Draw::heading), motion);
     motion.centre_x = region.centre[0] - offset * motion.heading_y;
@@ -109,7 +127,7 @@ layout::MotionParams<double> path_motion(const PathsSpec& paths, const PathRegio
     motion.run = motion.turn = motion.lines = 1;
     motion.key_low = draws.key()[0];
     motion.key_high = draws.key()[1];
-    set_kind(paths, region, speed, motion);
+    set_kind(paths, region, path_pace(paths, region, draws), motion);
     return motion;
 }
 

@@ -10,6 +10,14 @@ namespace forceshade {
 /// Turns as a phase, 2^-32 turns, whole turns left out; 0 for what is no number.
 std::uint32_t phase_of_turns(double turns);
 
+/// How fast a path goes.
+struct PathPace {
+    double speed = 0; /* m/s */
+    double turns = 0; /* a sample: of a round there and back, whole ones included; 0 for what has no round or way */
+};
+
+PathPace path_pace(const PathsSpec& paths, const PathRegion& region, const PathDraws& draws);
+
 /// The motion of a path, in double. All begin at phase 0: strokes and lines at their end, circles and spirals along the
 /// heading, spirals at their smallest radius, taps at the top. A way of no length is not gone along.
 layout::MotionParams<double> path_motion(const PathsSpec& paths, const PathRegion& region, const PathDraws& draws);

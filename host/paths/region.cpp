@@ -17,6 +17,7 @@ constexpr double kGaussianRadii = 4; // a Gaussian's width: at its ends it has f
 constexpr double kInnerShare = 0.05; // a spiral's smallest radius, of its length
 constexpr double kBoundLengths = 10; // a probe that has left, in lengths
 constexpr double kLeastBound = 0.1;  // m
+constexpr double kStretch = 1e-3;    // of a path's length
 
 struct Feature {
     std::array<double, 2> middle{}; /* m */
@@ -80,11 +81,25 @@ PathRegion path_region(const PathsSpec& paths, const PreparedCase& prepared) {
     region.width = paths.width.value_or(paths.length ? *paths.length : share * feature.across);
     region.inner = paths.inner.value_or(kInnerShare * region.length);
     region.bound = paths.bound.value_or(std::max(kLeastBound, kBoundLengths * region.length));
+    const double feature_length = kBeyond * std::max(feature.along, feature.across);
+    const double over = region.length > 0 ? region.length : region.width > 0 ? region.width : feature_length;
+    region.stretch = paths.stretch.value_or(kStretch * over);
     if (paths.kind == PathKind::spiral && region.inner > region.length / 2)
         throw UsageError(fmt::format("paths.inner, a spiral's smallest radius, is {} m, and its largest, half of "
                                      "length, {} m",
                                      region.inner, region.length / 2));
     return region;
+}
+
+PathRegion recorded_region(const PreparedCase& prepared) {
+    PathsSpec paths = prepared.one.scene.paths.value_or(PathsSpec{});
+    paths.kind = PathKind::recorded;
+    return path_region(paths, prepared);
+}
+
+float single_stretch(const PathRegion& region) {
+    constexpr double kLeast = 1e-18, kMost = 1e18;
+    return static_cast<float>(std::clamp(region.stretch, kLeast, kMost));
 }
 
 double farthest_coordinate(const PathsSpec& paths, const PathRegion& region) {

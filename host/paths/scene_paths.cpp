@@ -14,6 +14,7 @@
 #include "host/paths/hand.h"
 #include "host/paths/harmonics.h"
 #include "host/paths/motions.h"
+#include "host/paths/pace_warnings.h"
 #include "host/paths/recorded_paths.h"
 #include "host/reference/contact.h"
 #include "host/reference/god_object_start.h"
@@ -112,17 +113,20 @@ template <typename T> layout::PathInput<T> ScenePaths<T>::input() {
     input.paths = spec_.count;
     input.steps = spec_.steps;
     input.source = this;
+    input.stretch = single_stretch(region_);
     return input;
 }
 
 template <typename T> std::vector<std::string> ScenePaths<T>::warnings() const {
     if (recorded_)
         return recorded_->file()->warnings();
-    if (spec_.count < 2 || features_.harmonics > 0 || paths_differ(spec_))
-        return {};
-    return {fmt::format("[paths]: all {} paths are the same one; spread speed, depth, heading or offset, as in speed = "
-                        "{{ mean = \"100 mm/s\", sd = \"20 mm/s\" }}, or say count = 1",
-                        spec_.count)};
+    std::vector<std::string> warnings = pace_warnings(spec_, region_);
+    if (spec_.count > 1 && features_.harmonics == 0 && !paths_differ(spec_))
+        warnings.push_back(
+            fmt::format("[paths]: all {} paths are the same one; spread speed, depth, heading or offset, "
+                        "as in speed = {{ mean = \"100 mm/s\", sd = \"20 mm/s\" }}, or say count = 1",
+                        spec_.count));
+    return warnings;
 }
 
 template <typename T> std::shared_ptr<const RecordedFile> ScenePaths<T>::recorded() const {

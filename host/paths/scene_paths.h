@@ -35,6 +35,9 @@ public:
     /// Points to this. Channels are those of the scene's output that paths have, and the position.
     layout::PathInput<T> input();
 
+    /// m: the way that a turn of the force is counted over.
+    double stretch() const { return region_.stretch; }
+
     /// Paths of a mesh that began behind its surface, of those whose batch was made.
     std::uint64_t begins_inside() const { return inside_; }
 

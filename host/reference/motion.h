@@ -124,19 +124,39 @@ template <typename T> T nominal_height(const layout::Law<T>& law, T x) noexcept 
     return T(0);
 }
 
-/// The intended place of the probe at a step, m.
+/// A place in the world, m, and so much beside it; one that follows the surface lies the nominal height above it.
 template <typename T>
-Vector<T> motion_at(const layout::Law<T>& law, const layout::PathFeatures& features, const layout::PathBatch<T>& batch,
-                    std::size_t path, layout::uint step) noexcept {
-    const layout::MotionParams<T>& motion = batch.motions[path];
-    const Place<T> place = place_at(features.motion, motion, step);
-    const Vector<T> more = harmonics_at(batch, path, features.harmonics, step);
+Vector<T> in_world(const layout::Law<T>& law, const layout::PathFeatures& features,
+                   const layout::MotionParams<T>& motion, const Place<T>& place, const Vector<T>& more) noexcept {
     Vector<T> point{motion.centre_x + (place.along * motion.heading_x - place.across * motion.heading_y) + more.x,
                     motion.centre_y + (place.along * motion.heading_y + place.across * motion.heading_x) + more.y,
                     motion.centre_z + place.above + more.z};
     if (features.follow == layout::kFollowSurface)
         point.z += nominal_height(law, point.x);
     return point;
+}
+
+/// The intended place of the probe at a step, m.
+template <typename T>
+Vector<T> motion_at(const layout::Law<T>& law, const layout::PathFeatures& features, const layout::PathBatch<T>& batch,
+                    std::size_t path, layout::uint step) noexcept {
+    const layout::MotionParams<T>& motion = batch.motions[path];
+    return in_world(law, features, motion, place_at(features.motion, motion, step),
+                    harmonics_at(batch, path, features.harmonics, step));
+}
+
+/// Where rounds begin and end, tremor left out, m.
+template <typename T>
+Vector<T> round_end(const layout::Law<T>& law, const layout::PathFeatures& features,
+                    const layout::MotionParams<T>& motion) noexcept {
+    return in_world(law, features, motion, place_at(features.motion, motion, 0U), Vector<T>(T(0)));
+}
+
+/// Since the beginning of the path, when the work that a step adds begins.
+template <typename T>
+layout::uint phase_of_work(const layout::PathFeatures& features, const layout::MotionParams<T>& motion,
+                           layout::uint step) noexcept {
+    return (features.loop == layout::kLoopOpen ? step - 1 : step) * motion.phase_step;
 }
 
 /// Whether the work that a step adds completes a round of the motion (there and back, once about, a tap): in open loop
@@ -147,11 +167,27 @@ bool completes_round(const layout::PathFeatures& features, const layout::MotionP
     const layout::uint kind = features.motion;
     const bool never = kind == layout::kMotionRaster || kind == layout::kMotionRandomWalk ||
                        kind == layout::kMotionMinimumJerk || kind == layout::kMotionRecorded;
-    const bool open = features.loop == layout::kLoopOpen;
-    if (never || motion.phase_step == 0 || (open && step == 0))
+    const bool goes = motion.phase_step != 0 && motion.phase_step < layout::kHalfTurn; // beyond, it seems to go back
+    if (never || !goes || (features.loop == layout::kLoopOpen && step == 0))
         return false;
-    const layout::uint phase = (open ? step - 1 : step) * motion.phase_step; // since the beginning
+    const layout::uint phase = phase_of_work(features, motion, step);
     return layout::uint(phase + motion.phase_step) < phase;
+}
+
+/// Of the step whose work completes a round, the share of time after the round is complete.
+template <typename T>
+T late_share(const layout::PathFeatures& features, const layout::MotionParams<T>& motion, layout::uint step) noexcept {
+    const layout::uint late = phase_of_work(features, motion, step) + motion.phase_step;
+    const T per_phase_step = T(1) / T(static_cast<std::int32_t>(motion.phase_step));
+    return T(static_cast<std::int32_t>(late)) * per_phase_step;
+}
+
+/// Whether a round ends at round_end(); a spiral does not come back to where it was, nor a probe that is held by a
+/// hand.
+inline bool ends_at_a_place(const layout::PathFeatures& features) noexcept {
+    return features.loop == layout::kLoopOpen &&
+           (features.motion == layout::kMotionStrokes || features.motion == layout::kMotionCircle ||
+            features.motion == layout::kMotionTaps);
 }
 
 } // namespace forceshade::reference

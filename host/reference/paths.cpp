@@ -153,9 +153,7 @@ template <typename T> struct PathWalk<T>::State {
             const bool last = step + 1 == steps;
             const Vector<T> next = closed || !last ? target(chunk, path, last && recorded_ ? step : step + 1) : here;
             const PathSampled<T> sampled =
-                take_step(input_.features, hand, state, here, next,
-                          completes_round(input_.features, motion, static_cast<layout::uint>(step)),
-                          static_cast<layout::uint>(steps), feel);
+                take_step(input_, hand, motion, state, here, next, static_cast<layout::uint>(steps), feel);
             samples_.store((step - chunk.step_first) * chunk.pitch + path, sampled);
             here = next;
         }

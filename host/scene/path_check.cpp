@@ -67,7 +67,8 @@ private:
 
     // What is divided by, or squared and compared.
     static bool needs_square(const Key& key) {
-        return key.name == "bound" || key.name == "quantisation" || key.name == "mass" || key.name == "rate";
+        return key.name == "bound" || key.name == "quantisation" || key.name == "mass" || key.name == "rate" ||
+               key.name == "stretch";
     }
 
     void check_kind(const PathsSpec& paths) const {

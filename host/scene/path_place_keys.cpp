@@ -127,6 +127,17 @@ void add_path_place_keys(std::vector<Key>& keys) {
                     .sign = Sign::positive,
                     .example = "\"0.3 m\"",
                     .closed_loop = true});
+    keys.push_back({.table = "paths",
+                    .name = "stretch",
+                    .kind = ValueKind::quantity,
+                    .default_text = "",
+                    .doc = "the way over which the steepest turn of the force is taken; left out: a thousandth of the "
+                           "length",
+                    .set = [](Scene& s, const Value& v) { s.paths->stretch = v.numbers.at(0); },
+                    .subject = Subject::paths,
+                    .forms = kAll,
+                    .sign = Sign::positive,
+                    .example = "\"0.03 mm\""});
 }
 
 } // namespace forceshade

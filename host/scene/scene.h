@@ -134,13 +134,14 @@ struct PathsSpec {
     std::optional<std::array<double, 2>> centre; /* m */
     std::optional<double> height;                /* m: z of the plane that depth is measured from */
     PathFollow follow = PathFollow::plane;
-    std::optional<double> length; /* m: of a stroke; of circles and spirals the largest diameter */
-    std::optional<double> width;  /* m: across */
-    std::uint64_t lines = 16;     /* of a raster; rounds of a spiral on its way out */
-    std::optional<double> inner;  /* m: the smallest radius of a spiral */
-    std::optional<double> lift;   /* m: of taps, above the surface at the top */
-    double start_depth = 0;       /* m: closed loop: below the target at the start */
-    std::optional<double> bound;  /* m: closed loop: further from the target is unstable */
+    std::optional<double> length;  /* m: of a stroke; of circles and spirals the largest diameter */
+    std::optional<double> width;   /* m: across */
+    std::uint64_t lines = 16;      /* of a raster; rounds of a spiral on its way out */
+    std::optional<double> inner;   /* m: the smallest radius of a spiral */
+    std::optional<double> lift;    /* m: of taps, above the surface at the top */
+    double start_depth = 0;        /* m: closed loop: below the target at the start */
+    std::optional<double> bound;   /* m: closed loop: further from the target is unstable */
+    std::optional<double> stretch; /* m: the way that a turn of the force is counted over */
 
     bool closed() const { return loop ? *loop == PathLoop::closed : drive != PathDrive::depth; }
     friend bool operator==(const PathsSpec&, const PathsSpec&) = default;

@@ -34,8 +34,10 @@ Json paths_json(const PathRecord& paths) {
             {"samples", paths.samples},
             {"samples_in_contact", paths.in_contact},
             {"unstable", paths.unstable},
+            {"fell", paths.fell},
             {"began_inside", paths.began_inside},
             {"unfinished", paths.unfinished},
+            {"stretch_m", paths.stretch},
             {"largest_force_N", paths.largest_force},
             {"work_J", paths.work},
             {"effort_J", paths.effort},
@@ -60,8 +62,10 @@ PathRecord paths_of(const Json& json) {
     paths.samples = json.at("samples");
     paths.in_contact = json.at("samples_in_contact");
     paths.unstable = json.at("unstable");
+    paths.fell = json.at("fell");
     paths.began_inside = json.at("began_inside");
     paths.unfinished = json.at("unfinished");
+    paths.stretch = json.at("stretch_m");
     paths.largest_force = json.at("largest_force_N");
     paths.work = json.at("work_J");
     paths.effort = json.at("effort_J");

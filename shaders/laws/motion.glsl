@@ -172,14 +172,26 @@ real3 harmonics_at(uint path, uint paths, uint step) {
     return sum;
 }
 
-// The intended place of the probe at a step, m; one that follows the surface lies the nominal height above it.
-real3 motion_at(MotionParams motion, uint path, uint paths, uint step) {
-    Place place = place_at(motion, step);
-    real3 more = harmonics_at(path, paths, step);
+// A place in the world, m, and so much beside it; one that follows the surface lies the nominal height above it.
+real3 in_world(MotionParams motion, Place place, real3 more) {
     precise real x = motion.centre_x + (place.along * motion.heading_x - place.across * motion.heading_y) + more.x;
     precise real y = motion.centre_y + (place.along * motion.heading_y + place.across * motion.heading_x) + more.y;
     precise real z = motion.centre_z + place.above + more.z;
     return real3(x, y, z);
+}
+
+// The intended place of the probe at a step, m.
+real3 motion_at(MotionParams motion, uint path, uint paths, uint step) {
+    Place place = place_at(motion, step);
+    return in_world(motion, place, harmonics_at(path, paths, step));
+}
+
+real3 round_end;     // m: where rounds begin and end, tremor left out
+real per_phase_step; // 1: one over the phase step
+
+// Since the beginning of the path, when the work that a step adds begins.
+uint phase_of_work(MotionParams motion, uint step) {
+    return (LOOP == kLoopOpen ? step - 1u : step) * motion.phase_step;
 }
 
 // Whether the work that a step adds completes a round of the motion (there and back, once about, a tap): in open loop
@@ -187,7 +199,18 @@ real3 motion_at(MotionParams motion, uint path, uint paths, uint step) {
 bool completes_round(MotionParams motion, uint step) {
     if (MOTION == kMotionRaster || MOTION == kMotionRandomWalk || MOTION == kMotionMinimumJerk || MOTION == kMotionRecorded)
         return false;
-    bool open = LOOP == kLoopOpen;
-    uint phase = (open ? step - 1u : step) * motion.phase_step; // since the beginning
-    return motion.phase_step != 0u && !(open && step == 0u) && phase + motion.phase_step < phase;
+    uint phase = phase_of_work(motion, step);
+    bool goes = motion.phase_step != 0u && motion.phase_step < kHalfTurn; // beyond, it seems to go the other way
+    return goes && !(LOOP == kLoopOpen && step == 0u) && phase + motion.phase_step < phase;
 }
+
+// Of the step whose work completes a round, the share of time after the round is complete.
+real late_share(MotionParams motion, uint step) {
+    uint late = phase_of_work(motion, step) + motion.phase_step;
+    precise real share = real(int(late)) * per_phase_step;
+    return share;
+}
+
+// Whether a round ends at `round_end`; a spiral does not come back to where it was, nor a probe that is held by a hand.
+const bool ENDS_AT_A_PLACE =
+    LOOP == kLoopOpen && (MOTION == kMotionStrokes || MOTION == kMotionCircle || MOTION == kMotionTaps);

@@ -1,5 +1,5 @@
 // One step of an exploration path, open or closed loop: where the probe is, what it feels, where it goes next. The
-// kernel evaluates the law between probe_at and take_step. Needs vector.glsl, hand.glsl, path_metrics.glsl; LOOP.
+// kernel evaluates the law between probe_at and take_step. Needs vector.glsl, motion.glsl, hand.glsl, path_metrics.glsl; LOOP.
 
 // What of a sample is written.
 struct PathSample {
@@ -14,7 +14,8 @@ struct PathSample {
 PathState begin_state(HandParams hand, real3 target) {
     precise real sunk = LOOP == kLoopClosed ? hand.start_depth : exact_zero;
     precise real z = target.z - sunk;
-    return PathState(target.x, target.y, z, ZERO, ZERO, ZERO, target.x, target.y, z, ZERO, ZERO, ZERO, no_metrics(), 0u, 0u);
+    return PathState(target.x, target.y, z, ZERO, ZERO, ZERO, target.x, target.y, z, ZERO, ZERO, ZERO,
+                     ZERO, ZERO, ZERO, ZERO, ZERO, ZERO, ZERO, no_metrics(), 0u, 0u);
 }
 
 // Whether the probe is beyond its bound, now or before. Then it stays where it was last, free of force.
@@ -24,8 +25,11 @@ bool leaves(inout PathState state, HandParams hand, real3 target) {
     real3 away = difference(real3(state.x, state.y, state.z), target);
     precise real square = product(away, away);
     precise real most = hand.bound * hand.bound;
-    bool left = state.metrics.unstable_step != kNever;
-    state.metrics.unstable_step = !left && !(square <= most) ? state.step : state.metrics.unstable_step;
+    bool now = state.metrics.unstable_step == kNever && !(square <= most);
+    bool pushed = product(real3(hand.push_x, hand.push_y, hand.push_z), away) > ZERO;
+    bool falls = now && pushed && state.directed == 0u && state.step > 0u;
+    state.metrics.unstable_step = now ? state.step : state.metrics.unstable_step;
+    state.metrics.fell = falls ? 1u : state.metrics.fell;
     return state.metrics.unstable_step != kNever;
 }
 
@@ -39,28 +43,25 @@ real3 probe_at(PathState state, HandParams hand, real3 target) {
     return LOOP == kLoopClosed ? measured(hand, real3(state.x, state.y, state.z)) : target;
 }
 
-// Adds what lies between the last sample and this one; `unit` and `direction` are the forces' directions then and now.
-void add_between(inout PathState state, PathSample taken, real3 unit, real3 direction) {
-    bool first = state.step == 0u;
+// Open loop: adds the work, J, since the last sample; the first is where the path begins, and adds none.
+real add_between(inout PathState state, PathSample taken) {
     real3 way = difference(taken.position, real3(state.measured_x, state.measured_y, state.measured_z));
-    bool both = !first && state.touching != 0u && taken.facet != kNoFacet;
-    add_turn(state.metrics, unit, direction, way, both);
-    if (LOOP == kLoopClosed)
-        return;
     real3 forces = sum(real3(state.force_x, state.force_y, state.force_z), taken.force);
     precise real work = real(0.5LF) * product(forces, way);
-    add_work(state.metrics, work, !first);
+    add_work(state.metrics, work);
+    return work;
 }
 
-// Closed loop: over the sample the hand takes the probe to where the next one begins.
-void carry(inout PathState state, HandParams hand, PathSample taken, real3 target, real3 next, uint steps) {
+// Closed loop: over the sample the hand takes the probe to where the next one begins. Adds the work, J.
+real carry(inout PathState state, HandParams hand, PathSample taken, real3 target, real3 next, uint steps) {
     Carried now = Carried(real3(state.x, state.y, state.z), real3(state.speed_x, state.speed_y, state.speed_z));
     bool late = hand.delay != 0u;
     real3 applied = real3(late ? state.force_x : taken.force.x, late ? state.force_y : taken.force.y,
                           late ? state.force_z : taken.force.z);
     real3 target_speed = scaled(hand.rate, difference(next, target));
     Carried after = carried(hand, now, target, target_speed, applied);
-    add_work(state.metrics, product(applied, difference(after.place, now.place)), true);
+    real work = product(applied, difference(after.place, now.place));
+    add_work(state.metrics, work);
     add_speed(state.metrics, after.speed, state.step, steps);
     state.x = after.place.x;
     state.y = after.place.y;
@@ -68,27 +69,39 @@ void carry(inout PathState state, HandParams hand, PathSample taken, real3 targe
     state.speed_x = after.speed.x;
     state.speed_y = after.speed.y;
     state.speed_z = after.speed.z;
+    return work;
+}
+
+// Of the work of a step, J, within which a round of the motion ends, what comes after that. In open loop the round ends
+// where it began, so that it is closed, even where strokes turn there and change their depth; else the work is linear in
+// time.
+real late_work(PathState state, MotionParams motion, PathSample taken, real work) {
+    precise real late = work * late_share(motion, state.step);
+    if (ENDS_AT_A_PLACE) {
+        real3 forces = sum(real3(state.force_x, state.force_y, state.force_z), taken.force);
+        late = real(0.5LF) * product(forces, difference(taken.position, round_end));
+    }
+    return late;
 }
 
 // Takes a path that has not left one step on. `target` and `next` are the motion's places at this step and the next, m;
-// `unit` is the direction of the last force, and becomes that of this one. `ends_round`: with the work that this step
-// adds a round of the motion is complete; `finished`: the proxy came to rest.
-void take_step(inout PathState state, inout real3 unit, HandParams hand, PathSample taken, real3 target, real3 next,
-               bool ends_round, bool finished, uint steps) {
-    add_sample(state.metrics, taken.depth, taken.facet != kNoFacet, taken.force);
+// `unit` is the direction of the last force, and becomes that of this one. `finished`: the proxy came to rest.
+void take_step(inout PathState state, inout real3 unit, HandParams hand, MotionParams motion, PathSample taken,
+               real3 target, real3 next, bool finished, uint steps) {
+    bool touches = taken.facet != kNoFacet;
+    add_sample(state.metrics, taken.depth, touches, taken.force);
     state.metrics.unfinished += finished ? 0u : 1u;
-    real3 direction = normalised(taken.force);
-    add_between(state, taken, unit, direction);
+    real3 direction = direction_of(taken.force);
+    bool forceful = product(taken.force, taken.force) > ZERO;
+    add_turn(state, taken.position, unit, direction, touches && forceful);
     unit = direction;
-    if (LOOP == kLoopClosed)
-        carry(state, hand, taken, target, next, steps);
-    end_round(state.metrics, ends_round);
+    real work = LOOP == kLoopClosed ? carry(state, hand, taken, target, next, steps) : add_between(state, taken);
+    end_round(state.metrics, late_work(state, motion, taken, work), completes_round(motion, state.step));
     state.measured_x = taken.position.x;
     state.measured_y = taken.position.y;
     state.measured_z = taken.position.z;
     state.force_x = taken.force.x;
     state.force_y = taken.force.y;
     state.force_z = taken.force.z;
-    state.touching = taken.facet != kNoFacet ? 1u : 0u;
     ++state.step;
 }

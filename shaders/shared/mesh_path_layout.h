@@ -137,6 +137,7 @@ struct MeshPathChunkParams {
     uint own_hands; // 1: each path has a hand of its own
     uint pause;     // loops after which an invocation begins nothing new
     uint limit;     // loops that an invocation may run
+    float stretch;  // m: as in PathChunkParams
 };
 
 #ifdef __cplusplus

@@ -69,6 +69,7 @@ struct PathChunkParams {
     uint steps;       // of a path, where it has no length of its own
     uint own_lengths; // 1: each path has one
     uint own_hands;   // 1: each path has a hand of its own
+    float stretch;    // m: the least way that a turn of the force is counted over
 };
 
 // A harmonic motion added along one axis of one path.
@@ -143,7 +144,8 @@ FS_STRUCT PathMetrics {
     real force_square;      // N^2: sum over the samples
     real force_square_rest; // N^2
     real largest_turn;      // 1: square of the difference of the unit forces of two samples in a row, both in contact
-    real steepest_turn;     // 1/m^2: the same over the square of the distance between them
+    real steepest_turn;     // 1: square of the chord of the force's steepest turn since an anchor
+    real steepest_way;      // m^2: square of the way that it took, no less than the stretch
     real least_depth;       // m: in contact
     real largest_depth;     // m
     real depth;             // m: sum over the samples in contact
@@ -154,15 +156,18 @@ FS_STRUCT PathMetrics {
     real work_rest;         // J
     real effort;            // J: sum of |F . dx|
     real effort_rest;       // J
-    real round_begin;       // J: the work when the round began
-    real largest_round;     // J: of the rounds that have ended, the one with the most work either way
-    real rounds_end;        // J: the work when the last round ended
+    real round_begin;       // J: the work when the round began, all rounds before it together
+    real round_begin_rest;  // J
+    real largest_round;     // J: the most work of a round that has ended
+    real least_round;       // J: the least
     real early_speed;       // m/s: the largest in the second quarter of the steps
     real late_speed;        // m/s: in the last quarter
     uint contact_samples;
     uint rounds;        // ended
     uint unstable_step; // at which the probe left its bound; kNever
+    uint fell;          // 1: it left free of contact, the way the hand pushes
     uint unfinished;    // samples at which a proxy did not come to rest
+    uint zero;          // 0
 };
 
 // A path between two steps.
@@ -179,9 +184,16 @@ FS_STRUCT PathState {
     real force_x; // N: commanded last
     real force_y;
     real force_z;
+    real anchor_x; // m: from where the turn of the force is counted
+    real anchor_y;
+    real anchor_z;
+    real anchor_force_x; // 1: the force's direction there
+    real anchor_force_y;
+    real anchor_force_z;
+    real steepest; // 1: about the square of the steepest turn's angle
     FS_REAL_STRUCT(PathMetrics) metrics;
     uint step;     // the next
-    uint touching; // at the last sample: 1 or 0
+    uint directed; // 1: at the last sample there was contact and a force, so that there is an anchor
 };
 
 // The proxy with which a path on a mesh begins, in the mesh's frame.
@@ -234,6 +246,7 @@ template <typename real> struct PathInput {
     std::size_t paths = 0;
     std::size_t steps = 0; // of the longest
     PathSource<real>* source = nullptr;
+    float stretch = 1e-3f; // m: the least way that a turn of the force is counted over
 };
 
 // Some steps of some consecutive paths: sample (step, path) stands at step * pitch + path. Channels that were not asked

@@ -100,6 +100,7 @@ void paths(benchmark::State& state, layout::uint loop, layout::uint channels, la
     input.features.loop = loop;
     input.features.channels = channels;
     input.features.harmonics = harmonics;
+    input.stretch = 3e-5f; // what a scene's default would be
     if (loop == layout::kLoopClosed)
         input.hands = {&one, 1};
     std::uint64_t touched = 0;

@@ -46,7 +46,7 @@ protected:
 
     ExploreResult explore(const PreparedCase& prepared, const std::string& paths,
                           const std::string& out = "out.csv") const {
-        return forceshade::explore(prepared, path(paths), path(out), [](std::uint64_t, std::uint64_t) {});
+        return forceshade::explore(prepared, path(paths), path(out), 1e-3f, [](std::uint64_t, std::uint64_t) {});
     }
 
     /// The text that a scene makes of a text.

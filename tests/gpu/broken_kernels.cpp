@@ -5,6 +5,13 @@
 namespace forceshade {
 namespace {
 namespace words {
+#include "adrift_f32.spv.h"
+#include "adrift_f32_packed.spv.h"
+#include "adrift_f64.spv.h"
+#include "adrift_mesh_f32.spv.h"
+#include "adrift_mesh_f64.spv.h"
+#include "adrift_path_f32.spv.h"
+#include "adrift_path_f64.spv.h"
 #include "channel_f32.spv.h"
 #include "channel_f32_packed.spv.h"
 #include "channel_f64.spv.h"
@@ -144,6 +151,8 @@ Kernels kernels_of(test::Break which) {
         return Kernels FS_KERNELS(kahan);
     case test::Break::late:
         return Kernels FS_KERNELS(late);
+    case test::Break::adrift:
+        return Kernels FS_KERNELS(adrift);
     case test::Break::lap:
         return Kernels FS_KERNELS(lap);
     case test::Break::forgetful:

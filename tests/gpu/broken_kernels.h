@@ -18,6 +18,7 @@ enum class Break {
     kahan,      /* a metric's sum loses more to rounding */
     late,       /* a device without delay is late, and the other way round */
     lap,        /* open loop: rounds are counted a step early */
+    adrift,     /* turns are counted from where contact began */
     forgetful,  /* G2: a facet keeps the vertex at its right */
     imprecise,  /* no `precise`: compilers reassociate */
 };

@@ -50,6 +50,7 @@ INSTANTIATE_TEST_SUITE_P(Breaks, PathBrokenKernel,
                                            Broken{"kahan", Break::kahan, layout::kLoopOpen, false},
                                            Broken{"late", Break::late, layout::kLoopClosed, true},
                                            Broken{"lap", Break::lap, layout::kLoopOpen, false},
+                                           Broken{"adrift", Break::adrift, layout::kLoopOpen, false},
                                            Broken{"imprecise", Break::imprecise, layout::kLoopOpen, false}),
                          [](const auto& parameter) { return std::string(parameter.param.name); });
 

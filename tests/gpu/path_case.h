@@ -71,7 +71,10 @@ public:
             record();
     }
 
-    layout::PathInput<T> input() { return {tables_.law(), shape_.features, hands_, shape_.paths, shape_.steps, this}; }
+    layout::PathInput<T> input() {
+        const float stretch = shape_.seed % 2 ? 5e-4f : 5e-5f; // longer than most steps, and shorter
+        return {tables_.law(), shape_.features, hands_, shape_.paths, shape_.steps, this, stretch};
+    }
 
     layout::PathBatch<T> batch(std::size_t first, std::size_t count) override {
         batch_first_ = first;

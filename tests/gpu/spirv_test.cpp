@@ -107,7 +107,7 @@ std::vector<Expected> path_chunk_members() {
     using Chunk = layout::PathChunkParams;
     return {FS_MEMBER(Chunk, paths),     FS_MEMBER(Chunk, step_first), FS_MEMBER(Chunk, step_end),
             FS_MEMBER(Chunk, row_first), FS_MEMBER(Chunk, steps),      FS_MEMBER(Chunk, own_lengths),
-            FS_MEMBER(Chunk, own_hands)};
+            FS_MEMBER(Chunk, own_hands), FS_MEMBER(Chunk, stretch)};
 }
 
 template <typename real> std::vector<Expected> motion_members() {
@@ -144,27 +144,60 @@ template <typename real> std::vector<Expected> hand_members() {
 
 template <typename real> std::vector<Expected> metrics_members() {
     using Metrics = layout::PathMetrics<real>;
-    return {FS_MEMBER(Metrics, largest_force),     FS_MEMBER(Metrics, force_square),
-            FS_MEMBER(Metrics, force_square_rest), FS_MEMBER(Metrics, largest_turn),
-            FS_MEMBER(Metrics, steepest_turn),     FS_MEMBER(Metrics, least_depth),
-            FS_MEMBER(Metrics, largest_depth),     FS_MEMBER(Metrics, depth),
-            FS_MEMBER(Metrics, depth_rest),        FS_MEMBER(Metrics, depth_square),
-            FS_MEMBER(Metrics, depth_square_rest), FS_MEMBER(Metrics, work),
-            FS_MEMBER(Metrics, work_rest),         FS_MEMBER(Metrics, effort),
-            FS_MEMBER(Metrics, effort_rest),       FS_MEMBER(Metrics, round_begin),
-            FS_MEMBER(Metrics, largest_round),     FS_MEMBER(Metrics, rounds_end),
-            FS_MEMBER(Metrics, early_speed),       FS_MEMBER(Metrics, late_speed),
-            FS_MEMBER(Metrics, contact_samples),   FS_MEMBER(Metrics, rounds),
-            FS_MEMBER(Metrics, unstable_step),     FS_MEMBER(Metrics, unfinished)};
+    return {FS_MEMBER(Metrics, largest_force),
+            FS_MEMBER(Metrics, force_square),
+            FS_MEMBER(Metrics, force_square_rest),
+            FS_MEMBER(Metrics, largest_turn),
+            FS_MEMBER(Metrics, steepest_turn),
+            FS_MEMBER(Metrics, steepest_way),
+            FS_MEMBER(Metrics, least_depth),
+            FS_MEMBER(Metrics, largest_depth),
+            FS_MEMBER(Metrics, depth),
+            FS_MEMBER(Metrics, depth_rest),
+            FS_MEMBER(Metrics, depth_square),
+            FS_MEMBER(Metrics, depth_square_rest),
+            FS_MEMBER(Metrics, work),
+            FS_MEMBER(Metrics, work_rest),
+            FS_MEMBER(Metrics, effort),
+            FS_MEMBER(Metrics, effort_rest),
+            FS_MEMBER(Metrics, round_begin),
+            FS_MEMBER(Metrics, round_begin_rest),
+            FS_MEMBER(Metrics, largest_round),
+            FS_MEMBER(Metrics, least_round),
+            FS_MEMBER(Metrics, early_speed),
+            FS_MEMBER(Metrics, late_speed),
+            FS_MEMBER(Metrics, contact_samples),
+            FS_MEMBER(Metrics, rounds),
+            FS_MEMBER(Metrics, unstable_step),
+            FS_MEMBER(Metrics, fell),
+            FS_MEMBER(Metrics, unfinished),
+            FS_MEMBER(Metrics, zero)};
 }
 
 template <typename real> std::vector<Expected> state_members() {
     using State = layout::PathState<real>;
-    return {FS_MEMBER(State, x),          FS_MEMBER(State, y),          FS_MEMBER(State, z),
-            FS_MEMBER(State, speed_x),    FS_MEMBER(State, speed_y),    FS_MEMBER(State, speed_z),
-            FS_MEMBER(State, measured_x), FS_MEMBER(State, measured_y), FS_MEMBER(State, measured_z),
-            FS_MEMBER(State, force_x),    FS_MEMBER(State, force_y),    FS_MEMBER(State, force_z),
-            FS_MEMBER(State, metrics),    FS_MEMBER(State, step),       FS_MEMBER(State, touching)};
+    return {FS_MEMBER(State, x),
+            FS_MEMBER(State, y),
+            FS_MEMBER(State, z),
+            FS_MEMBER(State, speed_x),
+            FS_MEMBER(State, speed_y),
+            FS_MEMBER(State, speed_z),
+            FS_MEMBER(State, measured_x),
+            FS_MEMBER(State, measured_y),
+            FS_MEMBER(State, measured_z),
+            FS_MEMBER(State, force_x),
+            FS_MEMBER(State, force_y),
+            FS_MEMBER(State, force_z),
+            FS_MEMBER(State, anchor_x),
+            FS_MEMBER(State, anchor_y),
+            FS_MEMBER(State, anchor_z),
+            FS_MEMBER(State, anchor_force_x),
+            FS_MEMBER(State, anchor_force_y),
+            FS_MEMBER(State, anchor_force_z),
+            FS_MEMBER(State, steepest),
+            FS_MEMBER(State, metrics),
+            FS_MEMBER(State, step),
+            FS_MEMBER(State, directed)};
 }
 
 // A buffer of structs, one after the other as C++ has them.
@@ -189,7 +222,7 @@ template <typename real> void expect_path_layout(const SpirvModule& module) {
     const auto hands = module.members(module.buffer(layout::kPathBindHands).value());
     expect_members(module, module.members(module.array(hands[0].type)->type)[0].type, axis_members<real>());
     const auto states = module.members(module.buffer(layout::kPathBindStates).value());
-    expect_members(module, module.members(module.array(states[0].type)->type)[12].type, metrics_members<real>());
+    expect_members(module, module.members(module.array(states[0].type)->type)[19].type, metrics_members<real>());
     const auto push = module.members(module.push_constants().value());
     ASSERT_EQ(push.size(), 1u);
     expect_members(module, push[0].type, path_chunk_members());

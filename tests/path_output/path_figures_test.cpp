@@ -25,15 +25,16 @@ reference::Contact<double> contact_at(double depth) {
 
 TEST(PathFigures, turns_are_angles_and_sums_keep_their_rests) {
     layout::PathMetrics<double> metrics = reference::no_metrics<double>();
-    const Vector<double> up{0, 0, 2}, aside{2, 0, 0}, way{0.001, 0, 0};
+    const Vector<double> up{0, 0, 2};
     for (const double depth : {0.001, 0.003})
         reference::add_sample(metrics, contact_at(depth), up);
-    reference::add_turn(metrics, up, aside, way);
+    metrics.largest_turn = metrics.steepest_turn = 2;
+    metrics.steepest_way = 1e-6;
     reference::add_work(metrics, 0.5);
     reference::add_work(metrics, -0.25);
     const PathFigures figures = figures_of(metrics, {4, 10, false, true});
     EXPECT_NEAR(figures.largest_turn, 90, 1e-12);
-    EXPECT_NEAR(figures.steepest_turn, std::sqrt(2.0) * 180 / 3.14159265358979, 1e-9) << "the chord, a millimetre";
+    EXPECT_NEAR(figures.steepest_turn, 90, 1e-12) << "over a millimetre";
     EXPECT_EQ(figures.largest_force, 2);
     EXPECT_NEAR(figures.rms_force, std::sqrt(8.0 / 4), 1e-15) << "over all samples of the path";
     EXPECT_EQ(figures.contact_time, 0.2);
@@ -96,15 +97,20 @@ TEST(PathSummary, leaves_cells_empty_that_have_no_meaning) {
     summary.add(7, figures);
     figures.largest_force = double(0.1f);
     figures.eta = 0.25;
+    figures.rounds = 2;
+    figures.least_round = -1;
+    figures.mean_round = 0.5;
+    figures.largest_round = 2;
     figures.unstable_time = 1700000000.125; // a clock's, which a float does not hold
+    figures.fell = true;
     summary.add(8, figures);
     summary.finish();
     std::ifstream file(folder / "a.paths.csv");
     std::ostringstream text;
     text << file.rdbuf();
     EXPECT_EQ(text.str(), std::string(path_summary_header()) +
-                              "7,3,0,0,0,0,0,0,0,0,,0,,,,,0,,,0,0\n"
-                              "8,3,0,0.1,0,0,0,0,0,0,0.25,0,,,,,1,1700000000.125,,0,0\n");
+                              "7,3,0,0,0,0,0,0,0,,0,,,,,,,,0,,0,,0,0\n"
+                              "8,3,0,0.1,0,0,0,0,0,0.25,2,-1,0.5,2,,,,,1,1700000000.125,1,,0,0\n");
 }
 
 } // namespace

@@ -155,6 +155,7 @@ depth_back = "1 mm"
             kStiffness / 2 * (kDeep * kDeep - kShallow * kShallow) * (std::sqrt(1 - share * share) - 1);
         EXPECT_EQ(metrics.rounds, 1u);
         EXPECT_NEAR(metrics.largest_round, exact, 1e-6 * exact);
+        EXPECT_EQ(metrics.least_round, metrics.largest_round);
         EXPECT_NEAR(exact, kWork[i], 1e-7);
     }
 }

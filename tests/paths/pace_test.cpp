@@ -1,0 +1,61 @@
+// Paths that cannot be what a scene says at its rate are told of, and what would be right; others are not.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "tests/paths/explored.h"
+
+namespace forceshade {
+namespace {
+
+std::vector<std::string> warnings(const std::string& keys) {
+    const PreparedCase prepared = prepared_scene("[paths]\nlength = \"30 mm\"\n" + keys);
+    return ScenePaths<double>(prepared).warnings();
+}
+
+const char* const kSpread = "speed = { min = \"10 m/s\", max = \"40 m/s\" }\n"; // 30 m/s is half a round of 60 mm
+
+TEST(Pace, HalfARoundASample) {
+    EXPECT_EQ(warnings("count = 1\nspeed = \"29 m/s\"\n").size(), 0u);
+    const auto fast = warnings("count = 1\nspeed = \"31 m/s\"\n");
+    ASSERT_EQ(fast.size(), 1u);
+    EXPECT_EQ(fast[0], "[paths]: speed: on the path half a round or more lies between two samples, so that the motion "
+                       "seems slower, or to go back; right is a speed below 30 m/s, or a rate above 1.03e+03 Hz");
+    const auto some = warnings(std::string("count = 300\n") + kSpread);
+    ASSERT_EQ(some.size(), 1u);
+    EXPECT_NE(some[0].find(" of 300 paths half a round or more"), std::string::npos);
+    EXPECT_NE(some[0].find("below 30 m/s"), std::string::npos);
+    EXPECT_EQ(warnings(std::string("count = 300\nrate = \"2 kHz\"\n") + kSpread).size(), 0u);
+    for (const char* kind : {"circle", "spiral", "raster", "minimum_jerk", "random_walk"})
+        EXPECT_EQ(
+            warnings(fmt::format("count = 2\nspeed = {{ min = \"70 m/s\", max = \"90 m/s\" }}\nkind = \"{}\"\n", kind))
+                .size(),
+            1u)
+            << kind;
+}
+
+TEST(Pace, TooSlowForAPhase) {
+    EXPECT_EQ(warnings("count = 1\nspeed = \"0.01 mm/s\"\n").size(), 0u);
+    for (const char* speed : {"1 nm/s", "0.01 nm/s"}) { // 1 nm/s is 1.7e-11 rounds a sample
+        const auto slow = warnings(fmt::format("count = 1\nspeed = \"{}\"\n", speed));
+        ASSERT_EQ(slow.size(), 1u) << speed;
+        EXPECT_NE(slow[0].find("right is a speed above 1.4e-06 m/s"), std::string::npos) << slow[0];
+    }
+    EXPECT_EQ(warnings("count = 1\nspeed = \"1 nm/s\"\nrate = \"1 Hz\"\n").size(), 1u);
+    EXPECT_EQ(warnings("count = 1\nspeed = \"1 nm/s\"\nrate = \"0.1 Hz\"\n").size(), 0u);
+}
+
+TEST(Pace, TremorOfHalfTheRate) {
+    const auto tremor = [](const char* frequency) {
+        return warnings(fmt::format("count = 1\ntremor = {{ amplitude = \"1 um\", frequency = \"{}\" }}\n", frequency));
+    };
+    EXPECT_EQ(tremor("400 Hz").size(), 0u);
+    const auto fast = tremor("420 Hz");
+    ASSERT_EQ(fast.size(), 1u);
+    EXPECT_NE(fast[0].find("tremor.frequency"), std::string::npos);
+    EXPECT_NE(fast[0].find("right is a frequency below 416.7 Hz, or a rate above 1008 Hz"), std::string::npos)
+        << fast[0];
+    EXPECT_EQ(warnings("count = 1\ntremor.frequency = \"900 Hz\"\n").size(), 0u) << "it does not tremble";
+}
+
+} // namespace
+} // namespace forceshade
