@@ -158,7 +158,7 @@ void main() {
     real3 here = target_at(motion, path, walk_word(path, kWalkWordStep), steps);
     if (walk_word(path, kWalkWordStep) == 0u && walk_word(path, kWalkWordPhase) == kPhaseStep)
         state = begin_state(hand, here);
-    real3 unit = direction_of(real3(state.force_x, state.force_y, state.force_z));
+    real3 unit = normalised(real3(state.force_x, state.force_y, state.force_z));
     bool left = leaves(state, hand, here);
     real3 position = probe_at(state, hand, here);
     real3 probe = to_mesh(position);

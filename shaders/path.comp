@@ -112,7 +112,7 @@ void main() {
         state = begin_state(hand, here);
     bool idle = gl_GlobalInvocationID.x >= chunk.paths; // fills the last work group
     uint end = idle ? state.step : min(chunk.step_end, steps);
-    real3 unit = direction_of(real3(state.force_x, state.force_y, state.force_z));
+    real3 unit = normalised(real3(state.force_x, state.force_y, state.force_z));
     uint at = (chunk.step_first - chunk.row_first) * chunk.paths + path;
     while (state.step < end && !leaves(state, hand, here)) {
         real3 next = target_at(motion, path, state.step + 1u, steps);

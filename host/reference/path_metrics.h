@@ -49,15 +49,6 @@ template <typename T> T angle_square(T chord_square) noexcept {
     return chord_square + square * more;
 }
 
-/// F / |F|, by one division; 0 without a force.
-template <typename T> Vector<T> direction_of(const Vector<T>& force) noexcept {
-    const T square = dot(force, force);
-    if (!(square > T(0)))
-        return Vector<T>(T(0));
-    const T inverse = T(1) / std::sqrt(square);
-    return inverse * force;
-}
-
 /// A sample's place, m, and the force's direction there and at the sample before. Its turn is counted from an anchor,
 /// over the way from there but no less than a stretch; then the anchor moves on. So no way of a few roundings is
 /// divided by. `directed`: in contact, and there is a force.

@@ -51,9 +51,9 @@ template <typename T> PathSampled<T> left_sample(const layout::PathState<T>& sta
 
 /// The turn of the force up to this sample.
 template <typename T> void add_turn_at(layout::PathState<T>& state, const PathSampled<T>& sampled, T stretch) noexcept {
-    const Vector<T> before = direction_of(Vector<T>{state.force_x, state.force_y, state.force_z});
-    const Vector<T> direction = direction_of(sampled.force);
-    const bool directed = sampled.contact.facet != layout::kNoFacet && dot(sampled.force, sampled.force) > T(0);
+    const Vector<T> before = normalised(Vector<T>{state.force_x, state.force_y, state.force_z});
+    const Vector<T> direction = normalised(sampled.force);
+    const bool directed = sampled.contact.facet != layout::kNoFacet && dot(direction, direction) > T(0);
     add_turn(state, sampled.position, before, direction, directed, stretch);
 }
 

@@ -46,15 +46,6 @@ real square_of(real value) {
     return square;
 }
 
-// F / |F|, by one division; 0 without a force.
-real3 direction_of(real3 force) {
-    precise real square = product(force, force);
-    precise real size = sqrt(square);
-    precise real inverse = ONE / size;
-    real3 direction = scaled(inverse, force);
-    return square > ZERO ? direction : real3(ZERO);
-}
-
 // The force's direction at a sample, and at the one before. Its turn is counted from an anchor, over the way from there
 // but no less than a stretch; then the anchor moves on. So no way of a few roundings is divided by.
 void add_turn(inout PathState state, real3 place, real3 before, real3 direction, bool directed) {

@@ -91,8 +91,8 @@ void take_step(inout PathState state, inout real3 unit, HandParams hand, MotionP
     bool touches = taken.facet != kNoFacet;
     add_sample(state.metrics, taken.depth, touches, taken.force);
     state.metrics.unfinished += finished ? 0u : 1u;
-    real3 direction = direction_of(taken.force);
-    bool forceful = product(taken.force, taken.force) > ZERO;
+    real3 direction = normalised(taken.force);
+    bool forceful = product(direction, direction) > ZERO;
     add_turn(state, taken.position, unit, direction, touches && forceful);
     unit = direction;
     real work = LOOP == kLoopClosed ? carry(state, hand, taken, target, next, steps) : add_between(state, taken);
