@@ -1,6 +1,7 @@
-# cmake -DSHADERS=DIR -DINTO=DIR -DGLSLANG=PROGRAM -DNAME=name -DPATTERN=glob -DFROM=text -DTO=text -P break_kernel.cmake
-# Copies the shaders, replaces a text in those that match, and compiles field.comp to INTO/NAME_{f32,f32_packed,f64}.spv.h
-# mesh_field.comp to INTO/NAME_mesh_{f32,f64}.spv.h and path.comp to INTO/NAME_path_{f32,f64}.spv.h.
+# cmake -DSHADERS=DIR -DINTO=DIR -DGLSLANG=PROGRAM -DNAME=name -DPATTERN=glob -DFROM=text -DTO=text -DVARIANTS=one+other
+#       -P break_kernel.cmake
+# Copies the shaders, replaces a text in those that match, and compiles variants of the kernels to INTO/NAME_VARIANT.spv.h:
+# f32, f32_packed and f64 of field.comp, mesh_f32 and mesh_f64 of mesh_field.comp, KERNEL_f32 and KERNEL_f64 of others.
 # An error if nothing was replaced: a break that no longer breaks would go unseen.
 string(REPLACE "\\n" "\n" TO "${TO}") # no build tool takes a line break in an argument
 file(REMOVE_RECURSE ${INTO}/${NAME})
@@ -21,21 +22,22 @@ if(NOT FROM STREQUAL "")
                             "adapt the break in tests/gpu/CMakeLists.txt")
     endif()
 endif()
-foreach(variant f32 f32_packed f64 mesh_f32 mesh_f64 path_f32 path_f64)
+string(REPLACE "+" ";" VARIANTS ${VARIANTS})
+foreach(variant IN LISTS VARIANTS)
     set(definitions)
-    set(kernel field.comp)
     if(variant STREQUAL "f32_packed")
         set(definitions -DFS_PACKED)
     elseif(variant MATCHES "f64")
         set(definitions -DFS_F64)
     endif()
-    if(variant MATCHES "mesh")
-        set(kernel mesh_field.comp)
-    elseif(variant MATCHES "path")
-        set(kernel path.comp)
+    string(REGEX REPLACE "_?f(32|64)(_packed)?$" "" kernel ${variant})
+    if(kernel STREQUAL "")
+        set(kernel field)
+    elseif(kernel STREQUAL "mesh")
+        set(kernel mesh_field)
     endif()
     execute_process(
         COMMAND ${GLSLANG} -V --quiet --target-env vulkan1.1 -S comp -I${INTO}/${NAME} ${definitions}
-                --vn ${NAME}_${variant} -o ${INTO}/${NAME}_${variant}.spv.h ${INTO}/${NAME}/${kernel}
+                --vn ${NAME}_${variant} -o ${INTO}/${NAME}_${variant}.spv.h ${INTO}/${NAME}/${kernel}.comp
         COMMAND_ERROR_IS_FATAL ANY)
 endforeach()

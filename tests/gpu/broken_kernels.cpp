@@ -12,6 +12,12 @@ namespace words {
 #include "adrift_mesh_f64.spv.h"
 #include "adrift_path_f32.spv.h"
 #include "adrift_path_f64.spv.h"
+#include "behind_mesh_path_f32.spv.h"
+#include "behind_mesh_path_f64.spv.h"
+#include "behind_mesh_rest_f32.spv.h"
+#include "behind_mesh_rest_f64.spv.h"
+#include "behind_mesh_settle_f32.spv.h"
+#include "behind_mesh_settle_f64.spv.h"
 #include "channel_f32.spv.h"
 #include "channel_f32_packed.spv.h"
 #include "channel_f64.spv.h"
@@ -26,6 +32,12 @@ namespace words {
 #include "component_mesh_f64.spv.h"
 #include "component_path_f32.spv.h"
 #include "component_path_f64.spv.h"
+#include "creep_mesh_path_f32.spv.h"
+#include "creep_mesh_path_f64.spv.h"
+#include "creep_mesh_rest_f32.spv.h"
+#include "creep_mesh_rest_f64.spv.h"
+#include "creep_mesh_settle_f32.spv.h"
+#include "creep_mesh_settle_f64.spv.h"
 #include "edge_f32.spv.h"
 #include "edge_f32_packed.spv.h"
 #include "edge_f64.spv.h"
@@ -52,6 +64,12 @@ namespace words {
 #include "imprecise_f64.spv.h"
 #include "imprecise_mesh_f32.spv.h"
 #include "imprecise_mesh_f64.spv.h"
+#include "imprecise_mesh_path_f32.spv.h"
+#include "imprecise_mesh_path_f64.spv.h"
+#include "imprecise_mesh_rest_f32.spv.h"
+#include "imprecise_mesh_rest_f64.spv.h"
+#include "imprecise_mesh_settle_f32.spv.h"
+#include "imprecise_mesh_settle_f64.spv.h"
 #include "imprecise_path_f32.spv.h"
 #include "imprecise_path_f64.spv.h"
 #include "kahan_f32.spv.h"
@@ -80,6 +98,12 @@ namespace words {
 #include "none_f64.spv.h"
 #include "none_mesh_f32.spv.h"
 #include "none_mesh_f64.spv.h"
+#include "none_mesh_path_f32.spv.h"
+#include "none_mesh_path_f64.spv.h"
+#include "none_mesh_rest_f32.spv.h"
+#include "none_mesh_rest_f64.spv.h"
+#include "none_mesh_settle_f32.spv.h"
+#include "none_mesh_settle_f64.spv.h"
 #include "none_path_f32.spv.h"
 #include "none_path_f64.spv.h"
 #include "outward_f32.spv.h"
@@ -89,6 +113,12 @@ namespace words {
 #include "outward_mesh_f64.spv.h"
 #include "outward_path_f32.spv.h"
 #include "outward_path_f64.spv.h"
+#include "settled_mesh_path_f32.spv.h"
+#include "settled_mesh_path_f64.spv.h"
+#include "settled_mesh_rest_f32.spv.h"
+#include "settled_mesh_rest_f64.spv.h"
+#include "settled_mesh_settle_f32.spv.h"
+#include "settled_mesh_settle_f64.spv.h"
 #include "sign_f32.spv.h"
 #include "sign_f32_packed.spv.h"
 #include "sign_f64.spv.h"
@@ -96,6 +126,12 @@ namespace words {
 #include "sign_mesh_f64.spv.h"
 #include "sign_path_f32.spv.h"
 #include "sign_path_f64.spv.h"
+#include "slip_mesh_path_f32.spv.h"
+#include "slip_mesh_path_f64.spv.h"
+#include "slip_mesh_rest_f32.spv.h"
+#include "slip_mesh_rest_f64.spv.h"
+#include "slip_mesh_settle_f32.spv.h"
+#include "slip_mesh_settle_f64.spv.h"
 #include "tangent_f32.spv.h"
 #include "tangent_f32_packed.spv.h"
 #include "tangent_f64.spv.h"
@@ -110,6 +146,12 @@ namespace words {
 #include "tie_mesh_f64.spv.h"
 #include "tie_path_f32.spv.h"
 #include "tie_path_f64.spv.h"
+#include "tunnel_mesh_path_f32.spv.h"
+#include "tunnel_mesh_path_f64.spv.h"
+#include "tunnel_mesh_rest_f32.spv.h"
+#include "tunnel_mesh_rest_f64.spv.h"
+#include "tunnel_mesh_settle_f32.spv.h"
+#include "tunnel_mesh_settle_f64.spv.h"
 #include "undeclared_f32.spv.h"
 #include "undeclared_f32_packed.spv.h"
 #include "undeclared_f64.spv.h"
@@ -123,6 +165,10 @@ using Words = std::span<const std::uint32_t>;
 
 struct Kernels {
     Words f32, f32_packed, f64, mesh_f32, mesh_f64, path_f32, path_f64;
+};
+
+struct MeshPathKernels {
+    Words path_f32, path_f64, rest_f32, rest_f64, settle_f32, settle_f64;
 };
 
 #define FS_KERNELS(name)                                                                                               \
@@ -165,8 +211,36 @@ Kernels kernels_of(test::Break which) {
         return Kernels FS_KERNELS(outward);
     case test::Break::tangent:
         return Kernels FS_KERNELS(tangent);
+    default:
+        return {};
     }
-    return {};
+}
+
+#define FS_MESH_PATH_KERNELS(name)                                                                                     \
+    {                                                                                                                  \
+        words::name##_mesh_path_f32, words::name##_mesh_path_f64, words::name##_mesh_rest_f32,                         \
+            words::name##_mesh_rest_f64, words::name##_mesh_settle_f32, words::name##_mesh_settle_f64                  \
+    }
+
+MeshPathKernels mesh_path_kernels_of(test::Break which) {
+    switch (which) {
+    case test::Break::none:
+        return MeshPathKernels FS_MESH_PATH_KERNELS(none);
+    case test::Break::creep:
+        return MeshPathKernels FS_MESH_PATH_KERNELS(creep);
+    case test::Break::tunnel:
+        return MeshPathKernels FS_MESH_PATH_KERNELS(tunnel);
+    case test::Break::slip:
+        return MeshPathKernels FS_MESH_PATH_KERNELS(slip);
+    case test::Break::behind:
+        return MeshPathKernels FS_MESH_PATH_KERNELS(behind);
+    case test::Break::settled:
+        return MeshPathKernels FS_MESH_PATH_KERNELS(settled);
+    case test::Break::imprecise:
+        return MeshPathKernels FS_MESH_PATH_KERNELS(imprecise);
+    default:
+        return {};
+    }
 }
 
 test::Break chosen_break = test::Break::none;
@@ -212,29 +286,28 @@ Words path_f64() {
     return kernels_of(chosen_break).path_f64;
 }
 
-// Paths on meshes are not broken here: no test that links this takes any.
 Words mesh_path_f32() {
-    return {};
+    return mesh_path_kernels_of(chosen_break).path_f32;
 }
 
 Words mesh_path_f64() {
-    return {};
+    return mesh_path_kernels_of(chosen_break).path_f64;
 }
 
 Words mesh_rest_f32() {
-    return {};
+    return mesh_path_kernels_of(chosen_break).rest_f32;
 }
 
 Words mesh_rest_f64() {
-    return {};
+    return mesh_path_kernels_of(chosen_break).rest_f64;
 }
 
 Words mesh_settle_f32() {
-    return {};
+    return mesh_path_kernels_of(chosen_break).settle_f32;
 }
 
 Words mesh_settle_f64() {
-    return {};
+    return mesh_path_kernels_of(chosen_break).settle_f64;
 }
 
 } // namespace kernels

@@ -67,6 +67,9 @@ public:
 
     std::size_t length(std::size_t path) const { return paths_.length(path); }
 
+    /// A sample of a recorded path, m.
+    void place(std::size_t step, std::size_t path, const std::array<T, 3>& at) { paths_.place(step, path, at); }
+
     layout::Law<T> law{};
 
 private:
