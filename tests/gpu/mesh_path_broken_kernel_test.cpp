@@ -55,7 +55,8 @@ template <typename T> std::uint64_t differing_behind(Break broken) {
     for (std::size_t step = 0; step < 4; ++step)
         one.place(step, 0, {places[step][0], places[step][1], places[step][2]});
     test::MeshPathRunner runner{kernel};
-    const test::PathComparison comparison = test::hold_input(runner, one.input(), [](std::size_t) { return std::size_t(4); });
+    const test::PathComparison comparison =
+        test::hold_input(runner, one.input(), [](std::size_t) { return std::size_t(4); });
     EXPECT_EQ(comparison.touching, 1u);
     return comparison.differing;
 }
