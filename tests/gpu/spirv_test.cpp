@@ -4,8 +4,7 @@
 #include <spirv/unified1/spirv.hpp>
 
 #include "shaders/kernels.h"
-#include "shaders/shared/layout.h"
-#include "tests/gpu/spirv_module.h"
+#include "tests/gpu/spirv_layouts.h"
 
 namespace forceshade {
 namespace {
@@ -15,242 +14,9 @@ namespace broken {
 #include "imprecise_f64.spv.h"
 #include "imprecise_mesh_f32.spv.h"
 #include "imprecise_mesh_f64.spv.h"
-#include "imprecise_path_f32.spv.h"
-#include "imprecise_path_f64.spv.h"
 } // namespace broken
 
 using test::SpirvModule;
-
-struct Expected {
-    const char* name;
-    std::size_t offset;
-};
-
-#define FS_MEMBER(type, member)                                                                                        \
-    Expected {                                                                                                         \
-#member, offsetof(type, member)                                                                                \
-    }
-
-template <typename real> std::vector<Expected> map_members() {
-    using Map = layout::MapParams<real>;
-    return {FS_MEMBER(Map, half_width),  FS_MEMBER(Map, half_length),    FS_MEMBER(Map, radius),
-            FS_MEMBER(Map, slope),       FS_MEMBER(Map, inverse_length), FS_MEMBER(Map, nodes_per_x),
-            FS_MEMBER(Map, nodes_per_y), FS_MEMBER(Map, columns),        FS_MEMBER(Map, rows)};
-}
-
-template <typename real> std::vector<Expected> law_members() {
-    using Law = layout::LawParams<real>;
-    return {FS_MEMBER(Law, stiffness),    FS_MEMBER(Law, texture_stiffness),
-            FS_MEMBER(Law, half_width),   FS_MEMBER(Law, radius),
-            FS_MEMBER(Law, centre_depth), FS_MEMBER(Law, map),
-            FS_MEMBER(Law, texture),      FS_MEMBER(Law, facets),
-            FS_MEMBER(Law, zero)};
-}
-
-template <typename real> std::vector<Expected> mesh_members() {
-    using Mesh = layout::MeshParams<real>;
-    return {FS_MEMBER(Mesh, centre_x),  FS_MEMBER(Mesh, centre_y),  FS_MEMBER(Mesh, centre_z),
-            FS_MEMBER(Mesh, scale),     FS_MEMBER(Mesh, stiffness), FS_MEMBER(Mesh, facets),
-            FS_MEMBER(Mesh, triangles), FS_MEMBER(Mesh, nodes),     FS_MEMBER(Mesh, zero)};
-}
-
-std::vector<Expected> mesh_chunk_members() {
-    using Chunk = layout::MeshChunkParams;
-    return {FS_MEMBER(Chunk, x_pitch), FS_MEMBER(Chunk, y_first), FS_MEMBER(Chunk, y_count),
-            FS_MEMBER(Chunk, y_axis),  FS_MEMBER(Chunk, z_first), FS_MEMBER(Chunk, z_count),
-            FS_MEMBER(Chunk, z_axis),  FS_MEMBER(Chunk, blocks),  FS_MEMBER(Chunk, candidates)};
-}
-
-std::vector<Expected> chunk_members() {
-    using Chunk = layout::ChunkParams;
-    return {FS_MEMBER(Chunk, x_pitch), FS_MEMBER(Chunk, y_first), FS_MEMBER(Chunk, y_count), FS_MEMBER(Chunk, y_axis),
-            FS_MEMBER(Chunk, z_first), FS_MEMBER(Chunk, z_count), FS_MEMBER(Chunk, z_axis),  FS_MEMBER(Chunk, rows)};
-}
-
-void expect_members(const SpirvModule& module, std::uint32_t type, const std::vector<Expected>& expected) {
-    const auto members = module.members(type);
-    ASSERT_EQ(members.size(), expected.size());
-    for (std::size_t i = 0; i < members.size(); ++i) {
-        EXPECT_EQ(members[i].name, expected[i].name);
-        EXPECT_EQ(members[i].offset, expected[i].offset) << expected[i].name;
-    }
-}
-
-template <typename real> void expect_layout(const SpirvModule& module) {
-    const auto law_buffer = module.members(module.buffer(layout::kBindLaw).value());
-    ASSERT_EQ(law_buffer.size(), 1u);
-    EXPECT_EQ(law_buffer[0].offset, 0u);
-    expect_members(module, law_buffer[0].type, law_members<real>());
-    const auto law = module.members(law_buffer[0].type);
-    expect_members(module, law[5].type, map_members<real>());
-    expect_members(module, law[6].type, map_members<real>());
-    const auto push = module.members(module.push_constants().value());
-    ASSERT_EQ(push.size(), 1u);
-    EXPECT_EQ(push[0].offset, 0u);
-    expect_members(module, push[0].type, chunk_members());
-}
-
-template <typename real> void expect_mesh_layout(const SpirvModule& module) {
-    using Params = layout::MeshLawParams<real>;
-    const auto law_buffer = module.members(module.buffer(layout::kMeshBindLaw).value());
-    ASSERT_EQ(law_buffer.size(), 1u);
-    expect_members(module, law_buffer[0].type, {FS_MEMBER(Params, law), FS_MEMBER(Params, mesh)});
-    const auto params = module.members(law_buffer[0].type);
-    expect_members(module, params[0].type, law_members<real>());
-    expect_members(module, params[1].type, mesh_members<real>());
-    const auto push = module.members(module.push_constants().value());
-    ASSERT_EQ(push.size(), 1u);
-    expect_members(module, push[0].type, mesh_chunk_members());
-}
-
-std::vector<Expected> path_chunk_members() {
-    using Chunk = layout::PathChunkParams;
-    return {FS_MEMBER(Chunk, paths),     FS_MEMBER(Chunk, step_first), FS_MEMBER(Chunk, step_end),
-            FS_MEMBER(Chunk, row_first), FS_MEMBER(Chunk, steps),      FS_MEMBER(Chunk, own_lengths),
-            FS_MEMBER(Chunk, own_hands), FS_MEMBER(Chunk, stretch)};
-}
-
-template <typename real> std::vector<Expected> motion_members() {
-    using Motion = layout::MotionParams<real>;
-    return {FS_MEMBER(Motion, centre_x),     FS_MEMBER(Motion, centre_y),    FS_MEMBER(Motion, centre_z),
-            FS_MEMBER(Motion, heading_x),    FS_MEMBER(Motion, heading_y),   FS_MEMBER(Motion, reach),
-            FS_MEMBER(Motion, across),       FS_MEMBER(Motion, depth),       FS_MEMBER(Motion, depth_back),
-            FS_MEMBER(Motion, lift),         FS_MEMBER(Motion, phase),       FS_MEMBER(Motion, phase_step),
-            FS_MEMBER(Motion, radius_phase), FS_MEMBER(Motion, radius_step), FS_MEMBER(Motion, run),
-            FS_MEMBER(Motion, turn),         FS_MEMBER(Motion, lines),       FS_MEMBER(Motion, key_low),
-            FS_MEMBER(Motion, key_high),     FS_MEMBER(Motion, zero)};
-}
-
-template <typename real> std::vector<Expected> harmonic_members() {
-    using Harmonic = layout::Harmonic<real>;
-    return {FS_MEMBER(Harmonic, amplitude), FS_MEMBER(Harmonic, phase), FS_MEMBER(Harmonic, phase_step)};
-}
-
-template <typename real> std::vector<Expected> axis_members() {
-    using Axis = layout::AxisMap<real>;
-    return {FS_MEMBER(Axis, x_error), FS_MEMBER(Axis, x_speed), FS_MEMBER(Axis, x_force),
-            FS_MEMBER(Axis, v_error), FS_MEMBER(Axis, v_speed), FS_MEMBER(Axis, v_force)};
-}
-
-template <typename real> std::vector<Expected> hand_members() {
-    using Hand = layout::HandParams<real>;
-    return {FS_MEMBER(Hand, lateral),     FS_MEMBER(Hand, vertical),  FS_MEMBER(Hand, rate),
-            FS_MEMBER(Hand, period),      FS_MEMBER(Hand, stiffness), FS_MEMBER(Hand, stiffness_z),
-            FS_MEMBER(Hand, damping),     FS_MEMBER(Hand, push_x),    FS_MEMBER(Hand, push_y),
-            FS_MEMBER(Hand, push_z),      FS_MEMBER(Hand, quantum),   FS_MEMBER(Hand, coulomb),
-            FS_MEMBER(Hand, max_force),   FS_MEMBER(Hand, gain),      FS_MEMBER(Hand, bound),
-            FS_MEMBER(Hand, start_depth), FS_MEMBER(Hand, delay),     FS_MEMBER(Hand, zero)};
-}
-
-template <typename real> std::vector<Expected> metrics_members() {
-    using Metrics = layout::PathMetrics<real>;
-    return {FS_MEMBER(Metrics, largest_force),
-            FS_MEMBER(Metrics, force_square),
-            FS_MEMBER(Metrics, force_square_rest),
-            FS_MEMBER(Metrics, largest_turn),
-            FS_MEMBER(Metrics, steepest_turn),
-            FS_MEMBER(Metrics, steepest_way),
-            FS_MEMBER(Metrics, least_depth),
-            FS_MEMBER(Metrics, largest_depth),
-            FS_MEMBER(Metrics, depth),
-            FS_MEMBER(Metrics, depth_rest),
-            FS_MEMBER(Metrics, depth_square),
-            FS_MEMBER(Metrics, depth_square_rest),
-            FS_MEMBER(Metrics, work),
-            FS_MEMBER(Metrics, work_rest),
-            FS_MEMBER(Metrics, effort),
-            FS_MEMBER(Metrics, effort_rest),
-            FS_MEMBER(Metrics, round_begin),
-            FS_MEMBER(Metrics, round_begin_rest),
-            FS_MEMBER(Metrics, largest_round),
-            FS_MEMBER(Metrics, least_round),
-            FS_MEMBER(Metrics, early_speed),
-            FS_MEMBER(Metrics, late_speed),
-            FS_MEMBER(Metrics, contact_samples),
-            FS_MEMBER(Metrics, rounds),
-            FS_MEMBER(Metrics, unstable_step),
-            FS_MEMBER(Metrics, fell),
-            FS_MEMBER(Metrics, unfinished),
-            FS_MEMBER(Metrics, zero)};
-}
-
-template <typename real> std::vector<Expected> state_members() {
-    using State = layout::PathState<real>;
-    return {FS_MEMBER(State, x),
-            FS_MEMBER(State, y),
-            FS_MEMBER(State, z),
-            FS_MEMBER(State, speed_x),
-            FS_MEMBER(State, speed_y),
-            FS_MEMBER(State, speed_z),
-            FS_MEMBER(State, measured_x),
-            FS_MEMBER(State, measured_y),
-            FS_MEMBER(State, measured_z),
-            FS_MEMBER(State, force_x),
-            FS_MEMBER(State, force_y),
-            FS_MEMBER(State, force_z),
-            FS_MEMBER(State, anchor_x),
-            FS_MEMBER(State, anchor_y),
-            FS_MEMBER(State, anchor_z),
-            FS_MEMBER(State, anchor_force_x),
-            FS_MEMBER(State, anchor_force_y),
-            FS_MEMBER(State, anchor_force_z),
-            FS_MEMBER(State, steepest),
-            FS_MEMBER(State, metrics),
-            FS_MEMBER(State, step),
-            FS_MEMBER(State, directed)};
-}
-
-// A buffer of structs, one after the other as C++ has them.
-void expect_structs(const SpirvModule& module, std::uint32_t binding, const std::vector<Expected>& members,
-                    std::size_t size) {
-    const auto buffer = module.members(module.buffer(binding).value());
-    ASSERT_EQ(buffer.size(), 1u);
-    const auto array = module.array(buffer[0].type);
-    ASSERT_TRUE(array) << "binding " << binding;
-    EXPECT_EQ(array->stride, size) << "binding " << binding;
-    expect_members(module, array->type, members);
-}
-
-template <typename real> void expect_path_layout(const SpirvModule& module) {
-    const auto law_buffer = module.members(module.buffer(layout::kPathBindLaw).value());
-    ASSERT_EQ(law_buffer.size(), 1u);
-    expect_members(module, law_buffer[0].type, law_members<real>());
-    expect_structs(module, layout::kPathBindMotions, motion_members<real>(), sizeof(layout::MotionParams<real>));
-    expect_structs(module, layout::kPathBindHarmonics, harmonic_members<real>(), sizeof(layout::Harmonic<real>));
-    expect_structs(module, layout::kPathBindHands, hand_members<real>(), sizeof(layout::HandParams<real>));
-    expect_structs(module, layout::kPathBindStates, state_members<real>(), sizeof(layout::PathState<real>));
-    const auto hands = module.members(module.buffer(layout::kPathBindHands).value());
-    expect_members(module, module.members(module.array(hands[0].type)->type)[0].type, axis_members<real>());
-    const auto states = module.members(module.buffer(layout::kPathBindStates).value());
-    expect_members(module, module.members(module.array(states[0].type)->type)[19].type, metrics_members<real>());
-    const auto push = module.members(module.push_constants().value());
-    ASSERT_EQ(push.size(), 1u);
-    expect_members(module, push[0].type, path_chunk_members());
-}
-
-void expect_dense(const SpirvModule& module, std::uint32_t binding) {
-    const auto members = module.members(module.buffer(binding).value());
-    ASSERT_EQ(members.size(), 1u);
-    const auto array = module.array(members[0].type);
-    ASSERT_TRUE(array) << "binding " << binding;
-    EXPECT_EQ(array->stride, array->element) << "binding " << binding;
-}
-
-template <typename real> void expect_arrays(const SpirvModule& module) {
-    for (std::uint32_t binding = layout::kBindAxes; binding < layout::kBindCount; ++binding) {
-        if (binding == layout::kBindStatus)
-            continue;
-        const auto members = module.members(module.buffer(binding).value());
-        ASSERT_EQ(members.size(), 1u);
-        const auto array = module.array(members[0].type);
-        ASSERT_TRUE(array) << "binding " << binding;
-        // Results are read as dense reals, whatever vectors they are stored as.
-        EXPECT_EQ(array->stride, array->element) << "binding " << binding;
-        if (binding < layout::kBindStatus) {
-            EXPECT_EQ(array->stride, sizeof(real)) << "binding " << binding;
-        }
-    }
-}
 
 const SpirvModule& f32() {
     static const SpirvModule module(kernels::field_f32());
@@ -274,39 +40,22 @@ const SpirvModule& mesh_f64() {
     return module;
 }
 
-const SpirvModule& path_f32() {
-    static const SpirvModule module(kernels::path_f32());
-    return module;
-}
-const SpirvModule& path_f64() {
-    static const SpirvModule module(kernels::path_f64());
-    return module;
-}
-
 TEST(Spirv, OffsetsEqualThoseOfCpp) {
-    expect_path_layout<float>(path_f32());
-    expect_path_layout<double>(path_f64());
-    expect_mesh_layout<float>(mesh_f32());
-    expect_mesh_layout<double>(mesh_f64());
-    expect_layout<float>(f32());
-    expect_layout<float>(f32_packed());
-    expect_layout<double>(f64());
+    test::expect_mesh_layout<float>(mesh_f32());
+    test::expect_mesh_layout<double>(mesh_f64());
+    test::expect_layout<float>(f32());
+    test::expect_layout<float>(f32_packed());
+    test::expect_layout<double>(f64());
 }
 
 TEST(Spirv, ArraysAreDense) {
     for (const SpirvModule* module : {&mesh_f32(), &mesh_f64()})
         for (std::uint32_t binding = layout::kMeshBindAxes; binding < layout::kMeshBindCount; ++binding)
             if (binding != layout::kMeshBindStatus)
-                expect_dense(*module, binding);
-    for (const SpirvModule* module : {&path_f32(), &path_f64()})
-        for (const std::uint32_t binding :
-             {layout::kPathBindFacetVertices, layout::kPathBindMapGradients, layout::kPathBindTextureGradients,
-              layout::kPathBindLengths, layout::kPathBindRecorded, layout::kPathBindPosition, layout::kPathBindForce,
-              layout::kPathBindDepth, layout::kPathBindFacet, layout::kPathBindProxy})
-            expect_dense(*module, binding);
-    expect_arrays<float>(f32());
-    expect_arrays<float>(f32_packed());
-    expect_arrays<double>(f64());
+                test::expect_dense(*module, binding);
+    test::expect_arrays<float>(f32());
+    test::expect_arrays<float>(f32_packed());
+    test::expect_arrays<double>(f64());
 }
 
 TEST(Spirv, BindingsAndConstantsAreThoseOfTheLayout) {
@@ -329,16 +78,6 @@ TEST(Spirv, BindingsAndConstantsAreThoseOfTheLayout) {
         EXPECT_EQ(module->bindings(), bindings);
         EXPECT_EQ(module->specialization_ids(), constants);
     }
-    bindings.clear();
-    constants.clear();
-    for (std::uint32_t i = 0; i < layout::kPathBindCount; ++i)
-        bindings.insert(i);
-    for (std::uint32_t i = 0; i < layout::kPathSpecCount; ++i)
-        constants.insert(i);
-    for (const SpirvModule* module : {&path_f32(), &path_f64()}) {
-        EXPECT_EQ(module->bindings(), bindings);
-        EXPECT_EQ(module->specialization_ids(), constants);
-    }
 }
 
 // A device without 64-bit numbers must be able to take the plain kernel.
@@ -346,16 +85,13 @@ TEST(Spirv, CapabilitiesAreTheFewest) {
     const std::set<std::uint32_t> plain{spv::CapabilityShader};
     EXPECT_EQ(f32().capabilities(), plain);
     EXPECT_EQ(mesh_f32().capabilities(), plain);
-    EXPECT_EQ(path_f32().capabilities(), plain);
-    EXPECT_EQ(path_f64().capabilities(), (std::set<std::uint32_t>{spv::CapabilityShader, spv::CapabilityFloat64}));
     EXPECT_EQ(mesh_f64().capabilities(), (std::set<std::uint32_t>{spv::CapabilityShader, spv::CapabilityFloat64}));
     EXPECT_EQ(f32_packed().capabilities(), (std::set<std::uint32_t>{spv::CapabilityShader, spv::CapabilityInt64}));
     EXPECT_EQ(f64().capabilities(), (std::set<std::uint32_t>{spv::CapabilityShader, spv::CapabilityFloat64}));
 }
 
 TEST(Spirv, EveryOperationRoundsAsWritten) {
-    for (const SpirvModule* module :
-         {&f32(), &f32_packed(), &f64(), &mesh_f32(), &mesh_f64(), &path_f32(), &path_f64()}) {
+    for (const SpirvModule* module : {&f32(), &f32_packed(), &f64(), &mesh_f32(), &mesh_f64()}) {
         EXPECT_GT(module->arithmetic_count(), 100u);
         for (const std::string& complaint : module->inexact())
             ADD_FAILURE() << complaint;
@@ -365,8 +101,7 @@ TEST(Spirv, EveryOperationRoundsAsWritten) {
 // The check must see a kernel whose `precise` is gone, and one that uses what Vulkan leaves open.
 TEST(Spirv, TheCheckSeesWhatIsNotPrecise) {
     for (const SpirvModule& module : {SpirvModule(broken::imprecise_f32), SpirvModule(broken::imprecise_f64),
-                                      SpirvModule(broken::imprecise_mesh_f32), SpirvModule(broken::imprecise_mesh_f64),
-                                      SpirvModule(broken::imprecise_path_f32), SpirvModule(broken::imprecise_path_f64)})
+                                      SpirvModule(broken::imprecise_mesh_f32), SpirvModule(broken::imprecise_mesh_f64)})
         EXPECT_EQ(module.inexact().size(), module.arithmetic_count());
     // The same words with the square root made a sine: function 31 to 13 of GLSL.std.450.
     const auto words = kernels::field_f32();
