@@ -16,11 +16,13 @@ Look look_for() {
         look.place = place_of(before, felt);
         // Folds narrower than the skin may keep the proxy, but not its contact, off a corner.
         real reach = all(equal(look.place, before.proxy)) ? kFold : kCorner;
-        look.least = reach * reach;
+        precise real square = reach * reach;
+        look.least = square;
     }
     if (doing == kDoWay) {
         look.place = crossing.place;
-        look.least = crossing.reach * crossing.reach;
+        precise real square = crossing.reach * crossing.reach;
+        look.least = square;
     }
     if (doing == kDoBehind) {
         look.way = difference(found.proxy, walk_proxy);

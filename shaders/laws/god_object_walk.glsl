@@ -109,7 +109,8 @@ real free_distance;
 
 bool is_free(real3 place) {
     real3 off = difference(place, free_place);
-    return product(off, off) < free_distance * free_distance;
+    precise real least = free_distance * free_distance;
+    return product(off, off) < least;
 }
 
 // The first impact of a move along a face, with what was found beforehand to stand above that face's plane around it; or

@@ -17,15 +17,24 @@ uint run_count;
 
 real steepness(real way) {
     precise real inverse = ONE / way;
-    return abs(way) * kSteep > ONE ? inverse : kSteep;
+    precise real steep = abs(way) * kSteep;
+    return steep > ONE ? inverse : kSteep;
+}
+
+real4 lesser(real4 one, real4 other) {
+    return mix(one, other, lessThan(other, one));
+}
+
+real4 greater(real4 one, real4 other) {
+    return mix(one, other, greaterThan(other, one));
 }
 
 // The interval of times at which a move is between two bounds.
 void clip(real4 low, real4 high, real from, real inverse, inout real4 begin, inout real4 end) {
-    real4 one = (low - real4(kBoxMargin + from)) * inverse;
-    real4 other = (high + real4(kBoxMargin - from)) * inverse;
-    begin = max(begin, min(one, other));
-    end = min(end, max(one, other));
+    precise real4 one = (low - real4(kBoxMargin + from)) * real4(inverse);
+    precise real4 other = (high + real4(kBoxMargin - from)) * real4(inverse);
+    begin = greater(begin, lesser(one, other));
+    end = lesser(end, greater(one, other));
 }
 
 void begin_search() {
@@ -92,12 +101,19 @@ bool next_of_runs(inout RunCursor cursor, out uint triangle) {
     return found;
 }
 
+real4 beyond(real4 low, real4 high, real at) {
+    precise real4 below = low - at;
+    precise real4 above = at - high;
+    return greater(greater(below, above), real4(ZERO));
+}
+
 // How far each of the four boxes of a node is from a place, squared.
 real4 box_squares(MeshNode4 node, real3 place) {
-    real4 x = max(max(real4(node.low_x) - place.x, place.x - real4(node.high_x)), real4(ZERO));
-    real4 y = max(max(real4(node.low_y) - place.y, place.y - real4(node.high_y)), real4(ZERO));
-    real4 z = max(max(real4(node.low_z) - place.z, place.z - real4(node.high_z)), real4(ZERO));
-    return x * x + y * y + z * z;
+    real4 x = beyond(real4(node.low_x), real4(node.high_x), place.x);
+    real4 y = beyond(real4(node.low_y), real4(node.high_y), place.y);
+    real4 z = beyond(real4(node.low_z), real4(node.high_z), place.z);
+    precise real4 squares = x * x + y * y + z * z;
+    return squares;
 }
 
 // A distance within which there is nothing about a place, up to half the mesh's frame: that of the
@@ -119,6 +135,6 @@ real free_reach(real3 place) {
             }
         ++spent;
     } while (stack_height > 0u && spent < spent_limit);
-    real reach = sqrt(nearest) - real(2.0LF) * kBoxMargin;
+    precise real reach = sqrt(nearest) - real(2.0LF) * kBoxMargin;
     return stack_height == 0u && reach > ZERO ? reach : ZERO;
 }
