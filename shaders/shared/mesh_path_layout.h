@@ -11,9 +11,9 @@ FS_CONSTANT kMeshPathBindVectors = 3u;   // 3 a triangle: its corners, and besid
 FS_CONSTANT kMeshPathBindTriangles = 4u; // 8 words a triangle: facet, neighbours (with kMeshManyBit: where in the
                                          // vectors the edge's pseudonormal is); obstacles in front, behind, end, bits;
                                          // then 4 a triangle: its corners
-FS_CONSTANT kMeshPathBindIndices = 5u; // where each facet's corners begin, and the end; the corners; the obstacles
-FS_CONSTANT kMeshPathBindNodes = 6u;   // MeshNode
-FS_CONSTANT kMeshPathBindMotions = 7u; // as kPathBindMotions, and so on
+FS_CONSTANT kMeshPathBindIndices = 5u;   // where each facet's corners begin, and the end; the corners; the obstacles
+FS_CONSTANT kMeshPathBindNodes = 6u;     // MeshNode
+FS_CONSTANT kMeshPathBindMotions = 7u;   // as kPathBindMotions, and so on
 FS_CONSTANT kMeshPathBindHarmonics = 8u;
 FS_CONSTANT kMeshPathBindHands = 9u;
 FS_CONSTANT kMeshPathBindRecorded = 10u;
