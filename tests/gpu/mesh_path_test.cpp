@@ -1,4 +1,7 @@
 // Exploration paths over meshes, open and closed loop: samples and metrics have the oracle's bits.
+#include <cmath>
+#include <numbers>
+
 #include <gtest/gtest.h>
 
 #include "host/mesh_file/mesh_file.h"
@@ -196,6 +199,26 @@ TEST_F(MeshPath, FewLoops) {
     test::MeshPathRunner runner{few};
     EXPECT_TRUE(is_equal(held(runner, one)));
     EXPECT_GT(runner.times.host_updates, 100u);
+}
+
+// The software device ends loops after 65 535 iterations without a word.
+TEST_F(MeshPath, FacetOfMoreCornersThanALoopMayTake) {
+    constexpr std::uint32_t kCorners = 70000;
+    PolygonSoup disc;
+    disc.begins = {0, kCorners};
+    for (std::uint32_t i = 0; i < kCorners; ++i) {
+        const double angle = 2 * std::numbers::pi * i / kCorners;
+        disc.vertices.push_back(0.01 * glm::dvec3(std::cos(angle), std::sin(angle), 0.02 * std::cos(2 * angle)));
+        disc.corners.push_back(i);
+    }
+    const MeshStructure structure = build_structure(shapes::mesh_of(disc));
+    for (const layout::uint shading : {layout::kShadingMeanValue, layout::kShadingTwoPass}) {
+        PathShape shape = shape_of(layout::kMotionStrokes, layout::kLoopOpen, 8, 20);
+        shape.reach = 0.004;
+        MeshPathCase<float> one(structure, shape);
+        one.law.features.shading = shading;
+        EXPECT_GT(hold(one, fmt::format("shading {}", shading)).touching, 100u);
+    }
 }
 
 TEST_F(MeshPath, MetricsAlone) {
