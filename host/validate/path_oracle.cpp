@@ -125,7 +125,7 @@ template <typename T> void PathOracle<T>::compare(const PathRows<T>& rows) {
     }
     if (end == batch_->walk.steps())
         end_mesh_paths();
-    else if (!exact_bits_)
+    else if (!exact_bits_ && !rows.position.empty())
         for (std::size_t i = 0; i < batch_->chosen.size(); ++i)
             std::copy_n(&rows.position[3 * ((batch_->chosen[i] - rows.path_first + 1) * rows.pitch - 1)], 3,
                         &batch_->positions[3 * i]);

@@ -231,6 +231,27 @@ TEST_F(PathRun, of_recorded_paths_takes_hardly_more_steps_than_they_have) {
     }
 }
 
+// Only where there is contact comes with the metrics, window after window.
+TEST_F(PathRun, of_metrics_of_a_long_recorded_path_on_hardware) {
+    constexpr int kSteps = 5000;
+    std::ofstream file(folder_ / "in.csv");
+    file << "path,t,x,y,z\n";
+    for (int i = 0; i < kSteps; ++i)
+        file << "0," << i << ",0,0," << (i % 2 ? "0.003\n" : "-0.001\n");
+    file.close();
+    Tampering engine;
+    engine.software = false;
+    std::size_t windows = 0;
+    engine.chunks = [&](layout::PathChunk<float>&, std::vector<float>&, std::vector<float>&) { ++windows; };
+    PathRunOptions options;
+    options.stem = folder_ / "a";
+    options.recorded = folder_ / "in.csv";
+    const PathRecord record = run_paths(engine, prepared(), options);
+    EXPECT_GT(windows, 1u);
+    EXPECT_EQ(record.error.samples, std::uint64_t(kSteps));
+    EXPECT_EQ(complaint(record, "a", "device"), "");
+}
+
 TEST_F(PathRun, of_a_file_that_changes_meanwhile_writes_nothing) {
     const auto write = [&](int rows) {
         std::ofstream file(folder_ / "in.csv");
