@@ -14,6 +14,14 @@ constexpr std::uint64_t kLooked = 65536; // paths
 constexpr double kFastest = 0.5;         // turns a sample
 constexpr double kSlowest = 100 * 0x1p-32;
 
+// Fewest turns a sample that come out to a hundredth; of a spiral the way out and back is a phase as well. Lines, and
+// ways from point to point, take whole samples and no phase.
+double slowest(const PathsSpec& paths) {
+    if (paths.kind == PathKind::raster || paths.kind == PathKind::minimum_jerk)
+        return 0;
+    return paths.kind == PathKind::spiral ? kSlowest * 2 * static_cast<double>(paths.lines) : kSlowest;
+}
+
 // Paths beyond a limit, and the factor by which the worst of them is.
 struct Beyond {
     std::uint64_t paths = 0;
@@ -36,17 +44,18 @@ void count(Beyond& beyond, const PathPace& pace, double factor, bool worse) {
 
 Paces look_at(const PathsSpec& paths, const PathRegion& region) {
     Paces paces;
+    const double least = slowest(paths);
     paces.looked = std::min(paths.count, kLooked);
     for (std::uint64_t path = 0; path < paces.looked; ++path) {
         const PathDraws draws(paths.seed, path);
         PathPace pace = path_pace(paths, region, draws);
         if (paths.kind == PathKind::random_walk)
             pace.turns = walk_edge(paths, region, draws);
-        const double fast = pace.turns / kFastest, slow = pace.turns / kSlowest;
+        const double fast = pace.turns / kFastest;
         if (fast >= 1)
             count(paces.fast, pace, fast, fast > paces.fast.factor);
-        if (pace.turns > 0 && slow < 1)
-            count(paces.slow, pace, slow, slow < paces.slow.factor);
+        if (pace.turns > 0 && pace.turns < least)
+            count(paces.slow, pace, pace.turns / least, pace.turns / least < paces.slow.factor);
     }
     return paces;
 }
@@ -74,7 +83,7 @@ std::string slow_warning(const PathsSpec& paths, const Paces& paces) {
         "[paths]: speed: on {} less than {:.2g} of a round lies between two samples, which phases of "
         "2^-32 rounds cannot say to a hundredth: the motion stands still, or is faster; right is a speed "
         "above {:.3g} m/s, or a rate below {:.3g} Hz",
-        who(paces.slow.paths, paces, paths), kSlowest, paces.slow.speed / paces.slow.factor,
+        who(paces.slow.paths, paces, paths), slowest(paths), paces.slow.speed / paces.slow.factor,
         paths.rate * paces.slow.factor);
 }
 

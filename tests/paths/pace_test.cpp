@@ -41,6 +41,12 @@ TEST(Pace, TooSlowForAPhase) {
         EXPECT_NE(slow[0].find("right is a speed above 1.4e-06 m/s"), std::string::npos) << slow[0];
     }
     EXPECT_EQ(warnings("count = 1\nspeed = \"1 nm/s\"\nrate = \"1 Hz\"\n").size(), 1u);
+    for (const char* kind : {"raster", "minimum_jerk"}) // whole samples, 3e7 for 30 mm, and no phase
+        EXPECT_EQ(warnings(fmt::format("count = 1\nspeed = \"1 um/s\"\nkind = \"{}\"\n", kind)).size(), 0u) << kind;
+    EXPECT_EQ(warnings("count = 1\nspeed = \"0.01 mm/s\"\nkind = \"spiral\"\nlines = 2\n").size(), 0u);
+    const auto out = warnings("count = 1\nspeed = \"0.01 mm/s\"\nkind = \"spiral\"\nlines = 100\n");
+    ASSERT_EQ(out.size(), 1u) << "the way out and back takes 200 rounds";
+    EXPECT_NE(out[0].find("right is a speed above 0.000439 m/s"), std::string::npos) << out[0];
     EXPECT_EQ(warnings("count = 1\nspeed = \"1 nm/s\"\nrate = \"0.1 Hz\"\n").size(), 0u);
 }
 
