@@ -100,7 +100,7 @@ real2 via_point(MotionParams motion, uint index) {
 Place minimum_jerk_place(MotionParams motion, uint step) {
     uint index = step / motion.run;
     uint within = step - index * motion.run;
-    // A loop, since software devices go round none that no lane enters, but through every branch.
+    // Seldom another one; a software device goes through this all the same.
     while (stretch.index != index)
         stretch = Stretch(index, via_point(motion, index), via_point(motion, index + 1u));
     precise real time = real(int(within)) / real(int(motion.run));

@@ -1,5 +1,5 @@
-// L3 along a path: the facet of the last probe serves until one leaves it. Loops stand for branches: a software device
-// goes round none that no lane enters, but through every branch.
+// L3 along a path: the facet of the last probe serves until one leaves it. Where no lane's has, a software device goes
+// through the search once all the same, with nothing to show for it, but not round its bisection.
 
 Slope remembered_slope = Slope(ZERO, ZERO, ZERO, ZERO, ZERO, ONE); // holds no x
 uint remembered_id = 0u;
