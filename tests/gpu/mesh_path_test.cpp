@@ -1,4 +1,5 @@
 // Exploration paths over meshes, open and closed loop: samples and metrics have the oracle's bits.
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -121,6 +122,22 @@ TEST_F(MeshPath, SettlingOnSpot) {
     };
     EXPECT_GT(settled(MeshPathCase<float>(structure, shape)), 400u);
     EXPECT_GT(settled(MeshPathCase<double>(structure, shape)), 400u);
+}
+
+// Which corner of a facet is its first says nothing, but it is how a fold along an edge is found.
+TEST_F(MeshPath, SettlingWhicheverCornerIsFirst) {
+    std::uint64_t settled = 0;
+    for (const unsigned valence : {8U, 40U, 100U})
+        for (const std::ptrdiff_t turn : {1, 2}) {
+            walks::Terrain terrain{"turned pit", walks::pit(valence, 0.3), valence, glm::dvec3(0, 0, -0.3)};
+            PolygonSoup& soup = terrain.polygons;
+            for (std::size_t facet = 0; facet < soup.facets(); ++facet)
+                std::rotate(soup.corners.begin() + soup.begins[facet], soup.corners.begin() + soup.begins[facet] + turn,
+                            soup.corners.begin() + soup.begins[facet + 1]);
+            settled += wander<float>(terrain, kernel(), 200).settled_updates;
+            settled += wander<double>(terrain, kernel(), 200).settled_updates;
+        }
+    EXPECT_GT(settled, 600u);
 }
 
 // On these the device settles many times, in many pieces, and some without neighbours.
