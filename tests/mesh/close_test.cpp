@@ -35,7 +35,7 @@ protected:
         MoveBox box;
         const T half = size(0x1p-18, 0.25);
         for (int i = 0; i < 3; ++i) {
-            const T middle = T(2 * share() - 1);
+            const T middle = T(3.5 * share() - 1.75);
             box.low[i] = static_cast<float>(middle - half * T(0.25 + share()));
             box.high[i] = static_cast<float>(middle + half * T(0.25 + share()));
         }
@@ -54,7 +54,7 @@ protected:
         const Vector<T> normal = direction();
         const Vector<T> along = reference::normalised(Vector<T>(cross(normal, direction())));
         const T height = size(0.5 * double(reference::Skin<T>::kWidth), 0.25) * (share() < 0.5 ? T(-1) : T(1));
-        const Vector<T> corner = place + height * normal + size(0x1p-20, 1.0) * along;
+        const Vector<T> corner = place + height * normal + size(0x1p-20, 4.0) * along;
         for (int i = 0; i < 3; ++i) {
             normals_.push_back(normal[i]);
             vertices_.push_back(corner[i]);
