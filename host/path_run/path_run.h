@@ -52,11 +52,11 @@ struct PathRecord {
 std::vector<std::string> path_file_names(const PathRunOptions& options, layout::uint channels);
 
 /// Memory is bounded by row_gatherer.h, recorded_file.h and the engine, whatever paths there are, but for the rows of
-/// an EXR. A recorded file is read once to check it, once for the engine, once for its times and once for the oracle;
-/// it must not change meanwhile. Of recorded paths facets are computed always: contact time follows from them. Nothing
-/// stands under a final name
-/// unless all of it was computed. \throws UsageError for what is wrong in the scene or the recorded file, IoError,
-/// Interrupted, compute::DeviceError, Error (exit 1) for forces that are no finite numbers.
+/// an EXR. A recorded file that is not kept is read once to check it, once for the engine, once for its times, once for
+/// the oracle, and once for when paths left their bound, if any did; it must not change meanwhile. Of recorded paths
+/// facets are computed always: contact time follows from them. Nothing stands under a final name unless all of it was
+/// computed. \throws UsageError for what is wrong in the scene or the recorded file, IoError, Interrupted,
+/// compute::DeviceError, Error (exit 1) for forces that are no finite numbers.
 PathRecord run_paths(Engine& engine, const PreparedCase& prepared, const PathRunOptions& options);
 
 /// What is wrong with a run whose paths are further from the oracle than rounding allows, or hold samples whose proxy
