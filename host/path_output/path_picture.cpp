@@ -75,14 +75,8 @@ template <typename T> void PathCollector::add_path(const PathRows<T>& rows, std:
 }
 
 PathCollector::Reach PathCollector::reach() const {
-    Reach reach{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity(),
-                y_samples_ ? y_sum_ / double(y_samples_) : 0};
-    for (const picture::DrawnPath& path : paths_)
-        for (const picture::LinePoint& point : path.way) {
-            reach.from = std::min(reach.from, point.x);
-            reach.to = std::max(reach.to, point.x);
-        }
-    return reach;
+    const picture::Breadth breadth = picture::drawn_breadth(paths_);
+    return {breadth.low, breadth.high, y_samples_ ? y_sum_ / double(y_samples_) : 0};
 }
 
 picture::Picture PathCollector::draw(const std::string& name, const picture::SurfaceLines& surface) const {

@@ -15,7 +15,7 @@ public:
     template <typename T> void add(const PathRows<T>& rows);
 
     const std::vector<picture::DrawnPath>& paths() const { return paths_; }
-    /// m: the smallest and largest x of the paths kept, and their mean y.
+    /// m: the x between which the paths kept are drawn (`picture::drawn_breadth`), and their mean y.
     struct Reach {
         double from = 0, to = 0, y = 0;
     };

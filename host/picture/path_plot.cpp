@@ -19,6 +19,8 @@ constexpr double kBetween = 46; // room for the upper panel's ticks
 constexpr double kRowHeight = 26;
 constexpr double kSignLength = 44;
 constexpr double kItemGap = 30;
+constexpr double kHardlyWide = 0.1;    // of the height
+constexpr double kLeastBreadth = 2e-3; // m: of what has neither width nor height
 constexpr TextStyle kAxisStyle{kTextSize, false, Horizontal::centre, Vertical::top, false};
 constexpr TextStyle kUpAxisStyle{kTextSize, false, Horizontal::centre, Vertical::middle, true};
 constexpr TextStyle kNoteStyle{kTextSize, false, Horizontal::centre, Vertical::middle, false};
@@ -142,14 +144,15 @@ public:
 private:
     void find_ranges() {
         Range x, z, angle;
+        const Breadth breadth = drawn_breadth(drawing_.paths);
+        x.add(breadth.low);
+        x.add(breadth.high);
         for (const DrawnPath& path : drawing_.paths)
-            for (const LinePoint& point : path.way) {
-                x.add(point.x);
+            for (const LinePoint& point : path.way)
                 z.add(point.z);
-            }
         x_ = x.widened(0);
         if (!(x_.high > x_.low))
-            x_ = x.widened(1e-3);
+            x_ = x.widened(kLeastBreadth / 2);
         for (const auto* line : {&drawing_.surface.nominal, &drawing_.surface.smooth}) {
             for (const LinePoint& point : *line)
                 if (point.x >= x_.low && point.x <= x_.high)
@@ -197,7 +200,7 @@ private:
             for (std::size_t s = 0; s < path.way.size(); ++s)
                 line.push_back({path.way[s].x, path.direction[s]});
             for (const std::vector<Point>& piece : below_.pieces(line))
-                canvas.polyline(piece, stroke_of(i, 3.2));
+                canvas.polyline(seen_as_line(piece), stroke_of(i, 3.2));
         }
         if (drawing_.draws_normals)
             for (const auto& [line, sign] : {std::pair(&drawing_.surface.nominal, Sign::nominal_surface),
@@ -256,6 +259,22 @@ private:
 };
 
 } // namespace
+
+Breadth drawn_breadth(const std::vector<DrawnPath>& paths) {
+    Range x, z;
+    for (const DrawnPath& path : paths)
+        for (const LinePoint& point : path.way) {
+            x.add(point.x);
+            z.add(point.z);
+        }
+    const double width = x.high - x.low;
+    const double height = z.high > z.low ? z.high - z.low : kLeastBreadth;
+    if (width >= 0 && width <= kHardlyWide * height) {
+        const double middle = x.low + width / 2;
+        return {middle - height / 2, middle + height / 2};
+    }
+    return {x.low, x.high};
+}
 
 std::vector<LinePoint> normals_of(const std::vector<LinePoint>& line) {
     std::vector<LinePoint> normals;

@@ -27,6 +27,13 @@ struct PathDrawing {
 /// segment's normal stands at both its ends.
 std::vector<LinePoint> normals_of(const std::vector<LinePoint>& line);
 
+/// m: the x between which paths are drawn, before a border. Paths that are hardly wide, as taps are, are shown as wide
+/// as high, so that the surface below them is seen. Without a finite sample low > high.
+struct Breadth {
+    double low = 0, high = 0;
+};
+Breadth drawn_breadth(const std::vector<DrawnPath>& paths);
+
 /// Like every picture, the same bytes for the same input.
 Picture draw_paths(const PathDrawing& drawing);
 

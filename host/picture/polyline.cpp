@@ -69,4 +69,16 @@ std::vector<std::vector<Point>> visible_pieces(std::span<const Point> line, cons
     return pieces;
 }
 
+std::vector<Point> seen_as_line(std::vector<Point> piece) {
+    constexpr double kBar = 14; // pixels
+    if (piece.empty())
+        return piece;
+    const auto [left, right] = std::ranges::minmax(piece, {}, &Point::x);
+    const auto [high, low] = std::ranges::minmax(piece, {}, &Point::y);
+    if (std::max(right.x - left.x, low.y - high.y) > kBar / 4)
+        return piece;
+    const double middle = (left.x + right.x) / 2;
+    return {{middle - kBar / 2, high.y}, {middle + kBar / 2, high.y}};
+}
+
 } // namespace forceshade::picture

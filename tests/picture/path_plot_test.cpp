@@ -34,6 +34,17 @@ TEST(PathPlot, normals_lean_away_from_the_slope) {
     EXPECT_TRUE(normals_of({{0, 0}}).empty());
 }
 
+TEST(PathPlot, shows_the_surface_about_paths_that_are_hardly_wide) {
+    DrawnPath tap{"tap", {{0.003, 0.001}, {0.003, -0.001}}, {}};
+    EXPECT_NEAR(drawn_breadth({tap}).low, 0.002, 1e-15);
+    EXPECT_NEAR(drawn_breadth({tap}).high, 0.004, 1e-15);
+    DrawnPath still{"still", {{0.003, 0.001}}, {}};
+    EXPECT_NEAR(drawn_breadth({still}).high - drawn_breadth({still}).low, 0.002, 1e-15);
+    DrawnPath stroke{"stroke", {{-0.01, 0.001}, {0.02, -0.001}}, {}};
+    EXPECT_EQ(drawn_breadth({stroke}).low, -0.01) << "wide enough by itself";
+    EXPECT_EQ(drawn_breadth({stroke}).high, 0.02);
+}
+
 TEST(PathPlot, is_the_same_every_time_and_its_texts_are_on_the_sheet) {
     const Picture one = draw_paths(sample()), other = draw_paths(sample());
     EXPECT_EQ(one.png, other.png);

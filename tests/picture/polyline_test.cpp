@@ -46,5 +46,15 @@ TEST(VisiblePieces, ThinsOutAMillionPoints) {
     EXPECT_EQ(pieces[0].back().x, 300);
 }
 
+TEST(SeenAsLine, MakesABarOfWhatStaysInOnePlace) {
+    const std::vector<Point> bar = seen_as_line({{50, 20}, {50, 20}, {50.5, 20}});
+    ASSERT_EQ(bar.size(), 2u);
+    EXPECT_GT(bar[1].x - bar[0].x, 5);
+    EXPECT_EQ(bar[0].y, 20);
+    EXPECT_EQ(seen_as_line({{50, 20}, {60, 20}}).size(), 2u);
+    EXPECT_EQ(seen_as_line({{50, 20}, {60, 20}})[0].x, 50) << "long enough by itself";
+    EXPECT_TRUE(seen_as_line({}).empty());
+}
+
 } // namespace
 } // namespace forceshade::picture
