@@ -48,23 +48,27 @@ void add_centre(std::vector<Key>& keys) {
 }
 
 void add_extent(std::vector<Key>& keys) {
-    keys.push_back({.table = "paths",
-                    .name = "length",
-                    .kind = ValueKind::quantity,
-                    .default_text = "",
-                    .doc = "of a stroke or line from end to end, of a region along the heading, of a circle or spiral "
-                           "the largest diameter; left out: 1.2 times the feature's width along x, of a mesh its box's",
-                    .set = [](Scene& s, const Value& v) { s.paths->length = v.numbers.at(0); },
-                    .subject = Subject::paths,
-                    .forms = kMade & ~bit(PathKind::taps),
-                    .sign = Sign::not_negative,
-                    .example = "\"30 mm\""});
+    keys.push_back(
+        {.table = "paths",
+         .name = "length",
+         .kind = ValueKind::quantity,
+         .default_text = "",
+         .doc = "of a stroke or line from end to end, of a region along the heading, of a circle or spiral "
+                "the largest diameter; left out: 1.2 times the feature's width along x, of a mesh its box's, but "
+                "half of that box where a hand presses, which would fall off its rim",
+         .set = [](Scene& s, const Value& v) { s.paths->length = v.numbers.at(0); },
+         .subject = Subject::paths,
+         .forms = kMade & ~bit(PathKind::taps),
+         .sign = Sign::not_negative,
+         .example = "\"30 mm\""});
     keys.push_back(
         {.table = "paths",
          .name = "width",
          .kind = ValueKind::quantity,
          .default_text = "",
-         .doc = "of a region across the heading; left out: the length, of a mesh 1.2 times its box's along y",
+         .doc =
+             "of a region across the heading; left out: the length, of a mesh 1.2 times its box's along y, or half of "
+             "it where a hand presses",
          .set = [](Scene& s, const Value& v) { s.paths->width = v.numbers.at(0); },
          .subject = Subject::paths,
          .forms = bit(PathKind::raster) | bit(PathKind::random_walk) | bit(PathKind::minimum_jerk),

@@ -50,7 +50,8 @@ std::string describe_values(const Key& key) {
     else if (key.kind == ValueKind::quantity || key.kind == ValueKind::number)
         text += key.sign == Sign::positive ? ", positive" : key.sign == Sign::not_negative ? ", not negative" : "";
     if (is_spread(key))
-        text += "; or { mean, sd }: normal; or { min, max }: uniform";
+        text += fmt::format("; or {{ mean, sd }}: normal{}; or {{ min, max }}: uniform",
+                            key.sign == Sign::any ? "" : ", drawn again until positive");
     if (key.count > 1)
         text += fmt::format("; {}{} values", key.one_for_all ? "1 or " : "", key.count);
     return text;
