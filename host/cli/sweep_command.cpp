@@ -1,4 +1,5 @@
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -38,18 +39,30 @@ std::string as_json(const SweepResult& result, const SweepOptions& options) {
     return json.dump(2) + "\n";
 }
 
-void print_outcome(const SweepResult& result, const SweepOptions& options) {
+bool any_field(const Study& study) {
+    return std::ranges::any_of(study.cases, [](const Case& one) { return one.scene.field; });
+}
+
+// What --also png leaves, for the last remark.
+std::string picture_names(const Study& study) {
+    const bool paths = std::ranges::any_of(study.cases, [](const Case& one) { return one.scene.paths.has_value(); });
+    return fmt::format("{}{}", any_field(study) ? ", *.arrows.png, *.mosaic.png" : "", paths ? ", *.paths.png" : "");
+}
+
+void print_outcome(const SweepResult& result, const SweepOptions& options, const Study& study) {
     if (options.shard)
         remark("shard {}/{}: ", options.shard->index, options.shard->count);
-    remark("{} cases: {} computed{}, {} kept from before{}\n", result.chosen, result.computed,
+    remark("{} case{}: {} computed{}, {} kept from before{}\n", result.chosen, result.chosen == 1 ? "" : "s",
+           result.computed,
            result.computed ? fmt::format(" on {} in {}", result.account.engine_device, clock_text(result.account.wall))
                            : "",
            result.kept, result.failures.empty() ? "" : fmt::format(", {} failed", result.failures.size()));
-    remark("largest error against the oracle in double precision: {:.2g} of the largest force\n",
-           result.largest_relative_error);
+    if (any_field(study))
+        remark("largest error against the oracle in double precision: {:.2g} of the largest force\n",
+               result.largest_relative_error);
     const std::filesystem::path folder = std::filesystem::absolute(options.folder).lexically_normal();
     remark("look at {} (a row a case), manifest.json (everything known){} and *.exr beside it\n",
-           (folder / "summary.csv").string(), options.also.png ? ", *.arrows.png, *.mosaic.png" : "");
+           (folder / "summary.csv").string(), options.also.png ? picture_names(study) : "");
 }
 
 int run(const SweepArguments& arguments, const CommonOptions& common) {
@@ -77,7 +90,7 @@ int run(const SweepArguments& arguments, const CommonOptions& common) {
         }
     }();
     if (!common.quiet)
-        print_outcome(result, options);
+        print_outcome(result, options, study);
     for (const std::string& failure : result.failures)
         remark("error: {}\n", failure);
     if (common.json)
