@@ -196,7 +196,7 @@ std::vector<std::string> omissions(const Scene& scene) {
     channel(layout::kChannelFacet, "facet channel");
     channel(layout::kChannelProxy, "proxy channel");
     channel(layout::kChannelUnshaded, "unshaded channel");
-    if (!depends_on_y(features) && scene.grid.size[1] > 1)
+    if (scene.field && !depends_on_y(features) && scene.grid.size[1] > 1)
         left_out.push_back(fmt::format("{} of {} y samples, alike", scene.grid.size[1] - 1, scene.grid.size[1]));
     return left_out;
 }

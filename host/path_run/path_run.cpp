@@ -116,7 +116,9 @@ private:
         header.pixel = scene.output.pixel;
         header.scene = prepared_.scene;
         header.version = version();
-        header.omitted = fmt::format("{}", fmt::join(omissions(scene), "; "));
+        Scene of_paths = scene;
+        of_paths.field = false;
+        header.omitted = fmt::format("{}", fmt::join(omissions(of_paths), "; "));
         header.threads = options_.threads;
         return header;
     }

@@ -58,6 +58,9 @@ TEST(Tables, OnlyWhatTheSceneUsesIsSwitchedOn) {
     EXPECT_TRUE(mentions(omissions(scene), "shading"));
     EXPECT_TRUE(mentions(omissions(scene), "texture"));
     EXPECT_TRUE(mentions(omissions(scene), "5 of 6 y samples"));
+    scene.field = false;
+    EXPECT_FALSE(mentions(omissions(scene), "y samples")) << "paths alone have no samples of a grid";
+    scene.field = true;
     scene.force.shading = Shading::reference;
     scene.texture = TextureSpec{100, {}};
     EXPECT_FALSE(mentions(omissions(scene), "shading"));
