@@ -173,7 +173,9 @@ void print_outcome(const PathRecord& record, const std::string& out, const Engin
            record.largest_force, record.work, record.mean_depth, record.depth_deviation, record.error.paths,
            plural(record.paths, "path"), record.error.differing + record.error.metrics);
     if (record.in_contact == 0)
-        remark("warning: no sample is in contact, so the force is 0 everywhere\n");
+        remark(
+            "warning: no sample is in contact, so the force is 0 everywhere: go deeper (over a mesh, depth counts from "
+            "the top of its box), or press\n");
     if (record.began_inside > 0)
         remark("warning: {} of {} begin behind the mesh's surface; their proxies begin at the nearest place of it\n",
                record.began_inside, plural(record.paths, "path"));
