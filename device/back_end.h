@@ -1,0 +1,69 @@
+// What the live loop asks of a haptic device, simulated or real: where is the probe, and push it so hard.
+#pragma once
+
+#include <limits>
+#include <string>
+
+#include <glm/vec3.hpp>
+
+#include "host/error.h"
+
+namespace forceshade::device {
+
+inline constexpr double kUnknown = std::numeric_limits<double>::infinity();
+
+/// What a device is and can do. In the world of every back end x points to the user's right, y away from the user and
+/// z up, whatever the vendor's axes are.
+struct DeviceFacts {
+    std::string name;            // "Inverse3 04BA": as the user would tell it from another
+    std::string software;        // "Inverse Service 3.5.1": through what it is driven, with its version
+    double max_force = kUnknown; /* N: the largest force that it displays */
+    glm::dvec3 low{-kUnknown};   /* m: the workspace */
+    glm::dvec3 high{kUnknown};   /* m */
+    bool simulated = false;      // each read() is one sample later than the one before, whatever the clock says
+};
+
+/// What became of a question for the position.
+enum class Answer {
+    fresh,  // measured since the last one
+    held,   // nothing newer than the last one, which is returned again
+    failed, // the device did not answer, or with what is no position
+    ended,  // there are no more (a recording is over)
+};
+
+struct Reading {
+    Answer answer = Answer::failed;
+    glm::dvec3 position{0};   /* m; of `failed` and `ended` without a meaning, of `fresh` perhaps not finite */
+    bool begins_path = false; // what was felt before does not matter any more
+};
+
+/// A device that is open. Constructing one may take its time and throws DeviceAbsent or UsageError; destroying one
+/// leaves the device without force. In between, read() and write() are called in turn by the live loop's thread: they
+/// neither allocate, lock, throw nor log, and come back within a fraction of a sample.
+class BackEnd {
+public:
+    virtual ~BackEnd() = default;
+
+    virtual const DeviceFacts& facts() const noexcept = 0;
+
+    /// The newest position.
+    virtual Reading read() noexcept = 0;
+
+    /// Displays a force, N, finite, until the next one; false: the device refused it or is not there.
+    virtual bool write(const glm::dvec3& force) noexcept = 0;
+
+    /// No force from now on, whatever is written. From any thread while others are at work, from a signal's handler
+    /// too; more than once. Best effort: what the device allows.
+    virtual void halt() noexcept = 0;
+
+    /// In words, what the device complained of last; null: nothing. Lives as long as the program; from any thread.
+    virtual const char* complaint() const noexcept = 0;
+};
+
+/// A device, its service or its library is not there: exit 3. The message says how to get it.
+class DeviceAbsent : public Error {
+public:
+    explicit DeviceAbsent(const std::string& message) : Error(ExitCode::no_device, message) {}
+};
+
+} // namespace forceshade::device
