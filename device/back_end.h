@@ -56,6 +56,10 @@ public:
     /// too; more than once. Best effort: what the device allows.
     virtual void halt() noexcept = 0;
 
+    /// No force until the next write(), from another thread than the loop's, which does not come round. Devices whose
+    /// driver does so by itself when nothing is written need nothing here.
+    virtual void rest() noexcept {}
+
     /// In words, what the device complained of last; null: nothing. Lives as long as the program; from any thread.
     virtual const char* complaint() const noexcept = 0;
 };

@@ -1,4 +1,4 @@
-// SIGINT and SIGTERM as a flag that long work asks for, so that it can leave nothing half done.
+// SIGINT, SIGTERM and SIGHUP as a flag that long work asks for, so that it can leave nothing half done.
 #pragma once
 
 #include "host/error.h"
@@ -10,8 +10,12 @@ public:
     Interrupted() : Error(ExitCode::interrupted, "interrupted") {}
 };
 
-/// From now on the first SIGINT or SIGTERM raises the flag; a second one ends the process at once.
+/// From now on the first SIGINT, SIGTERM or SIGHUP (unless it is ignored, as under nohup) raises the flag; a second one
+/// ends the process at once.
 void catch_interrupts();
+
+/// Whether the flag is raised.
+bool is_interrupted() noexcept;
 
 /// \throws Interrupted once the flag is raised.
 void check_interrupt();

@@ -8,10 +8,7 @@
 #include <fmt/format.h>
 
 #include "host/error.h"
-#include "host/explore/path_law.h"
-#include "host/field/scene_mesh.h"
-#include "host/reference/god_object_contact.h"
-#include "host/reference/god_object_start.h"
+#include "host/explore/mesh_probe.h"
 
 namespace forceshade {
 
@@ -29,22 +26,16 @@ public:
 
     PathContact<T> at(std::size_t path, const glm::dvec3& probe) override {
         const reference::Vector<T> local = reference::to_mesh_frame(law_.mesh.params, reference::Vector<T>(probe));
-        if (!(reference::largest_coordinate(local) <= T(kMeshReach<T>)))
+        if (!is_within_reach(local))
             throw UsageError(
                 fmt::format("path position ({}, {}, {}) m is more than {:.0f} times the mesh's size from its "
                             "centre, further than {} can follow; is the unit right?",
                             probe.x, probe.y, probe.z, kMeshReach<T> / 2, std::is_same_v<T, float> ? "f32" : "f64"));
-        PathContact<T> felt;
-        if (path == proxies_.size()) {
-            const layout::ProxyStart<T> start = reference::proxy_start(law_, around_, local);
-            proxies_.push_back(reference::begun(start));
-            felt.begins_inside = start.inside != 0;
-        }
-        const auto rest = reference::update(law_.mesh, proxies_[path], around_, local);
-        felt.contact = reference::mesh_contact(law_, rest, local);
-        if (felt.contact.facet == layout::kNoFacet)
-            felt.contact.proxy = reference::Vector<T>(probe); // not there and back through the mesh's frame
-        felt.finished = rest.finished;
+        bool inside = false;
+        if (path == proxies_.size())
+            inside = begin_probe(law_, around_, proxies_.emplace_back(), local);
+        PathContact<T> felt = follow_probe(law_, around_, proxies_[path], probe, local);
+        felt.begins_inside = inside;
         return felt;
     }
 

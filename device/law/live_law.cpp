@@ -1,0 +1,91 @@
+#include "device/law/live_law.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "host/explore/mesh_probe.h"
+
+namespace forceshade::device {
+namespace {
+
+template <typename T> LiveContact as_live(const PathContact<T>& felt) noexcept {
+    const reference::Contact<T>& contact = felt.contact;
+    return {glm::dvec3(contact.proxy), glm::dvec3(contact.force), double(contact.depth), contact.facet, felt.finished};
+}
+
+// What every law has in common: the case and its tables.
+template <typename T> class TabledLaw : public LiveLaw {
+public:
+    explicit TabledLaw(PreparedCase prepared)
+        : prepared_(std::move(prepared)),
+          tables_(make_tables<T>(prepared_.one.scene, prepared_.images, Extent::what_varies)), law_(tables_.law()) {}
+
+    bool reaches(const glm::dvec3& probe) const noexcept override {
+        return std::abs(probe.x) <= kLargestLength<T> && std::abs(probe.y) <= kLargestLength<T> &&
+               std::abs(probe.z) <= kLargestLength<T>;
+    }
+
+protected:
+    PreparedCase prepared_;
+    FieldTables<T> tables_;
+    layout::Law<T> law_; // points into the tables
+};
+
+// L1 to L5: no history.
+template <typename T> class SurfaceLaw final : public TabledLaw<T> {
+public:
+    using TabledLaw<T>::TabledLaw;
+
+    void begin_path() noexcept override {}
+
+    LiveContact at(const glm::dvec3& probe) noexcept override {
+        PathContact<T> felt;
+        felt.contact = reference::evaluate(this->law_, reference::Vector<T>(probe));
+        return as_live(felt);
+    }
+};
+
+// L6 to L9: the god-object.
+template <typename T> class MeshLaw final : public TabledLaw<T> {
+public:
+    using TabledLaw<T>::TabledLaw;
+
+    bool reaches(const glm::dvec3& probe) const noexcept override {
+        return TabledLaw<T>::reaches(probe) && is_within_reach(local(probe));
+    }
+
+    void begin_path() noexcept override { begun_ = false; }
+
+    LiveContact at(const glm::dvec3& probe) noexcept override {
+        const reference::Vector<T> place = local(probe);
+        if (!std::exchange(begun_, true))
+            begin_probe(this->law_, around_, proxy_, place);
+        return as_live(follow_probe(this->law_, around_, proxy_, probe, place));
+    }
+
+private:
+    reference::Vector<T> local(const glm::dvec3& probe) const noexcept {
+        return reference::to_mesh_frame(this->law_.mesh.params, reference::Vector<T>(probe));
+    }
+
+    reference::Neighbourhood<T> around_;
+    reference::GodObject<T> proxy_;
+    bool begun_ = false;
+};
+
+template <typename T> std::unique_ptr<LiveLaw> make(PreparedCase prepared) {
+    if (prepared.one.scene.surface.kind == SurfaceKind::mesh)
+        return std::make_unique<MeshLaw<T>>(std::move(prepared));
+    return std::make_unique<SurfaceLaw<T>>(std::move(prepared));
+}
+
+} // namespace
+
+std::unique_ptr<LiveLaw> make_live_law(PreparedCase prepared) {
+    if (prepared.one.scene.precision == Precision::f32)
+        return make<float>(std::move(prepared));
+    return make<double>(std::move(prepared));
+}
+
+} // namespace forceshade::device

@@ -1,0 +1,42 @@
+// The force law of a scene as the live loop asks for it: one probe, one sample after the other.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+
+#include <glm/vec3.hpp>
+
+namespace forceshade {
+struct PreparedCase;
+}
+
+namespace forceshade::device {
+
+/// What a probe feels, in world coordinates; numbers of the run's precision, so that each float is exact here.
+struct LiveContact {
+    glm::dvec3 proxy;    /* m: out of contact the probe */
+    glm::dvec3 force;    /* N: perhaps not finite */
+    double depth;        /* m */
+    std::uint32_t facet; // layout::kNoFacet out of contact
+    bool finished;       // the proxy came to rest
+};
+
+/// Same numbers as host/explore's PathLaw, bit for bit. Neither allocates, locks, throws nor logs.
+class LiveLaw {
+public:
+    virtual ~LiveLaw() = default;
+
+    /// Whether the law has a meaning there: finite, and within the reach of the precision.
+    virtual bool reaches(const glm::dvec3& probe) const noexcept = 0;
+
+    /// Forgets what was felt: the next probe begins a path.
+    virtual void begin_path() noexcept = 0;
+
+    /// At a probe, m, that the law reaches, each coordinate rounded once to the run's precision.
+    virtual LiveContact at(const glm::dvec3& probe) noexcept = 0;
+};
+
+/// In the scene's precision; owns what it needs. \throws UsageError if a value leaves the precision's range.
+std::unique_ptr<LiveLaw> make_live_law(PreparedCase prepared);
+
+} // namespace forceshade::device

@@ -1,0 +1,159 @@
+#include "device/log/live_log.h"
+
+#include <cerrno>
+#include <charconv>
+#include <chrono>
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <fmt/format.h>
+
+#include "host/error.h"
+#include "host/io/file_error.h"
+
+namespace forceshade::device {
+namespace {
+
+constexpr std::size_t kText = std::size_t(1) << 18;   // bytes gathered before they are written
+constexpr std::size_t kAtOnce = 1024;                 // samples taken before their room is given back
+constexpr auto kPause = std::chrono::milliseconds(5); // between looks at an empty ring
+constexpr std::uint32_t kNoFacet = 0xFFFFFFFFu;       // layout::kNoFacet
+
+int create(const std::filesystem::path& file, bool replace) {
+    const int flags = O_WRONLY | O_CREAT | O_CLOEXEC | (replace ? O_TRUNC : O_EXCL);
+    const int descriptor = ::open(file.c_str(), flags, 0666);
+    if (descriptor >= 0)
+        return descriptor;
+    if (errno == EEXIST)
+        throw UsageError(fmt::format("--log {}: is there already, and a recording is not replaced by accident; choose "
+                                     "another name, or say --overwrite",
+                                     file.string()));
+    throw file_error("write", file, errno);
+}
+
+} // namespace
+
+LiveLog::LiveLog(const std::filesystem::path& file, SampleRing& ring, Precision precision, bool replace)
+    : path_(file), ring_(ring), single_(precision == Precision::f32), descriptor_(create(file, replace)),
+      text_("path,t,x,y,z,gx,gy,gz,fx,fy,fz,depth,facet,cx,cy,cz,energy,tick,late_ns,read_ns,compute_ns,write_ns,"
+            "happened\n") {
+    write_out();
+    if (!failure_.empty()) {
+        ::close(descriptor_);
+        throw IoError(failure_);
+    }
+    thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
+}
+
+LiveLog::~LiveLog() {
+    close();
+}
+
+void LiveLog::close() {
+    if (!thread_.joinable())
+        return;
+    thread_.request_stop();
+    thread_.join();
+    if (failure_.empty() && ::fsync(descriptor_) != 0 && errno != EINVAL) // a pipe has no disk
+        fail(errno);
+    if (::close(descriptor_) != 0 && failure_.empty())
+        fail(errno);
+}
+
+void LiveLog::run(const std::stop_token& stop) {
+    while (true) {
+        const bool last = stop.stop_requested(); // before the look: nothing is put after it
+        const std::span<const LiveSample> samples = ring_.look();
+        if (!samples.empty()) {
+            take(samples.first(std::min(samples.size(), kAtOnce)));
+            continue;
+        }
+        write_out();
+        if (last)
+            return;
+        std::this_thread::sleep_for(kPause);
+    }
+}
+
+void LiveLog::take(std::span<const LiveSample> samples) {
+    for (const LiveSample& sample : samples)
+        add(sample);
+    pending_ += samples.size();
+    ring_.leave(samples.size());
+    if (text_.size() >= kText)
+        write_out();
+}
+
+template <typename Number> void LiveLog::number(Number value, char after) {
+    char digits[40]; // the shortest form of a double has 24 at most
+    const char* const end = std::to_chars(digits, digits + sizeof digits, value).ptr;
+    text_.append(digits, static_cast<std::size_t>(end - digits));
+    text_ += after;
+}
+
+void LiveLog::real(double value) {
+    if (single_)
+        number(static_cast<float>(value));
+    else
+        number(value);
+}
+
+void LiveLog::add(const LiveSample& sample) {
+    number(sample.path);
+    number(sample.time);
+    for (int i = 0; i < 3; ++i)
+        number(sample.probe[i]);
+    for (int i = 0; i < 3; ++i)
+        real(sample.proxy[i]);
+    for (int i = 0; i < 3; ++i)
+        real(sample.force[i]);
+    real(sample.depth);
+    if (sample.facet == kNoFacet)
+        text_ += "-1,";
+    else
+        number(sample.facet);
+    for (int i = 0; i < 3; ++i)
+        number(sample.commanded[i]);
+    number(sample.energy);
+    number(sample.tick);
+    number(sample.late);
+    number(sample.reading);
+    number(sample.computing);
+    number(sample.writing);
+    bool first = true;
+    for (std::size_t bit = 0; bit < kHappenings.size(); ++bit)
+        if (sample.happened >> bit & 1u) {
+            if (!first)
+                text_ += '+';
+            text_ += kHappenings[bit];
+            first = false;
+        }
+    text_ += '\n';
+}
+
+void LiveLog::write_out() {
+    std::size_t done = 0;
+    while (failure_.empty() && done < text_.size()) {
+        const ::ssize_t count = ::write(descriptor_, text_.data() + done, text_.size() - done);
+        if (count >= 0)
+            done += static_cast<std::size_t>(count);
+        else if (errno != EINTR)
+            fail(errno);
+    }
+    if (failure_.empty()) {
+        bytes_ += text_.size();
+        written_.fetch_add(pending_, std::memory_order_relaxed);
+    } else
+        lost_.fetch_add(pending_, std::memory_order_relaxed);
+    pending_ = 0;
+    text_.clear();
+}
+
+// A line that was cut off goes: what stays is whole.
+void LiveLog::fail(int number) {
+    failure_ = file_error("write", path_, number).what();
+    if (::ftruncate(descriptor_, static_cast<::off_t>(bytes_)) != 0)
+        failure_ += "; its last line is not whole";
+}
+
+} // namespace forceshade::device

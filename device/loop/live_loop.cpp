@@ -1,0 +1,243 @@
+#include "device/loop/live_loop.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "device/loop/clock.h"
+#include "device/loop/permissions.h"
+
+namespace forceshade::device {
+namespace {
+
+double seconds(std::int64_t time) noexcept {
+    return static_cast<double>(time) * 1e-9;
+}
+
+std::int32_t short_time(std::int64_t time) noexcept {
+    return static_cast<std::int32_t>(std::clamp<std::int64_t>(time, 0, 2'147'483'647));
+}
+
+double size_of(const glm::dvec3& v) noexcept {
+    return std::sqrt(v.x * v.x + v.y * v.y + v.z * v.z);
+}
+
+void make_larger(double& largest, double value) noexcept {
+    largest = value > largest ? value : largest;
+}
+
+constexpr std::uint32_t kNoFacet = 0xFFFFFFFFu; // layout::kNoFacet
+
+} // namespace
+
+struct LiveLoop::Turn {
+    LiveSample sample;
+    Situation now;
+    std::int64_t due = 0, begin = 0, end = 0; /* ns */
+};
+
+LiveLoop::LiveLoop(BackEnd& back_end, std::unique_ptr<LiveLaw> law, const LoopSettings& settings, SampleRing* log)
+    : back_end_(back_end), settings_(settings), period_(1 / settings.rate), log_(log), laws_(std::move(law)),
+      safety_(settings.limits, period_), counts_(std::make_unique<LoopCounts>()) {}
+
+LiveLoop::~LiveLoop() {
+    stop();
+    join();
+}
+
+void LiveLoop::start() {
+    thread_ = std::thread([this] { run(); });
+}
+
+void LiveLoop::join() {
+    if (thread_.joinable())
+        thread_.join();
+    watchdog_.reset();
+}
+
+std::int64_t LiveLoop::due(std::uint64_t tick) const noexcept {
+    return start_ + static_cast<std::int64_t>(static_cast<double>(tick) * (1e9 / settings_.rate));
+}
+
+// Before the first sample: may allocate, and may be refused.
+void LiveLoop::ask_for_permissions() noexcept {
+    if (!settings_.real_time)
+        return;
+    try {
+        permissions_ = ask_for_real_time(settings_.cpu);
+        const double patience = std::max(settings_.limits.late * period_, period_);
+        if (std::isfinite(patience))
+            watchdog_.emplace(back_end_, static_cast<std::int64_t>(std::min(patience, 1e6) * 1e9));
+    } catch (...) { // no memory, no thread: the loop runs without, and the report lists nothing
+    }
+}
+
+void LiveLoop::run() noexcept {
+    ask_for_permissions();
+    start_ = woken_ = now();
+    computed_ = computed_so_far();
+    while (!is_over())
+        turn();
+    back_end_.write(glm::dvec3(0));
+    counts_->seconds = seconds(now() - start_);
+    counts_->energy = safety_.energy();
+    counts_->damped = safety_.damped();
+    LoopEnd still = LoopEnd::running;
+    end_.compare_exchange_strong(still, LoopEnd::stopped, std::memory_order_release);
+}
+
+bool LiveLoop::is_over() noexcept {
+    if (settings_.samples && tick_ >= *settings_.samples)
+        end_.store(LoopEnd::done, std::memory_order_release);
+    return stop_.load(std::memory_order_relaxed) || end_.load(std::memory_order_relaxed) != LoopEnd::running;
+}
+
+void LiveLoop::await(Turn& turn) noexcept {
+    turn.due = due(tick_);
+    if (settings_.real_time)
+        sleep_until(turn.due);
+    turn.begin = now();
+    if (watchdog_)
+        watchdog_->feed(turn.begin);
+    if (!settings_.real_time)
+        return;
+    turn.sample.late = turn.begin - turn.due;
+    turn.now.late = suspended_.load(std::memory_order_relaxed) ? kUnknown : seconds(turn.sample.late) / period_;
+    counts_->late.add(turn.sample.late);
+    if (tick_ > 0)
+        counts_->jitter.add(std::abs((turn.begin - woken_) - (turn.due - due(tick_ - 1))));
+    woken_ = turn.begin;
+}
+
+// False: there has been no position yet.
+bool LiveLoop::take_position(Turn& turn) noexcept {
+    if (laws_.take()) {
+        laws_.present().begin_path();
+        path_ += begun_ ? 1 : 0;
+    }
+    const Reading reading = back_end_.read();
+    const std::int64_t read = now();
+    turn.sample.reading = short_time(read - turn.begin);
+    turn.now.time = settings_.real_time ? seconds(read - start_) : static_cast<double>(tick_) / settings_.rate;
+    turn.now.answer = reading.answer;
+    if (reading.answer == Answer::ended) {
+        end_.store(LoopEnd::recording_over, std::memory_order_release);
+        return false;
+    }
+    const bool given = reading.answer != Answer::failed;
+    turn.now.is_position = given && laws_.present().reaches(reading.position);
+    if (turn.now.is_position) {
+        turn.now.begins_path = reading.begins_path;
+        if (reading.begins_path && begun_) {
+            laws_.present().begin_path();
+            ++path_;
+        }
+        probe_ = reading.position;
+        begun_ = true;
+    }
+    if (given && (turn.now.is_position || begun_))
+        last_answer_ = turn.now.time;
+    if (turn.now.time - last_answer_ > settings_.patience)
+        end_.store(LoopEnd::device_gone, std::memory_order_release);
+    turn.now.probe = probe_;
+    return begun_;
+}
+
+void LiveLoop::feel(Turn& turn) noexcept {
+    LiveSample& sample = turn.sample;
+    const std::int64_t begin = now();
+    LiveLaw& law = laws_.present();
+    const LiveContact felt =
+        law.reaches(probe_) ? law.at(probe_) : LiveContact{probe_, glm::dvec3(0), 0, kNoFacet, true}; // a new law's
+    sample.happened |= felt.finished ? 0u : kUnfinished;
+    const bool contact = felt.facet != kNoFacet;
+    const glm::dvec3 force = safety_.passed(turn.now, felt.force, contact, sample.happened);
+    const std::int64_t end = now();
+    sample.computing = short_time(end - begin);
+    sample.probe = probe_;
+    sample.proxy = felt.proxy;
+    sample.force = felt.force;
+    sample.depth = felt.depth;
+    sample.facet = felt.facet;
+    sample.commanded = force;
+    sample.energy = safety_.energy();
+    if (!back_end_.write(force))
+        sample.happened |= kFailed;
+    turn.end = now();
+    sample.writing = short_time(turn.end - end);
+}
+
+void LiveLoop::turn() noexcept {
+    Turn turn;
+    await(turn);
+    if (take_position(turn)) {
+        feel(turn);
+        keep(turn);
+    } else
+        wait(turn);
+    ++tick_;
+}
+
+void LiveLoop::wait(const Turn& turn) noexcept {
+    back_end_.write(glm::dvec3(0));
+    computed_ = computed_so_far();
+    ++counts_->waiting;
+    status_.waiting.store(counts_->waiting, std::memory_order_relaxed);
+    status_.seconds.store(turn.now.time, std::memory_order_relaxed);
+}
+
+void LiveLoop::keep(Turn& turn) noexcept {
+    LiveSample& sample = turn.sample;
+    sample.tick = tick_;
+    sample.path = path_;
+    sample.time = turn.now.time;
+    if (settings_.real_time) {
+        const std::int64_t computed = computed_so_far(), period = due(tick_ + 1) - turn.due;
+        if (turn.end > due(tick_ + 1))
+            sample.happened |= computed - computed_ > period ? kOverrun | kOwnOverrun : kOverrun;
+        computed_ = computed;
+    }
+    count(sample);
+    if (log_ != nullptr)
+        while (!log_->put(sample)) {
+            if (settings_.real_time || stop_.load(std::memory_order_relaxed)) {
+                ++counts_->lost;
+                break;
+            }
+            sleep_until(now() + 50'000);
+        }
+    tell(sample);
+}
+
+void LiveLoop::count(const LiveSample& sample) noexcept {
+    LoopCounts& counts = *counts_;
+    ++counts.samples;
+    counts.in_contact += sample.facet != kNoFacet;
+    counts.paths = path_ + 1u;
+    for (std::size_t i = 0; i < kHappenings.size(); ++i)
+        counts.happened[i] += sample.happened >> i & 1u;
+    make_larger(counts.largest_force, size_of(sample.force));
+    make_larger(counts.largest_commanded, size_of(sample.commanded));
+    make_larger(counts.largest_depth, sample.depth);
+    make_larger(counts.largest_speed, safety_.speed());
+    make_larger(counts.largest_energy, sample.energy);
+    counts.reading.add(sample.reading);
+    counts.computing.add(sample.computing);
+    counts.writing.add(sample.writing);
+}
+
+void LiveLoop::tell(const LiveSample& sample) noexcept {
+    constexpr auto relaxed = std::memory_order_relaxed;
+    status_.samples.store(counts_->samples, relaxed);
+    status_.overruns.store(counts_->happened[12], relaxed);
+    status_.own_overruns.store(counts_->happened[13], relaxed);
+    status_.clamped.store(counts_->happened[0], relaxed);
+    status_.lost.store(counts_->lost, relaxed);
+    status_.happened.store(sample.happened, relaxed);
+    status_.seconds.store(sample.time, relaxed);
+    status_.force.store(size_of(sample.commanded), relaxed);
+    status_.depth.store(sample.depth, relaxed);
+    status_.energy.store(sample.energy, relaxed);
+}
+
+} // namespace forceshade::device

@@ -1,0 +1,100 @@
+// The live loop: read the position, ask the law, let safety judge, write the force, at a steady rate.
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <optional>
+#include <thread>
+
+#include "device/loop/law_exchange.h"
+#include "device/loop/sample_ring.h"
+#include "device/loop/watchdog.h"
+#include "device/report/outcome.h"
+#include "device/safety/safety.h"
+
+namespace forceshade::device {
+
+struct LoopSettings {
+    double rate = 1000;                   /* Hz: samples a second, 100 to 10 000 */
+    bool real_time = true;                // false: as fast as possible; the time of a sample is its number / rate
+    std::optional<std::uint64_t> samples; // after which it ends
+    double patience = 5;                  /* s: without a position, or with a device that fails, after which it ends */
+    std::optional<int> cpu;               // to run on
+    SafetyLimits limits;
+};
+
+enum class LoopEnd { running, done, stopped, recording_over, device_gone };
+
+/// What the loop tells while it runs; each number is the newest, together they need not be of one sample.
+struct LoopStatus {
+    std::atomic<std::uint64_t> samples = 0, waiting = 0, overruns = 0, own_overruns = 0, clamped = 0, lost = 0;
+    std::atomic<std::uint32_t> happened = 0;                           // to the last sample
+    std::atomic<double> seconds = 0, force = 0, depth = 0, energy = 0; /* s, N commanded, m, J */
+};
+
+/// Its thread neither allocates, locks, throws nor logs from the first sample to the last. Whatever ends it, the last
+/// force written is zero.
+class LiveLoop {
+public:
+    /// Everything must outlive it. `log`: where samples are put; null: nowhere. As fast as possible the loop waits for
+    /// room there; in real time a sample that finds none is lost, and counted.
+    LiveLoop(BackEnd& back_end, std::unique_ptr<LiveLaw> law, const LoopSettings& settings, SampleRing* log);
+    ~LiveLoop(); // stops it
+
+    void start();
+    void stop() noexcept { stop_.store(true, std::memory_order_relaxed); }
+    LoopEnd end() const noexcept { return end_.load(std::memory_order_acquire); }
+    /// Waits for the end, which somebody must have brought about.
+    void join();
+
+    /// Another law from the next sample on, which begins a path. From one thread.
+    void offer(std::unique_ptr<LiveLaw> law) { laws_.offer(std::move(law)); }
+    /// No force as long as it is so; from a signal's handler, too.
+    void suspend(bool suspended) noexcept { suspended_.store(suspended, std::memory_order_relaxed); }
+
+    const LoopStatus& status() const noexcept { return status_; }
+
+    /// After the end.
+    const LoopCounts& counts() const noexcept { return *counts_; }
+    const Permissions& permissions() const noexcept { return permissions_; }
+
+private:
+    struct Turn; // a sample in the making
+
+    void run() noexcept;
+    void ask_for_permissions() noexcept;
+    void turn() noexcept;
+    void wait(const Turn& turn) noexcept;
+    void await(Turn& turn) noexcept;
+    bool take_position(Turn& turn) noexcept;
+    void feel(Turn& turn) noexcept;
+    void keep(Turn& turn) noexcept;
+    void count(const LiveSample& sample) noexcept;
+    void tell(const LiveSample& sample) noexcept;
+    bool is_over() noexcept;
+    std::int64_t due(std::uint64_t tick) const noexcept;
+
+    BackEnd& back_end_;
+    const LoopSettings settings_;
+    const double period_; /* s */
+    SampleRing* const log_;
+    LawExchange laws_;
+    Safety safety_;
+    std::unique_ptr<LoopCounts> counts_;
+    Permissions permissions_;
+    LoopStatus status_;
+    std::optional<Watchdog> watchdog_;
+    std::thread thread_;
+    std::atomic<bool> stop_ = false, suspended_ = false;
+    std::atomic<LoopEnd> end_ = LoopEnd::running;
+
+    // The loop's own.
+    std::int64_t start_ = 0, woken_ = 0, computed_ = 0; /* ns */
+    std::uint64_t tick_ = 0;
+    double last_answer_ = 0; /* s: when the device last answered as it should */
+    glm::dvec3 probe_{0};    /* m: the last one that was a position */
+    bool begun_ = false;     // there was one
+    std::uint32_t path_ = 0;
+};
+
+} // namespace forceshade::device

@@ -1,0 +1,93 @@
+#include "device/loop/permissions.h"
+
+#include <cerrno>
+#include <pthread.h>
+#include <sched.h>
+#include <sys/mman.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+
+#include <system_error>
+
+#include <fmt/format.h>
+
+namespace forceshade::device {
+namespace {
+
+std::string reason(int number) {
+    return std::generic_category().message(number);
+}
+
+Permissions::One priority() {
+    const int refused = raise_priority(kLoopPriority);
+    if (refused == 0)
+        return {"SCHED_FIFO", true, fmt::format("priority {}", kLoopPriority)};
+    return {"SCHED_FIFO", false,
+            reason(refused) + ": needs root, CAP_SYS_NICE, or rtprio in /etc/security/limits.conf; other processes may "
+                              "make samples late"};
+}
+
+// Pages that are touched later are locked, too, but only where they cannot run into a limit.
+Permissions::One locked_memory() {
+    rlimit limit{};
+    ::getrlimit(RLIMIT_MEMLOCK, &limit);
+    if (::mlockall(MCL_CURRENT | MCL_FUTURE) == 0) {
+        void* const probe =
+            ::mmap(nullptr, std::size_t(64) << 20, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+        if (probe != MAP_FAILED) {
+            ::munmap(probe, std::size_t(64) << 20);
+            return {"memory lock", true, "all pages, present and future"};
+        }
+        ::munlockall();
+        if (::mlockall(MCL_CURRENT) == 0)
+            return {"memory lock", true, "present pages"};
+    }
+    return {"memory lock", false,
+            reason(errno) + ": needs root, CAP_IPC_LOCK, or memlock in /etc/security/limits.conf; swapping may make "
+                            "samples late"};
+}
+
+std::optional<int> last_allowed() {
+    cpu_set_t allowed;
+    CPU_ZERO(&allowed);
+    if (::sched_getaffinity(0, sizeof allowed, &allowed) != 0)
+        return std::nullopt;
+    for (int cpu = CPU_SETSIZE - 1; cpu >= 0; --cpu)
+        if (CPU_ISSET(cpu, &allowed))
+            return cpu;
+    return std::nullopt;
+}
+
+Permissions::One pinned(std::optional<int> cpu, bool first_come) {
+    const std::optional<int> chosen = cpu ? cpu : first_come ? last_allowed() : std::nullopt;
+    if (!chosen)
+        return {"CPU pinning", false,
+                "without SCHED_FIFO it would only wait for its CPU; --cpu N pins it all the same"};
+    cpu_set_t one;
+    CPU_ZERO(&one);
+    if (*chosen >= 0 && *chosen < CPU_SETSIZE)
+        CPU_SET(static_cast<std::size_t>(*chosen), &one);
+    if (const int refused = ::pthread_setaffinity_np(::pthread_self(), sizeof one, &one); refused != 0)
+        return {"CPU pinning", false, fmt::format("CPU {}: {}", *chosen, reason(refused))};
+    return {"CPU pinning", true, fmt::format("CPU {}", *chosen)};
+}
+
+} // namespace
+
+int raise_priority(int level) noexcept {
+    sched_param parameters{};
+    parameters.sched_priority = level;
+    return ::pthread_setschedparam(::pthread_self(), SCHED_FIFO, &parameters);
+}
+
+Permissions ask_for_real_time(std::optional<int> cpu) {
+    ::prctl(PR_SET_TIMERSLACK, 1UL); // ns; the default is 50 us for threads without SCHED_FIFO
+    Permissions permissions;
+    permissions.all.push_back(priority());
+    const bool first_come = permissions.all.front().granted;
+    permissions.all.push_back(locked_memory());
+    permissions.all.push_back(pinned(cpu, first_come));
+    return permissions;
+}
+
+} // namespace forceshade::device

@@ -1,0 +1,75 @@
+#include "device/replay/replay.h"
+
+#include <vector>
+
+#include "host/explore/path_law.h"
+#include "host/explore/path_reader.h"
+
+namespace forceshade::device {
+namespace {
+
+struct Row {
+    glm::dvec3 position; /* m */
+    bool begins_path;
+};
+
+class Replay final : public BackEnd {
+public:
+    explicit Replay(const std::filesystem::path& file) {
+        PathReader reader(file, kLargestLength<double>);
+        constexpr std::size_t kBatch = 4096;
+        std::vector<PathSample> samples;
+        std::uint64_t path = 0, first_rows = 0;
+        double first = 0, last = 0; /* s: of the first path */
+        for (reader.read(samples, kBatch); !samples.empty(); reader.read(samples, kBatch))
+            for (const PathSample& sample : samples) {
+                const bool begins = rows_.empty() || sample.path != path;
+                if (rows_.empty())
+                    first = sample.time;
+                paths_ += begins ? 1 : 0;
+                if (paths_ == 1) {
+                    last = sample.time;
+                    ++first_rows;
+                }
+                path = sample.path;
+                rows_.push_back({sample.probe, begins});
+            }
+        if (last > first)
+            rate_ = static_cast<double>(first_rows - 1) / (last - first);
+        facts_.name = "recording " + file.filename().string();
+        facts_.software = "forceshade";
+        facts_.simulated = true;
+    }
+
+    double rate() const noexcept { return rate_; }
+    const DeviceFacts& facts() const noexcept override { return facts_; }
+
+    Reading read() noexcept override {
+        if (next_ == rows_.size())
+            return {Answer::ended, glm::dvec3(0), false};
+        const Row& row = rows_[next_++];
+        return {Answer::fresh, row.position, row.begins_path};
+    }
+    bool write(const glm::dvec3&) noexcept override { return true; }
+    void halt() noexcept override {}
+    const char* complaint() const noexcept override { return nullptr; }
+
+private:
+    std::vector<Row> rows_;
+    std::size_t next_ = 0;
+    std::uint64_t paths_ = 0;
+    double rate_ = 0; /* Hz */
+    DeviceFacts facts_;
+};
+
+} // namespace
+
+std::unique_ptr<BackEnd> make_replay(const std::filesystem::path& file) {
+    return std::make_unique<Replay>(file);
+}
+
+double rate_of(const BackEnd& replay) {
+    return dynamic_cast<const Replay&>(replay).rate();
+}
+
+} // namespace forceshade::device

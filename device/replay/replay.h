@@ -1,0 +1,20 @@
+// A recording in place of a device: one sample of it for each of the loop's.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+
+#include "device/back_end.h"
+
+namespace forceshade::device {
+
+/// Positions of a CSV file (PathReader: path, t, x, y, z in any order, as a live log has them), each once and in the
+/// order of the file, whatever their times; where the path's number changes a path begins. Forces go nowhere. It is
+/// read whole, 32 bytes a sample. \throws IoError, UsageError as PathReader.
+std::unique_ptr<BackEnd> make_replay(const std::filesystem::path& file);
+
+/// Hz: of the recording's first path, from its first time to its last; 0 for a single sample or times that do not
+/// increase.
+double rate_of(const BackEnd& replay);
+
+} // namespace forceshade::device
