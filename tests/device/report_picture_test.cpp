@@ -1,0 +1,152 @@
+// The end report's picture: texts that keep clear of each other, marks in their places, the same bytes.
+#include <algorithm>
+#include <clocale>
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "device/report/live_picture.h"
+#include "device/report/marks.h"
+#include "device/report/time_axis.h"
+#include "tests/device/report_cases.h"
+
+namespace forceshade::device::test {
+namespace {
+
+using picture::Box;
+using picture::Picture;
+
+bool overlap(const Box& a, const Box& b) {
+    return a.x < b.x + b.width && b.x < a.x + a.width && a.y < b.y + b.height && b.y < a.y + a.height;
+}
+
+std::size_t times_said(const Picture& picture, std::string_view part) {
+    return static_cast<std::size_t>(
+        std::count_if(picture.texts.begin(), picture.texts.end(),
+                      [&](const picture::PlacedText& placed) { return placed.text.find(part) != std::string::npos; }));
+}
+
+class EveryRun : public testing::TestWithParam<Case> {};
+
+TEST_P(EveryRun, is_drawn_without_cut_or_overlapping_text) {
+    const Picture picture = draw_live_report(GetParam().outcome);
+    EXPECT_EQ(picture.width, 1400);
+    EXPECT_LT(picture.height, 1400);
+    EXPECT_LT(picture.png.size(), 300'000u);
+    for (std::size_t i = 0; i < picture.texts.size(); ++i) {
+        const auto& [text, ink] = picture.texts[i];
+        EXPECT_GE(ink.x, 1) << text;
+        EXPECT_GE(ink.y, 1) << text;
+        EXPECT_LE(ink.x + ink.width, picture.width - 1) << text;
+        EXPECT_LE(ink.y + ink.height, picture.height - 1) << text;
+        for (std::size_t j = 0; j < i; ++j)
+            EXPECT_FALSE(overlap(ink, picture.texts[j].ink)) << text << " over " << picture.texts[j].text;
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(LivePicture, EveryRun, testing::ValuesIn(cases()),
+                         [](const auto& tested) { return tested.param.file; });
+
+TEST(LivePicture, marks_quantiles_and_the_period_in_every_panel) {
+    const Picture picture = draw_live_report(usual(1000));
+    for (const char* label : {"p50 ", "p99 ", "p99.9 ", "largest ", "period 1 ms"})
+        EXPECT_GE(times_said(picture, label), 3u) << label;
+    EXPECT_EQ(times_said(picture, "p50 424 ns"), 1u);
+    EXPECT_EQ(times_said(picture, "bump.toml (f64), live at 1 kHz"), 1u);
+    EXPECT_EQ(times_said(picture, "60000 samples in 60 s"), 1u);
+}
+
+TEST(LivePicture, shows_no_lateness_as_fast_as_possible_and_says_so) {
+    const Picture picture = draw_live_report(as_fast_as_possible());
+    EXPECT_EQ(times_said(picture, "jitter:"), 0u);
+    EXPECT_EQ(times_said(picture, "late:"), 0u);
+    EXPECT_EQ(times_said(picture, "p50"), 1u);
+    EXPECT_EQ(times_said(picture, "no sample is due at any time"), 1u);
+    EXPECT_EQ(times_said(picture, "period"), 0u) << "far beyond the times that are shown";
+}
+
+TEST(LivePicture, says_where_there_are_no_samples) {
+    EXPECT_EQ(times_said(draw_live_report(no_sample()), "no samples"), 3u);
+    EXPECT_EQ(times_said(draw_live_report(one_sample()), "no samples"), 1u);
+    EXPECT_EQ(times_said(draw_live_report(one_sample()), "p50, p99, p99.9, largest 346 ns"), 1u);
+}
+
+TEST(LivePicture, is_the_same_every_time_in_any_locale) {
+    const auto first = draw_live_report(usual(4000)).png;
+    std::setlocale(LC_ALL, "de_DE.UTF-8");
+    const auto second = draw_live_report(usual(4000)).png;
+    std::setlocale(LC_ALL, "C");
+    EXPECT_EQ(first, second);
+    EXPECT_NE(first, draw_live_report(usual(1000)).png);
+}
+
+TEST(TimeAxis, holds_every_time_and_the_period) {
+    Histogram times;
+    times.add(345);
+    times.add(20'000);
+    const Histogram* shown[] = {&times};
+    const LogAxis alone = time_axis(shown), both = time_axis(shown, 1e6);
+    EXPECT_EQ(alone.low, 2);
+    EXPECT_LT(alone.fraction(20'000), 1);
+    EXPECT_GT(alone.fraction(20'000), 0.9);
+    EXPECT_EQ(alone.fraction(0), 0);
+    EXPECT_NEAR(alone.fraction(1e4) - alone.fraction(1e3), alone.fraction(1e3) - alone.fraction(1e2), 1e-12);
+    EXPECT_LT(both.fraction(1e6), 1);
+    EXPECT_GT(both.fraction(1e6), 0.9);
+}
+
+TEST(TimeAxis, labels_powers_of_ten_with_their_units) {
+    const picture::Axis ticks = time_ticks({0, 14.1}, 2000);
+    std::vector<std::string> labels;
+    for (const picture::AxisTick& tick : ticks.ticks)
+        labels.push_back(tick.label);
+    EXPECT_EQ(labels, (std::vector<std::string>{"1 ns", "10 ns", "100 ns", "1 µs", "10 µs", "100 µs", "1 ms", "10 ms",
+                                                "100 ms", "1 s", "10 s", "100 s", "1000 s", "10000 s", "10⁵ s"}));
+    EXPECT_NEAR(ticks.ticks[7].fraction, 7 / 14.1, 1e-12);
+}
+
+TEST(TimeBars, hold_every_time_once_side_by_side) {
+    Histogram times;
+    std::uint64_t count = 0;
+    for (std::int64_t time = 0; time < 100'000'000; time = time + 1 + time / 100, ++count)
+        times.add(time);
+    std::uint64_t counted = 0, end = 0;
+    for (const TimeBar& bar : time_bars(times, 20)) {
+        EXPECT_EQ(bar.from, end) << "nothing between";
+        EXPECT_LT(bar.from, bar.to);
+        const double decades = std::log10(double(bar.to) / std::max(1.0, double(bar.from)));
+        EXPECT_NEAR(decades, 0.05, bar.from > 100 ? 0.016 : 0.3);
+        end = bar.to;
+        counted += bar.count;
+    }
+    EXPECT_EQ(counted, count);
+}
+
+TEST(Marks, stand_above_their_places_where_there_is_room) {
+    std::vector<Mark> marks{{"b", 500, 100}, {"a", 100, 100}};
+    place_labels(marks, 0, 1000, 10);
+    EXPECT_EQ(marks[0].label, "a");
+    EXPECT_EQ(marks[0].centre, 100);
+    EXPECT_EQ(marks[1].centre, 500);
+}
+
+TEST(Marks, make_room_for_each_other_and_stay_inside) {
+    for (const double at : {0.0, 20.0, 500.0, 990.0, 1000.0}) {
+        std::vector<Mark> marks;
+        for (int i = 0; i < 5; ++i)
+            marks.push_back({std::to_string(i), at + i, 150.0 + i});
+        place_labels(marks, 0, 1000, 14);
+        double end = -14;
+        for (const Mark& mark : marks) {
+            EXPECT_GE(mark.centre - mark.width / 2, end + 14 - 1e-9);
+            end = mark.centre + mark.width / 2;
+        }
+        EXPECT_LE(end, 1000 + 1e-9);
+        EXPECT_EQ(marks[0].label, "0") << "in the order of the marks";
+        const double middle = (marks[0].centre - marks[0].width / 2 + end) / 2;
+        EXPECT_NEAR(middle, std::clamp(at + 2, 404.0, 596.0), 5) << "about their places";
+    }
+}
+
+} // namespace
+} // namespace forceshade::device::test
