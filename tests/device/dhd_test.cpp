@@ -1,0 +1,233 @@
+// Force Dimension's devices, by a stub of their library: axes, units, every call failing in turn, no force at the end.
+#include <thread>
+
+#include "device/dhd/dhd.h"
+#include "tests/device/stub_library.h"
+
+namespace forceshade::device::testing {
+namespace {
+
+using glm::dvec3;
+
+class Dhd : public ::testing::Test {
+protected:
+    static std::string refusal(const std::string& index = "") {
+        return message_of<DeviceAbsent>([&] { open_dhd(index); });
+    }
+
+    StubLibrary stub_{"FORCESHADE_DHD_LIBRARY", DHD_STUB};
+};
+
+void expect_words(const std::string& text, const std::vector<std::string>& words) {
+    for (const std::string& word : words)
+        EXPECT_NE(text.find(word), std::string::npos) << "no " << word << " in: " << text;
+}
+
+TEST_F(Dhd, tells_what_it_is) {
+    const auto device = open_dhd("");
+    EXPECT_EQ(device->facts().name, "omega.3 (serial number 417)");
+    EXPECT_EQ(device->facts().software, "DHD SDK 3.17.6.1");
+    EXPECT_EQ(device->facts().max_force, 8);
+    EXPECT_FALSE(device->facts().simulated);
+    EXPECT_EQ(device->complaint(), nullptr);
+    stub_.most_force(-1); // no limit is set: the maker's own for an omega
+    EXPECT_EQ(open_dhd("")->facts().max_force, 12);
+    EXPECT_EQ(find_dhd().devices, 1);
+    EXPECT_EQ(find_dhd().file, DHD_STUB);
+}
+
+// The vendor's x points to the user, y to the right, z up; ours x to the right, y away from the user, z up.
+TEST_F(Dhd, turns_its_axes_into_the_worlds) {
+    const auto device = open_dhd("");
+    stub_.place(0.01, 0, 0);
+    EXPECT_EQ(device->read().position, dvec3(0, -0.01, 0)) << "nearer to the user";
+    stub_.place(0, 0.01, 0);
+    EXPECT_EQ(device->read().position, dvec3(0.01, 0, 0)) << "to the right";
+    stub_.place(0.01, 0.02, 0.03);
+    const Reading reading = device->read();
+    EXPECT_EQ(reading.answer, Answer::fresh);
+    EXPECT_EQ(reading.position, dvec3(0.02, -0.01, 0.03));
+    EXPECT_TRUE(device->write({1, 0, 0}));
+    EXPECT_EQ(stub_.force(), dvec3(0, 1, 0));
+    EXPECT_TRUE(device->write({0, 1, 0}));
+    EXPECT_EQ(stub_.force(), dvec3(-1, 0, 0)) << "away from the user";
+    EXPECT_TRUE(device->write({1, 2, 3}));
+    EXPECT_EQ(stub_.force(), dvec3(-2, 1, 3));
+}
+
+TEST_F(Dhd, is_refused_where_units_cannot_be_metres_and_newtons) {
+    stub_.place(30, 20, 10);
+    expect_words(refusal(), {"omega.3", "(30, 20, 10)", "metres"});
+    stub_.place(0.01, std::nan(""), 0.03);
+    expect_words(refusal(), {"nan"});
+    stub_.place(0.01, 0.02, 0.03);
+    stub_.most_force(8000);
+    expect_words(refusal(), {"8000 N", "200 N"});
+    stub_.most_force(0.001);
+    expect_words(refusal(), {"0.001 N"});
+    EXPECT_EQ(stub_.calls("dhdClose"), 4);
+}
+
+TEST_F(Dhd, is_chosen_by_its_index) {
+    stub_.devices(2);
+    EXPECT_NO_THROW(open_dhd("1"));
+    EXPECT_EQ(stub_.calls("dhdOpenID"), 1);
+    EXPECT_NO_THROW(open_dhd("0"));
+    expect_words(refusal("2"), {"no Force Dimension device 2", "are 2"});
+    for (const char* index : {"x", "-1", "1x", "1.0", " 1", "128", "99999999999"})
+        EXPECT_THROW(open_dhd(index), UsageError) << index;
+    stub_.devices(0);
+    expect_words(refusal(), {"DHD SDK 3.17.6.1", "0 devices", "udev", DHD_STUB});
+    EXPECT_EQ(find_dhd().devices, 0);
+}
+
+TEST_F(Dhd, is_absent_when_what_it_needs_fails_at_opening) {
+    const std::map<std::string, std::string> calls{{"dhdGetDeviceCount", "no driver found"},
+                                                   {"dhdOpen", "device in use"},
+                                                   {"dhdGetPosition", "communication error"}};
+    for (const auto& [call, words] : calls) {
+        stub_.call<void()>("stub_reset")();
+        stub_.fail(call.c_str());
+        expect_words(refusal(), {words});
+        EXPECT_EQ(stub_.calls("dhdClose"), call == "dhdGetPosition" ? 1 : 0) << call;
+        EXPECT_EQ(stub_.forces(), 0) << call;
+    }
+}
+
+TEST_F(Dhd, does_without_what_it_can_do_without) {
+    for (const char* call : {"dhdGetSystemName", "dhdGetSystemType", "dhdGetSerialNumber", "dhdGetMaxForce",
+                             "dhdEnableExpertMode", "dhdDisableExpertMode", "dhdSetWatchdog", "dhdStop", "dhdClose"}) {
+        stub_.call<void()>("stub_reset")();
+        stub_.fail(call);
+        const auto device = open_dhd("");
+        EXPECT_EQ(device->read().answer, Answer::fresh) << call;
+        EXPECT_TRUE(device->write({0, 0, 1})) << call;
+        EXPECT_EQ(stub_.force(), dvec3(0, 0, 1)) << call;
+    }
+    const StubLibrary old("FORCESHADE_DHD_LIBRARY", DHD_STUB_OLD);
+    const auto device = open_dhd("");
+    EXPECT_EQ(device->facts().name, "Force Dimension device");
+    EXPECT_EQ(device->facts().max_force, kUnknown);
+    EXPECT_TRUE(device->write({0, 0, 1}));
+    EXPECT_EQ(old.force(), dvec3(0, 0, 1));
+}
+
+TEST_F(Dhd, tells_of_calls_that_fail_in_mid_loop_and_goes_on_when_they_do) {
+    const auto device = open_dhd("");
+    EXPECT_TRUE(device->write({0, 0, 1}));
+    stub_.fail("dhdGetPosition", 1, 3);
+    for (int i = 0; i < 3; ++i)
+        EXPECT_EQ(device->read().answer, Answer::failed);
+    EXPECT_STREQ(device->complaint(), "communication error");
+    EXPECT_EQ(device->read().answer, Answer::fresh);
+    stub_.fail("dhdSetForce", 1, 3);
+    for (int i = 0; i < 3; ++i)
+        EXPECT_FALSE(device->write({0, 0, 2}));
+    EXPECT_TRUE(device->write({0, 0, 2}));
+    EXPECT_EQ(stub_.force(), dvec3(0, 0, 2));
+}
+
+TEST_F(Dhd, takes_no_force_until_forces_can_be_enabled) {
+    const auto device = open_dhd("");
+    stub_.fail("dhdEnableForce", 1, 2);
+    EXPECT_FALSE(device->write({0, 0, 1}));
+    EXPECT_FALSE(device->write({0, 0, 1}));
+    EXPECT_STREQ(device->complaint(), "force cannot be enabled");
+    EXPECT_EQ(stub_.force(), dvec3(0));
+    EXPECT_TRUE(device->write({0, 0, 1}));
+}
+
+TEST_F(Dhd, hands_on_a_position_that_is_no_number) {
+    const auto device = open_dhd("");
+    stub_.place(std::nan(""), 0, 0);
+    const Reading reading = device->read();
+    EXPECT_EQ(reading.answer, Answer::fresh);
+    EXPECT_TRUE(std::isnan(reading.position.y));
+}
+
+TEST_F(Dhd, tells_an_old_position_from_a_new_one) {
+    const auto device = open_dhd("");
+    EXPECT_EQ(device->read().position, dvec3(0.02, -0.01, 0.03));
+    stub_.place(0, 0, 0);
+    stub_.fail("time guard", 1, 1);
+    const Reading held = device->read();
+    EXPECT_EQ(held.answer, Answer::held);
+    EXPECT_EQ(held.position, dvec3(0.02, -0.01, 0.03));
+    EXPECT_EQ(device->read().answer, Answer::fresh);
+    stub_.fail("saturation");
+    EXPECT_TRUE(device->write({0, 0, 1})) << "the motors' limit is no failure";
+}
+
+TEST_F(Dhd, has_a_watchdog_and_comes_back_after_it_bit) {
+    const auto device = open_dhd("");
+    EXPECT_EQ(stub_.call<int()>("stub_watchdog")(), 255);
+    EXPECT_TRUE(device->write({0, 0, 1}));
+    EXPECT_EQ(stub_.calls("dhdEnableForce"), 1);
+    std::this_thread::sleep_for(std::chrono::milliseconds(300));
+    EXPECT_TRUE(device->write({0, 0, 1}));
+    EXPECT_EQ(stub_.calls("dhdEnableForce"), 2);
+}
+
+TEST_F(Dhd, leaves_no_force) {
+    {
+        const auto device = open_dhd("");
+        EXPECT_TRUE(device->write({0, 0, 1}));
+        EXPECT_EQ(stub_.force(), dvec3(0, 0, 1));
+    }
+    EXPECT_EQ(stub_.force(), dvec3(0));
+    EXPECT_GE(stub_.calls("dhdStop"), 1);
+    EXPECT_EQ(stub_.calls("dhdClose"), 1);
+}
+
+TEST_F(Dhd, displays_nothing_once_halted) {
+    const auto device = open_dhd("");
+    EXPECT_TRUE(device->write({0, 0, 1}));
+    device->halt();
+    EXPECT_EQ(stub_.force(), dvec3(0));
+    device->halt();
+    device->write({0, 0, 1});
+    EXPECT_EQ(stub_.force(), dvec3(0));
+}
+
+TEST_F(Dhd, is_halted_while_another_thread_writes) {
+    for (int round = 0; round < 20; ++round) {
+        const auto device = open_dhd("");
+        std::atomic<int> written = 0;
+        std::atomic<bool> enough = false;
+        std::thread loop([&] {
+            while (!enough) {
+                device->read();
+                device->write({0, 0, 1});
+                ++written;
+            }
+        });
+        while (written < 20)
+            std::this_thread::yield();
+        device->halt();
+        const int then = written;
+        while (written < then + 20)
+            std::this_thread::yield();
+        enough = true;
+        loop.join();
+        EXPECT_EQ(stub_.force(), dvec3(0));
+    }
+}
+
+TEST_F(Dhd, leaves_no_force_when_the_program_aborts) {
+    const Folder folder;
+    const std::string record = folder / "forces";
+    const int signal = signal_of_child([&] {
+        stub_.record(record);
+        const auto device = open_dhd("");
+        to_be_halted = device.get();
+        std::signal(SIGABRT, halt_and_die);
+        device->write({0, 0, 1});
+        std::abort();
+    });
+    EXPECT_EQ(signal, SIGABRT);
+    EXPECT_TRUE(recorded_any(record));
+    EXPECT_EQ(last_recorded(record), dvec3(0));
+}
+
+} // namespace
+} // namespace forceshade::device::testing

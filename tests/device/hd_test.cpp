@@ -1,0 +1,259 @@
+// 3D Systems' devices, by a stub of their library: axes, units, every call failing in turn, the scheduler's thread, no
+// force at the end.
+#include <chrono>
+#include <functional>
+#include <thread>
+
+#include <glm/geometric.hpp>
+
+#include "device/hd/hd.h"
+#include "tests/device/stub_library.h"
+
+namespace forceshade::device::testing {
+namespace {
+
+using glm::dvec3;
+
+class Hd : public ::testing::Test {
+protected:
+    static std::string refusal(const std::string& name = "") {
+        return message_of<DeviceAbsent>([&] { open_hd(name); });
+    }
+
+    StubLibrary stub_{"FORCESHADE_HD_LIBRARY", HD_STUB};
+};
+
+void expect_words(const std::string& text, const std::vector<std::string>& words) {
+    for (const std::string& word : words)
+        EXPECT_NE(text.find(word), std::string::npos) << "no " << word << " in: " << text;
+}
+
+// The scheduler's frames come when they come.
+::testing::AssertionResult comes_true(const std::function<bool()>& condition) {
+    for (int i = 0; i < 5000; ++i) {
+        if (condition())
+            return ::testing::AssertionSuccess();
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    return ::testing::AssertionFailure() << "not within 5 s";
+}
+
+// A force is displayed for 50 ms only, so it is written again and again.
+::testing::AssertionResult displays(BackEnd& device, const StubLibrary& stub, const dvec3& force, const dvec3& axes) {
+    return comes_true([&] {
+        device.write(force);
+        return stub.force() == axes;
+    });
+}
+
+TEST_F(Hd, tells_what_it_is) {
+    const auto device = open_hd("");
+    const DeviceFacts& facts = device->facts();
+    EXPECT_EQ(facts.name, "Touch (serial number 8042)");
+    EXPECT_EQ(facts.software, "OpenHaptics HDAPI 3.40.0, driver 2022.4");
+    EXPECT_EQ(facts.max_force, 3.3);
+    EXPECT_LT(glm::length(facts.low - dvec3(-0.21, -0.13, -0.11)), 1e-12);
+    EXPECT_LT(glm::length(facts.high - dvec3(0.21, 0.085, 0.205)), 1e-12);
+    EXPECT_EQ(device->complaint(), nullptr);
+}
+
+TEST_F(Hd, is_found_without_moving_it) {
+    const HdFound found = find_hd();
+    EXPECT_EQ(found.file, HD_STUB);
+    EXPECT_EQ(found.device, "Touch (serial number 8042)");
+    EXPECT_EQ(stub_.calls("hdEnable"), 0);
+    EXPECT_EQ(stub_.calls("hdDisableDevice"), 1);
+    stub_.devices(0);
+    EXPECT_EQ(find_hd().device, "");
+    expect_words(find_hd().complaint, {"Communication configuration error", "0x0303"});
+}
+
+// The vendor's x points to the right, y up, z to the user; ours x to the right, y away from the user, z up. mm and m.
+TEST_F(Hd, turns_its_axes_into_the_worlds) {
+    const auto device = open_hd("");
+    const auto reads = [&](const dvec3& place) {
+        return comes_true([&] { return glm::length(device->read().position - place) < 1e-12; });
+    };
+    stub_.place(0, 0, 10);
+    EXPECT_TRUE(reads({0, -0.01, 0})) << "nearer to the user";
+    stub_.place(0, 10, 0);
+    EXPECT_TRUE(reads({0, 0, 0.01})) << "up";
+    stub_.place(10, 20, 30);
+    EXPECT_TRUE(reads({0.01, -0.03, 0.02}));
+    EXPECT_TRUE(displays(*device, stub_, {0, 1, 0}, {0, 0, -1})) << "away from the user";
+    EXPECT_TRUE(displays(*device, stub_, {0, 0, 1}, {0, 1, 0})) << "up";
+    EXPECT_TRUE(displays(*device, stub_, {1, 2, 3}, {1, 3, -2}));
+}
+
+TEST_F(Hd, tells_a_new_position_from_an_old_one) {
+    const auto device = open_hd("");
+    EXPECT_TRUE(comes_true([&] { return device->read().answer == Answer::fresh; }));
+    stub_.call<void(int)>("stub_freeze")(1);
+    EXPECT_TRUE(comes_true([&] { return device->read().answer == Answer::held; }));
+    EXPECT_LT(glm::length(device->read().position - dvec3(0.01, -0.03, 0.02)), 1e-12);
+    stub_.call<void(int)>("stub_freeze")(0);
+    EXPECT_TRUE(comes_true([&] { return device->read().answer == Answer::fresh; }));
+    stub_.place(std::nan(""), 0, 0);
+    EXPECT_TRUE(comes_true([&] { return std::isnan(device->read().position.x); }));
+}
+
+TEST_F(Hd, is_refused_where_units_cannot_be_millimetres_and_newtons) {
+    stub_.call<void(double)>("stub_scale")(1e-3);
+    expect_words(refusal(), {"Touch", "workspace", "-0.21", "millimetres"});
+    stub_.call<void(double)>("stub_scale")(1e3);
+    expect_words(refusal(), {"workspace", "-210000"});
+    stub_.call<void(double)>("stub_scale")(1);
+    stub_.most_force(0.1);
+    expect_words(refusal(), {"0.1 N", "0.5 N"});
+    stub_.most_force(1000);
+    expect_words(refusal(), {"1000 N"});
+    stub_.most_force(3.3);
+    stub_.place(10, 5000, 10);
+    expect_words(refusal(), {"(10, 5000, 10) mm", "3 m"});
+    stub_.place(10, 20, std::nan(""));
+    expect_words(refusal(), {"nan"});
+    EXPECT_EQ(stub_.calls("hdDisableDevice"), 6);
+    EXPECT_EQ(stub_.calls("hdStopScheduler"), 2);
+}
+
+TEST_F(Hd, is_chosen_by_its_name) {
+    EXPECT_NO_THROW(open_hd("Touch"));
+    expect_words(refusal("Right Device"), {"\"Right Device\"", "Communication configuration error", HD_STUB});
+    stub_.devices(0);
+    expect_words(refusal(), {"configured as default", "Communication configuration error", "Touch_Setup"});
+}
+
+TEST_F(Hd, is_refused_uncalibrated) {
+    const auto calibration = stub_.call<void(long)>("stub_calibration");
+    calibration(0x5002);
+    expect_words(refusal(), {"not calibrated", "inkwell"});
+    calibration(0x5001);
+    EXPECT_NO_THROW(open_hd("")) << "the library can bring it up to date";
+    EXPECT_EQ(stub_.calls("hdUpdateCalibration"), 1);
+}
+
+TEST_F(Hd, is_absent_when_what_it_needs_fails_at_opening) {
+    const std::map<std::string, std::string> calls{{"hdInitDevice", "Device fault"},
+                                                   {"hdEnable", "Force error"},
+                                                   {"hdScheduleAsynchronous", "Scheduler full"},
+                                                   {"hdStartScheduler", "Timer error"},
+                                                   {"hdBeginFrame", "Communication error"},
+                                                   {"position", "Communication error"},
+                                                   {"hdGetError", "Device fault"}};
+    for (const auto& [call, words] : calls) {
+        stub_.call<void()>("stub_reset")();
+        stub_.fail(call.c_str());
+        expect_words(refusal(), {words});
+        EXPECT_EQ(stub_.force(), dvec3(0)) << call;
+    }
+}
+
+TEST_F(Hd, does_without_what_it_can_do_without) {
+    for (const char* call : {"hdMakeCurrentDevice", "hdGetString", "largest force", "workspace", "hdGetIntegerv",
+                             "hdCheckCalibration", "hdUnschedule", "hdStopScheduler", "hdDisableDevice", "hdDisable"}) {
+        stub_.call<void()>("stub_reset")();
+        stub_.fail(call);
+        const auto device = open_hd("");
+        EXPECT_TRUE(displays(*device, stub_, {0, 0, 1}, {0, 1, 0})) << call;
+        if (std::string(call) == "largest force") {
+            EXPECT_EQ(device->facts().max_force, kUnknown);
+        }
+    }
+    EXPECT_EQ(stub_.force(), dvec3(0));
+    const StubLibrary old("FORCESHADE_HD_LIBRARY", HD_STUB_OLD);
+    const auto device = open_hd("");
+    EXPECT_TRUE(displays(*device, old, {0, 0, 1}, {0, 1, 0}));
+}
+
+TEST_F(Hd, tells_of_calls_that_fail_in_mid_loop_and_goes_on_when_they_do) {
+    const auto device = open_hd("");
+    const auto read = [&](Answer answer) { return comes_true([&] { return device->read().answer == answer; }); };
+    const auto written = [&](bool taken) { return comes_true([&] { return device->write({0, 0, 1}) == taken; }); };
+    for (const char* call : {"hdBeginFrame", "position", "hdGetError"}) {
+        EXPECT_TRUE(displays(*device, stub_, {0, 0, 1}, {0, 1, 0})) << call;
+        stub_.fail(call);
+        EXPECT_TRUE(read(Answer::failed)) << call;
+        EXPECT_TRUE(displays(*device, stub_, {0, 0, 1}, {0, 0, 0})) << call << ": no position, no force";
+        EXPECT_NE(device->complaint(), nullptr);
+        stub_.fail(call, 1, 0);
+        EXPECT_TRUE(read(Answer::fresh)) << call;
+    }
+    for (const char* call : {"hdSetDoublev", "hdEndFrame"}) {
+        EXPECT_TRUE(written(true)) << call;
+        stub_.fail(call);
+        EXPECT_TRUE(written(false)) << call;
+        stub_.fail(call, 1, 0);
+        EXPECT_TRUE(written(true)) << call;
+    }
+    EXPECT_STREQ(device->complaint(), "Maximum force exceeded") << "the cause, not what came of it";
+}
+
+TEST_F(Hd, displays_no_force_when_none_was_written_for_a_while) {
+    const auto device = open_hd("");
+    EXPECT_TRUE(displays(*device, stub_, {0, 0, 1}, {0, 1, 0}));
+    EXPECT_TRUE(comes_true([&] { return stub_.force() == dvec3(0); }));
+    EXPECT_TRUE(displays(*device, stub_, {0, 0, 1}, {0, 1, 0}));
+}
+
+TEST_F(Hd, tells_of_a_scheduler_that_stands_still) {
+    const auto device = open_hd("");
+    EXPECT_TRUE(displays(*device, stub_, {0, 0, 1}, {0, 1, 0}));
+    stub_.call<void(int)>("stub_freeze")(1);
+    EXPECT_TRUE(comes_true([&] { return !device->write({0, 0, 1}); }));
+    expect_words(device->complaint(), {"scheduler"});
+    stub_.call<void(int)>("stub_freeze")(0);
+    EXPECT_TRUE(comes_true([&] { return device->write({0, 0, 1}); }));
+}
+
+TEST_F(Hd, leaves_no_force) {
+    {
+        const auto device = open_hd("");
+        EXPECT_TRUE(displays(*device, stub_, {0, 0, 1}, {0, 1, 0}));
+    }
+    EXPECT_EQ(stub_.force(), dvec3(0));
+    EXPECT_EQ(stub_.calls("hdStopScheduler"), 1);
+    EXPECT_EQ(stub_.calls("hdUnschedule"), 0) << "the callback had ended by itself";
+    EXPECT_EQ(stub_.calls("hdDisableDevice"), 1);
+}
+
+TEST_F(Hd, displays_nothing_once_halted) {
+    const auto device = open_hd("");
+    EXPECT_TRUE(displays(*device, stub_, {0, 0, 1}, {0, 1, 0}));
+    device->halt();
+    EXPECT_TRUE(comes_true([&] { return stub_.force() == dvec3(0); }));
+    device->halt();
+    const long then = stub_.forces();
+    EXPECT_TRUE(comes_true([&] {
+        device->write({0, 0, 1});
+        return stub_.forces() > then + 20;
+    }));
+    EXPECT_EQ(stub_.force(), dvec3(0));
+}
+
+TEST_F(Hd, is_closed_though_its_scheduler_stands_still) {
+    {
+        const auto device = open_hd("");
+        stub_.call<void(int)>("stub_freeze")(1);
+    }
+    EXPECT_EQ(stub_.calls("hdUnschedule"), 1);
+    EXPECT_EQ(stub_.calls("hdDisableDevice"), 1);
+}
+
+TEST_F(Hd, leaves_no_force_when_the_program_aborts) {
+    const Folder folder;
+    const std::string record = folder / "forces";
+    const int signal = signal_of_child([&] {
+        stub_.record(record);
+        const auto device = open_hd("");
+        to_be_halted = device.get();
+        std::signal(SIGABRT, halt_and_die);
+        if (displays(*device, stub_, {0, 0, 1}, {0, 1, 0}))
+            std::abort();
+    });
+    EXPECT_EQ(signal, SIGABRT);
+    EXPECT_TRUE(recorded_any(record));
+    EXPECT_EQ(last_recorded(record), dvec3(0));
+}
+
+} // namespace
+} // namespace forceshade::device::testing

@@ -1,0 +1,169 @@
+// What the stubs of the vendors' libraries have in common: which calls fail, and the record of every force.
+//
+// A test in the same process steers a stub by the functions named stub_...; a test that runs the program sets
+//   STUB_FAIL=dhdOpen,dhdGetPosition@100   calls that fail, from the first or the hundredth on
+//   STUB_POSITION=0.01,0.02,0.03           in the vendor's units and axes
+//   STUB_DEVICES=0                         how many devices there are
+//   STUB_RECORD=FILE                       each force displayed is a line of seconds, x, y, z there, even if the
+//                                          process dies next
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <mutex>
+#include <set>
+#include <string>
+#include <string_view>
+
+#include <fcntl.h>
+#include <unistd.h>
+
+// Each stub its own: nothing here may be shared between libraries.
+namespace stub {
+namespace {
+
+struct Call {
+    std::atomic<const char*> name = nullptr;
+    std::atomic<long> made = 0, first_failing = 0, end_failing = 0;
+};
+
+struct State {
+    std::array<Call, 32> calls{};
+    std::array<std::atomic<double>, 3> position{0.01, 0.02, 0.03};
+    std::array<std::atomic<double>, 3> force{};
+    std::atomic<long> forces = 0; // displayed
+    std::atomic<long> devices = 1;
+    std::atomic<double> most_force = 8, scale = 1; // N; of the workspace
+    std::atomic<long> calibration = 0;
+    std::atomic<int> record = -1;
+};
+
+State state;
+
+Call& call(const char* name) {
+    for (Call& entry : state.calls) {
+        const char* nobody = nullptr;
+        if (entry.name.compare_exchange_strong(nobody, name) || std::strcmp(nobody, name) == 0)
+            return entry;
+    }
+    std::abort();
+}
+
+/// Counts a call; true if it is to fail.
+bool fails(const char* name) {
+    Call& entry = call(name);
+    const long number = ++entry.made;
+    return number >= entry.first_failing && number < entry.end_failing;
+}
+
+void display(double x, double y, double z) {
+    state.force[0] = x;
+    state.force[1] = y;
+    state.force[2] = z;
+    ++state.forces;
+    if (state.record < 0)
+        return;
+    const double time = std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+    char line[128];
+    const int length = std::snprintf(line, sizeof line, "%.6f %.9g %.9g %.9g\n", time, x, y, z);
+    if (::write(state.record, line, static_cast<std::size_t>(length)) != length)
+        std::abort();
+}
+
+/// The same text, for as long as the library.
+const char* kept(std::string_view name) {
+    static std::mutex mutex;
+    static auto& names = *new std::set<std::string, std::less<>>;
+    const std::lock_guard lock(mutex);
+    return names.emplace(name).first->c_str();
+}
+
+void fail(std::string_view name, long from, long count) {
+    Call& entry = call(kept(name));
+    entry.first_failing = entry.made + from;
+    entry.end_failing = entry.made + from + count;
+}
+
+void fail_as_told(std::string_view list) {
+    while (!list.empty()) {
+        const std::string_view item = list.substr(0, list.find(','));
+        list.remove_prefix(std::min(list.size(), item.size() + 1));
+        const std::size_t at = item.find('@');
+        const long from = at == item.npos ? 1 : std::atol(std::string(item.substr(at + 1)).c_str());
+        fail(item.substr(0, at), from, 1L << 40);
+    }
+}
+
+void record_to(const char* file) {
+    if (state.record >= 0)
+        ::close(state.record);
+    state.record = file ? ::open(file, O_WRONLY | O_APPEND | O_CREAT | O_CLOEXEC, 0600) : -1;
+}
+
+/// Run when the library is loaded.
+const bool set_up = [] {
+    double x = 0, y = 0, z = 0;
+    if (const char* text = std::getenv("STUB_FAIL"))
+        fail_as_told(text);
+    if (const char* text = std::getenv("STUB_RECORD"))
+        record_to(text);
+    if (const char* text = std::getenv("STUB_DEVICES"))
+        state.devices = std::atol(text);
+    if (const char* text = std::getenv("STUB_POSITION"); text && std::sscanf(text, "%lf,%lf,%lf", &x, &y, &z) == 3) {
+        state.position[0] = x;
+        state.position[1] = y;
+        state.position[2] = z;
+    }
+    return true;
+}();
+
+} // namespace
+} // namespace stub
+
+extern "C" {
+
+/// Back to one device at (0.01, 0.02, 0.03) m or (10, 20, 30) mm that does what it should.
+void stub_reset();
+
+/// `name` fails from its next call but `from` - 1 on, `count` times.
+void stub_fail(const char* name, long from, long count) {
+    stub::fail(name, from, count);
+}
+long stub_calls(const char* name) {
+    return stub::call(stub::kept(name)).made;
+}
+void stub_position(double x, double y, double z) {
+    stub::state.position[0] = x;
+    stub::state.position[1] = y;
+    stub::state.position[2] = z;
+}
+
+/// The force that the device displays, in the vendor's axes.
+void stub_force(double* force) {
+    for (std::size_t i = 0; i < 3; ++i)
+        force[i] = stub::state.force[i];
+}
+long stub_forces() {
+    return stub::state.forces;
+}
+void stub_devices(long devices) {
+    stub::state.devices = devices;
+}
+void stub_most_force(double force) {
+    stub::state.most_force = force;
+}
+void stub_scale(double scale) {
+    stub::state.scale = scale;
+}
+void stub_calibration(long answer) {
+    stub::state.calibration = answer;
+}
+void stub_record(const char* file) {
+    stub::record_to(file);
+}
+}

@@ -1,0 +1,132 @@
+// A library with the C interface of Force Dimension's DHD SDK and one device behind it that can be told to fail.
+#include "tests/device/stub.h"
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+std::atomic<bool> enabled = false;
+std::atomic<int> watchdog = 0; // in 125 us
+std::atomic<Clock::time_point> written{};
+std::atomic<const char*> last_error = "";
+[[maybe_unused]] bool expert = false;
+
+int answer(const char* name, const char* error = "communication error") {
+    if (!stub::fails(name))
+        return 0;
+    last_error = error;
+    return -1;
+}
+
+// What the device's own watchdog has done since the last force. Four times as patient as it was told, for a test's
+// thread may have to wait for a processor.
+[[maybe_unused]] void let_watchdog_bite() {
+    if (watchdog > 0 && Clock::now() - written.load() > std::chrono::microseconds(500) * watchdog.load())
+        enabled = false;
+}
+
+} // namespace
+
+extern "C" {
+
+void stub_reset() {
+    for (stub::Call& entry : stub::state.calls)
+        entry.made = entry.first_failing = entry.end_failing = 0;
+    stub_position(0.01, 0.02, 0.03);
+    stub::display(0, 0, 0);
+    stub::state.forces = 0;
+    stub_devices(1);
+    stub_most_force(8);
+    stub_record(nullptr);
+    enabled = false;
+    watchdog = 0;
+}
+int stub_watchdog() {
+    return watchdog;
+}
+
+int dhdGetDeviceCount() {
+    return answer("dhdGetDeviceCount", "no driver found") < 0 ? -1 : static_cast<int>(stub::state.devices);
+}
+int dhdOpen() {
+    return answer("dhdOpen", "device in use");
+}
+int dhdOpenID(char id) {
+    return answer("dhdOpenID", "device in use") < 0 ? -1 : id;
+}
+int dhdClose(char) {
+    return answer("dhdClose");
+}
+int dhdStop(char) {
+    enabled = false;
+    return answer("dhdStop");
+}
+int dhdEnableForce(unsigned char on, char) {
+    if (answer("dhdEnableForce", "force cannot be enabled") < 0)
+        return -1;
+    enabled = on != 0;
+    written = Clock::now();
+    return 0;
+}
+int dhdGetPosition(double* x, double* y, double* z, char) {
+    if (answer("dhdGetPosition") < 0)
+        return -1;
+    *x = stub::state.position[0];
+    *y = stub::state.position[1];
+    *z = stub::state.position[2];
+    return stub::fails("time guard") ? 1 : 0;
+}
+#ifndef STUB_WITHOUT_FORCE
+int dhdSetForce(double x, double y, double z, char) {
+    if (answer("dhdSetForce") < 0)
+        return -1;
+    let_watchdog_bite();
+    if (!enabled && (x != 0 || y != 0 || z != 0)) {
+        last_error = "force is not enabled";
+        return -1;
+    }
+    written = Clock::now();
+    stub::display(x, y, z);
+    return stub::fails("saturation") ? 2 : 0;
+}
+#endif
+const char* dhdErrorGetLastStr() {
+    return last_error;
+}
+
+#ifndef STUB_OLD
+void dhdGetSDKVersion(int* major, int* minor, int* release, int* revision) {
+    *major = 3;
+    *minor = 17;
+    *release = 6;
+    *revision = 1;
+}
+const char* dhdGetSystemName(char) {
+    return stub::fails("dhdGetSystemName") ? nullptr : "omega.3";
+}
+int dhdGetSystemType(char) {
+    return answer("dhdGetSystemType") < 0 ? -1 : 33;
+}
+int dhdGetSerialNumber(unsigned short* number, char) {
+    *number = 417;
+    return answer("dhdGetSerialNumber");
+}
+double dhdGetMaxForce(char) {
+    return stub::fails("dhdGetMaxForce") ? -1 : stub::state.most_force.load();
+}
+int dhdEnableExpertMode() {
+    expert = true;
+    return answer("dhdEnableExpertMode");
+}
+int dhdDisableExpertMode() {
+    expert = false;
+    return answer("dhdDisableExpertMode");
+}
+int dhdSetWatchdog(unsigned char time, char) {
+    if (!expert || answer("dhdSetWatchdog", "expert mode is disabled") < 0)
+        return -1;
+    watchdog = time;
+    return 0;
+}
+#endif
+}
