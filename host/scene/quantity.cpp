@@ -23,7 +23,7 @@ struct DimensionInfo {
     std::array<int, 4> powers; // of m, kg, s, rad
 };
 
-constexpr std::array<DimensionInfo, 9> kDimensions{{
+constexpr std::array<DimensionInfo, 10> kDimensions{{
     {"length", "a", "0.2 mm", "m", {1, 0, 0, 0}},
     {"force", "a", "1 N", "N", {1, 1, -2, 0}},
     {"stiffness", "a", "0.5 N/mm", "N/m", {0, 1, -2, 0}},
@@ -33,6 +33,7 @@ constexpr std::array<DimensionInfo, 9> kDimensions{{
     {"damping", "a", "1 N s/m", "N s/m", {0, 1, -1, 0}},
     {"speed", "a", "100 mm/s", "m/s", {1, 0, -1, 0}},
     {"angle", "an", "90 deg", "rad", {0, 0, 0, 1}},
+    {"force rate", "a", "2 N/ms", "N/s", {1, 1, -3, 0}},
 }};
 
 constexpr std::size_t kLongestQuantity = 256;

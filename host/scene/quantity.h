@@ -6,7 +6,7 @@
 
 namespace forceshade {
 
-enum class Dimension { length, force, stiffness, time, frequency, mass, damping, speed, angle };
+enum class Dimension { length, force, stiffness, time, frequency, mass, damping, speed, angle, force_rate };
 
 /// "length", and with its article "a length".
 std::string_view dimension_name(Dimension dimension);

@@ -1,0 +1,46 @@
+#include "device/session/open_device.h"
+
+#include <string_view>
+
+#include <fmt/format.h>
+
+#include "device/replay/replay.h"
+#include "device/sim/sim.h"
+#include "host/error.h"
+#include "host/field/prepared_case.h"
+
+namespace forceshade::device {
+namespace {
+
+constexpr double kUsualRate = 1000; /* Hz */
+
+OpenDevice open_sim(const PreparedCase& prepared, std::optional<double> rate) {
+    const std::optional<PathsSpec>& paths = prepared.one.scene.paths;
+    const double chosen = rate ? *rate : paths ? paths->rate : kUsualRate;
+    return {make_sim(prepared, chosen), chosen};
+}
+
+OpenDevice open_replay(std::string_view file) {
+    if (file.empty())
+        throw UsageError("--device replay: which file? replay:FILE.csv");
+    OpenDevice open{make_replay(std::string(file)), kUsualRate};
+    if (const double recorded = rate_of(*open.back_end); recorded > 0)
+        open.rate = recorded;
+    return open;
+}
+
+} // namespace
+
+OpenDevice open_device(const std::string& name, const PreparedCase& prepared, std::optional<double> rate) {
+    const std::size_t colon = name.find(':');
+    const std::string_view kind = std::string_view(name).substr(0, colon);
+    const std::string_view further =
+        colon == std::string::npos ? std::string_view() : std::string_view(name).substr(colon + 1);
+    if (kind == "sim" && colon == std::string::npos)
+        return open_sim(prepared, rate);
+    if (kind == "replay")
+        return open_replay(further);
+    throw UsageError(fmt::format("--device {}: there are {}", name, kDeviceNames));
+}
+
+} // namespace forceshade::device

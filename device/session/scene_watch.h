@@ -1,0 +1,44 @@
+// The scene's file while the loop runs: saved anew, it becomes a new law.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "device/law/live_law.h"
+#include "host/field/prepared_case.h"
+
+namespace forceshade::device {
+
+class SceneWatch {
+public:
+    /// `read` makes a case of the file, and throws what is wrong with it.
+    SceneWatch(std::filesystem::path file, std::function<PreparedCase()> read);
+
+    /// What became of a change of the file.
+    struct Change {
+        std::unique_ptr<LiveLaw> law; // null: refused
+        std::string scene;            // resolved TOML
+        std::string refusal;          // why
+    };
+
+    /// Whether the file has changed since the last look, and a look at it.
+    bool has_changed();
+    Change look();
+
+private:
+    struct Stamp {
+        std::filesystem::file_time_type time{};
+        std::uintmax_t size = 0;
+        friend bool operator==(const Stamp&, const Stamp&) = default;
+    };
+    Stamp stamp() const;
+
+    std::filesystem::path file_;
+    std::function<PreparedCase()> read_;
+    Stamp last_;
+};
+
+} // namespace forceshade::device

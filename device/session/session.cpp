@@ -1,0 +1,258 @@
+#include "device/session/session.h"
+
+#include <chrono>
+#include <cmath>
+#include <thread>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "device/log/live_log.h"
+#include "device/report/status_line.h"
+#include "device/safety/emergency.h"
+#include "device/session/open_device.h"
+#include "device/session/scene_watch.h"
+#include "device/session/suspension.h"
+#include "host/interrupt.h"
+#include "host/io/temporary_file.h"
+
+namespace forceshade::device {
+namespace {
+
+constexpr double kSlowest = 100, kFastest = 10000; /* Hz */
+constexpr double kBuffered = 16;                   /* s: of samples that wait for the disk */
+constexpr auto kLook = std::chrono::milliseconds(20);
+
+double checked_rate(double rate) {
+    if (rate >= kSlowest && rate <= kFastest)
+        return rate;
+    throw UsageError(fmt::format("the live loop runs at 100 Hz to 10 kHz, and {:.6g} Hz is asked for; say --rate "
+                                 "\"1 kHz\"",
+                                 rate));
+}
+
+std::string force_text(double force) {
+    return std::isinf(force) ? "none" : fmt::format("{:.6g} N", force);
+}
+std::string time_text(double time) {
+    return std::isinf(time) ? "none" : fmt::format("{:.6g} ms", 1000 * time);
+}
+
+std::vector<std::pair<std::string, std::string>> limits_as_text(const SafetyLimits& limits) {
+    std::vector<std::pair<std::string, std::string>> texts{
+        {"largest force", force_text(limits.max_force)},
+        {"slew", std::isinf(limits.slew) ? "none" : fmt::format("{:.6g} N/s", limits.slew)},
+        {"ramp", time_text(limits.ramp)},
+        {"ramp at contact", time_text(limits.contact_ramp)},
+        {"speed", std::isinf(limits.max_speed) ? "none" : fmt::format("{:.6g} m/s", limits.max_speed)},
+        {"stale position", time_text(limits.stale)},
+        {"watchdog", std::isinf(limits.late) ? "none" : fmt::format("{:.6g} periods", limits.late)},
+        {"passivity", limits.passivity ? fmt::format("on, damping up to {:.6g} N s/m", limits.damping) : "off"}};
+    const auto side = [](double low, double high) { return fmt::format("{:.6g} to {:.6g} mm", 1e3 * low, 1e3 * high); };
+    if (!std::isinf(limits.low.x) || !std::isinf(limits.high.x))
+        texts.emplace_back("workspace",
+                           fmt::format("x {}, y {}, z {}", side(limits.low.x, limits.high.x),
+                                       side(limits.low.y, limits.high.y), side(limits.low.z, limits.high.z)));
+    else
+        texts.emplace_back("workspace", "none");
+    return texts;
+}
+
+// The present trouble, in a few words; empty: none.
+std::string state_of(const LoopStatus& status) {
+    if (status.samples == 0)
+        return "waiting for the device";
+    const std::uint32_t happened = status.happened;
+    for (std::size_t bit = 0; bit < kHappenings.size(); ++bit)
+        if ((happened & kForceless) >> bit & 1u)
+            return fmt::format("no force: {}", kHappenings[bit]);
+    return happened & kRamping ? "ramping" : "";
+}
+
+class Session {
+public:
+    explicit Session(const SessionOptions& options)
+        : options_(options), line_(options.quiet), prepared_(options.read()),
+          device_(open_device(options.device, prepared_, options.rate)), back_end_(*device_.back_end),
+          watch_(options.scene, options.read) {
+        settings_.rate = checked_rate(options.rate.value_or(device_.rate));
+        settings_.real_time = options.real_time;
+        settings_.patience = options.patience;
+        settings_.cpu = options.cpu;
+        settings_.limits = limits();
+        if (options.duration)
+            settings_.samples = static_cast<std::uint64_t>(std::llround(*options.duration * settings_.rate));
+        refuse_what_does_not_end();
+        if (!options.log.empty()) {
+            ring_.emplace(static_cast<std::size_t>(kBuffered * settings_.rate));
+            log_.emplace(options.log, *ring_, prepared_.one.scene.precision, options.replace_log);
+        }
+        loop_.emplace(back_end_, make_live_law(prepared_), settings_, ring_ ? &*ring_ : nullptr);
+    }
+
+    SessionResult run() {
+        SessionResult result;
+        {
+            const Emergency emergency(back_end_);
+            const Suspension suspension(*loop_, 1 / settings_.rate);
+            loop_->start();
+            while (loop_->end() == LoopEnd::running) {
+                if (is_interrupted())
+                    loop_->stop();
+                look_at_scene();
+                show();
+                std::this_thread::sleep_for(kLook);
+            }
+            loop_->join();
+            back_end_.halt();
+        }
+        result.end = loop_->end();
+        result.interrupted = is_interrupted() && result.end == LoopEnd::stopped;
+        finish(result);
+        return result;
+    }
+
+private:
+    SafetyLimits limits() {
+        SafetyLimits limits = options_.limits;
+        const DeviceFacts& facts = back_end_.facts();
+        limits.max_force = std::min(options_.max_force.value_or(kUnknown), facts.max_force);
+        if (std::isinf(limits.max_force) && !options_.max_force) {
+            limits.max_force = kCautiousForce;
+            if (!facts.simulated)
+                remark(fmt::format("the device does not say how much force it displays: {} N at most; --max-force says "
+                                   "another limit",
+                                   kCautiousForce));
+        }
+        limits.low = options_.workspace ? options_.workspace->first : facts.low;
+        limits.high = options_.workspace ? options_.workspace->second : facts.high;
+        return limits;
+    }
+
+    void refuse_what_does_not_end() const {
+        if (options_.real_time)
+            return;
+        if (!back_end_.facts().simulated)
+            throw UsageError(fmt::format("--fast is for sim and replay: {} goes by the clock", options_.device));
+        if (!options_.duration && options_.device == "sim")
+            throw UsageError("--fast needs --duration: a simulated hand does not tire");
+    }
+
+    void remark(const std::string& text) {
+        remarks_.push_back(text);
+        line_.say("warning: " + text);
+    }
+
+    void look_at_scene() {
+        constexpr int kLooks = 10; // between looks at the file
+        if (!options_.watch || looks_++ % kLooks != 0 || !watch_.has_changed())
+            return;
+        SceneWatch::Change change = watch_.look();
+        if (!change.law) {
+            remark(fmt::format("the scene stays as it was: {}", change.refusal));
+            return;
+        }
+        loop_->offer(std::move(change.law));
+        ++scenes_;
+        std::string said = fmt::format("{} was read again, {:.3f} s after the start",
+                                       options_.scene.filename().string(), loop_->status().seconds.load());
+        if (log_) {
+            const std::filesystem::path beside = fmt::format("{}.scene-{}.toml", stem().string(), scenes_);
+            try {
+                write_file_atomically(beside, change.scene);
+                said += fmt::format("; kept as {}", beside.filename().string());
+            } catch (const IoError& error) { // no reason to stop a loop
+                said += fmt::format("; {}", error.what());
+            }
+        }
+        remarks_.push_back(said);
+        line_.say(said);
+    }
+
+    std::filesystem::path stem() const { return options_.log.parent_path() / options_.log.stem(); }
+
+    void show() {
+        const LoopStatus& now = loop_->status();
+        LiveStatus status;
+        status.seconds = std::chrono::duration<double>(Clock::now() - begun_).count();
+        const double passed = status.seconds - shown_seconds_;
+        if (passed > 0.5) {
+            rate_ = static_cast<double>(now.samples - shown_samples_) / passed;
+            shown_seconds_ = status.seconds;
+            shown_samples_ = now.samples;
+        }
+        status.rate = rate_;
+        status.force = now.force;
+        status.depth = now.depth;
+        status.late = now.overruns;
+        status.clamped = now.clamped;
+        status.lost = now.lost + (log_ ? log_->lost() : 0);
+        status.state = state_of(now);
+        line_.update(status);
+    }
+
+    void finish(SessionResult& result) {
+        const char* const complaint = back_end_.complaint();
+        result.complaint = complaint != nullptr ? complaint : "";
+        LiveOutcome& outcome = result.outcome;
+        outcome.facts = back_end_.facts();
+        device_.back_end.reset(); // the device is let go before anything that takes time
+        outcome.counts = loop_->counts();
+        outcome.permissions = loop_->permissions();
+        if (log_) {
+            log_->close();
+            outcome.log = options_.log.filename().string();
+            outcome.logged = log_->written();
+            outcome.counts.lost += log_->lost();
+            result.log_failure = log_->failure();
+        }
+        outcome.scene = options_.scene.filename().string();
+        outcome.precision = prepared_.one.scene.precision == Precision::f32 ? "f32" : "f64";
+        outcome.device = options_.device;
+        outcome.rate = settings_.rate;
+        outcome.real_time = settings_.real_time;
+        outcome.limits = limits_as_text(settings_.limits);
+        outcome.ended = ending(result);
+        outcome.remarks = remarks_;
+    }
+
+    static std::string ending(const SessionResult& result) {
+        switch (result.end) {
+        case LoopEnd::done:
+            return "after the time that was asked for";
+        case LoopEnd::recording_over:
+            return "at the end of the recording";
+        case LoopEnd::device_gone:
+            return "because the device was gone" + (result.complaint.empty() ? "" : ": " + result.complaint);
+        case LoopEnd::running:
+        case LoopEnd::stopped:
+            break;
+        }
+        return "interrupted";
+    }
+
+    using Clock = std::chrono::steady_clock;
+    const SessionOptions& options_;
+    StatusLine line_;
+    std::vector<std::string> remarks_;
+    PreparedCase prepared_;
+    OpenDevice device_;
+    BackEnd& back_end_;
+    SceneWatch watch_;
+    LoopSettings settings_;
+    std::optional<SampleRing> ring_;
+    std::optional<LiveLog> log_;
+    std::optional<LiveLoop> loop_; // before the log goes
+    int looks_ = 0, scenes_ = 0;
+    Clock::time_point begun_ = Clock::now();
+    double rate_ = 0, shown_seconds_ = 0; /* Hz, s */
+    std::uint64_t shown_samples_ = 0;
+};
+
+} // namespace
+
+SessionResult run_session(const SessionOptions& options) {
+    return Session(options).run();
+}
+
+} // namespace forceshade::device

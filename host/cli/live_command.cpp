@@ -1,0 +1,229 @@
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <optional>
+#include <string_view>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "device/report/report_json.h"
+#include "device/report/report_text.h"
+#include "device/report/write_report.h"
+#include "device/session/session.h"
+#include "host/cli/command.h"
+#include "host/error.h"
+#include "host/field/scene_mesh.h"
+#include "host/remark.h"
+#include "host/scene/document.h"
+#include "host/scene/quantity.h"
+#include "host/scene/schema.h"
+
+namespace forceshade {
+namespace {
+
+constexpr std::string_view kNone = "none"; // for a limit that is to be switched off
+
+struct LiveArguments {
+    std::string scene, device = "sim", log, report;
+    std::string rate, duration, patience;
+    std::string max_force, slew, ramp, contact_ramp, max_speed, stale, damping;
+    std::vector<std::string> workspace;
+    std::optional<double> watchdog;
+    std::optional<int> cpu;
+    bool fast = false, watch = false, overwrite = false, passivity = false;
+};
+
+// In SI units; `text` is empty where the user says nothing.
+std::optional<double> quantity(const std::string& flag, const std::string& text, Dimension dimension, bool may_be_none,
+                               bool may_be_zero = false) {
+    if (text.empty())
+        return std::nullopt;
+    if (may_be_none && text == kNone)
+        return device::kUnknown;
+    double value = 0;
+    try {
+        value = parse_quantity(text, dimension);
+    } catch (const UsageError& error) {
+        throw UsageError(fmt::format("{}: {}", flag, error.what()));
+    }
+    if (!(value > 0) && !(may_be_zero && value == 0))
+        throw UsageError(fmt::format("{} must be {}, got {}", flag, may_be_zero ? "zero or more" : "positive", text));
+    return value;
+}
+
+void take_limits(const LiveArguments& arguments, device::SessionOptions& options) {
+    device::SafetyLimits& limits = options.limits;
+    options.max_force = quantity("--max-force", arguments.max_force, Dimension::force, true);
+    limits.slew = quantity("--slew", arguments.slew, Dimension::force_rate, true).value_or(limits.slew);
+    limits.ramp = quantity("--ramp", arguments.ramp, Dimension::time, false, true).value_or(limits.ramp);
+    limits.contact_ramp =
+        quantity("--contact-ramp", arguments.contact_ramp, Dimension::time, false, true).value_or(limits.contact_ramp);
+    limits.max_speed = quantity("--max-speed", arguments.max_speed, Dimension::speed, true).value_or(limits.max_speed);
+    limits.stale = quantity("--stale", arguments.stale, Dimension::time, true).value_or(limits.stale);
+    if (arguments.watchdog) {
+        if (!(*arguments.watchdog >= 1))
+            throw UsageError(
+                fmt::format("--watchdog: a sample may be late by 1 period or more, got {}", *arguments.watchdog));
+        limits.late = *arguments.watchdog;
+    }
+    limits.passivity = arguments.passivity;
+    limits.damping = quantity("--damping", arguments.damping, Dimension::damping, false).value_or(limits.damping);
+    if (!arguments.damping.empty() && !arguments.passivity)
+        throw UsageError("--damping is the passivity controller's: say --passivity, too");
+}
+
+void take_workspace(const LiveArguments& arguments, device::SessionOptions& options) {
+    if (arguments.workspace.empty())
+        return;
+    if (arguments.workspace.size() == 1 && arguments.workspace.front() == kNone) {
+        options.workspace.emplace(glm::dvec3(-device::kUnknown), glm::dvec3(device::kUnknown));
+        return;
+    }
+    if (arguments.workspace.size() != 6)
+        throw UsageError(
+            "--workspace: lowest x, y, z and highest x, y, z, as in --workspace \"-0.1 m\" \"-0.1 m\" \"-0.1 "
+            "m\" \"0.1 m\" \"0.1 m\" \"0.1 m\"; or none");
+    std::array<double, 6> ends{};
+    for (std::size_t i = 0; i < 6; ++i)
+        ends[i] = parse_quantity(arguments.workspace[i], Dimension::length);
+    for (std::size_t i = 0; i < 3; ++i)
+        if (!(ends[i] < ends[i + 3]))
+            throw UsageError(
+                fmt::format("--workspace: {} is not below {}", arguments.workspace[i], arguments.workspace[i + 3]));
+    options.workspace.emplace(glm::dvec3(ends[0], ends[1], ends[2]), glm::dvec3(ends[3], ends[4], ends[5]));
+}
+
+// A live loop goes in double precision unless somebody says otherwise.
+std::vector<Override> precision_of(const std::string& scene, const CommonOptions& common) {
+    if (!common.precision.empty())
+        return overrides(common);
+    const Study study = read_study(scene);
+    const auto key = static_cast<std::size_t>(find_key("run.precision"));
+    if (study.document->base.find(key) != nullptr)
+        return {};
+    return {{"run.precision", "f64"}};
+}
+
+int outcome_code(const device::SessionResult& result) {
+    if (!result.log_failure.empty())
+        throw IoError(fmt::format("{}; {} samples are in the log, {} are lost", result.log_failure,
+                                  result.outcome.logged, result.outcome.counts.lost));
+    if (result.end == device::LoopEnd::device_gone)
+        throw device::DeviceAbsent(fmt::format("{} is gone{}", result.outcome.device,
+                                               result.complaint.empty() ? "" : ": " + result.complaint));
+    if (result.outcome.counts.lost > 0)
+        throw Error(ExitCode::failed, fmt::format("{} samples are not in the log: the disk could not keep up",
+                                                  result.outcome.counts.lost));
+    return static_cast<int>(result.interrupted ? ExitCode::interrupted : ExitCode::ok);
+}
+
+std::filesystem::path report_stem(const LiveArguments& arguments) {
+    if (!arguments.report.empty())
+        return std::filesystem::absolute(arguments.report);
+    if (arguments.log.empty())
+        return {};
+    const std::filesystem::path log = std::filesystem::absolute(arguments.log);
+    return log.parent_path() / (log.stem().string() + ".live");
+}
+
+int run(const LiveArguments& arguments, const CommonOptions& common) {
+    if (!common.gpu.empty())
+        throw UsageError("--gpu: the live loop runs on the CPU");
+    std::vector<std::string> warnings;
+    read_scene(arguments.scene, overrides(common), &warnings); // refuses what is no single scene
+    const std::vector<Override> replaced = precision_of(arguments.scene, common);
+    device::SessionOptions options;
+    options.scene = arguments.scene;
+    options.read = [&, preparation = std::make_shared<CasePreparation>()] {
+        return preparation->prepare(read_scene(arguments.scene, replaced));
+    };
+    options.device = arguments.device;
+    options.rate = quantity("--rate", arguments.rate, Dimension::frequency, false);
+    options.duration = quantity("--duration", arguments.duration, Dimension::time, false);
+    options.patience = quantity("--patience", arguments.patience, Dimension::time, true).value_or(options.patience);
+    options.real_time = !arguments.fast;
+    options.cpu = arguments.cpu;
+    if (!arguments.log.empty())
+        options.log = std::filesystem::absolute(arguments.log);
+    options.replace_log = arguments.overwrite;
+    options.watch = arguments.watch;
+    options.quiet = common.quiet;
+    take_limits(arguments, options);
+    take_workspace(arguments, options);
+    print_warnings(warnings, common);
+    const device::SessionResult result = device::run_session(options);
+    if (!common.quiet)
+        remark("{}", device::report_text(result.outcome));
+    if (common.json)
+        print_data(device::report_json(result.outcome).dump(2) + "\n");
+    if (const std::filesystem::path stem = report_stem(arguments); !stem.empty())
+        device::write_live_report(result.outcome, stem);
+    return outcome_code(result);
+}
+
+void add_safety_options(CLI::App& command, LiveArguments& arguments) {
+    const char* const group = "Safety (\"none\" switches a limit off)";
+    command
+        .add_option("--max-force", arguments.max_force,
+                    "largest force; larger ones keep their direction (default: the device's, or \"3 N\")")
+        ->group(group);
+    command.add_option("--slew", arguments.slew, "how fast the force may change (default \"2 N/ms\")")->group(group);
+    command
+        .add_option("--ramp", arguments.ramp,
+                    "in which the force comes up after the start and after a fault (default \"200 ms\")")
+        ->group(group);
+    command
+        .add_option("--contact-ramp", arguments.contact_ramp,
+                    "likewise when contact is made after 50 ms without (default \"5 ms\")")
+        ->group(group);
+    command.add_option("--max-speed", arguments.max_speed, "no force while the probe is faster (default \"2 m/s\")")
+        ->group(group);
+    command.add_option("--stale", arguments.stale, "no force when positions are older (default \"20 ms\")")
+        ->group(group);
+    command
+        .add_option("--watchdog", arguments.watchdog,
+                    "periods: no force when a sample is later than so many (default 20)")
+        ->group(group);
+    command
+        .add_option("--workspace", arguments.workspace,
+                    "no force outside of lowest x, y, z and highest x, y, z (default: the device's)")
+        ->expected(1, 6)
+        ->group(group);
+    command
+        .add_flag("--passivity", arguments.passivity,
+                  "take back by damping what energy the hand is given (Hannaford & Ryu 2002)")
+        ->group(group);
+    command.add_option("--damping", arguments.damping, "the most that --passivity may damp (default \"10 N s/m\")")
+        ->group(group);
+}
+
+} // namespace
+
+void add_live_command(CLI::App& program, const CommonOptions& common, Command& chosen) {
+    const auto arguments = std::make_shared<LiveArguments>();
+    CLI::App* command = program.add_subcommand("live", "Let a haptic device feel a scene, by the oracle on the CPU");
+    command->add_option("SCENE", arguments->scene, "scene file (TOML); needs no [grid]")->required();
+    command->add_option(
+        "--device", arguments->device,
+        "sim (default: the hand and device of [hand], along [paths] or strokes that press 1 N), "
+        "replay:FILE.csv, haply[:URL], dhd[:INDEX] or hd[:NAME]; forceshade devices tells what is there");
+    command->add_option("--rate", arguments->rate,
+                        "100 Hz to 10 kHz; default: the scene's paths.rate, a recording's own, else \"1 kHz\"");
+    command->add_option("--duration", arguments->duration, "ends after it (\"60 s\"); default: until Ctrl-C");
+    command->add_option("--log", arguments->log,
+                        "a CSV file, a line a sample: what explore writes, the displayed force, times");
+    command->add_flag("--overwrite", arguments->overwrite, "--log may replace a file");
+    command->add_option("--report", arguments->report,
+                        "STEM.txt, STEM.json and STEM.png at the end (default: beside the log, LOG.live.*)");
+    command->add_flag("--watch", arguments->watch, "take the scene up anew whenever its file is saved");
+    command->add_flag("--fast", arguments->fast, "sim and replay: as fast as possible, not by the clock");
+    command->add_option("--cpu", arguments->cpu, "CPU to run on (default: the last one, with SCHED_FIFO)");
+    command->add_option("--patience", arguments->patience,
+                        "ends when the device is gone for so long (default \"5 s\"; \"none\": never)");
+    add_safety_options(*command, *arguments);
+    command->callback([=, &common, &chosen] { chosen = [=, &common] { return run(*arguments, common); }; });
+}
+
+} // namespace forceshade

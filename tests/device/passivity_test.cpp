@@ -1,0 +1,79 @@
+// The simulated hand at the edge of what sampled stability allows (shaders/README.md), without and with the passivity
+// controller.
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "device/sim/sim.h"
+#include "tests/device/scripted_device.h"
+
+namespace forceshade::device {
+namespace {
+
+using namespace testing;
+
+struct Plant {
+    double mass, damping, period, limit; /* kg, N s/m, s, N/m: K_crit */
+};
+constexpr std::array<Plant, 4> kPlants{
+    {{0.075, 0.5, 1e-3, 1001.11}, {0.1, 1.0, 1e-3, 2003.34}, {0.1, 5.0, 1e-3, 10084.03}, {0.1, 1.0, 1e-4, 20003.33}}};
+
+// Pressed into a plane with 1 N, a hundredth too deep at the start.
+PreparedCase pressed(const Plant& plant, double share) {
+    const double stiffness = share * plant.limit;
+    return prepared_scene(fmt::format("[force]\nstiffness = \"{} N/m\"\n[paths]\nlength = \"0 m\"\npress = \"1 N\"\n"
+                                      "start_depth = \"{} m\"\n[hand]\nmass = \"{} kg\"\ndamping = \"{} N s/m\"\n"
+                                      "grip_stiffness = \"0 N/m\"\ngrip_damping = \"0 N s/m\"\nmax_force = \"10 N\"\n",
+                                      stiffness, 1.01 / stiffness, plant.mass, plant.damping));
+}
+
+// m: the most that depth is away from where it rests, over a share of the samples.
+double swing(const std::vector<LiveSample>& samples, double from, double to) {
+    const auto count = static_cast<double>(samples.size());
+    double low = kUnknown, high = -kUnknown;
+    for (auto i = static_cast<std::size_t>(from * count); i < static_cast<std::size_t>(to * count); ++i) {
+        low = std::min(low, samples[i].probe.z);
+        high = std::max(high, samples[i].probe.z);
+    }
+    return high - low;
+}
+
+LoopRun run_for(const Plant& plant, double share, const SafetyLimits& limits) {
+    const PreparedCase prepared = pressed(plant, share);
+    const double rate = 1 / plant.period;
+    const auto sim = make_sim(prepared, rate);
+    const double decay = plant.mass / plant.damping; // s: of its speed
+    return run_fast(*sim, prepared, static_cast<std::uint64_t>(150 * decay * rate), limits, rate);
+}
+
+TEST(LiveStability, SettlesBelowTheLimitAndCyclesAboveIt) {
+    for (const Plant& plant : kPlants) {
+        const LoopRun below = run_for(plant, 0.95, no_limits()), above = run_for(plant, 1.05, no_limits());
+        EXPECT_LT(swing(below.samples, 0.9, 1), 0.05 * swing(below.samples, 0, 0.1)) << plant.limit;
+        EXPECT_GT(swing(above.samples, 0.9, 1), 3 * swing(above.samples, 0, 0.1)) << plant.limit;
+        EXPECT_GT(above.counts.energy, 10 * std::abs(below.counts.energy)) << "what drives it";
+    }
+}
+
+TEST(LiveStability, ThePassivityControllerKeepsItBounded) {
+    for (const Plant& plant : kPlants) {
+        SafetyLimits limits = no_limits();
+        limits.passivity = true;
+        const LoopRun free = run_for(plant, 1.05, no_limits()), damped = run_for(plant, 1.05, limits);
+        EXPECT_LT(swing(damped.samples, 0.9, 1), swing(damped.samples, 0, 0.1)) << plant.limit;
+        EXPECT_GT(damped.counts.damped, 0);
+        // What the hand has been given does not grow: not beyond what a sample or two may give before it is taken back.
+        const std::size_t half = damped.samples.size() / 2;
+        double first = -kUnknown, second = -kUnknown;
+        for (std::size_t i = 0; i < damped.samples.size(); ++i)
+            (i < half ? first : second) = std::max(i < half ? first : second, damped.samples[i].energy);
+        EXPECT_LE(second, first) << plant.limit;
+        EXPECT_LT(second, 0.01 * free.counts.energy) << plant.limit;
+    }
+}
+
+} // namespace
+} // namespace forceshade::device

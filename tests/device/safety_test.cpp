@@ -1,0 +1,222 @@
+// What safety lets through.
+#include <cmath>
+#include <limits>
+
+#include <gtest/gtest.h>
+#include <rapidcheck.h>
+
+#include "device/safety/safety.h"
+
+namespace forceshade::device {
+namespace {
+
+constexpr double kPeriod = 1e-3;
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+SafetyLimits quick() {
+    SafetyLimits limits;
+    limits.max_force = 3;
+    limits.ramp = limits.contact_ramp = 0;
+    limits.slew = kUnknown;
+    return limits;
+}
+
+// One sample after the other, of a probe that stays in contact.
+class Held {
+public:
+    explicit Held(const SafetyLimits& limits) : safety(limits, kPeriod) {}
+
+    Situation fine() const {
+        Situation now;
+        now.answer = Answer::fresh;
+        now.is_position = true;
+        now.time = time;
+        return now;
+    }
+    glm::dvec3 show(const Situation& now, const glm::dvec3& force, bool contact = true) {
+        time += kPeriod;
+        happened = 0;
+        return safety.passed(now, force, contact, happened);
+    }
+    glm::dvec3 show(const glm::dvec3& force, bool contact = true) { return show(fine(), force, contact); }
+
+    Safety safety;
+    double time = 0;
+    std::uint32_t happened = 0;
+};
+
+double size_of(const glm::dvec3& v) {
+    return std::sqrt(v.x * v.x + v.y * v.y + v.z * v.z);
+}
+
+TEST(Safety, LetsAForceThroughThatIsNone) {
+    Held held(quick());
+    const glm::dvec3 force{0.1, -0.2, 2.0 / 3};
+    EXPECT_EQ(held.show(force), force);
+    EXPECT_EQ(held.happened, 0u);
+}
+
+TEST(Safety, ClampsAndKeepsTheDirection) {
+    Held held(quick());
+    const glm::dvec3 shown = held.show({30, 0, 40});
+    EXPECT_NEAR(shown.x, 1.8, 1e-12);
+    EXPECT_NEAR(shown.z, 2.4, 1e-12);
+    EXPECT_EQ(held.happened, kClamped);
+    EXPECT_LE(size_of(held.show({1e200, 1e200, -1e200})), 3 * (1 + 1e-15)) << "whose square is no number";
+}
+
+TEST(Safety, ForcesChangeNoFasterThanTheyMay) {
+    SafetyLimits limits = quick();
+    limits.slew = 1000; // N/s: a newton a sample
+    Held held(limits);
+    EXPECT_NEAR(held.show({0, 0, 2.5}).z, 1, 1e-12);
+    EXPECT_EQ(held.happened, kSlewed);
+    EXPECT_NEAR(held.show({0, 0, 2.5}).z, 2, 1e-12);
+    EXPECT_NEAR(held.show({0, 0, 2.5}).z, 2.5, 1e-12);
+    EXPECT_EQ(held.happened, 0u);
+    EXPECT_NEAR(held.show({0, 0, -2.5}).z, 1.5, 1e-12);
+}
+
+TEST(Safety, AForceComesUpAfterTheStartAndAfterAFault) {
+    SafetyLimits limits = quick();
+    limits.ramp = 0.1;
+    Held held(limits);
+    double before = 0;
+    for (int i = 1; i <= 100; ++i) {
+        const double now = held.show({0, 0, 1}).z;
+        EXPECT_NEAR(now, i / 100.0, 1e-9);
+        EXPECT_GT(now, before);
+        before = now;
+    }
+    EXPECT_EQ(held.show({0, 0, 1}).z, 1);
+    EXPECT_EQ(held.happened, 0u);
+    Situation failed = held.fine();
+    failed.answer = Answer::failed;
+    failed.is_position = false;
+    EXPECT_EQ(held.show(failed, {0, 0, 1}), glm::dvec3(0));
+    EXPECT_EQ(held.happened, kFailed);
+    EXPECT_NEAR(held.show({0, 0, 1}).z, 0.01, 1e-9);
+    EXPECT_EQ(held.happened, kRamping);
+}
+
+TEST(Safety, AForceComesUpWhenContactIsMadeAgain) {
+    SafetyLimits limits = quick();
+    limits.contact_ramp = 0.005;
+    Held held(limits);
+    EXPECT_EQ(held.show({0, 0, 1}).z, 1) << "the first contact has the ramp of the start";
+    for (int i = 0; i < 20; ++i)
+        held.show({0, 0, 0}, false);
+    EXPECT_EQ(held.show({0, 0, 1}).z, 1) << "a bounce is no new contact";
+    for (int i = 0; i < 60; ++i)
+        held.show({0, 0, 0}, false);
+    for (int i = 1; i <= 5; ++i)
+        EXPECT_NEAR(held.show({0, 0, 1}).z, 0.2 * i, 1e-9);
+    EXPECT_EQ(held.show({0, 0, 1}).z, 1);
+}
+
+TEST(Safety, NoForceWithoutASoundPosition) {
+    const auto zero = [](const std::function<void(Situation&, glm::dvec3&)>& spoil, std::uint32_t expected) {
+        SafetyLimits limits = quick();
+        limits.low = glm::dvec3(-0.1);
+        limits.high = glm::dvec3(0.1);
+        Held held(limits);
+        EXPECT_EQ(held.show({0, 0, 1}).z, 1);
+        Situation now = held.fine();
+        glm::dvec3 force{0, 0, 1};
+        spoil(now, force);
+        EXPECT_EQ(held.show(now, force), glm::dvec3(0));
+        EXPECT_EQ(held.happened & kForceless, expected);
+    };
+    zero([](Situation&, glm::dvec3& force) { force.x = kNan; }, kNoNumber);
+    zero([](Situation&, glm::dvec3& force) { force.y = kUnknown; }, kNoNumber);
+    zero([](Situation& now, glm::dvec3&) { now.is_position = false; }, kBadPosition);
+    zero([](Situation& now, glm::dvec3&) { now.answer = Answer::failed; }, kFailed);
+    zero([](Situation& now, glm::dvec3&) { now.answer = Answer::held, now.time = 0.03; }, kStale);
+    zero([](Situation& now, glm::dvec3&) { now.late = 21; }, kTooLate);
+    zero([](Situation& now, glm::dvec3&) { now.late = kUnknown; }, kTooLate);
+    zero([](Situation& now, glm::dvec3&) { now.late = kNan; }, kTooLate);
+    zero([](Situation& now, glm::dvec3&) { now.probe.z = 0.05; }, kTooFast); // 50 mm in a sample
+    zero([](Situation& now, glm::dvec3&) { now.probe.z = -0.11; }, kOutside | kTooFast);
+}
+
+TEST(Safety, NoForceWhileTheProbeIsTooFast) {
+    Held held(quick());
+    auto step = [&, z = 0.0](double by) mutable {
+        Situation now = held.fine();
+        now.probe.z = z += by;
+        return held.show(now, {0, 0, 1}).z;
+    };
+    for (int i = 0; i < 50; ++i)
+        ASSERT_EQ(step(1.9e-3), 1) << "below 2 m/s";
+    int forceless = 0;
+    for (int i = 0; i < 50; ++i)
+        forceless += step(2.1e-3) == 0;
+    EXPECT_GT(forceless, 30);
+    EXPECT_NEAR(held.safety.speed(), 2.1, 1e-3);
+    for (int i = 0; i < 5; ++i)
+        step(0);
+    EXPECT_EQ(step(0), 1);
+}
+
+TEST(Safety, AClockThatJittersIsNoSpeed) {
+    Held held(quick());
+    double z = 0;
+    for (int i = 0; i < 200; ++i) {
+        Situation now = held.fine();
+        now.probe.z = z += 5e-4;                               // 0.5 m/s on the whole
+        now.time = i * kPeriod + (i % 2 ? 0 : 0.95 * kPeriod); // two positions within 50 us, then none for 2 ms
+        EXPECT_EQ(held.show(now, {0, 0, 1}).z, 1) << i;
+    }
+}
+
+TEST(Safety, APathThatBeginsElsewhereIsNoSpeedAndNoWork) {
+    Held held(quick());
+    held.show({0, 0, 1});
+    Situation now = held.fine();
+    now.begins_path = true;
+    now.probe = {0.5, 0, 0.5};
+    EXPECT_EQ(held.show(now, {0, 0, 1}).z, 1);
+    EXPECT_EQ(held.safety.energy(), 0);
+}
+
+TEST(Safety, WhateverComesTheForceIsWithinItsLimits) {
+    const bool held_true = rc::check("largest force and slew hold", [] {
+        SafetyLimits limits;
+        limits.max_force = 3;
+        limits.slew = 500;
+        limits.passivity = *rc::gen::arbitrary<bool>();
+        Held held(limits);
+        glm::dvec3 before(0);
+        const auto wild = rc::gen::element(0.0, 1e-3, -2e-3, 1.0, -5.0, 1e9, 1e300, -1e308, kNan, kUnknown);
+        for (int i = 0; i < 60; ++i) {
+            Situation now = held.fine();
+            now.answer = *rc::gen::element(Answer::fresh, Answer::fresh, Answer::fresh, Answer::held, Answer::failed);
+            now.is_position = now.answer != Answer::failed && *rc::gen::inRange(0, 10) > 0;
+            const double place = *rc::gen::element(0.0, 1e-4, -1e-4, 1e-3, 10.0, 1e150);
+            now.probe = {place, 0, -place};
+            now.late = *rc::gen::element(0.0, 0.0, 0.0, 1.0, 30.0, kNan);
+            const glm::dvec3 shown = held.show(now, {*wild, *wild, *wild}, *rc::gen::arbitrary<bool>());
+            RC_ASSERT(size_of(shown) <= 3 * (1 + 1e-12));
+            RC_ASSERT((held.happened & kForceless) == 0 || shown == glm::dvec3(0));
+            RC_ASSERT(shown == glm::dvec3(0) || size_of(shown - before) <= 0.5 * (1 + 1e-9));
+            before = shown;
+        }
+    });
+    EXPECT_TRUE(held_true);
+}
+
+TEST(EnergyObserver, CountsTheWorkOfForcesThatAreHeld) {
+    EnergyObserver observer;
+    observer.find({0, 0, 0});
+    observer.show({0, 0, 2});
+    observer.find({0.1, 0, 0.25});
+    EXPECT_EQ(observer.energy(), 0.5);
+    observer.show({1, 0, 0});
+    observer.find({-0.4, 0, 7});
+    EXPECT_EQ(observer.energy(), 0);
+    observer.leap({9, 9, 9});
+    EXPECT_EQ(observer.energy(), 0);
+}
+
+} // namespace
+} // namespace forceshade::device

@@ -1,0 +1,88 @@
+// A device that does what a test says, and scenes for the live loop.
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "device/loop/live_loop.h"
+#include "host/field/prepared_case.h"
+#include "host/scene/study.h"
+
+namespace forceshade::device::testing {
+
+inline PreparedCase prepared_scene(const std::string& text, Precision precision = Precision::f64,
+                                   const std::filesystem::path& folder = {}) {
+    const std::vector<Override> replaced{{"run.precision", precision == Precision::f32 ? "f32" : "f64"}};
+    return CasePreparation().prepare(parse_scene(text, "scene.toml", folder, replaced));
+}
+
+/// Nothing is limited, nothing comes up slowly: what the law gives is displayed.
+inline SafetyLimits no_limits() {
+    SafetyLimits limits;
+    limits.max_force = limits.slew = limits.max_speed = limits.stale = limits.late = kUnknown;
+    limits.ramp = limits.contact_ramp = 0;
+    return limits;
+}
+
+/// Answers come from a function of the number of the question; forces are kept.
+class ScriptedDevice final : public BackEnd {
+public:
+    using Script = std::function<Reading(std::uint64_t)>;
+    /// `most`: forces that are kept.
+    ScriptedDevice(Script script, std::size_t most, bool simulated = true) : script_(std::move(script)) {
+        facts_.name = "script";
+        facts_.simulated = simulated;
+        forces.reserve(most);
+    }
+
+    const DeviceFacts& facts() const noexcept override { return facts_; }
+    Reading read() noexcept override { return script_(questions_++); }
+    bool write(const glm::dvec3& force) noexcept override {
+        if (forces.size() < forces.capacity())
+            forces.push_back(force);
+        return takes_forces;
+    }
+    void halt() noexcept override { halted = true; }
+    void rest() noexcept override { ++rests; }
+    const char* complaint() const noexcept override { return nullptr; }
+
+    std::vector<glm::dvec3> forces; /* N */
+    std::atomic<bool> halted = false, takes_forces = true;
+    std::atomic<int> rests = 0;
+
+private:
+    Script script_;
+    std::uint64_t questions_ = 0;
+    DeviceFacts facts_;
+};
+
+/// What a loop came to.
+struct LoopRun {
+    std::vector<LiveSample> samples;
+    LoopCounts counts;
+    LoopEnd end = LoopEnd::running;
+};
+
+/// As fast as possible, with room for every sample.
+inline LoopRun run_fast(BackEnd& back_end, PreparedCase prepared, std::uint64_t samples, const SafetyLimits& limits,
+                        double rate = 1000) {
+    LoopSettings settings;
+    settings.rate = rate;
+    settings.real_time = false;
+    settings.samples = samples;
+    settings.limits = limits;
+    SampleRing ring(samples);
+    LiveLoop loop(back_end, make_live_law(std::move(prepared)), settings, &ring);
+    loop.start();
+    loop.join();
+    const auto kept = ring.look();
+    return {{kept.begin(), kept.end()}, loop.counts(), loop.end()};
+}
+
+inline Reading at(double x, double y, double z) {
+    return {Answer::fresh, {x, y, z}, false};
+}
+
+} // namespace forceshade::device::testing
