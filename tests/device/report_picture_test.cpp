@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <clocale>
 #include <cmath>
+#include <random>
 
 #include <gtest/gtest.h>
 
@@ -26,10 +27,7 @@ std::size_t times_said(const Picture& picture, std::string_view part) {
                       [&](const picture::PlacedText& placed) { return placed.text.find(part) != std::string::npos; }));
 }
 
-class EveryRun : public testing::TestWithParam<Case> {};
-
-TEST_P(EveryRun, is_drawn_without_cut_or_overlapping_text) {
-    const Picture picture = draw_live_report(GetParam().outcome);
+void expect_readable(const Picture& picture) {
     EXPECT_EQ(picture.width, 1400);
     EXPECT_LT(picture.height, 1400);
     EXPECT_LT(picture.png.size(), 300'000u);
@@ -42,6 +40,12 @@ TEST_P(EveryRun, is_drawn_without_cut_or_overlapping_text) {
         for (std::size_t j = 0; j < i; ++j)
             EXPECT_FALSE(overlap(ink, picture.texts[j].ink)) << text << " over " << picture.texts[j].text;
     }
+}
+
+class EveryRun : public testing::TestWithParam<Case> {};
+
+TEST_P(EveryRun, is_drawn_without_cut_or_overlapping_text) {
+    expect_readable(draw_live_report(GetParam().outcome));
 }
 
 INSTANTIATE_TEST_SUITE_P(LivePicture, EveryRun, testing::ValuesIn(cases()),
@@ -69,6 +73,24 @@ TEST(LivePicture, says_where_there_are_no_samples) {
     EXPECT_EQ(times_said(draw_live_report(no_sample()), "no samples"), 3u);
     EXPECT_EQ(times_said(draw_live_report(one_sample()), "no samples"), 1u);
     EXPECT_EQ(times_said(draw_live_report(one_sample()), "p50, p99, p99.9, largest 346 ns"), 1u);
+}
+
+// Times of any size and spread, so that the marks stand anywhere.
+TEST(LivePicture, is_readable_wherever_its_marks_stand) {
+    std::mt19937_64 random(11);
+    for (int run = 0; run < 20; ++run) {
+        LiveOutcome outcome = no_sample();
+        outcome.rate = std::pow(10.0, 2 + static_cast<double>(random() % 3));
+        outcome.real_time = run % 3 > 0;
+        LoopCounts& counts = outcome.counts;
+        for (Histogram* times : {&counts.computing, &counts.late, &counts.jitter}) {
+            const auto shift = random() % 60, spread = 1 + random() % 12, count = 1 + random() % 2000;
+            for (std::uint64_t i = 0; i < count; ++i)
+                times->add(static_cast<std::int64_t>((random() >> (1 + random() % spread)) >> shift));
+        }
+        SCOPED_TRACE(run);
+        expect_readable(draw_live_report(outcome));
+    }
 }
 
 TEST(LivePicture, is_the_same_every_time_in_any_locale) {
@@ -103,6 +125,18 @@ TEST(TimeAxis, labels_powers_of_ten_with_their_units) {
     EXPECT_EQ(labels, (std::vector<std::string>{"1 ns", "10 ns", "100 ns", "1 µs", "10 µs", "100 µs", "1 ms", "10 ms",
                                                 "100 ms", "1 s", "10 s", "100 s", "1000 s", "10000 s", "10⁵ s"}));
     EXPECT_NEAR(ticks.ticks[7].fraction, 7 / 14.1, 1e-12);
+}
+
+TEST(TimeAxis, leaves_out_labels_that_would_crowd_and_adds_some_where_there_is_room) {
+    const auto labelled = [](const picture::Axis& axis) {
+        return std::count_if(axis.ticks.begin(), axis.ticks.end(),
+                             [](const picture::AxisTick& tick) { return !tick.label.empty(); });
+    };
+    EXPECT_EQ(labelled(time_ticks({0, 19}, 2000)), 20);
+    EXPECT_EQ(labelled(time_ticks({0, 19}, 800)), 10);
+    EXPECT_EQ(labelled(count_ticks({-0.25, 9}, 400)), 10);
+    EXPECT_EQ(labelled(count_ticks({-0.25, 9}, 150)), 5);
+    EXPECT_EQ(labelled(time_ticks({2, 3.5}, 800)), 5) << "100, 200, 500 ns, 1 and 2 µs";
 }
 
 TEST(TimeBars, hold_every_time_once_side_by_side) {

@@ -84,6 +84,21 @@ TEST(CountRows, count_every_time_once_in_the_row_that_holds_it) {
                        half + " 1\n");
 }
 
+TEST(CountRows, one_of_many_is_seen_and_two_columns_share_their_rows) {
+    Histogram many, few;
+    for (int i = 0; i < 100000; ++i)
+        many.add(15);
+    many.add(30);
+    few.add(30);
+    const std::vector<NamedTimes> columns{{"compute", many}, {"jitter", few}};
+    const std::vector<std::string> rows = count_rows(columns);
+    ASSERT_EQ(rows.size(), 3u);
+    EXPECT_TRUE(says(rows[1], " " + std::string(28, '#') + " 100000 ")) << rows[1];
+    EXPECT_TRUE(says(rows[2], "  # 1 ")) << rows[2];
+    EXPECT_EQ(rows[2].find(std::string(28, '#')), rows[0].find("jitter"));
+    EXPECT_TRUE(count_rows({}).empty());
+}
+
 TEST(ReportText, fits_a_terminal_whatever_it_is_told) {
     for (const auto& [file, outcome] : cases()) {
         const std::string text = report_text(outcome);
