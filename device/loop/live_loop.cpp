@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "device/loop/clock.h"
@@ -26,7 +27,8 @@ void make_larger(double& largest, double value) noexcept {
     largest = value > largest ? value : largest;
 }
 
-constexpr std::uint32_t kNoFacet = 0xFFFFFFFFu; // layout::kNoFacet
+constexpr double kBeyondAnyLimit = std::numeric_limits<double>::quiet_NaN(); // even if there is none
+constexpr std::uint32_t kNoFacet = 0xFFFFFFFFu;                              // layout::kNoFacet
 
 } // namespace
 
@@ -102,7 +104,7 @@ void LiveLoop::await(Turn& turn) noexcept {
     if (!settings_.real_time)
         return;
     turn.sample.late = turn.begin - turn.due;
-    turn.now.late = suspended_.load(std::memory_order_relaxed) ? kUnknown : seconds(turn.sample.late) / period_;
+    turn.now.late = suspended_.load(std::memory_order_relaxed) ? kBeyondAnyLimit : seconds(turn.sample.late) / period_;
     counts_->late.add(turn.sample.late);
     if (tick_ > 0)
         counts_->jitter.add(std::abs((turn.begin - woken_) - (turn.due - due(tick_ - 1))));
@@ -124,7 +126,7 @@ bool LiveLoop::take_position(Turn& turn) noexcept {
         end_.store(LoopEnd::recording_over, std::memory_order_release);
         return false;
     }
-    const bool given = reading.answer != Answer::failed;
+    const bool given = reading.answer == Answer::fresh || (reading.answer == Answer::held && begun_);
     turn.now.is_position = given && laws_.present().reaches(reading.position);
     if (turn.now.is_position) {
         turn.now.begins_path = reading.begins_path;
@@ -135,7 +137,7 @@ bool LiveLoop::take_position(Turn& turn) noexcept {
         probe_ = reading.position;
         begun_ = true;
     }
-    if (given && (turn.now.is_position || begun_))
+    if (given && begun_ && writes_)
         last_answer_ = turn.now.time;
     if (turn.now.time - last_answer_ > settings_.patience)
         end_.store(LoopEnd::device_gone, std::memory_order_release);
@@ -161,8 +163,11 @@ void LiveLoop::feel(Turn& turn) noexcept {
     sample.facet = felt.facet;
     sample.commanded = force;
     sample.energy = safety_.energy();
-    if (!back_end_.write(force))
+    writes_ = back_end_.write(force);
+    if (!writes_) {
         sample.happened |= kFailed;
+        safety_.refused();
+    }
     turn.end = now();
     sample.writing = short_time(turn.end - end);
 }

@@ -94,6 +94,7 @@ private:
     double last_answer_ = 0; /* s: when the device last answered as it should */
     glm::dvec3 probe_{0};    /* m: the last one that was a position */
     bool begun_ = false;     // there was one
+    bool writes_ = true;     // the device took the last force
     std::uint32_t path_ = 0;
 };
 

@@ -77,15 +77,19 @@ double Safety::gain(bool contact) noexcept {
     return gain_ * contact_gain_;
 }
 
+void Safety::refused() noexcept {
+    gain_ = 0;
+    shown_ = glm::dvec3(0);
+    observer_.show(shown_);
+}
+
 glm::dvec3 Safety::passed(const Situation& now, const glm::dvec3& law, bool contact, std::uint32_t& happened) noexcept {
     follow(now);
     happened |= judged(now);
     if (!is_finite(law))
         happened |= kNoNumber;
     if (happened & kForceless) {
-        gain_ = 0;
-        shown_ = glm::dvec3(0);
-        observer_.show(shown_);
+        refused();
         return shown_;
     }
     glm::dvec3 force = law;

@@ -27,6 +27,9 @@ public:
     /// The force, N, to be displayed for the law's at a sample; what happened is added to `happened`.
     glm::dvec3 passed(const Situation& now, const glm::dvec3& force, bool contact, std::uint32_t& happened) noexcept;
 
+    /// The device did not take the last force: it comes up anew.
+    void refused() noexcept;
+
     double energy() const noexcept { return observer_.energy(); } /* J: given to the hand */
     double damped() const noexcept { return damped_; }            /* J: taken out by the controller */
     double speed() const noexcept { return speed_size_; }         /* m/s: of the probe, over the last milliseconds */

@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include "device/dhd/dhd.h"
+#include "device/hd/hd.h"
 #include "device/replay/replay.h"
 #include "device/sim/sim.h"
 #include "host/error.h"
@@ -40,6 +42,10 @@ OpenDevice open_device(const std::string& name, const PreparedCase& prepared, st
         return open_sim(prepared, rate);
     if (kind == "replay")
         return open_replay(further);
+    if (kind == "dhd")
+        return {open_dhd(further), kUsualRate};
+    if (kind == "hd")
+        return {open_hd(further), kUsualRate};
     throw UsageError(fmt::format("--device {}: there are {}", name, kDeviceNames));
 }
 
