@@ -24,7 +24,7 @@ namespace {
 struct ExploreArguments {
     std::string scene, paths, out;
     std::vector<std::string> also;
-    bool metrics_only = false;
+    bool metrics_only = false, open_loop = false;
 
     std::filesystem::path stem() const {
         const std::filesystem::path file = std::filesystem::absolute(out);
@@ -220,10 +220,23 @@ int take_paths(const ExploreArguments& arguments, const CommonOptions& common, c
     return 0;
 }
 
+// The scene as a law alone: positions of a file are where the probe was, not where a hand wanted it to be.
+void leave_out_the_hand(Case& one) {
+    one.scene.paths.reset();
+    std::erase_if(one.settings,
+                  [](const Setting& setting) { return setting.table == "paths" || setting.table == "hand"; });
+}
+
 int run(const ExploreArguments& arguments, const CommonOptions& common) {
     std::vector<std::string> warnings;
     CasePreparation preparation;
-    PreparedCase prepared = preparation.prepare(read_scene(arguments.scene, overrides(common), &warnings));
+    Case one = read_scene(arguments.scene, overrides(common), &warnings);
+    if (arguments.open_loop) {
+        if (arguments.paths.empty())
+            throw UsageError("--open-loop takes the positions of --paths for the probe's: say which file");
+        leave_out_the_hand(one);
+    }
+    PreparedCase prepared = preparation.prepare(one);
     if (arguments.paths.empty())
         add_recorded_digest(prepared);
     prepared.one.name = std::filesystem::path(arguments.out).stem().string(); // what pictures are headed with
@@ -264,6 +277,9 @@ void add_explore_command(CLI::App& program, const CommonOptions& common, Command
         ->add_option("--also", arguments->also,
                      "further files beside it: npy (NumPy), png (paths over the surface, direction of the force)")
         ->delimiter(',');
+    command->add_flag("--open-loop", arguments->open_loop,
+                      "the positions of --paths are the probe's own, as in the log of a live loop, even if the scene's "
+                      "paths are a closed loop");
     command->add_flag("--metrics-only", arguments->metrics_only, "no samples, only OUT.paths.csv");
     command->callback([=, &common, &chosen] { chosen = [=, &common] { return run(*arguments, common); }; });
 }
