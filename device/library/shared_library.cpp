@@ -43,7 +43,7 @@ void* open_found(const SoughtLibrary& sought) {
         if (!is_merely_absent(name, why))
             complaints += "; " + why;
     }
-    throw DeviceAbsent(fmt::format("no library of the {}: neither of {} is in LD_LIBRARY_PATH or the system's folders, "
+    throw DeviceAbsent(fmt::format("no library of the {}: none of {} is in LD_LIBRARY_PATH or the system's folders, "
                                    "and {} is not set{}. {}",
                                    sought.product, fmt::join(sought.names, ", "), sought.variable, complaints,
                                    sought.installation));

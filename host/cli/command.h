@@ -37,6 +37,7 @@ void add_mesh_command(CLI::App& program, const CommonOptions& common, Command& c
 void add_live_command(CLI::App& program, const CommonOptions& common, Command& chosen);
 void add_validate_command(CLI::App& program, const CommonOptions& common, Command& chosen);
 void add_gpus_command(CLI::App& program, const CommonOptions& common, Command& chosen);
+void add_devices_command(CLI::App& program, const CommonOptions& common, Command& chosen);
 void add_doctor_command(CLI::App& program, const CommonOptions& common, Command& chosen);
 void add_schema_command(CLI::App& program, const CommonOptions& common, Command& chosen);
 

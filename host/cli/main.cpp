@@ -72,6 +72,7 @@ int parse_and_run(int argc, char** argv) {
     add_live_command(program, common, command);
     add_validate_command(program, common, command);
     add_gpus_command(program, common, command);
+    add_devices_command(program, common, command);
     add_doctor_command(program, common, command);
     add_schema_command(program, common, command);
     if (argc > 1)

@@ -32,6 +32,7 @@ protected:
         {"explore", "scene.toml", "--paths", "paths.csv", "--out", "felt.csv", "--engine", "cpu"},
         {"mesh", "triangle.off"},
         {"gpus"},
+        {"devices"},
         {"doctor"},
         {"schema"}};
 };
@@ -49,8 +50,8 @@ std::vector<std::string> with(std::vector<std::string> arguments, const std::vec
 TEST_F(CommandLine, helps) {
     const std::vector<std::string> common{"--gpu", "--engine", "--precision", "--json", "--quiet", "Exit codes"};
     const Outcome program = expect_success({"--help"});
-    expect_words(program.out, with(common, {"sweep", "field", "validate", "explore", "mesh", "gpus", "doctor", "schema",
-                                            "--version"}));
+    expect_words(program.out, with(common, {"sweep", "field", "validate", "explore", "mesh", "gpus", "devices",
+                                            "doctor", "schema", "--version"}));
     const std::map<std::string, std::vector<std::string>> flags{
         {"sweep", {"STUDY", "--out", "--only", "--shard", "--fresh", "--also"}},
         {"field", {"SCENE", "--out", "--also"}},
@@ -58,6 +59,7 @@ TEST_F(CommandLine, helps) {
         {"explore", {"SCENE", "--paths", "--out"}},
         {"mesh", {"FILE", "--unit"}},
         {"gpus", {}},
+        {"devices", {"FORCESHADE_DHD_LIBRARY", "FORCESHADE_HD_LIBRARY"}},
         {"doctor", {}},
         {"schema", {"--default-study"}}};
     for (const auto& [command, own] : flags) {
