@@ -11,6 +11,7 @@
 #include "device/report/status_line.h"
 #include "device/safety/emergency.h"
 #include "device/session/open_device.h"
+#include "device/session/quiet_signals.h"
 #include "device/session/scene_watch.h"
 #include "device/session/suspension.h"
 #include "host/interrupt.h"
@@ -72,7 +73,7 @@ std::string state_of(const LoopStatus& status) {
 class Session {
 public:
     explicit Session(const SessionOptions& options)
-        : options_(options), line_(options.quiet), prepared_(options.read()),
+        : options_(options), line_(options.quiet), prepared_(options.read()), quiet_(std::in_place),
           device_(open_device(options.device, prepared_, options.rate)), back_end_(*device_.back_end),
           watch_(options.scene, options.read) {
         settings_.rate = checked_rate(options.rate.value_or(device_.rate));
@@ -96,6 +97,7 @@ public:
             const Emergency emergency(back_end_);
             const Suspension suspension(*loop_, 1 / settings_.rate);
             loop_->start();
+            quiet_.reset(); // every thread has been started
             while (loop_->end() == LoopEnd::running) {
                 if (is_interrupted())
                     loop_->stop();
@@ -236,6 +238,7 @@ private:
     StatusLine line_;
     std::vector<std::string> remarks_;
     PreparedCase prepared_;
+    std::optional<QuietSignals> quiet_;
     OpenDevice device_;
     BackEnd& back_end_;
     SceneWatch watch_;
