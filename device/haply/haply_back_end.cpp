@@ -1,0 +1,131 @@
+#include <cctype>
+#include <thread>
+
+#include <fmt/format.h>
+
+#include "device/haply/axes.h"
+#include "device/haply/haply.h"
+#include "device/haply/link.h"
+#include "device/haply/protocol.h"
+
+namespace forceshade::device {
+namespace {
+
+/// N: what the Inverse3's data sheet promises over 80 % of its workspace (at its peak 10 N). Its workspace, 460 mm
+/// wide, 510 mm high and 230 mm deep, is no box, and where it lies depends on how the device is mounted: left unknown.
+constexpr double kInverse3Force = 4;
+
+constexpr std::string_view kHowToGet =
+    "Install and start it (Haply Hub or the Inverse Service package, docs.haply.co; on Linux: "
+    "systemctl start haply-inverse-service), or say where it is: --device haply:ws://HOST:PORT";
+
+class HaplyBackEnd final : public BackEnd {
+public:
+    HaplyBackEnd(DeviceFacts facts, LinkOptions link, double patience)
+        : facts_(std::move(facts)), link_(std::move(link)), stale_(static_cast<std::int64_t>(patience * 1e9)),
+          exchange_(zero_frame(link_)), thread_([this] { run_link(exchange_, link_); }) {}
+
+    ~HaplyBackEnd() override {
+        exchange_.stop();
+        thread_.join();
+    }
+
+    const DeviceFacts& facts() const noexcept override { return facts_; }
+
+    Reading read() noexcept override {
+        const bool newer = exchange_.sighting.take(seen_);
+        if (!seen_.good || (!newer && steady_now() - seen_.time > stale_))
+            return {};
+        return {newer ? Answer::fresh : Answer::held, seen_.position, false};
+    }
+
+    bool write(const glm::dvec3& force) noexcept override {
+        if (exchange_.stopping)
+            return false;
+        exchange_.force.put(force);
+        exchange_.wake();
+        return exchange_.there;
+    }
+
+    void halt() noexcept override { exchange_.stop(); }
+
+    const char* complaint() const noexcept override { return exchange_.complaint; }
+
+private:
+    static std::string zero_frame(const LinkOptions& link) {
+        std::string command;
+        write_command(command, link.dialect, link.device_id, glm::dvec3(0));
+        return frame(command);
+    }
+
+    DeviceFacts facts_;
+    LinkOptions link_;
+    std::int64_t stale_; /* ns */
+    Exchange exchange_;
+    Sighting seen_;
+    std::thread thread_;
+};
+
+std::string service_of(const HaplyFinding& finding) {
+    return fmt::format("Inverse Service {}", finding.version.empty() ? "(version not told)" : finding.version);
+}
+
+std::string ids_of(const HaplyFinding& finding) {
+    std::string ids;
+    for (const HaplyDevice& device : finding.devices)
+        ids += fmt::format("{}{}", ids.empty() ? "" : ", ", device.id);
+    return ids;
+}
+
+const HaplyDevice& choose(const HaplyFinding& finding, const std::string& id) {
+    if (finding.devices.empty())
+        throw DeviceAbsent(
+            fmt::format("the {} at {} lists no Inverse3: plug it in and switch it on (Haply Hub shows it)",
+                        service_of(finding), finding.url));
+    for (const HaplyDevice& device : finding.devices)
+        if (device.id == id || (id.empty() && finding.devices.size() == 1))
+            return device;
+    if (!id.empty())
+        throw DeviceAbsent(fmt::format("the {} at {} lists no device {}; it lists {}", service_of(finding), finding.url,
+                                       id, ids_of(finding)));
+    throw UsageError(fmt::format("the {} at {} lists several devices: {}; choose one: --device 'haply:{}?device={}'",
+                                 service_of(finding), finding.url, ids_of(finding), finding.url,
+                                 finding.devices.front().id));
+}
+
+DeviceFacts facts_of(const HaplyFinding& finding, const HaplyDevice& device) {
+    DeviceFacts facts;
+    std::string type = device.type.empty() ? "inverse3" : device.type;
+    if (type == "inverse3")
+        facts.max_force = kInverse3Force;
+    type.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(type.front())));
+    facts.name = fmt::format("{} {}", type, device.id);
+    facts.software = service_of(finding);
+    return facts;
+}
+
+std::chrono::milliseconds milliseconds_of(double seconds) {
+    return std::chrono::milliseconds(static_cast<std::int64_t>(seconds * 1e3));
+}
+
+} // namespace
+
+std::unique_ptr<BackEnd> open_haply(const HaplyOptions& options) {
+    const HaplyFinding finding = look_for_haply(options.url, options.wait);
+    if (!finding.problem.empty())
+        throw DeviceAbsent(fmt::format("no Inverse Service at {}: {}. {}", finding.url, finding.problem, kHowToGet));
+    const HaplyDevice& device = choose(finding, options.device_id);
+    if (!parse_basis(device.basis))
+        throw DeviceAbsent(fmt::format("the {} at {} speaks of device {} in the basis '{}', which is no permutation of "
+                                       "X, Y and Z: set another one in Haply Hub",
+                                       service_of(finding), finding.url, device.id, device.basis));
+    LinkOptions link;
+    link.address = parse_address(options.url);
+    link.device_id = device.id;
+    link.dialect = options.dialect == HaplyOptions::Dialect::by_version ? dialect_of(finding.version) : options.dialect;
+    link.wait = milliseconds_of(options.wait);
+    link.patience = milliseconds_of(options.patience);
+    return std::make_unique<HaplyBackEnd>(facts_of(finding, device), std::move(link), options.patience);
+}
+
+} // namespace forceshade::device

@@ -1,0 +1,42 @@
+// The service's messages as text. What is written and read here is JSON; nothing here knows a socket.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <glm/vec3.hpp>
+
+#include "device/haply/haply.h"
+
+namespace forceshade::device {
+
+/// The one in which a service of this version ("3.1.2", "3.5.0-2-gce34c39e") reads forces. The `vector` is documented
+/// from 3.5 on, which took the API's vectors into one shape; clients of 3.1 send `values`. Of no version: vector.
+HaplyOptions::Dialect dialect_of(std::string_view version);
+
+/// What a service answers to GET /version; empty: it does not tell.
+std::string read_version(std::string_view body);
+
+/// The first message of a connection; nothing: it is no inventory.
+std::optional<std::vector<HaplyDevice>> read_inventory(std::string_view message);
+
+/// A force, N, in the service's axes, finite, as the command for one device. It holds for one answer of the service:
+/// commands do not persist.
+void write_command(std::string& message, HaplyOptions::Dialect dialect, std::string_view device_id,
+                   const glm::dvec3& force);
+
+/// A command as a WebSocket frame, ready to be sent.
+std::string frame(std::string_view message);
+
+/// An answer of the service.
+struct State {
+    const char* fault = nullptr; // in words, what is wrong with it; null: it has a position
+    glm::dvec3 position{0};      /* m, in the service's axes */
+};
+
+/// Of one device; others are passed over.
+State read_state(std::string_view message, std::string_view device_id);
+
+} // namespace forceshade::device

@@ -1,0 +1,283 @@
+// The haply back end with a service that is not well. Whatever it does, it gets no force but those commanded, and the
+// loop no position but the device's.
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include "tests/device/haply_loop.h"
+
+namespace forceshade::device::test {
+namespace {
+
+std::string refusal(const HaplyOptions& options) {
+    try {
+        open_haply(options);
+    } catch (const DeviceAbsent& error) {
+        EXPECT_EQ(error.code(), ExitCode::no_device);
+        return error.what();
+    }
+    ADD_FAILURE() << "opened";
+    return {};
+}
+
+void expect_said(const std::string& text, const std::vector<std::string>& parts) {
+    for (const std::string& part : parts)
+        EXPECT_NE(text.find(part), std::string::npos) << "'" << part << "' is not in: " << text;
+}
+
+/// A port at which nobody listens.
+unsigned short free_port() {
+    SimulatedService service({});
+    return service.port();
+}
+
+TEST(HaplyFaults, NoService) {
+    HaplyOptions options;
+    options.url = "ws://127.0.0.1:" + std::to_string(free_port());
+    expect_said(refusal(options), {options.url, "connection refused", "Install and start", "haply-inverse-service"});
+    EXPECT_NE(look_for_haply(options.url).problem, "");
+    options.url = "ws://no-such-host.invalid:10001";
+    options.wait = 10;
+    expect_said(refusal(options), {options.url, "Install and start"});
+}
+
+TEST(HaplyFaults, AServiceThatSaysNothing) {
+    ServiceScript script;
+    script.fault = Fault::no_inventory;
+    SimulatedService service(script);
+    HaplyOptions options = options_of(service);
+    options.wait = 0.3;
+    expect_said(refusal(options), {"no answer within 0.3 s"});
+}
+
+TEST(HaplyFaults, AnHttpServerThatIsNoService) {
+    ServiceScript script;
+    script.fault = Fault::no_websocket;
+    SimulatedService service(script);
+    expect_said(refusal(options_of(service)), {"not as a WebSocket", "404"});
+}
+
+TEST(HaplyFaults, AServerOfSomethingElse) {
+    ServiceScript script;
+    script.fault = Fault::no_http;
+    SimulatedService service(script);
+    expect_said(refusal(options_of(service)), {"no WebSocket"});
+}
+
+TEST(HaplyFaults, AnEmptyInventory) {
+    ServiceScript script;
+    script.devices = {};
+    SimulatedService service(script);
+    expect_said(refusal(options_of(service)), {"lists no Inverse3", "plug it in", "3.5.0"});
+}
+
+TEST(HaplyFaults, AxesThatAreNone) {
+    ServiceScript script;
+    script.basis = "XYZX";
+    SimulatedService service(script);
+    expect_said(refusal(options_of(service)), {"XYZX", "permutation"});
+}
+
+/// Positions turn into none, not into others; forces stay what they were; once the service is well, all goes on.
+void survive(Fault fault, const char* complaint) {
+    SimulatedService service({});
+    const auto device = open_haply(options_of(service));
+    ASSERT_TRUE(runs_well(*device, service));
+    service.set(fault);
+    const auto failed = [&](const Reading& reading, bool) {
+        if (reading.answer != Answer::failed) {
+            EXPECT_TRUE(in_reach(reading.position));
+            EXPECT_NE(reading.answer, Answer::ended);
+        }
+        return reading.answer == Answer::failed;
+    };
+    EXPECT_TRUE(loop_until(*device, failed));
+    for (unsigned more = 0; more < 50; ++more)
+        loop_until(*device, [&](const Reading& reading, bool taken) {
+            failed(reading, taken);
+            return true;
+        });
+    ASSERT_TRUE(loop_until(*device, [&](const Reading&, bool) { return device->complaint() != nullptr; }));
+    expect_said(device->complaint(), {complaint});
+    EXPECT_TRUE(wait_until([&] {
+        loop_until(*device, [](const Reading&, bool) { return true; });
+        return ends_without_force(service);
+    }));
+    service.set(Fault::none);
+    EXPECT_TRUE(runs_well(*device, service));
+    EXPECT_TRUE(received_only_what_was_commanded(service));
+}
+
+TEST(HaplyFaults, AnswersWithWhatIsNoJson) {
+    survive(Fault::not_json, "no JSON");
+}
+TEST(HaplyFaults, AnswersWithWrongTypes) {
+    survive(Fault::wrong_types, "list of devices");
+}
+TEST(HaplyFaults, AnswersTooMuch) {
+    survive(Fault::huge, "connecti");
+}
+TEST(HaplyFaults, AnswersWithDepth) {
+    survive(Fault::deep, "no JSON");
+}
+TEST(HaplyFaults, AnswersNan) {
+    survive(Fault::nan, "no JSON");
+}
+TEST(HaplyFaults, AnswersNull) {
+    survive(Fault::null, "without a position");
+}
+TEST(HaplyFaults, AnswersText) {
+    survive(Fault::text, "without a position");
+}
+TEST(HaplyFaults, AnswersWithoutACoordinate) {
+    survive(Fault::missing, "without a position");
+}
+TEST(HaplyFaults, AnswersInfinity) {
+    survive(Fault::infinite, "no JSON");
+}
+TEST(HaplyFaults, AnswersAPlaceFarOff) {
+    survive(Fault::far, "without a position");
+}
+TEST(HaplyFaults, AnswersWithoutAState) {
+    survive(Fault::no_state, "without a position");
+}
+TEST(HaplyFaults, LosesTheDevice) {
+    survive(Fault::empty, "does not list the device");
+}
+TEST(HaplyFaults, RefusesCommands) {
+    survive(Fault::refuses, "another dialect");
+}
+TEST(HaplyFaults, ClosesConnections) {
+    survive(Fault::closes, "connecti");
+}
+TEST(HaplyFaults, AnswersLate) {
+    survive(Fault::late, "in time");
+}
+
+TEST(HaplyFaults, NeverAnswers) {
+    SimulatedService service({});
+    const auto device = open_haply(options_of(service));
+    ASSERT_TRUE(runs_well(*device, service));
+    const unsigned connections = service.connections();
+    service.set(Fault::never_answers);
+    const std::size_t before = service.received().size();
+    EXPECT_TRUE(loop_until(*device, [&](const Reading& reading, bool) { return reading.answer == Answer::failed; }));
+    // The command under way, one without force behind it, and nothing more until the connection is given up.
+    EXPECT_TRUE(loop_until(*device, [&](const Reading&, bool) { return service.connections() > connections; }));
+    std::size_t of_the_old = 0;
+    for (const Received& each : service.received())
+        of_the_old += each.connection == connections ? 1 : 0;
+    EXPECT_LE(of_the_old, before + 3);
+    EXPECT_TRUE(received_only_what_was_commanded(service));
+    EXPECT_TRUE(ends_without_force(service));
+    service.set(Fault::none);
+    EXPECT_TRUE(runs_well(*device, service));
+}
+
+/// The loop is silent, so that what is not asked for comes while no answer is owed.
+TEST(HaplyFaults, DropsWhatItDidNotAskFor) {
+    SimulatedService service({});
+    const auto device = open_haply(options_of(service));
+    ASSERT_TRUE(runs_well(*device, service));
+    service.set(Fault::unasked);
+    unsigned fresh = 0;
+    EXPECT_TRUE(wait_until([&] {
+        const Reading reading = device->read();
+        EXPECT_TRUE(reading.answer == Answer::failed || in_reach(reading.position));
+        fresh += reading.answer == Answer::fresh ? 1 : 0;
+        return fresh > 10;
+    }));
+    expect_said(device->complaint(), {"not asked for"});
+}
+
+/// One that comes while an answer is owed passes for it; those after it set the count right again.
+TEST(HaplyFaults, AnswersTooManyAndOutOfOrder) {
+    SimulatedService service({});
+    const auto device = open_haply(options_of(service));
+    ASSERT_TRUE(runs_well(*device, service));
+    service.set(Fault::older);
+    EXPECT_TRUE(runs_well(*device, service));
+    EXPECT_TRUE(loop_until(*device, [&](const Reading& reading, bool) {
+        EXPECT_TRUE(reading.answer == Answer::failed || in_reach(reading.position));
+        return device->complaint() != nullptr;
+    }));
+    expect_said(device->complaint(), {"not asked for"});
+    EXPECT_TRUE(received_only_what_was_commanded(service));
+}
+
+TEST(HaplyFaults, GoesAwayAndComesBack) {
+    SimulatedService service({});
+    const auto device = open_haply(options_of(service));
+    ASSERT_TRUE(runs_well(*device, service));
+    for (int time = 0; time < 2; ++time) {
+        service.go_away();
+        EXPECT_TRUE(loop_until(
+            *device, [](const Reading& reading, bool taken) { return reading.answer == Answer::failed && !taken; }));
+        for (int i = 0; i < 100; ++i)
+            EXPECT_TRUE(loop_until(*device, [](const Reading& reading, bool taken) {
+                EXPECT_EQ(reading.answer, Answer::failed);
+                EXPECT_FALSE(taken);
+                return true;
+            }));
+        service.come_back();
+        EXPECT_TRUE(runs_well(*device, service));
+    }
+    EXPECT_TRUE(received_only_what_was_commanded(service));
+}
+
+TEST(HaplyFaults, LeavesWhileTheServiceIsAway) {
+    SimulatedService service({});
+    auto device = open_haply(options_of(service));
+    ASSERT_TRUE(runs_well(*device, service));
+    service.go_away();
+    ASSERT_TRUE(loop_until(*device, [](const Reading&, bool taken) { return !taken; }));
+    device.reset(); // comes back at all
+    SUCCEED();
+}
+
+TEST(HaplyFaults, LeavesWhileTheServiceIsMute) {
+    SimulatedService service({});
+    auto device = open_haply(options_of(service));
+    ASSERT_TRUE(runs_well(*device, service));
+    service.set(Fault::never_answers);
+    const auto start = std::chrono::steady_clock::now();
+    device.reset();
+    EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(3));
+    EXPECT_TRUE(wait_until([&] { return ends_without_force(service); }));
+}
+
+TEST(HaplyFaults, ASecondDeviceInMidLoopIsLeftAlone) {
+    SimulatedService service({});
+    const auto device = open_haply(options_of(service));
+    ASSERT_TRUE(runs_well(*device, service));
+    service.set_devices({"04BA", "049D"});
+    EXPECT_TRUE(runs_well(*device, service));
+    service.go_away(); // the choice is not made anew
+    service.come_back();
+    EXPECT_TRUE(loop_until(*device, [&](const Reading& reading, bool) {
+        EXPECT_TRUE(reading.answer == Answer::failed || in_reach(reading.position));
+        return service.connections() == 3 && reading.answer == Answer::fresh;
+    }));
+    EXPECT_TRUE(received_only_what_was_commanded(service, "04BA"));
+}
+
+TEST(HaplyFaults, AnotherDeviceInItsPlaceIsNotTaken) {
+    SimulatedService service({});
+    const auto device = open_haply(options_of(service));
+    ASSERT_TRUE(runs_well(*device, service));
+    service.set_devices({"049D"});
+    service.go_away();
+    service.come_back();
+    const std::size_t before = service.received().size();
+    EXPECT_TRUE(wait_until([&] {
+        device->write(kPush);
+        return service.connections() >= 5;
+    }));
+    for (std::size_t i = before; i < service.received().size(); ++i)
+        EXPECT_EQ(service.received()[i].connection, 2u);
+    EXPECT_EQ(device->read().answer, Answer::failed);
+    expect_said(device->complaint(), {"does not list the device"});
+}
+
+} // namespace
+} // namespace forceshade::device::test

@@ -1,0 +1,188 @@
+// The haply back end with a service that is well: dialects, axes, devices to choose from, ways out.
+#include <csignal>
+
+#include <glm/common.hpp>
+
+#include "tests/device/haply_loop.h"
+
+namespace forceshade::device::test {
+namespace {
+
+TEST(Haply, ReadsPositionsAndDisplaysForces) {
+    SimulatedService service({});
+    const auto device = open_haply(options_of(service));
+    EXPECT_EQ(device->facts().name, "Inverse3 04BA");
+    EXPECT_EQ(device->facts().software, "Inverse Service 3.5.0.0");
+    EXPECT_EQ(device->facts().max_force, 4);
+    EXPECT_FALSE(device->facts().simulated);
+    EXPECT_TRUE(runs_well(*device, service));
+    glm::dvec3 low(1), high(-1);
+    EXPECT_TRUE(loop_until(*device, [&](const Reading& reading, bool) {
+        if (reading.answer == Answer::failed)
+            return false;
+        EXPECT_TRUE(in_reach(reading.position));
+        low = glm::min(low, reading.position);
+        high = glm::max(high, reading.position);
+        return high.z - low.z > 0.03; // half of its swing
+    }));
+    EXPECT_TRUE(received_only_what_was_commanded(service));
+}
+
+TEST(Haply, SpeaksTheOldDialectToAnOldService) {
+    ServiceScript script;
+    script.speaks_vector = false;
+    script.version = "3.1.1";
+    SimulatedService service(script);
+    const auto device = open_haply(options_of(service));
+    EXPECT_TRUE(runs_well(*device, service));
+    EXPECT_TRUE(received_only_what_was_commanded(service));
+}
+
+TEST(Haply, TheDialectCanBeStated) {
+    ServiceScript script;
+    script.speaks_vector = false;
+    script.version = ""; // would be taken for 3.5
+    SimulatedService service(script);
+    HaplyOptions options = options_of(service);
+    options.dialect = HaplyOptions::Dialect::values;
+    const auto device = open_haply(options);
+    EXPECT_EQ(device->facts().software, "Inverse Service (version not told)");
+    EXPECT_TRUE(runs_well(*device, service));
+    EXPECT_TRUE(received_only_what_was_commanded(service));
+}
+
+TEST(Haply, AServiceOfNoVersionIsSpokenToAsThreePointFive) {
+    ServiceScript script;
+    script.version = "";
+    SimulatedService service(script);
+    const auto device = open_haply(options_of(service));
+    EXPECT_TRUE(runs_well(*device, service));
+    EXPECT_TRUE(received_only_what_was_commanded(service));
+}
+
+TEST(Haply, FollowsTheServicesAxes) {
+    ServiceScript script;
+    script.basis = "Z-XY";
+    SimulatedService service(script);
+    const auto device = open_haply(options_of(service));
+    EXPECT_TRUE(runs_well(*device, service));
+    EXPECT_TRUE(loop_until(*device, [&](const Reading& reading, bool) {
+        return reading.answer == Answer::fresh && in_reach(reading.position);
+    }));
+    EXPECT_TRUE(received_only_what_was_commanded(service));
+}
+
+TEST(Haply, OneOfSeveralDevicesMustBeChosen) {
+    ServiceScript script;
+    script.devices = {"04BA", "049D"};
+    SimulatedService service(script);
+    HaplyOptions options = options_of(service);
+    try {
+        open_haply(options);
+        FAIL() << "took one of two";
+    } catch (const UsageError& error) {
+        const std::string text = error.what();
+        EXPECT_NE(text.find("04BA, 049D"), std::string::npos) << text;
+        EXPECT_NE(text.find("?device=04BA"), std::string::npos) << text;
+    }
+    options.device_id = "04BA";
+    const auto device = open_haply(options);
+    EXPECT_TRUE(runs_well(*device, service));
+    EXPECT_TRUE(received_only_what_was_commanded(service, "04BA"));
+    options.device_id = "FFFF";
+    EXPECT_THROW(open_haply(options), DeviceAbsent);
+}
+
+TEST(Haply, LooksWithoutSendingAForce) {
+    ServiceScript script;
+    script.devices = {"04BA", "049D"};
+    SimulatedService service(script);
+    const HaplyFinding finding = look_for_haply(service.url());
+    EXPECT_EQ(finding.problem, "");
+    EXPECT_EQ(finding.version, "3.5.0.0");
+    ASSERT_EQ(finding.devices.size(), 2u);
+    EXPECT_EQ(finding.devices[1].id, "049D");
+    EXPECT_EQ(finding.devices[1].type, "inverse3");
+    EXPECT_EQ(finding.devices[1].status, "calibrated, not in use, power supply, ready");
+    EXPECT_TRUE(wait_until([&] { return service.farewells() == 1; }));
+    EXPECT_TRUE(service.received().empty());
+}
+
+TEST(Haply, TakesLeavePolitelyWithoutForce) {
+    SimulatedService service({});
+    auto device = open_haply(options_of(service));
+    ASSERT_TRUE(wait_until([&] { return service.farewells() == 1; })); // of the look before
+    ASSERT_TRUE(runs_well(*device, service));
+    device.reset();
+    EXPECT_TRUE(wait_until([&] { return service.open() == 0; }));
+    EXPECT_EQ(service.farewells(), 2u);
+    EXPECT_TRUE(ends_without_force(service));
+    EXPECT_TRUE(received_only_what_was_commanded(service));
+}
+
+TEST(Haply, HaltsForGood) {
+    SimulatedService service({});
+    const auto device = open_haply(options_of(service));
+    ASSERT_TRUE(runs_well(*device, service));
+    device->halt();
+    device->halt();
+    for (int i = 0; i < 100; ++i) {
+        EXPECT_FALSE(device->write(kPush));
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    EXPECT_EQ(device->read().answer, Answer::failed);
+    EXPECT_TRUE(wait_until([&] { return service.open() == 0; }));
+    EXPECT_TRUE(ends_without_force(service));
+    const unsigned connections = service.connections();
+    std::this_thread::sleep_for(std::chrono::milliseconds(300));
+    EXPECT_EQ(service.connections(), connections); // does not come back
+}
+
+BackEnd* halted_by_signal = nullptr;
+
+TEST(Haply, HaltsFromASignalHandler) {
+    SimulatedService service({});
+    const auto device = open_haply(options_of(service));
+    ASSERT_TRUE(runs_well(*device, service));
+    halted_by_signal = device.get();
+    struct sigaction action {};
+    struct sigaction before {};
+    action.sa_handler = [](int) { halted_by_signal->halt(); };
+    sigaction(SIGUSR1, &action, &before);
+    const bool refused = loop_until(*device, [count = 0](const Reading&, bool taken) mutable {
+        if (++count == 50)
+            raise(SIGUSR1);
+        return !taken;
+    });
+    sigaction(SIGUSR1, &before, nullptr);
+    EXPECT_TRUE(refused);
+    EXPECT_TRUE(wait_until([&] { return service.open() == 0; }));
+    EXPECT_TRUE(ends_without_force(service));
+}
+
+TEST(Haply, ALoopThatStopsLeavesNoForce) {
+    SimulatedService service({});
+    const auto device = open_haply(options_of(service));
+    ASSERT_TRUE(runs_well(*device, service)); // and is not heard of any more
+    EXPECT_TRUE(wait_until([&] { return ends_without_force(service); }));
+    std::this_thread::sleep_for(std::chrono::milliseconds(200));
+    EXPECT_TRUE(ends_without_force(service));
+    EXPECT_TRUE(runs_well(*device, service)); // until it goes on
+}
+
+TEST(Haply, AForceThatIsNoNumberIsNone) {
+    SimulatedService service({});
+    const auto device = open_haply(options_of(service));
+    ASSERT_TRUE(runs_well(*device, service));
+    const std::size_t before = service.received().size();
+    const double nan = std::numeric_limits<double>::quiet_NaN();
+    ASSERT_TRUE(wait_until([&] {
+        device->write({nan, 0, std::numeric_limits<double>::infinity()});
+        return service.received().size() > before + 20;
+    }));
+    EXPECT_TRUE(received_only_what_was_commanded(service));
+    EXPECT_TRUE(ends_without_force(service));
+}
+
+} // namespace
+} // namespace forceshade::device::test

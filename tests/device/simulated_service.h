@@ -1,0 +1,87 @@
+// An Inverse Service for tests: speaks both dialects over a real socket, remembers every force, and fails on demand.
+#pragma once
+
+#include <chrono>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <glm/vec3.hpp>
+
+namespace forceshade::device::test {
+
+/// What a service does wrong, from the moment it is told to.
+enum class Fault {
+    none,
+    no_inventory,  // takes up connections and says nothing
+    never_answers, // reads commands, answers none
+    late,          // answers after `delay`
+    unasked,       // after each answer, a state that nobody asked for, of a place far off
+    older,         // after each answer, a state that nobody asked for, from half a second before
+    not_json,      // answers with text that is none
+    wrong_types,   // JSON of another shape
+    huge,          // an answer of several MiB
+    deep,          // an answer of half a million brackets
+    nan,           // "x": NaN
+    null,          // "x": null
+    text,          // "x": "0.1"
+    missing,       // no "x"
+    infinite,      // "x": 1e999
+    far,           // "x": 1e30
+    no_state,      // the device without a state
+    empty,         // no devices any more
+    refuses,       // answers {"ok": false, "error": ...} to every command
+    no_websocket,  // an HTTP server that is nothing else
+    no_http,       // answers what is not even HTTP
+    closes,        // closes each connection at its first command
+};
+
+/// Throws std::invalid_argument for what is no name of one.
+Fault fault_named(const std::string& name);
+
+struct ServiceScript {
+    unsigned short port = 0;       // 0: any that is free
+    bool speaks_vector = true;     // false: 3.1's `values`
+    std::string version = "3.5.0"; // empty: GET /version is not known
+    std::string basis = "XYZ";     // in which positions are told and forces read
+    std::vector<std::string> devices{"04BA"};
+    std::chrono::milliseconds delay{250}; // of Fault::late
+    Fault fault = Fault::none;
+    glm::dvec3 center{0, -0.1, 0.15};       /* m: the first device swings about it; others are far off */
+    glm::dvec3 amplitude{0.01, 0.02, 0.03}; /* m */
+    double frequency = 1;                   /* Hz */
+};
+
+struct Received {
+    std::chrono::steady_clock::time_point time;
+    std::string device_id;
+    glm::dvec3 force{0};     /* N, in the world's axes */
+    bool understood = true;  // in the service's dialect: only then is there a force
+    unsigned connection = 0; // from 1 on
+};
+
+/// Runs on a thread of its own until it is destroyed. All from any thread.
+class SimulatedService {
+public:
+    explicit SimulatedService(ServiceScript script);
+    ~SimulatedService();
+
+    unsigned short port() const;
+    std::string url() const; // ws://127.0.0.1:PORT
+
+    void set(Fault fault);
+    void set_devices(std::vector<std::string> devices);
+    void go_away();   // closes all connections without a word, listens no more
+    void come_back(); // at the same port
+
+    std::vector<Received> received() const;
+    unsigned connections() const; // taken up so far, as WebSockets
+    unsigned open() const;        // of them
+    unsigned farewells() const;   // of them closed politely
+
+private:
+    class Inside;
+    std::unique_ptr<Inside> inside_;
+};
+
+} // namespace forceshade::device::test
