@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "device/dhd/dhd.h"
+#include "device/haply/haply.h"
 #include "device/hd/hd.h"
 #include "device/replay/replay.h"
 #include "device/sim/sim.h"
@@ -42,6 +43,8 @@ OpenDevice open_device(const std::string& name, const PreparedCase& prepared, st
         return open_sim(prepared, rate);
     if (kind == "replay")
         return open_replay(further);
+    if (kind == "haply")
+        return {open_haply(parse_haply(further)), kUsualRate};
     if (kind == "dhd")
         return {open_dhd(further), kUsualRate};
     if (kind == "hd")
