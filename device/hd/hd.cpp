@@ -132,6 +132,7 @@ private:
     Servo servo_;
     Schedule schedule_;
     glm::dvec3 position_{0};
+    bool told_ = true; // the newest frame had a position
 };
 
 DeviceFacts Hd::learn() const {
@@ -209,12 +210,16 @@ void Hd::await_position() {
     position_ = at;
 }
 
+// Until a frame has a position again, that it had none is the newest there is to know.
 Reading Hd::read() noexcept {
     Servo::Frame frame;
-    if (!servo_.take(frame))
-        return {Answer::held, position_, false};
-    if (!frame.told)
+    const bool fresh = servo_.take(frame);
+    if (fresh)
+        told_ = frame.told;
+    if (!told_ || (!fresh && !servo_.runs()))
         return {Answer::failed, position_, false};
+    if (!fresh)
+        return {Answer::held, position_, false};
     position_ = frame.position;
     return {Answer::fresh, position_, false};
 }

@@ -16,14 +16,16 @@ std::int64_t clock_now() noexcept {
 
 } // namespace
 
+bool Servo::runs() noexcept {
+    if (clock_now() - called_ <= kSilence)
+        return true;
+    complaint_ = "the OpenHaptics scheduler does not run any more";
+    return false;
+}
+
 bool Servo::put(const glm::dvec3& force) noexcept {
-    const std::int64_t now = clock_now();
-    commands_.put({force, now});
-    if (now - called_ > kSilence) {
-        complaint_ = "the OpenHaptics scheduler does not run any more";
-        return false;
-    }
-    return displayed_;
+    commands_.put({force, clock_now()});
+    return runs() && displayed_;
 }
 
 bool Servo::wait_for(const std::atomic<bool>& happened, int most) const noexcept {

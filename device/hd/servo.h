@@ -30,6 +30,9 @@ public:
     /// By the live thread: true and the newest frame, if there is one since the last.
     bool take(Frame& frame) noexcept { return frames_.take(frame); }
 
+    /// By the live thread: false, with a complaint, if the scheduler has not called for as long as kSilence.
+    bool runs() noexcept;
+
     /// By the live thread: displays a force (N, in the world) from the next frame on. False if the scheduler does not
     /// call any more, or the device refused the last one.
     bool put(const glm::dvec3& force) noexcept;

@@ -173,6 +173,8 @@ TEST_F(Hd, tells_of_calls_that_fail_in_mid_loop_and_goes_on_when_they_do) {
         EXPECT_TRUE(displays(*device, stub_, {0, 0, 1}, {0, 1, 0})) << call;
         stub_.fail(call);
         EXPECT_TRUE(read(Answer::failed)) << call;
+        for (int i = 0; i < 20; ++i) // between frames too
+            EXPECT_EQ(device->read().answer, Answer::failed) << call;
         EXPECT_TRUE(displays(*device, stub_, {0, 0, 1}, {0, 0, 0})) << call << ": no position, no force";
         EXPECT_NE(device->complaint(), nullptr);
         stub_.fail(call, 1, 0);
@@ -200,6 +202,7 @@ TEST_F(Hd, tells_of_a_scheduler_that_stands_still) {
     EXPECT_TRUE(displays(*device, stub_, {0, 0, 1}, {0, 1, 0}));
     stub_.call<void(int)>("stub_freeze")(1);
     EXPECT_TRUE(comes_true([&] { return !device->write({0, 0, 1}); }));
+    EXPECT_TRUE(comes_true([&] { return device->read().answer == Answer::failed; }));
     expect_words(device->complaint(), {"scheduler"});
     stub_.call<void(int)>("stub_freeze")(0);
     EXPECT_TRUE(comes_true([&] { return device->write({0, 0, 1}); }));
