@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -56,6 +58,26 @@ std::string bar_of(std::uint64_t count, std::uint64_t most, std::size_t width) {
     return std::string(std::clamp<std::size_t>(static_cast<std::size_t>(std::lround(length)), 1, width), '#');
 }
 
+// Puts the shortest times, at most 1 % of each column, into one row; which one, 0 if there is nothing to gather.
+std::size_t gather_shortest(std::vector<Counts>& counts) {
+    std::size_t end = 0;
+    const auto few = [&](std::size_t row) {
+        return std::all_of(counts.begin(), counts.end(), [&](const Counts& one) {
+            const auto all = std::accumulate(one.begin(), one.end(), std::uint64_t(0));
+            return std::accumulate(one.begin(), one.begin() + static_cast<std::ptrdiff_t>(row) + 1, std::uint64_t(0)) <=
+                   all / 100;
+        });
+    };
+    while (end + 1 < kRows && few(end))
+        ++end;
+    if (end < 2)
+        return 0;
+    for (Counts& one : counts)
+        for (std::size_t row = 0; row + 1 < end; ++row)
+            one[end - 1] += std::exchange(one[row], 0);
+    return end - 1;
+}
+
 } // namespace
 
 std::vector<std::string> count_rows(std::span<const NamedTimes> columns) {
@@ -66,6 +88,7 @@ std::vector<std::string> count_rows(std::span<const NamedTimes> columns) {
     };
     for (const NamedTimes& column : columns)
         counts.push_back(counts_of(column.times));
+    const std::size_t shortest = gather_shortest(counts);
     for (std::size_t row = 0; row < kRows; ++row)
         if (any(row)) {
             first = std::min(first, row);
@@ -84,7 +107,9 @@ std::vector<std::string> count_rows(std::span<const NamedTimes> columns) {
                 lines.push_back(fmt::format("{:>{}}", "...", kLabel - 2));
             continue;
         }
-        std::string line = fmt::format("{:>{}}  ", label_of(row), kLabel - 2);
+        std::string line = fmt::format(
+            "{:>{}}  ", shortest > 0 && row == shortest ? "below " + time_text(begin_of(row + 1)) : label_of(row),
+            kLabel - 2);
         for (const Counts& one : counts) {
             const std::string count = one[row] > 0 ? fmt::format("{}", one[row]) : "";
             const std::string bar = bar_of(one[row], *std::max_element(one.begin(), one.end()), width);

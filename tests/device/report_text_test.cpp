@@ -99,6 +99,21 @@ TEST(CountRows, one_of_many_is_seen_and_two_columns_share_their_rows) {
     EXPECT_TRUE(count_rows({}).empty());
 }
 
+TEST(CountRows, the_shortest_times_share_a_row_while_they_are_few) {
+    Histogram times;
+    for (const std::int64_t time : {0, 3, 7, 12, 25, 60}) // 6 of 400 are more than 1 %
+        times.add(time);
+    for (int i = 0; i < 394; ++i)
+        times.add(1500);
+    const NamedTimes column{"jitter", times};
+    const std::vector<std::string> rows = count_rows({&column, 1});
+    ASSERT_EQ(rows.size(), 6u);
+    EXPECT_TRUE(says(rows[1], "     below 20 ns  # 4")) << rows[1];
+    EXPECT_TRUE(says(rows[2], "20 ns to  50 ns  # 1"));
+    EXPECT_TRUE(says(rows[3], "50 ns to 100 ns  # 1"));
+    EXPECT_TRUE(says(rows[5], "394"));
+}
+
 TEST(ReportText, fits_a_terminal_whatever_it_is_told) {
     for (const auto& [file, outcome] : cases()) {
         const std::string text = report_text(outcome);
