@@ -73,9 +73,8 @@ std::string state_of(const LoopStatus& status) {
 class Session {
 public:
     explicit Session(const SessionOptions& options)
-        : options_(options), line_(options.quiet), prepared_(options.read()), quiet_(std::in_place),
-          device_(open_device(options.device, prepared_, options.rate)), back_end_(*device_.back_end),
-          watch_(options.scene, options.read) {
+        : options_(options), line_(options.quiet), prepared_(options.read()), quiet_(std::in_place), device_(opened()),
+          back_end_(*device_.back_end), watch_(options.scene, options.read) {
         settings_.rate = checked_rate(options.rate.value_or(device_.rate));
         settings_.real_time = options.real_time;
         settings_.patience = options.patience;
@@ -115,6 +114,12 @@ public:
     }
 
 private:
+    OpenDevice opened() const {
+        OpenDevice device = open_device(options_.device, prepared_, options_.rate);
+        device.back_end = place_device(std::move(device.back_end), options_.placement, options_.patience);
+        return device;
+    }
+
     SafetyLimits limits() {
         SafetyLimits limits = options_.limits;
         const DeviceFacts& facts = back_end_.facts();

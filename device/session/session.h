@@ -9,6 +9,7 @@
 
 #include "device/loop/live_loop.h"
 #include "device/report/outcome.h"
+#include "device/session/placed_device.h"
 #include "host/field/prepared_case.h"
 
 namespace forceshade::device {

@@ -29,7 +29,7 @@ struct LiveArguments {
     std::string scene, device = "sim", log, report;
     std::string rate, duration, patience;
     std::string max_force, slew, ramp, contact_ramp, max_speed, stale, damping;
-    std::vector<std::string> workspace;
+    std::vector<std::string> workspace, origin;
     std::optional<double> watchdog;
     std::optional<int> cpu;
     bool fast = false, watch = false, overwrite = false, passivity = false;
@@ -51,6 +51,15 @@ std::optional<double> quantity(const std::string& flag, const std::string& text,
     if (!(value > 0) && !(may_be_zero && value == 0))
         throw UsageError(fmt::format("{} must be {}, got {}", flag, may_be_zero ? "zero or more" : "positive", text));
     return value;
+}
+
+// m, of either sign.
+double length(const std::string& flag, const std::string& text) {
+    try {
+        return parse_quantity(text, Dimension::length);
+    } catch (const UsageError& error) {
+        throw UsageError(fmt::format("{}: {}", flag, error.what()));
+    }
 }
 
 void take_limits(const LiveArguments& arguments, device::SessionOptions& options) {
@@ -87,12 +96,24 @@ void take_workspace(const LiveArguments& arguments, device::SessionOptions& opti
             "m\" \"0.1 m\" \"0.1 m\" \"0.1 m\"; or none");
     std::array<double, 6> ends{};
     for (std::size_t i = 0; i < 6; ++i)
-        ends[i] = parse_quantity(arguments.workspace[i], Dimension::length);
+        ends[i] = length("--workspace", arguments.workspace[i]);
     for (std::size_t i = 0; i < 3; ++i)
         if (!(ends[i] < ends[i + 3]))
             throw UsageError(
                 fmt::format("--workspace: {} is not below {}", arguments.workspace[i], arguments.workspace[i + 3]));
     options.workspace.emplace(glm::dvec3(ends[0], ends[1], ends[2]), glm::dvec3(ends[3], ends[4], ends[5]));
+}
+
+void take_origin(const LiveArguments& arguments, device::SessionOptions& options) {
+    const std::vector<std::string>& origin = arguments.origin;
+    options.placement.here = origin.size() == 1 && origin.front() == "here";
+    if (origin.empty() || options.placement.here)
+        return;
+    if (origin.size() != 3)
+        throw UsageError("--origin: x, y and z in the device's space, as in --origin \"0 m\" \"-0.15 m\" \"0.2 m\"; or "
+                         "here");
+    for (std::size_t i = 0; i < 3; ++i)
+        options.placement.origin[static_cast<int>(i)] = length("--origin", origin[i]);
 }
 
 // A live loop goes in double precision unless somebody says otherwise.
@@ -152,6 +173,7 @@ int run(const LiveArguments& arguments, const CommonOptions& common) {
     options.quiet = common.quiet;
     take_limits(arguments, options);
     take_workspace(arguments, options);
+    take_origin(arguments, options);
     print_warnings(warnings, common);
     const device::SessionResult result = device::run_session(options);
     if (!common.quiet)
@@ -209,6 +231,11 @@ void add_live_command(CLI::App& program, const CommonOptions& common, Command& c
         "--device", arguments->device,
         "sim (default: the hand and device of [hand], along [paths] or strokes that press 1 N), "
         "replay:FILE.csv, haply[:URL], dhd[:INDEX] or hd[:NAME]; forceshade devices tells what is there");
+    command
+        ->add_option("--origin", arguments->origin,
+                     "where the scene's origin lies in the device's space: x y z, or here: where the probe is at the "
+                     "start (default: at the device's)")
+        ->expected(1, 3);
     command->add_option("--rate", arguments->rate,
                         "100 Hz to 10 kHz; default: the scene's paths.rate, a recording's own, else \"1 kHz\"");
     command->add_option("--duration", arguments->duration, "ends after it (\"60 s\"); default: until Ctrl-C");
