@@ -18,6 +18,7 @@ struct SessionOptions {
     std::filesystem::path scene;        // its file
     std::function<PreparedCase()> read; // makes a case of it, in the precision of the run
     std::string device = "sim";         // as open_device() takes it
+    Placement placement;                // of the scene in the device\'s space
     std::optional<double> rate;         /* Hz */
     std::optional<double> duration;     /* s; none: until the recording ends or somebody interrupts */
     bool real_time = true;              // false: as fast as possible (sim and replay)
