@@ -1,4 +1,4 @@
-#include <array>
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <optional>
@@ -29,7 +29,7 @@ struct LiveArguments {
     std::string scene, device = "sim", log, report;
     std::string rate, duration, patience;
     std::string max_force, slew, ramp, contact_ramp, max_speed, stale, damping;
-    std::vector<std::string> workspace, origin;
+    std::string workspace, origin;
     std::optional<double> watchdog;
     std::optional<int> cpu;
     bool fast = false, watch = false, overwrite = false, passivity = false;
@@ -83,37 +83,47 @@ void take_limits(const LiveArguments& arguments, device::SessionOptions& options
         throw UsageError("--damping is the passivity controller's: say --passivity, too");
 }
 
+// "0 m, -0.15 m, 0.2 m" as lengths in m; `count` of them.
+std::vector<double> lengths(const std::string& flag, const std::string& text, std::size_t count,
+                            const std::string& example) {
+    std::vector<double> values;
+    for (std::size_t begin = 0; begin <= text.size();) {
+        const std::size_t end = std::min(text.find(',', begin), text.size());
+        std::string part = text.substr(begin, end - begin);
+        part.erase(0, part.find_first_not_of(' '));
+        part.erase(part.find_last_not_of(' ') + 1);
+        values.push_back(length(flag, part));
+        begin = end + 1;
+    }
+    if (values.size() != count)
+        throw UsageError(fmt::format("{}: {} lengths are wanted, got {}, as in {} \"{}\"", flag, count, values.size(),
+                                     flag, example));
+    return values;
+}
+
 void take_workspace(const LiveArguments& arguments, device::SessionOptions& options) {
     if (arguments.workspace.empty())
         return;
-    if (arguments.workspace.size() == 1 && arguments.workspace.front() == kNone) {
+    if (arguments.workspace == kNone) {
         options.workspace.emplace(glm::dvec3(-device::kUnknown), glm::dvec3(device::kUnknown));
         return;
     }
-    if (arguments.workspace.size() != 6)
-        throw UsageError(
-            "--workspace: lowest x, y, z and highest x, y, z, as in --workspace \"-0.1 m\" \"-0.1 m\" \"-0.1 "
-            "m\" \"0.1 m\" \"0.1 m\" \"0.1 m\"; or none");
-    std::array<double, 6> ends{};
-    for (std::size_t i = 0; i < 6; ++i)
-        ends[i] = length("--workspace", arguments.workspace[i]);
+    const std::vector<double> ends =
+        lengths("--workspace", arguments.workspace, 6, "-0.1 m, -0.1 m, -0.1 m, 0.1 m, 0.1 m, 0.1 m");
     for (std::size_t i = 0; i < 3; ++i)
         if (!(ends[i] < ends[i + 3]))
-            throw UsageError(
-                fmt::format("--workspace: {} is not below {}", arguments.workspace[i], arguments.workspace[i + 3]));
+            throw UsageError(fmt::format("--workspace: {} m is not below {} m; first the lowest x, y and z, then the "
+                                         "highest",
+                                         ends[i], ends[i + 3]));
     options.workspace.emplace(glm::dvec3(ends[0], ends[1], ends[2]), glm::dvec3(ends[3], ends[4], ends[5]));
 }
 
 void take_origin(const LiveArguments& arguments, device::SessionOptions& options) {
-    const std::vector<std::string>& origin = arguments.origin;
-    options.placement.here = origin.size() == 1 && origin.front() == "here";
-    if (origin.empty() || options.placement.here)
+    options.placement.here = arguments.origin == "here";
+    if (arguments.origin.empty() || options.placement.here)
         return;
-    if (origin.size() != 3)
-        throw UsageError("--origin: x, y and z in the device's space, as in --origin \"0 m\" \"-0.15 m\" \"0.2 m\"; or "
-                         "here");
-    for (std::size_t i = 0; i < 3; ++i)
-        options.placement.origin[static_cast<int>(i)] = length("--origin", origin[i]);
+    const std::vector<double> origin = lengths("--origin", arguments.origin, 3, "0 m, -0.15 m, 0.2 m");
+    options.placement.origin = {origin[0], origin[1], origin[2]};
 }
 
 // A live loop goes in double precision unless somebody says otherwise.
@@ -210,8 +220,8 @@ void add_safety_options(CLI::App& command, LiveArguments& arguments) {
         ->group(group);
     command
         .add_option("--workspace", arguments.workspace,
-                    "no force outside of lowest x, y, z and highest x, y, z (default: the device's)")
-        ->expected(1, 6)
+                    "no force outside of lowest x, y, z and highest x, y, z, six lengths between commas (default: "
+                    "the device's)")
         ->group(group);
     command
         .add_flag("--passivity", arguments.passivity,
