@@ -241,11 +241,10 @@ void add_live_command(CLI::App& program, const CommonOptions& common, Command& c
         "--device", arguments->device,
         "sim (default: the hand and device of [hand], along [paths] or strokes that press 1 N), "
         "replay:FILE.csv, haply[:URL], dhd[:INDEX] or hd[:NAME]; forceshade devices tells what is there");
-    command
-        ->add_option("--origin", arguments->origin,
-                     "where the scene's origin lies in the device's space: x y z, or here: where the probe is at the "
-                     "start (default: at the device's)")
-        ->expected(1, 3);
+    command->add_option(
+        "--origin", arguments->origin,
+        "where the scene's origin lies in the device's space: \"X, Y, Z\" with units, or here: where the "
+        "probe is at the start (default: at the device's)");
     command->add_option("--rate", arguments->rate,
                         "100 Hz to 10 kHz; default: the scene's paths.rate, a recording's own, else \"1 kHz\"");
     command->add_option("--duration", arguments->duration, "ends after it (\"60 s\"); default: until Ctrl-C");
