@@ -4,15 +4,11 @@
 #include <optional>
 #include <type_traits>
 
-#include <boost/asio/connect.hpp>
-#include <boost/asio/io_context.hpp>
 #include <boost/asio/posix/stream_descriptor.hpp>
 #include <boost/asio/steady_timer.hpp>
-#include <boost/beast/core.hpp>
-#include <boost/beast/websocket.hpp>
 
 #include "device/haply/axes.h"
-#include "device/haply/line_trouble.h"
+#include "device/haply/line.h"
 #include "device/haply/lock_step.h"
 #include "device/haply/protocol.h"
 
@@ -20,9 +16,7 @@ namespace forceshade::device {
 namespace {
 
 namespace asio = boost::asio;
-namespace beast = boost::beast;
-namespace websocket = beast::websocket;
-using Tcp = asio::ip::tcp;
+namespace websocket = boost::beast::websocket;
 using ErrorCode = boost::system::error_code;
 using std::chrono::milliseconds;
 using std::chrono::steady_clock;
@@ -41,15 +35,6 @@ constexpr const char* kNotListed = "the Inverse Service does not list the device
 constexpr const char* kStrange = "the Inverse Service names the device's axes in a way that is not known";
 constexpr const char* kUnasked = "the Inverse Service sent a state that was not asked for; it was dropped";
 constexpr const char* kBroken = "the thread that talks to the Inverse Service failed";
-
-/// One connection. Its handlers hold it, so that it outlives being replaced.
-struct Line {
-    explicit Line(asio::io_context& io) : socket(io) {}
-    websocket::stream<beast::tcp_stream> socket;
-    beast::flat_buffer received;
-    std::string command;
-    bool writing = false;
-};
 
 class Link {
 public:
@@ -126,29 +111,9 @@ private:
         step_.reset();
         late_ = false;
         const LinePointer line = line_ = std::make_shared<Line>(io_);
-        line->socket.read_message_max(kLongestMessage);
         arm(limit_, options_.wait, [this] { lose(kMute); });
-        resolver_.async_resolve(options_.address.host, options_.address.port,
-                                on(line, kAway, [this, line](const Tcp::resolver::results_type& places) {
-                                    line->socket.next_layer().async_connect(
-                                        places, on(line, kAway, [this, line] { greet(line); }));
-                                }));
-    }
-
-    void greet(const LinePointer& line) {
-        ErrorCode ignored;
-        line->socket.next_layer().socket().set_option(Tcp::no_delay(true), ignored);
-        line->socket.async_handshake(options_.address.host_field(), options_.address.path, on(line, kClosed, [=, this] {
-                                         line->socket.async_read(line->received, on(line, kClosed, [=, this] {
-                                                                     begin(line, take_text(*line));
-                                                                 }));
-                                     }));
-    }
-
-    static std::string take_text(Line& line) {
-        std::string text(static_cast<const char*>(line.received.data().data()), line.received.size());
-        line.received.consume(line.received.size());
-        return text;
+        line->dial(options_.address,
+                   on(line, kAway, [this, line](const std::string& inventory) { begin(line, inventory); }));
     }
 
     void begin(const LinePointer& line, const std::string& inventory) {
@@ -165,7 +130,7 @@ private:
         axes_ = *axes;
         limit_.cancel();
         phase_ = Phase::running;
-        exchange_.lend_line(line->socket.next_layer().socket().native_handle());
+        exchange_.lend_line(line->descriptor());
         exchange_.there = true;
         hear(line);
         send(glm::dvec3(0));
@@ -214,7 +179,7 @@ private:
 
     void hear(const LinePointer& line) {
         line->socket.async_read(line->received, on(line, kClosed, [this, line] {
-                                    const std::string text = take_text(*line);
+                                    const std::string text = line->take_text();
                                     const LockStep::Kind kind = step_.answered();
                                     if (phase_ == Phase::leaving)
                                         return said_ && step_.owed() == 0 ? hang_up() : hear(line);
@@ -248,10 +213,7 @@ private:
         exchange_.lend_line(-1);
         if (line_ == nullptr)
             return;
-        ErrorCode ignored;
-        Tcp::socket& socket = line_->socket.next_layer().socket();
-        socket.shutdown(Tcp::socket::shutdown_both, ignored);
-        socket.close(ignored);
+        line_->close();
         line_.reset();
     }
 
@@ -260,7 +222,6 @@ private:
             return finish();
         exchange_.complaint = complaint;
         drop_line();
-        resolver_.cancel();
         limit_.cancel();
         answer_.cancel();
         phase_ = Phase::connecting;
@@ -301,7 +262,6 @@ private:
     const LinkOptions& options_;
     asio::io_context io_{1};
     asio::posix::stream_descriptor wake_{io_};
-    Tcp::resolver resolver_{io_};
     asio::steady_timer limit_{io_}, answer_{io_}, silence_{io_}, retry_{io_};
     LinePointer line_;
     LockStep step_;
