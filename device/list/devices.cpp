@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "device/dhd/dhd.h"
+#include "device/haply/haply.h"
 #include "device/hd/hd.h"
 
 namespace forceshade::device {
@@ -14,6 +15,26 @@ DeviceKind sim() {
 
 DeviceKind replay() {
     return {"replay:FILE", "recorded positions in place of a device", {"replay:FILE"}, {}, {}, {}, {}};
+}
+
+void look_for_service(DeviceKind& kind, const std::string& url, double wait) {
+    const HaplyFinding found = look_for_haply(url, wait);
+    kind.place = url;
+    if (!found.problem.empty()) {
+        kind.problem = fmt::format("no Inverse Service: {}. Install and start the Inverse Service 3.x (haply.co); one "
+                                   "elsewhere is asked for as haply:ws://HOST:PORT",
+                                   found.problem);
+        return;
+    }
+    kind.software = "Inverse Service" + (found.version.empty() ? " of unknown version" : " " + found.version);
+    std::vector<std::string> names;
+    for (const HaplyDevice& device : found.devices) {
+        kind.devices.push_back(fmt::format("haply:{}?device={}", url == HaplyOptions{}.url ? "" : url, device.id));
+        names.push_back(fmt::format("{} {} ({})", device.type, device.id, device.status));
+    }
+    kind.name = fmt::format("{}", fmt::join(names, ", "));
+    if (found.devices.empty())
+        kind.problem = "the service lists no device: plug one in and switch it on (Haply Hub shows it)";
 }
 
 void look_for_dhd(DeviceKind& kind) {
@@ -50,8 +71,10 @@ template <typename Look> DeviceKind kind_of(std::string option, std::string what
 
 } // namespace
 
-std::vector<DeviceKind> list_devices([[maybe_unused]] double wait) {
+std::vector<DeviceKind> list_devices(const std::string& service, double wait) {
+    const std::string url = service.empty() ? HaplyOptions{}.url : service;
     return {sim(), replay(),
+            kind_of("haply[:URL]", "Haply Inverse3", [&](DeviceKind& kind) { look_for_service(kind, url, wait); }),
             kind_of("dhd[:INDEX]", "Force Dimension omega, delta, sigma, lambda; Novint Falcon", look_for_dhd),
             kind_of("hd[:NAME]", "3D Systems Touch, Touch X, Phantom", look_for_hd)};
 }

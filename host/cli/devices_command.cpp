@@ -27,8 +27,8 @@ std::string as_text(const std::vector<DeviceKind>& kinds) {
     std::string text;
     for (const DeviceKind& kind : kinds) {
         text += fmt::format("{:<12} {}\n", kind.option, kind.what);
-        if (!kind.software.empty())
-            text += fmt::format("   {}{}\n", kind.software, kind.place.empty() ? "" : ", " + kind.place);
+        if (!kind.place.empty())
+            text += fmt::format("   {}{}{}\n", kind.software, kind.software.empty() ? "" : ", ", kind.place);
         if (!kind.devices.empty())
             text += fmt::format("   there: --device {}{}\n", fmt::join(kind.devices, ", "),
                                 kind.name.empty() ? "" : ", " + kind.name);

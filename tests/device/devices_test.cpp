@@ -1,12 +1,13 @@
 // What the list of devices says of stubs of the vendors' libraries, and of none.
 #include "device/list/devices.h"
+#include "tests/device/simulated_service.h"
 #include "tests/device/stub_library.h"
 
 namespace forceshade::device::testing {
 namespace {
 
 DeviceKind kind(const std::string& option) {
-    for (const DeviceKind& one : list_devices(0.2))
+    for (const DeviceKind& one : list_devices({}, 0.2))
         if (one.option == option)
             return one;
     ADD_FAILURE() << "no " << option;
@@ -55,6 +56,28 @@ TEST(Devices, whose_library_is_absent_are_told_with_how_to_install_it) {
     EXPECT_NE(kind("dhd[:INDEX]").problem.find("forcedimension.com"), std::string::npos);
     EXPECT_EQ(kind("dhd[:INDEX]").software, "");
     EXPECT_NE(kind("hd[:NAME]").problem.find("hdSetDoublev"), std::string::npos);
+}
+
+TEST(Devices, of_haply_are_asked_of_their_service) {
+    test::ServiceScript script;
+    script.devices = {"04BA", "049D"};
+    test::SimulatedService service(script);
+    DeviceKind found = list_devices(service.url())[2];
+    EXPECT_EQ(found.option, "haply[:URL]");
+    EXPECT_EQ(found.devices,
+              (Names{"haply:" + service.url() + "?device=04BA", "haply:" + service.url() + "?device=049D"}));
+    EXPECT_EQ(found.software, "Inverse Service 3.5.0.0");
+    EXPECT_EQ(found.place, service.url());
+    EXPECT_EQ(found.problem, "");
+    service.set_devices({});
+    found = list_devices(service.url())[2];
+    EXPECT_EQ(found.devices, Names{});
+    EXPECT_NE(found.problem.find("Haply Hub"), std::string::npos);
+    service.set(test::Fault::no_inventory);
+    EXPECT_NE(list_devices(service.url(), 0.2)[2].problem.find("Inverse Service 3.x"), std::string::npos);
+    service.go_away();
+    EXPECT_NE(list_devices(service.url())[2].problem.find("haply.co"), std::string::npos);
+    EXPECT_TRUE(service.received().empty()) << "no command is sent";
 }
 
 } // namespace

@@ -33,8 +33,9 @@ protected:
 
 TEST_F(Devices, are_listed_though_none_is_installed) {
     const std::string text = list({}).out;
-    for (const char* word : {"sim ", "replay:FILE", "dhd[:INDEX]", "hd[:NAME]", "there: --device sim", "libdhd.so",
-                             "libHD.so", "FORCESHADE_HD_LIBRARY", "LD_LIBRARY_PATH"})
+    for (const char* word :
+         {"sim ", "replay:FILE", "haply[:URL]", "ws://localhost:10001", "dhd[:INDEX]", "hd[:NAME]",
+          "there: --device sim", "libdhd.so", "libHD.so", "FORCESHADE_HD_LIBRARY", "LD_LIBRARY_PATH"})
         EXPECT_NE(text.find(word), std::string::npos) << word << " is not in: " << text;
     EXPECT_EQ(kind({}, "sim")["devices"], json::array({"sim"}));
     EXPECT_EQ(kind({}, "dhd[:INDEX]")["devices"], json::array());
