@@ -10,6 +10,7 @@
 
 #include "host/error.h"
 #include "host/io/file_error.h"
+#include "shaders/shared/layout.h"
 
 namespace forceshade::device {
 namespace {
@@ -17,7 +18,6 @@ namespace {
 constexpr std::size_t kText = std::size_t(1) << 18;   // bytes gathered before they are written
 constexpr std::size_t kAtOnce = 1024;                 // samples taken before their room is given back
 constexpr auto kPause = std::chrono::milliseconds(5); // between looks at an empty ring
-constexpr std::uint32_t kNoFacet = 0xFFFFFFFFu;       // layout::kNoFacet
 
 int create(const std::filesystem::path& file, bool replace) {
     const int flags = O_WRONLY | O_CREAT | O_CLOEXEC | (replace ? O_TRUNC : O_EXCL);
@@ -108,7 +108,7 @@ void LiveLog::add(const LiveSample& sample) {
     for (int i = 0; i < 3; ++i)
         real(sample.force[i]);
     real(sample.depth);
-    if (sample.facet == kNoFacet)
+    if (sample.facet == layout::kNoFacet)
         text_ += "-1,";
     else
         number(sample.facet);

@@ -1,12 +1,15 @@
 #include "device/loop/live_loop.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <utility>
 
 #include "device/loop/clock.h"
 #include "device/loop/permissions.h"
+#include "device/safety/magnitude.h"
+#include "shaders/shared/layout.h"
 
 namespace forceshade::device {
 namespace {
@@ -19,16 +22,11 @@ std::int32_t short_time(std::int64_t time) noexcept {
     return static_cast<std::int32_t>(std::clamp<std::int64_t>(time, 0, 2'147'483'647));
 }
 
-double size_of(const glm::dvec3& v) noexcept {
-    return std::sqrt(v.x * v.x + v.y * v.y + v.z * v.z);
-}
-
 void make_larger(double& largest, double value) noexcept {
     largest = value > largest ? value : largest;
 }
 
 constexpr double kBeyondAnyLimit = std::numeric_limits<double>::quiet_NaN(); // even if there is none
-constexpr std::uint32_t kNoFacet = 0xFFFFFFFFu;                              // layout::kNoFacet
 
 } // namespace
 
@@ -116,6 +114,8 @@ bool LiveLoop::take_position(Turn& turn) noexcept {
     if (laws_.take()) {
         laws_.present().begin_path();
         path_ += begun_ ? 1 : 0;
+        status_.law_path.store(path_, std::memory_order_relaxed);
+        status_.laws.fetch_add(1, std::memory_order_release);
     }
     const Reading reading = back_end_.read();
     const std::int64_t read = now();
@@ -149,10 +149,11 @@ void LiveLoop::feel(Turn& turn) noexcept {
     LiveSample& sample = turn.sample;
     const std::int64_t begin = now();
     LiveLaw& law = laws_.present();
-    const LiveContact felt =
-        law.reaches(probe_) ? law.at(probe_) : LiveContact{probe_, glm::dvec3(0), 0, kNoFacet, true}; // a new law's
+    const LiveContact felt = law.reaches(probe_)
+                                 ? law.at(probe_)
+                                 : LiveContact{probe_, glm::dvec3(0), 0, layout::kNoFacet, true}; // a new law's
     sample.happened |= felt.finished ? 0u : kUnfinished;
-    const bool contact = felt.facet != kNoFacet;
+    const bool contact = felt.facet != layout::kNoFacet;
     const glm::dvec3 force = safety_.passed(turn.now, felt.force, contact, sample.happened);
     const std::int64_t end = now();
     sample.computing = short_time(end - begin);
@@ -217,12 +218,12 @@ void LiveLoop::keep(Turn& turn) noexcept {
 void LiveLoop::count(const LiveSample& sample) noexcept {
     LoopCounts& counts = *counts_;
     ++counts.samples;
-    counts.in_contact += sample.facet != kNoFacet;
+    counts.in_contact += sample.facet != layout::kNoFacet;
     counts.paths = path_ + 1u;
     for (std::size_t i = 0; i < kHappenings.size(); ++i)
         counts.happened[i] += sample.happened >> i & 1u;
-    make_larger(counts.largest_force, size_of(sample.force));
-    make_larger(counts.largest_commanded, size_of(sample.commanded));
+    make_larger(counts.largest_force, magnitude(sample.force));
+    make_larger(counts.largest_commanded, magnitude(sample.commanded));
     make_larger(counts.largest_depth, sample.depth);
     make_larger(counts.largest_speed, safety_.speed());
     make_larger(counts.largest_energy, sample.energy);
@@ -233,14 +234,17 @@ void LiveLoop::count(const LiveSample& sample) noexcept {
 
 void LiveLoop::tell(const LiveSample& sample) noexcept {
     constexpr auto relaxed = std::memory_order_relaxed;
+    const auto counted = [&](Happening what) {
+        return counts_->happened[static_cast<std::size_t>(std::countr_zero(unsigned(what)))];
+    };
     status_.samples.store(counts_->samples, relaxed);
-    status_.overruns.store(counts_->happened[12], relaxed);
-    status_.own_overruns.store(counts_->happened[13], relaxed);
-    status_.clamped.store(counts_->happened[0], relaxed);
+    status_.overruns.store(counted(kOverrun), relaxed);
+    status_.own_overruns.store(counted(kOwnOverrun), relaxed);
+    status_.clamped.store(counted(kClamped), relaxed);
     status_.lost.store(counts_->lost, relaxed);
     status_.happened.store(sample.happened, relaxed);
     status_.seconds.store(sample.time, relaxed);
-    status_.force.store(size_of(sample.commanded), relaxed);
+    status_.force.store(magnitude(sample.commanded), relaxed);
     status_.depth.store(sample.depth, relaxed);
     status_.energy.store(sample.energy, relaxed);
 }

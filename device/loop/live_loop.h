@@ -28,7 +28,8 @@ enum class LoopEnd { running, done, stopped, recording_over, device_gone };
 /// What the loop tells while it runs; each number is the newest, together they need not be of one sample.
 struct LoopStatus {
     std::atomic<std::uint64_t> samples = 0, waiting = 0, overruns = 0, own_overruns = 0, clamped = 0, lost = 0;
-    std::atomic<std::uint32_t> happened = 0;                           // to the last sample
+    std::atomic<std::uint32_t> happened = 0;           // to the last sample
+    std::atomic<std::uint32_t> laws = 0, law_path = 0; // new ones that were taken, and the path that the last one began
     std::atomic<double> seconds = 0, force = 0, depth = 0, energy = 0; /* s, N commanded, m, J */
 };
 

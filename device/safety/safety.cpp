@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "device/safety/magnitude.h"
+
 namespace forceshade::device {
 namespace {
 
@@ -10,11 +12,6 @@ constexpr double kSpeedTime = 0.005; /* s: over which the speed is averaged, so 
 
 bool is_finite(const glm::dvec3& v) noexcept {
     return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
-}
-
-// As reference::commanded clamps.
-double size_of(const glm::dvec3& v) noexcept {
-    return std::sqrt(v.x * v.x + v.y * v.y + v.z * v.z);
 }
 
 bool is_within(const glm::dvec3& v, const glm::dvec3& low, const glm::dvec3& high) noexcept {
@@ -40,7 +37,7 @@ void Safety::follow(const Situation& now) noexcept {
         const double since = std::max(now.time - last_fresh_, 0.5 * period_);
         const glm::dvec3 speed = (now.probe - last_probe_) / since;
         speed_ += (since / (since + kSpeedTime)) * (speed - speed_);
-        speed_size_ = size_of(speed_);
+        speed_size_ = magnitude(speed_);
     }
     last_probe_ = now.probe;
     last_fresh_ = now.time;
@@ -104,13 +101,13 @@ glm::dvec3 Safety::passed(const Situation& now, const glm::dvec3& law, bool cont
         damped_ += damping.energy;
         happened |= damping.energy > 0 ? kDamped : 0u;
     }
-    const double size = size_of(force);
+    const double size = magnitude(force);
     if (!(size <= limits_.max_force)) {
         force = (limits_.max_force / size) * force;
         happened |= kClamped;
     }
     const glm::dvec3 change = force - shown_;
-    const double most = limits_.slew * step_, wanted = size_of(change);
+    const double most = limits_.slew * step_, wanted = magnitude(change);
     if (!(wanted <= most)) {
         force = shown_ + (most / wanted) * change;
         happened |= kSlewed;

@@ -159,12 +159,13 @@ private:
             remark(fmt::format("the scene stays as it was: {}", change.refusal));
             return;
         }
-        loop_->offer(std::move(change.law));
-        ++scenes_;
-        std::string said = fmt::format("{} was read again, {:.3f} s after the start",
-                                       options_.scene.filename().string(), loop_->status().seconds.load());
+        const std::optional<std::uint32_t> path = taken(std::move(change.law));
+        if (!path) // the loop has ended, or does not come round
+            return;
+        std::string said = fmt::format("{} was read again, path {} from {:.3f} s on",
+                                       options_.scene.filename().string(), *path, loop_->status().seconds.load());
         if (log_) {
-            const std::filesystem::path beside = fmt::format("{}.scene-{}.toml", stem().string(), scenes_);
+            const std::filesystem::path beside = fmt::format("{}.scene-{}.toml", stem().string(), *path);
             try {
                 write_file_atomically(beside, change.scene);
                 said += fmt::format("; kept as {}", beside.filename().string());
@@ -174,6 +175,18 @@ private:
         }
         remarks_.push_back(said);
         line_.say(said);
+    }
+
+    // The path that the law begins; none if the loop does not take it within a second.
+    std::optional<std::uint32_t> taken(std::unique_ptr<LiveLaw> law) {
+        const std::uint32_t before = loop_->status().laws.load(std::memory_order_acquire);
+        loop_->offer(std::move(law));
+        for (int i = 0; i < 1000 && loop_->end() == LoopEnd::running; ++i) {
+            if (loop_->status().laws.load(std::memory_order_acquire) != before)
+                return loop_->status().law_path.load();
+            std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        }
+        return std::nullopt;
     }
 
     std::filesystem::path stem() const { return options_.log.parent_path() / options_.log.stem(); }
@@ -251,7 +264,7 @@ private:
     std::optional<SampleRing> ring_;
     std::optional<LiveLog> log_;
     std::optional<LiveLoop> loop_; // before the log goes
-    int looks_ = 0, scenes_ = 0;
+    int looks_ = 0;
     Clock::time_point begun_ = Clock::now();
     double rate_ = 0, shown_seconds_ = 0; /* Hz, s */
     std::uint64_t shown_samples_ = 0;

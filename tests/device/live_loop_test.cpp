@@ -265,11 +265,20 @@ TEST(LiveLoop, ANewLawHoldsFromTheNextSampleOnAndBeginsAPath) {
     SampleRing ring(1 << 14);
     LiveLoop loop(device, make_live_law(prepared_scene(kPlane)), real_time(2000), &ring);
     loop.start();
+    const auto further = [&] {
+        const std::uint64_t from = loop.status().samples;
+        while (loop.status().samples < from + 10)
+            std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    };
     for (const char* const stiffness : {"2", "3", "4"}) {
-        std::this_thread::sleep_for(std::chrono::milliseconds(20));
+        further();
+        const std::uint32_t before = loop.status().laws;
         loop.offer(make_live_law(prepared_scene(std::string("[force]\nstiffness = \"") + stiffness + " N/mm\"\n")));
+        while (loop.status().laws == before)
+            std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        EXPECT_EQ(loop.status().law_path, before + 1);
     }
-    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    further();
     loop.stop();
     loop.join();
     std::uint32_t path = 0;
