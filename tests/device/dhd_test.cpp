@@ -56,8 +56,12 @@ TEST_F(Dhd, turns_its_axes_into_the_worlds) {
 }
 
 TEST_F(Dhd, is_refused_where_units_cannot_be_metres_and_newtons) {
-    stub_.place(30, 20, 10);
-    expect_words(refusal(), {"omega.3", "(30, 20, 10)", "metres"});
+    stub_.place(30, 0.02, 0.01);
+    expect_words(refusal(), {"omega.3", "(30, 0.02, 0.01)", "metres"});
+    stub_.place(0.03, -20, 0.01);
+    expect_words(refusal(), {"(0.03, -20, 0.01)"});
+    stub_.place(0.03, 0.02, 10);
+    expect_words(refusal(), {"(0.03, 0.02, 10)"});
     stub_.place(0.01, std::nan(""), 0.03);
     expect_words(refusal(), {"nan"});
     stub_.place(0.01, 0.02, 0.03);
@@ -65,7 +69,7 @@ TEST_F(Dhd, is_refused_where_units_cannot_be_metres_and_newtons) {
     expect_words(refusal(), {"8000 N", "200 N"});
     stub_.most_force(0.001);
     expect_words(refusal(), {"0.001 N"});
-    EXPECT_EQ(stub_.calls("dhdClose"), 4);
+    EXPECT_EQ(stub_.calls("dhdClose"), 6);
 }
 
 TEST_F(Dhd, is_chosen_by_its_index) {
@@ -211,6 +215,18 @@ TEST_F(Dhd, is_halted_while_another_thread_writes) {
         loop.join();
         EXPECT_EQ(stub_.force(), dvec3(0));
     }
+}
+
+TEST_F(Dhd, takes_back_a_force_that_was_on_its_way_when_it_was_halted) {
+    const auto device = open_dhd("");
+    stub_.fail("speed", 1, 1);
+    std::thread loop([&] { device->write({0, 0, 1}); });
+    while (stub_.calls("speed") == 0)
+        std::this_thread::yield();
+    device->halt();
+    loop.join();
+    EXPECT_GE(stub_.forces(), 1);
+    EXPECT_EQ(stub_.force(), dvec3(0));
 }
 
 TEST_F(Dhd, leaves_no_force_when_the_program_aborts) {

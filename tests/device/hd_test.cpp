@@ -110,10 +110,14 @@ TEST_F(Hd, is_refused_where_units_cannot_be_millimetres_and_newtons) {
     stub_.most_force(3.3);
     stub_.place(10, 5000, 10);
     expect_words(refusal(), {"(10, 5000, 10) mm", "3 m"});
+    stub_.place(5000, 10, 10);
+    expect_words(refusal(), {"(5000, 10, 10) mm"});
+    stub_.place(10, 10, -5000);
+    expect_words(refusal(), {"(10, 10, -5000) mm"});
     stub_.place(10, 20, std::nan(""));
     expect_words(refusal(), {"nan"});
-    EXPECT_EQ(stub_.calls("hdDisableDevice"), 6);
-    EXPECT_EQ(stub_.calls("hdStopScheduler"), 2);
+    EXPECT_EQ(stub_.calls("hdDisableDevice"), 8);
+    EXPECT_EQ(stub_.calls("hdStopScheduler"), 4);
 }
 
 TEST_F(Hd, is_chosen_by_its_name) {

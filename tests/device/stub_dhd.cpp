@@ -1,4 +1,6 @@
 // A library with the C interface of Force Dimension's DHD SDK and one device behind it that can be told to fail.
+#include <thread>
+
 #include "tests/device/stub.h"
 
 namespace {
@@ -80,6 +82,8 @@ int dhdGetPosition(double* x, double* y, double* z, char) {
 int dhdSetForce(double x, double y, double z, char) {
     if (answer("dhdSetForce") < 0)
         return -1;
+    if (stub::fails("speed"))
+        std::this_thread::sleep_for(std::chrono::milliseconds(60));
     let_watchdog_bite();
     if (!enabled && (x != 0 || y != 0 || z != 0)) {
         last_error = "force is not enabled";
