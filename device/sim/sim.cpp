@@ -33,7 +33,7 @@ public:
           hand_(input_.hands[0]), batch_(paths_.batch(0, 1)) {
         if (input_.features.motion == layout::kMotionRecorded)
             record();
-        state_ = reference::begin_state(input_.features, hand_, target(0));
+        begin();
         facts_.name = "simulated hand and device";
         facts_.software = "exact zero-order hold";
         facts_.max_force = hand_.max_force;
@@ -43,7 +43,11 @@ public:
     const DeviceFacts& facts() const noexcept override { return facts_; }
 
     Reading read() noexcept override {
-        return {Answer::fresh, reference::measured(hand_, Vector<double>(state_.x, state_.y, state_.z)), false};
+        const Vector<double> place(state_.x, state_.y, state_.z), away = place - target(state_.step);
+        const bool left = !(reference::dot(away, away) <= hand_.bound * hand_.bound);
+        if (left)
+            begin();
+        return {Answer::fresh, reference::measured(hand_, Vector<double>(state_.x, state_.y, state_.z)), left};
     }
 
     bool write(const glm::dvec3& force) noexcept override {
@@ -59,6 +63,8 @@ public:
     const char* complaint() const noexcept override { return nullptr; }
 
 private:
+    void begin() noexcept { state_ = reference::begin_state(input_.features, hand_, target(0)); }
+
     // Positions come in windows while they are read from the file; the loop wants them without waiting.
     void record() {
         constexpr std::size_t kWindow = std::size_t(1) << 16;

@@ -107,5 +107,21 @@ TEST(LiveBits, APathOfAMeshBeginsAnewWhereTheRecordingSaysSo) {
     expect_bits<double>(prepared, run);
 }
 
+TEST(LiveBits, AHandThatFallsOffBeginsAgain) {
+    const PreparedCase prepared = prepared_scene(
+        spot("none") + "[paths]\nlength = \"0.3 m\"\npress = \"1 N\"\nspeed = \"300 mm/s\"\nbound = \"50 mm\"\n");
+    const auto hand = make_sim(prepared, 1000);
+    const LoopRun run = run_fast(*hand, prepared, 20000, SafetyLimits{});
+    EXPECT_GT(run.samples.back().path, 3u);
+    std::uint32_t path = 0;
+    for (const LiveSample& sample : run.samples) {
+        if (sample.path != path) {
+            ASSERT_EQ(sample.probe, run.samples.front().probe);
+        }
+        path = sample.path;
+        ASSERT_LT(sample.happened & kForceless, 1u) << sample.tick;
+    }
+}
+
 } // namespace
 } // namespace forceshade::device
