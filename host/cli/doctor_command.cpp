@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "compute/device.h"
+#include "device/loop/permissions.h"
 #include "host/cli/command.h"
 #include "host/error.h"
 #include "host/io/temporary_file.h"
@@ -79,6 +80,15 @@ std::string try_cache() {
     return folder.string();
 }
 
+// What the live loop would be granted; tried in a thread that is gone afterwards.
+void examine_real_time(std::vector<Finding>& findings) {
+    device::Permissions permissions;
+    std::thread([&] { permissions = device::ask_for_real_time(std::nullopt); }).join();
+    for (const auto& [what, granted, detail] : permissions.all)
+        findings.push_back({granted, fmt::format("live loop, {}: {}", what, detail),
+                            "forceshade live works without, but samples may be late", false});
+}
+
 std::vector<Finding> examine_all(const CommonOptions& common) {
     std::vector<Finding> findings;
     findings.push_back({true,
@@ -100,6 +110,7 @@ std::vector<Finding> examine_all(const CommonOptions& common) {
     findings.push_back(examine(
         "compiled kernels are kept in",
         "make the folder writable, or set XDG_CACHE_HOME; without it kernels are compiled at every start", try_cache));
+    examine_real_time(findings);
     return findings;
 }
 
