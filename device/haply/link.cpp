@@ -118,8 +118,8 @@ private:
 
     void begin(const LinePointer& line, const std::string& inventory) {
         const HaplyDevice* device = nullptr;
-        const auto devices = read_inventory(inventory);
-        for (const HaplyDevice& each : devices ? *devices : std::vector<HaplyDevice>())
+        const auto devices = read_inventory(inventory).value_or(std::vector<HaplyDevice>());
+        for (const HaplyDevice& each : devices)
             if (each.id == options_.device_id)
                 device = &each;
         if (device == nullptr)

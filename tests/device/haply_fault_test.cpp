@@ -162,9 +162,14 @@ TEST(HaplyFaults, NeverAnswers) {
     // The command under way, one without force behind it, and nothing more until the connection is given up.
     EXPECT_TRUE(loop_until(*device, [&](const Reading&, bool) { return service.connections() > connections; }));
     std::size_t of_the_old = 0;
+    glm::dvec3 last_of_the_old = kPush;
     for (const Received& each : service.received())
-        of_the_old += each.connection == connections ? 1 : 0;
+        if (each.connection == connections) {
+            ++of_the_old;
+            last_of_the_old = each.force;
+        }
     EXPECT_LE(of_the_old, before + 3);
+    EXPECT_EQ(last_of_the_old, glm::dvec3(0));
     EXPECT_TRUE(received_only_what_was_commanded(service));
     EXPECT_TRUE(ends_without_force(service));
     service.set(Fault::none);
