@@ -27,6 +27,11 @@ glm::dvec3 to_world(double x, double y, double z) {
     return {y, -x, z};
 }
 
+// False also for what is no number.
+bool is_reachable(const glm::dvec3& at) {
+    return std::abs(at.x) <= kFarthest && std::abs(at.y) <= kFarthest && std::abs(at.z) <= kFarthest;
+}
+
 // The largest force, N, that the maker states for a type of device (the SDK's numbers for them).
 double stated_force(int type) {
     switch (type) {
@@ -155,8 +160,7 @@ void Dhd::check_position() {
     if (calls_.get_position(&x, &y, &z, id_) < 0)
         throw DeviceAbsent(fmt::format("{} tells no position: {}", facts_.name, library_.error()));
     position_ = to_world(x, y, z);
-    const auto reached = [](double at) { return std::abs(at) <= kFarthest; }; // and is a number
-    if (!reached(x) || !reached(y) || !reached(z))
+    if (!is_reachable(position_))
         throw DeviceAbsent(
             fmt::format("{} tells the position ({}, {}, {}): its SDK gives metres, and no device reaches "
                         "further than {} m",
@@ -190,7 +194,10 @@ Reading Dhd::read() noexcept {
         return {Answer::failed, position_, false};
     if (answer == DhdCalls::kTimeGuard)
         return {Answer::held, position_, false};
-    position_ = to_world(x, y, z);
+    const glm::dvec3 position = to_world(x, y, z);
+    if (!is_reachable(position)) // in other units, or out of its mind
+        return {Answer::fresh, glm::dvec3(NAN), false};
+    position_ = position;
     return {Answer::fresh, position_, false};
 }
 
@@ -231,6 +238,8 @@ void Dhd::halt() noexcept {
 } // namespace
 
 std::unique_ptr<BackEnd> open_dhd(std::string_view index) {
+    if (!index.empty())
+        index_of(index); // before a library is looked for
     return std::make_unique<Dhd>(index);
 }
 

@@ -4,6 +4,7 @@
 #include <charconv>
 #include <chrono>
 #include <fcntl.h>
+#include <poll.h>
 #include <unistd.h>
 
 #include <fmt/format.h>
@@ -19,8 +20,14 @@ constexpr std::size_t kText = std::size_t(1) << 18;   // bytes gathered before t
 constexpr std::size_t kAtOnce = 1024;                 // samples taken before their room is given back
 constexpr auto kPause = std::chrono::milliseconds(5); // between looks at an empty ring
 
+constexpr auto kPatience = std::chrono::seconds(2); // with a reader of a pipe that takes nothing, at the end
+
+// A device such as /dev/null or a pipe has nothing that could be replaced. Nobody waits for a pipe's reader.
 int create(const std::filesystem::path& file, bool replace) {
-    const int flags = O_WRONLY | O_CREAT | O_CLOEXEC | (replace ? O_TRUNC : O_EXCL);
+    std::error_code ignored;
+    const std::filesystem::file_status status = std::filesystem::status(file, ignored);
+    const bool special = std::filesystem::is_fifo(status) || std::filesystem::is_character_file(status);
+    const int flags = O_WRONLY | O_CLOEXEC | (special ? O_NONBLOCK : O_CREAT | (replace ? O_TRUNC : O_EXCL));
     const int descriptor = ::open(file.c_str(), flags, 0666);
     if (descriptor >= 0)
         return descriptor;
@@ -28,6 +35,8 @@ int create(const std::filesystem::path& file, bool replace) {
         throw UsageError(fmt::format("--log {}: is there already, and a recording is not replaced by accident; choose "
                                      "another name, or say --overwrite",
                                      file.string()));
+    if (errno == ENXIO && special)
+        throw IoError(fmt::format("cannot write {}: nobody reads this pipe; start its reader first", file.string()));
     throw file_error("write", file, errno);
 }
 
@@ -40,6 +49,8 @@ LiveLog::LiveLog(const std::filesystem::path& file, SampleRing& ring, Precision 
     write_out();
     if (!failure_.empty()) {
         ::close(descriptor_);
+        if (std::error_code ignored; std::filesystem::is_regular_file(file, ignored))
+            std::filesystem::remove(file, ignored);
         throw IoError(failure_);
     }
     thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
@@ -61,6 +72,7 @@ void LiveLog::close() {
 }
 
 void LiveLog::run(const std::stop_token& stop) {
+    stop_ = stop;
     while (true) {
         const bool last = stop.stop_requested(); // before the look: nothing is put after it
         const std::span<const LiveSample> samples = ring_.look();
@@ -137,6 +149,8 @@ void LiveLog::write_out() {
         const ::ssize_t count = ::write(descriptor_, text_.data() + done, text_.size() - done);
         if (count >= 0)
             done += static_cast<std::size_t>(count);
+        else if (errno == EAGAIN)
+            await_reader();
         else if (errno != EINTR)
             fail(errno);
     }
@@ -149,9 +163,23 @@ void LiveLog::write_out() {
     text_.clear();
 }
 
+// Of a pipe. While the loop runs it may take its time: the ring keeps what comes, as long as it has room.
+void LiveLog::await_reader() {
+    pollfd pipe{descriptor_, POLLOUT, 0};
+    constexpr int kLook = 20; /* ms */
+    if (::poll(&pipe, 1, kLook) > 0 || !stop_.stop_requested()) {
+        patient_until_ = Clock::now() + kPatience;
+        return;
+    }
+    if (Clock::now() > patient_until_)
+        fail(ETIMEDOUT);
+}
+
 // A line that was cut off goes: what stays is whole.
 void LiveLog::fail(int number) {
     failure_ = file_error("write", path_, number).what();
+    if (::lseek(descriptor_, 0, SEEK_CUR) <= 0) // nothing stays that could be cut off: a pipe, a device
+        return;
     if (::ftruncate(descriptor_, static_cast<::off_t>(bytes_)) != 0)
         failure_ += "; its last line is not whole";
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <cstdint>
 #include <filesystem>
 #include <string>
@@ -17,7 +18,8 @@ namespace forceshade::device {
 /// far), tick, late_ns, read_ns, compute_ns, write_ns, and happened: names of kHappenings, joined by '+'.
 ///
 /// The file stands under its own name from the start, in whole lines, so that a process that dies leaves what it
-/// wrote. When the disk takes no more, what comes is taken off the ring and counted as lost.
+/// wrote. When the disk takes no more, what comes is taken off the ring and counted as lost. A pipe whose reader is
+/// slow is waited for until the end and 2 s more.
 class LiveLog {
 public:
     /// Creates the file and starts a thread that writes until close(). \throws IoError; UsageError if it is there and
@@ -40,10 +42,13 @@ private:
     void take(std::span<const LiveSample> samples);
     void add(const LiveSample& sample);
     void write_out();
+    void await_reader();
     void fail(int number);
 
     template <typename Number> void number(Number value, char after = ',');
     void real(double value); // in the law's precision
+
+    using Clock = std::chrono::steady_clock;
 
     std::filesystem::path path_;
     SampleRing& ring_;
@@ -53,6 +58,8 @@ private:
     std::uint64_t pending_ = 0; // samples in text_
     std::string text_;
     std::string failure_;
+    std::stop_token stop_; // the thread's own
+    Clock::time_point patient_until_{};
     std::atomic<std::uint64_t> written_ = 0, lost_ = 0;
     std::jthread thread_;
 };

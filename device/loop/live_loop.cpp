@@ -33,6 +33,7 @@ constexpr double kBeyondAnyLimit = std::numeric_limits<double>::quiet_NaN(); // 
 struct LiveLoop::Turn {
     LiveSample sample;
     Situation now;
+    bool suspended = false;
     std::int64_t due = 0, begin = 0, end = 0; /* ns */
 };
 
@@ -99,10 +100,14 @@ void LiveLoop::await(Turn& turn) noexcept {
     turn.begin = now();
     if (watchdog_)
         watchdog_->feed(turn.begin);
+    turn.suspended = suspended_.load();
+    if (turn.suspended)
+        turn.now.late = kBeyondAnyLimit;
     if (!settings_.real_time)
         return;
     turn.sample.late = turn.begin - turn.due;
-    turn.now.late = suspended_.load(std::memory_order_relaxed) ? kBeyondAnyLimit : seconds(turn.sample.late) / period_;
+    if (!turn.suspended)
+        turn.now.late = seconds(turn.sample.late) / period_;
     counts_->late.add(turn.sample.late);
     if (tick_ > 0)
         counts_->jitter.add(std::abs((turn.begin - woken_) - (turn.due - due(tick_ - 1))));
@@ -181,6 +186,8 @@ void LiveLoop::turn() noexcept {
         keep(turn);
     } else
         wait(turn);
+    if (turn.suspended)
+        at_rest_.store(true);
     ++tick_;
 }
 

@@ -14,8 +14,10 @@
 
 namespace forceshade::device {
 
+inline constexpr double kSlowestRate = 100, kFastestRate = 10000; /* Hz */
+
 struct LoopSettings {
-    double rate = 1000;                   /* Hz: samples a second, 100 to 10 000 */
+    double rate = 1000;                   /* Hz: samples a second */
     bool real_time = true;                // false: as fast as possible; the time of a sample is its number / rate
     std::optional<std::uint64_t> samples; // after which it ends
     double patience = 5;                  /* s: without a position, or with a device that fails, after which it ends */
@@ -51,7 +53,12 @@ public:
     /// Another law from the next sample on, which begins a path. From one thread.
     void offer(std::unique_ptr<LiveLaw> law) { laws_.offer(std::move(law)); }
     /// No force as long as it is so; from a signal's handler, too.
-    void suspend(bool suspended) noexcept { suspended_.store(suspended, std::memory_order_relaxed); }
+    void suspend(bool suspended) noexcept {
+        at_rest_.store(false);
+        suspended_.store(suspended);
+    }
+    /// Whether zero has been written since it was suspended, or will not be followed by another force.
+    bool is_at_rest() const noexcept { return at_rest_.load() || end() != LoopEnd::running; }
 
     const LoopStatus& status() const noexcept { return status_; }
 
@@ -86,7 +93,7 @@ private:
     LoopStatus status_;
     std::optional<Watchdog> watchdog_;
     std::thread thread_;
-    std::atomic<bool> stop_ = false, suspended_ = false;
+    std::atomic<bool> stop_ = false, suspended_ = false, at_rest_ = false;
     std::atomic<LoopEnd> end_ = LoopEnd::running;
 
     // The loop's own.

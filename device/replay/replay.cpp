@@ -36,12 +36,16 @@ public:
             }
         if (last > first)
             rate_ = static_cast<double>(first_rows - 1) / (last - first);
+        if (reader.csv().ends_open())
+            warning_ = location_prefix(reader.csv().source(), reader.csv().end()) +
+                       "the last line has no line feed: if the file was cut off, its last number may be too";
         facts_.name = "recording " + file.filename().string();
         facts_.software = "forceshade";
         facts_.simulated = true;
     }
 
     double rate() const noexcept { return rate_; }
+    const std::string& warning() const noexcept { return warning_; }
     const DeviceFacts& facts() const noexcept override { return facts_; }
 
     Reading read() noexcept override {
@@ -59,6 +63,7 @@ private:
     std::size_t next_ = 0;
     std::uint64_t paths_ = 0;
     double rate_ = 0; /* Hz */
+    std::string warning_;
     DeviceFacts facts_;
 };
 
@@ -70,6 +75,10 @@ std::unique_ptr<BackEnd> make_replay(const std::filesystem::path& file) {
 
 double rate_of(const BackEnd& replay) {
     return dynamic_cast<const Replay&>(replay).rate();
+}
+
+std::string warning_of(const BackEnd& replay) {
+    return dynamic_cast<const Replay&>(replay).warning();
 }
 
 } // namespace forceshade::device

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <string>
 
 #include "device/back_end.h"
 
@@ -16,5 +17,8 @@ std::unique_ptr<BackEnd> make_replay(const std::filesystem::path& file);
 /// Hz: of the recording's first path, from its first time to its last; 0 for a single sample or times that do not
 /// increase.
 double rate_of(const BackEnd& replay);
+
+/// `file:line:column: ...` if the file may have been cut off; else empty.
+std::string warning_of(const BackEnd& replay);
 
 } // namespace forceshade::device

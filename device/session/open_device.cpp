@@ -1,5 +1,7 @@
 #include "device/session/open_device.h"
 
+#include <array>
+#include <cmath>
 #include <string_view>
 
 #include <fmt/format.h>
@@ -7,15 +9,26 @@
 #include "device/dhd/dhd.h"
 #include "device/haply/haply.h"
 #include "device/hd/hd.h"
+#include "device/loop/live_loop.h"
 #include "device/replay/replay.h"
 #include "device/sim/sim.h"
 #include "host/error.h"
 #include "host/field/prepared_case.h"
+#include "host/scene/nearest.h"
 
 namespace forceshade::device {
 namespace {
 
 constexpr double kUsualRate = 1000; /* Hz */
+
+// The rate of a recording, as far as clocks and rounding leave it: samples at 10 kHz may lie 99.9 us apart.
+double rounded_rate(double recorded) {
+    constexpr double kOff = 0.02;
+    for (const double end : {kSlowestRate, kFastestRate})
+        if (std::abs(recorded - end) <= kOff * end)
+            return end;
+    return recorded;
+}
 
 OpenDevice open_sim(const PreparedCase& prepared, std::optional<double> rate) {
     const std::optional<PathsSpec>& paths = prepared.one.scene.paths;
@@ -28,7 +41,8 @@ OpenDevice open_replay(std::string_view file) {
         throw UsageError("--device replay: which file? replay:FILE.csv");
     OpenDevice open{make_replay(std::string(file)), kUsualRate};
     if (const double recorded = rate_of(*open.back_end); recorded > 0)
-        open.rate = recorded;
+        open.rate = rounded_rate(recorded);
+    open.warning = warning_of(*open.back_end);
     return open;
 }
 
@@ -49,7 +63,10 @@ OpenDevice open_device(const std::string& name, const PreparedCase& prepared, st
         return {open_dhd(further), kUsualRate};
     if (kind == "hd")
         return {open_hd(further), kUsualRate};
-    throw UsageError(fmt::format("--device {}: there are {}", name, kDeviceNames));
+    const std::array<std::string, 5> kinds{"sim", "replay", "haply", "dhd", "hd"};
+    if (kind == "sim")
+        throw UsageError(fmt::format("--device {}: sim takes nothing further", name));
+    throw UsageError(fmt::format("--device {}: there are {}{}", name, kDeviceNames, did_you_mean(kind, kinds)));
 }
 
 } // namespace forceshade::device

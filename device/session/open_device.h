@@ -16,7 +16,8 @@ namespace forceshade::device {
 /// A device that is open, and the rate at which the loop goes if the user says none.
 struct OpenDevice {
     std::unique_ptr<BackEnd> back_end;
-    double rate = 1000; /* Hz */
+    double rate = 1000;    /* Hz */
+    std::string warning{}; // what the user should know of it
 };
 
 /// `name`: sim, replay:FILE, haply[:URL], dhd[:INDEX] or hd[:NAME]. `rate`, Hz: as the user says. \throws UsageError

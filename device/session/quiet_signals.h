@@ -15,7 +15,8 @@ public:
     QuietSignals() noexcept {
         sigset_t asked;
         sigemptyset(&asked);
-        for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGTSTP, SIGWINCH, SIGUSR1, SIGUSR2})
+        for (const int signal :
+             {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGTSTP, SIGTTIN, SIGTTOU, SIGWINCH, SIGUSR1, SIGUSR2})
             sigaddset(&asked, signal);
         ::pthread_sigmask(SIG_BLOCK, &asked, &before_);
     }

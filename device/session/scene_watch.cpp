@@ -4,10 +4,12 @@
 #include <system_error>
 #include <utility>
 
+#include "host/error.h"
+
 namespace forceshade::device {
 
-SceneWatch::SceneWatch(std::filesystem::path file, std::function<PreparedCase()> read)
-    : file_(std::move(file)), read_(std::move(read)), last_(stamp()) {}
+SceneWatch::SceneWatch(std::filesystem::path file, std::function<PreparedCase()> read, Precision precision)
+    : file_(std::move(file)), read_(std::move(read)), precision_(precision), last_(stamp()) {}
 
 SceneWatch::Stamp SceneWatch::stamp() const {
     std::error_code ignored; // a file that is being replaced may be gone for a moment
@@ -23,6 +25,8 @@ SceneWatch::Change SceneWatch::look() {
     Change change;
     try {
         PreparedCase prepared = read_();
+        if (prepared.one.scene.precision != precision_)
+            throw UsageError("run.precision cannot change while the loop runs: its log has one precision");
         change.scene = prepared.scene;
         change.law = make_live_law(std::move(prepared));
     } catch (const std::exception& error) {

@@ -14,8 +14,8 @@ namespace forceshade::device {
 
 class SceneWatch {
 public:
-    /// `read` makes a case of the file, and throws what is wrong with it.
-    SceneWatch(std::filesystem::path file, std::function<PreparedCase()> read);
+    /// `read` makes a case of the file, and throws what is wrong with it. `precision`: of the run, which stays.
+    SceneWatch(std::filesystem::path file, std::function<PreparedCase()> read, Precision precision);
 
     /// What became of a change of the file.
     struct Change {
@@ -38,6 +38,7 @@ private:
 
     std::filesystem::path file_;
     std::function<PreparedCase()> read_;
+    const Precision precision_;
     Stamp last_;
 };
 

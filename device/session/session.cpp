@@ -10,6 +10,7 @@
 #include "device/log/live_log.h"
 #include "device/report/status_line.h"
 #include "device/safety/emergency.h"
+#include "device/session/interruption.h"
 #include "device/session/open_device.h"
 #include "device/session/quiet_signals.h"
 #include "device/session/scene_watch.h"
@@ -20,16 +21,39 @@
 namespace forceshade::device {
 namespace {
 
-constexpr double kSlowest = 100, kFastest = 10000; /* Hz */
-constexpr double kBuffered = 16;                   /* s: of samples that wait for the disk */
+constexpr double kBuffered = 16;   /* s: of samples that wait for the disk */
+constexpr double kLongest = 3.2e7; /* s: a year */
 constexpr auto kLook = std::chrono::milliseconds(20);
 
 double checked_rate(double rate) {
-    if (rate >= kSlowest && rate <= kFastest)
+    if (rate >= kSlowestRate && rate <= kFastestRate)
         return rate;
     throw UsageError(fmt::format("the live loop runs at 100 Hz to 10 kHz, and {:.6g} Hz is asked for; say --rate "
                                  "\"1 kHz\"",
                                  rate));
+}
+
+// What is wrong whatever the device says, before one is opened.
+const SessionOptions& checked(const SessionOptions& options) {
+    if (options.rate)
+        checked_rate(*options.rate);
+    if (options.real_time)
+        return options;
+    const bool sim = options.device == "sim";
+    if (!sim && !options.device.starts_with("replay:"))
+        throw UsageError(fmt::format("--fast is for sim and replay: {} goes by the clock", options.device));
+    if (sim && !options.duration)
+        throw UsageError("--fast needs --duration: a simulated hand does not tire");
+    return options;
+}
+
+std::optional<std::uint64_t> samples_in(std::optional<double> duration, double rate) {
+    if (!duration)
+        return std::nullopt;
+    if (!(*duration * rate >= 0.5 && *duration <= kLongest))
+        throw UsageError(fmt::format("--duration: between a sample ({:.6g} ms) and a year ({:.6g} s), got {:.6g} s",
+                                     1000 / rate, kLongest, *duration));
+    return static_cast<std::uint64_t>(std::llround(*duration * rate));
 }
 
 std::string force_text(double force) {
@@ -73,16 +97,17 @@ std::string state_of(const LoopStatus& status) {
 class Session {
 public:
     explicit Session(const SessionOptions& options)
-        : options_(options), line_(options.quiet), prepared_(options.read()), quiet_(std::in_place), device_(opened()),
-          back_end_(*device_.back_end), watch_(options.scene, options.read) {
+        : options_(checked(options)), line_(options.quiet), prepared_(options.read()), quiet_(std::in_place),
+          device_(opened()), back_end_(*device_.back_end),
+          watch_(options.scene, options.read, prepared_.one.scene.precision) {
+        if (!device_.warning.empty())
+            remark(device_.warning);
         settings_.rate = checked_rate(options.rate.value_or(device_.rate));
         settings_.real_time = options.real_time;
         settings_.patience = options.patience;
         settings_.cpu = options.cpu;
         settings_.limits = limits();
-        if (options.duration)
-            settings_.samples = static_cast<std::uint64_t>(std::llround(*options.duration * settings_.rate));
-        refuse_what_does_not_end();
+        settings_.samples = samples_in(options.duration, settings_.rate);
         if (!options.log.empty()) {
             ring_.emplace(static_cast<std::size_t>(kBuffered * settings_.rate));
             log_.emplace(options.log, *ring_, prepared_.one.scene.precision, options.replace_log);
@@ -94,7 +119,8 @@ public:
         SessionResult result;
         {
             const Emergency emergency(back_end_);
-            const Suspension suspension(*loop_, 1 / settings_.rate);
+            const Suspension suspension(*loop_);
+            const Interruption interruption(*loop_);
             loop_->start();
             quiet_.reset(); // every thread has been started
             while (loop_->end() == LoopEnd::running) {
@@ -136,15 +162,6 @@ private:
         return limits;
     }
 
-    void refuse_what_does_not_end() const {
-        if (options_.real_time)
-            return;
-        if (!back_end_.facts().simulated)
-            throw UsageError(fmt::format("--fast is for sim and replay: {} goes by the clock", options_.device));
-        if (!options_.duration && options_.device == "sim")
-            throw UsageError("--fast needs --duration: a simulated hand does not tire");
-    }
-
     void remark(const std::string& text) {
         remarks_.push_back(text);
         line_.say("warning: " + text);
@@ -164,15 +181,8 @@ private:
             return;
         std::string said = fmt::format("{} was read again, path {} from {:.3f} s on",
                                        options_.scene.filename().string(), *path, loop_->status().seconds.load());
-        if (log_) {
-            const std::filesystem::path beside = fmt::format("{}.scene-{}.toml", stem().string(), *path);
-            try {
-                write_file_atomically(beside, change.scene);
-                said += fmt::format("; kept as {}", beside.filename().string());
-            } catch (const IoError& error) { // no reason to stop a loop
-                said += fmt::format("; {}", error.what());
-            }
-        }
+        if (log_)
+            said += kept(*path, change.scene);
         remarks_.push_back(said);
         line_.say(said);
     }
@@ -187,6 +197,21 @@ private:
             std::this_thread::sleep_for(std::chrono::milliseconds(1));
         }
         return std::nullopt;
+    }
+
+    // Beside the log, so that each of its paths can be felt again: the scene of the start, too, once there is another.
+    std::string kept(std::uint32_t path, const std::string& scene) {
+        const auto beside = [&](std::uint32_t number) -> std::filesystem::path {
+            return fmt::format("{}.scene-{}.toml", stem().string(), number);
+        };
+        try {
+            if (!std::exchange(first_kept_, true) && path > 0)
+                write_file_atomically(beside(0), prepared_.scene);
+            write_file_atomically(beside(path), scene);
+            return fmt::format("; kept as {}", beside(path).filename().string());
+        } catch (const IoError& error) { // no reason to stop a loop
+            return fmt::format("; {}", error.what());
+        }
     }
 
     std::filesystem::path stem() const { return options_.log.parent_path() / options_.log.stem(); }
@@ -265,6 +290,7 @@ private:
     std::optional<LiveLog> log_;
     std::optional<LiveLoop> loop_; // before the log goes
     int looks_ = 0;
+    bool first_kept_ = false;
     Clock::time_point begun_ = Clock::now();
     double rate_ = 0, shown_seconds_ = 0; /* Hz, s */
     std::uint64_t shown_samples_ = 0;

@@ -1,24 +1,29 @@
 #include "device/session/suspension.h"
 
+#include <array>
 #include <atomic>
 #include <cerrno>
 #include <csignal>
-#include <ctime>
+
+#include <poll.h>
 
 namespace forceshade::device {
 namespace {
 
+constexpr std::array kStopping{SIGTSTP, SIGTTIN, SIGTTOU}; // by the terminal
+constexpr int kPatience = 1000;                            /* ms: with a loop that does not come round */
+
 std::atomic<LiveLoop*> watched = nullptr;
-std::atomic<long> wait_time = 0; /* ns: in which the loop writes zero */
-struct sigaction before {};
+std::array<struct sigaction, kStopping.size()> before;
 
 void suspend(int) {
     const int number = errno;
     LiveLoop* const loop = watched.load();
-    if (loop != nullptr)
+    if (loop != nullptr) {
         loop->suspend(true);
-    const timespec time{0, wait_time.load()};
-    ::nanosleep(&time, nullptr);
+        for (int waited = 0; !loop->is_at_rest() && waited < kPatience; ++waited)
+            ::poll(nullptr, 0, 1);
+    }
     ::raise(SIGSTOP);
     if (loop != nullptr)
         loop->suspend(false);
@@ -27,19 +32,24 @@ void suspend(int) {
 
 } // namespace
 
-Suspension::Suspension(LiveLoop& loop, double period) noexcept {
-    constexpr double kPeriods = 5;
+Suspension::Suspension(LiveLoop& loop) noexcept {
     watched = &loop;
-    wait_time = static_cast<long>(kPeriods * period * 1e9);
     struct sigaction action {};
     action.sa_handler = suspend;
     action.sa_flags = SA_RESTART;
     sigemptyset(&action.sa_mask);
-    ::sigaction(SIGTSTP, &action, &before);
+    for (const int signal : kStopping)
+        sigaddset(&action.sa_mask, signal);
+    for (std::size_t i = 0; i < kStopping.size(); ++i) {
+        ::sigaction(kStopping[i], nullptr, &before[i]);
+        if (before[i].sa_handler != SIG_IGN)
+            ::sigaction(kStopping[i], &action, nullptr);
+    }
 }
 
 Suspension::~Suspension() {
-    ::sigaction(SIGTSTP, &before, nullptr);
+    for (std::size_t i = 0; i < kStopping.size(); ++i)
+        ::sigaction(kStopping[i], &before[i], nullptr);
     watched = nullptr;
 }
 

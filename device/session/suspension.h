@@ -5,13 +5,12 @@
 
 namespace forceshade::device {
 
-/// While it lives, SIGTSTP lets the loop take the force away before the process stops; when it goes on, the force comes
-/// up as after the start. (SIGSTOP cannot be caught: what the device does then is its own watchdog's business.) One at
-/// a time.
+/// While it lives, SIGTSTP, and SIGTTIN and SIGTTOU of a terminal that belongs to another job, stop the process once
+/// the loop has displayed zero; when it goes on, the force comes up as after the start. (SIGSTOP cannot be caught: what
+/// the device does then is its own watchdog's business.) One at a time.
 class Suspension {
 public:
-    /// `period`, s: of the loop.
-    Suspension(LiveLoop& loop, double period) noexcept;
+    explicit Suspension(LiveLoop& loop) noexcept;
     ~Suspension();
     Suspension(const Suspension&) = delete;
     Suspension& operator=(const Suspension&) = delete;

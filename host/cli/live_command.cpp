@@ -1,8 +1,11 @@
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
 #include <filesystem>
 #include <optional>
 #include <string_view>
+
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -15,6 +18,7 @@
 #include "host/cli/command.h"
 #include "host/error.h"
 #include "host/field/scene_mesh.h"
+#include "host/io/file_error.h"
 #include "host/remark.h"
 #include "host/scene/document.h"
 #include "host/scene/quantity.h"
@@ -35,6 +39,14 @@ struct LiveArguments {
     bool fast = false, watch = false, overwrite = false, passivity = false;
 };
 
+double parsed(const std::string& flag, const std::string& text, Dimension dimension) {
+    try {
+        return parse_quantity(text, dimension);
+    } catch (const UsageError& error) {
+        throw UsageError(fmt::format("{}: {}", flag, error.what()));
+    }
+}
+
 // In SI units; `text` is empty where the user says nothing.
 std::optional<double> quantity(const std::string& flag, const std::string& text, Dimension dimension, bool may_be_none,
                                bool may_be_zero = false) {
@@ -42,24 +54,10 @@ std::optional<double> quantity(const std::string& flag, const std::string& text,
         return std::nullopt;
     if (may_be_none && text == kNone)
         return device::kUnknown;
-    double value = 0;
-    try {
-        value = parse_quantity(text, dimension);
-    } catch (const UsageError& error) {
-        throw UsageError(fmt::format("{}: {}", flag, error.what()));
-    }
+    const double value = parsed(flag, text, dimension);
     if (!(value > 0) && !(may_be_zero && value == 0))
         throw UsageError(fmt::format("{} must be {}, got {}", flag, may_be_zero ? "zero or more" : "positive", text));
     return value;
-}
-
-// m, of either sign.
-double length(const std::string& flag, const std::string& text) {
-    try {
-        return parse_quantity(text, Dimension::length);
-    } catch (const UsageError& error) {
-        throw UsageError(fmt::format("{}: {}", flag, error.what()));
-    }
 }
 
 void take_limits(const LiveArguments& arguments, device::SessionOptions& options) {
@@ -92,7 +90,7 @@ std::vector<double> lengths(const std::string& flag, const std::string& text, st
         std::string part = text.substr(begin, end - begin);
         part.erase(0, part.find_first_not_of(' '));
         part.erase(part.find_last_not_of(' ') + 1);
-        values.push_back(length(flag, part));
+        values.push_back(parsed(flag, part, Dimension::length)); // of either sign
         begin = end + 1;
     }
     if (values.size() != count)
@@ -137,16 +135,20 @@ std::vector<Override> precision_of(const std::string& scene, const CommonOptions
     return {{"run.precision", "f64"}};
 }
 
-int outcome_code(const device::SessionResult& result) {
+// `report`: why it could not be written; empty: it was, or none was asked for.
+int outcome_code(const device::SessionResult& result, const std::string& report) {
+    const std::string also = report.empty() ? "" : "; " + report;
     if (!result.log_failure.empty())
-        throw IoError(fmt::format("{}; {} samples are in the log, {} are lost", result.log_failure,
-                                  result.outcome.logged, result.outcome.counts.lost));
+        throw IoError(fmt::format("{}; {} samples are in the log, {} are lost{}", result.log_failure,
+                                  result.outcome.logged, result.outcome.counts.lost, also));
     if (result.end == device::LoopEnd::device_gone)
-        throw device::DeviceAbsent(fmt::format("{} is gone{}", result.outcome.device,
-                                               result.complaint.empty() ? "" : ": " + result.complaint));
+        throw device::DeviceAbsent(fmt::format("{} is gone{}{}", result.outcome.device,
+                                               result.complaint.empty() ? "" : ": " + result.complaint, also));
     if (result.outcome.counts.lost > 0)
-        throw Error(ExitCode::failed, fmt::format("{} samples are not in the log: the disk could not keep up",
-                                                  result.outcome.counts.lost));
+        throw Error(ExitCode::failed, fmt::format("{} samples are not in the log: the disk could not keep up{}",
+                                                  result.outcome.counts.lost, also));
+    if (!report.empty())
+        throw IoError(report);
     return static_cast<int>(result.interrupted ? ExitCode::interrupted : ExitCode::ok);
 }
 
@@ -156,14 +158,55 @@ std::filesystem::path report_stem(const LiveArguments& arguments) {
     if (arguments.log.empty())
         return {};
     const std::filesystem::path log = std::filesystem::absolute(arguments.log);
+    std::error_code ignored;
+    if (std::filesystem::exists(log, ignored) && !std::filesystem::is_regular_file(log, ignored))
+        return {}; // beside /dev/null there is no place for it
     return log.parent_path() / (log.stem().string() + ".live");
+}
+
+// Before anything is felt: what is written at the end has a place, and nothing that is read is written over.
+void check_outputs(const LiveArguments& arguments, const Scene& scene, const std::filesystem::path& stem) {
+    std::vector<std::filesystem::path> inputs{arguments.scene, scene.surface.map.path, scene.surface.mesh.path};
+    if (scene.texture)
+        inputs.emplace_back(scene.texture->map.path);
+    if (scene.paths)
+        inputs.emplace_back(scene.paths->path);
+    if (constexpr std::string_view kReplay = "replay:"; arguments.device.starts_with(kReplay))
+        inputs.emplace_back(arguments.device.substr(kReplay.size()));
+    std::vector<std::pair<std::string, std::filesystem::path>> outputs{{"--log " + arguments.log, arguments.log}};
+    for (const char* const ending : {".txt", ".json", ".png"})
+        if (!stem.empty())
+            outputs.emplace_back("the report's " + stem.filename().string() + ending,
+                                 std::filesystem::path(stem) += ending);
+    std::error_code ignored;
+    for (const auto& [name, output] : outputs)
+        for (const std::filesystem::path& input : inputs)
+            if (std::filesystem::equivalent(output, input, ignored))
+                throw UsageError(
+                    fmt::format("{} would replace {}, which is read; choose another name", name, input.string()));
+    if (!stem.empty() && ::access(stem.parent_path().c_str(), W_OK) != 0)
+        throw file_error("write", stem, errno);
+}
+
+// Why there is none.
+std::string written_report(const device::LiveOutcome& outcome, const std::filesystem::path& stem) {
+    try {
+        if (!stem.empty())
+            device::write_live_report(outcome, stem);
+        return {};
+    } catch (const IoError& error) {
+        return error.what();
+    }
 }
 
 int run(const LiveArguments& arguments, const CommonOptions& common) {
     if (!common.gpu.empty())
         throw UsageError("--gpu: the live loop runs on the CPU");
     std::vector<std::string> warnings;
-    read_scene(arguments.scene, overrides(common), &warnings); // refuses what is no single scene
+    // Refuses what is no single scene.
+    const Case one = read_scene(arguments.scene, overrides(common), &warnings);
+    const std::filesystem::path stem = report_stem(arguments);
+    check_outputs(arguments, one.scene, stem);
     const std::vector<Override> replaced = precision_of(arguments.scene, common);
     device::SessionOptions options;
     options.scene = arguments.scene;
@@ -190,9 +233,7 @@ int run(const LiveArguments& arguments, const CommonOptions& common) {
         remark("{}", device::report_text(result.outcome));
     if (common.json)
         print_data(device::report_json(result.outcome).dump(2) + "\n");
-    if (const std::filesystem::path stem = report_stem(arguments); !stem.empty())
-        device::write_live_report(result.outcome, stem);
-    return outcome_code(result);
+    return outcome_code(result, written_report(result.outcome, stem));
 }
 
 void add_safety_options(CLI::App& command, LiveArguments& arguments) {
