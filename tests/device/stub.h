@@ -1,7 +1,7 @@
 // What the stubs of the vendors' libraries have in common: which calls fail, and the record of every force.
 //
 // A test in the same process steers a stub by the functions named stub_...; a test that runs the program sets
-//   STUB_FAIL=dhdOpen,dhdGetPosition@100   calls that fail, from the first or the hundredth on
+//   STUB_FAIL=dhdOpen,dhdGetPosition@100+50   calls that fail, from the first or the hundredth on, for good or 50 times
 //   STUB_POSITION=0.01,0.02,0.03           in the vendor's units and axes
 //   STUB_DEVICES=0                         how many devices there are
 //   STUB_RECORD=FILE                       each force displayed is a line of seconds, x, y, z there, even if the
@@ -94,8 +94,10 @@ void fail_as_told(std::string_view list) {
         const std::string_view item = list.substr(0, list.find(','));
         list.remove_prefix(std::min(list.size(), item.size() + 1));
         const std::size_t at = item.find('@');
+        const std::size_t plus = item.find('+');
         const long from = at == item.npos ? 1 : std::atol(std::string(item.substr(at + 1)).c_str());
-        fail(item.substr(0, at), from, 1L << 40);
+        const long count = plus == item.npos ? 1L << 40 : std::atol(std::string(item.substr(plus + 1)).c_str());
+        fail(item.substr(0, at), from, count);
     }
 }
 

@@ -1,4 +1,5 @@
 // A library with the C interface of Force Dimension's DHD SDK and one device behind it that can be told to fail.
+#include <limits>
 #include <thread>
 
 #include "tests/device/stub.h"
@@ -76,6 +77,13 @@ int dhdGetPosition(double* x, double* y, double* z, char) {
     *x = stub::state.position[0];
     *y = stub::state.position[1];
     *z = stub::state.position[2];
+    if (stub::fails("nan"))
+        *y = std::numeric_limits<double>::quiet_NaN();
+    if (stub::fails("millimetres")) {
+        *x *= 1000;
+        *y *= 1000;
+        *z *= 1000;
+    }
     return stub::fails("time guard") ? 1 : 0;
 }
 #ifndef STUB_WITHOUT_FORCE

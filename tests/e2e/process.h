@@ -43,6 +43,7 @@ public:
     Process(const Process&) = delete;
     Process& operator=(const Process&) = delete;
 
+    pid_t id() const { return pid_; }
     bool running();
     void send(int signal);
     Outcome wait();

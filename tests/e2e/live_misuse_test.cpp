@@ -1,0 +1,149 @@
+// What a live loop is asked for by mistake: refused with where and what would be right, before anything is felt or
+// written.
+#include "tests/e2e/live_workplace.h"
+
+namespace forceshade::testing {
+namespace {
+
+class LiveMisuse : public Live {
+protected:
+    void expect_refused(std::vector<std::string> arguments, const std::vector<std::string>& words, int code = 2) const {
+        const Tree before = tree_of(folder_.path());
+        expect_failure(code, std::move(arguments), words);
+        EXPECT_EQ(differences(before, tree_of(folder_.path())), std::set<std::string>{});
+    }
+    // With a log, so that there is something that could be written.
+    static std::vector<std::string> fast(std::vector<std::string> further) {
+        std::vector<std::string> all{"live", "bump.toml", "--fast", "--duration", "0.1 s", "--log", "log.csv"};
+        all.insert(all.end(), further.begin(), further.end());
+        return all;
+    }
+};
+
+TEST_F(LiveMisuse, of_devices) {
+    const auto on = [](const std::string& device) {
+        return live("bump.toml", {"--device", device, "--log", "log.csv"});
+    };
+    expect_refused(on("replai:x.csv"), {"--device replai:x.csv", "did you mean \"replay\"?"});
+    expect_refused(on("mouse"), {"--device mouse", "sim, replay:FILE, haply[:URL], dhd[:INDEX] or hd[:NAME]"});
+    expect_refused(on(""), {"--device", "sim, replay:FILE"});
+    expect_refused(on("sim:x"), {"--device sim:x", "nothing further"});
+    expect_refused(on("replay:"), {"replay:FILE.csv"});
+    expect_refused(on("replay"), {"replay:FILE.csv"});
+    expect_refused(on("replay:nosuch.csv"), {"nosuch.csv", "No such file"}, 4);
+    expect_refused(on("replay:."), {"regular file"}, 4);
+    expect_refused(on("dhd:first"), {"dhd:first", "whole number"}, 2);
+}
+
+TEST_F(LiveMisuse, of_recordings) {
+    const auto from = [](const std::string& file) {
+        return live("bump.toml", {"--device", "replay:" + file, "--fast", "--log", "log.csv"});
+    };
+    write("empty.csv", "");
+    expect_refused(from("empty.csv"), {"empty.csv"});
+    write("rowless.csv", "path,t,x,y,z\n");
+    expect_refused(from("rowless.csv"), {"rowless.csv"});
+    write("nan.csv", "path,t,x,y,z\n0,0,0,0,0\n0,0.001,0,nan,0\n");
+    expect_refused(from("nan.csv"), {"nan.csv:3:11: y: \"nan\" is not finite"});
+    write("cut.csv", "path,t,x,y,z\n0,0,0,0,0\n0,0.001,0,0.0");
+    expect_refused(from("cut.csv"), {"cut.csv:3", "cut off"});
+    expect_refused(from("bump.toml"), {"bump.toml:1:1: the header lacks"});
+}
+
+TEST_F(LiveMisuse, a_recording_that_may_be_cut_off_is_warned_of) {
+    write("cut.csv", "path,t,x,y,z\n0,0,0,0,0\n0,0.001,0,0,0.0");
+    const std::vector<std::string> arguments = live("bump.toml", {"--device", "replay:cut.csv", "--fast"});
+    EXPECT_NE(expect_success(arguments).error.find("warning: cut.csv:3:16: the last line has no line feed"),
+              std::string::npos)
+        << expect_success(arguments).error;
+}
+
+TEST_F(LiveMisuse, of_quantities) {
+    const std::vector<std::pair<const char*, const char*>> flags{
+        {"--rate", "1 kHz"},       {"--duration", "1 s"},    {"--patience", "1 s"},
+        {"--max-force", "1 N"},    {"--slew", "1 N/s"},      {"--ramp", "1 s"},
+        {"--contact-ramp", "1 s"}, {"--max-speed", "1 m/s"}, {"--stale", "1 s"}};
+    for (const auto& [flag, fine] : flags) {
+        const std::string unit = std::string(fine).substr(1);
+        for (const std::string& wrong : {std::string("1"), "-1" + unit, "nan" + unit, "inf" + unit, std::string("1 kg"),
+                                         std::string("fast"), std::string("1e999") + unit}) {
+            SCOPED_TRACE(wrong);
+            expect_refused({"live", "bump.toml", "--log", "log.csv", fmt::format("{}={}", flag, wrong)}, {flag});
+        }
+    }
+    expect_refused(fast({"--ramp", "none"}), {"--ramp"});
+    expect_refused(fast({"--damping", "5 N s/m"}), {"--damping", "--passivity"});
+    for (const char* const wrong : {"0", "0.5", "-3", "nan", "many"})
+        expect_refused(fast({std::string("--watchdog=") + wrong}), {"--watchdog"});
+    for (const char* const rate : {"99 Hz", "10001 Hz", "1 MHz", "1 Hz"})
+        expect_refused({"live", "bump.toml", "--duration", "1 s", "--log", "log.csv", "--rate", rate},
+                       {"100 Hz to 10 kHz", "--rate"});
+    for (const char* const duration : {"1e300 s", "1 ns", "1e9 s"})
+        expect_refused({"live", "bump.toml", "--fast", "--log", "log.csv", "--duration", duration},
+                       {"--duration", "between a sample (1 ms) and a year"});
+}
+
+TEST_F(LiveMisuse, of_places) {
+    const auto within = [](const std::string& ends) { return fast({"--workspace", ends}); };
+    expect_refused(within("0 m, 0 m, 0 m, 1 m, 1 m"), {"--workspace: 6 lengths are wanted, got 5"});
+    expect_refused(within("0 m, 0 m, 0 m, 1 m, 0 m, 1 m"), {"--workspace: 0 m is not below 0 m", "first the lowest"});
+    expect_refused(within("0 m, 0 m, 2 m, 1 m, 1 m, 1 m"), {"--workspace: 2 m is not below 1 m"});
+    expect_refused(within("0 m, 0 m, 0, 1 m, 1 m, 1 m"), {"--workspace:", "unit"});
+    expect_refused(within("0 m, 0 m, nan m, 1 m, 1 m, 1 m"), {"--workspace:"});
+    expect_refused(within("nowhere"), {"--workspace:"});
+    expect_refused(fast({"--origin", "0 m, 0 m"}), {"--origin: 3 lengths are wanted, got 2"});
+    expect_refused(fast({"--origin", "there"}), {"--origin:"});
+    expect_refused(fast({"--origin", "0 m, 0 m, inf m"}), {"--origin:"});
+}
+
+TEST_F(LiveMisuse, of_ways_to_run) {
+    expect_refused({"live", "bump.toml", "--fast", "--log", "log.csv"}, {"--fast needs --duration"});
+    for (const char* const device : {"dhd", "hd", "haply"})
+        expect_refused(fast({"--device", device}), {"--fast is for sim and replay"});
+    expect_refused(fast({"--gpu", "0"}), {"--gpu", "CPU"});
+    expect_refused({"live", "nosuch.toml"}, {"nosuch.toml", "No such file"}, 4);
+    write("axis.toml", "[surface]\nfacets = [1, 2]\n");
+    expect_refused({"live", "axis.toml", "--log", "log.csv"}, {"axis.toml:2"});
+    write("lost.toml", "[surface]\nkind = \"mesh\"\nfile = \"nosuch.obj\"\n");
+    expect_refused({"live", "lost.toml", "--log", "log.csv"}, {"nosuch.obj"}, 4);
+    write("typo.toml", "[force]\nstifness = \"1 N/mm\"\n");
+    expect_refused({"live", "typo.toml", "--log", "log.csv"}, {"typo.toml:2", "stiffness"});
+    expect_refused({"live"}, {"SCENE"});
+}
+
+TEST_F(LiveMisuse, of_files) {
+    write("log.csv", "a recording of yesterday\n");
+    expect_refused(fast({}), {"--log", "log.csv", "is there already", "--overwrite"});
+    std::filesystem::remove(path("log.csv"));
+    expect_refused(live("bump.toml", {"--log", "nosuch/log.csv"}), {"nosuch"}, 4);
+    expect_refused(live("bump.toml", {"--report", "nosuch/said"}), {"nosuch"}, 4);
+    std::filesystem::create_directory(path("folder"));
+    expect_refused(live("bump.toml", {"--log", "folder", "--overwrite"}), {"folder"}, 4);
+    write("in.csv", "path,t,x,y,z\n0,0,0,0,0\n0,0.001,0,0,0\n");
+    expect_refused(live("bump.toml", {"--device", "replay:in.csv", "--fast", "--log", "in.csv", "--overwrite"}),
+                   {"--log in.csv would replace in.csv, which is read"});
+    expect_refused(fast({"--log", "bump.toml", "--overwrite"}), {"--log"});
+    expect_refused({"live", "bump.toml", "--fast", "--duration", "1 s", "--log", "bump.toml", "--overwrite"},
+                   {"would replace bump.toml"});
+    expect_refused({"live", "mesh.toml", "--fast", "--duration", "1 s", "--log", "spot.obj", "--overwrite"},
+                   {"would replace", "spot.obj"});
+    write("in.txt", text("in.csv"));
+    expect_refused(live("bump.toml", {"--device", "replay:in.txt", "--fast", "--report", "in"}),
+                   {"in.txt would replace"});
+}
+
+TEST_F(LiveMisuse, of_folders_that_others_own) {
+    if (!is_root())
+        GTEST_SKIP() << "only root can become somebody else";
+    constexpr uid_t kNobody = 65534;
+    for (const char* const flag : {"--log", "--report"}) {
+        const Tree before = tree_of(folder_.path());
+        Launch launch = this->launch(live("bump.toml", {"--fast", "--duration", "1 s", flag, "here"}));
+        launch.user = kNobody;
+        expect_failure(4, launch, {"here", "Permission denied"});
+        EXPECT_EQ(differences(before, tree_of(folder_.path())), std::set<std::string>{});
+    }
+}
+
+} // namespace
+} // namespace forceshade::testing

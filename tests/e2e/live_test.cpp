@@ -1,0 +1,169 @@
+// The live loop as a process: what it logs is what explore and the kernels compute, and what it reports is in the log.
+#include "host/field/prepared_case.h"
+#include "host/validate/rounding_bound.h"
+#include "tests/e2e/live_workplace.h"
+
+namespace forceshade::testing {
+namespace {
+
+TEST_F(Live, a_log_replays_through_explore_to_the_same_characters) {
+    for (const char* const scene : {"bump.toml", "map.toml", "mesh.toml", "hand.toml"})
+        for (const char* const precision : {"f32", "f64"}) {
+            SCOPED_TRACE(fmt::format("{} {}", scene, precision));
+            expect_success(live(scene, {"--fast", "--duration", "2 s", "--log", "log.csv", "--overwrite", "--quiet",
+                                        "--precision", precision}));
+            const std::string felt = felt_in(text("log.csv"));
+            expect_success(replayed(scene, "log.csv", "out.csv", "cpu", precision));
+            EXPECT_TRUE(felt == text("out.csv"));
+            const Rows log = rows("log.csv");
+            ASSERT_EQ(log.size(), 2000u);
+            std::size_t in_contact = 0;
+            for (const auto& row : log)
+                in_contact += row.at("facet") != "-1";
+            EXPECT_GT(in_contact, 1000u);
+            // As a device again: the same numbers a second time.
+            expect_success(live(scene, {"--fast", "--device", "replay:log.csv", "--log", "again.csv", "--overwrite",
+                                        "--quiet", "--precision", precision}));
+            EXPECT_TRUE(felt == felt_in(text("again.csv")));
+        }
+}
+
+TEST_F(Live, a_log_of_a_run_by_the_clock_replays_likewise) {
+    expect_success(live("hand.toml", {"--duration", "1 s", "--log", "log.csv", "--quiet"}));
+    expect_success(replayed("hand.toml", "log.csv", "out.csv", "cpu", "f64"));
+    EXPECT_TRUE(felt_in(text("log.csv")) == text("out.csv"));
+    EXPECT_EQ(rows("log.csv").size(), 1000u);
+}
+
+TEST_F(Live, a_recordings_own_rate_is_rounded_to_one_that_the_loop_has) {
+    std::string fast = "path,t,x,y,z\n", slow = fast;
+    for (int i = 0; i < 200; ++i) {
+        fast += fmt::format("7,{},0,0,-0.001\n", 0.0000999 * i);
+        slow += fmt::format("7,{},0,0,-0.001\n", 0.01004 * i);
+    }
+    write("fast.csv", fast);
+    write("slow.csv", slow);
+    for (const auto& [name, rate] : {std::pair{"fast.csv", 10000}, {"slow.csv", 100}}) {
+        const Outcome outcome = expect_success(
+            live("plane.toml", {"--fast", "--device", fmt::format("replay:{}", name), "--quiet", "--json"}));
+        EXPECT_EQ(nlohmann::json::parse(outcome.out)["rate_Hz"], rate);
+    }
+}
+
+TEST_F(Live, on_the_software_device_the_kernels_compute_the_same_bits_in_single_precision) {
+    for (const char* const scene : {"bump.toml", "map.toml", "mesh.toml"}) {
+        SCOPED_TRACE(scene);
+        expect_success(live(scene, {"--fast", "--duration", "1 s", "--log", "log.csv", "--overwrite", "--quiet",
+                                    "--precision", "f32"}));
+        expect_success(replayed(scene, "log.csv", "out.csv", "gpu", "f32"));
+        const Rows felt = rows("log.csv"), computed = rows("out.csv");
+        ASSERT_EQ(felt.size(), 1000u);
+        ASSERT_EQ(computed.size(), 1000u);
+        for (std::size_t i = 0; i < felt.size(); ++i)
+            for (const char* const name : {"path", "gx", "gy", "gz", "fx", "fy", "fz", "depth", "facet"})
+                ASSERT_EQ(felt[i].at(name), computed[i].at(name)) << name << " of row " << i;
+    }
+}
+
+TEST_F(Live, forces_in_double_precision_are_the_kernels_within_the_bound_of_rounding) {
+    for (const char* const scene : {"bump.toml", "map.toml"}) {
+        SCOPED_TRACE(scene);
+        expect_success(live(scene, {"--fast", "--duration", "2 s", "--log", "log.csv", "--overwrite", "--quiet",
+                                    "--precision", "f64"}));
+        expect_success(replayed(scene, "log.csv", "out.csv", "gpu", "f32"));
+        const std::vector<Override> single{{"run.precision", "f32"}};
+        const PreparedCase prepared = CasePreparation().prepare(read_scene(path(scene), single));
+        const RoundingBound bound(prepared, Precision::f32);
+        const Rows exact = rows("log.csv"), computed = rows("out.csv");
+        ASSERT_EQ(exact.size(), computed.size());
+        std::size_t on_edge = 0, compared = 0;
+        for (std::size_t i = 0; i < exact.size(); ++i) {
+            if (exact[i].at("facet") != computed[i].at("facet")) {
+                ++on_edge;
+                continue;
+            }
+            double moved = 0, off = 0;
+            std::array<double, 3> place{};
+            for (int axis = 0; axis < 3; ++axis) {
+                const char* const names[] = {"x", "y", "z", "fx", "fy", "fz"};
+                const double there = number_in(exact[i], names[axis]);
+                place[axis] = static_cast<float>(there);
+                moved = std::hypot(moved, place[axis] - there);
+                off = std::hypot(off, number_in(computed[i], names[axis + 3]) - number_in(exact[i], names[axis + 3]));
+            }
+            const Bound allowed = bound.at(place[0], place[1], place[2]) + bound.over(moved);
+            ASSERT_LE(off, allowed.force) << "row " << i;
+            ++compared;
+        }
+        EXPECT_LT(on_edge, exact.size() / 100);
+        EXPECT_GT(compared, exact.size() / 2);
+    }
+}
+
+TEST_F(Live, the_report_says_what_the_log_holds) {
+    const Outcome outcome =
+        expect_success(live("hand.toml", {"--fast", "--duration", "2 s", "--log", "log.csv", "--max-force", "1.5 N",
+                                          "--slew", "0.05 N/ms", "--json"}));
+    const nlohmann::json said = read_json("log.live.json");
+    EXPECT_EQ(outcome.out, text("log.live.json"));
+    EXPECT_NE(outcome.error.find("2000 samples"), std::string::npos) << outcome.error;
+    EXPECT_NE(outcome.error.find(text("log.live.txt")), std::string::npos) << "the text is what the terminal got";
+    EXPECT_TRUE(text("log.live.png").starts_with("\x89PNG\r\n\x1a\n"));
+    const Rows log = rows("log.csv");
+    ASSERT_EQ(log.size(), 2000u);
+    EXPECT_EQ(said["samples"], log.size());
+    EXPECT_EQ(said["log"]["samples"], log.size());
+    EXPECT_EQ(said["log"]["lost"], 0);
+    EXPECT_EQ(said["log"]["file"], "log.csv");
+    EXPECT_EQ(said["compute"]["count"], log.size());
+    std::size_t in_contact = 0;
+    double force = 0, commanded = 0, depth = 0, energy = 0, late = 0, computing = 0;
+    for (const auto& row : log) {
+        in_contact += row.at("facet") != "-1";
+        force = std::max(force, size_in(row, "fx", "fy", "fz"));
+        commanded = std::max(commanded, size_in(row, "cx", "cy", "cz"));
+        depth = std::max(depth, number_in(row, "depth"));
+        energy = std::max(energy, number_in(row, "energy"));
+        late = std::max(late, number_in(row, "late_ns"));
+        computing = std::max(computing, number_in(row, "compute_ns"));
+    }
+    EXPECT_EQ(said["in_contact"], in_contact);
+    EXPECT_NEAR(said["largest_force_N"], force, 1e-12);
+    EXPECT_NEAR(said["largest_commanded_N"], commanded, 1e-12);
+    EXPECT_NEAR(commanded, 1.5, 1e-12) << "the limit is reached and not passed";
+    EXPECT_EQ(said["largest_depth_m"], depth);
+    EXPECT_EQ(said["largest_energy_J"], energy);
+    EXPECT_EQ(said["energy_J"], number_in(log.back(), "energy"));
+    EXPECT_EQ(said["compute"]["largest_ns"], computing);
+    for (const auto& [name, count] : said["happened"].items()) {
+        std::size_t rows = 0;
+        for (const auto& row : log)
+            rows += happened_in(row, name);
+        EXPECT_EQ(count, rows) << name;
+    }
+    for (const char* const name : {"clamped", "slewed", "ramping"})
+        EXPECT_GT(said["happened"][name], 0) << name;
+    for (std::size_t i = 1; i < log.size(); ++i) {
+        double change = 0;
+        for (const char* const name : {"cx", "cy", "cz"})
+            change = std::hypot(change, number_in(log[i], name) - number_in(log[i - 1], name));
+        ASSERT_LE(change, 0.05 * (1 + 1e-9)) << "row " << i;
+    }
+}
+
+TEST_F(Live, quiet_says_nothing_and_the_report_goes_where_it_is_told) {
+    const Outcome outcome =
+        expect_success(live("bump.toml", {"--fast", "--duration", "0.5 s", "--report", "said", "--quiet"}));
+    EXPECT_EQ(outcome.out, "");
+    EXPECT_EQ(outcome.error, "");
+    EXPECT_EQ(read_json("said.json")["samples"], 500);
+    EXPECT_EQ(read_json("said.json")["log"]["file"], nullptr);
+    for (const char* const name : {"said.txt", "said.png"})
+        EXPECT_GT(text(name).size(), 100u) << name;
+    const Tree before = tree_of(folder_.path());
+    EXPECT_EQ(expect_success(live("bump.toml", {"--fast", "--duration", "0.5 s", "--quiet"})).error, "");
+    EXPECT_EQ(differences(before, tree_of(folder_.path())), std::set<std::string>{}) << "nobody asked for files";
+}
+
+} // namespace
+} // namespace forceshade::testing
