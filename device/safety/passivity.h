@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cstdint>
 
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
@@ -10,28 +11,47 @@
 namespace forceshade::device {
 
 /// The observer. A force is held from one sample to the next, so that its work over that way is known exactly, as far
-/// as positions are: nothing is estimated from speeds. A conservative law sampled at a rate gives energy, too.
+/// as positions are: nothing is estimated from speeds. A conservative law sampled at a rate gives energy, too. Between
+/// positions that come more seldom than samples the way counts with the mean of the forces.
 class EnergyObserver {
 public:
-    /// The probe is found at a place, m, after the force shown last, N.
+    /// A sample has passed, and the probe is found at a place, m.
     void find(const glm::dvec3& probe) noexcept {
+        stay();
         way_ = begun_ ? probe - probe_ : glm::dvec3(0);
-        energy_ += glm::dot(shown_, way_);
-        probe_ = probe;
-        begun_ = true;
+        energy_ += glm::dot(pushed_ / static_cast<double>(since_), way_);
+        samples_ = since_;
+        begin_at(probe);
+    }
+    /// A sample has passed, and where the probe is now is not known.
+    void stay() noexcept {
+        pushed_ += shown_;
+        ++since_;
     }
     /// The probe is somewhere else, and was not taken there.
     void leap(const glm::dvec3& probe) noexcept {
-        probe_ = probe;
         way_ = glm::dvec3(0);
+        begin_at(probe);
     }
+    /// The force shown from now on, N.
     void show(const glm::dvec3& force) noexcept { shown_ = force; }
 
-    double energy() const noexcept { return energy_; }      /* J: given to the hand since the start */
-    const glm::dvec3& way() const noexcept { return way_; } /* m: of the last sample */
+    double energy() const noexcept { return energy_; }          /* J: given to the hand since the start */
+    const glm::dvec3& way() const noexcept { return way_; }     /* m: between the last two places */
+    std::uint64_t samples() const noexcept { return samples_; } // that it took
+    std::uint64_t since() const noexcept { return since_; }     // samples since the last place
 
 private:
+    void begin_at(const glm::dvec3& probe) noexcept {
+        probe_ = probe;
+        pushed_ = glm::dvec3(0);
+        since_ = 0;
+        begun_ = true;
+    }
+
     glm::dvec3 probe_{0}, way_{0}, shown_{0};
+    glm::dvec3 pushed_{0}; /* N: sum of the forces since the last place, one a sample */
+    std::uint64_t samples_ = 1, since_ = 0;
     double energy_ = 0;
     bool begun_ = false;
 };
@@ -39,16 +59,19 @@ private:
 /// What the controller adds to a force.
 struct Damping {
     glm::dvec3 force{0}; /* N */
-    double energy = 0;   /* J: that it takes out if the probe goes on as it went */
+    double energy = 0;   /* J: that it takes out in a sample if the probe goes on as it went */
 };
 
-/// Against the motion, as much as takes out within `period`, s, what was given too much, but at most `most`, N s/m.
+/// Against the motion, as much as takes out what was given too much until the probe's next place is due, after as many
+/// samples, each `period`, s, as the last one; but at most `most`, N s/m. Later than that nothing is known of the
+/// motion.
 inline Damping passive_damping(const EnergyObserver& observer, double period, double most) noexcept {
-    const glm::dvec3 speed = observer.way() / period;
+    const double time = period * static_cast<double>(observer.samples());
+    const glm::dvec3 speed = observer.way() / time;
     const double square = glm::dot(speed, speed);
-    if (!(observer.energy() > 0) || !(square > 0))
+    if (!(observer.energy() > 0) || !(square > 0) || observer.since() >= observer.samples())
         return {};
-    const double damping = std::min(observer.energy() / (square * period), most);
+    const double damping = std::min(observer.energy() / (square * time), most);
     return {-damping * speed, damping * square * period};
 }
 

@@ -23,16 +23,16 @@ bool is_within(const glm::dvec3& v, const glm::dvec3& low, const glm::dvec3& hig
 void Safety::follow(const Situation& now) noexcept {
     step_ = begun_ ? std::clamp(now.time - last_time_, 0.0, period_) : period_;
     last_time_ = now.time;
-    if (!now.is_position)
+    if (!now.is_position || now.answer != Answer::fresh) {
+        observer_.stay();
         return;
+    }
     if (now.begins_path) {
         observer_.leap(now.probe);
         speed_ = glm::dvec3(0);
         speed_size_ = 0;
     } else
         observer_.find(now.probe);
-    if (now.answer != Answer::fresh)
-        return;
     if (begun_ && !now.begins_path) {
         const double since = std::max(now.time - last_fresh_, 0.5 * period_);
         const glm::dvec3 speed = (now.probe - last_probe_) / since;
@@ -74,8 +74,12 @@ double Safety::gain(bool contact) noexcept {
     return gain_ * contact_gain_;
 }
 
-void Safety::refused() noexcept {
+void Safety::come_up_anew() noexcept {
     gain_ = 0;
+}
+
+void Safety::refused() noexcept {
+    come_up_anew();
     shown_ = glm::dvec3(0);
     observer_.show(shown_);
 }
@@ -107,7 +111,7 @@ glm::dvec3 Safety::passed(const Situation& now, const glm::dvec3& law, bool cont
         happened |= kClamped;
     }
     const glm::dvec3 change = force - shown_;
-    const double most = limits_.slew * step_, wanted = magnitude(change);
+    const double most = std::isinf(limits_.slew) ? kUnknown : limits_.slew * step_, wanted = magnitude(change);
     if (!(wanted <= most)) {
         force = shown_ + (most / wanted) * change;
         happened |= kSlewed;

@@ -27,7 +27,9 @@ public:
     /// The force, N, to be displayed for the law's at a sample; what happened is added to `happened`.
     glm::dvec3 passed(const Situation& now, const glm::dvec3& force, bool contact, std::uint32_t& happened) noexcept;
 
-    /// The device did not take the last force: it comes up anew.
+    /// From where it is now the force goes down, no faster than it may, and comes up as after the start.
+    void come_up_anew() noexcept;
+    /// Nothing is displayed of the last force: it comes up anew.
     void refused() noexcept;
 
     double energy() const noexcept { return observer_.energy(); } /* J: given to the hand */

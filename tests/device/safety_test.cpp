@@ -77,6 +77,14 @@ TEST(Safety, ForcesChangeNoFasterThanTheyMay) {
     EXPECT_NEAR(held.show({0, 0, -2.5}).z, 1.5, 1e-12);
 }
 
+TEST(Safety, TwoSamplesAtOneTimeAreNoFault) {
+    Held held(quick());
+    held.show({0, 0, 1});
+    held.time -= kPeriod;
+    EXPECT_EQ(held.show({0, 0, 2}).z, 2);
+    EXPECT_EQ(held.happened, 0u);
+}
+
 TEST(Safety, AForceComesUpAfterTheStartAndAfterAFault) {
     SafetyLimits limits = quick();
     limits.ramp = 0.1;
@@ -203,6 +211,40 @@ TEST(Safety, WhateverComesTheForceIsWithinItsLimits) {
         }
     });
     EXPECT_TRUE(held_true);
+}
+
+TEST(Safety, AWayCountsFromTheBeginningOfTheFirstPath) {
+    Held held(quick());
+    Situation now = held.fine();
+    now.begins_path = true;
+    held.show(now, {0, 0, 1});
+    now = held.fine();
+    now.probe.z = 1e-3;
+    held.show(now, {0, 0, 1});
+    EXPECT_EQ(held.safety.energy(), 1e-3);
+}
+
+// A device that tells its position at every fourth sample, pushed by a force that gives it 1 mJ, and then left alone.
+TEST(Safety, DampsEvenlyBetweenPositionsThatComeSeldom) {
+    SafetyLimits limits = quick();
+    limits.passivity = true;
+    limits.damping = 1;
+    Held held(limits);
+    for (int i = 0; i < 9; ++i) {
+        Situation now = held.fine();
+        now.answer = i % 4 == 0 ? Answer::fresh : Answer::held;
+        now.probe.z = 1e-3 * (i / 4);
+        const glm::dvec3 shown = held.show(now, {0, 0, i < 4 ? i : 0});
+        EXPECT_NEAR(shown.z, i < 4 ? i : -0.25, 1e-12) << "0.25 m/s";
+    }
+    EXPECT_NEAR(held.safety.energy(), 1.5e-3 - 0.25e-3, 1e-12) << "0, 1, 2 and 3 N over 1 mm, less what was taken out";
+    EXPECT_NEAR(held.safety.damped(), 5 * 0.0625e-3, 1e-12);
+    for (int i = 0; i < 6; ++i) {
+        Situation now = held.fine();
+        now.answer = Answer::held;
+        now.probe.z = 2e-3;
+        EXPECT_NEAR(held.show(now, {0, 0, 0}).z, i < 3 ? -0.25 : 0, 1e-12) << "nothing new came when it was due";
+    }
 }
 
 TEST(EnergyObserver, CountsTheWorkOfForcesThatAreHeld) {
