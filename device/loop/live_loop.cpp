@@ -88,8 +88,9 @@ void LiveLoop::run() noexcept {
 }
 
 bool LiveLoop::is_over() noexcept {
+    LoopEnd still = LoopEnd::running;
     if (settings_.samples && tick_ >= *settings_.samples)
-        end_.store(LoopEnd::done, std::memory_order_release);
+        end_.compare_exchange_strong(still, LoopEnd::done, std::memory_order_release);
     return stop_.load(std::memory_order_relaxed) || end_.load(std::memory_order_relaxed) != LoopEnd::running;
 }
 
@@ -121,6 +122,7 @@ bool LiveLoop::take_position(Turn& turn) noexcept {
         path_ += begun_ ? 1 : 0;
         status_.law_path.store(path_, std::memory_order_relaxed);
         status_.laws.fetch_add(1, std::memory_order_release);
+        safety_.come_up_anew(); // its surface may lie high above the probe
     }
     const Reading reading = back_end_.read();
     const std::int64_t read = now();
@@ -142,9 +144,10 @@ bool LiveLoop::take_position(Turn& turn) noexcept {
         probe_ = reading.position;
         begun_ = true;
     }
-    if (given && begun_ && writes_)
-        last_answer_ = turn.now.time;
-    if (turn.now.time - last_answer_ > settings_.patience)
+    const double passed = turn.now.time - std::exchange(last_time_, turn.now.time);
+    // That the process stood still does not mean that the device was gone.
+    gone_ = given && begun_ && writes_ ? 0 : gone_ + std::min(passed, 0.1 * settings_.patience);
+    if (gone_ > settings_.patience)
         end_.store(LoopEnd::device_gone, std::memory_order_release);
     turn.now.probe = probe_;
     return begun_;
@@ -159,8 +162,13 @@ void LiveLoop::feel(Turn& turn) noexcept {
                                  : LiveContact{probe_, glm::dvec3(0), 0, layout::kNoFacet, true}; // a new law's
     sample.happened |= felt.finished ? 0u : kUnfinished;
     const bool contact = felt.facet != layout::kNoFacet;
-    const glm::dvec3 force = safety_.passed(turn.now, felt.force, contact, sample.happened);
+    glm::dvec3 force = safety_.passed(turn.now, felt.force, contact, sample.happened);
     const std::int64_t end = now();
+    if (settings_.real_time && seconds(end - turn.due) > settings_.limits.late * period_) { // held up since it woke
+        sample.happened |= kTooLate;
+        safety_.refused();
+        force = glm::dvec3(0);
+    }
     sample.computing = short_time(end - begin);
     sample.probe = probe_;
     sample.proxy = felt.proxy;
@@ -194,6 +202,8 @@ void LiveLoop::turn() noexcept {
 void LiveLoop::wait(const Turn& turn) noexcept {
     back_end_.write(glm::dvec3(0));
     computed_ = computed_so_far();
+    if (turn.now.answer == Answer::ended)
+        return;
     ++counts_->waiting;
     status_.waiting.store(counts_->waiting, std::memory_order_relaxed);
     status_.seconds.store(turn.now.time, std::memory_order_relaxed);

@@ -99,10 +99,11 @@ private:
     // The loop's own.
     std::int64_t start_ = 0, woken_ = 0, computed_ = 0; /* ns */
     std::uint64_t tick_ = 0;
-    double last_answer_ = 0; /* s: when the device last answered as it should */
-    glm::dvec3 probe_{0};    /* m: the last one that was a position */
-    bool begun_ = false;     // there was one
-    bool writes_ = true;     // the device took the last force
+    double last_time_ = 0; /* s: of the last sample */
+    double gone_ = 0;      /* s: since the device last answered as it should */
+    glm::dvec3 probe_{0};  /* m: the last one that was a position */
+    bool begun_ = false;   // there was one
+    bool writes_ = true;   // the device took the last force
     std::uint32_t path_ = 0;
 };
 

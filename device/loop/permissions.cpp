@@ -5,7 +5,6 @@
 #include <sched.h>
 #include <sys/mman.h>
 #include <sys/prctl.h>
-#include <sys/resource.h>
 
 #include <system_error>
 
@@ -29,8 +28,6 @@ Permissions::One priority() {
 
 // Pages that are touched later are locked, too, but only where they cannot run into a limit.
 Permissions::One locked_memory() {
-    rlimit limit{};
-    ::getrlimit(RLIMIT_MEMLOCK, &limit);
     if (::mlockall(MCL_CURRENT | MCL_FUTURE) == 0) {
         void* const probe =
             ::mmap(nullptr, std::size_t(64) << 20, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
