@@ -7,6 +7,8 @@
 
 #include <fmt/format.h>
 
+#include "host/interrupt.h"
+
 namespace forceshade::device {
 namespace {
 
@@ -39,6 +41,7 @@ glm::dvec3 first_position(BackEnd& device, double patience) {
     using Clock = std::chrono::steady_clock;
     const auto end = Clock::now() + std::chrono::duration<double>(std::min(patience, 3600.0));
     do {
+        check_interrupt();
         const Reading reading = device.read();
         const glm::dvec3& p = reading.position;
         if (reading.answer == Answer::fresh && std::isfinite(p.x + p.y + p.z))

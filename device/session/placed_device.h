@@ -15,7 +15,7 @@ struct Placement {
 };
 
 /// The device with positions and workspace in the scene's coordinates. \throws DeviceAbsent if the probe is to tell the
-/// origin and the device tells no position within `patience`, s.
+/// origin and the device tells no position within `patience`, s; Interrupted.
 std::unique_ptr<BackEnd> place_device(std::unique_ptr<BackEnd> device, const Placement& placement, double patience);
 
 } // namespace forceshade::device

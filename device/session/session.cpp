@@ -97,9 +97,8 @@ std::string state_of(const LoopStatus& status) {
 class Session {
 public:
     explicit Session(const SessionOptions& options)
-        : options_(checked(options)), line_(options.quiet), prepared_(options.read()), quiet_(std::in_place),
-          device_(opened()), back_end_(*device_.back_end),
-          watch_(options.scene, options.read, prepared_.one.scene.precision) {
+        : options_(checked(options)), line_(options.quiet), prepared_(options.read()), device_(opened()),
+          back_end_(*device_.back_end), watch_(options.scene, options.read, prepared_.one.scene.precision) {
         if (!device_.warning.empty())
             remark(device_.warning);
         settings_.rate = checked_rate(options.rate.value_or(device_.rate));
@@ -109,6 +108,7 @@ public:
         settings_.limits = limits();
         settings_.samples = samples_in(options.duration, settings_.rate);
         if (!options.log.empty()) {
+            const QuietSignals quiet;
             ring_.emplace(static_cast<std::size_t>(kBuffered * settings_.rate));
             log_.emplace(options.log, *ring_, prepared_.one.scene.precision, options.replace_log);
         }
@@ -121,8 +121,7 @@ public:
             const Emergency emergency(back_end_);
             const Suspension suspension(*loop_);
             const Interruption interruption(*loop_);
-            loop_->start();
-            quiet_.reset(); // every thread has been started
+            start_quietly();
             while (loop_->end() == LoopEnd::running) {
                 if (is_interrupted())
                     loop_->stop();
@@ -140,10 +139,21 @@ public:
     }
 
 private:
+    // Threads that are started have every signal from outside left to the main one.
+    OpenDevice open_quietly() const {
+        const QuietSignals quiet;
+        return open_device(options_.device, prepared_, options_.rate);
+    }
+
     OpenDevice opened() const {
-        OpenDevice device = open_device(options_.device, prepared_, options_.rate);
+        OpenDevice device = open_quietly();
         device.back_end = place_device(std::move(device.back_end), options_.placement, options_.patience);
         return device;
+    }
+
+    void start_quietly() {
+        const QuietSignals quiet;
+        loop_->start();
     }
 
     SafetyLimits limits() {
@@ -281,7 +291,6 @@ private:
     StatusLine line_;
     std::vector<std::string> remarks_;
     PreparedCase prepared_;
-    std::optional<QuietSignals> quiet_;
     OpenDevice device_;
     BackEnd& back_end_;
     SceneWatch watch_;

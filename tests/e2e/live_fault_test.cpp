@@ -228,7 +228,8 @@ TEST_F(LiveFault, a_device_that_fails_for_a_while_comes_back_slowly) {
                                      {"millimetres@300+100", "bad_position"}}) {
         SCOPED_TRACE(fail);
         Outcome outcome;
-        Launch launch = felt({"--duration", "1 s", "--log", "log.csv", "--overwrite", "--max-speed", "none"}, fail);
+        Launch launch = felt(
+            {"--rate", "2 kHz", "--duration", "0.5 s", "--log", "log.csv", "--overwrite", "--max-speed", "none"}, fail);
         launch.environment["STUB_POSITION"] = "0.004,0,-0.001"; // times 1000 no device reaches
         pushed(launch, outcome, [](Process&) {});
         EXPECT_EQ(outcome.code, 0) << outcome.error;
@@ -262,6 +263,16 @@ TEST_F(LiveFault, a_device_that_is_not_there_or_makes_no_sense_is_refused) {
         EXPECT_NE(text("stderr").find(words), std::string::npos) << text("stderr");
         EXPECT_FALSE(std::filesystem::exists(path("log.csv"))) << fail;
     }
+}
+
+TEST_F(LiveFault, waiting_for_a_device_can_be_interrupted) {
+    Launch launch = felt({"--origin", "here", "--patience", "none"}, "time guard"); // never a new position
+    Process process(launch);
+    ASSERT_TRUE(await(process, [&] { return record().size() > 10; }));
+    process.send(SIGINT);
+    const Outcome outcome = process.wait();
+    EXPECT_EQ(outcome.code, 130);
+    EXPECT_EQ(pushes_after(record(), 0), 0u);
 }
 
 TEST_F(LiveFault, a_device_that_never_takes_a_force_is_given_up) {

@@ -1,4 +1,7 @@
 // The scene's file while a loop runs: what is saved is felt, what is broken is not.
+#include <fcntl.h>
+#include <sys/stat.h>
+
 #include "tests/e2e/live_workplace.h"
 
 namespace forceshade::testing {
@@ -61,6 +64,51 @@ TEST_F(LiveWatch, a_change_is_a_new_path_that_its_kept_scene_replays) {
         EXPECT_NEAR(number_in(rows("path.csv").front(), "fz"), std::pow(0.5, std::stoi(number)), 1e-12);
     }
     EXPECT_FALSE(std::filesystem::exists(path("log.scene-3.toml")));
+}
+
+// A wall that is suddenly ten times as stiff, or elsewhere, does not hit the hand.
+TEST_F(LiveWatch, the_force_of_a_change_comes_up_as_after_the_start) {
+    Process process(felt({"--watch", "--max-force", "5 N", "--quiet"}));
+    ASSERT_TRUE(await(process, [&] { return is_pushing(); }));
+    write("plane.toml", "[force]\nstiffness = \"10 N/mm\"\n");
+    ASSERT_TRUE(await(process, [&] { return record().back().size() > 4.99; }));
+    process.send(SIGINT);
+    EXPECT_EQ(process.wait().code, 130);
+    EXPECT_EQ(text("stderr"), "");
+    double before = 0;
+    bool fell = false, pushed = false;
+    for (const Told& told : record()) {
+        ASSERT_LE(told.size(), before + 10 * 0.021) << "10 N over 50 ms";
+        before = told.size();
+        pushed = pushed || before > 0.95;
+        fell = fell || (pushed && before < 0.25);
+    }
+    EXPECT_TRUE(fell);
+}
+
+// The terminal or pipe that takes our words may stop taking them (Ctrl-S).
+TEST_F(LiveWatch, words_that_nobody_takes_do_not_keep_a_force_up) {
+    ::mkfifo(path("words").c_str(), 0600);
+    const int words = ::open(path("words").c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC);
+    std::string some(4096, '.');
+    while (::write(words, some.data(), some.size()) > 0 || some.size() > 1)
+        some.resize(std::max<std::size_t>(1, some.size() / 2));
+    Launch launch = felt({"--watch"});
+    launch.error = path("words");
+    Process process(launch);
+    ASSERT_TRUE(await(process, [&] { return is_pushing(); }));
+    save("[force]\nstiffness = \"2 N/mm\"\n");
+    ASSERT_TRUE(await(process, [&] { return record().back().size() > 1.9; }));
+    std::this_thread::sleep_for(std::chrono::milliseconds(300)); // it says so, or tries to
+    process.send(SIGINT);
+    await(process, [&] { return record().back().size() == 0; });
+    const std::size_t told = record().size();
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    EXPECT_LE(record().size(), told + 5) << "the loop has ended";
+    EXPECT_EQ(record().back().size(), 0);
+    process.send(SIGINT);
+    EXPECT_EQ(process.wait().code, 130);
+    ::close(words);
 }
 
 TEST_F(LiveWatch, without_it_the_file_is_let_be) {
