@@ -79,7 +79,7 @@ AlsoFormats parse_also(const std::vector<std::string>& names) {
         else if (name == "png")
             also.png = true;
         else
-            throw UsageError(fmt::format("--also {}: there are vti, npy and png", name));
+            throw UsageError(fmt::format("--also {}: there are vti, npy and png, with commas between them", name));
     }
     return also;
 }
