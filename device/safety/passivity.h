@@ -62,16 +62,16 @@ struct Damping {
     double energy = 0;   /* J: that it takes out in a sample if the probe goes on as it went */
 };
 
-/// Against the motion, as much as takes out what was given too much until the probe's next place is due, after as many
-/// samples, each `period`, s, as the last one; but at most `most`, N s/m. Later than that nothing is known of the
+/// Against the motion, as much as takes out within `period`, s, what was given too much, but at most `most`, N s/m.
+/// `speed`, m/s, is to be a smooth one: of positions with a resolution the speed over a sample is a train of pulses,
+/// which damping would turn into a buzz. None once the probe's next place is overdue: then nothing is known of a
 /// motion.
-inline Damping passive_damping(const EnergyObserver& observer, double period, double most) noexcept {
-    const double time = period * static_cast<double>(observer.samples());
-    const glm::dvec3 speed = observer.way() / time;
+inline Damping passive_damping(const EnergyObserver& observer, const glm::dvec3& speed, double period,
+                               double most) noexcept {
     const double square = glm::dot(speed, speed);
     if (!(observer.energy() > 0) || !(square > 0) || observer.since() >= observer.samples())
         return {};
-    const double damping = std::min(observer.energy() / (square * time), most);
+    const double damping = std::min(observer.energy() / (square * period), most);
     return {-damping * speed, damping * square * period};
 }
 

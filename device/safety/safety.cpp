@@ -8,7 +8,8 @@
 namespace forceshade::device {
 namespace {
 
-constexpr double kSpeedTime = 0.005; /* s: over which the speed is averaged, so that no jitter of a clock looks fast */
+constexpr double kSpeedTime =
+    0.005; /* s: over which the speed is averaged, so that no jitter of a clock, no resolution looks fast */
 
 bool is_finite(const glm::dvec3& v) noexcept {
     return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
@@ -100,7 +101,7 @@ glm::dvec3 Safety::passed(const Situation& now, const glm::dvec3& law, bool cont
         happened |= contact ? kRamping : 0u;
     }
     if (limits_.passivity) {
-        const Damping damping = passive_damping(observer_, period_, limits_.damping);
+        const Damping damping = passive_damping(observer_, speed_, period_, limits_.damping);
         force += damping.force;
         damped_ += damping.energy;
         happened |= damping.energy > 0 ? kDamped : 0u;

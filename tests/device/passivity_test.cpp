@@ -75,5 +75,24 @@ TEST(LiveStability, ThePassivityControllerKeepsItBounded) {
     }
 }
 
+// A wall that is stable by far, felt through a device that tells its position in steps of 30 um: over one sample a step
+// looks like a speed.
+TEST(LiveStability, ThePassivityControllerMakesNoBuzzOfAResolution) {
+    for (const double rate : {1000.0, 4000.0}) {
+        const PreparedCase prepared = prepared_scene(
+            "[force]\nstiffness = \"1 N/mm\"\n[paths]\nlength = \"0 m\"\npress = \"1 N\"\nstart_depth = \"1.015 mm\"\n"
+            "tremor = { amplitude = \"0.1 mm\" }\n[hand]\nquantisation = \"30 um\"\nmax_force = \"10 N\"\n");
+        const auto sim = make_sim(prepared, rate);
+        SafetyLimits limits = no_limits();
+        limits.passivity = true;
+        const LoopRun run = run_fast(*sim, prepared, static_cast<std::uint64_t>(20 * rate), limits, rate);
+        EXPECT_LT(run.counts.largest_energy, 1e-3) << rate;
+        double largest = 0; /* N: change of the force within a sample */
+        for (std::size_t i = 1; i < run.samples.size(); ++i)
+            largest = std::max(largest, std::abs(run.samples[i].commanded.z - run.samples[i - 1].commanded.z));
+        EXPECT_LT(largest, 0.5) << rate;
+    }
+}
+
 } // namespace
 } // namespace forceshade::device

@@ -235,15 +235,17 @@ TEST(Safety, DampsEvenlyBetweenPositionsThatComeSeldom) {
         now.answer = i % 4 == 0 ? Answer::fresh : Answer::held;
         now.probe.z = 1e-3 * (i / 4);
         const glm::dvec3 shown = held.show(now, {0, 0, i < 4 ? i : 0});
-        EXPECT_NEAR(shown.z, i < 4 ? i : -0.25, 1e-12) << "0.25 m/s";
+        EXPECT_NEAR(shown.z, i < 4 ? i : -held.safety.speed(), 1e-12) << "1 N s/m";
     }
-    EXPECT_NEAR(held.safety.energy(), 1.5e-3 - 0.25e-3, 1e-12) << "0, 1, 2 and 3 N over 1 mm, less what was taken out";
-    EXPECT_NEAR(held.safety.damped(), 5 * 0.0625e-3, 1e-12);
+    const double first = 0.25 * 4 / 9, second = first + (0.25 - first) * 4 / 9; // m/s: smoothed over 5 ms
+    EXPECT_NEAR(held.safety.speed(), second, 1e-12);
+    EXPECT_NEAR(held.safety.energy(), 1.5e-3 - 1e-3 * first, 1e-12) << "0 to 3 N over 1 mm, less what was taken out";
+    EXPECT_NEAR(held.safety.damped(), 1e-3 * (4 * first * first + second * second), 1e-12);
     for (int i = 0; i < 6; ++i) {
         Situation now = held.fine();
         now.answer = Answer::held;
         now.probe.z = 2e-3;
-        EXPECT_NEAR(held.show(now, {0, 0, 0}).z, i < 3 ? -0.25 : 0, 1e-12) << "nothing new came when it was due";
+        EXPECT_NEAR(held.show(now, {0, 0, 0}).z, i < 3 ? -second : 0, 1e-12) << "nothing new came when it was due";
     }
 }
 
