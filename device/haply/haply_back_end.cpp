@@ -7,6 +7,7 @@
 #include "device/haply/haply.h"
 #include "device/haply/link.h"
 #include "device/haply/protocol.h"
+#include "device/priority.h"
 
 namespace forceshade::device {
 namespace {
@@ -23,7 +24,10 @@ class HaplyBackEnd final : public BackEnd {
 public:
     HaplyBackEnd(DeviceFacts facts, LinkOptions link, double patience)
         : facts_(std::move(facts)), link_(std::move(link)), stale_(static_cast<std::int64_t>(patience * 1e9)),
-          exchange_(zero_frame(link_)), thread_([this] { run_link(exchange_, link_); }) {}
+          exchange_(zero_frame(link_)), thread_([this] {
+              raise_priority(kCarrierPriority);
+              run_link(exchange_, link_);
+          }) {}
 
     ~HaplyBackEnd() override {
         exchange_.stop();

@@ -10,6 +10,8 @@
 
 #include <fmt/format.h>
 
+#include "device/priority.h"
+
 namespace forceshade::device {
 namespace {
 
@@ -70,12 +72,6 @@ Permissions::One pinned(std::optional<int> cpu, bool first_come) {
 }
 
 } // namespace
-
-int raise_priority(int level) noexcept {
-    sched_param parameters{};
-    parameters.sched_priority = level;
-    return ::pthread_setschedparam(::pthread_self(), SCHED_FIFO, &parameters);
-}
 
 Permissions ask_for_real_time(std::optional<int> cpu) {
     ::prctl(PR_SET_TIMERSLACK, 1UL); // ns; the default is 50 us for threads without SCHED_FIFO

@@ -7,11 +7,6 @@
 
 namespace forceshade::device {
 
-inline constexpr int kLoopPriority = 80, kWatchdogPriority = 85;
-
-/// SCHED_FIFO for the calling thread; 0, or the reason why not (errno).
-int raise_priority(int priority) noexcept;
-
 /// For the calling thread, the live loop's: SCHED_FIFO, timers to the nanosecond, its CPU (`cpu`; where none is given
 /// the last one that it may use, if it has SCHED_FIFO), all memory of the process locked.
 Permissions ask_for_real_time(std::optional<int> cpu);

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "device/loop/clock.h"
-#include "device/loop/permissions.h"
+#include "device/priority.h"
 
 namespace forceshade::device {
 
