@@ -115,6 +115,7 @@ public:
     Reading read() noexcept override;
     bool write(const glm::dvec3& force) noexcept override;
     void halt() noexcept override;
+    void rest() noexcept override;
     const char* complaint() const noexcept override { return complaint_.load(); }
 
 private:
@@ -232,6 +233,14 @@ void Dhd::halt() noexcept {
         return;
     calls_.set_force(0, 0, 0, id_);
     calls_.stop(id_);
+    door_.leave();
+}
+
+// A loop that is stuck in the vendor's library itself has the device's watchdog.
+void Dhd::rest() noexcept {
+    if (!door_.enter())
+        return;
+    calls_.set_force(0, 0, 0, id_);
     door_.leave();
 }
 

@@ -117,6 +117,7 @@ public:
     Reading read() noexcept override;
     bool write(const glm::dvec3& force) noexcept override { return servo_.put(force); }
     void halt() noexcept override { servo_.halt(kFramePatience); }
+    void rest() noexcept override { servo_.rest(); }
     const char* complaint() const noexcept override { return servo_.complaint(); }
 
 private:

@@ -36,6 +36,10 @@ bool Servo::wait_for(const std::atomic<bool>& happened, int most) const noexcept
     return happened;
 }
 
+void Servo::rest() noexcept {
+    rested_ = clock_now();
+}
+
 bool Servo::halt(int most) noexcept {
     halted_ = true;
     return wait_for(silent_, most);
@@ -63,7 +67,7 @@ Servo::Frame Servo::position() noexcept {
 
 glm::dvec3 Servo::newest_force(std::int64_t now) noexcept {
     commands_.take(command_);
-    return now - command_.time > kSilence ? glm::dvec3(0) : command_.force;
+    return now - command_.time > kSilence || command_.time <= rested_ ? glm::dvec3(0) : command_.force;
 }
 
 void Servo::display(const glm::dvec3& force) noexcept {

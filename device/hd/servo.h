@@ -37,6 +37,9 @@ public:
     /// call any more, or the device refused the last one.
     bool put(const glm::dvec3& force) noexcept;
 
+    /// No force from the next frame on until the next put(). From any thread.
+    void rest() noexcept;
+
     /// No force from the next frame on. Waits for that frame up to `most` ms unless called from the scheduler's thread;
     /// from a signal's handler too. True once it is displayed.
     bool halt(int most) noexcept;
@@ -65,6 +68,7 @@ private:
     Newest<Command> commands_;
     Command command_;                      // the scheduler's
     std::atomic<std::int64_t> called_ = 0; // ns: when the last frame began
+    std::atomic<std::int64_t> rested_ = 0; // ns: when rest() was called last
     std::atomic<pthread_t> thread_{};      // the scheduler's
     std::atomic<bool> displayed_ = true;   // the last frame's force
     std::atomic<bool> halted_ = false, ending_ = false, silent_ = false, ended_ = false;

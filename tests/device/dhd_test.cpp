@@ -183,6 +183,16 @@ TEST_F(Dhd, leaves_no_force) {
     EXPECT_EQ(stub_.calls("dhdClose"), 1);
 }
 
+TEST_F(Dhd, rests_until_the_next_force) {
+    const auto device = open_dhd("");
+    EXPECT_TRUE(device->write({0, 0, 1}));
+    EXPECT_EQ(stub_.force(), dvec3(0, 0, 1));
+    device->rest();
+    EXPECT_EQ(stub_.force(), dvec3(0));
+    EXPECT_TRUE(device->write({0, 0, 1}));
+    EXPECT_EQ(stub_.force(), dvec3(0, 0, 1));
+}
+
 TEST_F(Dhd, displays_nothing_once_halted) {
     const auto device = open_dhd("");
     EXPECT_TRUE(device->write({0, 0, 1}));

@@ -223,6 +223,19 @@ TEST_F(Hd, leaves_no_force) {
     EXPECT_EQ(stub_.calls("hdDisableDevice"), 1);
 }
 
+TEST_F(Hd, rests_until_the_next_force) {
+    const auto device = open_hd("");
+    long fewest = 1000; // frames until no force is displayed; without a rest it is 50
+    for (int i = 0; i < 20; ++i) {
+        EXPECT_TRUE(displays(*device, stub_, {0, 0, 1}, {0, 1, 0}));
+        const long then = stub_.forces();
+        device->rest();
+        EXPECT_TRUE(comes_true([&] { return stub_.force() == dvec3(0); }));
+        fewest = std::min(fewest, stub_.forces() - then);
+    }
+    EXPECT_LT(fewest, 30);
+}
+
 TEST_F(Hd, displays_nothing_once_halted) {
     const auto device = open_hd("");
     EXPECT_TRUE(displays(*device, stub_, {0, 0, 1}, {0, 1, 0}));
