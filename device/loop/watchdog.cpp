@@ -21,7 +21,6 @@ void Watchdog::run(const std::stop_token& stop) noexcept {
         const std::int64_t fed = fed_.load(std::memory_order_relaxed), time = now();
         if (time - fed > patience_ && fed != bitten) {
             back_end_.rest();
-            bites_.fetch_add(1, std::memory_order_relaxed);
             bitten = fed;
         }
         sleep_until(std::min(std::max(fed + patience_, time + patience_ / 4), time + kLongest));

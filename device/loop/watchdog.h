@@ -9,8 +9,7 @@
 
 namespace forceshade::device {
 
-/// A thread of its own, before the loop's if the system allows it. Of a device that takes the force away by itself when
-/// nothing is written (BackEnd::rest does nothing there) it only counts.
+/// A thread of its own, before the loop's if the system allows it: lets a device rest whose loop does not come round.
 class Watchdog {
 public:
     /// `patience`, ns: the longest time between two calls of feed().
@@ -19,15 +18,12 @@ public:
 
     void feed(std::int64_t now) noexcept { fed_.store(now, std::memory_order_relaxed); }
 
-    std::uint64_t bites() const noexcept { return bites_.load(std::memory_order_relaxed); }
-
 private:
     void run(const std::stop_token& stop) noexcept;
 
     BackEnd& back_end_;
     const std::int64_t patience_; /* ns */
     std::atomic<std::int64_t> fed_;
-    std::atomic<std::uint64_t> bites_ = 0;
     std::jthread thread_;
 };
 
