@@ -11,6 +11,7 @@
 #include "device/report/status_line.h"
 #include "device/safety/emergency.h"
 #include "device/session/interruption.h"
+#include "device/session/limits_text.h"
 #include "device/session/open_device.h"
 #include "device/session/quiet_signals.h"
 #include "device/session/scene_watch.h"
@@ -54,33 +55,6 @@ std::optional<std::uint64_t> samples_in(std::optional<double> duration, double r
         throw UsageError(fmt::format("--duration: between a sample ({:.6g} ms) and a year ({:.6g} s), got {:.6g} s",
                                      1000 / rate, kLongest, *duration));
     return static_cast<std::uint64_t>(std::llround(*duration * rate));
-}
-
-std::string force_text(double force) {
-    return std::isinf(force) ? "none" : fmt::format("{:.6g} N", force);
-}
-std::string time_text(double time) {
-    return std::isinf(time) ? "none" : fmt::format("{:.6g} ms", 1000 * time);
-}
-
-std::vector<std::pair<std::string, std::string>> limits_as_text(const SafetyLimits& limits) {
-    std::vector<std::pair<std::string, std::string>> texts{
-        {"largest force", force_text(limits.max_force)},
-        {"slew", std::isinf(limits.slew) ? "none" : fmt::format("{:.6g} N/s", limits.slew)},
-        {"ramp", time_text(limits.ramp)},
-        {"ramp at contact", time_text(limits.contact_ramp)},
-        {"speed", std::isinf(limits.max_speed) ? "none" : fmt::format("{:.6g} m/s", limits.max_speed)},
-        {"stale position", time_text(limits.stale)},
-        {"watchdog", std::isinf(limits.late) ? "none" : fmt::format("{:.6g} periods", limits.late)},
-        {"passivity", limits.passivity ? fmt::format("on, damping up to {:.6g} N s/m", limits.damping) : "off"}};
-    const auto side = [](double low, double high) { return fmt::format("{:.6g} to {:.6g} mm", 1e3 * low, 1e3 * high); };
-    if (!std::isinf(limits.low.x) || !std::isinf(limits.high.x))
-        texts.emplace_back("workspace",
-                           fmt::format("x {}, y {}, z {}", side(limits.low.x, limits.high.x),
-                                       side(limits.low.y, limits.high.y), side(limits.low.z, limits.high.z)));
-    else
-        texts.emplace_back("workspace", "none");
-    return texts;
 }
 
 // The present trouble, in a few words; empty: none.

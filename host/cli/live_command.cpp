@@ -1,11 +1,8 @@
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
 #include <filesystem>
 #include <optional>
 #include <string_view>
-
-#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -16,9 +13,9 @@
 #include "device/report/write_report.h"
 #include "device/session/session.h"
 #include "host/cli/command.h"
+#include "host/cli/live_files.h"
 #include "host/error.h"
 #include "host/field/scene_mesh.h"
-#include "host/io/file_error.h"
 #include "host/remark.h"
 #include "host/scene/document.h"
 #include "host/scene/quantity.h"
@@ -152,42 +149,6 @@ int outcome_code(const device::SessionResult& result, const std::string& report)
     return static_cast<int>(result.interrupted ? ExitCode::interrupted : ExitCode::ok);
 }
 
-std::filesystem::path report_stem(const LiveArguments& arguments) {
-    if (!arguments.report.empty())
-        return std::filesystem::absolute(arguments.report);
-    if (arguments.log.empty())
-        return {};
-    const std::filesystem::path log = std::filesystem::absolute(arguments.log);
-    std::error_code ignored;
-    if (std::filesystem::exists(log, ignored) && !std::filesystem::is_regular_file(log, ignored))
-        return {}; // beside /dev/null there is no place for it
-    return log.parent_path() / (log.stem().string() + ".live");
-}
-
-// Before anything is felt: what is written at the end has a place, and nothing that is read is written over.
-void check_outputs(const LiveArguments& arguments, const Scene& scene, const std::filesystem::path& stem) {
-    std::vector<std::filesystem::path> inputs{arguments.scene, scene.surface.map.path, scene.surface.mesh.path};
-    if (scene.texture)
-        inputs.emplace_back(scene.texture->map.path);
-    if (scene.paths)
-        inputs.emplace_back(scene.paths->path);
-    if (constexpr std::string_view kReplay = "replay:"; arguments.device.starts_with(kReplay))
-        inputs.emplace_back(arguments.device.substr(kReplay.size()));
-    std::vector<std::pair<std::string, std::filesystem::path>> outputs{{"--log " + arguments.log, arguments.log}};
-    for (const char* const ending : {".txt", ".json", ".png"})
-        if (!stem.empty())
-            outputs.emplace_back("the report's " + stem.filename().string() + ending,
-                                 std::filesystem::path(stem) += ending);
-    std::error_code ignored;
-    for (const auto& [name, output] : outputs)
-        for (const std::filesystem::path& input : inputs)
-            if (std::filesystem::equivalent(output, input, ignored))
-                throw UsageError(
-                    fmt::format("{} would replace {}, which is read; choose another name", name, input.string()));
-    if (!stem.empty() && ::access(stem.parent_path().c_str(), W_OK) != 0)
-        throw file_error("write", stem, errno);
-}
-
 // Why there is none.
 std::string written_report(const device::LiveOutcome& outcome, const std::filesystem::path& stem) {
     try {
@@ -205,8 +166,8 @@ int run(const LiveArguments& arguments, const CommonOptions& common) {
     std::vector<std::string> warnings;
     // Refuses what is no single scene.
     const Case one = read_scene(arguments.scene, overrides(common), &warnings);
-    const std::filesystem::path stem = report_stem(arguments);
-    check_outputs(arguments, one.scene, stem);
+    const std::filesystem::path stem = live_report_stem(arguments.report, arguments.log);
+    check_live_outputs({arguments.scene, arguments.device, arguments.log, stem}, one.scene);
     const std::vector<Override> replaced = precision_of(arguments.scene, common);
     device::SessionOptions options;
     options.scene = arguments.scene;

@@ -127,6 +127,9 @@ TEST_F(LiveMisuse, of_files) {
                    {"would replace bump.toml"});
     expect_refused({"live", "mesh.toml", "--fast", "--duration", "1 s", "--log", "spot.obj", "--overwrite"},
                    {"would replace", "spot.obj"});
+    write("log.scene-1.toml", text("bump.toml")); // of an earlier run
+    expect_refused(live("log.scene-1.toml", {"--fast", "--duration", "1 s", "--log", "log.csv"}),
+                   {"--log log.csv", "log.scene-1.toml", "choose another name"});
     write("in.txt", text("in.csv"));
     expect_refused(live("bump.toml", {"--device", "replay:in.txt", "--fast", "--report", "in"}),
                    {"in.txt would replace"});
