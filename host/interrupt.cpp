@@ -6,12 +6,14 @@ namespace forceshade {
 namespace {
 
 volatile std::sig_atomic_t interrupted = 0;
+volatile std::sig_atomic_t hangs_up = 0; // SIGHUP is caught
 
 void raise_flag(int) {
     interrupted = 1;
     std::signal(SIGINT, SIG_DFL);
     std::signal(SIGTERM, SIG_DFL);
-    std::signal(SIGHUP, SIG_DFL);
+    if (hangs_up)
+        std::signal(SIGHUP, SIG_DFL);
 }
 
 } // namespace
@@ -23,8 +25,10 @@ void catch_interrupts() {
     sigaction(SIGINT, &action, nullptr);
     sigaction(SIGTERM, &action, nullptr);
     struct sigaction hang_up {};
-    if (sigaction(SIGHUP, nullptr, &hang_up) == 0 && hang_up.sa_handler != SIG_IGN)
+    if (sigaction(SIGHUP, nullptr, &hang_up) == 0 && hang_up.sa_handler != SIG_IGN) {
+        hangs_up = 1;
         sigaction(SIGHUP, &action, nullptr);
+    }
     // A full disk, a file-size limit or a closed pipe is an error to report, not a reason to die.
     std::signal(SIGXFSZ, SIG_IGN);
     std::signal(SIGPIPE, SIG_IGN);

@@ -32,6 +32,7 @@ public:
     Newest<Sighting> sighting;         // for the live loop
     std::atomic<bool> there{false};    // the service answers and lists the device
     std::atomic<bool> stopping{false}; // no force any more; set once
+    std::atomic<bool> resting{false};  // no force until the next one
     std::atomic<const char*> complaint{nullptr};
 
     /// Lets the other thread look at what is new. Safe in a signal's handler, like stop().

@@ -53,6 +53,11 @@ public:
 
     void halt() noexcept override { exchange_.stop(); }
 
+    void rest() noexcept override {
+        exchange_.resting = true;
+        exchange_.wake();
+    }
+
     const char* complaint() const noexcept override { return exchange_.complaint; }
 
 private:

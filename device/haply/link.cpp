@@ -26,12 +26,12 @@ constexpr milliseconds kGiveUp{1000};  // for a late answer, before the connecti
 constexpr milliseconds kFarewell{200}; // from `stopping` to the end of the thread
 constexpr milliseconds kFirstPause{20}, kLongestPause{1000}; // before connecting anew
 
-constexpr const char* kAway = "the Inverse Service is not there; trying again";
-constexpr const char* kMute = "the Inverse Service takes up no connection; trying again";
+constexpr const char* kAway = "the Inverse Service is not there";
+constexpr const char* kMute = "the Inverse Service takes up no connection";
 constexpr const char* kClosed = "the connection to the Inverse Service broke; connecting anew";
 constexpr const char* kLate = "the Inverse Service does not answer in time";
 constexpr const char* kDead = "the Inverse Service does not answer any more; connecting anew";
-constexpr const char* kNotListed = "the Inverse Service does not list the device; trying again";
+constexpr const char* kNotListed = "the Inverse Service does not list the device";
 constexpr const char* kStrange = "the Inverse Service names the device's axes in a way that is not known";
 constexpr const char* kUnasked = "the Inverse Service sent a state that was not asked for; it was dropped";
 constexpr const char* kBroken = "the thread that talks to the Inverse Service failed";
@@ -88,6 +88,10 @@ private:
             if (exchange_.force.take(wish_)) {
                 pending_ = true;
                 watch();
+            }
+            if (exchange_.resting.exchange(false)) { // after the newest force was taken: an older one does not win
+                wish_ = glm::dvec3(0);
+                pending_ = true;
             }
             pump();
             listen();

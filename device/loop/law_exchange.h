@@ -26,6 +26,12 @@ public:
         delete former_.exchange(nullptr, std::memory_order_acq_rel);
     }
 
+    /// From the thread that offers: false if the law that was offered last has been taken.
+    bool withdraw() {
+        const std::unique_ptr<LiveLaw> law(next_.exchange(nullptr, std::memory_order_acq_rel));
+        return law != nullptr;
+    }
+
     /// From the loop: true if there is a new law. It waits while the former one has not been taken away; offer() does.
     bool take() noexcept {
         if (next_.load(std::memory_order_relaxed) == nullptr || former_.load(std::memory_order_acquire) != nullptr)

@@ -57,7 +57,7 @@ void LiveLoop::join() {
 }
 
 std::int64_t LiveLoop::due(std::uint64_t tick) const noexcept {
-    return start_ + static_cast<std::int64_t>(static_cast<double>(tick) * (1e9 / settings_.rate));
+    return first_due_ + static_cast<std::int64_t>(static_cast<double>(tick) * (1e9 / settings_.rate));
 }
 
 // Before the first sample: may allocate, and may be refused.
@@ -75,7 +75,7 @@ void LiveLoop::ask_for_permissions() noexcept {
 
 void LiveLoop::run() noexcept {
     ask_for_permissions();
-    start_ = woken_ = now();
+    start_ = first_due_ = woken_ = now();
     computed_ = computed_so_far();
     while (!is_over())
         turn();
@@ -107,6 +107,10 @@ void LiveLoop::await(Turn& turn) noexcept {
     if (!settings_.real_time)
         return;
     turn.sample.late = turn.begin - turn.due;
+    if (seconds(turn.sample.late) > settings_.standstill) { // an hour's samples at once would only keep the device busy
+        counts_->standstill += seconds(turn.sample.late);
+        first_due_ += turn.sample.late;
+    }
     if (!turn.suspended)
         turn.now.late = seconds(turn.sample.late) / period_;
     counts_->late.add(turn.sample.late);

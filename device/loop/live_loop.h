@@ -20,8 +20,9 @@ struct LoopSettings {
     double rate = 1000;                   /* Hz: samples a second */
     bool real_time = true;                // false: as fast as possible; the time of a sample is its number / rate
     std::optional<std::uint64_t> samples; // after which it ends
-    double patience = 5;                  /* s: without a position, or with a device that fails, after which it ends */
-    std::optional<int> cpu;               // to run on
+    double standstill = 10; /* s: a process that stood still for longer takes up its time where it wakes */
+    double patience = 5;    /* s: without a position, or with a device that fails, after which it ends */
+    std::optional<int> cpu; // to run on
     SafetyLimits limits;
 };
 
@@ -52,6 +53,7 @@ public:
 
     /// Another law from the next sample on, which begins a path. From one thread.
     void offer(std::unique_ptr<LiveLaw> law) { laws_.offer(std::move(law)); }
+    bool withdraw() { return laws_.withdraw(); }
     /// No force as long as it is so; from a signal's handler, too.
     void suspend(bool suspended) noexcept {
         at_rest_.store(false);
@@ -97,6 +99,7 @@ private:
     std::atomic<LoopEnd> end_ = LoopEnd::running;
 
     // The loop's own.
+    std::int64_t first_due_ = 0; /* ns: when sample 0 was due, and so much later as the process stood still */
     std::int64_t start_ = 0, woken_ = 0, computed_ = 0; /* ns */
     std::uint64_t tick_ = 0;
     double last_time_ = 0; /* s: of the last sample */

@@ -16,13 +16,10 @@ Watchdog::~Watchdog() = default;
 void Watchdog::run(const std::stop_token& stop) noexcept {
     constexpr std::int64_t kLongest = kSecond / 20; // between looks at `stop`
     raise_priority(kWatchdogPriority);
-    std::int64_t bitten = 0; // the feeding after which it bit
     while (!stop.stop_requested()) {
         const std::int64_t fed = fed_.load(std::memory_order_relaxed), time = now();
-        if (time - fed > patience_ && fed != bitten) {
-            back_end_.rest();
-            bitten = fed;
-        }
+        if (time - fed > patience_)
+            back_end_.rest(); // again and again: the loop's thread may be within the vendor's library
         sleep_until(std::min(std::max(fed + patience_, time + patience_ / 4), time + kLongest));
     }
 }

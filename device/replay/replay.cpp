@@ -1,7 +1,9 @@
 #include "device/replay/replay.h"
 
+#include <algorithm>
 #include <vector>
 
+#include "host/explore/path_census.h"
 #include "host/explore/path_law.h"
 #include "host/explore/path_reader.h"
 
@@ -10,30 +12,30 @@ namespace {
 
 struct Row {
     glm::dvec3 position; /* m */
-    bool begins_path;
+    std::size_t path;    // numbered by their first rows
 };
 
 class Replay final : public BackEnd {
 public:
     explicit Replay(const std::filesystem::path& file) {
         PathReader reader(file, kLargestLength<double>);
+        PathCensus census(reader.csv().source());
         constexpr std::size_t kBatch = 4096;
         std::vector<PathSample> samples;
-        std::uint64_t path = 0, first_rows = 0;
         double first = 0, last = 0; /* s: of the first path */
+        std::uint64_t first_rows = 0;
         for (reader.read(samples, kBatch); !samples.empty(); reader.read(samples, kBatch))
             for (const PathSample& sample : samples) {
-                const bool begins = rows_.empty() || sample.path != path;
                 if (rows_.empty())
                     first = sample.time;
-                paths_ += begins ? 1 : 0;
-                if (paths_ == 1) {
+                rows_.push_back({sample.probe, census.add(sample)});
+                if (rows_.back().path == 0) {
                     last = sample.time;
                     ++first_rows;
                 }
-                path = sample.path;
-                rows_.push_back({sample.probe, begins});
             }
+        if (census.first_return())
+            std::stable_sort(rows_.begin(), rows_.end(), [](const Row& a, const Row& b) { return a.path < b.path; });
         if (last > first)
             rate_ = static_cast<double>(first_rows - 1) / (last - first);
         if (reader.csv().ends_open())
@@ -51,8 +53,10 @@ public:
     Reading read() noexcept override {
         if (next_ == rows_.size())
             return {Answer::ended, glm::dvec3(0), false};
-        const Row& row = rows_[next_++];
-        return {Answer::fresh, row.position, row.begins_path};
+        const Row& row = rows_[next_];
+        const bool begins = next_ == 0 || row.path != rows_[next_ - 1].path;
+        ++next_;
+        return {Answer::fresh, row.position, begins};
     }
     bool write(const glm::dvec3&) noexcept override { return true; }
     void halt() noexcept override {}
@@ -61,7 +65,6 @@ public:
 private:
     std::vector<Row> rows_;
     std::size_t next_ = 0;
-    std::uint64_t paths_ = 0;
     double rate_ = 0; /* Hz */
     std::string warning_;
     DeviceFacts facts_;

@@ -9,9 +9,9 @@
 
 namespace forceshade::device {
 
-/// Positions of a CSV file (PathReader: path, t, x, y, z in any order, as a live log has them), each once and in the
-/// order of the file, whatever their times; where the path's number changes a path begins. Forces go nowhere. It is
-/// read whole, 32 bytes a sample. \throws IoError, UsageError as PathReader.
+/// Positions of a CSV file (PathReader: path, t, x, y, z in any order, as a live log has them), each once, path after
+/// path in the order of their first rows, a row a sample however far its times are apart. Forces go nowhere. It is
+/// read whole, 32 bytes a sample. \throws IoError, UsageError as PathReader and PathCensus: times of a path increase.
 std::unique_ptr<BackEnd> make_replay(const std::filesystem::path& file);
 
 /// Hz: of the recording's first path, from its first time to its last; 0 for a single sample or times that do not

@@ -29,9 +29,11 @@ struct LoopCounts {
     double largest_energy = 0;                                /* J: the most at any time */
     double damped = 0;                                        /* J: taken out by the passivity controller */
     Histogram reading, computing, writing;                    /* ns */
-    Histogram late;     /* ns: after the sample was due; empty as fast as possible */
-    Histogram jitter;   /* ns: how far the time between two samples was from the period; likewise */
-    double seconds = 0; /* s: by the clock */
+    Histogram late;        /* ns: after the sample was due; empty as fast as possible */
+    Histogram jitter;      /* ns: how far the time between two samples was from the period; likewise */
+    double standstill = 0; /* s: of seconds, when the process stood still for so long
+                              that samples did not become due */
+    double seconds = 0;    /* s: by the clock */
 };
 
 /// What the operating system allowed.

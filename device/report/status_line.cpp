@@ -25,9 +25,10 @@ std::size_t width_of(std::FILE* terminal) {
 
 std::string status_text(const LiveStatus& status) {
     const NumberStyle column{true, "u"};
-    std::string text = fmt::format("{:>8.1f} s {:>9} {:>8} {:>8} deep  {} late  {} clamped", status.seconds,
-                                   quantity(status.rate, "Hz", column), quantity(status.force, "N", column),
-                                   quantity(status.depth, "m", column), status.late, status.clamped);
+    std::string text =
+        fmt::format("{:>8.1f} s {:>9} {:>8} {:>8} deep  {} late  {} clamped", status.seconds,
+                    status.rate > 0 ? quantity(status.rate, "Hz", column) : "", quantity(status.force, "N", column),
+                    quantity(status.depth, "m", column), status.late, status.clamped);
     if (status.lost > 0)
         text += fmt::format("  {} LOST", status.lost);
     if (!status.state.empty())

@@ -10,6 +10,10 @@
 
 namespace forceshade::device {
 
+/// J: more than a device's largest force stores in a soft wall (8.5 N, 0.4 N/mm), which a hand may have back. What
+/// damping and friction took beyond that pays for no instability later.
+inline constexpr double kReserve = 0.1;
+
 /// The observer. A force is held from one sample to the next, so that its work over that way is known exactly, as far
 /// as positions are: nothing is estimated from speeds. A conservative law sampled at a rate gives energy, too. Between
 /// positions that come more seldom than samples the way counts with the mean of the forces.
@@ -19,7 +23,9 @@ public:
     void find(const glm::dvec3& probe) noexcept {
         stay();
         way_ = begun_ ? probe - probe_ : glm::dvec3(0);
-        energy_ += glm::dot(pushed_ / static_cast<double>(since_), way_);
+        const double work = glm::dot(pushed_ / static_cast<double>(since_), way_);
+        energy_ += work;
+        surplus_ = std::max(surplus_ + work, -kReserve);
         samples_ = since_;
         begin_at(probe);
     }
@@ -36,7 +42,11 @@ public:
     /// The force shown from now on, N.
     void show(const glm::dvec3& force) noexcept { shown_ = force; }
 
-    double energy() const noexcept { return energy_; }          /* J: given to the hand since the start */
+    double energy() const noexcept { return energy_; } /* J: given to the hand since the start */
+    double surplus() const noexcept {
+        return surplus_;
+    }                                                           /* J: the same, but what the hand has put in counts only
+                                                                   up to kReserve: no more of it can come back */
     const glm::dvec3& way() const noexcept { return way_; }     /* m: between the last two places */
     std::uint64_t samples() const noexcept { return samples_; } // that it took
     std::uint64_t since() const noexcept { return since_; }     // samples since the last place
@@ -52,7 +62,7 @@ private:
     glm::dvec3 probe_{0}, way_{0}, shown_{0};
     glm::dvec3 pushed_{0}; /* N: sum of the forces since the last place, one a sample */
     std::uint64_t samples_ = 1, since_ = 0;
-    double energy_ = 0;
+    double energy_ = 0, surplus_ = 0;
     bool begun_ = false;
 };
 
@@ -69,9 +79,9 @@ struct Damping {
 inline Damping passive_damping(const EnergyObserver& observer, const glm::dvec3& speed, double period,
                                double most) noexcept {
     const double square = glm::dot(speed, speed);
-    if (!(observer.energy() > 0) || !(square > 0) || observer.since() >= observer.samples())
+    if (!(observer.surplus() > 0) || !(square > 0) || observer.since() >= observer.samples())
         return {};
-    const double damping = std::min(observer.energy() / (square * period), most);
+    const double damping = std::min(observer.surplus() / (square * period), most);
     return {-damping * speed, damping * square * period};
 }
 

@@ -29,6 +29,7 @@ void Safety::follow(const Situation& now) noexcept {
         return;
     }
     if (now.begins_path) {
+        refused(); // what was displayed belongs to another place
         observer_.leap(now.probe);
         speed_ = glm::dvec3(0);
         speed_size_ = 0;
@@ -85,6 +86,14 @@ void Safety::refused() noexcept {
     observer_.show(shown_);
 }
 
+glm::dvec3 Safety::clamped(const glm::dvec3& force, std::uint32_t& happened) const noexcept {
+    const double size = magnitude(force);
+    if (size <= limits_.max_force)
+        return force;
+    happened |= kClamped;
+    return (limits_.max_force / size) * force;
+}
+
 glm::dvec3 Safety::passed(const Situation& now, const glm::dvec3& law, bool contact, std::uint32_t& happened) noexcept {
     follow(now);
     happened |= judged(now);
@@ -94,10 +103,10 @@ glm::dvec3 Safety::passed(const Situation& now, const glm::dvec3& law, bool cont
         refused();
         return shown_;
     }
-    glm::dvec3 force = law;
+    glm::dvec3 force = clamped(law, happened);
     const double share = gain(contact);
-    if (share < 1) {
-        force = share * law;
+    if (share < 1) { // of what may be displayed: a probe deep in the surface comes to it no sooner
+        force = share * force;
         happened |= contact ? kRamping : 0u;
     }
     if (limits_.passivity) {
@@ -105,11 +114,7 @@ glm::dvec3 Safety::passed(const Situation& now, const glm::dvec3& law, bool cont
         force += damping.force;
         damped_ += damping.energy;
         happened |= damping.energy > 0 ? kDamped : 0u;
-    }
-    const double size = magnitude(force);
-    if (!(size <= limits_.max_force)) {
-        force = (limits_.max_force / size) * force;
-        happened |= kClamped;
+        force = clamped(force, happened);
     }
     const glm::dvec3 change = force - shown_;
     const double most = std::isinf(limits_.slew) ? kUnknown : limits_.slew * step_, wanted = magnitude(change);

@@ -39,6 +39,7 @@ public:
 private:
     std::uint32_t judged(const Situation& now) noexcept;
     void follow(const Situation& now) noexcept;
+    glm::dvec3 clamped(const glm::dvec3& force, std::uint32_t& happened) const noexcept;
     double gain(bool contact) noexcept;
 
     const SafetyLimits limits_;

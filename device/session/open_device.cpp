@@ -30,10 +30,12 @@ double rounded_rate(double recorded) {
     return recorded;
 }
 
-OpenDevice open_sim(const PreparedCase& prepared, std::optional<double> rate) {
+OpenDevice open_sim(const PreparedCase& prepared, std::optional<double> rate, double ramp) {
     const std::optional<PathsSpec>& paths = prepared.one.scene.paths;
     const double chosen = rate ? *rate : paths ? paths->rate : kUsualRate;
-    return {make_sim(prepared, chosen), chosen};
+    constexpr double kMost = 1e9; // samples
+    const double still = ramp > 0 ? std::min(std::ceil(ramp * chosen) + 1, kMost) : 0;
+    return {make_sim(prepared, chosen, static_cast<std::uint64_t>(still)), chosen};
 }
 
 OpenDevice open_replay(std::string_view file) {
@@ -48,13 +50,13 @@ OpenDevice open_replay(std::string_view file) {
 
 } // namespace
 
-OpenDevice open_device(const std::string& name, const PreparedCase& prepared, std::optional<double> rate) {
+OpenDevice open_device(const std::string& name, const PreparedCase& prepared, std::optional<double> rate, double ramp) {
     const std::size_t colon = name.find(':');
     const std::string_view kind = std::string_view(name).substr(0, colon);
     const std::string_view further =
         colon == std::string::npos ? std::string_view() : std::string_view(name).substr(colon + 1);
     if (kind == "sim" && colon == std::string::npos)
-        return open_sim(prepared, rate);
+        return open_sim(prepared, rate, ramp);
     if (kind == "replay")
         return open_replay(further);
     if (kind == "haply")

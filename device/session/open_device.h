@@ -20,9 +20,10 @@ struct OpenDevice {
     std::string warning{}; // what the user should know of it
 };
 
-/// `name`: sim, replay:FILE, haply[:URL], dhd[:INDEX] or hd[:NAME]. `rate`, Hz: as the user says. \throws UsageError
-/// for another name or a bad file, DeviceAbsent, IoError.
-OpenDevice open_device(const std::string& name, const PreparedCase& prepared, std::optional<double> rate);
+/// `name`: sim, replay:FILE, haply[:URL], dhd[:INDEX] or hd[:NAME]. `rate`, Hz: as the user says. `ramp`, s: that
+/// forces take to come up, for which a simulated hand holds still. \throws UsageError for another name or a bad file,
+/// DeviceAbsent, IoError.
+OpenDevice open_device(const std::string& name, const PreparedCase& prepared, std::optional<double> rate, double ramp);
 
 /// What a user may write for a device, in words.
 inline constexpr const char* kDeviceNames = "sim, replay:FILE, haply[:URL], dhd[:INDEX] or hd[:NAME]";

@@ -8,8 +8,8 @@
 
 namespace forceshade::device {
 
-SceneWatch::SceneWatch(std::filesystem::path file, std::function<PreparedCase()> read, Precision precision)
-    : file_(std::move(file)), read_(std::move(read)), precision_(precision), last_(stamp()) {}
+SceneWatch::SceneWatch(std::filesystem::path file, std::function<PreparedCase()> read, const Scene& first)
+    : file_(std::move(file)), read_(std::move(read)), first_(first), last_(stamp()), asked_(last_) {}
 
 SceneWatch::Stamp SceneWatch::stamp() const {
     std::error_code ignored; // a file that is being replaced may be gone for a moment
@@ -18,15 +18,22 @@ SceneWatch::Stamp SceneWatch::stamp() const {
 
 bool SceneWatch::has_changed() {
     const Stamp now = stamp();
-    return std::exchange(last_, now) != now;
+    if (std::exchange(asked_, now) != now || now == last_)
+        return false;
+    last_ = now;
+    return true;
 }
 
 SceneWatch::Change SceneWatch::look() {
     Change change;
     try {
+        if (last_.size == 0)
+            throw UsageError("its file is empty");
         PreparedCase prepared = read_();
-        if (prepared.one.scene.precision != precision_)
+        const Scene& scene = prepared.one.scene;
+        if (scene.precision != first_.precision)
             throw UsageError("run.precision cannot change while the loop runs: its log has one precision");
+        change.moves_otherwise = scene.paths != first_.paths || scene.hand != first_.hand;
         change.scene = prepared.scene;
         change.law = make_live_law(std::move(prepared));
     } catch (const std::exception& error) {

@@ -14,17 +14,19 @@ namespace forceshade::device {
 
 class SceneWatch {
 public:
-    /// `read` makes a case of the file, and throws what is wrong with it. `precision`: of the run, which stays.
-    SceneWatch(std::filesystem::path file, std::function<PreparedCase()> read, Precision precision);
+    /// `read` makes a case of the file, and throws what is wrong with it. `first`: the scene of the start.
+    SceneWatch(std::filesystem::path file, std::function<PreparedCase()> read, const Scene& first);
 
     /// What became of a change of the file.
     struct Change {
         std::unique_ptr<LiveLaw> law; // null: refused
         std::string scene;            // resolved TOML
+        bool moves_otherwise = false; // [paths] or [hand] differ from those of the start
         std::string refusal;          // why
     };
 
-    /// Whether the file has changed since the last look, and a look at it.
+    /// Whether the file has changed since the last look, and no more since the last question: an editor may empty it
+    /// before it writes. Then a look at it.
     bool has_changed();
     Change look();
 
@@ -38,8 +40,8 @@ private:
 
     std::filesystem::path file_;
     std::function<PreparedCase()> read_;
-    const Precision precision_;
-    Stamp last_;
+    const Scene first_;
+    Stamp last_, asked_;
 };
 
 } // namespace forceshade::device

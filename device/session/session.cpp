@@ -72,7 +72,7 @@ class Session {
 public:
     explicit Session(const SessionOptions& options)
         : options_(checked(options)), line_(options.quiet), prepared_(options.read()), device_(opened()),
-          back_end_(*device_.back_end), watch_(options.scene, options.read, prepared_.one.scene.precision) {
+          back_end_(*device_.back_end), watch_(options.scene, options.read, prepared_.one.scene) {
         if (!device_.warning.empty())
             remark(device_.warning);
         settings_.rate = checked_rate(options.rate.value_or(device_.rate));
@@ -116,7 +116,7 @@ private:
     // Threads that are started have every signal from outside left to the main one.
     OpenDevice open_quietly() const {
         const QuietSignals quiet;
-        return open_device(options_.device, prepared_, options_.rate);
+        return open_device(options_.device, prepared_, options_.rate, options_.limits.ramp);
     }
 
     OpenDevice opened() const {
@@ -127,6 +127,7 @@ private:
 
     void start_quietly() {
         const QuietSignals quiet;
+        begun_ = Clock::now();
         loop_->start();
     }
 
@@ -163,8 +164,11 @@ private:
         const std::optional<std::uint32_t> path = taken(std::move(change.law));
         if (!path) // the loop has ended, or does not come round
             return;
+        ++laws_;
         std::string said = fmt::format("{} was read again, path {} from {:.3f} s on",
                                        options_.scene.filename().string(), *path, loop_->status().seconds.load());
+        if (change.moves_otherwise && options_.device == "sim")
+            said += "; [paths] and [hand] stay as they were at the start";
         if (log_)
             said += kept(*path, change.scene);
         remarks_.push_back(said);
@@ -180,6 +184,8 @@ private:
                 return loop_->status().law_path.load();
             std::this_thread::sleep_for(std::chrono::milliseconds(1));
         }
+        if (loop_->end() == LoopEnd::running && !loop_->withdraw()) // at the last moment
+            return loop_->status().law_path.load();
         return std::nullopt;
     }
 
@@ -200,8 +206,25 @@ private:
 
     std::filesystem::path stem() const { return options_.log.parent_path() / options_.log.stem(); }
 
+    // When the device went, and when it came back.
+    void watch_device() {
+        constexpr std::size_t kMost = 20; // remarks
+        const LoopStatus& now = loop_->status();
+        const bool fails = (now.happened & kFailed) != 0 && now.samples > 0;
+        if (std::exchange(failed_, fails) == fails || failures_ == kMost)
+            return;
+        failures_ += fails ? 1 : 0;
+        const char* const complaint = back_end_.complaint();
+        if (fails)
+            remark(fmt::format("{:.3f} s: the device fails{}{}", now.seconds.load(), complaint != nullptr ? ": " : "",
+                               complaint != nullptr ? complaint : ""));
+        else
+            remark(fmt::format("{:.3f} s: the device answers again", now.seconds.load()));
+    }
+
     void show() {
         const LoopStatus& now = loop_->status();
+        watch_device();
         LiveStatus status;
         status.seconds = std::chrono::duration<double>(Clock::now() - begun_).count();
         const double passed = status.seconds - shown_seconds_;
@@ -242,6 +265,20 @@ private:
         outcome.real_time = settings_.real_time;
         outcome.limits = limits_as_text(settings_.limits);
         outcome.ended = ending(result);
+        const std::uint64_t again = outcome.counts.paths - std::min<std::uint64_t>(outcome.counts.paths, 1 + laws_);
+        if (again > 0 && options_.device == "sim")
+            remarks_.push_back(fmt::format("the simulated hand lost its path {} and began again: it left paths.bound, "
+                                           "having fallen off the surface or been thrown off",
+                                           again == 1 ? "once" : fmt::format("{} times", again)));
+        if (outcome.counts.standstill > 0)
+            remarks_.push_back(
+                fmt::format("the process stood still for {:.1f} s; the samples of that time did not become "
+                            "due",
+                            outcome.counts.standstill));
+        if (outcome.counts.lost > 0)
+            remarks_.push_back(
+                "samples are missing in the log; on a mesh the rest of their paths does not replay to the "
+                "same forces");
         outcome.remarks = remarks_;
     }
 
@@ -273,6 +310,9 @@ private:
     std::optional<LiveLog> log_;
     std::optional<LiveLoop> loop_; // before the log goes
     int looks_ = 0;
+    bool failed_ = false;
+    std::size_t failures_ = 0;
+    std::uint32_t laws_ = 0; // that were taken up anew
     bool first_kept_ = false;
     Clock::time_point begun_ = Clock::now();
     double rate_ = 0, shown_seconds_ = 0; /* Hz, s */

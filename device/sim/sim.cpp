@@ -28,8 +28,8 @@ PreparedCase with_hand(PreparedCase prepared, double rate) {
 
 class Sim final : public BackEnd {
 public:
-    Sim(PreparedCase prepared, double rate)
-        : prepared_(with_hand(std::move(prepared), rate)), paths_(prepared_), input_(paths_.input()),
+    Sim(PreparedCase prepared, double rate, std::uint64_t still)
+        : prepared_(with_hand(std::move(prepared), rate)), still_(still), paths_(prepared_), input_(paths_.input()),
           hand_(input_.hands[0]), batch_(paths_.batch(0, 1)) {
         if (input_.features.motion == layout::kMotionRecorded)
             record();
@@ -51,6 +51,10 @@ public:
     }
 
     bool write(const glm::dvec3& force) noexcept override {
+        if (held_ > 0) {
+            --held_;
+            return true;
+        }
         const Vector<double> shown =
             halted_.load(std::memory_order_relaxed) ? Vector<double>(0) : Vector<double>(force);
         const reference::PathSampled<double> sampled{{}, shown, {}};
@@ -63,7 +67,10 @@ public:
     const char* complaint() const noexcept override { return nullptr; }
 
 private:
-    void begin() noexcept { state_ = reference::begin_state(input_.features, hand_, target(0)); }
+    void begin() noexcept {
+        state_ = reference::begin_state(input_.features, hand_, target(0));
+        held_ = still_;
+    }
 
     // Positions come in windows while they are read from the file; the loop wants them without waiting.
     void record() {
@@ -84,6 +91,8 @@ private:
     }
 
     const PreparedCase prepared_;
+    const std::uint64_t still_;
+    std::uint64_t held_ = 0; // samples for which the hand still holds still
     ScenePaths<double> paths_;
     const layout::PathInput<double> input_;
     const layout::HandParams<double> hand_;
@@ -96,8 +105,8 @@ private:
 
 } // namespace
 
-std::unique_ptr<BackEnd> make_sim(PreparedCase prepared, double rate) {
-    return std::make_unique<Sim>(std::move(prepared), rate);
+std::unique_ptr<BackEnd> make_sim(PreparedCase prepared, double rate, std::uint64_t still) {
+    return std::make_unique<Sim>(std::move(prepared), rate, still);
 }
 
 } // namespace forceshade::device

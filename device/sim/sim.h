@@ -1,6 +1,7 @@
 // A hand that holds a device, stepped exactly (laws: sampled stability), in place of real ones.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 
 #include "device/back_end.h"
@@ -15,7 +16,8 @@ namespace forceshade::device {
 /// and each force written takes it one sample on. A scene without paths: strokes across the feature, pressing 1 N, at
 /// 100 mm/s; one whose paths are open: as closed. A recorded path is followed to its end, where the hand rests. A
 /// hand that loses its path by more than `paths.bound`, having fallen off a mesh or been thrown off, begins again.
-/// `rate`, Hz: samples a second, in place of the scene's. \throws UsageError, IoError as ScenePaths.
-std::unique_ptr<BackEnd> make_sim(PreparedCase prepared, double rate);
+/// `rate`, Hz: samples a second, in place of the scene's. `still`: samples for which the hand holds still when it
+/// begins, while the force may come up. \throws UsageError, IoError as ScenePaths.
+std::unique_ptr<BackEnd> make_sim(PreparedCase prepared, double rate, std::uint64_t still = 0);
 
 } // namespace forceshade::device

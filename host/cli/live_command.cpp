@@ -1,8 +1,11 @@
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <filesystem>
 #include <optional>
 #include <string_view>
+
+#include <sched.h>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -30,8 +33,7 @@ struct LiveArguments {
     std::string scene, device = "sim", log, report;
     std::string rate, duration, patience;
     std::string max_force, slew, ramp, contact_ramp, max_speed, stale, damping;
-    std::string workspace, origin;
-    std::optional<double> watchdog;
+    std::string workspace, origin, watchdog;
     std::optional<int> cpu;
     bool fast = false, watch = false, overwrite = false, passivity = false;
 };
@@ -57,21 +59,49 @@ std::optional<double> quantity(const std::string& flag, const std::string& text,
     return value;
 }
 
+// None is no ramp at all.
+std::optional<double> ramp(const std::string& flag, const std::string& text) {
+    return quantity(flag, text == kNone ? "0 s" : text, Dimension::time, false, true);
+}
+
+std::optional<double> periods(const std::string& text) {
+    if (text.empty())
+        return std::nullopt;
+    if (text == kNone)
+        return device::kUnknown;
+    double value = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (error != std::errc() || end != text.data() + text.size() || !(value >= 1) || !std::isfinite(value))
+        throw UsageError(
+            fmt::format("--watchdog: a sample may be late by 1 period or more, as in --watchdog 20, or by any "
+                        "time with none; got \"{}\"",
+                        text));
+    return value;
+}
+
+std::optional<int> allowed_cpu(std::optional<int> cpu) {
+    cpu_set_t allowed;
+    CPU_ZERO(&allowed);
+    if (!cpu || ::sched_getaffinity(0, sizeof allowed, &allowed) != 0)
+        return cpu;
+    if (*cpu >= 0 && *cpu < CPU_SETSIZE && CPU_ISSET(static_cast<std::size_t>(*cpu), &allowed))
+        return cpu;
+    std::vector<int> there;
+    for (int i = 0; i < CPU_SETSIZE; ++i)
+        if (CPU_ISSET(static_cast<std::size_t>(i), &allowed))
+            there.push_back(i);
+    throw UsageError(fmt::format("--cpu {}: this process may run on {}", *cpu, fmt::join(there, ", ")));
+}
+
 void take_limits(const LiveArguments& arguments, device::SessionOptions& options) {
     device::SafetyLimits& limits = options.limits;
     options.max_force = quantity("--max-force", arguments.max_force, Dimension::force, true);
     limits.slew = quantity("--slew", arguments.slew, Dimension::force_rate, true).value_or(limits.slew);
-    limits.ramp = quantity("--ramp", arguments.ramp, Dimension::time, false, true).value_or(limits.ramp);
-    limits.contact_ramp =
-        quantity("--contact-ramp", arguments.contact_ramp, Dimension::time, false, true).value_or(limits.contact_ramp);
+    limits.ramp = ramp("--ramp", arguments.ramp).value_or(limits.ramp);
+    limits.contact_ramp = ramp("--contact-ramp", arguments.contact_ramp).value_or(limits.contact_ramp);
     limits.max_speed = quantity("--max-speed", arguments.max_speed, Dimension::speed, true).value_or(limits.max_speed);
     limits.stale = quantity("--stale", arguments.stale, Dimension::time, true).value_or(limits.stale);
-    if (arguments.watchdog) {
-        if (!(*arguments.watchdog >= 1))
-            throw UsageError(
-                fmt::format("--watchdog: a sample may be late by 1 period or more, got {}", *arguments.watchdog));
-        limits.late = *arguments.watchdog;
-    }
+    limits.late = periods(arguments.watchdog).value_or(limits.late);
     limits.passivity = arguments.passivity;
     limits.damping = quantity("--damping", arguments.damping, Dimension::damping, false).value_or(limits.damping);
     if (!arguments.damping.empty() && !arguments.passivity)
@@ -179,7 +209,7 @@ int run(const LiveArguments& arguments, const CommonOptions& common) {
     options.duration = quantity("--duration", arguments.duration, Dimension::time, false);
     options.patience = quantity("--patience", arguments.patience, Dimension::time, true).value_or(options.patience);
     options.real_time = !arguments.fast;
-    options.cpu = arguments.cpu;
+    options.cpu = allowed_cpu(arguments.cpu);
     if (!arguments.log.empty())
         options.log = std::filesystem::absolute(arguments.log);
     options.replace_log = arguments.overwrite;

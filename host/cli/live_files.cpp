@@ -39,6 +39,12 @@ void check_live_outputs(const LiveFiles& files, const Scene& scene) {
             outputs.emplace_back("the report's " + files.report.filename().string() + ending,
                                  std::filesystem::path(files.report) += ending);
     std::error_code ignored;
+    if (!files.log.empty() && std::filesystem::is_directory(files.log, ignored))
+        throw UsageError(fmt::format("--log {}: is a folder; say the name of a CSV file in it", files.log));
+    if (const std::string ending = std::filesystem::path(files.log).extension().string();
+        ending == ".exr" || ending == ".npy" || ending == ".json" || ending == ".png")
+        throw UsageError(fmt::format(
+            "--log {}: a log is a CSV file, so its name ends in .csv; explore makes an EXR of it", files.log));
     for (const auto& [name, output] : outputs)
         for (const std::filesystem::path& input : inputs)
             if (std::filesystem::equivalent(output, input, ignored))

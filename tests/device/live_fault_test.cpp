@@ -163,5 +163,25 @@ TEST(LiveLoop, TheWatchdogTakesTheForceOfALoopThatIsStuck) {
     }
 }
 
+// Nobody's device is given an hour's samples at once.
+TEST(LiveLoop, AProcessThatStoodStillTakesUpItsTimeWhereItWakes) {
+    ScriptedDevice device(
+        [](std::uint64_t tick) {
+            if (tick == 100)
+                sleep_until(now() + kSecond);
+            return deep(tick);
+        },
+        100000, false);
+    LoopSettings settings = real_time(1000, 300);
+    settings.limits.late = 50;
+    settings.standstill = 0.3;
+    const LoopRun run = run_through(device, settings);
+    ASSERT_EQ(run.samples.size(), 300u);
+    EXPECT_GT(run.counts.standstill, 0.9);
+    EXPECT_GT(run.samples[101].time - run.samples[99].time, 0.9) << "times leap";
+    EXPECT_GT(run.samples[299].time - run.samples[102].time, 0.19) << "and go on at the rate";
+    EXPECT_NE(run.samples[101].happened & kTooLate, 0u);
+}
+
 } // namespace
 } // namespace forceshade::device

@@ -107,6 +107,16 @@ TEST(Safety, AForceComesUpAfterTheStartAndAfterAFault) {
     EXPECT_EQ(held.happened, kRamping);
 }
 
+TEST(Safety, AForceThatIsTooLargeComesUpNoSooner) {
+    SafetyLimits limits = quick();
+    limits.ramp = 0.1;
+    Held held(limits);
+    for (int i = 1; i <= 100; ++i) {
+        EXPECT_NEAR(held.show({0, 0, 200}).z, 3 * i / 100.0, 1e-9);
+        EXPECT_NE(held.happened & kClamped, 0u);
+    }
+}
+
 TEST(Safety, AForceComesUpWhenContactIsMadeAgain) {
     SafetyLimits limits = quick();
     limits.contact_ramp = 0.005;
@@ -185,6 +195,13 @@ TEST(Safety, APathThatBeginsElsewhereIsNoSpeedAndNoWork) {
     now.probe = {0.5, 0, 0.5};
     EXPECT_EQ(held.show(now, {0, 0, 1}).z, 1);
     EXPECT_EQ(held.safety.energy(), 0);
+    SafetyLimits limits = quick();
+    limits.ramp = 0.1;
+    Held slowly(limits);
+    for (int i = 0; i < 200; ++i)
+        slowly.show({0, 0, 1});
+    now.time = slowly.time;
+    EXPECT_NEAR(slowly.show(now, {0, 0, 1}).z, 0.01, 1e-9) << "what was displayed belongs to another place";
 }
 
 TEST(Safety, WhateverComesTheForceIsWithinItsLimits) {
@@ -260,6 +277,19 @@ TEST(EnergyObserver, CountsTheWorkOfForcesThatAreHeld) {
     EXPECT_EQ(observer.energy(), 0);
     observer.leap({9, 9, 9});
     EXPECT_EQ(observer.energy(), 0);
+}
+
+// What a hand once put in pays for no instability later, beyond what a wall may give back.
+TEST(EnergyObserver, KeepsAReserveAndNoMore) {
+    EnergyObserver observer;
+    observer.find({0, 0, 0});
+    observer.show({0, 0, 5});
+    observer.find({0, 0, -1});
+    EXPECT_EQ(observer.energy(), -5);
+    EXPECT_EQ(observer.surplus(), -kReserve);
+    observer.find({0, 0, -0.9});
+    EXPECT_NEAR(observer.energy(), -4.5, 1e-12);
+    EXPECT_NEAR(observer.surplus(), 0.5 - kReserve, 1e-12);
 }
 
 } // namespace

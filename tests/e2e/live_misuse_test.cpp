@@ -48,6 +48,17 @@ TEST_F(LiveMisuse, of_recordings) {
     write("cut.csv", "path,t,x,y,z\n0,0,0,0,0\n0,0.001,0,0.0");
     expect_refused(from("cut.csv"), {"cut.csv:3", "cut off"});
     expect_refused(from("bump.toml"), {"bump.toml:1:1: the header lacks"});
+    write("back.csv", "path,t,x,y,z\n0,0,0,0,0\n0,0.002,0,0,0\n0,0.001,0,0,0\n");
+    expect_refused(from("back.csv"), {"back.csv:4:1: t:"});
+}
+
+TEST_F(LiveMisuse, interleaved_paths_of_a_recording_are_played_one_after_the_other) {
+    write("two.csv", "path,t,x,y,z\n7,0,0,0,-0.001\n3,0,0.001,0,-0.001\n7,0.001,0,0,-0.002\n3,0.001,0.001,0,-0.002\n");
+    expect_success(live("bump.toml", {"--device", "replay:two.csv", "--fast", "--log", "log.csv"}));
+    std::string order;
+    for (const auto& row : rows("log.csv"))
+        order += row.at("path") + ":" + row.at("x") + " ";
+    EXPECT_EQ(order, "0:0 0:0 1:0.001 1:0.001 ");
 }
 
 TEST_F(LiveMisuse, a_recording_that_may_be_cut_off_is_warned_of) {
@@ -71,7 +82,10 @@ TEST_F(LiveMisuse, of_quantities) {
             expect_refused({"live", "bump.toml", "--log", "log.csv", fmt::format("{}={}", flag, wrong)}, {flag});
         }
     }
-    expect_refused(fast({"--ramp", "none"}), {"--ramp"});
+    for (const char* const wrong : {"0.5", "-3", "nan", "inf", "20 ms", "never"})
+        expect_refused(fast({fmt::format("--watchdog={}", wrong)}), {"--watchdog", "none"});
+    for (const char* const wrong : {"--cpu=-1", "--cpu=1000", "--cpu=9999999"})
+        expect_refused(fast({wrong}), {"--cpu", "may run on"});
     expect_refused(fast({"--damping", "5 N s/m"}), {"--damping", "--passivity"});
     for (const char* const wrong : {"0", "0.5", "-3", "nan", "many"})
         expect_refused(fast({std::string("--watchdog=") + wrong}), {"--watchdog"});
@@ -81,6 +95,12 @@ TEST_F(LiveMisuse, of_quantities) {
     for (const char* const duration : {"1e300 s", "1 ns", "1e9 s"})
         expect_refused({"live", "bump.toml", "--fast", "--log", "log.csv", "--duration", duration},
                        {"--duration", "between a sample (1 ms) and a year"});
+}
+
+TEST_F(LiveMisuse, every_limit_can_be_switched_off) {
+    for (const char* const flag : {"--max-force", "--slew", "--ramp", "--contact-ramp", "--max-speed", "--stale",
+                                   "--watchdog", "--workspace", "--patience"})
+        expect_success(live("bump.toml", {"--fast", "--duration", "0.1 s", flag, "none"}));
 }
 
 TEST_F(LiveMisuse, of_places) {
@@ -118,7 +138,8 @@ TEST_F(LiveMisuse, of_files) {
     expect_refused(live("bump.toml", {"--log", "nosuch/log.csv"}), {"nosuch"}, 4);
     expect_refused(live("bump.toml", {"--report", "nosuch/said"}), {"nosuch"}, 4);
     std::filesystem::create_directory(path("folder"));
-    expect_refused(live("bump.toml", {"--log", "folder", "--overwrite"}), {"folder"}, 4);
+    expect_refused(live("bump.toml", {"--log", "folder", "--overwrite"}), {"--log folder: is a folder"});
+    expect_refused(live("bump.toml", {"--log", "log.exr"}), {"--log log.exr", ".csv"});
     write("in.csv", "path,t,x,y,z\n0,0,0,0,0\n0,0.001,0,0,0\n");
     expect_refused(live("bump.toml", {"--device", "replay:in.csv", "--fast", "--log", "in.csv", "--overwrite"}),
                    {"--log in.csv would replace in.csv, which is read"});

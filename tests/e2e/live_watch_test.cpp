@@ -37,10 +37,11 @@ TEST_F(LiveWatch, a_change_is_a_new_path_that_its_kept_scene_replays) {
         {"[force]\nstiffness = \"2 N\"\n", "plane.toml:2"},
         {"[surface]\nkind = \"mesh\"\nfile = \"nosuch.obj\"\n", "nosuch.obj"},
         {"[force]\nstiffness = [\"1 N/mm\", \"2 N/mm\"]\n", "plane.toml:2"},
+        {"", "empty"},
         {"[run]\nprecision = \"f32\"\n", "run.precision cannot change"}};
     for (const auto& [scene, words] : broken) {
         std::filesystem::resize_file(path("stderr"), 0);
-        if (scene.starts_with("[run]"))
+        if (scene.empty() || scene.starts_with("[run]"))
             write("plane.toml", scene);
         else
             save(scene);
@@ -55,7 +56,7 @@ TEST_F(LiveWatch, a_change_is_a_new_path_that_its_kept_scene_replays) {
     EXPECT_EQ(process.wait().code, 130);
     EXPECT_EQ(record().back().size(), 0);
     EXPECT_EQ(read_json("log.live.json")["paths"], 3);
-    EXPECT_EQ(read_json("log.live.json")["remarks"].size(), 7u);
+    EXPECT_EQ(read_json("log.live.json")["remarks"].size(), 8u);
     for (const char* const number : {"0", "1", "2"}) {
         write("path.csv", rows_of("log.csv", number));
         EXPECT_GT(rows("path.csv").size(), 0u);
