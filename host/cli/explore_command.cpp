@@ -57,7 +57,8 @@ void check(const ExploreArguments& arguments, const std::string& recorded) {
 void take_also(const ExploreArguments& arguments, PathRunOptions& options) {
     for (const std::string& name : arguments.also) {
         if (name != "npy" && name != "png")
-            throw UsageError(fmt::format("--also {}: for paths there are npy and png, with a comma between them", name));
+            throw UsageError(
+                fmt::format("--also {}: for paths there are npy and png, with a comma between them", name));
         (name == "npy" ? options.npy : options.png) = true;
     }
 }
