@@ -14,10 +14,9 @@
 #include "device/session/limits_text.h"
 #include "device/session/open_device.h"
 #include "device/session/quiet_signals.h"
-#include "device/session/scene_watch.h"
+#include "device/session/scene_changes.h"
 #include "device/session/suspension.h"
 #include "host/interrupt.h"
-#include "host/io/temporary_file.h"
 
 namespace forceshade::device {
 namespace {
@@ -72,7 +71,8 @@ class Session {
 public:
     explicit Session(const SessionOptions& options)
         : options_(checked(options)), line_(options.quiet), prepared_(options.read()), device_(opened()),
-          back_end_(*device_.back_end), watch_(options.scene, options.read, prepared_.one.scene) {
+          back_end_(*device_.back_end),
+          scenes_(options.scene, options.read, prepared_, kept_stem(), options.device == "sim") {
         if (!device_.warning.empty())
             remark(device_.warning);
         settings_.rate = checked_rate(options.rate.value_or(device_.rate));
@@ -147,64 +147,27 @@ private:
         return limits;
     }
 
+    // Empty: there is no log that scenes could be kept beside.
+    std::filesystem::path kept_stem() const {
+        return options_.log.empty() ? options_.log : options_.log.parent_path() / options_.log.stem();
+    }
+
     void remark(const std::string& text) {
         remarks_.push_back(text);
         line_.say("warning: " + text);
     }
 
     void look_at_scene() {
-        constexpr int kLooks = 10; // between looks at the file
-        if (!options_.watch || looks_++ % kLooks != 0 || !watch_.has_changed())
+        if (!options_.watch)
             return;
-        SceneWatch::Change change = watch_.look();
-        if (!change.law) {
-            remark(fmt::format("the scene stays as it was: {}", change.refusal));
-            return;
-        }
-        const std::optional<std::uint32_t> path = taken(std::move(change.law));
-        if (!path) // the loop has ended, or does not come round
-            return;
-        ++laws_;
-        std::string said = fmt::format("{} was read again, path {} from {:.3f} s on",
-                                       options_.scene.filename().string(), *path, loop_->status().seconds.load());
-        if (change.moves_otherwise && options_.device == "sim")
-            said += "; [paths] and [hand] stay as they were at the start";
-        if (log_)
-            said += kept(*path, change.scene);
-        remarks_.push_back(said);
-        line_.say(said);
-    }
-
-    // The path that the law begins; none if the loop does not take it within a second.
-    std::optional<std::uint32_t> taken(std::unique_ptr<LiveLaw> law) {
-        const std::uint32_t before = loop_->status().laws.load(std::memory_order_acquire);
-        loop_->offer(std::move(law));
-        for (int i = 0; i < 1000 && loop_->end() == LoopEnd::running; ++i) {
-            if (loop_->status().laws.load(std::memory_order_acquire) != before)
-                return loop_->status().law_path.load();
-            std::this_thread::sleep_for(std::chrono::milliseconds(1));
-        }
-        if (loop_->end() == LoopEnd::running && !loop_->withdraw()) // at the last moment
-            return loop_->status().law_path.load();
-        return std::nullopt;
-    }
-
-    // Beside the log, so that each of its paths can be felt again: the scene of the start, too, once there is another.
-    std::string kept(std::uint32_t path, const std::string& scene) {
-        const auto beside = [&](std::uint32_t number) -> std::filesystem::path {
-            return fmt::format("{}.scene-{}.toml", stem().string(), number);
-        };
-        try {
-            if (!std::exchange(first_kept_, true) && path > 0)
-                write_file_atomically(beside(0), prepared_.scene);
-            write_file_atomically(beside(path), scene);
-            return fmt::format("; kept as {}", beside(path).filename().string());
-        } catch (const IoError& error) { // no reason to stop a loop
-            return fmt::format("; {}", error.what());
+        const std::optional<SceneChanges::Said> said = scenes_.look(*loop_);
+        if (said && said->refused)
+            remark(said->text);
+        else if (said) {
+            remarks_.push_back(said->text);
+            line_.say(said->text);
         }
     }
-
-    std::filesystem::path stem() const { return options_.log.parent_path() / options_.log.stem(); }
 
     // When the device went, and when it came back.
     void watch_device() {
@@ -265,7 +228,8 @@ private:
         outcome.real_time = settings_.real_time;
         outcome.limits = limits_as_text(settings_.limits);
         outcome.ended = ending(result);
-        const std::uint64_t again = outcome.counts.paths - std::min<std::uint64_t>(outcome.counts.paths, 1 + laws_);
+        const std::uint64_t again =
+            outcome.counts.paths - std::min<std::uint64_t>(outcome.counts.paths, 1 + scenes_.taken());
         if (again > 0 && options_.device == "sim")
             remarks_.push_back(fmt::format("the simulated hand lost its path {} and began again: it left paths.bound, "
                                            "having fallen off the surface or been thrown off",
@@ -304,16 +268,13 @@ private:
     PreparedCase prepared_;
     OpenDevice device_;
     BackEnd& back_end_;
-    SceneWatch watch_;
+    SceneChanges scenes_;
     LoopSettings settings_;
     std::optional<SampleRing> ring_;
     std::optional<LiveLog> log_;
     std::optional<LiveLoop> loop_; // before the log goes
-    int looks_ = 0;
     bool failed_ = false;
     std::size_t failures_ = 0;
-    std::uint32_t laws_ = 0; // that were taken up anew
-    bool first_kept_ = false;
     Clock::time_point begun_ = Clock::now();
     double rate_ = 0, shown_seconds_ = 0; /* Hz, s */
     std::uint64_t shown_samples_ = 0;

@@ -1,0 +1,63 @@
+#include "device/session/scene_changes.h"
+
+#include <chrono>
+#include <thread>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "host/io/temporary_file.h"
+
+namespace forceshade::device {
+
+std::optional<SceneChanges::Said> SceneChanges::look(LiveLoop& loop) {
+    constexpr int kLooks = 10; // between looks at the file
+    if (looks_++ % kLooks != 0 || !watch_.has_changed())
+        return std::nullopt;
+    SceneWatch::Change change = watch_.look();
+    if (!change.law)
+        return Said{fmt::format("the scene stays as it was: {}", change.refusal), true};
+    const std::optional<std::uint32_t> path = hand_over(loop, std::move(change.law));
+    if (!path) // the loop has ended, or does not come round
+        return std::nullopt;
+    ++taken_;
+    std::string said =
+        fmt::format("{} was read again, path {} from {:.3f} s on", name_, *path, loop.status().seconds.load());
+    if (change.moves_otherwise && has_hand_)
+        said += "; [paths] and [hand] stay as they were at the start";
+    if (!beside_.empty())
+        said += keep(*path, change.scene);
+    return Said{said, false};
+}
+
+// The path that the law begins; none if the loop does not take it within a second.
+std::optional<std::uint32_t> SceneChanges::hand_over(LiveLoop& loop, std::unique_ptr<LiveLaw> law) {
+    const LoopStatus& status = loop.status();
+    const std::uint32_t before = status.laws.load(std::memory_order_acquire);
+    loop.offer(std::move(law));
+    for (int i = 0; i < 1000 && loop.end() == LoopEnd::running; ++i) {
+        if (status.laws.load(std::memory_order_acquire) != before)
+            return status.law_path.load();
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    if (loop.end() == LoopEnd::running && !loop.withdraw()) // at the last moment
+        return status.law_path.load();
+    return std::nullopt;
+}
+
+// Each path of the log can be felt again: the scene of the start is kept, too, once there is another.
+std::string SceneChanges::keep(std::uint32_t path, const std::string& scene) {
+    const auto file = [&](std::uint32_t number) -> std::filesystem::path {
+        return fmt::format("{}.scene-{}.toml", beside_.string(), number);
+    };
+    try {
+        if (!std::exchange(first_kept_, true) && path > 0)
+            write_file_atomically(file(0), first_.scene);
+        write_file_atomically(file(path), scene);
+        return fmt::format("; kept as {}", file(path).filename().string());
+    } catch (const IoError& error) { // no reason to stop a loop
+        return fmt::format("; {}", error.what());
+    }
+}
+
+} // namespace forceshade::device
