@@ -220,8 +220,9 @@ void LiveLoop::keep(Turn& turn) noexcept {
     sample.time = turn.now.time;
     if (settings_.real_time) {
         const std::int64_t computed = computed_so_far(), period = due(tick_ + 1) - turn.due;
+        const bool too_long = computed - computed_ > period && turn.end - turn.begin > period;
         if (turn.end > due(tick_ + 1))
-            sample.happened |= computed - computed_ > period ? kOverrun | kOwnOverrun : kOverrun;
+            sample.happened |= too_long ? kOverrun | kOwnOverrun : kOverrun;
         computed_ = computed;
     }
     count(sample);
