@@ -34,6 +34,8 @@ void add_sweep_command(CLI::App& program, const CommonOptions& common, Command& 
 void add_field_command(CLI::App& program, const CommonOptions& common, Command& chosen);
 void add_explore_command(CLI::App& program, const CommonOptions& common, Command& chosen);
 void add_mesh_command(CLI::App& program, const CommonOptions& common, Command& chosen);
+void add_study_command(CLI::App& program, const CommonOptions& common, Command& chosen);
+void add_report_command(CLI::App& program, const CommonOptions& common, Command& chosen);
 void add_live_command(CLI::App& program, const CommonOptions& common, Command& chosen);
 void add_validate_command(CLI::App& program, const CommonOptions& common, Command& chosen);
 void add_gpus_command(CLI::App& program, const CommonOptions& common, Command& chosen);

@@ -69,6 +69,8 @@ int parse_and_run(int argc, char** argv) {
     add_field_command(program, common, command);
     add_explore_command(program, common, command);
     add_mesh_command(program, common, command);
+    add_study_command(program, common, command);
+    add_report_command(program, common, command);
     add_live_command(program, common, command);
     add_validate_command(program, common, command);
     add_gpus_command(program, common, command);

@@ -1,0 +1,123 @@
+#include <array>
+#include <filesystem>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "host/cli/command.h"
+#include "host/error.h"
+#include "host/interrupt.h"
+#include "host/remark.h"
+#include "host/report/report.h"
+#include "host/scene/nearest.h"
+#include "host/study/data/data_files.h"
+#include "host/study/energy/energy.h"
+#include "host/study/error_time/error_time.h"
+#include "host/study/findings/findings.h"
+#include "host/study/omission/omission.h"
+#include "host/study/stability/stability.h"
+#include "host/sweep/progress.h"
+
+namespace forceshade {
+namespace {
+
+struct KnownStudy {
+    const char* name;
+    const char* about;
+    study::StudyData (*run)(study::StudyRun&);
+};
+
+constexpr std::array<KnownStudy, 4> kStudies{{
+    {"error-time", "force error against run time: facets, shadings, precision, look-up volumes",
+     study::study_error_time},
+    {"stability", "where the sampled loop and the numbers stop being stable", study::study_stability},
+    {"energy", "work round closed loops and curl, for each shading", study::study_energy},
+    {"omission", "what leaving out what a scene does not need saves", study::study_omission},
+}};
+
+struct StudyArguments {
+    std::string name, scene, out;
+    bool quick = false, fresh = false;
+};
+
+const KnownStudy& known_study(const std::string& name) {
+    std::vector<std::string> names;
+    for (const KnownStudy& one : kStudies) {
+        if (name == one.name)
+            return one;
+        names.push_back(one.name);
+    }
+    const std::string_view meant = nearest(name, names);
+    throw UsageError(fmt::format("no study \"{}\"{}; there are {}", name,
+                                 meant.empty() ? "" : fmt::format(", did you mean {}?", meant),
+                                 fmt::join(names, ", ")));
+}
+
+// The user's scene; its warnings go to stderr unless quiet.
+std::optional<Case> scene_of(const StudyArguments& arguments, const CommonOptions& common) {
+    if (arguments.scene.empty())
+        return std::nullopt;
+    std::vector<std::string> warnings;
+    const std::vector<Override> replaced = overrides(common);
+    Case one = read_scene(arguments.scene, replaced, &warnings);
+    print_warnings(warnings, common);
+    return one;
+}
+
+int run(const StudyArguments& arguments, const CommonOptions& common) {
+    const KnownStudy& known = known_study(arguments.name);
+    if (arguments.out.empty())
+        throw UsageError("--out is empty: name a folder, \".\" for the current one");
+    const std::filesystem::path out = arguments.out;
+    study::StudyOptions options;
+    options.folder = out / known.name;
+    options.scene = scene_of(arguments, common);
+    options.quick = arguments.quick;
+    options.fresh = arguments.fresh;
+    options.quiet = common.quiet;
+    options.engine = engine_options(common, true);
+    study::StudyRun study_run(known.name, options);
+    study::StudyData data = [&] {
+        try {
+            return known.run(study_run);
+        } catch (const Interrupted&) {
+            remark("what was finished stays; the same command goes on from there\n");
+            throw;
+        }
+    }();
+    data.findings = study::findings_of(data);
+    study::write_data(options.folder, data);
+    const report::ReportResult written = report::write_report(out);
+    if (!common.quiet) {
+        for (const study::Finding& finding : data.findings)
+            remark("- {}\n", finding.text);
+        remark("{} in {}; look at {}, numbers in {}\n", known.name, clock_text(data.seconds),
+               std::filesystem::absolute(written.file).lexically_normal().string(),
+               std::filesystem::absolute(options.folder).lexically_normal().string());
+    }
+    if (common.json)
+        print_data(study::data_json(data));
+    return 0;
+}
+
+} // namespace
+
+void add_study_command(CLI::App& program, const CommonOptions& common, Command& chosen) {
+    const auto arguments = std::make_shared<StudyArguments>();
+    std::string names = "which study:";
+    for (const KnownStudy& one : kStudies)
+        names += fmt::format(" {} ({});", one.name, one.about);
+    names.back() = '.';
+    CLI::App* command =
+        program.add_subcommand("study", "Measure errors, run times, stability, energy or savings into a folder, with "
+                                        "figures and a report; run again to go on");
+    command->add_option("NAME", arguments->name, names)->required();
+    command->add_option("SCENE", arguments->scene, "scene file (TOML) to study; without it the study's own scenes");
+    command->add_option("--out", arguments->out, "folder of the results; each study has a folder of its name in it")
+        ->required();
+    command->add_flag("--quick", arguments->quick, "coarse, within a minute");
+    command->add_flag("--fresh", arguments->fresh, "compute anew what is there already");
+    command->callback([=, &common, &chosen] { chosen = [=, &common] { return run(*arguments, common); }; });
+}
+
+} // namespace forceshade

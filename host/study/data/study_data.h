@@ -1,0 +1,113 @@
+// What a study found: tables of numbers with units, figures that show them, findings in a sentence each. Every study
+// speaks in these; files, plots and the report know nothing else of it.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "host/io/file_record.h"
+
+namespace forceshade::study {
+
+/// Nothing (no meaning there, no number), a finite number, or a word.
+using Cell = std::variant<std::monostate, double, std::string>;
+
+/// A number that is not finite becomes nothing.
+Cell cell(double value);
+
+struct Column {
+    std::string name;    /* as in CSV and JSON, with its unit at the end: "error_rms_deg" */
+    std::string unit;    /* "deg", "N", "1"; empty: words */
+    std::string meaning; /* one sentence, for readers */
+};
+
+struct Table {
+    std::string name;  /* the CSV's stem: "points" */
+    std::string title; /* for readers */
+    std::vector<Column> columns;
+    std::vector<std::vector<Cell>> rows; /* as long as columns */
+
+    bool has(std::string_view column) const;
+    /// \throws DataError if there is no such column.
+    std::size_t index(std::string_view column) const;
+    /// The number in a row; nothing where there is none. \throws DataError if there is no such column.
+    std::optional<double> number(std::size_t row, std::string_view column) const;
+    /// The word in a row, empty where there is none. \throws DataError if there is no such column.
+    std::string word(std::size_t row, std::string_view column) const;
+};
+
+/// scatter: points (x, y) by series, joined by lines or not. map: a cell at each (x, y), coloured by a number or a
+/// word. bars: a bar of height y for each word x, side by side by series.
+enum class FigureKind { scatter, map, bars };
+
+struct FigureAxis {
+    std::string column;
+    std::string label; /* "stiffness / (N/m)" */
+    bool logarithmic = false;
+};
+
+/// Rows of a table that a figure shows: those whose column holds the word (numbers as CSV prints them).
+using Where = std::vector<std::pair<std::string, std::string>>;
+
+/// A line drawn over a figure, through the rows of a table in their order.
+struct Curve {
+    std::string table;
+    Where where;
+    std::string x, y; /* columns */
+    std::string label;
+    bool dashed = false;
+};
+
+struct Figure {
+    std::string name;    /* the SVG's stem */
+    std::string title;   /* what is seen, in a line */
+    std::string caption; /* how to read it, and what is to be seen */
+    FigureKind kind = FigureKind::scatter;
+    std::string table;
+    Where where;
+    FigureAxis x, y;
+    std::string series;    /* scatter, bars: column whose words tell series apart; empty: one */
+    std::string label;     /* scatter: column with the words to stand at points; empty: none */
+    std::string low, high; /* columns with the ends of a spread about y; empty: none */
+    bool joined = false;   /* scatter: points of a series are joined in the order of rows */
+    std::string value;     /* map: column of the colour, numbers or words */
+    std::string value_label;
+    bool value_logarithmic = false;
+    std::vector<std::string> value_words; /* map of words: their order in the legend */
+    std::vector<Curve> curves;
+};
+
+/// A sentence that is computed from the tables.
+struct Finding {
+    std::string name; /* stays the same whatever the numbers are: "cheapest_1deg" */
+    std::string text;
+};
+
+struct StudyData {
+    std::string study;   /* "error-time", "stability", "energy", "omission" */
+    std::string program; /* version */
+    std::string engine, device, driver, cpu;
+    unsigned cores = 0;
+    bool software = true; /* device */
+    bool quick = false;
+    std::string scene;              /* resolved TOML; empty: the study's own */
+    double seconds = 0;             /* that the run took, earlier parts of it too */
+    std::vector<std::string> notes; /* what a reader must know to read the numbers, a sentence each */
+    std::vector<Table> tables;
+    std::vector<Figure> figures;
+    std::vector<Finding> findings;
+    std::vector<FileRecord> volumes; /* EXR files beside, by name in the study's folder */
+
+    /// Nothing if there is none.
+    const Table* find(std::string_view table) const;
+    /// \throws DataError if there is none.
+    const Table& table(std::string_view name) const;
+};
+
+} // namespace forceshade::study

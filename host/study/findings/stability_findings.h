@@ -1,0 +1,11 @@
+// Findings of the study of where loops and numbers stop being stable, each a sentence computed from its tables.
+#pragma once
+
+#include "host/study/data/study_data.h"
+
+namespace forceshade::study {
+
+/// \throws DataError where a table or column is missing that a finding needs.
+std::vector<Finding> stability_findings(const StudyData& data);
+
+} // namespace forceshade::study

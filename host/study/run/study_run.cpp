@@ -1,0 +1,110 @@
+#include "host/study/run/study_run.h"
+
+#include <chrono>
+#include <fstream>
+#include <sstream>
+#include <thread>
+
+#include <fmt/format.h>
+
+#include "host/interrupt.h"
+#include "host/io/hash.h"
+#include "host/io/temporary_file.h"
+#include "host/sweep/machine.h"
+#include "host/sweep/progress.h"
+#include "host/version.h"
+
+namespace forceshade::study {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using Clock = std::chrono::steady_clock;
+
+std::filesystem::path step_path(const std::filesystem::path& folder, const std::string& name) {
+    return folder / "steps.d" / (name + ".json");
+}
+
+void make_folder(const std::filesystem::path& folder) {
+    std::error_code error;
+    std::filesystem::create_directories(folder / "steps.d", error);
+    if (error)
+        throw IoError(fmt::format("cannot make the folder {}: {}", (folder / "steps.d").string(), error.message()));
+    clear_stale_temporaries(folder);
+    clear_stale_temporaries(folder / "steps.d");
+}
+
+} // namespace
+
+StudyRun::StudyRun(std::string study, const StudyOptions& options) : study_(std::move(study)), options_(options) {
+    if (options_.scene)
+        scene_ = CasePreparation().prepare(*options_.scene);
+    engine_ = make_engine(options_.engine);
+    make_folder(options_.folder);
+    const EngineReport report = engine_->report();
+    fingerprint_ =
+        sha256_of(fmt::format("{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}", study_, version(), report.engine, report.device,
+                              report.driver, cpu_name(), options_.quick, scene_ ? scene_->scene : std::string()));
+}
+
+std::optional<Json> StudyRun::kept(const Step& step) const {
+    std::ifstream file(step_path(options_.folder, step.name), std::ios::binary);
+    std::ostringstream text;
+    text << file.rdbuf();
+    const Json json = Json::parse(text.str(), nullptr, false);
+    if (!json.is_object() || json.value("fingerprint", "") != fingerprint_ || !json.contains("result") ||
+        !json.contains("seconds") || !json["seconds"].is_number())
+        return std::nullopt;
+    return json;
+}
+
+void StudyRun::keep(const Step& step, const Json& result, double seconds) const {
+    const Json json{{"fingerprint", fingerprint_}, {"seconds", seconds}, {"result", result}};
+    write_file_atomically(step_path(options_.folder, step.name), json.dump() + "\n");
+}
+
+std::vector<Json> StudyRun::run(const std::vector<Step>& steps) {
+    std::vector<Json> results(steps.size());
+    std::vector<std::size_t> missing;
+    for (std::size_t i = 0; i < steps.size(); ++i) {
+        if (auto known = options_.fresh ? std::nullopt : kept(steps[i])) {
+            seconds_ += known->at("seconds").get<double>();
+            results[i] = std::move(known->at("result"));
+        } else {
+            missing.push_back(i);
+        }
+    }
+    Progress progress("steps", missing.size(), options_.quiet);
+    for (std::size_t done = 0; done < missing.size(); ++done) {
+        check_interrupt();
+        const Step& step = steps[missing[done]];
+        progress.update(done, step.name);
+        const Clock::time_point start = Clock::now();
+        results[missing[done]] = step.compute();
+        const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
+        keep(step, results[missing[done]], seconds);
+        seconds_ += seconds;
+    }
+    if (!missing.empty())
+        progress.update(missing.size(), "");
+    return results;
+}
+
+StudyData StudyRun::data() const {
+    const EngineReport report = engine_->report();
+    StudyData data;
+    data.study = study_;
+    data.program = version();
+    data.engine = report.engine;
+    data.device = report.device;
+    data.driver = report.driver;
+    data.software = report.software;
+    data.cpu = cpu_name();
+    data.cores = std::thread::hardware_concurrency();
+    data.quick = options_.quick;
+    data.seconds = seconds_;
+    if (scene_)
+        data.scene = scene_->scene;
+    return data;
+}
+
+} // namespace forceshade::study
