@@ -1,0 +1,83 @@
+// A study's data survive their files, and what is no such file is told.
+#include <limits>
+
+#include <gtest/gtest.h>
+
+#include "host/study/data/data_error.h"
+#include "host/study/data/data_files.h"
+#include "host/study/findings/findings.h"
+
+namespace forceshade::study {
+namespace {
+
+StudyData sample() {
+    StudyData data;
+    data.study = "energy";
+    data.program = "0.1.0+test";
+    data.device = "a \"device\"";
+    data.quick = true;
+    data.seconds = 1.5;
+    data.notes = {"A note."};
+    data.tables = {
+        {"loops",
+         "Loops",
+         {{"scheme", "", "which"}, {"work_J", "J", "work"}},
+         {{std::string("none, flat"), cell(0.1)}, {std::string("x"), cell(std::numeric_limits<double>::quiet_NaN())}}}};
+    Figure figure;
+    figure.name = "f";
+    figure.kind = FigureKind::bars;
+    figure.table = "loops";
+    figure.where = {{"scheme", "x"}};
+    figure.y = {"work_J", "work / J", true};
+    figure.curves = {{"loops", {}, "work_J", "work_J", "a curve", true}};
+    data.figures = {figure};
+    data.findings = {{"name", "A sentence."}};
+    data.volumes = {{"curl.exr", "00ff", 12}};
+    return data;
+}
+
+TEST(StudyFiles, HoldEverything) {
+    const std::string text = data_json(sample());
+    EXPECT_EQ(data_json(parse_data(text)), text);
+    EXPECT_EQ(table_csv(sample().tables[0]), "scheme,work_J\n\"none, flat\",0.1\nx,\n");
+}
+
+TEST(StudyFiles, WhatIsNoNumberIsNothing) {
+    EXPECT_EQ(cell(std::numeric_limits<double>::infinity()), Cell());
+    const StudyData data = parse_data(data_json(sample()));
+    EXPECT_FALSE(data.table("loops").number(1, "work_J"));
+    EXPECT_EQ(data.table("loops").word(1, "scheme"), "x");
+}
+
+std::string complaint_about(const std::string& text) {
+    try {
+        parse_data(text);
+        return "";
+    } catch (const DataError& error) {
+        return error.what();
+    }
+}
+
+TEST(StudyFiles, DamageIsTold) {
+    const std::string text = data_json(sample());
+    EXPECT_NE(complaint_about(text.substr(0, text.size() / 2)).find("damaged"), std::string::npos);
+    EXPECT_NE(complaint_about("[]").find("no account of a study"), std::string::npos);
+    EXPECT_NE(complaint_about(R"({"format": 0, "study": "energy"})").find("format is 0"), std::string::npos);
+    std::string ragged = text;
+    const std::string cell = "    0.1\n";
+    ASSERT_NE(ragged.find(cell), std::string::npos) << text;
+    ragged.replace(ragged.find(cell), cell.size(), "    0.1,\n    2\n");
+    EXPECT_NE(complaint_about(ragged).find("row 1 of table loops has 3 cells for 2 columns"), std::string::npos);
+}
+
+TEST(StudyFiles, UnknownTablesColumnsAndStudiesAreTold) {
+    const StudyData data = sample();
+    EXPECT_THROW(data.table("points"), DataError);
+    EXPECT_THROW(data.tables[0].number(0, "work_mJ"), DataError);
+    StudyData foreign = data;
+    foreign.study = "astrology";
+    EXPECT_THROW(findings_of(foreign), DataError);
+}
+
+} // namespace
+} // namespace forceshade::study
