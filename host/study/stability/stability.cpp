@@ -1,9 +1,22 @@
 #include "host/study/stability/stability.h"
 
+#include "host/study/stability/loop.h"
+#include "host/study/stability/number.h"
+
 namespace forceshade::study {
 
 StudyData study_stability(StudyRun& run) {
-    return run.data();
+    std::vector<Step> steps = loop_steps(run);
+    const auto of_loop = static_cast<std::ptrdiff_t>(steps.size());
+    for (Step& step : number_steps(run))
+        steps.push_back(std::move(step));
+    std::vector<nlohmann::ordered_json> results = run.run(steps);
+    const std::vector<nlohmann::ordered_json> of_number(results.begin() + of_loop, results.end());
+    results.resize(static_cast<std::size_t>(of_loop));
+    StudyData data = run.data();
+    add_loop(data, results);
+    add_number(data, of_number);
+    return data;
 }
 
 } // namespace forceshade::study
