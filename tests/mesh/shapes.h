@@ -2,9 +2,9 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 
 #include "host/mesh/normals.h"
+#include "host/study/error_time/patch.h"
 
 namespace forceshade::shapes {
 
@@ -17,10 +17,8 @@ PolygonSoup icosphere(unsigned levels);
 PolygonSoup cube(bool triangles = false);
 PolygonSoup tetrahedron(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c, const glm::dvec3& d);
 
-enum class Cells { triangles, quads, hexagons };
-/// The patch [-1/2, 1/2]^2 cut into `cells` cells a side and lifted to z = height(x, y), as in the table of L7:
-/// diagonals from (i, j) to (i + 1, j + 1); regular hexagons 1 / cells wide whose centres lie in the square.
-PolygonSoup patch(Cells kind, unsigned cells, const std::function<double(double, double)>& height);
+using study::Cells;
+using study::patch;
 
 /// Tetrahedra at random places, sizes and orientations, apart or through each other; outsides out.
 PolygonSoup random_polyhedra(unsigned count, std::uint32_t seed);
