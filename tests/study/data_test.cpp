@@ -29,6 +29,7 @@ StudyData sample() {
     figure.table = "loops";
     figure.where = {{"scheme", "x"}};
     figure.y = {"work_J", "work / J", true};
+    figure.value_limit = 0.5;
     figure.curves = {{"loops", {}, "work_J", "work_J", "a curve", true}};
     data.figures = {figure};
     data.findings = {{"name", "A sentence."}};

@@ -102,6 +102,7 @@ Json figure_json(const Figure& figure) {
               {"value", figure.value},
               {"value_label", figure.value_label},
               {"value_logarithmic", figure.value_logarithmic},
+              {"value_limit", figure.value_limit},
               {"value_words", figure.value_words},
               {"curves", Json::array()}};
     for (const Curve& curve : figure.curves)
@@ -139,6 +140,7 @@ Figure figure_of(const Json& json) {
     figure.value = json.at("value");
     figure.value_label = json.at("value_label");
     figure.value_logarithmic = json.at("value_logarithmic");
+    figure.value_limit = json.at("value_limit");
     figure.value_words = json.at("value_words").get<std::vector<std::string>>();
     for (const Json& curve : json.at("curves"))
         figure.curves.push_back({curve.at("table"), where_of(curve.at("where")), curve.at("x"), curve.at("y"),

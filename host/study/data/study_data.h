@@ -79,6 +79,7 @@ struct Figure {
     std::string value;     /* map: column of the colour, numbers or words */
     std::string value_label;
     bool value_logarithmic = false;
+    double value_limit = 0; /* map of numbers: the colours end at this size, 0: at the largest number shown */
     std::vector<std::string> value_words; /* map of words: their order in the legend */
     std::vector<Curve> curves;
 };
