@@ -18,6 +18,9 @@ public:
     /// The buffer of a binding below layout::kBindStatus; a small one where the scene has none.
     vk::Buffer buffer(layout::uint binding) const { return buffers_.buffer(binding); }
 
+    /// Bytes copied so far.
+    std::uint64_t uploaded() const { return buffers_.uploaded(); }
+
 private:
     InputBuffers buffers_;
 };

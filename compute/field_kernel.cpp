@@ -171,7 +171,9 @@ FieldTimes FieldKernel::evaluate(const layout::FieldInput<T>& input,
     return checked("evaluating a field", [&] {
         const FieldVariant variant = self.variant_of(sizeof(T));
         auto start = Clock::now();
+        const std::uint64_t before = self.inputs.uploaded();
         self.inputs.upload(input, abreast(variant));
+        times.uploaded = self.inputs.uploaded() - before;
         const FieldPlan plan = self.reserve(input);
         times.upload = seconds_since(start);
         start = Clock::now();

@@ -27,6 +27,7 @@ struct FieldTimes {
     double kernel = 0;    /* the dispatches */
     double read_back = 0; /* copies to host memory; 0 where the kernel writes there itself */
     std::uint64_t dispatches = 0;
+    std::uint64_t uploaded = 0; /* bytes of tables, plans and recorded positions */
 };
 
 /// Evaluates fields on one device; keeps pipelines and buffers from one field to the next. Not for two threads at once.

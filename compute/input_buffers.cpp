@@ -66,6 +66,7 @@ void InputBuffers::upload(std::size_t binding, std::span<const std::byte> bytes)
     device_.device.resetFences(*fence_);
     device_.queue.submit(vk::SubmitInfo({}, {}, *commands_), *fence_);
     wait_for(device_, fence_);
+    uploaded_ += bytes.size();
 }
 
 } // namespace forceshade::compute

@@ -19,10 +19,14 @@ public:
     /// The buffer of a binding; a small one where nothing was uploaded.
     vk::Buffer buffer(std::size_t binding) const;
 
+    /// Bytes copied so far, of all tables together.
+    std::uint64_t uploaded() const { return uploaded_; }
+
 private:
     Device::Implementation& device_;
     Buffer nothing_; // bound where a kernel uses no buffer
     std::vector<Buffer> buffers_;
+    std::uint64_t uploaded_ = 0;
     vk::raii::CommandBuffer commands_{nullptr};
     vk::raii::Fence fence_{nullptr};
 };

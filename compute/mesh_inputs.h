@@ -23,6 +23,9 @@ public:
     /// Samples of a row as stored: whole blocks.
     std::uint32_t x_pitch() const { return x_pitch_; }
 
+    /// Bytes copied so far.
+    std::uint64_t uploaded() const { return buffers_.uploaded(); }
+
 private:
     template <typename T> void upload_triangles(const layout::MeshView<T>& mesh);
     template <typename T> void upload_vertices(const layout::MeshView<T>& mesh);

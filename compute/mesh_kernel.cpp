@@ -195,6 +195,7 @@ void MeshKernel::Implementation::Run<T>::submit(const layout::MeshPlan& plan, ui
     chunk.blocks = slot.part.blocks;
     chunk.candidates = layout::kMeshBlockWords * chunk.blocks;
     self.put_plan(slot);
+    times.uploaded += slot.part.words.size() * sizeof(uint);
     slot.results.reserve(input.law.features.channels, std::size_t(chunk.x_pitch) * steps.y_step * steps.z_step,
                          sizeof(T), [&](uint binding) {
                              return binding == layout::kMeshBindPlan ? *slot.plan.buffer : self.inputs.buffer(binding);
@@ -231,7 +232,9 @@ FieldTimes MeshKernel::evaluate(const layout::FieldInput<T>& input,
     return checked("evaluating a field", [&] {
         const FacetLoops loops = facet_loops(input.law.features, input.law.mesh.facet_begins);
         Clock::time_point start = Clock::now();
+        const std::uint64_t before = self.inputs.uploaded();
         self.inputs.upload(input);
+        times.uploaded = self.inputs.uploaded() - before;
         times.upload = seconds_since(start);
         start = Clock::now();
         Implementation::Run<T> run{self,

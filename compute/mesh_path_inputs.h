@@ -19,6 +19,9 @@ public:
     /// The buffer of a binding below layout::kMeshPathBindRecorded; a small one where the scene has none.
     vk::Buffer buffer(layout::uint binding) const { return buffers_.buffer(binding); }
 
+    /// Bytes copied so far.
+    std::uint64_t uploaded() const { return buffers_.uploaded(); }
+
 private:
     template <typename T> void upload_triangles(const layout::MeshView<T>& mesh);
     template <typename T> void upload_vectors(const layout::MeshView<T>& mesh);

@@ -186,6 +186,7 @@ MeshPathTimes MeshPathKernel::explore(const layout::PathInput<T>& input, const F
     return checked("evaluating paths", [&] {
         const FacetLoops loops = facet_loops(input.law.features, input.law.mesh.facet_begins);
         Clock::time_point start = Clock::now();
+        const std::uint64_t before = self.inputs.uploaded();
         self.inputs.upload(input.law);
         times.upload = seconds_since(start);
         start = Clock::now();
@@ -219,13 +220,17 @@ MeshPathTimes MeshPathKernel::explore(const layout::PathInput<T>& input, const F
             times.upload += seconds_since(start);
             for (std::size_t step = 0; step < steps; step += rows) {
                 const std::size_t count = std::min(rows, steps - step);
-                if (recorded)
-                    self.batch.put_positions(input.source->positions(step, std::min(count + 1, steps - step)));
+                if (recorded) {
+                    const auto positions = input.source->positions(step, std::min(count + 1, steps - step));
+                    self.batch.put_positions(positions);
+                    times.uploaded += positions.size_bytes();
+                }
                 run.chunk(step, count);
                 take(self.batch.chunk<T>(step, count));
             }
             take_metrics(batch.first, self.batch.metrics<T>());
         }
+        times.uploaded += self.inputs.uploaded() - before;
         return times;
     });
 }

@@ -190,6 +190,7 @@ template <typename T> void PathKernel::Implementation::Run<T>::submit(std::size_
     slot.chunk.stretch = input.stretch;
     if (recorded())
         self.put_recorded(slot, std::as_bytes(input.source->positions(step, std::min(count + 1, steps() - step))));
+    times.uploaded += slot.recorded_bytes;
     slot.results.reserve(slot_channels(input.features.channels), batch.count * window, sizeof(T), [&](uint binding) {
         if (binding == layout::kPathBindStates)
             return self.states.buffer();
@@ -232,6 +233,7 @@ FieldTimes PathKernel::explore(const layout::PathInput<T>& input, const TakePath
     FieldTimes times;
     return checked("evaluating paths", [&] {
         Clock::time_point start = Clock::now();
+        const std::uint64_t before = self.inputs.uploaded();
         self.inputs.upload(input.law);
         times.upload = seconds_since(start);
         start = Clock::now();
@@ -244,6 +246,7 @@ FieldTimes PathKernel::explore(const layout::PathInput<T>& input, const TakePath
                 run.run_batch(first);
                 take_metrics(run.batch.first, self.states.metrics<T>(run.batch.count));
             }
+            times.uploaded += self.inputs.uploaded() - before;
         } catch (...) {
             self.finish_all();
             throw;

@@ -183,6 +183,7 @@ private:
         spent.upload = times.upload;
         spent.kernel = times.kernel;
         spent.read_back = times.read_back;
+        spent.uploaded = times.uploaded;
     }
 
     // Slab by slab, so that plans take little memory however large the grid is.
@@ -194,6 +195,8 @@ private:
         };
         if (!mesh_kernel_)
             mesh_kernel_ = std::make_unique<compute::MeshKernel>(device_, mesh_options_);
+        if (!input.plan.blocks.empty())
+            return mesh_kernel_->evaluate<T>(input, consume);
         Clock::time_point start = Clock::now();
         const BlockPlanner<T> planner(input.law.mesh, input.x, input.y, input.z, input.law.features.inside);
         spent.plan = since(start);

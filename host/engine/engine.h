@@ -17,6 +17,7 @@ struct EngineTimes {
     double compile = 0, upload = 0, kernel = 0, read_back = 0;
     double plan = 0;                    /* of a mesh: where there is force, and what is near */
     std::uint64_t voxels_evaluated = 0; /* of a mesh; the others were found free as whole blocks */
+    std::uint64_t uploaded = 0;         /* bytes copied to a device: tables, plans, recorded positions */
 };
 
 struct EngineReport {
@@ -33,7 +34,8 @@ public:
     virtual ~Engine() = default;
     virtual EngineReport report() const = 0;
     /// Evaluates the law at every sample, in float or double, and hands over consecutive chunks of rows in order (z,
-    /// then y). \throws compute::DeviceError, and whatever `consume` throws.
+    /// then y). A mesh's blocks are planned slab by slab, unless the input has a plan (of the whole grid): that one is
+    /// followed then. \throws compute::DeviceError, and whatever `consume` throws.
     virtual EngineTimes evaluate(const layout::FieldInput<float>& input,
                                  const std::function<void(const layout::FieldChunk<float>&)>& consume) = 0;
     virtual EngineTimes evaluate(const layout::FieldInput<double>& input,

@@ -94,14 +94,14 @@ template <typename T> struct BlockPlanner<T>::Implementation {
 
 template <typename T>
 BlockPlanner<T>::BlockPlanner(const layout::MeshView<T>& mesh, std::span<const T> x, std::span<const T> y,
-                              std::span<const T> z, layout::uint inside, unsigned threads) {
+                              std::span<const T> z, layout::uint inside, unsigned threads, FreeSpace free) {
     if (threads == 0)
         threads = std::max(1u, std::thread::hardware_concurrency());
     T largest = T(1);
     for (const auto axis : {x, y, z})
         largest = std::max({largest, std::abs(axis.front()), std::abs(axis.back())});
-    auto made = std::make_unique<Implementation>(
-        Implementation{{mesh, {x, y, z}, inside, reference::prune_slack(largest), {}}, threads});
+    auto made = std::make_unique<Implementation>(Implementation{
+        {mesh, {x, y, z}, inside, reference::prune_slack(largest), {}, free == FreeSpace::visited}, threads});
     constexpr std::size_t kRun = 4096;
     auto& rows = made->input.rows;
     rows.resize(mesh.triangle_facets.size());

@@ -24,6 +24,12 @@ struct BlockPlan {
 /// nearest ones itself. So a plan takes at most 24 + 4 kMostCandidates bytes a block of 8 voxels.
 constexpr layout::uint kMostCandidates = 512;
 
+/// What is planned of blocks in which no voxel can be inside.
+enum class FreeSpace {
+    skipped, /* not listed */
+    visited, /* listed with their candidates: the same field for more work, which shows what skipping saves */
+};
+
 /// Plans the blocks of one mesh on one grid, a slab at a time. Results do not depend on the threads.
 template <typename T> class BlockPlanner {
 public:
@@ -31,10 +37,11 @@ public:
     /// kInsideWinding needs mesh.moments. All spans must outlive the planner. `threads` 0: as many as the machine has
     /// cores.
     BlockPlanner(const layout::MeshView<T>& mesh, std::span<const T> x, std::span<const T> y, std::span<const T> z,
-                 layout::uint inside, unsigned threads = 0);
+                 layout::uint inside, unsigned threads = 0, FreeSpace free = FreeSpace::skipped);
     ~BlockPlanner();
 
-    /// Blocks of the samples z in [z_first, z_first + z_count), z_first even, in which a voxel may be inside.
+    /// Blocks of the samples z in [z_first, z_first + z_count), z_first even, in which a voxel may be inside; all of
+    /// them where free space is visited.
     BlockPlan plan(std::size_t z_first, std::size_t z_count) const;
 
 private:
@@ -45,8 +52,8 @@ private:
 /// The plan of a whole grid.
 template <typename T>
 BlockPlan plan_blocks(const layout::MeshView<T>& mesh, std::span<const T> x, std::span<const T> y, std::span<const T> z,
-                      layout::uint inside, unsigned threads = 0) {
-    return BlockPlanner<T>(mesh, x, y, z, inside, threads).plan(0, z.size());
+                      layout::uint inside, unsigned threads = 0, FreeSpace free = FreeSpace::skipped) {
+    return BlockPlanner<T>(mesh, x, y, z, inside, threads, free).plan(0, z.size());
 }
 
 extern template class BlockPlanner<float>;

@@ -120,6 +120,8 @@ typename BlockWorker<T>::Side BlockWorker<T>::side_of(const PlanBox<T>& box, con
 template <typename T>
 bool BlockWorker<T>::is_free(const TriangleList<T>& list, const PlanBox<T>& box, const Vector<T>& near,
                              uint side_length, Side& side) {
+    if (input_.visits_free)
+        return false;
     if (input_.inside != layout::kInsideWinding) {
         if (side == Side::inside)
             return false;
@@ -216,7 +218,7 @@ template <typename T>
 void BlockWorker<T>::leaf(const SampleRange& range, const PlanBox<T>& box, const TriangleList<T>& list, Side side) {
     const bool winding = input_.inside == layout::kInsideWinding;
     const uint bits = winding ? inside_bits(range, side) : 0;
-    if (winding && bits == 0)
+    if (winding && bits == 0 && !input_.visits_free)
         return;
     const bool is_long = places_.size() > kLong;
     if (is_long)

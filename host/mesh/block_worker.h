@@ -25,6 +25,7 @@ template <typename T> struct PlanInput {
     layout::uint inside; /* layout::kInside... */
     T slack;             /* 1: what rounding to T can make of a distance, twice over */
     std::vector<PlanTriangle<T>> rows;
+    bool visits_free = false; /* blocks without a voxel inside are listed too */
 
     PlanBox<T> box(const SampleRange& range) const;
 };

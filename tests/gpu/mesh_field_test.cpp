@@ -29,9 +29,10 @@ protected:
         return made;
     }
 
-    template <typename T> static void hold(const MeshCase<T>& mesh_case, const std::string& what) {
+    template <typename T>
+    static void hold(const MeshCase<T>& mesh_case, const std::string& what, FreeSpace free = FreeSpace::skipped) {
         const layout::FieldInput<T> input = mesh_case.input();
-        const BlockPlanner<T> planner(input.law.mesh, input.x, input.y, input.z, input.law.features.inside);
+        const BlockPlanner<T> planner(input.law.mesh, input.x, input.y, input.z, input.law.features.inside, 0, free);
         BlockPlan plan;
         const auto comparison =
             test::hold_against_oracle<T>(kernel(), input, [&](std::size_t z_first, std::size_t z_count) {
@@ -83,6 +84,17 @@ std::vector<Shape> shapes_of_all_kinds() {
              shapes::merged(shapes::cube(true), shapes::moved(shapes::cube(true), glm::dvec3(1), {2, 0, 0}))},
             {"damaged",
              shapes::damaged(shapes::icosphere(2), {.caps = 60, .needles = 20, .repeats = 20, .strays = 3}, random)}};
+}
+
+TEST_F(MeshField, IsTheSameWhereFreeSpaceIsVisited) {
+    for (const layout::uint inside : {layout::kInsidePseudonormal, layout::kInsideWinding}) {
+        StructureOptions options;
+        options.winding = true;
+        const MeshStructure structure = build_structure(shapes::mesh_of(shapes::icosphere(2)), options);
+        MeshCase<float> sphere(structure, {{21, 22, 23}, glm::dvec3(-1.6), glm::dvec3(1.6)}, layout::kShadingMeanValue);
+        sphere.features.inside = inside;
+        hold(sphere, "every block", FreeSpace::visited);
+    }
 }
 
 TEST_F(MeshField, EqualsTheOracleOnEveryGrid) {

@@ -39,14 +39,15 @@ bool lists_all_nearest(const layout::MeshView<T>& mesh, std::span<const layout::
 }
 
 template <typename T>
-void hold(const PolygonSoup& polygons, const Grid<T>& grid, layout::uint inside = layout::kInsidePseudonormal) {
+void hold(const PolygonSoup& polygons, const Grid<T>& grid, layout::uint inside = layout::kInsidePseudonormal,
+          FreeSpace free = FreeSpace::skipped) {
     StructureOptions options;
     options.winding = true;
     options.solid = is_solid(inspect(polygons));
     const MeshStructure structure = build_structure(shapes::mesh_of(polygons), options);
     const MeshTables<T> tables = make_mesh_tables<T>(structure, 1000);
     const layout::MeshView<T> mesh = tables.view();
-    const BlockPlan plan = plan_blocks<T>(mesh, grid.x, grid.y, grid.z, inside);
+    const BlockPlan plan = plan_blocks<T>(mesh, grid.x, grid.y, grid.z, inside, 0, free);
     std::map<std::array<std::size_t, 3>, std::size_t> blocks;
     for (std::size_t b = 0; b < plan.blocks.size(); ++b) {
         const layout::MeshBlock& block = plan.blocks[b];
@@ -83,6 +84,9 @@ void hold(const PolygonSoup& polygons, const Grid<T>& grid, layout::uint inside 
                 }
             }
     EXPECT_EQ(evaluated, plan.voxels_evaluated);
+    if (free == FreeSpace::visited) {
+        EXPECT_EQ(evaluated, grid.x.size() * grid.y.size() * grid.z.size());
+    }
 }
 
 template <typename T> Grid<T> cubic(std::size_t side, double reach) {
@@ -96,6 +100,14 @@ TEST(BlockPlan, ListsWhatIsInsideAndNearest) {
         for (const layout::uint inside : {layout::kInsidePseudonormal, layout::kInsideWinding}) {
             hold<float>(polygons, cubic<float>(21, 1.1), inside);
             hold<double>(polygons, cubic<double>(21, 1.1), inside);
+        }
+}
+
+TEST(BlockPlan, ListsEverythingWhereFreeSpaceIsVisited) {
+    for (const PolygonSoup& polygons : {shapes::icosphere(2), shapes::cube(true), shapes::nested_shells(1, false)})
+        for (const layout::uint inside : {layout::kInsidePseudonormal, layout::kInsideWinding}) {
+            hold<float>(polygons, cubic<float>(17, 1.6), inside, FreeSpace::visited);
+            hold<double>(polygons, cubic<double>(17, 1.6), inside, FreeSpace::visited);
         }
 }
 
