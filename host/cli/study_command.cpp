@@ -7,6 +7,7 @@
 #include "host/cli/command.h"
 #include "host/error.h"
 #include "host/interrupt.h"
+#include "host/plot/plot.h"
 #include "host/remark.h"
 #include "host/report/report.h"
 #include "host/scene/nearest.h"
@@ -87,6 +88,7 @@ int run(const StudyArguments& arguments, const CommonOptions& common) {
     }();
     data.findings = study::findings_of(data);
     study::write_data(options.folder, data);
+    plot::write_figures(options.folder, data);
     const report::ReportResult written = report::write_report(out);
     if (!common.quiet) {
         for (const study::Finding& finding : data.findings)

@@ -13,14 +13,6 @@ constexpr int kFirstPrefix = -24;
 constexpr std::array<std::string_view, 17> kPrefixes{"y", "z", "a", "f", "p", "n", "µ", "m", "",
                                                      "k", "M", "G", "T", "P", "E", "Z", "Y"};
 
-std::string superscript(int number) {
-    constexpr std::array<std::string_view, 10> kDigits{"⁰", "¹", "²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹"};
-    std::string text = number < 0 ? "⁻" : "";
-    for (const char digit : fmt::format("{}", std::abs(number)))
-        text += kDigits[static_cast<std::size_t>(digit - '0')];
-    return text;
-}
-
 std::string unit_name(int exponent, std::string_view base) {
     const int prefix = (exponent - kFirstPrefix) / 3;
     if (exponent < kFirstPrefix || prefix >= static_cast<int>(kPrefixes.size()))
@@ -33,6 +25,14 @@ bool has_prefix(const Unit& unit) {
 }
 
 } // namespace
+
+std::string superscript(int number) {
+    constexpr std::array<std::string_view, 10> kDigits{"⁰", "¹", "²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹"};
+    std::string text = number < 0 ? "⁻" : "";
+    for (const char digit : fmt::format("{}", std::abs(number)))
+        text += kDigits[static_cast<std::size_t>(digit - '0')];
+    return text;
+}
 
 int decade(double value) {
     const std::string text = fmt::format("{:.16e}", value);

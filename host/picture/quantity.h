@@ -26,6 +26,9 @@ std::string with_unit(const std::string& number, const Unit& unit);
 /// " / mm", or " / (10⁹ m)", to follow the name of a quantity whose numbers are in that unit.
 std::string per_unit(const Unit& unit);
 
+/// "⁻³".
+std::string superscript(int number);
+
 /// `value` with that many decimals, true minus sign (U+2212), no negative zero.
 std::string decimal(double value, int decimals);
 

@@ -1,0 +1,88 @@
+#include "host/plot/palette.h"
+
+#include <array>
+
+#include <fmt/format.h>
+
+namespace forceshade::plot {
+namespace {
+
+constexpr std::size_t kSeriesColours = 8, kMarkers = 8, kWords = 8;
+
+// Each reaches a contrast of 4.5 on white paper.
+constexpr std::array<const char*, kSeriesColours> kSeries{"#0062ad", "#c2410c", "#00795c", "#8a3a95",
+                                                          "#7d6000", "#0b7691", "#b3174f", "#4d4d4d"};
+
+// From light to dark, so that grey tells them apart too.
+constexpr std::array<const char*, kWords> kWordColours{"#cfe6f7", "#fbc15e", "#c2512f", "#8fce9c",
+                                                       "#b9a2d8", "#e6e6e6", "#5b8bb5", "#f2a8bd"};
+constexpr std::array<const char*, kWords> kWordPatterns{
+    "",         "M-2 2L2 -2M0 8L8 0M6 10L10 6", "M0 0L8 8M0 8L8 0", "M2 2h1.6v1.6h-1.6zM6 6h1.6v1.6h-1.6z", "M0 4L8 4",
+    "M4 0L4 8", "M-2 6L2 10M0 0L8 8M6 -2L10 2", "M0 4L8 4M4 0L4 8"};
+
+std::string property(const std::string& name, const char* what, const std::string& variable, const char* colour) {
+    // Twice: readers that know no custom properties take the first.
+    return fmt::format(".fsp .{0}{{{1}:{3};{1}:var(--plot-{2},{3})}}\n", name, what, variable, colour);
+}
+
+} // namespace
+
+std::string style_sheet() {
+    std::string css = ".fsp{font-family:system-ui,\"DejaVu Sans\",Verdana,sans-serif}\n"
+                      ".fsp .l{fill:none;stroke:currentColor;stroke-width:1.6}\n"
+                      ".fsp .f{fill:currentColor;stroke:none}\n"
+                      ".fsp .thin{stroke-width:1}\n.fsp .b{font-weight:600}\n"
+                      ".fsp .axis,.fsp .grid,.fsp .edge{fill:none;stroke-width:1}\n"
+                      ".fsp .halo{fill:none;stroke-width:5;stroke-opacity:.85}\n"
+                      ".fsp .m{stroke-width:1}\n.fsp .v{shape-rendering:crispEdges}\n";
+    css += property("paper", "fill", "paper", "#ffffff");
+    css += property("t", "fill", "ink", "#1b1f24");
+    css += property("q", "fill", "quiet", "#555c66");
+    css += property("axis", "stroke", "ink", "#1b1f24");
+    css += property("grid", "stroke", "grid", "#e2e5e9");
+    css += property("edge", "stroke", "quiet", "#555c66");
+    css += property("halo", "stroke", "paper", "#ffffff");
+    css += property("m", "stroke", "paper", "#ffffff");
+    css += property("ink", "color", "ink", "#1b1f24");
+    for (std::size_t i = 0; i < kSeries.size(); ++i)
+        css += property(fmt::format("s{}", i), "color", fmt::format("s{}", i), kSeries[i]);
+    return "<style>\n" + css + "</style>\n";
+}
+
+std::string series_class(std::size_t series) {
+    return fmt::format("s{}", (series + series / kMarkers) % kSeriesColours);
+}
+
+bool is_open_marker(std::size_t series) {
+    const std::size_t shape = series % kMarkers;
+    return shape == 5 || shape == 6;
+}
+
+std::string marker(std::size_t series, double x, double y) {
+    static constexpr std::array<const char*, kMarkers> kShapes{
+        "m-4.5 0a4.5 4.5 0 1 0 9 0a4.5 4.5 0 1 0 -9 0z", // disc
+        "m-4 -4h8v8h-8z",                                // square
+        "m0 -5.2l5 8.6h-10z",                            // triangle
+        "m0 -5.6l5.6 5.6l-5.6 5.6l-5.6 -5.6z",           // diamond
+        "m0 5.2l5 -8.6h-10z",                            // triangle on its tip
+        "m-4.5 -4.5l9 9m0 -9l-9 9",                      // cross
+        "m-5.5 0h11m-5.5 -5.5v11",                       // plus
+        "m-2.2 -5.2h4.4l3 3v4.4l-3 3h-4.4l-3 -3v-4.4z"}; // octagon
+    return fmt::format("M{} {}{}", px(x), px(y), kShapes[series % kMarkers]);
+}
+
+std::string word_patterns(const std::string& id, std::size_t count) {
+    std::string defs = "<defs>\n";
+    for (std::size_t i = 0; i < std::min(count, kWords); ++i)
+        defs += fmt::format("<pattern id=\"{}-w{}\" width=\"8\" height=\"8\" patternUnits=\"userSpaceOnUse\"><rect "
+                            "width=\"8\" height=\"8\" fill=\"{}\"/><path d=\"{}\" fill=\"none\" stroke=\"#1b1f24\" "
+                            "stroke-opacity=\".65\"/></pattern>\n",
+                            id, i, kWordColours[i], kWordPatterns[i]);
+    return defs + "</defs>\n";
+}
+
+std::string word_fill(const std::string& id, std::size_t word) {
+    return fmt::format(" fill=\"url(#{}-w{})\"", id, word % kWords);
+}
+
+} // namespace forceshade::plot

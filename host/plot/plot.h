@@ -1,0 +1,19 @@
+// A figure of a study as SVG: whole, with its title, axes, legend and tooltips, on white paper unless a page that holds
+// it sets other colours (--plot-paper and so on, see palette.cpp).
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "host/study/data/study_data.h"
+
+namespace forceshade::plot {
+
+/// One <svg> element, the same bytes for the same data. Rows without a number, or without a place on a logarithmic
+/// axis, are counted below the figure. \throws study::DataError if a table or column that the figure names is missing.
+std::string svg_of(const study::Figure& figure, const study::StudyData& data);
+
+/// FIGURE.svg for each figure. \throws IoError, study::DataError.
+void write_figures(const std::filesystem::path& folder, const study::StudyData& data);
+
+} // namespace forceshade::plot
