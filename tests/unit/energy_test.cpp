@@ -3,48 +3,45 @@
 
 #include <gtest/gtest.h>
 
+#include "host/study/energy/closed_forms.h"
 #include "tests/unit/laws.h"
 
 namespace forceshade::test {
 namespace {
 
-struct Loop {
-    double work, turnover; /* J */
-};
+using Corners = std::vector<study::Vector>;
 
-Loop round(const OwnedLaw<double>& law, const std::vector<Point>& corners) {
-    Loop loop{};
-    for (std::size_t i = 0; i < corners.size(); ++i) {
-        const Point from = corners[i], to = corners[(i + 1) % corners.size()];
-        loop.work += work(law, from, to);
-        loop.turnover += turnover(law, from, to);
-    }
-    return loop;
+study::Work round(const OwnedLaw<double>& law, const Corners& corners) {
+    return study::work_round(force_of(law), corners);
 }
 
 // Out along x at depth d1, up, back at d2, down: the rectangle of the energy formula.
-std::vector<Point> rectangle(double x, double d1, double d2) {
-    return {{0, -d1}, {x, -d1}, {x, -d2}, {0, -d2}};
+Corners rectangle(double x, double d1, double d2) {
+    return {{0, 0, -d1}, {x, 0, -d1}, {x, 0, -d2}, {0, 0, -d2}};
 }
 
 constexpr double kStiffness = 500;                                  /* N/m */
 constexpr double kD1 = 0.002, kD2 = 0.001, kX = 0.999 * kHalfWidth; /* m */
 
 double closed_form(double radius) {
-    return kStiffness * (kD1 - kD2) * kX * kX / (2 * radius) +
-           0.5 * kStiffness * (kD1 * kD1 - kD2 * kD2) * (std::sqrt(1 - (kX / radius) * (kX / radius)) - 1);
+    return study::shaded_plane_work({kStiffness, radius, kX, kD1, kD2});
 }
 
 TEST(Energy, CylinderOnPlaneIsConservative) {
     for (const double radius : kRadii) {
         const OwnedLaw<double> law(cylinder_bump(radius));
         // Within both solids, where the force is smooth.
-        const Loop inside = round(law, {{-0.004, -0.003}, {0.005, -0.002}, {0.003, -0.0005}, {-0.002, -0.001}});
-        EXPECT_LT(std::abs(inside.work), 1e-12 * inside.turnover);
+        const study::Work inside =
+            round(law, {{-0.004, 0, -0.003}, {0.005, 0, -0.002}, {0.003, 0, -0.0005}, {-0.002, 0, -0.001}});
+        EXPECT_LT(std::abs(inside.work), 1e-12 * inside.effort);
         // Half above the plane: the corners lie on z = 0, so that no piece has a kink.
-        const Loop across =
-            round(law, {{-0.004, -0.002}, {0.004, -0.002}, {0.004, 0}, {0.002, 0.001}, {-0.002, 0.001}, {-0.004, 0}});
-        EXPECT_LT(std::abs(across.work), 1e-9 * across.turnover);
+        const study::Work across = round(law, {{-0.004, 0, -0.002},
+                                               {0.004, 0, -0.002},
+                                               {0.004, 0, 0},
+                                               {0.002, 0, 0.001},
+                                               {-0.002, 0, 0.001},
+                                               {-0.004, 0, 0}});
+        EXPECT_LT(std::abs(across.work), 1e-9 * across.effort);
     }
 }
 
@@ -53,7 +50,7 @@ TEST(Energy, ShadedPlaneGivesTheClosedForm) {
     for (int i = 0; i < 3; ++i) {
         Scene scene = bump(kRadii[i], 1, Shading::reference);
         scene.force.stiffness = kStiffness;
-        const Loop loop = round(OwnedLaw<double>(scene), rectangle(kX, kD1, kD2));
+        const study::Work loop = round(OwnedLaw<double>(scene), rectangle(kX, kD1, kD2));
         EXPECT_NEAR(loop.work * 1e3, printed_mJ[i], 5e-5);
         EXPECT_NEAR(loop.work / closed_form(kRadii[i]), 1, 1e-9);
     }
@@ -67,22 +64,23 @@ TEST(Energy, HeightMapOnPlaneGivesTheSame) {
         map.radius = radius;
         Scene scene = height_map(map);
         scene.force.stiffness = kStiffness;
-        const Loop loop = round(OwnedLaw<double>(scene), rectangle(kX, kD1, kD2));
+        const study::Work loop = round(OwnedLaw<double>(scene), rectangle(kX, kD1, kD2));
         EXPECT_NEAR(loop.work / closed_form(radius), 1, 1e-9);
     }
 }
 
-TEST(Energy, ShareOfTheTurnover) {
+TEST(Energy, ShareOfTheEffort) {
     const double printed[] = {0.25, 0.24, 0.22};
     for (int i = 0; i < 3; ++i) {
-        const Loop loop = round(OwnedLaw<double>(bump(kRadii[i], 1, Shading::reference)), rectangle(kX, kD1, kD2));
-        EXPECT_NEAR(loop.work / loop.turnover, printed[i], 0.005);
+        const study::Work loop =
+            round(OwnedLaw<double>(bump(kRadii[i], 1, Shading::reference)), rectangle(kX, kD1, kD2));
+        EXPECT_NEAR(loop.work / loop.effort, printed[i], 0.005);
     }
 }
 
 TEST(Energy, UnshadedPlaneGivesNone) {
-    const Loop loop = round(OwnedLaw<double>(bump(kRadii[0], 1)), rectangle(kX, kD1, kD2));
-    EXPECT_LT(std::abs(loop.work), 1e-15 * loop.turnover);
+    const study::Work loop = round(OwnedLaw<double>(bump(kRadii[0], 1)), rectangle(kX, kD1, kD2));
+    EXPECT_LT(std::abs(loop.work), 1e-15 * loop.effort);
 }
 
 // Out along the polygon at depth d1, back at d2, over the middle vertex of four facets.
@@ -94,14 +92,17 @@ TEST(Energy, EachBreakOfUnshadedFacetsGives) {
         const OwnedLaw<double> law(scene);
         const double vertex = law.tables.facet_vertices[3], left = vertex - 0.002, right = vertex + 0.002;
         const auto facet = [&](double x) { return reference::column_at(law.tables.law(), x, 0.0).facet; };
-        const auto below = [&](double x, double d) { return Point{x, facet(x).height - d}; };
+        const auto below = [&](double x, double d) { return study::Vector(x, 0, facet(x).height - d); };
         // Lines stop short of the vertex by nothing: the facet right of it begins at the vertex itself.
+        const auto work = [&](double x1, double depth1, double x2, double depth2) {
+            return study::work_along(force_of(law), below(x1, depth1), below(x2, depth2)).work;
+        };
         double sum = 0;
         const double before = std::nextafter(vertex, 0.0);
-        sum += work(law, below(left, kD1), below(before, kD1)) + work(law, below(vertex, kD1), below(right, kD1));
-        sum += work(law, below(right, kD1), below(right, kD2));
-        sum += work(law, below(right, kD2), below(vertex, kD2)) + work(law, below(before, kD2), below(left, kD2));
-        sum += work(law, below(left, kD2), below(left, kD1));
+        sum += work(left, kD1, before, kD1) + work(vertex, kD1, right, kD1);
+        sum += work(right, kD1, right, kD2);
+        sum += work(right, kD2, vertex, kD2) + work(before, kD2, left, kD2);
+        sum += work(left, kD2, left, kD1);
         const double power = depth == DepthReading::vertical ? 1 : 2;
         const double gain = std::pow(facet(right).normal_z, power) - std::pow(facet(left).normal_z, power);
         // At constant vertical depth the normal reading's d^2 shrinks by one more cosine, which the exponent holds.

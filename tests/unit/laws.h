@@ -1,4 +1,4 @@
-// Scenes and laws for tests, and work along paths.
+// Scenes and laws for tests.
 #pragma once
 
 #include <array>
@@ -8,6 +8,7 @@
 #include "host/field/tables.h"
 #include "host/reference/contact.h"
 #include "host/scene/scene.h"
+#include "host/study/energy/loop_work.h"
 
 namespace forceshade::test {
 
@@ -48,15 +49,9 @@ template <typename T> struct OwnedLaw {
     reference::Contact<T> operator()(T x, T y, T z) const { return reference::evaluate(tables.law(), {x, y, z}); }
 };
 
-struct Point {
-    double x, z; /* m, in the plane y = 0 */
-};
-
-/// Work of the force on the probe along the straight line from a to b, J, by Gauss-Legendre quadrature of order 20 in
-/// `pieces`; exact to rounding where the force is smooth.
-double work(const OwnedLaw<double>& law, Point a, Point b, int pieces = 16);
-
-/// Integral of |F . dl| along the same line, J.
-double turnover(const OwnedLaw<double>& law, Point a, Point b, int pieces = 16);
+/// The force of a law, for work along lines.
+inline study::ForceAt force_of(const OwnedLaw<double>& law) {
+    return [&law](const study::Vector& at) { return law(at.x, at.y, at.z).force; };
+}
 
 } // namespace forceshade::test

@@ -1,9 +1,194 @@
 #include "host/study/findings/energy_findings.h"
 
-namespace forceshade::study {
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <optional>
 
-std::vector<Finding> energy_findings(const StudyData&) {
-    return {};
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+namespace forceshade::study {
+namespace {
+
+constexpr double kRounding = 1e-9;    /* of the effort: less is nothing */
+constexpr double kSteady = 0.05;      /* relative: a curve that changes less has levelled out */
+constexpr std::size_t kMostNamed = 5; /* schemes in one sentence */
+const std::string kGodObject = ", god-object";
+
+/// A share of the effort for readers: "2.4 %", "none (below 1e-9)", "takes 4 %".
+std::string share(double eta) {
+    if (std::abs(eta) < kRounding)
+        return fmt::format("none (below {} of the effort)", kRounding);
+    return eta < 0 ? fmt::format("less than none (a round takes {:.2g} % of the effort either way)", -100 * eta)
+                   : fmt::format("{:.2g} % of the effort", 100 * eta);
+}
+
+struct Entry {
+    std::string scheme;
+    std::optional<double> facets;
+    double eta;
+};
+
+/// The schemes at one error, those that give the least first.
+std::vector<Entry> entries_at(const Table& equal, double level) {
+    std::vector<Entry> entries;
+    for (std::size_t row = 0; row < equal.rows.size(); ++row)
+        if (equal.number(row, "error_deg") == level)
+            entries.push_back(
+                {equal.word(row, "scheme"), equal.number(row, "facets"), equal.number(row, "eta").value_or(0)});
+    std::ranges::stable_sort(entries, {}, [](const Entry& one) { return std::max(std::abs(one.eta), kRounding); });
+    return entries;
+}
+
+std::string with_facets(const Entry& entry) {
+    return entry.facets ? fmt::format(" with {:.3g} facets over the bump's width", *entry.facets)
+                        : std::string(", with any number of facets");
+}
+
+/// At the error that most schemes come to; of several the smallest.
+void add_least(const StudyData& data, std::vector<Finding>& findings) {
+    const Table* equal = data.find("equal_error");
+    if (!equal || equal->rows.empty())
+        return;
+    std::map<double, std::size_t> counts;
+    for (std::size_t row = 0; row < equal->rows.size(); ++row)
+        ++counts[*equal->number(row, "error_deg")];
+    double level = counts.begin()->first;
+    for (const auto& [error, count] : counts)
+        if (count > counts[level])
+            level = error;
+    const std::vector<Entry> entries = entries_at(*equal, level);
+    std::vector<std::string> others;
+    for (std::size_t i = 1; i < std::min(entries.size(), kMostNamed); ++i)
+        others.push_back(
+            fmt::format("{} gives {}{}", entries[i].scheme, share(entries[i].eta), with_facets(entries[i])));
+    findings.push_back(
+        {"least_at_equal_error",
+         fmt::format("At the same direction error of {} deg (RMS) {} gives the least energy round a loop: {}{}{}{}.",
+                     level, entries[0].scheme, share(entries[0].eta), with_facets(entries[0]),
+                     others.empty() ? "" : "; ", fmt::join(others, "; "))});
+}
+
+/// The row of a scheme at a radius with the fewest or the most facets.
+std::optional<std::size_t> extreme_row(const Table& loops, const std::string& scheme, double radius, bool most) {
+    std::optional<std::size_t> found;
+    for (std::size_t row = 0; row < loops.rows.size(); ++row) {
+        const auto facets = loops.number(row, "facets"), radius_here = loops.number(row, "radius_mil");
+        if (loops.word(row, "scheme") != scheme || !facets || radius_here != radius)
+            continue;
+        if (!found || (most ? *facets > *loops.number(*found, "facets") : *facets < *loops.number(*found, "facets")))
+            found = row;
+    }
+    return found;
+}
+
+void add_shading(const Table& loops, std::vector<Finding>& findings) {
+    constexpr double kRadius = 1000; /* mil */
+    const auto coarse = extreme_row(loops, "shaded", kRadius, false),
+               fine = extreme_row(loops, "shaded", kRadius, true);
+    if (!coarse || !fine || *coarse == *fine)
+        return;
+    const double few = *loops.number(*coarse, "facets"), many = *loops.number(*fine, "facets");
+    const double before = std::abs(*loops.number(*coarse, "eta")), after = std::abs(*loops.number(*fine, "eta"));
+    const std::string change = std::abs(after - before) <= kSteady * before ? "it stays so"
+                               : after < before ? fmt::format("it falls to {:.2g} %", 100 * after)
+                                                : fmt::format("it rises to {:.2g} %", 100 * after);
+    findings.push_back(
+        {"shading",
+         fmt::format("Force shading a bump of 1000 mil with {:.0f} facet{} gives {:.3g} mJ a round, {:.2g} % "
+                     "of the effort; with {:.0f} facets {}{}.",
+                     few, few == 1 ? "" : "s", *loops.number(*coarse, "gained_mJ"), 100 * before, many, change,
+                     after < kRounding ? "" : ", and not to 0: depth is read vertically")});
+}
+
+/// Schemes that have no more than rounding in any row.
+void add_conservative(const Table& loops, std::vector<Finding>& findings) {
+    std::vector<std::string> order;
+    std::map<std::string, double> largest;
+    for (std::size_t row = 0; row < loops.rows.size(); ++row) {
+        const std::string scheme = loops.word(row, "scheme");
+        if (!largest.contains(scheme))
+            order.push_back(scheme);
+        largest[scheme] = std::max(largest[scheme], std::abs(loops.number(row, "eta").value_or(0)));
+    }
+    std::vector<std::string> none;
+    std::string most = order.empty() ? "" : order.front();
+    for (const std::string& scheme : order) {
+        if (largest[scheme] < kRounding)
+            none.push_back(scheme);
+        if (largest[scheme] > largest[most])
+            most = scheme;
+    }
+    if (order.empty())
+        return;
+    const std::string rest = fmt::format("the most, {:.2g} % of the effort, is that of {}", 100 * largest[most], most);
+    findings.push_back(
+        {"conservative", none.empty() ? fmt::format("No scheme here is conservative; {}.", rest)
+                                      : fmt::format("Conservative to rounding: {}; {}.", fmt::join(none, ", "), rest)});
+}
+
+/// Of the god-object: what its history takes or gives, beside the static field's.
+void add_history(const Table& loops, std::vector<Finding>& findings) {
+    for (std::size_t row = 0; row < loops.rows.size(); ++row) {
+        const std::string scheme = loops.word(row, "scheme");
+        if (!scheme.ends_with(" none" + kGodObject) || loops.number(row, "facets") != 8.0)
+            continue;
+        const double eta = loops.number(row, "eta").value_or(0);
+        const std::string says = std::abs(eta) < kRounding ? "neither gives nor takes energy"
+                                 : eta < 0 ? fmt::format("takes at least {:.2g} % of the effort from the "
+                                                         "hand, whichever way the loop goes",
+                                                         -100 * eta)
+                                           : fmt::format("gives up to {:.2g} % of the effort", 100 * eta);
+        findings.push_back(
+            {"history", fmt::format("The god-object on a mesh of 8 cells over the bump, unshaded, {}.", says)});
+        return;
+    }
+}
+
+void add_laws(const StudyData& data, std::vector<Finding>& findings) {
+    const Table* laws = data.find("laws");
+    if (!laws || laws->rows.empty())
+        return;
+    std::vector<std::string> missed;
+    for (std::size_t row = 0; row < laws->rows.size(); ++row)
+        if (laws->word(row, "holds") != "yes")
+            missed.push_back(fmt::format("{} at {} mil: {}, printed {}", laws->word(row, "law"),
+                                         *laws->number(row, "radius_mil"), *laws->number(row, "found"),
+                                         *laws->number(row, "printed")));
+    const std::size_t count = laws->rows.size();
+    findings.push_back(
+        {"laws", fmt::format("{} of {} energy values of the laws are reproduced within their "
+                             "tolerances{}{}.",
+                             count - missed.size(), count, missed.empty() ? "" : "; not ", fmt::join(missed, "; "))});
+}
+
+void add_engine(const Table& loops, std::vector<Finding>& findings) {
+    double largest = -1;
+    std::string scheme;
+    for (std::size_t row = 0; row < loops.rows.size(); ++row)
+        if (const auto off = loops.number(row, "engine_difference"); off && *off > largest) {
+            largest = *off;
+            scheme = loops.word(row, "scheme");
+        }
+    if (largest >= 0)
+        findings.push_back({"engine", fmt::format("Work added up from the engine's samples is within {:.1g} of the "
+                                                  "effort of the oracle's; the most is at {}.",
+                                                  largest, scheme)});
+}
+
+} // namespace
+
+std::vector<Finding> energy_findings(const StudyData& data) {
+    std::vector<Finding> findings;
+    const Table& loops = data.table("loops");
+    add_least(data, findings);
+    add_shading(loops, findings);
+    add_conservative(loops, findings);
+    add_history(loops, findings);
+    add_laws(data, findings);
+    add_engine(loops, findings);
+    return findings;
 }
 
 } // namespace forceshade::study

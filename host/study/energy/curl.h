@@ -1,0 +1,45 @@
+// Curl of a force field in a section, from the volume that an engine evaluates.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "host/engine/engine.h"
+#include "host/field/prepared_case.h"
+
+namespace forceshade::study {
+
+/// A field over a section of x and z at one y, in contact where depth is above 0.
+struct SectionField {
+    std::vector<double> x, z;  /* m */
+    std::vector<double> force; /* N: 3 a sample, x fastest, then z */
+    std::vector<double> depth; /* m */
+
+    std::size_t at(std::size_t i, std::size_t k) const { return k * x.size() + i; }
+};
+
+/// The scene's own grid, which has one y, on the engine; in double precision where it has it. \throws what
+/// Engine::evaluate throws.
+SectionField evaluated_section(Engine& engine, const PreparedCase& prepared);
+
+/// curl_y F = dF_x/dz - dF_z/dx, N/m, by central differences; NaN where a neighbour is missing or out of contact.
+std::vector<double> curl_y(const SectionField& field);
+
+/// The force as NAME.exr and its curl as NAME.curl.exr (R, G, B: curl_x, curl_y, curl_z in N/m; of them only curl_y is
+/// known, the others and what is not known are 0), with the summary of the map and its thinned cells as JSON.
+/// `closed_form`(x, z) is the curl in N/m where it is known, or empty.
+struct CurlMap {
+    std::string name;  /* the volumes' stem */
+    std::string title; /* as the table has it */
+    PreparedCase prepared;
+    std::function<double(double x, double z)> closed_form;
+};
+nlohmann::ordered_json curl_result(const CurlMap& map, Engine& engine, const std::filesystem::path& folder);
+
+/// True if the volumes that a result names are in the folder as they were written.
+bool has_volumes(const nlohmann::ordered_json& result, const std::filesystem::path& folder);
+
+} // namespace forceshade::study

@@ -1,0 +1,82 @@
+#include <fmt/format.h>
+
+#include "host/study/energy/tables.h"
+
+namespace forceshade::study {
+namespace {
+
+constexpr double kCurlShown = 1; /* of K */
+
+Figure scatter(const char* name, const char* title, const char* caption, FigureAxis x, FigureAxis y) {
+    Figure figure;
+    figure.name = name;
+    figure.title = title;
+    figure.caption = caption;
+    figure.kind = FigureKind::scatter;
+    figure.table = "loops";
+    figure.x = std::move(x);
+    figure.y = std::move(y);
+    figure.series = "scheme";
+    figure.joined = true;
+    return figure;
+}
+
+} // namespace
+
+std::vector<Figure> loop_figures() {
+    std::vector<Figure> figures;
+    figures.push_back(scatter(
+        "error_energy", "Energy that a loop gives against the error of the force's direction",
+        "Each point is a loop over half the bump of 1000 mil, out 2 mm deep and back 1 mm deep; points of a scheme are "
+        "joined from few facets to many. Left is truer in direction, down gives less energy; the dashed line passes "
+        "through the loops that no other beats in both. Values below 0.001 degrees or 1e-5 are shown there.",
+        {"error_shown_deg", "direction error, RMS / deg", true}, {"eta_shown", "gained energy / effort", true}));
+    figures.back().where = {{"radius_mil", "1000"}};
+    figures.back().label = "facets";
+    figures.back().curves = {{"front", {}, "error_shown_deg", "eta_shown", "best", true}};
+    figures.push_back(scatter("eta_facets", "Energy that a loop gives against the number of facets",
+                              "The share of the effort that a round gives back, over the facets across the bump of "
+                              "1000 mil. Where a curve levels out, more facets do not make the scheme conservative.",
+                              {"facets", "facets, or cells, over the width", true},
+                              {"eta_shown", "gained energy / effort", true}));
+    figures.back().where = {{"radius_mil", "1000"}};
+    Figure bars;
+    bars.name = "eta_bars";
+    bars.title = "Energy that a loop gives, by scheme, with 8 facets over the width";
+    bars.caption = "The share of the effort that a round gives back over the bump of 1000 mil; below 0 a round takes "
+                   "energy from the hand whichever way it goes.";
+    bars.kind = FigureKind::bars;
+    bars.table = "loops";
+    bars.where = {{"radius_mil", "1000"}, {"facets", "8"}};
+    bars.x = {"scheme", "scheme"};
+    bars.y = {"eta", "gained energy / effort"};
+    figures.push_back(std::move(bars));
+    return figures;
+}
+
+std::vector<Figure> curl_figures(const std::vector<nlohmann::ordered_json>& maps) {
+    std::vector<Figure> figures;
+    for (const nlohmann::ordered_json& map : maps) {
+        Figure figure;
+        const std::string title = map.at("map");
+        std::string name = map.at("volumes")[0].at("name");
+        figure.name = "curl_" + name.substr(0, name.size() - 4);
+        figure.title = fmt::format("Curl of the force: {}", title);
+        figure.caption =
+            "A section across the bump; colour is curl_y / K wherever the probe touches. Without colour a loop gives "
+            "no energy; the work round a loop is the sum of the curl inside it. All maps share a scale that ends at "
+            "1. A line is a jump of the force: its value depends on the spacing.";
+        figure.kind = FigureKind::map;
+        figure.table = "curl";
+        figure.where = {{"map", title}};
+        figure.x = {"x_mm", "x / mm"};
+        figure.y = {"z_mm", "z / mm"};
+        figure.value = "curl_per_K";
+        figure.value_label = "curl_y F / K";
+        figure.value_limit = kCurlShown;
+        figures.push_back(std::move(figure));
+    }
+    return figures;
+}
+
+} // namespace forceshade::study

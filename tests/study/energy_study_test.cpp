@@ -1,0 +1,203 @@
+// Work round loops: quadrature, closed forms, the engine's samples, curl, and findings that follow the data.
+#include <cmath>
+#include <filesystem>
+
+#include <gtest/gtest.h>
+
+#include "host/study/energy/closed_forms.h"
+#include "host/study/energy/curl_maps.h"
+#include "host/study/energy/loop_cases.h"
+#include "host/study/energy/loop_paths.h"
+#include "host/study/energy/scenes.h"
+#include "host/study/energy/tables.h"
+#include "host/study/findings/energy_findings.h"
+
+namespace forceshade::study {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::unique_ptr<Engine> oracle() {
+    EngineOptions options;
+    options.cpu = true;
+    return make_engine(options);
+}
+
+TEST(LoopWork, OfALinearFieldIsItsCurlTimesTheArea) {
+    const ForceAt force = [](const Vector& at) { return Vector(3 * at.z, 0, -at.x); };
+    const Section section{{0, 0.5, 2}, [](double) { return 1.0; }, [](double) { return 0.0; }};
+    // Out at z = 0.5, back at z = 0.75: against the sense in which curl_y = 4 counts.
+    EXPECT_NEAR(work_round(force, section, 0.5, 0.25).work, -4 * 2 * 0.25, 1e-14);
+    EXPECT_NEAR(work_round(force, section, 0.25, 0.5).work, 4 * 2 * 0.25, 1e-14);
+}
+
+TEST(LoopWork, FollowsASlopingSection) {
+    const ForceAt potential = [](const Vector& at) { return Vector(at.z, 0, at.x); };
+    const Section section{{0, 1}, [](double x) { return x * x; }, [](double x) { return 2 * x; }};
+    EXPECT_NEAR(work_round(potential, section, 0.3, 0.1).work, 0, 1e-14);
+}
+
+TEST(ClosedForms, OfOneFacetAreThePlanes) {
+    const double vertices[] = {-kHalfWidth, kHalfWidth};
+    const BumpLoop loop{500, 0.01524, 0.999 * kHalfWidth, 0.002, 0.001};
+    EXPECT_NEAR(shaded_facets_work(loop, vertices, false), shaded_plane_work(loop), 1e-16);
+    EXPECT_NEAR(shaded_plane_work(loop), 2.3061e-3, 5e-8);
+    EXPECT_NEAR(two_pass_plane_work(loop), 3.398e-3, 5e-7);
+    EXPECT_EQ(faceted_work(loop, vertices, false), 0);
+}
+
+TEST(LoopRows, HoldTheClosedFormsAndTheSamplesAgree) {
+    const auto engine = oracle();
+    for (const LoopCase& one : bump_loops(600, {1, 2, 3, 5})) {
+        const Json row = loop_row(one, *engine);
+        if (row.contains("closed_form_difference")) {
+            EXPECT_LT(row["closed_form_difference"].get<double>(), 1e-12) << row;
+        }
+        EXPECT_LT(row["engine_difference"].get<double>(), 1e-6) << row;
+    }
+}
+
+TEST(LoopRows, OfMeshesTellAConservativeFieldFromOneThatIsNot) {
+    const auto engine = oracle();
+    for (const LoopCase& one : mesh_loops(MeshCells::triangles, 4)) {
+        const Json row = loop_row(one, *engine);
+        const double eta = row["eta"];
+        if (one.scheme == "triangles none") {
+            EXPECT_LT(std::abs(eta), 1e-12) << row;
+        }
+        if (one.scheme == "triangles none, god-object") {
+            EXPECT_LT(eta, -0.01) << "the proxy lags behind whichever way it goes: " << row;
+        }
+        if (one.scheme == "triangles morgenbesser") {
+            EXPECT_GT(eta, 0.01) << row;
+        }
+    }
+}
+
+TEST(LoopRows, OfTheShadedPlaneAsMeshComeToTheLawsFigures) {
+    const auto engine = oracle();
+    for (const LoopCase& one : plane_mesh_loops(1400, 128))
+        EXPECT_LT(loop_row(one, *engine)["closed_form_difference"].get<double>(), 1e-5) << one.scheme;
+}
+
+TEST(LoopPaths, CloseAndMeetBothSidesOfABreak) {
+    const Section section{{0, 0.3, 1}, [](double x) { return x; }, [](double) { return 1.0; }};
+    const LoopPlaces places = loop_places(section, 0.2, 0.1, 32);
+    EXPECT_EQ(places.front(), places.back());
+    EXPECT_EQ(std::ranges::count_if(places, [](const Vector& at) { return at.x == 0.3; }), 2);
+}
+
+TEST(Curl, OfALinearFieldIsExactAndNothingAtTheRim) {
+    SectionField field;
+    for (int i = 0; i < 4; ++i) {
+        field.x.push_back(i);
+        field.z.push_back(2 * i);
+    }
+    for (const double z : field.z)
+        for (const double x : field.x) {
+            field.force.insert(field.force.end(), {3 * z, 0, -x});
+            field.depth.push_back(x == 3 ? 0 : 1);
+        }
+    const std::vector<double> curl = curl_y(field);
+    EXPECT_EQ(curl[field.at(1, 1)], 4);
+    EXPECT_TRUE(std::isnan(curl[field.at(2, 1)])) << "a neighbour is free";
+    EXPECT_TRUE(std::isnan(curl[field.at(0, 1)]));
+}
+
+TEST(Curl, VolumesAreWrittenAndTheirLossIsSeen) {
+    const auto folder = std::filesystem::temp_directory_path() / "forceshade_energy_study_test";
+    std::filesystem::create_directories(folder);
+    const auto engine = oracle();
+    const CurlMap map = curl_maps(41).front();
+    const Json result = curl_result(map, *engine, folder);
+    EXPECT_LT(result["closed_form_difference_per_K"].get<double>(), 1e-3);
+    EXPECT_NEAR(result["largest_per_K"].get<double>(), 0.5, 0.7);
+    EXPECT_TRUE(has_volumes(result, folder));
+    std::filesystem::remove(folder / (map.name + ".curl.exr"));
+    EXPECT_FALSE(has_volumes(result, folder));
+    std::filesystem::remove_all(folder);
+}
+
+Json row(const char* surface, const char* scheme, int facets, double error, double eta) {
+    return {{"surface", surface},       {"scheme", scheme},     {"facets", facets},
+            {"radius_mil", 1000.0},     {"work_mJ", 1.5 * eta}, {"eta", eta},
+            {"gained_mJ", 1.5 * eta},   {"effort_mJ", 1.5},     {"direction_rms_deg", error},
+            {"engine_difference", 1e-9}};
+}
+
+StudyData sample() {
+    StudyData data;
+    data.study = "energy";
+    const Table loops = loops_table({row("bump", "facets", 8, 2, 0.05), row("bump", "facets", 32, 0.5, 0.07),
+                                     row("bump", "shaded", 1, 0, 0.24), row("bump", "shaded", 32, 0, 0.06),
+                                     row("mesh of triangles", "triangles none", 8, 2.2, 0),
+                                     row("mesh of triangles", "triangles none", 32, 0.4, 0),
+                                     row("mesh of triangles", "triangles mean_value", 4, 1.2, 0.01),
+                                     row("mesh of triangles", "triangles mean_value", 8, 0.3, 0.006)});
+    data.tables = {loops, laws_table(loops), equal_error_table(loops), front_table(loops)};
+    return data;
+}
+
+TEST(EnergyTables, InterpolateEachSchemesCurve) {
+    const StudyData data = sample();
+    const Table& equal = data.table("equal_error");
+    bool seen = false;
+    for (std::size_t i = 0; i < equal.rows.size(); ++i)
+        if (equal.number(i, "error_deg") == 1.0 && equal.word(i, "scheme") == "facets") {
+            EXPECT_NEAR(*equal.number(i, "facets"), 16, 1e-9);
+            EXPECT_NEAR(*equal.number(i, "eta"), 0.06, 1e-9);
+            seen = true;
+        }
+    EXPECT_TRUE(seen);
+}
+
+TEST(EnergyTables, TheFrontHoldsWhatNothingBeats) {
+    const StudyData data = sample();
+    const Table& front = data.table("front");
+    ASSERT_EQ(front.rows.size(), 3u);
+    EXPECT_EQ(front.word(0, "scheme"), "shaded");
+    EXPECT_EQ(front.number(0, "facets"), 32.0);
+    EXPECT_EQ(front.word(1, "scheme"), "triangles mean_value");
+    EXPECT_EQ(front.word(2, "scheme"), "triangles none");
+}
+
+std::string finding(const StudyData& data, const std::string& name) {
+    for (const Finding& one : energy_findings(data))
+        if (one.name == name)
+            return one.text;
+    return "";
+}
+
+TEST(EnergyFindings, NameTheLeastAtEqualError) {
+    StudyData data = sample();
+    const std::string first = finding(data, "least_at_equal_error");
+    EXPECT_NE(first.find("triangles none"), std::string::npos) << first;
+    Table& equal = data.tables[2];
+    for (auto& cells : equal.rows)
+        if (std::get<std::string>(cells[equal.index("scheme")]) == "triangles none")
+            cells[equal.index("eta")] = 0.9;
+    const std::string second = finding(data, "least_at_equal_error");
+    EXPECT_NE(second, first);
+    EXPECT_NE(second.find("triangles mean_value gives"), std::string::npos) << second;
+}
+
+TEST(EnergyFindings, TellWhetherTheLawsAreReproduced) {
+    StudyData data = sample();
+    Table& laws = data.tables[1];
+    laws.rows = {{std::string("a law"), 600.0, 1.0, 1.0, 0.1, std::string("yes")}};
+    EXPECT_NE(finding(data, "laws").find("1 of 1"), std::string::npos);
+    laws.rows.push_back({std::string("another"), 600.0, 1.0, 2.0, 0.1, std::string("no")});
+    EXPECT_NE(finding(data, "laws").find("another at 600 mil: 2, printed 1"), std::string::npos);
+}
+
+TEST(EnergyFindings, SayWhichSchemesAreConservative) {
+    StudyData data = sample();
+    EXPECT_NE(finding(data, "conservative").find("triangles none"), std::string::npos);
+    Table& loops = data.tables[0];
+    for (auto& cells : loops.rows)
+        cells[loops.index("eta")] = 0.1;
+    EXPECT_NE(finding(data, "conservative").find("No scheme"), std::string::npos);
+}
+
+} // namespace
+} // namespace forceshade::study
