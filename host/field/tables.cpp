@@ -195,7 +195,8 @@ std::vector<std::string> omissions(const Scene& scene) {
     channel(layout::kChannelDepth, "depth channel");
     channel(layout::kChannelFacet, "facet channel");
     channel(layout::kChannelProxy, "proxy channel");
-    channel(layout::kChannelUnshaded, "unshaded channel");
+    if (scene.field) // paths never have it
+        channel(layout::kChannelUnshaded, "unshaded channel");
     if (scene.field && !depends_on_y(features) && scene.grid.size[1] > 1)
         left_out.push_back(fmt::format("{} of {} y samples, alike", scene.grid.size[1] - 1, scene.grid.size[1]));
     return left_out;

@@ -1,9 +1,100 @@
 #include "host/study/omission/omission.h"
 
+#include <fmt/format.h>
+
+#include "compute/device.h"
+#include "host/study/omission/measurement.h"
+#include "host/study/omission/tables.h"
+
 namespace forceshade::study {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr unsigned kRounds = 15, kQuickRounds = 7;
+constexpr double kRoundSeconds = 0.02, kQuickRoundSeconds = 0.004;
+
+std::string step_name(const Comparison& one) {
+    std::string name = one.scene + "." + one.feature;
+    std::ranges::replace(name, ' ', '_');
+    return name;
+}
+
+// The engine with validation layers, made when first asked for.
+class LayeredEngine {
+public:
+    explicit LayeredEngine(const EngineOptions& options) : options_(options) { options_.validation = true; }
+
+    /// \throws compute::DeviceError where there are no layers.
+    Engine& get() {
+        if (!engine_)
+            engine_ = make_engine(options_);
+        return *engine_;
+    }
+
+private:
+    EngineOptions options_;
+    std::unique_ptr<Engine> engine_;
+};
+
+Json measure_or_skip(StudyRun& run, LayeredEngine& layered, const Comparison& one, const Rounds& rounds) {
+    Engine* engine = nullptr;
+    if (one.with.layers)
+        try {
+            engine = &layered.get();
+        } catch (const compute::DeviceError& error) {
+            return {{"skipped", error.what()}};
+        }
+    return measure(run.engine(), engine, one, rounds, run.options().folder);
+}
+
+void add_notes(const std::vector<BaseScene>& scenes, const std::vector<Comparison>& comparisons,
+               const std::vector<Json>& results, unsigned rounds, StudyData& data) {
+    for (const BaseScene& base : scenes) {
+        const auto& size = base.prepared.one.scene.grid.size;
+        data.notes.push_back(
+            base.field ? fmt::format("{}: {}, {} x {} x {} voxels.", base.name, base.about, size[0], size[1], size[2])
+                       : fmt::format("{}: {}.", base.name, base.about));
+    }
+    data.notes.push_back(fmt::format("Each ratio is the median of {} rounds; in each both sides were evaluated in "
+                                     "turn, in shuffled order, again and again where that takes but a moment. Spreads "
+                                     "are quartiles.",
+                                     rounds));
+    data.notes.push_back("Every y and free space are always left out where a scene permits; the study alone evaluates "
+                         "them, and no scene can ask for it. What makes a field depend on y (proxies, a Gaussian, an "
+                         "image) is switched at every y on both sides, so that it is switched alone.");
+    data.notes.push_back("The feature \"nothing\" is a control: both sides are the same, and what lies between them is "
+                         "the measurement's own.");
+    for (std::size_t i = 0; i < results.size(); ++i)
+        if (results[i].contains("skipped"))
+            data.notes.push_back(fmt::format("{} ({}) was not measured: {}.", comparisons[i].feature,
+                                             comparisons[i].scene, results[i]["skipped"].get<std::string>()));
+}
+
+} // namespace
 
 StudyData study_omission(StudyRun& run) {
-    return run.data();
+    const bool quick = run.options().quick;
+    const unsigned rounds = quick ? kQuickRounds : kRounds;
+    const double seconds = quick ? kQuickRoundSeconds : kRoundSeconds;
+    const std::vector<BaseScene> scenes =
+        run.scene() ? std::vector{user_scene(*run.scene(), quick)} : own_scenes(quick);
+    std::vector<Comparison> comparisons;
+    for (const BaseScene& base : scenes)
+        for (Comparison& one : comparisons_of(base, !run.options().engine.cpu))
+            comparisons.push_back(std::move(one));
+    LayeredEngine layered(run.options().engine);
+    std::vector<Step> steps;
+    for (std::size_t i = 0; i < comparisons.size(); ++i)
+        steps.push_back({step_name(comparisons[i]), [&, i] {
+                             return measure_or_skip(run, layered, comparisons[i], {rounds, seconds, 1 + i});
+                         }});
+    const std::vector<Json> results = run.run(steps);
+    StudyData data = run.data();
+    data.tables = {features_table(comparisons, results), omitted_table(scenes, comparisons)};
+    data.figures = omission_figures(data.tables.front());
+    add_notes(scenes, comparisons, results, rounds, data);
+    return data;
 }
 
 } // namespace forceshade::study

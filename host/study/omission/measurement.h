@@ -1,0 +1,25 @@
+// A comparison measured: both sides in turn, again and again, and what they gave held against each other.
+#pragma once
+
+#include <filesystem>
+
+#include <nlohmann/json.hpp>
+
+#include "host/engine/engine.h"
+#include "host/study/omission/comparison.h"
+
+namespace forceshade::study {
+
+struct Rounds {
+    unsigned count = 0;     /* each evaluates both sides in turn, in shuffled order, and takes their medians */
+    double seconds = 0;     /* about what a round is given for a side; it evaluates at least once */
+    std::uint64_t seed = 0; /* of the order */
+};
+
+/// The step's result: {"with": side, "without": side, "compared", "differing", "largest"}, a side being {"kernel_s":
+/// [one a round], "whole_s": [likewise], "uploaded", "received", "evaluated", "samples", "file"}. `layered`: an engine
+/// with validation layers, for the sides that want one. A volume is written in `folder` for its size, and removed.
+nlohmann::ordered_json measure(Engine& engine, Engine* layered, const Comparison& comparison, const Rounds& rounds,
+                               const std::filesystem::path& folder);
+
+} // namespace forceshade::study
