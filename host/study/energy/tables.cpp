@@ -19,6 +19,9 @@ constexpr double kLeastEta = 1e-5;       /* likewise */
 
 const std::vector<Column> kLoopColumns{
     {"surface", "", "Surface of the loop."},
+    {"group", "",
+     "Schemes that figures show together: of the bump's own facets, of meshes by the nearest place, of "
+     "meshes by the god-object."},
     {"scheme", "", "How force is made of the surface; rows of one scheme differ in facets and radius."},
     {"facets", "1", "Facets of the bump, or cells of the mesh over its width; none: smooth."},
     {"radius_mil", "mil", "Radius of the cylinder."},
@@ -126,6 +129,12 @@ bool is_exact(const std::vector<Point>& curve) {
 /// Errors that most of the curves come to.
 constexpr double kLevels[] = {2, 1, 0.5, 0.2}; /* deg */
 
+std::string group_of(const std::string& surface, const std::string& scheme) {
+    if (surface.find("mesh") == std::string::npos)
+        return kGroups[0];
+    return scheme.ends_with(", god-object") ? kGroups[2] : kGroups[1];
+}
+
 } // namespace
 
 Table loops_table(const std::vector<Json>& rows) {
@@ -133,6 +142,7 @@ Table loops_table(const std::vector<Json>& rows) {
     for (Json row : rows) {
         if (row.contains("direction_rms_deg"))
             row["error_shown_deg"] = std::max(kLeastError, row["direction_rms_deg"].get<double>());
+        row["group"] = group_of(row.at("surface"), row.at("scheme"));
         row["eta_shown"] = std::max(kLeastEta, std::abs(row["eta"].get<double>()));
         table.rows.push_back(row_of(kLoopColumns, row));
     }

@@ -9,6 +9,9 @@
 
 namespace forceshade::study {
 
+/// The words of column `group` of table `loops`.
+inline constexpr const char* kGroups[] = {"bump", "mesh, nearest place", "mesh, god-object"};
+
 /// Table `loops`: a row a loop (loop_row).
 Table loops_table(const std::vector<nlohmann::ordered_json>& rows);
 /// Table `laws`: what the laws print, beside what was found. Rows of `loops` that are not there are left out.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <optional>
 
@@ -13,16 +14,8 @@ namespace {
 
 constexpr double kRounding = 1e-9;    /* of the effort: less is nothing */
 constexpr double kSteady = 0.05;      /* relative: a curve that changes less has levelled out */
-constexpr std::size_t kMostNamed = 5; /* schemes in one sentence */
+constexpr std::size_t kMostNamed = 2; /* schemes in one place */
 const std::string kGodObject = ", god-object";
-
-/// A share of the effort for readers: "2.4 %", "none (below 1e-9)", "takes 4 %".
-std::string share(double eta) {
-    if (std::abs(eta) < kRounding)
-        return fmt::format("none (below {} of the effort)", kRounding);
-    return eta < 0 ? fmt::format("less than none (a round takes {:.2g} % of the effort either way)", -100 * eta)
-                   : fmt::format("{:.2g} % of the effort", 100 * eta);
-}
 
 struct Entry {
     std::string scheme;
@@ -41,9 +34,44 @@ std::vector<Entry> entries_at(const Table& equal, double level) {
     return entries;
 }
 
+/// "33 facets over the width", "any number of facets".
 std::string with_facets(const Entry& entry) {
-    return entry.facets ? fmt::format(" with {:.3g} facets over the bump's width", *entry.facets)
-                        : std::string(", with any number of facets");
+    return entry.facets ? fmt::format("{:.3g} facets over the width", *entry.facets) : "any number of facets";
+}
+
+/// "triangles none; quads none (from 33 facets over the width)": the facets are the fewest of theirs.
+std::string named(const std::vector<Entry>& entries) {
+    std::vector<std::string> names;
+    for (const Entry& entry : entries)
+        if (names.size() < kMostNamed)
+            names.push_back(entry.scheme);
+    if (entries.size() > names.size())
+        names.push_back(fmt::format("{} more", entries.size() - names.size()));
+    const auto fewest = std::ranges::min_element(
+        entries, {}, [](const Entry& one) { return one.facets.value_or(std::numeric_limits<double>::infinity()); });
+    return fmt::format("{} ({}{})", fmt::join(names, "; "), names.size() > 1 ? "from " : "", with_facets(*fewest));
+}
+
+/// What schemes that have the same error give round a loop, the least first.
+std::string least_text(double level, const std::vector<Entry>& entries) {
+    std::vector<Entry> conservative, losing, giving;
+    for (const Entry& entry : entries)
+        (std::abs(entry.eta) < kRounding ? conservative : entry.eta < 0 ? losing : giving).push_back(entry);
+    std::vector<std::string> parts;
+    if (!conservative.empty())
+        parts.push_back(fmt::format("no energy is to be had round a loop from {}", named(conservative)));
+    if (!losing.empty())
+        parts.push_back(fmt::format("a loop either way takes up to {:.2g} % of the effort from the hand with {}",
+                                    -100 * losing.back().eta, named(losing)));
+    if (!giving.empty())
+        parts.push_back(fmt::format("{} the least, {:.2g} % of the effort, is given by {}{}",
+                                    parts.empty() ? "energy comes of every scheme:" : "of those that give energy",
+                                    100 * giving.front().eta, giving.front().scheme,
+                                    " (" + with_facets(giving.front()) + ")"));
+    if (giving.size() > 1)
+        parts.push_back(fmt::format("the most, {:.2g} %, by {} ({})", 100 * giving.back().eta, giving.back().scheme,
+                                    with_facets(giving.back())));
+    return fmt::format("At the same direction error of {} deg (RMS) {}.", level, fmt::join(parts, "; "));
 }
 
 /// At the error that most schemes come to; of several the smallest.
@@ -58,16 +86,7 @@ void add_least(const StudyData& data, std::vector<Finding>& findings) {
     for (const auto& [error, count] : counts)
         if (count > counts[level])
             level = error;
-    const std::vector<Entry> entries = entries_at(*equal, level);
-    std::vector<std::string> others;
-    for (std::size_t i = 1; i < std::min(entries.size(), kMostNamed); ++i)
-        others.push_back(
-            fmt::format("{} gives {}{}", entries[i].scheme, share(entries[i].eta), with_facets(entries[i])));
-    findings.push_back(
-        {"least_at_equal_error",
-         fmt::format("At the same direction error of {} deg (RMS) {} gives the least energy round a loop: {}{}{}{}.",
-                     level, entries[0].scheme, share(entries[0].eta), with_facets(entries[0]),
-                     others.empty() ? "" : "; ", fmt::join(others, "; "))});
+    findings.push_back({"least_at_equal_error", least_text(level, entries_at(*equal, level))});
 }
 
 /// The row of a scheme at a radius with the fewest or the most facets.
