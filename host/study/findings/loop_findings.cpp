@@ -1,9 +1,272 @@
 #include "host/study/findings/loop_findings.h"
 
-namespace forceshade::study {
+#include <algorithm>
+#include <map>
+#include <set>
 
-std::vector<Finding> loop_findings(const StudyData&) {
-    return {};
+#include <fmt/format.h>
+
+namespace forceshade::study {
+namespace {
+
+constexpr const char* kPlane = "plane";
+constexpr double kPromised = 1; // %: of the median disagreement on the plane
+
+// A row of the limits in which a limit was found.
+struct Limit {
+    std::string surface, series;
+    double mass, damping, rate, delay;             /* kg, N s/m, Hz, samples */
+    double measured, off, over_passive, over_wall; /* N/m, %, 1, 1 */
+    std::optional<double> flutter, own;            /* N/m */
+    bool same_hand(const Limit& other) const {
+        return mass == other.mass && damping == other.damping && rate == other.rate;
+    }
+};
+
+std::vector<Limit> limits_of(const Table& table) {
+    std::vector<Limit> limits;
+    for (std::size_t row = 0; row < table.rows.size(); ++row) {
+        const auto number = [&](const char* column) { return table.number(row, column).value_or(0); };
+        if (table.number(row, "measured_N_per_m") && table.number(row, "disagreement_size_percent"))
+            limits.push_back({table.word(row, "surface"), table.word(row, "series"), number("mass_kg"),
+                              number("damping_N_s_per_m"), number("rate_Hz"), number("delay_samples"),
+                              number("measured_N_per_m"), number("disagreement_size_percent"), number("over_passive_1"),
+                              number("over_wall_1"), table.number(row, "flutter_N_per_m"),
+                              table.number(row, "own_N_per_m")});
+    }
+    return limits;
+}
+
+template <typename Keep> std::vector<Limit> chosen(const std::vector<Limit>& limits, const Keep& keep) {
+    std::vector<Limit> some;
+    std::ranges::copy_if(limits, std::back_inserter(some), keep);
+    return some;
+}
+
+double median(std::vector<double> values) {
+    std::ranges::sort(values);
+    const std::size_t half = values.size() / 2;
+    return values.size() % 2 == 1 ? values[half] : (values[half - 1] + values[half]) / 2;
+}
+
+template <typename Value> std::vector<double> each(const std::vector<Limit>& limits, const Value& value) {
+    std::vector<double> values;
+    for (const Limit& limit : limits)
+        values.push_back(value(limit));
+    return values;
+}
+
+std::string hand_of(const Limit& limit) {
+    return fmt::format("{:.4g} kg, {:.4g} N s/m and {:.4g} Hz", limit.mass, limit.damping, limit.rate);
+}
+
+void add(std::vector<Finding>& findings, const char* name, std::string text) {
+    if (!text.empty())
+        findings.push_back({name, std::move(text)});
+}
+
+// Stiffnesses in full.
+std::string newton_per_metre(double stiffness) {
+    return stiffness >= 1000 ? fmt::format("{:.0f} N/m", stiffness) : fmt::format("{:.4g} N/m", stiffness);
+}
+
+std::string about_scene(const std::vector<Limit>& limits) {
+    std::string text;
+    for (const Limit& one : limits)
+        if (one.own && one.damping == limits.front().damping)
+            text += fmt::format("{}The {} is stable up to {} with {} ({:.3g} of a wall's K_crit): its own {} {}.",
+                                text.empty() ? "" : " ", one.series, newton_per_metre(one.measured), hand_of(one),
+                                one.over_wall, newton_per_metre(*one.own),
+                                *one.own < one.measured ? "stays below" : "is too much");
+    return text;
+}
+
+std::string about_plane(const std::vector<Limit>& limits) {
+    const auto plane = chosen(limits, [](const Limit& limit) { return limit.surface == kPlane; });
+    if (plane.empty())
+        return "";
+    const std::vector<double> off = each(plane, [](const Limit& limit) { return limit.off; });
+    const double middle = median(off), worst = std::ranges::max(off);
+    return fmt::format(
+        "On the plane the stiffness at which paths stop decaying {} K_crit, by {:.2g} % in the median and "
+        "{:.2g} % at worst over {} loops of different mass, damping, rate and delay{}.",
+        middle <= kPromised ? "agrees with" : "lies beside", middle, worst, plane.size(),
+        middle <= kPromised ? "" : fmt::format(": more than the {} % that is promised", kPromised));
+}
+
+// The damping that the most surfaces were taken through, all other things the same; the least of several.
+std::vector<Limit> compared(const std::vector<Limit>& limits) {
+    std::vector<Limit> best;
+    for (const Limit& one : limits) {
+        const auto same = chosen(
+            limits, [&](const Limit& limit) { return limit.same_hand(one) && limit.delay == 0 && one.delay == 0; });
+        const bool less = !best.empty() && same.size() == best.size() && one.damping < best.front().damping;
+        if (same.size() > best.size() || less)
+            best = same;
+    }
+    return best;
+}
+
+std::string about_surfaces(const std::vector<Limit>& limits) {
+    std::vector<Limit> same = compared(limits);
+    if (same.size() < 2)
+        return "";
+    std::ranges::stable_sort(same, {}, [](const Limit& limit) { return -limit.measured; });
+    std::vector<std::string> parts;
+    for (const Limit& limit : same)
+        parts.push_back(fmt::format("{} {}", limit.series, newton_per_metre(limit.measured)));
+    const Limit& least = same.back();
+    return fmt::format("With {}, surfaces are stable up to: {}. {}", hand_of(least), fmt::join(parts, "; "),
+                       least.over_wall < 0.95
+                           ? fmt::format("The {} gives way first, {:.3g} times below a wall's K_crit.", least.series,
+                                         1 / least.over_wall)
+                           : "None gives way far below a wall's K_crit.");
+}
+
+std::string about_flutter(const std::vector<Limit>& limits) {
+    for (const Limit& limit : compared(limits))
+        if (limit.flutter)
+            return fmt::format("The {} flutters from {} on; the closed form of a force that is not held says "
+                               "{}, and holding it over a sample at {:.4g} Hz {} {:.2g} % of that.",
+                               limit.series, newton_per_metre(limit.measured), newton_per_metre(*limit.flutter),
+                               limit.rate, limit.measured < *limit.flutter ? "takes away" : "adds",
+                               100 * std::abs(limit.measured / *limit.flutter - 1));
+    return "";
+}
+
+// A surface without and with shading, over the damping that both have.
+std::string about_shading(const std::vector<Limit>& limits, const std::string& bare) {
+    const auto of = [&](const std::string& surface) {
+        auto some = chosen(limits, [&](const Limit& one) { return one.surface == surface && one.delay == 0; });
+        std::ranges::stable_sort(some, {}, &Limit::damping);
+        return some;
+    };
+    const std::vector<Limit> without = of(bare), with = of(bare + "-shaded");
+    if (without.empty() || with.empty() || without.size() != with.size())
+        return "";
+    const Limit &less = with.front(), &more = with.back();
+    const double rises = more.measured / less.measured, bare_rises = without.back().measured / without.front().measured;
+    const double share = more.measured / without.back().measured;
+    std::string text =
+        fmt::format("Shading the {} {} its limit from {} to {} at {:.4g} N s/m", bare, share < 1 ? "lowers" : "raises",
+                    "from", without.back().measured, more.measured, more.damping);
+    if (with.size() > 1)
+        text += fmt::format("; from {:.4g} to {:.4g} N s/m it rises {:.3g} times with shading, {:.3g} times without{}",
+                            less.damping, more.damping, rises, bare_rises,
+                            rises < 0.5 * bare_rises ? ": damping does not help against it" : "");
+    return text + ".";
+}
+
+std::string about_delay(const std::vector<Limit>& limits) {
+    std::vector<double> left;
+    for (const Limit& late : limits)
+        if (late.surface == kPlane && late.delay > 0)
+            for (const Limit& prompt : limits)
+                if (prompt.surface == kPlane && prompt.delay == 0 && prompt.same_hand(late))
+                    left.push_back(late.measured / prompt.measured);
+    if (left.empty())
+        return "";
+    return fmt::format(
+        "A sample of delay leaves the plane {:.3g} % of its stiffness in the median of {} loops ({:.3g} to "
+        "{:.3g} %).",
+        100 * median(left), left.size(), 100 * std::ranges::min(left), 100 * std::ranges::max(left));
+}
+
+std::string about_passivity(const std::vector<Limit>& limits) {
+    const auto plane = chosen(limits, [](const Limit& one) { return one.surface == kPlane && one.delay == 0; });
+    if (plane.empty())
+        return "";
+    const auto over = each(plane, [](const Limit& one) { return one.over_passive; });
+    const double least = std::ranges::min(over);
+    std::string text =
+        fmt::format("Passivity, b > K T / 2, {} on the plane: loops stand {:.4g} to {:.3g} times as much "
+                    "stiffness ({:.4g} in the median)",
+                    least >= 1 ? "is safe and hardly more than needed" : "does not hold", least, std::ranges::max(over),
+                    median(over));
+    const auto below = chosen(limits, [](const Limit& one) { return one.delay == 0 && one.over_passive < 0.999; });
+    if (below.empty())
+        return text + ".";
+    const auto worst = std::ranges::min_element(below, {}, &Limit::over_passive);
+    std::set<std::string> names;
+    for (const Limit& one : below)
+        names.insert(one.series);
+    return text +
+           fmt::format("; it does not protect surfaces that are no plain walls ({}): {} gives way at {:.3g} of it.",
+                       fmt::join(names, "; "), worst->series, worst->over_passive);
+}
+
+struct Count {
+    std::size_t all = 0, right = 0;
+    double percent() const { return 100.0 * static_cast<double>(right) / static_cast<double>(all); }
+};
+
+// Loops without rounding and friction that do what closed forms foresee, by surface.
+std::string about_maps(const Table& maps) {
+    std::map<std::string, Count> counts;
+    Count total;
+    for (std::size_t row = 0; row < maps.rows.size(); ++row) {
+        const std::string form = maps.word(row, "closed_form");
+        if (form.empty() || maps.number(row, "quantum_um").value_or(0) > 0 ||
+            maps.number(row, "friction_N").value_or(0) > 0)
+            continue;
+        const bool right = (maps.word(row, "state") == "stable") == (form == "rests");
+        for (Count* count : {&counts[maps.word(row, "surface")], &total}) {
+            ++count->all;
+            count->right += right;
+        }
+    }
+    if (total.all == 0)
+        return "";
+    const auto least = std::ranges::min_element(counts, {}, [](const auto& one) { return one.second.percent(); });
+    return fmt::format(
+        "Of {} loops in the maps over stiffness, damping, rate and delay, {:.4g} % come to rest or do not "
+        "as their closed form says; least on the surface {}, {:.4g} %.",
+        total.all, total.percent(), least->first, least->second.percent());
+}
+
+std::string about_friction(const Table& maps) {
+    Count held, chatter;
+    for (std::size_t row = 0; row < maps.rows.size(); ++row) {
+        const double quantum = 1e-6 * maps.number(row, "quantum_um").value_or(0);
+        const double friction = maps.number(row, "friction_N").value_or(0);
+        if (maps.word(row, "surface") != kPlane || !(quantum > 0))
+            continue;
+        const double stiffness = maps.number(row, "stiffness_N_per_m").value_or(0);
+        const double passive = 2 * maps.number(row, "damping_N_s_per_m").value_or(0) *
+                               maps.number(row, "rate_Hz").value_or(0); // without delay
+        if (maps.number(row, "delay_ms").value_or(0) > 0 || stiffness > passive)
+            continue;
+        const bool stable = maps.word(row, "state") == "stable";
+        Count& count = stiffness <= 2 * friction / quantum ? held : chatter;
+        ++count.all;
+        count.right += &count == &held ? stable : !stable;
+    }
+    if (held.all == 0 || chatter.all == 0)
+        return "";
+    return fmt::format(
+        "With rounded positions, {} of {} loops on the plane within K <= min(2 b / T, 2 f_c / quantum) come "
+        "to rest{}; where friction is less than that and damping is not, {:.3g} % of {} chatter on.",
+        held.right == held.all ? "all" : fmt::format("{}", held.right), held.all,
+        held.right == held.all ? "" : ", so that the condition does not hold for all", chatter.percent(), chatter.all);
+}
+
+} // namespace
+
+std::vector<Finding> loop_findings(const StudyData& data) {
+    const std::vector<Limit> limits = limits_of(data.table("loop_limits"));
+    const Table& maps = data.table("loop_map");
+    std::vector<Finding> findings;
+    add(findings, "loop_scene", about_scene(limits));
+    add(findings, "loop_surfaces", about_surfaces(limits));
+    add(findings, "loop_shading_bump", about_shading(limits, "bump"));
+    add(findings, "loop_flutter", about_flutter(limits));
+    add(findings, "loop_plane", about_plane(limits));
+    add(findings, "loop_passivity", about_passivity(limits));
+    add(findings, "loop_delay", about_delay(limits));
+    add(findings, "loop_friction", about_friction(maps));
+    add(findings, "loop_shading_mesh", about_shading(limits, "mesh"));
+    add(findings, "loop_maps", about_maps(maps));
+    return findings;
 }
 
 } // namespace forceshade::study

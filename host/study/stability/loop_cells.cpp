@@ -1,0 +1,169 @@
+#include "host/study/stability/loop_cells.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "host/explore/path_law.h"
+#include "host/paths/hand.h"
+#include "host/paths/scene_paths.h"
+
+namespace forceshade::study {
+namespace {
+
+// How the disturbance is shared out to x, y and z (down).
+constexpr glm::dvec3 kAside(0.25, 0.15, 1);
+
+// The place of rest of a loop that measures in quanta is the worst: midway between two of them.
+double rest_height(const LoopPlace& place, double quantum) {
+    return quantum > 0 ? (std::floor(place.rest.z / quantum) + 0.5) * quantum : place.rest.z;
+}
+
+PreparedCase scene_of(const LoopPlace& place, std::size_t count, const LoopRun& run) {
+    PreparedCase prepared = place.prepared;
+    PathsSpec paths;
+    paths.count = count;
+    paths.steps = run.steps;
+    paths.rate = place.rate;
+    paths.loop = PathLoop::closed;
+    paths.drive = place.held ? PathDrive::depth : PathDrive::push;
+    paths.depth = fixed_spread(0);
+    paths.length = paths.width = 0;
+    const double off = run.disturbance * place.depth;
+    paths.centre = std::array{place.rest.x + off * kAside.x, place.rest.y + off * kAside.y};
+    paths.height = place.rest.z;
+    paths.start_depth = off * kAside.z;
+    paths.bound = run.bound * place.depth;
+    prepared.one.scene.paths = paths;
+    return prepared;
+}
+
+template <typename T>
+layout::HandParams<T> hand_of(const LoopPlace& place, const LoopCell& cell, const LoopRun& run, PathsSpec paths) {
+    paths.rate = cell.rate;
+    HandSpec hand = cell.hand;
+    hand.max_force = std::numeric_limits<float>::max() / 4; // the limit of the loop is asked for, not the device's
+    const double height = rest_height(place, hand.quantisation), moved = height - place.rest.z;
+    const double off = run.disturbance * place.depth;
+    paths.start_depth = off * kAside.z - moved;
+    const double swings = 2 * place.depth * std::sqrt(cell.stiffness / hand.mass) / cell.rate;
+    auto params = hand_params<T>(hand, paths, *paths.bound + (hand.delay_samples > 0 ? swings : 0));
+    params.gain = T(cell.stiffness);
+    // What balances the force there, and the grip's spring that pulls aside.
+    const glm::dvec3 force = place.force - place.slope * glm::dvec3(0, 0, moved);
+    params.push_x = T(-cell.stiffness * force.x - hand.grip_stiffness * off * kAside.x);
+    params.push_y = T(-cell.stiffness * force.y - hand.grip_stiffness * off * kAside.y);
+    params.push_z = T(-cell.stiffness * force.z + (place.held ? hand.grip_stiffness * moved : 0));
+    return params;
+}
+
+// How far the measured positions of each path spread in the last quarter of the time, in quanta.
+template <typename T> class LateSpread {
+public:
+    LateSpread(std::size_t paths, std::size_t steps) : from_(steps - steps / 4), low_(paths), high_(paths) {
+        constexpr double kFar = std::numeric_limits<double>::infinity();
+        low_.assign(paths, glm::dvec3(kFar));
+        high_.assign(paths, glm::dvec3(-kFar));
+    }
+    void take(const layout::PathChunk<T>& chunk) {
+        if (chunk.position.empty())
+            return;
+        for (std::size_t step = 0; step < chunk.step_count; ++step) {
+            if (chunk.step_first + step < from_)
+                continue;
+            for (std::size_t i = 0; i < chunk.path_count; ++i) {
+                const glm::dvec3 at(reference::vector_at(chunk.position, step * chunk.pitch + i));
+                low_[chunk.path_first + i] = glm::min(low_[chunk.path_first + i], at);
+                high_[chunk.path_first + i] = glm::max(high_[chunk.path_first + i], at);
+            }
+        }
+    }
+    double of(std::size_t path) const {
+        const glm::dvec3 spread = high_[path] - low_[path];
+        return std::max({spread.x, spread.y, spread.z});
+    }
+
+private:
+    std::size_t from_;
+    std::vector<glm::dvec3> low_, high_;
+};
+
+LoopState state_of(const LoopOutcome& outcome, double spread, double quantum) {
+    constexpr double kDecays = 0.75; // of the speed in the second quarter
+    constexpr double kQuanta = 1.5;  // between one and two
+    if (outcome.left)
+        return LoopState::unstable;
+    if (outcome.at_rest || outcome.late < kDecays * outcome.early)
+        return LoopState::stable;
+    if (quantum > 0 && spread < 0.5 * quantum) // it creeps, and no measurement tells
+        return LoopState::stable;
+    return quantum > 0 && spread < kQuanta * quantum ? LoopState::chatter : LoopState::limit_cycle;
+}
+
+template <typename T>
+std::vector<LoopOutcome> run_as(Engine& engine, const LoopPlace& place, const std::vector<LoopCell>& cells,
+                                const LoopRun& run) {
+    const PreparedCase prepared = scene_of(place, cells.size(), run);
+    ScenePaths<T> source(prepared);
+    std::vector<layout::HandParams<T>> hands;
+    for (const LoopCell& cell : cells)
+        hands.push_back(hand_of<T>(place, cell, run, *prepared.one.scene.paths));
+    layout::PathInput<T> input = source.input();
+    const bool quantised = std::ranges::any_of(cells, [](const LoopCell& cell) { return cell.hand.quantisation > 0; });
+    input.features.channels = quantised ? layout::kChannelPosition : 0;
+    input.hands = hands;
+    LateSpread<T> spread(cells.size(), run.steps);
+    std::vector<LoopOutcome> outcomes(cells.size());
+    engine.explore(
+        input, [&](const layout::PathChunk<T>& chunk) { spread.take(chunk); },
+        [&](std::size_t first, std::span<const layout::PathMetrics<T>> metrics) {
+            constexpr double kRest = std::is_same_v<T, double> ? 1e-6 : 1e-3; // of the speed that the disturbance makes
+            for (std::size_t i = 0; i < metrics.size(); ++i) {
+                const LoopCell& cell = cells[first + i];
+                LoopOutcome& outcome = outcomes[first + i];
+                outcome.early = static_cast<double>(metrics[i].early_speed);
+                outcome.late = static_cast<double>(metrics[i].late_speed);
+                outcome.left = metrics[i].unstable_step != layout::kNever;
+                const double quick =
+                    run.disturbance * place.depth * std::min(std::sqrt(cell.stiffness / cell.hand.mass), cell.rate);
+                outcome.at_rest = outcome.late <= kRest * quick;
+                outcome.state = state_of(outcome, spread.of(first + i), cell.hand.quantisation);
+            }
+        });
+    return outcomes;
+}
+
+} // namespace
+
+const char* word_of(LoopState state) {
+    switch (state) {
+    case LoopState::stable:
+        return "stable";
+    case LoopState::chatter:
+        return "one quantum";
+    case LoopState::limit_cycle:
+        return "limit cycle";
+    case LoopState::unstable:
+        break;
+    }
+    return "unstable";
+}
+
+std::size_t settling_steps(const LoopCell& cell, double patience) {
+    constexpr double kLeast = 2000, kMost = 1e6;
+    const double loses = -std::expm1(-(cell.hand.damping + cell.hand.grip_damping) / (cell.rate * cell.hand.mass));
+    return static_cast<std::size_t>(std::clamp(patience / loses, kLeast, kMost));
+}
+
+std::vector<LoopOutcome> run_cells(Engine& engine, const LoopPlace& place, const std::vector<LoopCell>& cells,
+                                   const LoopRun& run) {
+    LoopRun whole = run;
+    if (whole.steps == 0)
+        for (const LoopCell& cell : cells)
+            whole.steps = std::max(whole.steps, settling_steps(cell, run.patience));
+    return engine.report().f64 ? run_as<double>(engine, place, cells, whole)
+                               : run_as<float>(engine, place, cells, whole);
+}
+
+} // namespace forceshade::study

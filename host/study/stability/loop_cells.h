@@ -1,0 +1,50 @@
+// Sampled loops taken through an engine, a path each, and what becomes of them.
+#pragma once
+
+#include <vector>
+
+#include "host/engine/engine.h"
+#include "host/study/stability/loop_place.h"
+
+namespace forceshade::study {
+
+/// A hand that is pressed with a constant force into a place's surface.
+struct LoopCell {
+    HandSpec hand;
+    double rate = 1000;   /* Hz */
+    double stiffness = 1; /* N/m */
+};
+
+/// What a loop comes to. stable: its largest speed in the last quarter of the time is less than 3/4 of that in the
+/// second, or nothing beside the disturbance, or the measured position does not change any more. unstable: it left its
+/// bound. limit_cycle: neither. chatter: a limit cycle in which the measured position goes no further than one quantum.
+enum class LoopState { stable, chatter, limit_cycle, unstable };
+
+const char* word_of(LoopState state);
+
+struct LoopRun {
+    double disturbance = 0.1; /* of the depth: how far too deep the probe begins */
+    double bound = 3;         /* depths: a probe further from its place than this has left; a force that comes late is
+                                 not there in the first sample, and the swing that this makes is added twice */
+    double patience = 400;    /* 1: how long a path is, in times that damping takes */
+    std::size_t steps = 0;    /* of each path; 0: settling_steps of the slowest */
+};
+
+/// What became of a loop.
+struct LoopOutcome {
+    LoopState state = LoopState::stable;
+    double early = 0, late = 0; /* m/s: largest speeds in the second quarter of the time and in the last */
+    bool left = false;          /* its bound */
+    bool at_rest = false;       /* its speed is nothing beside the disturbance's */
+};
+
+/// Samples in which a loop near its limit shows by its speeds on which side it is: `patience` times the time that
+/// damping takes. With 400 a loop 0.3 % below its limit still decays by a quarter from the second quarter of its time
+/// to the last.
+std::size_t settling_steps(const LoopCell& cell, double patience);
+
+/// All cells at once, in double where the engine has it.
+std::vector<LoopOutcome> run_cells(Engine& engine, const LoopPlace& place, const std::vector<LoopCell>& cells,
+                                   const LoopRun& run);
+
+} // namespace forceshade::study

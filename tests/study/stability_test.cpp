@@ -1,0 +1,255 @@
+// Loops of the study of stability: closed forms, limits found by paths, maps, and findings that follow the tables.
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+#include "host/error.h"
+#include "host/scene/study.h"
+#include "host/study/findings/loop_findings.h"
+#include "host/study/stability/loop.h"
+#include "host/study/stability/loop_curves.h"
+#include "host/study/stability/loop_laws.h"
+#include "host/study/stability/loop_limits.h"
+#include "host/study/stability/loop_tables.h"
+
+namespace forceshade::study {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct Plant {
+    double mass, damping, period; /* kg, N s/m, s */
+    double limit, limit_late;     /* N/m: K_crit, and with a sample of delay */
+};
+
+constexpr std::array<Plant, 6> kPlants{{{0.075, 0.5, 1e-3, 1001.11, 333.95},
+                                        {0.1, 1.0, 1e-3, 2003.34, 668.51},
+                                        {0.1, 5.0, 1e-3, 10084.03, 3378.94},
+                                        {0.1, 1.0, 1e-4, 20003.33, 6668.52},
+                                        {0.05, 20, 1e-3, 42849.01, 14646.91},
+                                        {0.01, 50, 1e-3, 165192.52, 48213.32}}};
+
+TEST(LoopLaws, TableOfSampledStability) {
+    for (const Plant& plant : kPlants) {
+        EXPECT_NEAR(critical_stiffness(plant.mass, plant.damping, plant.period), plant.limit, 0.006);
+        EXPECT_NEAR(critical_stiffness_late(plant.mass, plant.damping, plant.period), plant.limit_late, 0.006);
+    }
+}
+
+TEST(LoopLaws, SmallDampingNeedsNoDifference) {
+    const double tiny = 1e-9; // N s/m
+    EXPECT_NEAR(critical_stiffness(0.1, tiny, 1e-3) / (2 * tiny / 1e-3), 1, 1e-9);
+    EXPECT_NEAR(critical_stiffness_late(0.1, tiny, 1e-3) / (2 * tiny / 3e-3), 1, 1e-9);
+    EXPECT_DOUBLE_EQ(passive_stiffness(1, 1e-3, 0), 2000);
+    EXPECT_DOUBLE_EQ(passive_stiffness(1, 1e-3, 1), 2000.0 / 3);
+    EXPECT_DOUBLE_EQ(friction_stiffness(0.1, 1e-4), 2000);
+}
+
+const LoopPlace& own(const std::string& name) {
+    static const std::vector<LoopPlace> places = own_places();
+    return *std::ranges::find(places, name, &LoopPlace::name);
+}
+
+TEST(LoopLaws, FlutterOfTheDip) {
+    const double slope = 50 * std::numbers::pi / 180, s = std::sin(slope), c = std::cos(slope), deep = 0.131;
+    const glm::dmat3& felt = own("dip-shaded").slope; // columns first
+    EXPECT_NEAR(felt[0][0], deep, 1e-6);
+    EXPECT_NEAR(std::abs(felt[2][0]), s, 1e-6);
+    EXPECT_NEAR(std::abs(felt[0][2]), s * deep / c, 1e-6);
+    EXPECT_NEAR(felt[2][2], c, 1e-6);
+    EXPECT_NEAR(flutter_stiffness(felt, 0.1, 1).value(), 71, 0.01 * 71);
+    EXPECT_FALSE(flutter_stiffness(own("plane").slope, 0.1, 1));
+}
+
+TEST(LinearLoop, IsTheClosedFormOnThePlane) {
+    for (const Plant& plant : kPlants)
+        for (const std::uint64_t delay : {0U, 1U}) {
+            HandSpec hand = own("plane").hand;
+            hand.mass = plant.mass;
+            hand.damping = plant.damping;
+            hand.delay_samples = delay;
+            const LoopCell cell{hand, 1 / plant.period, 1};
+            const auto limit = linear_limit(linear_loop(own("plane"), hand, 1 / plant.period), 1, 1e6);
+            EXPECT_NEAR(limit.value() / wall_limit(cell), 1, 1e-6);
+        }
+}
+
+TEST(LinearLoop, HeldDipFluttersSooner) {
+    const LoopPlace& dip = own("dip-shaded");
+    EXPECT_NEAR(linear_limit(linear_loop(dip, dip.hand, 1000), 1, 1e4).value(), 69, 0.01 * 69);
+    EXPECT_NEAR(linear_limit(linear_loop(dip, dip.hand, 1e5), 1, 1e4).value(),
+                flutter_stiffness(dip.slope, dip.hand.mass, dip.hand.damping).value(), 0.05);
+}
+
+Engine& engine() {
+    static const std::unique_ptr<Engine> one = make_engine(EngineOptions{});
+    return *one;
+}
+
+LoopCell damped(const LoopPlace& place, double damping, double stiffness = 1) {
+    LoopCell cell{place.hand, place.rate, stiffness};
+    cell.hand.damping = damping;
+    return cell;
+}
+
+TEST(MeasuredLimit, OfThePlaneAndTheDip) {
+    const LoopCell cell = damped(own("plane"), 5);
+    EXPECT_NEAR(measured_limit(engine(), own("plane"), cell).value() / wall_limit(cell), 1, 1e-4);
+    const LoopCell slow = damped(own("dip-shaded"), 5);
+    EXPECT_NEAR(measured_limit(engine(), own("dip-shaded"), slow).value() /
+                    linear_limit(linear_loop(own("dip-shaded"), slow.hand, 1000), 1, 1e5).value(),
+                1, 1e-3);
+}
+
+TEST(LoopCells, StatesOfThePlane) {
+    const LoopPlace& plane = own("plane");
+    const double limit = wall_limit(damped(plane, 5));
+    LoopRun run;
+    std::vector<LoopCell> cells{damped(plane, 5, 0.98 * limit), damped(plane, 5, 1.1 * limit),
+                                damped(plane, 5, 3 * limit)};
+    const auto bare = run_cells(engine(), plane, cells, run);
+    EXPECT_EQ(bare[0].state, LoopState::stable);
+    EXPECT_EQ(bare[1].state, LoopState::limit_cycle);
+    EXPECT_EQ(bare[2].state, LoopState::unstable);
+    run.disturbance = 0.5;
+    for (LoopCell& cell : cells) {
+        cell.stiffness = 2000; // 2 f_c / quantum of the first
+        cell.hand.quantisation = 5e-5;
+    }
+    cells[0].hand.coulomb = 1.02 * 0.05;
+    cells[1].hand.coulomb = 0.98 * 0.05;
+    const auto rounded = run_cells(engine(), plane, cells, run);
+    EXPECT_EQ(rounded[0].state, LoopState::stable);
+    EXPECT_EQ(rounded[1].state, LoopState::chatter);
+    EXPECT_EQ(rounded[2].state, LoopState::chatter);
+}
+
+// Two rows of three, and limits of two surfaces.
+Json sample_map() {
+    const LoopPlace& plane = own("plane");
+    const LoopMap map{
+        "plane-damping", {LoopAxis::stiffness, 1000, 4000, 3}, {LoopAxis::damping, 5, 10, 2}, damped(plane, 1), {}};
+    return map_result(engine(), plane, map);
+}
+
+TEST(LoopMaps, CellsCurvesAndWhatIsForeseen) {
+    const Json map = sample_map();
+    EXPECT_EQ(map.at("states"), Json({"sss", "sss"}));
+    EXPECT_EQ(map.at("expected"), map.at("states"));
+    const Table table = map_table({map});
+    ASSERT_EQ(table.rows.size(), 6U);
+    EXPECT_EQ(table.number(5, "stiffness_N_per_m"), 4000);
+    EXPECT_EQ(table.number(5, "damping_N_s_per_m"), 10);
+    EXPECT_EQ(table.word(5, "state"), "stable");
+    EXPECT_EQ(table.word(5, "closed_form"), "rests");
+}
+
+StudyData sample() {
+    const auto point = [](double mass, double damping, int delay, double measured, double wall, double linear,
+                          const Json& flutter) {
+        return Json{{"mass", mass},     {"damping", damping},   {"rate", 1000},
+                    {"delay", delay},   {"measured", measured}, {"wall", wall},
+                    {"linear", linear}, {"flutter", flutter},   {"passive", 2000 * damping / (1 + 2 * delay)}};
+    };
+    const Json plane{
+        {"limits", "plane"},
+        {"title", "plane"},
+        {"flat", true},
+        {"own", nullptr},
+        {"points",
+         {point(0.1, 1, 0, 2003.5, 2003.3, 2003.3, nullptr), point(0.1, 1, 1, 668.6, 668.5, 668.5, nullptr),
+          point(0.1, 5, 0, 10084.1, 10084, 10084, nullptr)}}};
+    const Json dip{{"limits", "dip-shaded"},
+                   {"title", "concave dip, shaded"},
+                   {"flat", false},
+                   {"own", nullptr},
+                   {"points", {point(0.1, 1, 0, 69.3, 2003.3, 69.26, 71.5)}}};
+    StudyData data;
+    add_loop(data, {plane, dip, sample_map()});
+    return data;
+}
+
+std::string finding(const StudyData& data, const std::string& name) {
+    for (const Finding& one : loop_findings(data))
+        if (one.name == name)
+            return one.text;
+    return "";
+}
+
+bool says(const std::string& text, const std::string& part) {
+    return text.find(part) != std::string::npos;
+}
+
+// Every row of a surface's limits gets another number.
+void alter(StudyData& data, const std::string& surface, const char* column, double factor) {
+    for (Table& table : data.tables)
+        if (table.name == "loop_limits")
+            for (std::size_t row = 0; row < table.rows.size(); ++row)
+                if (table.word(row, "surface") == surface && table.number(row, column))
+                    table.rows[row][table.index(column)] = cell(factor * table.number(row, column).value());
+}
+
+TEST(LoopFindings, PlaneKeepsItsPromiseOrNot) {
+    StudyData data = sample();
+    EXPECT_TRUE(says(finding(data, "loop_plane"), "agrees with K_crit")) << finding(data, "loop_plane");
+    EXPECT_TRUE(says(finding(data, "loop_plane"), "over 3 loops"));
+    alter(data, "plane", "disagreement_size_percent", 1000);
+    EXPECT_TRUE(says(finding(data, "loop_plane"), "more than the 1 % that is promised"));
+}
+
+TEST(LoopFindings, LeastSurfaceIsNamed) {
+    StudyData data = sample();
+    EXPECT_TRUE(says(finding(data, "loop_surfaces"), "The concave dip, shaded gives way first, 28.9 times below"))
+        << finding(data, "loop_surfaces");
+    EXPECT_TRUE(says(finding(data, "loop_flutter"), "takes away 3.1 %")) << finding(data, "loop_flutter");
+    EXPECT_TRUE(says(finding(data, "loop_passivity"), "does not protect"));
+    alter(data, "dip-shaded", "measured_N_per_m", 30);
+    alter(data, "dip-shaded", "over_wall_1", 30);
+    alter(data, "dip-shaded", "over_passive_1", 30);
+    EXPECT_TRUE(says(finding(data, "loop_surfaces"), "None gives way far below"));
+    EXPECT_TRUE(says(finding(data, "loop_flutter"), "adds"));
+    EXPECT_FALSE(says(finding(data, "loop_passivity"), "does not protect"));
+    EXPECT_TRUE(says(finding(data, "loop_delay"), "33.4 %")) << finding(data, "loop_delay");
+}
+
+TEST(LoopFindings, MapsCountWhatIsForeseen) {
+    StudyData data = sample();
+    EXPECT_TRUE(says(finding(data, "loop_maps"), "Of 6 loops")) << finding(data, "loop_maps");
+    EXPECT_TRUE(says(finding(data, "loop_maps"), "100 %"));
+    for (Table& table : data.tables)
+        if (table.name == "loop_map")
+            table.rows[0][table.index("state")] = "unstable";
+    EXPECT_TRUE(says(finding(data, "loop_maps"), "83.33 %")) << finding(data, "loop_maps");
+}
+
+PreparedCase prepared(const std::string& text) {
+    return CasePreparation().prepare(parse_scene(text, "scene.toml"));
+}
+
+TEST(ScenePlace, IsTheScenesOwn) {
+    const LoopPlace place = scene_place(prepared("[surface]\nkind = \"bump\"\n[force]\nstiffness = \"500 N/m\"\n"
+                                                 "[hand]\ngrip_stiffness = \"0 N/m\"\nmass = \"0.2 kg\"\n"
+                                                 "[paths]\npress = \"0.25 N\"\nrate = \"2000 Hz\"\n"));
+    EXPECT_EQ(place.stiffness, 500);
+    EXPECT_EQ(place.rate, 2000);
+    EXPECT_EQ(place.hand.mass, 0.2);
+    EXPECT_NEAR(place.rest.z, -0.0005, 1e-12);
+    EXPECT_NEAR(place.slope[2][2], 1, 1e-9);
+    EXPECT_NEAR(place.force.z, 0.0005, 1e-12);
+}
+
+TEST(ScenePlace, RefusesWhatIsNoLoop) {
+    const std::string paths = "[paths]\npress = \"1 N\"\n";
+    EXPECT_THROW(scene_place(prepared("[surface]\nkind = \"bump\"\n[hand]\ndamping = \"0 N s/m\"\ngrip_damping = "
+                                      "\"0 N s/m\"\n" +
+                                      paths)),
+                 UsageError);
+    EXPECT_THROW(scene_place(prepared("[surface]\nkind = \"bump\"\n[force]\nstiffness = \"0 N/m\"\n" + paths)),
+                 UsageError);
+}
+
+} // namespace
+} // namespace forceshade::study
