@@ -46,19 +46,25 @@ StudyRun::StudyRun(std::string study, const StudyOptions& options) : study_(std:
                               report.driver, cpu_name(), options_.quick, scene_ ? scene_->scene : std::string()));
 }
 
+// Nothing where the file is missing, damaged or of another run.
 std::optional<Json> StudyRun::kept(const Step& step) const {
     std::ifstream file(step_path(options_.folder, step.name), std::ios::binary);
     std::ostringstream text;
     text << file.rdbuf();
     const Json json = Json::parse(text.str(), nullptr, false);
-    if (!json.is_object() || json.value("fingerprint", "") != fingerprint_ || !json.contains("result") ||
-        !json.contains("seconds") || !json["seconds"].is_number())
+    if (!json.is_object() || !json.contains("result") || !json.contains("seconds") || !json["seconds"].is_number())
+        return std::nullopt;
+    const auto says = [&](const char* key, const std::string& expected) {
+        return json.contains(key) && json[key] == expected;
+    };
+    if (!says("fingerprint", fingerprint_) || !says("sha256", sha256_of(json["result"].dump())))
         return std::nullopt;
     return json;
 }
 
 void StudyRun::keep(const Step& step, const Json& result, double seconds) const {
-    const Json json{{"fingerprint", fingerprint_}, {"seconds", seconds}, {"result", result}};
+    const Json json{
+        {"fingerprint", fingerprint_}, {"seconds", seconds}, {"sha256", sha256_of(result.dump())}, {"result", result}};
     write_file_atomically(step_path(options_.folder, step.name), json.dump() + "\n");
 }
 
@@ -79,7 +85,8 @@ std::vector<Json> StudyRun::run(const std::vector<Step>& steps) {
         const Step& step = steps[missing[done]];
         progress.update(done, step.name);
         const Clock::time_point start = Clock::now();
-        results[missing[done]] = step.compute();
+        // As a later run will read it.
+        results[missing[done]] = Json::parse(step.compute().dump());
         const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
         keep(step, results[missing[done]], seconds);
         seconds_ += seconds;
