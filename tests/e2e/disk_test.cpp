@@ -1,8 +1,7 @@
 // Folders that cannot be written and disks that take no more: an error that says so, whole files only, and a sweep that
 // goes on once there is room.
-#include <sys/mount.h>
-
 #include "tests/e2e/folder_watch.h"
+#include "tests/e2e/small_disk.h"
 
 namespace forceshade::testing {
 namespace {
@@ -12,30 +11,6 @@ constexpr uid_t kNobody = 65534;
 // Takes about 1.6 MB in its folder.
 const char* const kGrid = "size = [48, 8, 32]\norigin = [\"-14 mm\", \"-1 mm\", \"-4 mm\"]\n"
                           "spacing = [\"0.6 mm\", \"0.25 mm\", \"0.15 mm\"]\n";
-
-/// A file system in memory of limited size, mounted until the end of the object; bad() where mounting is not permitted.
-class SmallDisk {
-public:
-    SmallDisk(std::filesystem::path at, const char* size) : at_(std::move(at)) {
-        std::filesystem::create_directory(at_);
-        mounted_ = ::mount("tmpfs", at_.c_str(), "tmpfs", 0, size) == 0;
-    }
-    ~SmallDisk() {
-        if (mounted_)
-            ::umount2(at_.c_str(), MNT_DETACH);
-    }
-    SmallDisk(const SmallDisk&) = delete;
-    SmallDisk& operator=(const SmallDisk&) = delete;
-
-    bool bad() const { return !mounted_; }
-    bool change(unsigned long flags, const char* size) const {
-        return ::mount("tmpfs", at_.c_str(), "tmpfs", MS_REMOUNT | flags, size) == 0;
-    }
-
-private:
-    std::filesystem::path at_;
-    bool mounted_ = false;
-};
 
 class Disk : public Workplace {
 protected:

@@ -263,12 +263,12 @@ private:
         if (is_mesh(scene()))
             add_mesh();
         Comparison& oracle = add("validation", "rows checked by the oracle", "no check");
-        oracle.with.oracle = true;
+        oracle.with.oracle = oracle.same_kernel = true;
         oracle.channels = scene().output.channels;
         if (!gpu_)
             return;
         Comparison& layers = add("validation layers", "on", "off");
-        layers.with.layers = true;
+        layers.with.layers = layers.same_kernel = true;
         layers.channels = scene().output.channels;
     }
 

@@ -43,6 +43,7 @@ struct Comparison {
     bool unshaded_is_force = false; /* the channel `unshaded` with the feature is the force without it */
     std::string omitted;            /* as the manifest calls it; empty: it does not tell of this */
     bool forced = false;            /* the scene is the same: only a study does the work that is always left out */
+    bool same_kernel = false;       /* the feature is the host's: what a kernel does is the same */
     bool paths = false;
 };
 

@@ -62,7 +62,8 @@ const std::vector<Column>& feature_columns() {
         {"kernel_ratio_q3", "1", "its third quartile"},
         {"kernel_verdict", "",
          "what leaving it out does to the kernel's time: saves or costs where the quartiles of the ratio are on one "
-         "side of 1 and the median is further from it than 2 % and than that with nothing switched"},
+         "side of 1 and the median is further from it than 2 % and than that with nothing switched; same kernel: the "
+         "feature is the host's"},
         {"whole_ns_with", "ns", "time a sample by the clock, planning and tables included, median"},
         {"whole_ns_without", "ns", "the same without it"},
         {"whole_ratio", "1", "time by the clock with over without in the same round, median"},
@@ -111,6 +112,8 @@ std::vector<Cell> feature_row(const Comparison& one, const Json& result, double 
     add_times(with);
     add_times(without);
     add_ratios("kernel_s", kernel_floor);
+    if (one.same_kernel)
+        row.back() = std::string("same kernel");
     add(1e9 * quartiles(numbers(with, "whole_s")).middle / samples);
     add(1e9 * quartiles(numbers(without, "whole_s")).middle / samples);
     add_ratios("whole_s", whole_floor);

@@ -1,0 +1,313 @@
+// Studies as a user runs them: what they leave, how they go on, and what goes wrong.
+#include <charconv>
+#include <csignal>
+#include <thread>
+
+#include <fmt/format.h>
+
+#include "host/io/hash.h"
+#include "tests/e2e/small_disk.h"
+#include "tests/e2e/workplace.h"
+
+namespace forceshade::testing {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr uid_t kNobody = 65534;
+constexpr double kPatience = 300; // s, on a machine that others load too
+
+// A line of a CSV file: no cell holds a line's end.
+std::vector<std::string> cells_of(const std::string& line) {
+    std::vector<std::string> cells(1);
+    bool quoted = false;
+    for (std::size_t i = 0; i < line.size(); ++i) {
+        if (line[i] == '"' && quoted && i + 1 < line.size() && line[i + 1] == '"')
+            cells.back() += line[++i];
+        else if (line[i] == '"')
+            quoted = !quoted;
+        else if (line[i] == ',' && !quoted)
+            cells.emplace_back();
+        else
+            cells.back() += line[i];
+    }
+    return cells;
+}
+
+std::vector<std::string> lines_of(const std::string& text) {
+    std::vector<std::string> lines;
+    for (std::size_t at = 0; at < text.size();) {
+        const std::size_t end = text.find('\n', at);
+        lines.push_back(text.substr(at, end - at));
+        at = end == std::string::npos ? text.size() : end + 1;
+    }
+    return lines;
+}
+
+bool is_same(const Json& cell, const std::string& text) {
+    if (cell.is_null())
+        return text.empty();
+    if (cell.is_string())
+        return cell.get<std::string>() == text;
+    double number = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+    return error == std::errc() && end == text.data() + text.size() && number == cell.get<double>();
+}
+
+class Study : public Workplace {
+protected:
+    static std::vector<std::string> quick(const std::string& name, const std::string& out) {
+        return {"study", name, "--quick", "--out", out, "--quiet"};
+    }
+    Outcome run_study(std::vector<std::string> arguments) const {
+        Launch launch = this->launch(std::move(arguments));
+        launch.timeout = kPatience;
+        return run(launch);
+    }
+    void expect_study(std::vector<std::string> arguments) const {
+        const Outcome outcome = run_study(std::move(arguments));
+        EXPECT_EQ(outcome.code, 0) << outcome.error;
+    }
+    Tree steps_in(const std::string& folder) const { return tree_of(path(folder) / "steps.d"); }
+
+    void expect_csv_as_json(const std::string& folder, const Json& table) const {
+        const std::string name = table["name"];
+        const std::vector<std::string> lines = lines_of(read_text(path(folder) / (name + ".csv")));
+        ASSERT_EQ(lines.size(), table["rows"].size() + 1) << name;
+        const std::vector<std::string> header = cells_of(lines[0]);
+        ASSERT_EQ(header.size(), table["columns"].size());
+        for (std::size_t column = 0; column < header.size(); ++column) {
+            EXPECT_EQ(header[column], table["columns"][column]["name"]);
+            EXPECT_NE(table["columns"][column]["meaning"], "") << header[column];
+        }
+        for (std::size_t row = 0; row < table["rows"].size(); ++row) {
+            const std::vector<std::string> cells = cells_of(lines[row + 1]);
+            ASSERT_EQ(cells.size(), header.size()) << lines[row + 1];
+            for (std::size_t column = 0; column < cells.size(); ++column)
+                EXPECT_TRUE(is_same(table["rows"][row][column], cells[column]))
+                    << name << ' ' << header[column] << ": " << cells[column];
+        }
+    }
+
+    // Every name that a figure speaks of is there.
+    static void expect_columns(const Json& data, const Json& figure) {
+        const std::string name = figure["name"];
+        EXPECT_NE(figure["caption"], "") << name;
+        EXPECT_NE(figure["x"]["label"], "") << name;
+        EXPECT_NE(figure["y"]["label"], "") << name;
+        for (const Json& table : data["tables"]) {
+            if (table["name"] != figure["table"])
+                continue;
+            std::set<std::string> columns{""};
+            for (const Json& column : table["columns"])
+                columns.insert(column["name"].get<std::string>());
+            for (const Json& named : {figure["x"]["column"], figure["y"]["column"], figure["series"], figure["label"],
+                                      figure["low"], figure["high"], figure["value"]})
+                EXPECT_TRUE(columns.contains(named.get<std::string>())) << name << ": " << named;
+            return;
+        }
+        ADD_FAILURE() << "no table for figure " << name;
+    }
+
+    void expect_whole(const std::string& folder, const std::string& study) const {
+        const Json data = read_json(folder + "/study.json");
+        EXPECT_EQ(data["study"], study);
+        EXPECT_FALSE(data["findings"].empty());
+        for (const Json& finding : data["findings"]) {
+            const std::string text = finding["text"];
+            EXPECT_TRUE(text.ends_with('.')) << text;
+            for (const char* wrong : {"nan", "inf ", "{}", "  "})
+                EXPECT_EQ(text.find(wrong), std::string::npos) << text;
+        }
+        EXPECT_FALSE(data["tables"].empty());
+        for (const Json& table : data["tables"])
+            expect_csv_as_json(folder, table);
+        EXPECT_FALSE(data["figures"].empty());
+        for (const Json& figure : data["figures"])
+            expect_columns(data, figure);
+        for (const Json& volume : data["volumes"]) {
+            const std::string content = read_text(path(folder) / volume["name"].get<std::string>());
+            EXPECT_EQ(sha256_of(content), volume["sha256"]) << volume["name"];
+            EXPECT_EQ(content.size(), volume["bytes"]);
+        }
+        EXPECT_EQ(temporaries_in(path(folder)), std::vector<std::string>{});
+    }
+};
+
+class EveryStudy : public Study, public ::testing::WithParamInterface<const char*> {};
+
+TEST_P(EveryStudy, is_whole_and_computes_nothing_again) {
+    const std::string name = GetParam(), folder = "out/" + name;
+    Launch launch = this->launch({"study", name, "--quick", "--out", "out", "--json"});
+    launch.timeout = kPatience;
+    const Outcome outcome = run(launch);
+    ASSERT_EQ(outcome.code, 0) << outcome.error;
+    expect_whole(folder, name);
+    EXPECT_EQ(Json::parse(outcome.out), read_json(folder + "/study.json"));
+    for (const Json& finding : read_json(folder + "/study.json")["findings"])
+        EXPECT_NE(outcome.error.find(finding["text"].get<std::string>()), std::string::npos) << "told on the way";
+
+    const Tree before = tree_of(path(folder));
+    expect_study(quick(name, "out"));
+    EXPECT_EQ(differences(before, tree_of(path(folder))), std::set<std::string>{}) << "all steps were kept";
+}
+
+INSTANTIATE_TEST_SUITE_P(All, EveryStudy, ::testing::Values("energy", "omission"), [](const auto& study) {
+    std::string name = study.param;
+    std::ranges::replace(name, '-', '_');
+    return name;
+});
+
+// A scene of the user's own, small enough to be run often.
+class SceneStudy : public Study {
+protected:
+    SceneStudy() { write("scene.toml", kOneCase); }
+    static std::vector<std::string> on_scene(const std::string& out) {
+        return {"study", "omission", "scene.toml", "--quick", "--out", out, "--quiet"};
+    }
+};
+
+TEST_F(SceneStudy, switches_the_features_of_that_scene) {
+    expect_study(on_scene("out"));
+    expect_whole("out/omission", "omission");
+    const Json data = read_json("out/omission/study.json");
+    EXPECT_NE(data["scene"].get<std::string>().find("facets = 3"), std::string::npos);
+    for (const Json& row : data["tables"][0]["rows"])
+        EXPECT_EQ(row[1], "scene");
+    Launch cpu = launch(on_scene("cpu"));
+    cpu.arguments.insert(cpu.arguments.end(), {"--engine", "cpu"});
+    const Outcome outcome = run(cpu);
+    EXPECT_EQ(outcome.code, 0) << outcome.error;
+    expect_whole("cpu/omission", "omission");
+}
+
+TEST_F(SceneStudy, goes_on_after_an_interrupt) {
+    Process process(launch(on_scene("out")));
+    const auto count = [&] {
+        std::error_code ignored;
+        std::size_t files = 0;
+        for (const auto& entry : std::filesystem::directory_iterator(path("out/omission/steps.d"), ignored))
+            files += entry.path().extension() == ".json";
+        return files;
+    };
+    while (process.running() && count() < 3)
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    process.send(SIGINT);
+    const Outcome outcome = process.wait();
+    EXPECT_EQ(outcome.code, 130) << outcome.error;
+    EXPECT_NE(outcome.error.find("goes on from there"), std::string::npos) << outcome.error;
+    const Tree left = steps_in("out/omission");
+    EXPECT_GE(left.size(), 3u);
+    EXPECT_FALSE(std::filesystem::exists(path("out/omission/study.json")));
+    EXPECT_EQ(temporaries_in(path("out")), std::vector<std::string>{});
+    expect_study(on_scene("out"));
+    const Tree whole = steps_in("out/omission");
+    EXPECT_GT(whole.size(), left.size()) << "the interrupt came too late";
+    for (const auto& [name, content] : left)
+        EXPECT_EQ(whole.at(name), content) << name << " was computed again";
+    expect_whole("out/omission", "omission");
+}
+
+TEST_F(SceneStudy, computes_damaged_steps_and_all_of_a_fresh_run_anew) {
+    expect_study(on_scene("out"));
+    const Tree whole = steps_in("out/omission");
+    ASSERT_GE(whole.size(), 4u);
+    auto step = whole.begin();
+    std::set<std::string> damaged;
+    for (const std::string& content : {std::string(), step->second.substr(0, step->second.size() / 2),
+                                       std::string("[]"), std::string("{\"fingerprint\": 1}")}) {
+        write("out/omission/steps.d/" + step->first, content);
+        damaged.insert((step++)->first);
+    }
+    expect_study(on_scene("out"));
+    EXPECT_EQ(differences(whole, steps_in("out/omission")), damaged) << "and nothing else";
+    std::vector<std::string> fresh = on_scene("out");
+    fresh.push_back("--fresh");
+    const Tree before = steps_in("out/omission");
+    expect_study(fresh);
+    EXPECT_EQ(differences(before, steps_in("out/omission")).size(), before.size());
+    expect_whole("out/omission", "omission");
+}
+
+// Times are another run's; what is no time is the same.
+TEST_F(SceneStudy, is_the_same_from_every_run_but_for_times) {
+    expect_study(on_scene("one"));
+    expect_study(on_scene("two"));
+    EXPECT_EQ(read_text(path("one/omission/omitted.csv")), read_text(path("two/omission/omitted.csv")));
+    const Json one = read_json("one/omission/study.json"), two = read_json("two/omission/study.json");
+    const Json &a = one["tables"][0], &b = two["tables"][0];
+    ASSERT_EQ(a["rows"].size(), b["rows"].size());
+    for (std::size_t column = 0; column < a["columns"].size(); ++column) {
+        const std::string name = a["columns"][column]["name"];
+        if (name.starts_with("kernel_") || name.starts_with("whole_"))
+            continue;
+        for (std::size_t row = 0; row < a["rows"].size(); ++row)
+            EXPECT_EQ(a["rows"][row][column], b["rows"][row][column]) << name;
+    }
+}
+
+TEST_F(SceneStudy, on_a_full_disk_is_an_io_error_and_goes_on_once_there_is_room) {
+    const SmallDisk disk(path("disk"), "size=64k");
+    if (disk.bad())
+        GTEST_SKIP() << "mounting is not permitted here";
+    write("scene.toml", "[surface]\nfacets = 3\n[force]\nshading = \"reference\"\n[grid]\nsize = [64, 8, 32]\norigin = "
+                        "[\"-14 mm\", \"-1 mm\", \"-4 mm\"]\nspacing = [\"0.45 mm\", \"0.25 mm\", \"0.15 mm\"]\n");
+    const Outcome outcome = run_study(on_scene("disk/out"));
+    EXPECT_EQ(outcome.code, 4) << outcome.error;
+    EXPECT_NE(outcome.error.find("No space left on device"), std::string::npos) << outcome.error;
+    EXPECT_EQ(temporaries_in(path("disk/out")), std::vector<std::string>{});
+    ASSERT_TRUE(disk.change(0, "size=64m"));
+    const Tree left = steps_in("disk/out/omission");
+    expect_study(on_scene("disk/out"));
+    const Tree whole = steps_in("disk/out/omission");
+    for (const auto& [name, content] : left)
+        EXPECT_EQ(whole.at(name), content) << name;
+    expect_whole("disk/out/omission", "omission");
+}
+
+TEST_F(SceneStudy, into_no_folder_is_an_error) {
+    expect_failure(2, {"study", "omission"}, {"--out"});
+    expect_failure(2, {"study", "omission", "--out", ""}, {"--out is empty"});
+    expect_failure(2, {"study", "--out", "out"}, {"NAME"});
+    write("file", "kept");
+    expect_failure(4, {"study", "omission", "--out", "file"}, {"file", "Not a directory"});
+    std::filesystem::create_directories(path("taken"));
+    write("taken/omission", "kept");
+    expect_failure(4, {"study", "omission", "--out", "taken"}, {"taken/omission", "Not a directory"});
+    EXPECT_EQ(read_text(path("file")), "kept");
+    EXPECT_EQ(read_text(path("taken/omission")), "kept");
+    Launch foreign = launch(on_scene("out"));
+    if (is_root())
+        foreign.user = kNobody;
+    else
+        std::filesystem::permissions(folder_.path(), std::filesystem::perms(0555));
+    expect_failure(4, foreign, {"out", "Permission denied"});
+    std::filesystem::permissions(folder_.path(), std::filesystem::perms(0755));
+}
+
+TEST_F(SceneStudy, that_is_none_or_on_no_device_leaves_nothing) {
+    expect_failure(2, {"study", "omision", "--out", "out"}, {"no study \"omision\"", "did you mean omission?"});
+    expect_failure(2, {"study", "astrology", "--out", "out"}, {"error-time, stability, energy, omission"});
+    expect_failure(3, {"study", "omission", "--out", "out", "--gpu", "no such device"}, {"no such device"});
+    EXPECT_EQ(folder_.names(), std::vector<std::string>{"scene.toml"});
+}
+
+TEST_F(SceneStudy, of_a_scene_that_is_wrong_leaves_nothing) {
+    write("broken.toml", "[surface]\nfacets = \"two\"\n");
+    write("misspelt.toml", "[surface]\nfacetts = 2\n");
+    write("axis.toml", "[surface]\nfacets = [2, 3]\n");
+    write("recorded.toml", "[paths]\nkind = \"recorded\"\nfile = \"stroke.csv\"\n");
+    write("stroke.csv", "path,t,x,y,z\n0,0,0,0,0\n");
+    const std::vector<std::string> before = folder_.names();
+    for (const std::string name : {"error-time", "stability", "energy", "omission"}) {
+        expect_failure(2, {"study", name, "broken.toml", "--out", "out"}, {"broken.toml:2:10: ", "facets"});
+        expect_failure(2, {"study", name, "misspelt.toml", "--out", "out"}, {"misspelt.toml:2:1: ", "facets"});
+        expect_failure(2, {"study", name, "axis.toml", "--out", "out"}, {"axis.toml:2:"});
+        expect_failure(4, {"study", name, "missing.toml", "--out", "out"}, {"missing.toml", "No such file"});
+    }
+    EXPECT_EQ(folder_.names(), before);
+    expect_failure(2, {"study", "omission", "recorded.toml", "--out", "out"}, {"recorded paths alone"});
+}
+
+} // namespace
+} // namespace forceshade::testing
