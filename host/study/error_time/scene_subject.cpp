@@ -1,0 +1,206 @@
+// A user's scene: its own law, and those that its surface has beside.
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "host/error.h"
+#include "host/field/scene_mesh.h"
+#include "host/study/error_time/law_at.h"
+#include "host/study/error_time/subject.h"
+
+namespace forceshade::study::error_time {
+namespace {
+
+constexpr std::size_t kTries = 64;         // places drawn for each that is kept
+constexpr std::size_t kStroke = 256;       // probes of a stroke
+constexpr std::uint64_t kLongestSide = 64; // voxels of a kernel's grid
+constexpr double kMostSamples = 6e6;       // of a volume
+
+struct NamedShading {
+    Shading shading;
+    const char* name;
+};
+
+std::vector<NamedShading> shadings_of(const PreparedCase& scene) {
+    switch (scene.one.scene.surface.kind) {
+    case SurfaceKind::bump:
+        return {{Shading::none, "none"}, {Shading::reference, "reference"}};
+    case SurfaceKind::cylinder_bump:
+        return {{Shading::none, "none"}};
+    case SurfaceKind::height_map:
+        return {{Shading::none, "none"}, {Shading::height_map, "height_map"}};
+    case SurfaceKind::mesh:
+        break;
+    }
+    std::vector<NamedShading> shadings{{Shading::none, "none"},
+                                       {Shading::morgenbesser, "morgenbesser"},
+                                       {Shading::mean_value, "mean_value"},
+                                       {Shading::two_pass, "two_pass"}};
+    const auto& begins = scene.images.mesh->mesh.polygons.begins;
+    const auto is_triangle = [&](std::size_t i) { return begins[i + 1] - begins[i] == 3; };
+    bool triangles = true;
+    for (std::size_t i = 0; i + 1 < begins.size(); ++i)
+        triangles = triangles && is_triangle(i);
+    if (triangles)
+        shadings.push_back({Shading::barycentric, "barycentric"});
+    return shadings;
+}
+
+// The shading that comes closest to what the facets stand for.
+NamedShading best_shading(const PreparedCase& scene) {
+    switch (scene.one.scene.surface.kind) {
+    case SurfaceKind::bump:
+        return {Shading::reference, "reference"};
+    case SurfaceKind::cylinder_bump:
+        return {Shading::none, "none"};
+    case SurfaceKind::height_map:
+        return {Shading::height_map, "height_map"};
+    case SurfaceKind::mesh:
+        break;
+    }
+    return {Shading::mean_value, "mean_value"};
+}
+
+SmoothLaw best_law(const PreparedCase& scene) {
+    const auto prepared = std::make_shared<PreparedCase>(scene);
+    prepared->one.scene.force.shading = best_shading(scene).shading;
+    const auto law = std::make_shared<DirectLaw<double>>(*prepared);
+    return [prepared, law](const glm::dvec3& at) {
+        return law->at(places_of<double>(*prepared, std::span(&at, 1))[0]).force;
+    };
+}
+
+glm::dvec3 low_of(const GridSpec& grid) {
+    return {grid.origin[0], grid.origin[1], grid.origin[2]};
+}
+
+glm::dvec3 high_of(const GridSpec& grid) {
+    glm::dvec3 high = low_of(grid);
+    for (int i = 0; i < 3; ++i) {
+        const auto axis = static_cast<std::size_t>(i);
+        high[i] += grid.spacing[axis] * static_cast<double>(grid.size[axis] - 1);
+    }
+    return high;
+}
+
+GridSpec coarser(GridSpec grid) {
+    const glm::dvec3 low = low_of(grid), high = high_of(grid);
+    for (int i = 0; i < 3; ++i) {
+        const auto axis = static_cast<std::size_t>(i);
+        if (grid.size[axis] <= kLongestSide)
+            continue;
+        grid.size[axis] = kLongestSide;
+        grid.spacing[axis] = (high[i] - low[i]) / static_cast<double>(kLongestSide - 1);
+    }
+    grid.samples = 0;
+    return grid;
+}
+
+// Places in the grid's box that the scene's own law has in contact.
+std::vector<glm::dvec3> touching_places(const PreparedCase& scene, std::size_t count) {
+    const glm::dvec3 low = low_of(scene.one.scene.grid), high = high_of(scene.one.scene.grid);
+    DirectLaw<double> law(scene);
+    Draw draw(3);
+    std::vector<glm::dvec3> places;
+    for (std::size_t tries = 0; places.size() < count && tries < kTries * count; ++tries) {
+        const double x = draw(low.x, high.x), y = draw(low.y, high.y);
+        const glm::dvec3 at(x, y, draw(low.z, high.z));
+        if (law.at(places_of<double>(scene, std::span(&at, 1))[0]).facet != layout::kNoFacet)
+            places.push_back(at);
+    }
+    if (places.empty())
+        throw UsageError("nothing in the scene's [grid] is in contact: there is no force whose error could be told");
+    return places;
+}
+
+// Straight lines from place to place, as long as the number of places tells.
+std::vector<glm::dvec3> strokes_between(const std::vector<glm::dvec3>& places, std::size_t count) {
+    std::vector<glm::dvec3> probes;
+    for (std::size_t stroke = 0; probes.size() < count; ++stroke) {
+        const glm::dvec3 from = places[(2 * stroke) % places.size()], to = places[(2 * stroke + 1) % places.size()];
+        for (std::size_t i = 0; i < kStroke; ++i)
+            probes.push_back(from + static_cast<double>(i) / (kStroke - 1) * (to - from));
+    }
+    return probes;
+}
+
+Variant variant_of(const PreparedCase& scene, const NamedShading& shading, std::uint32_t facets) {
+    auto prepared = std::make_shared<PreparedCase>(scene);
+    Scene& own = prepared->one.scene;
+    own.force.shading = shading.shading;
+    own.surface.facets = facets;
+    if (!own.paths || own.paths->kind == PathKind::recorded)
+        own.paths.emplace();
+    own.paths->count = 64;
+    own.paths->steps = 500;
+    own.paths->drive =
+        own.paths->closed() && own.paths->drive != PathDrive::depth ? own.paths->drive : PathDrive::press;
+    own.paths->loop.reset();
+    const bool bump = own.surface.kind == SurfaceKind::bump, mesh = own.surface.kind == SurfaceKind::mesh;
+    const bool is_own = shading.shading == scene.one.scene.force.shading && facets == scene.one.scene.surface.facets;
+    Variant variant;
+    variant.name = bump ? fmt::format("{} facet{}, {}", facets, facets == 1 ? "" : "s", shading.name) : shading.name;
+    variant.shading = shading.name;
+    if (bump)
+        variant.facets = facets;
+    variant.half = variant.kernels = variant.lookups = variant.thorough = is_own;
+    variant.proxies = mesh;
+    variant.prepared = std::move(prepared);
+    return variant;
+}
+
+std::vector<double> spacings_of(const GridSpec& grid) {
+    const glm::dvec3 size = high_of(grid) - low_of(grid);
+    const double finest = *std::min_element(grid.spacing.begin(), grid.spacing.end());
+    std::vector<double> spacings;
+    for (const double times : {8.0, 4.0, 2.0, 1.0}) {
+        const double h = times * finest;
+        if ((size.x / h + 5) * (size.y / h + 5) * (size.z / h + 5) <= kMostSamples)
+            spacings.push_back(h);
+    }
+    return spacings;
+}
+
+} // namespace
+
+Subject scene_subject(const PreparedCase& scene, const Extents& extents) {
+    const Scene& own = scene.one.scene;
+    Subject subject;
+    subject.name = "scene";
+    const bool bump = own.surface.kind == SurfaceKind::bump, mesh = own.surface.kind == SurfaceKind::mesh;
+    std::vector<unsigned> facets = bump ? extents.facets : std::vector<unsigned>{own.surface.facets};
+    if (std::find(facets.begin(), facets.end(), own.surface.facets) == facets.end())
+        facets.push_back(own.surface.facets);
+    std::sort(facets.begin(), facets.end());
+    for (const unsigned n : facets)
+        for (const NamedShading& shading : shadings_of(scene))
+            subject.variants.push_back(variant_of(scene, shading, n));
+    subject.grid = coarser(own.grid);
+    subject.low = low_of(own.grid);
+    subject.high = high_of(own.grid);
+    subject.probes = touching_places(scene, extents.probes);
+    if (mesh) {
+        subject.probes = strokes_between(subject.probes, extents.probes);
+        subject.stroke = kStroke;
+    }
+    subject.spacings = spacings_of(own.grid);
+    if (bump && !own.texture) {
+        subject.smooth = cylinder_law(own);
+        subject.notes.push_back(
+            "The smooth shape is the cylinder of the scene's radius and width, with the force K d along the normal "
+            "above the probe, the depth read as the scene reads it.");
+    } else {
+        subject.smooth = best_law(scene);
+        subject.notes.push_back(
+            fmt::format("No smooth shape of this scene is known: errors \"against the smooth shape\" are against "
+                        "reference<double> of its best shading, {}.",
+                        best_shading(scene).name));
+    }
+    subject.notes.push_back("Probes are random places in the scene's grid that are in contact; on a mesh, along "
+                            "straight lines between such places, "
+                            "god-object and static field alike.");
+    return subject;
+}
+
+} // namespace forceshade::study::error_time

@@ -1,0 +1,127 @@
+// A volume of precomputed forces, read between its samples: trilinear, or tricubic (Catmull & Rom 1974; as a
+// convolution: Keys 1981).
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <type_traits>
+#include <vector>
+
+#include "host/reference/vector.h"
+
+namespace forceshade::study::error_time {
+
+/// A half as it stands in a file.
+enum class Half : std::uint16_t {};
+
+/// Exact; halves that are infinite or no numbers are not expected.
+inline float to_float(Half half) noexcept {
+    const auto bits = static_cast<std::uint32_t>(half);
+    const float magnitude = std::bit_cast<float>((bits & 0x7fffu) << 13) * 0x1p112f;
+    return bits & 0x8000u ? -magnitude : magnitude;
+}
+inline float to_float(float value) noexcept {
+    return value;
+}
+inline double to_float(double value) noexcept {
+    return value;
+}
+
+/// Cubic samples lie `spacing` apart along all axes, x fastest, then y, then z.
+struct VolumeGrid {
+    std::array<std::size_t, 3> size{};
+    glm::dvec3 origin{0}; /* m: of the first sample */
+    double spacing = 1;   /* m */
+
+    std::size_t samples() const { return size[0] * size[1] * size[2]; }
+};
+
+/// The grid over a box, with two samples more than it takes on each side, as the tricubic reading wants.
+inline VolumeGrid volume_grid(const glm::dvec3& low, const glm::dvec3& high, double spacing) {
+    VolumeGrid grid;
+    grid.spacing = spacing;
+    for (int axis = 0; axis < 3; ++axis) {
+        grid.origin[axis] = low[axis] - 2 * spacing;
+        grid.size[static_cast<std::size_t>(axis)] =
+            static_cast<std::size_t>(std::ceil((high[axis] - low[axis]) / spacing)) + 5;
+    }
+    return grid;
+}
+
+/// Forces as Stored (Half, float, double), read in the arithmetic of T at places of the world, m.
+template <typename Stored, typename T> class ForceVolume {
+public:
+    /// `forces`: 3 a sample, N.
+    ForceVolume(const VolumeGrid& grid, std::vector<Stored> forces)
+        : grid_(grid), forces_(std::move(forces)), origin_(grid.origin), inverse_(T(1 / grid.spacing)) {}
+
+    const VolumeGrid& grid() const { return grid_; }
+    std::size_t bytes() const { return forces_.size() * sizeof(Stored); }
+
+    reference::Vector<T> trilinear(const reference::Vector<T>& place) const noexcept {
+        const Cell x = cell_at(place, 0), y = cell_at(place, 1), z = cell_at(place, 2);
+        reference::Vector<T> result(T(0));
+        for (std::size_t k = 0; k < 2; ++k)
+            for (std::size_t j = 0; j < 2; ++j) {
+                const std::size_t at = ((z.first + k) * grid_.size[1] + y.first + j) * grid_.size[0] + x.first;
+                const reference::Vector<T> row = force_at(at) + x.share * (force_at(at + 1) - force_at(at));
+                result += (k ? z.share : T(1) - z.share) * (j ? y.share : T(1) - y.share) * row;
+            }
+        return result;
+    }
+
+    reference::Vector<T> tricubic(const reference::Vector<T>& place) const noexcept {
+        const Cell x = cell_at(place, 0), y = cell_at(place, 1), z = cell_at(place, 2);
+        const Weights along_x = weights(x.share), along_y = weights(y.share), along_z = weights(z.share);
+        reference::Vector<T> result(T(0));
+        for (std::size_t k = 0; k < 4; ++k)
+            for (std::size_t j = 0; j < 4; ++j) {
+                const std::size_t at =
+                    ((z.first + k - 1) * grid_.size[1] + y.first + j - 1) * grid_.size[0] + x.first - 1;
+                const reference::Vector<T> row = along_x[0] * force_at(at) + along_x[1] * force_at(at + 1) +
+                                                 along_x[2] * force_at(at + 2) + along_x[3] * force_at(at + 3);
+                result += along_z[k] * along_y[j] * row;
+            }
+        return result;
+    }
+
+    /// The sample below a place on an axis, such that the tricubic reading stays within the volume.
+    std::array<std::size_t, 3> below(const reference::Vector<T>& place) const noexcept {
+        return {cell_at(place, 0).first, cell_at(place, 1).first, cell_at(place, 2).first};
+    }
+
+private:
+    struct Cell {
+        std::size_t first;
+        T share;
+    };
+    using Weights = std::array<T, 4>;
+
+    Cell cell_at(const reference::Vector<T>& place, int axis) const noexcept {
+        const T at = (place[axis] - origin_[axis]) * inverse_;
+        const T most = static_cast<T>(grid_.size[static_cast<std::size_t>(axis)] - 3);
+        const T whole = std::floor(at < T(1) ? T(1) : (at > most ? most : at));
+        return {static_cast<std::size_t>(whole), at - whole};
+    }
+
+    static Weights weights(T t) noexcept {
+        const T square = t * t, cube = square * t;
+        return {T(0.5) * (square + square - t - cube), T(1) - T(2.5) * square + T(1.5) * cube,
+                T(0.5) * t + (square + square) - T(1.5) * cube, T(0.5) * (cube - square)};
+    }
+
+    reference::Vector<T> force_at(std::size_t sample) const noexcept {
+        const Stored* force = forces_.data() + 3 * sample;
+        return {T(to_float(force[0])), T(to_float(force[1])), T(to_float(force[2]))};
+    }
+
+    VolumeGrid grid_;
+    std::vector<Stored> forces_;
+    reference::Vector<T> origin_;
+    T inverse_; /* 1/m */
+};
+
+} // namespace forceshade::study::error_time

@@ -1,0 +1,210 @@
+#include "host/study/findings/error_time_ways.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <optional>
+
+#include <fmt/format.h>
+
+namespace forceshade::study {
+namespace {
+
+using Row = std::size_t;
+
+// What a row must be.
+struct Way {
+    std::string family, precision;
+    bool prefix = false; // of the family
+};
+
+bool is(const Table& points, Row row, const Way& way) {
+    const std::string family = points.word(row, "family");
+    return (way.prefix ? family.starts_with(way.family) : family == way.family) &&
+           points.word(row, "precision") == way.precision;
+}
+
+// "bump, 64 facets, shaded" of "bump, 64 facets, shaded: direct f64"
+std::string law_of(const Table& points, Row row) {
+    const std::string name = points.word(row, "contender");
+    return name.substr(0, name.find(':'));
+}
+
+// Rows of the same law, one of each way.
+std::vector<std::pair<Row, Row>> pairs(const Table& points, const Way& one, const Way& other) {
+    std::vector<std::pair<Row, Row>> result;
+    for (Row row = 0; row < points.rows.size(); ++row)
+        for (Row with = 0; with < points.rows.size(); ++with)
+            if (is(points, row, one) && is(points, with, other) && law_of(points, row) == law_of(points, with))
+                result.emplace_back(row, with);
+    return result;
+}
+
+double value(const Table& points, Row row, std::string_view column) {
+    return points.number(row, column).value_or(NAN);
+}
+
+double median(std::vector<double> values) {
+    if (values.empty())
+        return NAN;
+    std::sort(values.begin(), values.end());
+    const std::size_t half = values.size() / 2;
+    return values.size() % 2 ? values[half] : (values[half - 1] + values[half]) / 2;
+}
+
+// Of the pairs: a column of the first over that of the second.
+double median_ratio(const Table& points, const std::vector<std::pair<Row, Row>>& of, std::string_view column) {
+    std::vector<double> ratios;
+    for (const auto& [one, other] : of)
+        ratios.push_back(value(points, one, column) / value(points, other, column));
+    return median(std::move(ratios));
+}
+
+Row largest(const Table& points, const std::vector<std::pair<Row, Row>>& of, std::string_view column) {
+    return std::ranges::max_element(of, {}, [&](const auto& one) { return value(points, one.first, column); })->first;
+}
+
+// "1.3 times as dear as", "half the price of": in words that follow the number.
+std::string against(double ratio) {
+    if (ratio < 0.95)
+        return fmt::format("takes {:.2g} times the time of", ratio);
+    if (ratio > 1.05)
+        return fmt::format("takes {:.2g} times as long as", ratio);
+    return "takes as long as";
+}
+
+// The look-up of a surface that is the closest to what it reads, and the direct evaluation of the same.
+void add_lookup(std::vector<Finding>& findings, const Table& points) {
+    std::vector<std::string> done;
+    for (Row row = 0; row < points.rows.size(); ++row) {
+        const std::string law = law_of(points, row);
+        if (points.word(row, "family") != "look-up, trilinear" || std::ranges::find(done, law) != done.end())
+            continue;
+        done.push_back(law);
+        Row finest = row;
+        for (Row other = 0; other < points.rows.size(); ++other)
+            if (law_of(points, other) == law && is(points, other, {"look-up, trilinear", "f32"}) &&
+                value(points, other, "spacing_m") < value(points, finest, "spacing_m"))
+                finest = other;
+        const double ratio = value(points, finest, "own_time_ratio");
+        std::string text =
+            fmt::format("Reading \"{}\" from a trilinear volume of {:g} mm ({:.2g} MB) {} evaluating it directly in "
+                        "f64, and is {:.2g}° RMS off that",
+                        law, value(points, finest, "spacing_m") * 1e3, value(points, finest, "volume_bytes") * 1e-6,
+                        against(ratio), value(points, finest, "reference_direction_rms_deg"));
+        text += ratio < 0.95 ? "." : ": here a volume saves nothing.";
+        findings.push_back({"lookup_" + points.word(row, "surface"), text});
+    }
+}
+
+void add_tricubic(std::vector<Finding>& findings, const Table& points) {
+    std::vector<double> times, errors;
+    for (Row one = 0; one < points.rows.size(); ++one)
+        for (Row other = 0; other < points.rows.size(); ++other)
+            if (is(points, one, {"look-up, tricubic", "f32"}) && is(points, other, {"look-up, trilinear", "f32"}) &&
+                law_of(points, one) == law_of(points, other) &&
+                points.number(one, "spacing_m") == points.number(other, "spacing_m")) {
+                times.push_back(value(points, one, "time_ratio") / value(points, other, "time_ratio"));
+                errors.push_back(value(points, one, "reference_vector_rms_1") /
+                                 value(points, other, "reference_vector_rms_1"));
+            }
+    if (times.empty())
+        return;
+    const double error = median(errors);
+    findings.push_back(
+        {"tricubic",
+         fmt::format("Tricubic look-up {} trilinear at the same spacing, and its error is {:.2g} times as large: {}.",
+                     against(median(times)), error,
+                     error > 1     ? "edges, not curvature, are what a volume gets wrong"
+                     : error > 0.5 ? "it is hardly worth its price"
+                                   : "it pays off")});
+}
+
+void add_precision(std::vector<Finding>& findings, const Table& points) {
+    const auto singles = pairs(points, {"direct", "f32"}, {"direct", "f64"});
+    const auto halves = pairs(points, {"direct", "f32, half output"}, {"direct", "f64"});
+    if (singles.empty())
+        return;
+    std::vector<double> errors;
+    for (const auto& [one, other] : singles)
+        errors.push_back(value(points, one, "reference_vector_rms_1"));
+    const Row worst = largest(points, singles, "reference_direction_max_deg");
+    findings.push_back(
+        {"single_precision",
+         fmt::format("Single precision {} double on the CPU (median of {} laws) and is {:.2g} of the force off it, "
+                     "RMS; the worst direction is "
+                     "{:.2g}° off, of \"{}\".",
+                     against(median_ratio(points, singles, "time_ratio")), singles.size(), median(errors),
+                     value(points, worst, "reference_direction_max_deg"), law_of(points, worst))});
+    if (halves.empty())
+        return;
+    const Row half = largest(points, halves, "reference_vector_max_1");
+    findings.push_back(
+        {"half_output",
+         fmt::format("Half output {} double, and is at most {:.2g} of the force off it ({:.2g}°).",
+                     against(median_ratio(points, halves, "time_ratio")), value(points, half, "reference_vector_max_1"),
+                     value(points, half, "reference_direction_max_deg"))});
+}
+
+void add_kernel(std::vector<Finding>& findings, const StudyData& data, const Table& points) {
+    const auto kernels = pairs(points, {"field, kernel", "f32"}, {"field, CPU on one thread", "f32"});
+    const auto doubles = pairs(points, {"field, kernel", "f64"}, {"field, CPU on one thread", "f64"});
+    if (kernels.empty())
+        return;
+    std::string text = fmt::format(
+        "The kernel on {} ({} cores{}) {} the CPU oracle over the same grid on one thread in f32", data.device,
+        data.cores, data.software ? ", a software device" : "", against(median_ratio(points, kernels, "time_ratio")));
+    if (!doubles.empty())
+        text += fmt::format(", and {} it in f64", against(median_ratio(points, doubles, "time_ratio")));
+    double off = 0;
+    for (const auto& [one, other] : kernels)
+        off = std::max(off, std::abs(value(points, one, "reference_vector_max_1") -
+                                     value(points, other, "reference_vector_max_1")));
+    text +=
+        off == 0 ? "; both are equally far from double." : fmt::format("; their largest errors differ by {:.2g}.", off);
+    findings.push_back({"kernel", text});
+}
+
+void add_god_object(std::vector<Finding>& findings, const Table& points) {
+    const auto both = pairs(points, {"god-object", "f64"}, {"direct", "f64"});
+    if (both.empty())
+        return;
+    const double ratio = median_ratio(points, both, "time_ratio");
+    const double error = median_ratio(points, both, "direction_rms_deg");
+    const bool alike = std::abs(error - 1) < 0.05;
+    findings.push_back(
+        {"god_object",
+         fmt::format("Along strokes on a mesh the god-object {} the static field (median of {} laws), with {}.",
+                     against(ratio), both.size(),
+                     alike ? fmt::format("the same direction error within {:.2g} %", 100 * std::abs(error - 1))
+                           : fmt::format("{:.2g} times its direction error", error))});
+}
+
+void add_loop(std::vector<Finding>& findings, const Table& points) {
+    const auto steps = pairs(points, {"closed loop, CPU on one thread", "f64"}, {"direct", "f64"});
+    const auto singles =
+        pairs(points, {"closed loop, CPU on one thread", "f32"}, {"closed loop, CPU on one thread", "f64"});
+    if (steps.empty() || singles.empty())
+        return;
+    const Row worst = largest(points, singles, "reference_vector_max_1");
+    findings.push_back(
+        {"closed_loop", fmt::format("A step of a closed loop, hand and metrics included, {} a direct evaluation "
+                                    "(median of {} laws); in f32 the "
+                                    "force of a step is at most {:.2g} of itself off the same step in f64, of \"{}\".",
+                                    against(median_ratio(points, steps, "time_ratio")), steps.size(),
+                                    value(points, worst, "reference_vector_max_1"), law_of(points, worst))});
+}
+
+} // namespace
+
+void add_ways(std::vector<Finding>& findings, const StudyData& data) {
+    const Table& points = data.table("points");
+    add_lookup(findings, points);
+    add_tricubic(findings, points);
+    add_god_object(findings, points);
+    add_kernel(findings, data, points);
+    add_precision(findings, points);
+    add_loop(findings, points);
+}
+
+} // namespace forceshade::study
