@@ -89,7 +89,9 @@ double rise(double radius, double x) {
     return std::sqrt((radius - x) * (radius + x));
 }
 
-std::shared_ptr<SceneMesh> prepared(PolygonSoup block) {
+std::shared_ptr<SceneMesh> prepared(PolygonSoup block, const glm::dvec3& shift = glm::dvec3(0)) {
+    for (glm::dvec3& vertex : block.vertices)
+        vertex += shift;
     auto mesh = std::make_shared<SceneMesh>();
     mesh->findings = inspect(block);
     mesh->mesh = prepare_mesh(std::move(block), MeshPlacement{}, VertexNormals::plain);
@@ -98,9 +100,10 @@ std::shared_ptr<SceneMesh> prepared(PolygonSoup block) {
 
 } // namespace
 
-std::shared_ptr<const SceneMesh> bump_mesh(const BumpMesh& bump) {
-    const double foot = rise(bump.radius, bump.half_width); /* m */
-    auto mesh = prepared(block_under(bump, [&](double x) { return rise(bump.radius, x) - foot; }));
+std::shared_ptr<const SceneMesh> bump_mesh(const BumpMesh& bump, const glm::dvec3& shift) {
+    const double a = bump.half_width, foot = rise(bump.radius, a); /* m */
+    auto mesh =
+        prepared(block_under(bump, [&](double x) { return (a - x) * (a + x) / (rise(bump.radius, x) + foot); }), shift);
     StructureOptions options;
     options.solid = is_solid(mesh->findings);
     mesh->structure = build_structure(mesh->mesh, options);

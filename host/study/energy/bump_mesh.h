@@ -18,8 +18,9 @@ struct BumpMesh {
 };
 
 /// A block whose top, over |x| <= 1.5 a and |y| <= a, lies on the circle of G1 (z = 0 at |x| = a); diagonals from
-/// (i, j) to (i + 1, j + 1). Deeper than wide, so that the top is what a probe below it is nearest to.
-std::shared_ptr<const SceneMesh> bump_mesh(const BumpMesh& bump);
+/// (i, j) to (i + 1, j + 1). Deeper than wide, so that the top is what a probe below it is nearest to. Moved by
+/// `shift`, m.
+std::shared_ptr<const SceneMesh> bump_mesh(const BumpMesh& bump, const glm::dvec3& shift = glm::dvec3(0));
 
 /// The same block with a flat top at z = 0, whose vertices have the circle's normals (those at |x| = a beyond it): the
 /// flat plane, force shaded by interpolation. R may be as small as a.

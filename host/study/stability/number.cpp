@@ -1,11 +1,156 @@
 #include "host/study/stability/number.h"
 
-namespace forceshade::study {
+#include <algorithm>
+#include <cmath>
 
-std::vector<Step> number_steps(StudyRun&) {
-    return {};
+#include <fmt/format.h>
+
+#include "host/study/energy/rows.h"
+#include "host/study/error_time/angle.h"
+#include "host/study/stability/number_cases.h"
+#include "host/study/stability/number_error.h"
+#include "host/study/stability/promises.h"
+
+namespace forceshade::study {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr double kLeastShown = 1e-17; /* errors of 0 are shown there */
+
+const std::vector<Column> kColumns{
+    {"surface", "", "Surface and shading; bump and mesh have 8 facets or cells where nothing else is said."},
+    {"axis", "", "Which parameter is varied; all others are plain."},
+    {"value", "unit of the axis", "Its value."},
+    {"value_shown", "unit of the axis", "The value, but 1e-4 for an origin of 0, for logarithmic axes."},
+    {"precision", "",
+     "f32: the engine in single precision against the oracle in double; f64: the engine in double "
+     "against closed forms and plain loops in extended precision."},
+    {"series", "", "Surface and precision."},
+    {"error", "1", "Largest error of a voxel's force, over the largest force."},
+    {"error_shown", "1", "The same, but no less than 1e-17, for logarithmic axes."},
+    {"predicted", "1", "What the conditions' formulas give for it, summed."},
+    {"of_predicted", "1", "Error over prediction."},
+    {"bound", "1", "The bound that validate holds to, coordinates rounded too; none of meshes."},
+    {"direction_deg", "deg", "Largest angle between force and true force, where it is not below a thousandth."},
+    {"off_voxels", "1", "Share of the voxels that are off by more than 1e-6 of the largest force."},
+    {"step_error", "1", "Largest error of the difference of two neighbours along x, over the largest such difference."},
+    {"step_predicted", "1", "What the formulas give for it."},
+    {"condition", "", "The rounding that weighs most in the prediction."},
+    {"refused", "", "Why there is no field; empty: there is."}};
+
+Json row_json(const NumberCase& one, const char* precision, const NumberErrors& errors) {
+    Json row{{"surface", one.surface}, {"axis", one.axis}, {"value", one.value}};
+    row["value_shown"] = one.axis == "origin" ? std::max(one.value, 1e-4) : one.value;
+    row["precision"] = precision;
+    row["series"] = fmt::format("{}, {}", one.surface, precision);
+    row["refused"] = errors.refused;
+    if (!errors.refused.empty())
+        return row;
+    const auto number = [](double value) { return std::isfinite(value) ? Json(value) : Json(); };
+    row["error"] = number(errors.force);
+    row["error_shown"] = number(std::max(errors.force, kLeastShown));
+    row["predicted"] = number(errors.predicted);
+    row["of_predicted"] = number(errors.force / errors.predicted);
+    row["direction_deg"] = number(errors.direction / kDegree);
+    row["off_voxels"] = errors.share_off;
+    if (errors.bound >= 0)
+        row["bound"] = number(errors.bound);
+    if (errors.step >= 0) {
+        row["step_error"] = number(errors.step);
+        row["step_predicted"] = number(errors.predicted_step);
+    }
+    row["condition"] = errors.condition;
+    return row;
 }
 
-void add_number(StudyData&, const std::vector<nlohmann::ordered_json>&) {}
+Json rows_of(Engine& engine, const std::string& surface, const std::string& axis, bool quick) {
+    constexpr double kMostLooped = 1e5; /* facets that a referee loops over for each column */
+    Json rows = Json::array();
+    for (const double value : number_values(surface, axis, quick)) {
+        const NumberCase one = number_case(surface, axis, value);
+        rows.push_back(row_json(one, "f32", single_errors(engine, one)));
+        if (engine.report().f64 && !(axis == "facets" && value > kMostLooped))
+            rows.push_back(row_json(one, "f64", double_errors(engine, one)));
+    }
+    return rows;
+}
+
+Figure figure_of(const NumberAxis& axis) {
+    Figure figure;
+    figure.name = "number_" + axis.name;
+    figure.title = fmt::format("Error of the force over {}", axis.meaning);
+    figure.caption = "Largest error of a voxel's force over the largest force, each surface in single and double "
+                     "precision; dashed: what the formulas of the conditions let one expect. A point that is missing "
+                     "has no force in that precision. Errors of 0 are shown at 1e-17.";
+    figure.kind = FigureKind::scatter;
+    figure.table = "number";
+    figure.where = {{"axis", axis.name}};
+    figure.x = {"value_shown", axis.label, true};
+    figure.y = {"error_shown", "largest error / largest force", true};
+    figure.series = "series";
+    figure.joined = true;
+    return figure;
+}
+
+void add_curves(const Table& number, Figure& figure, const std::string& axis) {
+    std::vector<std::string> known;
+    for (std::size_t row = 0; row < number.rows.size(); ++row) {
+        const std::string series = number.word(row, "series");
+        if (number.word(row, "axis") != axis || !number.number(row, "predicted") || std::ranges::count(known, series))
+            continue;
+        known.push_back(series);
+        figure.curves.push_back(
+            {"number", {{"axis", axis}, {"series", series}}, "value_shown", "predicted", "expected: " + series, true});
+    }
+}
+
+Figure step_figure() {
+    Figure figure = figure_of(number_axes()[4]);
+    figure.name = "number_steps";
+    figure.title = "Error of the difference of neighbours over the spacing of the samples";
+    figure.caption = "Forces stay good however fine the grid is; what is lost is the difference of two neighbours, "
+                     "as soon as the spacing comes near the spacing of the numbers themselves, u |x|. At 1 nothing "
+                     "of it is left.";
+    figure.y = {"step_error", "error of a difference / largest difference", true};
+    return figure;
+}
+
+} // namespace
+
+std::vector<Step> number_steps(StudyRun& run) {
+    std::vector<Step> steps;
+    const bool quick = run.options().quick;
+    for (const std::string& surface : number_surfaces())
+        for (const NumberAxis& axis : number_axes()) {
+            if (number_values(surface, axis.name, quick).empty())
+                continue;
+            std::string name = fmt::format("number-{}-{}", surface, axis.name);
+            std::ranges::replace_if(
+                name, [](char c) { return c == ' ' || c == ','; }, '-');
+            steps.push_back(
+                {name, [&run, surface, axis, quick] { return rows_of(run.engine(), surface, axis.name, quick); }});
+        }
+    return steps;
+}
+
+void add_number(StudyData& data, const std::vector<Json>& results) {
+    Table number{"number", "Where a precision leaves the truth", kColumns, {}};
+    for (const Json& result : results)
+        for (const Json& row : result)
+            number.rows.push_back(row_of(kColumns, row));
+    data.tables.push_back(promises_table(number));
+    data.tables.push_back(promised_table(data.tables.back()));
+    for (const NumberAxis& axis : number_axes()) {
+        Figure figure = figure_of(axis);
+        add_curves(number, figure, axis.name);
+        data.figures.push_back(std::move(figure));
+    }
+    data.figures.push_back(step_figure());
+    data.tables.push_back(std::move(number));
+    data.notes.push_back("Ranges of precision are those that were tried: an error between two tried values is taken "
+                         "for that of neither. A voxel that lies on an edge to within rounding may have either "
+                         "facet's force; the samples here avoid edges.");
+}
 
 } // namespace forceshade::study

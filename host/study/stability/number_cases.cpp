@@ -1,0 +1,212 @@
+#include "host/study/stability/number_cases.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "host/reference/contact.h"
+#include "host/study/energy/bump_mesh.h"
+
+namespace forceshade::study {
+namespace {
+
+constexpr double kHalfWidth = 0.0127;  /* a, m */
+constexpr double kWavelength = 0x1p-6; /* m: of the sine; a power of two, so that whole ones add up without error */
+constexpr double kPressed = 0.001;     /* m: how deep fine grids lie */
+constexpr std::uint64_t kColumns = 41, kRows = 9;
+constexpr double kShare = 0.2937; /* of a: where fine grids lie; no vertex is near */
+
+/// What a case is made of.
+struct Setting {
+    double ratio = 2; /* R / a */
+    std::uint32_t facets = 8;
+    double stiffness = 1000; /* N/m */
+    double origin = 0;       /* m */
+    double spacing = 0;      /* m; 0: over the whole bump */
+    double depth = 0;        /* m; 0: from the rim down to 2 mm */
+};
+
+double& part_of(Setting& setting, const std::string& axis) {
+    return axis == "radius_ratio" ? setting.ratio
+           : axis == "stiffness"  ? setting.stiffness
+           : axis == "origin"     ? setting.origin
+           : axis == "spacing"    ? setting.spacing
+                                  : setting.depth;
+}
+
+Scene surface_of(const std::string& surface, const Setting& setting) {
+    Scene scene;
+    scene.surface.width = 2 * kHalfWidth;
+    scene.surface.radius = setting.ratio * kHalfWidth;
+    scene.surface.facets = setting.facets;
+    scene.force.stiffness = setting.stiffness;
+    if (surface == "bump, shaded")
+        scene.force.shading = Shading::reference;
+    if (surface == "cylinder bump")
+        scene.surface.kind = SurfaceKind::cylinder_bump;
+    if (surface == "height map") {
+        scene.surface.kind = SurfaceKind::height_map;
+        scene.force.shading = Shading::height_map;
+        scene.surface.map.function = MapFunction::sine;
+        scene.surface.map.width = kWavelength;
+        scene.surface.map.height = 0.001;
+    }
+    if (surface == "height map, cylinder") {
+        scene.surface.kind = SurfaceKind::height_map;
+        scene.force.shading = Shading::height_map;
+        scene.surface.map.width = 2 * kHalfWidth;
+        scene.surface.map.radius = setting.ratio * kHalfWidth;
+    }
+    if (surface == "mesh")
+        scene.surface.kind = SurfaceKind::mesh;
+    scene.output.channels = layout::kChannelForce;
+    return scene;
+}
+
+double rise(double radius, double x) {
+    return std::sqrt((radius - x) * (radius + x));
+}
+
+double circle_height(double ratio, double x) {
+    const double radius = ratio * kHalfWidth;
+    return (kHalfWidth - x) * (kHalfWidth + x) / (rise(radius, x) + rise(radius, kHalfWidth));
+}
+
+/// The nominal surface above x, m.
+double height_of(const std::string& surface, const Setting& setting, double x) {
+    if (surface == "cylinder bump")
+        return circle_height(setting.ratio, x);
+    if (surface == "mesh") {
+        const double cell = 2 * kHalfWidth / setting.facets, left = std::floor(x / cell) * cell;
+        return std::lerp(circle_height(setting.ratio, left), circle_height(setting.ratio, left + cell),
+                         (x - left) / cell);
+    }
+    if (!surface.starts_with("bump"))
+        return 0;
+    const FieldTables<double> tables = make_tables<double>(surface_of(surface, setting), {}, Extent::what_varies);
+    return reference::facet_at(tables.law(), x).height;
+}
+
+struct Box {
+    double low[2], high[2]; /* x, z; m */
+    std::uint64_t columns = kColumns, rows = kRows;
+};
+
+GridSpec grid_of(const Box& box, double y) {
+    GridSpec grid;
+    grid.size = {box.columns, 1, box.rows};
+    grid.origin = {box.low[0], y, box.low[1]};
+    const auto step = [](double low, double high, std::uint64_t count) {
+        return count > 1 ? (high - low) / static_cast<double>(count - 1) : kHalfWidth;
+    };
+    grid.spacing = {step(box.low[0], box.high[0], box.columns), kHalfWidth, step(box.low[1], box.high[1], box.rows)};
+    return grid;
+}
+
+/// Which samples a case has, at the origin.
+std::vector<Box> boxes_of(const std::string& surface, const Setting& setting) {
+    if (setting.depth > 0) {
+        std::vector<Box> boxes;
+        for (const double share : {-0.8371, -0.4613, kShare, 0.5519, 0.9033}) {
+            const double x = share * kHalfWidth, z = height_of(surface, setting, x) - setting.depth;
+            boxes.push_back({{x, z}, {x, z}, 1, 1});
+        }
+        return boxes;
+    }
+    if (setting.spacing > 0) {
+        const double x = kShare * kHalfWidth, z = height_of(surface, setting, x) - kPressed;
+        return {{{x, z}, {x + setting.spacing * static_cast<double>(kColumns - 1), z}, kColumns, 1}};
+    }
+    const double top = surface.starts_with("height map") ? -0.0001 : 0.9 * circle_height(setting.ratio, 0);
+    return {{{-0.9131 * kHalfWidth, -0.00193}, {0.8873 * kHalfWidth, top}}};
+}
+
+/// A whole number of wavelengths from the origin.
+double far_away(const std::string& surface, double distance) {
+    return surface == "height map" ? std::round(distance / kWavelength) * kWavelength : distance;
+}
+
+PreparedCase prepared_of(const std::string& surface, const Setting& setting, const Box& box, double away) {
+    PreparedCase prepared;
+    prepared.one.scene = surface_of(surface, setting);
+    GridSpec grid = grid_of(box, 0.0371 * kHalfWidth);
+    const bool moves = surface == "mesh";
+    if (moves)
+        prepared.images.mesh =
+            bump_mesh({kHalfWidth, setting.ratio * kHalfWidth, setting.facets, 4, MeshCells::triangles},
+                      glm::dvec3(away, away, away));
+    grid.origin[0] += away;
+    grid.origin[1] += moves ? away : 0;
+    grid.origin[2] += moves ? away : 0;
+    prepared.one.scene.grid = grid;
+    if (moves)
+        prepared.one.scene.force.shading = Shading::mean_value;
+    return prepared;
+}
+
+void add_decades(std::vector<double>& values, int from, int to, int by) {
+    for (int decade = from; decade <= to; decade += by)
+        values.push_back(std::stod("1e" + std::to_string(decade)));
+}
+
+} // namespace
+
+const std::vector<NumberAxis>& number_axes() {
+    static const std::vector<NumberAxis> axes{
+        {"radius_ratio", "1", "radius R / half width a", 2, "radius over half width of the cylinder"},
+        {"facets", "1", "facets n, or cells of a mesh", 8, "facets, or cells of the mesh over the bump's width"},
+        {"stiffness", "N/m", "stiffness K / (N/m)", 1000, "stiffness, with penetrations of millimetres"},
+        {"origin", "m", "distance from the origin / m", 0, "distance of the samples, and of a mesh, from the origin"},
+        {"spacing", "m", "spacing of the grid / m", 1e-4, "spacing of the samples along x"},
+        {"depth", "m", "penetration / m", 1e-3, "penetration alone, on the bump"}};
+    return axes;
+}
+
+const std::vector<std::string>& number_surfaces() {
+    static const std::vector<std::string> surfaces{"bump",       "bump, shaded",         "cylinder bump",
+                                                   "height map", "height map, cylinder", "mesh"};
+    return surfaces;
+}
+
+std::vector<double> number_values(const std::string& surface, const std::string& axis, bool quick) {
+    const bool faceted = surface.starts_with("bump"), mesh = surface == "mesh";
+    std::vector<double> values;
+    if (axis == "radius_ratio" && surface != "height map") {
+        values = mesh ? std::vector<double>{1.6} : std::vector<double>{1, 1 + 1e-6, 1.1};
+        values.insert(values.end(), {2, 10});
+        add_decades(values, 2, 12, quick ? 5 : 1);
+    } else if (axis == "facets" && faceted) {
+        values = {1, 2, 8, 64};
+        add_decades(values, 3, 7, quick ? 2 : 1);
+    } else if (axis == "facets" && mesh) {
+        values = quick ? std::vector<double>{2, 8, 128} : std::vector<double>{2, 8, 32, 128, 512, 2048};
+    } else if (axis == "stiffness") {
+        add_decades(values, -45, 45, quick ? 15 : 3);
+        values.insert(std::ranges::upper_bound(values, 1000), 3000);
+    } else if (axis == "origin" && (mesh || surface == "height map")) {
+        values = {0};
+        add_decades(values, quick ? 0 : -3, 6, quick ? 3 : 1);
+    } else if (axis == "spacing") {
+        add_decades(values, -12, 0, quick ? 4 : 1);
+    } else if (axis == "depth") {
+        add_decades(values, -12, -2, quick ? 5 : 1);
+    }
+    return values;
+}
+
+NumberCase number_case(const std::string& surface, const std::string& axis, double value) {
+    Setting setting;
+    if (axis == "facets")
+        setting.facets = static_cast<std::uint32_t>(value);
+    else
+        part_of(setting, axis) = value;
+    const double away = far_away(surface, setting.origin);
+    NumberCase result{surface, axis, value, {}};
+    for (const Box& box : boxes_of(surface, setting)) {
+        result.fields.push_back({prepared_of(surface, setting, box, away), std::nullopt});
+        if (away != 0)
+            result.fields.back().home = prepared_of(surface, setting, box, 0);
+    }
+    return result;
+}
+
+} // namespace forceshade::study
