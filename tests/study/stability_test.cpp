@@ -215,6 +215,25 @@ TEST(LoopFindings, LeastSurfaceIsNamed) {
     EXPECT_TRUE(says(finding(data, "loop_delay"), "33.4 %")) << finding(data, "loop_delay");
 }
 
+TEST(LoopFindings, ShadingIsComparedWithItsAbsence) {
+    const auto point = [](double damping, double measured) {
+        return Json{{"mass", 0.1},        {"damping", damping},   {"rate", 1000},
+                    {"delay", 0},         {"measured", measured}, {"wall", measured},
+                    {"linear", measured}, {"passive", measured},  {"flutter", nullptr}};
+    };
+    const auto surface = [](const char* name, const Json& points) {
+        return Json{{"limits", name}, {"title", name}, {"flat", false}, {"own", nullptr}, {"points", points}};
+    };
+    StudyData data;
+    add_loop(data, {surface("bump", {point(1, 1769), point(10, 17922)}),
+                    surface("bump-shaded", {point(1, 1183), point(10, 1190)})});
+    EXPECT_EQ(finding(data, "loop_shading_bump"),
+              "Shading the bump lowers its limit from 17922 N/m to 1190 N/m at 10 N s/m; from 1 to 10 N s/m it rises "
+              "1.01 times with shading, 10.1 times without: damping helps little against it.");
+    alter(data, "bump-shaded", "measured_N_per_m", 20);
+    EXPECT_TRUE(says(finding(data, "loop_shading_bump"), "raises its limit from 17922 N/m to 23800 N/m"));
+}
+
 TEST(LoopFindings, MapsCountWhatIsForeseen) {
     StudyData data = sample();
     EXPECT_TRUE(says(finding(data, "loop_maps"), "Of 6 loops")) << finding(data, "loop_maps");

@@ -149,11 +149,11 @@ std::string about_shading(const std::vector<Limit>& limits, const std::string& b
     const double share = more.measured / without.back().measured;
     std::string text =
         fmt::format("Shading the {} {} its limit from {} to {} at {:.4g} N s/m", bare, share < 1 ? "lowers" : "raises",
-                    "from", without.back().measured, more.measured, more.damping);
+                    newton_per_metre(without.back().measured), newton_per_metre(more.measured), more.damping);
     if (with.size() > 1)
         text += fmt::format("; from {:.4g} to {:.4g} N s/m it rises {:.3g} times with shading, {:.3g} times without{}",
                             less.damping, more.damping, rises, bare_rises,
-                            rises < 0.5 * bare_rises ? ": damping does not help against it" : "");
+                            rises < 0.5 * bare_rises ? ": damping helps little against it" : "");
     return text + ".";
 }
 

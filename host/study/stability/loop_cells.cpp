@@ -89,14 +89,17 @@ private:
     std::vector<glm::dvec3> low_, high_;
 };
 
-LoopState state_of(const LoopOutcome& outcome, double spread, double quantum) {
+// `creep`, m/s: so slow that in a quarter of the time it comes nowhere.
+LoopState state_of(const LoopOutcome& outcome, double creep, double spread, double quantum) {
     constexpr double kDecays = 0.75; // of the speed in the second quarter
     constexpr double kQuanta = 1.5;  // between one and two
     if (outcome.left)
         return LoopState::unstable;
     if (outcome.at_rest || outcome.late < kDecays * outcome.early)
         return LoopState::stable;
-    if (quantum > 0 && spread < 0.5 * quantum) // it creeps, and no measurement tells
+    const bool unmeasured = quantum > 0 && spread < 0.5 * quantum; // it creeps, and no measurement tells
+    const bool creeps = !(quantum > 0) && outcome.late < outcome.early && outcome.late < creep;
+    if (unmeasured || creeps)
         return LoopState::stable;
     return quantum > 0 && spread < kQuanta * quantum ? LoopState::chatter : LoopState::limit_cycle;
 }
@@ -119,6 +122,8 @@ std::vector<LoopOutcome> run_as(Engine& engine, const LoopPlace& place, const st
         input, [&](const layout::PathChunk<T>& chunk) { spread.take(chunk); },
         [&](std::size_t first, std::span<const layout::PathMetrics<T>> metrics) {
             constexpr double kRest = std::is_same_v<T, double> ? 1e-6 : 1e-3; // of the speed that the disturbance makes
+            constexpr double kNowhere = 0.1;                                  // of the disturbance
+            const auto steps = static_cast<double>(run.steps);
             for (std::size_t i = 0; i < metrics.size(); ++i) {
                 const LoopCell& cell = cells[first + i];
                 LoopOutcome& outcome = outcomes[first + i];
@@ -128,7 +133,8 @@ std::vector<LoopOutcome> run_as(Engine& engine, const LoopPlace& place, const st
                 const double quick =
                     run.disturbance * place.depth * std::min(std::sqrt(cell.stiffness / cell.hand.mass), cell.rate);
                 outcome.at_rest = outcome.late <= kRest * quick;
-                outcome.state = state_of(outcome, spread.of(first + i), cell.hand.quantisation);
+                const double creep = kNowhere * run.disturbance * place.depth * cell.rate / (0.25 * steps);
+                outcome.state = state_of(outcome, creep, spread.of(first + i), cell.hand.quantisation);
             }
         });
     return outcomes;

@@ -16,8 +16,9 @@ struct LoopCell {
 };
 
 /// What a loop comes to. stable: its largest speed in the last quarter of the time is less than 3/4 of that in the
-/// second, or nothing beside the disturbance, or the measured position does not change any more. unstable: it left its
-/// bound. limit_cycle: neither. chatter: a limit cycle in which the measured position goes no further than one quantum.
+/// second, or nothing beside the disturbance, or falls and is too slow to come a tenth of the disturbance in that
+/// quarter, or the measured position does not change any more. unstable: it left its bound. limit_cycle: neither.
+/// chatter: a limit cycle in which the measured position goes no further than one quantum.
 enum class LoopState { stable, chatter, limit_cycle, unstable };
 
 const char* word_of(LoopState state);

@@ -31,13 +31,18 @@ std::string held_values(const Json& map) {
     return text;
 }
 
+// Rounding or friction is along its side, or a hand that rounds was given.
+bool is_rounded(const Json& map) {
+    const auto along = [&](LoopAxis axis) { return axis_words(map.at("y")).name == words_of(axis).name; };
+    return along(LoopAxis::quantum) || along(LoopAxis::friction) ||
+           map.at("nominal").at(static_cast<std::size_t>(LoopAxis::quantum)).get<double>() > 0;
+}
+
 std::string caption_of(const Json& map) {
     std::string text = fmt::format("Each cell is a loop of its own, pressed into the {} and pushed off its place; held "
                                    "fixed: {}. ",
                                    map.at("title").get<std::string>(), held_values(map));
-    const bool rounded = axis_words(map.at("y")).name == words_of(LoopAxis::quantum).name ||
-                         axis_words(map.at("y")).name == words_of(LoopAxis::friction).name;
-    if (rounded)
+    if (is_rounded(map))
         return text + "Left of the curves for damping and for friction every loop is to come to rest; right of the "
                       "latter positions chatter between two quanta, which friction no longer holds.";
     return text +
@@ -58,7 +63,8 @@ Figure map_figure(const Json& map) {
     figure.y = axis_of(map.at("y"));
     figure.value = "state";
     figure.value_label = "comes to";
-    figure.value_words = {"stable", "one quantum", "limit cycle", "unstable"};
+    figure.value_words = is_rounded(map) ? std::vector<std::string>{"stable", "one quantum", "limit cycle", "unstable"}
+                                         : std::vector<std::string>{"stable", "limit cycle", "unstable"};
     for (const Json& curve : map.at("curves"))
         figure.curves.push_back({"loop_curves",
                                  {{"map", map.at("map").get<std::string>()}, {"curve", curve.at("name")}},
@@ -88,8 +94,8 @@ Figure bearing_figure(const Json& point) {
     Figure figure;
     figure.name = "loop-limits";
     figure.title = "What stiffness each surface bears";
-    figure.caption = fmt::format("The limit found by paths over damping, with {} kg at {} Hz, and the wall's closed "
-                                 "forms. A wall bears in proportion to damping; a surface whose shaded direction turns "
+    figure.caption = fmt::format("The limit found by paths over damping, with {} kg at {} Hz. A wall bears in "
+                                 "proportion to damping; a surface whose shaded direction turns "
                                  "with the place may bear far less, or no more for any damping.",
                                  point.at("mass").get<double>(), point.at("rate").get<double>());
     figure.table = "loop_limits";
@@ -99,6 +105,7 @@ Figure bearing_figure(const Json& point) {
     figure.x = {"damping_N_s_per_m", "damping / (N s/m)", true};
     figure.y = {"measured_N_per_m", "largest stable stiffness / (N/m)", true};
     figure.series = "series";
+    figure.joined = true;
     return figure;
 }
 
@@ -114,7 +121,9 @@ std::vector<std::string> loop_notes(const std::vector<Json>& results) {
         "friction. "
         "It is stable if its largest speed in the last quarter of the time is below 3/4 of that in the second, or "
         "below "
-        "a millionth of the disturbance's, or if the measured position does not change any more; unstable if it comes "
+        "a millionth of the disturbance's, or falls and is too slow to come a tenth of the disturbance in that "
+        "quarter, "
+        "or if the measured position does not change any more; unstable if it comes "
         "further than three depths from its place (a force that comes late is not there in the first sample, and twice "
         "the swing that this makes is allowed beyond); else a limit cycle, and if the measured position goes no "
         "further "

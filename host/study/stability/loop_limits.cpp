@@ -1,7 +1,9 @@
 #include "host/study/stability/loop_limits.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <tuple>
 #include <utility>
 
 #include <fmt/format.h>
@@ -90,6 +92,9 @@ std::vector<LoopCell> plane_cells(const LoopPlace& place, bool quick) {
                 if (rate != 1000 || (damping != 1 && damping != 5)) // which the table has
                     cells.push_back(cell_of(place, 0.1, damping, rate, delay));
     }
+    std::ranges::stable_sort(cells, {}, [](const LoopCell& cell) {
+        return std::tuple(cell.hand.delay_samples, cell.rate, cell.hand.mass, cell.hand.damping);
+    });
     return cells;
 }
 

@@ -65,7 +65,7 @@ void refuse_dead_hand(const Scene& scene) {
 
 LoopPlace scene_place(const PreparedCase& given) {
     // Of the region's length: where the scene names no place, off ridges and bottoms.
-    constexpr std::array<double, 3> kAside{0.25, 0.1, 0};
+    const std::array<double, 3> shares = given.images.mesh ? std::array{0.1, 0.25, 0.0} : std::array{0.25, 0.1, 0.0};
     const Scene& scene = given.one.scene;
     refuse_dead_hand(scene);
     PathsSpec paths = scene.paths.value_or(PathsSpec{});
@@ -86,7 +86,7 @@ LoopPlace scene_place(const PreparedCase& given) {
     const double length = std::max(region.length, region.width);
     place.depth = depth_of(paths, scene.force.stiffness, length);
     const double reach = 2 * std::max(length, place.depth);
-    for (const double aside : kAside) {
+    for (const double aside : shares) {
         const double x = region.centre[0] + (paths.centre ? 0 : aside * region.length), y = region.centre[1];
         if (const auto height = surface_height(place.prepared, x, y, region.height - reach, region.height + reach)) {
             place.rest = {x, y, *height - place.depth};
