@@ -88,7 +88,9 @@ void add_facets(std::vector<Finding>& findings, const StudyData& data) {
         for (const std::size_t row :
              rows_where(points, {{"family", "direct"}, {"precision", "f64"}, {"shading", shading}})) {
             const auto facets = points.number(row, "facets");
-            if (facets && points.number(row, "direction_rms_deg").value_or(INFINITY) <= 1 &&
+            const bool touches =
+                points.number(row, "contact_differs").value_or(0) <= 0.01 * points.number(row, "places").value_or(0);
+            if (facets && touches && points.number(row, "direction_rms_deg").value_or(INFINITY) <= 1 &&
                 (!best || *facets < points.number(*best, "facets")))
                 best = row;
         }
