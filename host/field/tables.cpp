@@ -182,9 +182,10 @@ std::vector<std::string> omissions(const Scene& scene) {
         left_out.push_back("texture");
     if (features.surface == layout::kSurfaceMesh && features.map == layout::kMapNone)
         left_out.push_back("tilted normals");
-    if (features.surface == layout::kSurfaceMesh && features.inside != layout::kInsideWinding)
+    // Paths never have these.
+    if (scene.field && features.surface == layout::kSurfaceMesh && features.inside != layout::kInsideWinding)
         left_out.push_back("winding number");
-    if (features.surface == layout::kSurfaceMesh)
+    if (scene.field && features.surface == layout::kSurfaceMesh)
         left_out.push_back("blocks of free space");
     if (features.map != layout::kMapSamples && features.texture != layout::kMapSamples)
         left_out.push_back("sampled height maps");
@@ -195,7 +196,7 @@ std::vector<std::string> omissions(const Scene& scene) {
     channel(layout::kChannelDepth, "depth channel");
     channel(layout::kChannelFacet, "facet channel");
     channel(layout::kChannelProxy, "proxy channel");
-    if (scene.field) // paths never have it
+    if (scene.field) // likewise
         channel(layout::kChannelUnshaded, "unshaded channel");
     if (scene.field && !depends_on_y(features) && scene.grid.size[1] > 1)
         left_out.push_back(fmt::format("{} of {} y samples, alike", scene.grid.size[1] - 1, scene.grid.size[1]));

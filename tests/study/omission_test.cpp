@@ -49,6 +49,24 @@ TEST(Omission, IsWhatTheManifestsSay) {
     EXPECT_FALSE(agrees_with_manifest(wrong));
 }
 
+// Paths have neither a winding number nor blocks nor unshaded forces: nothing of that is left out.
+TEST(Omission, OfPathsIsMeasuredInEitherLoop) {
+    for (const char* drive : {"depth = \"1 mm\"", "press = \"1 N\""}) {
+        const std::string text = std::string("[paths]\n") + drive + "\n";
+        const PreparedCase given = CasePreparation().prepare(parse_scene(text, "test"));
+        const BaseScene base = user_scene(given, true);
+        const Table omitted = omitted_table({base}, comparisons_of(base, false));
+        EXPECT_GT(omitted.rows.size(), 4u);
+        for (std::size_t row = 0; row < omitted.rows.size(); ++row)
+            EXPECT_NE(omitted.word(row, "feature"), "not measured") << omitted.word(row, "omitted");
+    }
+    Scene mesh;
+    mesh.surface.kind = SurfaceKind::mesh;
+    const std::size_t of_fields = omissions(mesh).size();
+    mesh.field = false;
+    EXPECT_EQ(omissions(mesh).size(), of_fields - 3);
+}
+
 TEST(Omission, SwitchesEachFeatureOnceInAScene) {
     for (const BaseScene& base : own_scenes(true)) {
         std::set<std::string> features;
@@ -92,6 +110,10 @@ TEST_F(OnTheOracle, NoFeatureChangesWhatItDoesNotConcern) {
             const Unchanged unchanged = held(one);
             EXPECT_EQ(unchanged.differing, 0u) << base.name << ": " << one.feature;
             EXPECT_GT(unchanged.compared, 100u) << base.name << ": " << one.feature;
+            if (one.force != Agreement::none) {
+                EXPECT_GT(unchanged.in_contact, 1000u) << base.name << ": " << one.feature;
+                EXPECT_TRUE(one.paths || unchanged.in_contact < unchanged.compared) << base.name << ": " << one.feature;
+            }
         }
 }
 
@@ -166,7 +188,12 @@ StudyData sample() {
         for (Json& value : with["kernel_s"])
             value = ratio * value.get<double>();
         with["received"] = ratio * 9000;
-        results.push_back({{"with", with}, {"without", side}, {"compared", 1000}, {"differing", 0}, {"largest", 0.0}});
+        results.push_back({{"with", with},
+                           {"without", side},
+                           {"compared", 1000},
+                           {"in_contact", 500},
+                           {"differing", 0},
+                           {"largest", 0.0}});
     }
     StudyData data;
     data.study = "omission";
@@ -231,7 +258,7 @@ TEST(OmissionFindings, SayWhatChanged) {
     EXPECT_TRUE(has(finding(data, "specialised"), "nothing that can be told"));
     set(data, "flat texture", "kernel_verdict", std::string("saves"));
     set(data, "flat texture", "kernel_ratio", 1.2);
-    EXPECT_TRUE(has(finding(data, "specialised"), "1.20 to 1.20 times the kernel time, for the same forces"));
+    EXPECT_TRUE(has(finding(data, "specialised"), "costs 1.20 times the kernel time, for the same forces"));
     EXPECT_TRUE(has(finding(data, "control"), "between 1.000 and 1.000"));
     data.tables.pop_back();
     EXPECT_THROW(omission_findings(data), DataError);
@@ -254,7 +281,8 @@ TEST(OmissionTables, TellEffectsFromTheSpread) {
                      {"samples", 1}};
         Json side = without;
         side["kernel_s"] = with;
-        return Json{{"with", side}, {"without", without}, {"compared", 1}, {"differing", 0}, {"largest", 0.0}};
+        return Json{{"with", side},    {"without", without}, {"compared", 1},
+                    {"in_contact", 1}, {"differing", 0},     {"largest", 0.0}};
     };
     const auto verdict = [&](std::vector<double> control, std::vector<double> with) {
         return features_table(comparisons, {result(control), result(with)}).word(1, "kernel_verdict");

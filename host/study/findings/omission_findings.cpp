@@ -126,17 +126,18 @@ Finding costs(const Table& table) {
 }
 
 Finding unchanged(const Table& table) {
-    double compared = 0;
+    double compared = 0, in_contact = 0;
     Rows changed;
     for (std::size_t row = 0; row < table.rows.size(); ++row) {
         compared += table.number(row, "compared").value_or(0);
+        in_contact += table.number(row, "in_contact").value_or(0);
         if (table.number(row, "differing").value_or(0) > 0)
             changed.push_back(row);
     }
     if (changed.empty())
         return {"unchanged", fmt::format("Switching a feature changes nothing that it does not concern: 0 of {:.0f} "
-                                         "samples differ in {} comparisons.",
-                                         compared, table.rows.size())};
+                                         "samples differ in {} comparisons, {:.0f} of them in contact.",
+                                         compared, table.rows.size(), in_contact)};
     std::vector<std::string> parts;
     for (const std::size_t row : changed)
         parts.push_back(fmt::format("{} in {:.0f} of {:.0f} samples", name_of(table, row),
@@ -178,7 +179,9 @@ void add_specialised(const Table& table, std::vector<Finding>& findings) {
         return table.word(row, "feature") == kFlat && table.word(row, "kernel_verdict") != "within the spread";
     });
     const double most = *table.number(rows.front(), "kernel_ratio"), least = *table.number(rows.back(), "kernel_ratio");
-    const std::string range = fmt::format("{} to {} times the kernel time", number(least), number(most));
+    const std::string range = rows.size() > 1
+                                  ? fmt::format("{} to {} times the kernel time", number(least), number(most))
+                                  : fmt::format("{} times the kernel time", number(most));
     findings.push_back(
         {"specialised",
          all("saves")

@@ -280,14 +280,16 @@ private:
         if (base_.field)
             return;
         add_control();
+        const std::size_t first = made_.size();
+        add_shading();
+        add_textures();
+        add_samples();
         // In closed loop a probe goes where the force lets it.
-        if (!scene().paths->closed()) {
-            add_shading();
-            TextureSpec texture = usual_texture(base_.prepared, TextureEffect::force);
-            const Agreement tangential = is_mesh(scene()) ? Agreement::contact : Agreement::along_z;
-            add_texture("texture", "a sine of 12 waves", tangential, texture);
-            add_samples();
-        }
+        if (scene().paths->closed())
+            for (std::size_t i = first; i < made_.size(); ++i) {
+                made_[i].force = Agreement::nothing;
+                made_[i].channels = 0;
+            }
         add_channel("depth", kDepth);
         add_channel("facet", kFacet);
         add_channel("proxy", kProxy);

@@ -28,7 +28,8 @@ enum class Agreement {
     magnitude, /* |F| to rounding: only the direction is the feature's */
     along_z,   /* F_z bit for bit: the feature is tangential */
     contact,   /* zero or not, sample by sample */
-    none,
+    none,      /* what paths add up to is compared in its place, bit for bit */
+    nothing,   /* nor that: the feature concerns everything */
 };
 
 /// The feature of a comparison whose sides are alike.

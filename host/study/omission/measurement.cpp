@@ -73,13 +73,22 @@ template <typename T> struct Measured {
     }
 };
 
+// Channels that both sides are looked at with. Where those that are written do not suffice, all of them, so that few
+// kernels are compiled for it.
+std::uint32_t looked_at(const Comparison& one) {
+    const std::uint32_t needed =
+        one.channels | (one.unshaded_is_force ? std::uint32_t(layout::kChannelUnshaded) : std::uint32_t(0));
+    if ((needed & ~one.without.prepared.one.scene.output.channels) == 0)
+        return needed;
+    return needed | layout::kChannelDepth | layout::kChannelFacet | layout::kChannelUnshaded;
+}
+
 template <typename T>
 Json measure_in(Engine& engine, Engine* layered, const Comparison& comparison, const Rounds& rounds,
                 const std::filesystem::path& folder) {
     Measured<T> with{make_side<T>(comparison.with, comparison.paths), comparison.with.layers ? *layered : engine};
     Measured<T> without{make_side<T>(comparison.without, comparison.paths), engine};
-    const std::uint32_t channels =
-        comparison.channels | (comparison.unshaded_is_force ? std::uint32_t(layout::kChannelUnshaded) : 0);
+    const std::uint32_t channels = looked_at(comparison);
     // Also compiles the kernels and warms the caches.
     const Captured<T> with_result = with.side->capture(with.engine, channels);
     const Captured<T> without_result = without.side->capture(without.engine, channels);
@@ -99,6 +108,7 @@ Json measure_in(Engine& engine, Engine* layered, const Comparison& comparison, c
     Json result{{"with", with.json()},
                 {"without", without.json()},
                 {"compared", unchanged.compared},
+                {"in_contact", unchanged.in_contact},
                 {"differing", unchanged.differing},
                 {"largest", unchanged.largest}};
     if (!comparison.paths && !comparison.with.god_object) {

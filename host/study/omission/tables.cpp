@@ -63,7 +63,7 @@ const std::vector<Column>& feature_columns() {
         {"kernel_verdict", "",
          "what leaving it out does to the kernel's time: saves or costs where the quartiles of the ratio are on one "
          "side of 1 and the median is further from it than 2 % and than that with nothing switched; same kernel: the "
-         "feature is the host's"},
+         "feature is the host's; control: nothing was switched"},
         {"whole_ns_with", "ns", "time a sample by the clock, planning and tables included, median"},
         {"whole_ns_without", "ns", "the same without it"},
         {"whole_ratio", "1", "time by the clock with over without in the same round, median"},
@@ -82,6 +82,7 @@ const std::vector<Column>& feature_columns() {
         {"file_ratio", "1", "size of the file, with over without"},
         {"same", "", "what must be the same with and without it"},
         {"compared", "1", "samples compared"},
+        {"in_contact", "1", "samples of them with a force"},
         {"differing", "1", "samples of them that are not the same"},
         {"largest_deviation", "1", "of magnitudes that must agree to rounding, relative; else empty"}};
     return columns;
@@ -107,7 +108,7 @@ std::vector<Cell> feature_row(const Comparison& one, const Json& result, double 
         const Quartiles ratio = ratio_of_sides(result, key);
         for (const double value : {ratio.middle, ratio.low, ratio.high})
             add(value);
-        row.push_back(verdict(ratio, floor));
+        row.push_back(one.feature == kControl ? "control" : verdict(ratio, floor));
     };
     add_times(with);
     add_times(without);
@@ -132,6 +133,7 @@ std::vector<Cell> feature_row(const Comparison& one, const Json& result, double 
     row.push_back(ratio_of(with.value("file", 0.0), without.value("file", 0.0)));
     row.push_back(what_is_compared(one));
     row.push_back(cell(result.at("compared").get<double>()));
+    row.push_back(cell(result.at("in_contact").get<double>()));
     row.push_back(cell(result.at("differing").get<double>()));
     row.push_back(one.force == Agreement::magnitude ? cell(result.at("largest").get<double>()) : Cell());
     return row;
@@ -173,7 +175,10 @@ Table omitted_table(const std::vector<BaseScene>& scenes, const std::vector<Comp
                 "What the manifests say was left out",
                 {{"scene", "", "which scene"},
                  {"omitted", "", "as its manifest calls it"},
-                 {"feature", "", "the feature that measures what this saves there; not measured: none does"}},
+                 {"feature", "",
+                  "the feature that measures what this saves there; not measured: none does; cannot be switched: such "
+                  "surfaces never "
+                  "have it"}},
                 {}};
     for (const BaseScene& base : scenes)
         for (const std::string& phrase : omissions(base.prepared.one.scene)) {
@@ -181,8 +186,12 @@ Table omitted_table(const std::vector<BaseScene>& scenes, const std::vector<Comp
                 return one.scene == base.name && one.omitted == phrase;
             };
             const auto found = std::ranges::find_if(comparisons, measures);
-            table.rows.push_back(
-                {base.name, phrase, found == comparisons.end() ? std::string("not measured") : found->feature});
+            const bool cannot =
+                phrase == "shading" && base.prepared.one.scene.surface.kind == SurfaceKind::cylinder_bump;
+            table.rows.push_back({base.name, phrase,
+                                  found != comparisons.end() ? found->feature
+                                  : cannot                   ? std::string("cannot be switched")
+                                                             : std::string("not measured")});
         }
     return table;
 }

@@ -44,6 +44,7 @@ bool agree(Agreement agreement, const std::vector<T>& a, const std::vector<T>& b
         return off <= kMagnitudeRounding<T>;
     }
     case Agreement::none:
+    case Agreement::nothing:
         return true;
     }
     return false;
@@ -54,6 +55,8 @@ bool agree(Agreement agreement, const std::vector<T>& a, const std::vector<T>& b
 template <typename T>
 Unchanged compare(const Comparison& comparison, const Captured<T>& with, const Captured<T>& without) {
     Unchanged result;
+    if (comparison.force == Agreement::nothing)
+        return result;
     const std::size_t samples = std::min(with.force.size(), without.force.size()) / 3;
     result.compared = samples;
     const auto of = [&](std::uint32_t channel) { return (comparison.channels & channel) != 0; };
@@ -66,6 +69,7 @@ Unchanged compare(const Comparison& comparison, const Captured<T>& with, const C
                           (!comparison.paths || same_bits(with.position, without.position, i, 3)) &&
                           (!comparison.unshaded_is_force || same_bits(with.unshaded, without.force, i, 3));
         result.differing += !same;
+        result.in_contact += magnitude(without.force, i) > 0;
     }
     // What a path adds up to is the same whatever is written of it.
     if (!with.metrics.empty() && (comparison.force == Agreement::bits || comparison.force == Agreement::none)) {
@@ -95,6 +99,8 @@ std::string what_is_compared(const Comparison& comparison) {
             return "whether there is a force";
         case Agreement::none:
             return "what each path adds up to";
+        case Agreement::nothing:
+            return "";
         }
         return "";
     };
@@ -108,6 +114,8 @@ std::string what_is_compared(const Comparison& comparison) {
     for (const auto& [channel, name] : kNames)
         if (comparison.channels & channel)
             parts.push_back(name);
+    if (comparison.force == Agreement::nothing)
+        return "nothing: in closed loop the feature moves the probe";
     if (comparison.paths && comparison.force != Agreement::none)
         parts.push_back("positions");
     if (comparison.unshaded_is_force)

@@ -8,9 +8,10 @@
 namespace forceshade::study {
 
 struct Unchanged {
-    std::uint64_t compared = 0;  /* samples */
-    std::uint64_t differing = 0; /* of them, those with something that had to be the same and was not */
-    double largest = 0;          /* 1: of |F|, relative, where magnitudes were compared */
+    std::uint64_t compared = 0;   /* samples */
+    std::uint64_t in_contact = 0; /* of them, those with a force */
+    std::uint64_t differing = 0;  /* of them, those with something that had to be the same and was not */
+    double largest = 0;           /* 1: of |F|, relative, where magnitudes were compared */
 };
 
 /// Every sample of the captured fields, by what the comparison says must be the same.
