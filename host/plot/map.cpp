@@ -107,18 +107,17 @@ std::size_t draw_cells(Sheet& sheet, const Map& map, const ColourScale& colours)
     for (std::size_t i = 0; i < map.rows.size(); ++i) {
         if (!map.placed(i))
             continue;
-        const Box box = map.box(i);
+        constexpr double kOver = 0.4; // px: a little larger, so that no seams show between cells
+        const Box box = map.box(i), filled{box.x, box.y, box.width + kOver, box.height + kOver};
         const std::string text = map.rows.size() <= kMostTooltips ? tooltip(map, i) : std::string();
         if (!map.value.values[i] || (map.words.empty() && !colours.has(*map.value.values[i]))) {
             draw_empty_cell(sheet.svg, box, text);
             ++empty;
         } else if (map.words.empty()) {
-            // A little larger, so that no seams show between cells.
-            sheet.svg.rect({box.x, box.y, box.width + 0.4, box.height + 0.4}, "v", text,
-                           fmt::format(" fill=\"{}\"", colours.colour(*map.value.values[i])));
+            sheet.svg.rect(filled, "v", text, fmt::format(" fill=\"{}\"", colours.colour(*map.value.values[i])));
         } else {
             const auto word = static_cast<std::size_t>(std::ranges::find(map.words, map.word(i)) - map.words.begin());
-            sheet.svg.rect(box, "v", text, word_fill(sheet.id, word));
+            sheet.svg.rect(filled, "v", text, word_fill(sheet.id, word));
         }
     }
     return empty;

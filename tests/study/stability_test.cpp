@@ -104,6 +104,27 @@ TEST(MeasuredLimit, OfThePlaneAndTheDip) {
                 1, 1e-3);
 }
 
+// A probe slides off a shaded bump whatever the damping: its grip against K d / R.
+TEST(MeasuredLimit, OfTheShadedBumpIsStatic) {
+    const LoopPlace& bump = own("bump-shaded");
+    const auto expected = linear_limit(linear_loop(bump, damped(bump, 10).hand, 1000), 1, 1e5);
+    EXPECT_NEAR(measured_limit(engine(), bump, damped(bump, 10)).value() / expected.value(), 1, 1e-3);
+    const auto softer = linear_limit(linear_loop(bump, damped(bump, 2).hand, 1000), 1, 1e5);
+    EXPECT_NEAR(softer.value() / expected.value(), 1, 1e-6);
+}
+
+TEST(LoopCells, MeshIsTheWallOfItsFacet) {
+    const LoopPlace& mesh = own("mesh");
+    const double limit = linear_limit(linear_loop(mesh, damped(mesh, 10).hand, 1000), 1, 1e6).value();
+    EXPECT_NEAR(limit / wall_limit(damped(mesh, 10)), 1, 0.01);
+    LoopRun run;
+    run.patience = 120;
+    const auto outcomes =
+        run_cells(engine(), mesh, {damped(mesh, 10, 0.95 * limit), damped(mesh, 10, 1.05 * limit)}, run);
+    EXPECT_EQ(outcomes[0].state, LoopState::stable);
+    EXPECT_NE(outcomes[1].state, LoopState::stable);
+}
+
 TEST(LoopCells, StatesOfThePlane) {
     const LoopPlace& plane = own("plane");
     const double limit = wall_limit(damped(plane, 5));
@@ -133,6 +154,10 @@ Json sample_map() {
     const LoopMap map{
         "plane-damping", {LoopAxis::stiffness, 1000, 4000, 3}, {LoopAxis::damping, 5, 10, 2}, damped(plane, 1), {}};
     return map_result(engine(), plane, map);
+}
+
+TEST(LoopMaps, SameEachTime) {
+    EXPECT_EQ(sample_map().dump(), sample_map().dump());
 }
 
 TEST(LoopMaps, CellsCurvesAndWhatIsForeseen) {

@@ -63,7 +63,7 @@ Figure map_figure(const Json& map) {
     figure.y = axis_of(map.at("y"));
     figure.value = "state";
     figure.value_label = "comes to";
-    figure.value_words = is_rounded(map) ? std::vector<std::string>{"stable", "one quantum", "limit cycle", "unstable"}
+    figure.value_words = is_rounded(map) ? std::vector<std::string>{"stable", "limit cycle", "unstable", "one quantum"}
                                          : std::vector<std::string>{"stable", "limit cycle", "unstable"};
     for (const Json& curve : map.at("curves"))
         figure.curves.push_back({"loop_curves",
@@ -135,8 +135,11 @@ std::vector<std::string> loop_notes(const std::vector<Json>& results) {
         "between two quanta, the worst case.",
     };
     for (const Json& result : results)
-        if (result.contains("hand")) {
-            notes.push_back(result.at("hand"));
+        if (result.contains("precision")) {
+            notes.push_back(
+                fmt::format("Paths were taken in {} precision.", result.at("precision").get<std::string>()));
+            if (result.contains("hand"))
+                notes.push_back(result.at("hand"));
             break;
         }
     return notes;

@@ -146,6 +146,7 @@ std::vector<LoopCell> limit_cells(const LoopPlace& place, bool quick) {
 Json limits_result(Engine& engine, const LoopPlace& place, const std::vector<LoopCell>& cells) {
     Json result{{"limits", place.name}, {"title", place.title}, {"flat", place.flat}, {"points", Json::array()}};
     result["own"] = or_null(place.stiffness > 0 ? std::optional(place.stiffness) : std::nullopt);
+    result["precision"] = engine.report().f64 ? "double" : "single";
     if (place.stiffness > 0)
         result["hand"] = fmt::format(
             "Loops are those of the scene, around its own values: {:.4g} N/m, {:.4g} kg, {:.4g} N s/m, {:.4g} Hz, "
