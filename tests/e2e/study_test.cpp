@@ -152,11 +152,12 @@ TEST_P(EveryStudy, is_whole_and_computes_nothing_again) {
     EXPECT_EQ(differences(before, tree_of(path(folder))), std::set<std::string>{}) << "all steps were kept";
 }
 
-INSTANTIATE_TEST_SUITE_P(All, EveryStudy, ::testing::Values("energy", "omission"), [](const auto& study) {
-    std::string name = study.param;
-    std::ranges::replace(name, '-', '_');
-    return name;
-});
+INSTANTIATE_TEST_SUITE_P(All, EveryStudy, ::testing::Values("error-time", "stability", "energy", "omission"),
+                         [](const auto& study) {
+                             std::string name = study.param;
+                             std::ranges::replace(name, '-', '_');
+                             return name;
+                         });
 
 // A scene of the user's own, small enough to be run often.
 class SceneStudy : public Study {
