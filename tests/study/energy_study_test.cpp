@@ -4,10 +4,12 @@
 
 #include <gtest/gtest.h>
 
+#include "host/error.h"
 #include "host/study/energy/closed_forms.h"
 #include "host/study/energy/curl_maps.h"
 #include "host/study/energy/loop_cases.h"
 #include "host/study/energy/loop_paths.h"
+#include "host/study/energy/scene_loops.h"
 #include "host/study/energy/scenes.h"
 #include "host/study/energy/tables.h"
 #include "host/study/findings/energy_findings.h"
@@ -78,6 +80,35 @@ TEST(LoopRows, OfTheShadedPlaneAsMeshComeToTheLawsFigures) {
     const auto engine = oracle();
     for (const LoopCase& one : plane_mesh_loops(1400, 128))
         EXPECT_LT(loop_row(one, *engine)["closed_form_difference"].get<double>(), 1e-5) << one.scheme;
+}
+
+PreparedCase scene(const std::string& text) {
+    return CasePreparation().prepare(parse_scene(text, "scene.toml"));
+}
+
+TEST(SceneLoops, TakeEachSchemeOfASurface) {
+    const auto engine = oracle();
+    const PreparedCase bump = scene("[surface]\nkind = \"bump\"\nfacets = 1\nradius = \"1000 mil\"\n[force]\n"
+                                    "stiffness = \"500 N/m\"\n[paths]\ndepth = \"2 mm\"\ndepth_back = \"1 mm\"\n");
+    const std::vector<LoopCase> loops = scene_loops(bump);
+    EXPECT_EQ(loops.size(), 12u);
+    for (const LoopCase& one : loops) {
+        const Json row = loop_row(one, *engine);
+        if (one.loop == "half" && one.scheme == "shaded") {
+            // To the rim as in closed form, and back from there over the plane beside it.
+            const BumpLoop whole{500, 0.0254, kHalfWidth, 0.002, 0.001};
+            const double beside = 0.5 * 500 * (4e-6 - 1e-6) * (1 - std::sqrt(1 - 0.25));
+            EXPECT_NEAR(row["work_mJ"].get<double>(), 1e3 * (shaded_plane_work(whole) + beside), 1e-9);
+        }
+        if (one.scheme == "facets") {
+            EXPECT_LT(std::abs(row["eta"].get<double>()), 1e-12) << "a plane";
+        }
+    }
+    EXPECT_EQ(scene_curl_maps(bump, 21).size(), 6u);
+}
+
+TEST(SceneLoops, WithoutRoomAreRefused) {
+    EXPECT_THROW(scene_loops(scene("[surface]\nkind = \"bump\"\n[paths]\nlength = \"0 mm\"\n")), UsageError);
 }
 
 TEST(LoopPaths, CloseAndMeetBothSidesOfABreak) {
@@ -197,6 +228,20 @@ TEST(EnergyFindings, SayWhichSchemesAreConservative) {
     for (auto& cells : loops.rows)
         cells[loops.index("eta")] = 0.1;
     EXPECT_NE(finding(data, "conservative").find("No scheme"), std::string::npos);
+}
+
+TEST(EnergyFindings, OfASceneNameLeastAndMost) {
+    StudyData data = sample();
+    EXPECT_EQ(finding(data, "scene"), "");
+    data.tables.resize(1);
+    const Table& loops = data.tables[0];
+    for (auto& cells : data.tables[0].rows)
+        cells[loops.index("loop")] = std::string("half");
+    const std::string first = finding(data, "scene");
+    EXPECT_NE(first.find("triangles none has the least"), std::string::npos) << first;
+    EXPECT_NE(first.find("shaded has the most: a loop gives 24 %"), std::string::npos) << first;
+    data.tables[0].rows[0][loops.index("eta")] = -0.5;
+    EXPECT_NE(finding(data, "scene").find("takes at least 50 %"), std::string::npos);
 }
 
 } // namespace

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include <fmt/ranges.h>
 
@@ -14,7 +15,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::size_t kMapColumns = 54, kMapRows = 27; /* cells of a map in the table, at most */
+constexpr std::size_t kMapColumns = 81, kMapRows = 40; /* cells of a map in the table, at most */
 
 template <typename T> SectionField evaluated_in(Engine& engine, const PreparedCase& prepared) {
     const Scene& scene = prepared.one.scene;
@@ -92,13 +93,24 @@ Summary summary_of(const CurlMap& map, const SectionField& field, const std::vec
     return summary;
 }
 
+/// Means over blocks, so that the circulation round a cell is its value times its area: x, z, curl / K.
 Json cells_of(const SectionField& field, const std::vector<double>& curl, double stiffness) {
     Json cells = Json::array();
     const std::size_t across = stride(field.x.size(), kMapColumns), up = stride(field.z.size(), kMapRows);
-    for (std::size_t k = up / 2; k < field.z.size(); k += up)
-        for (std::size_t i = across / 2; i < field.x.size(); i += across)
-            if (const double value = curl[field.at(i, k)]; !std::isnan(value))
-                cells.push_back({field.x[i], field.z[k], value / stiffness});
+    for (std::size_t k = 0; k + up <= field.z.size(); k += up)
+        for (std::size_t i = 0; i + across <= field.x.size(); i += across) {
+            double sum = 0;
+            std::size_t count = 0;
+            for (std::size_t at = 0; at < up * across; ++at)
+                if (const double value = curl[field.at(i + at % across, k + at / across)]; !std::isnan(value)) {
+                    sum += value;
+                    ++count;
+                }
+            if (2 * count >= up * across)
+                cells.push_back({std::midpoint(field.x[i], field.x[i + across - 1]),
+                                 std::midpoint(field.z[k], field.z[k + up - 1]),
+                                 sum / static_cast<double>(count) / stiffness});
+        }
     return cells;
 }
 

@@ -5,7 +5,7 @@
 namespace forceshade::study {
 namespace {
 
-constexpr double kCurlShown = 1; /* of K */
+constexpr double kCurlShown = 0.5; /* of K */
 
 Figure scatter(std::string name, std::string title, const char* caption, FigureAxis x, FigureAxis y) {
     Figure figure;
@@ -61,6 +61,20 @@ std::vector<Figure> loop_figures() {
     return figures;
 }
 
+std::vector<Figure> scene_figures() {
+    Figure bars;
+    bars.name = "eta_bars";
+    bars.title = "Energy that a loop gives, by scheme";
+    bars.caption = "The share of the effort that a round gives back below the scene's surface; below 0 a round takes "
+                   "energy from the hand whichever way it goes. Effort is the integral of |F dl|.";
+    bars.kind = FigureKind::bars;
+    bars.table = "loops";
+    bars.x = {"scheme", "scheme"};
+    bars.y = {"eta", "gained energy / effort"};
+    bars.series = "loop";
+    return {bars};
+}
+
 std::vector<Figure> curl_figures(const std::vector<nlohmann::ordered_json>& maps) {
     std::vector<Figure> figures;
     for (const nlohmann::ordered_json& map : maps) {
@@ -70,9 +84,9 @@ std::vector<Figure> curl_figures(const std::vector<nlohmann::ordered_json>& maps
         figure.name = "curl_" + name.substr(0, name.size() - 4);
         figure.title = fmt::format("Curl of the force: {}", title);
         figure.caption =
-            "A section across the bump; colour is curl_y / K wherever the probe touches. Without colour a loop gives "
+            "A section of x and z; colour is curl_y / K wherever the probe touches. Without colour a loop gives "
             "no energy; the work round a loop is the sum of the curl inside it. All maps share a scale that ends at "
-            "1. A line is a jump of the force: its value depends on the spacing.";
+            "0.5. A line is a jump of the force: its value depends on the spacing.";
         figure.kind = FigureKind::map;
         figure.table = "curl";
         figure.where = {{"map", title}};

@@ -155,7 +155,10 @@ Json loop_row(const LoopCase& one, Engine& engine) {
     const bool by_samples = on_mesh && !one.god_object; // the engine's paths on meshes are the god-object's
     const std::vector<LoopPlaces> loops = by_samples ? std::vector<LoopPlaces>() : both_ways(one);
     const BothWays found = one.god_object ? mean_of(oracle_work(one.prepared, loops)) : static_work(one, law);
-    Json row{{"surface", one.surface}, {"scheme", one.scheme}, {"facets", one.facets ? Json(one.facets) : Json()}};
+    Json row{{"surface", one.surface},
+             {"scheme", one.scheme},
+             {"loop", one.loop},
+             {"facets", one.facets ? Json(one.facets) : Json()}};
     row["radius_mil"] = one.radius_mil > 0 ? Json(one.radius_mil) : Json();
     row["work_mJ"] = found.forth / kMilli;
     row["work_back_mJ"] = found.back / kMilli;

@@ -15,10 +15,11 @@
 namespace forceshade::study {
 
 struct LoopCase {
-    std::string surface;   /* as the table has it: "bump", "mesh of triangles" */
-    std::string scheme;    /* what tells curves apart: "bump, unshaded" */
-    unsigned facets = 0;   /* or cells, over the bump's width; 0: smooth */
-    double radius_mil = 0; /* R, mil; 0: none */
+    std::string surface;       /* as the table has it: "bump", "mesh of triangles" */
+    std::string scheme;        /* what tells curves apart: "bump, unshaded" */
+    std::string loop = "half"; /* "half": from the middle to one side; "whole": from side to side */
+    unsigned facets = 0;       /* or cells, over the bump's width; 0: smooth */
+    double radius_mil = 0;     /* R, mil; 0: none */
     PreparedCase prepared;
     std::vector<Section> sections;                    /* loops at several y; their work is averaged */
     double out = 0.002, back = 0.001;                 /* m: vertical depths of the two legs */

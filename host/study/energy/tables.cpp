@@ -23,6 +23,9 @@ const std::vector<Column> kLoopColumns{
      "Schemes that figures show together: of the bump's own facets, of meshes by the nearest place, of "
      "meshes by the god-object."},
     {"scheme", "", "How force is made of the surface; rows of one scheme differ in facets and radius."},
+    {"loop", "",
+     "half: from the middle to one side; whole: from side to side, where a symmetric surface gives back what "
+     "it takes."},
     {"facets", "1", "Facets of the bump, or cells of the mesh over its width; none: smooth."},
     {"radius_mil", "mil", "Radius of the cylinder."},
     {"work_mJ", "mJ", "Work on the probe out at depth d1 and back at d2; a mean over the lines of a mesh."},
@@ -225,13 +228,14 @@ Table front_table(const Table& loops) {
 }
 
 Table curl_table(const std::vector<Json>& maps) {
-    Table table{"curl",
-                "Curl of the force in sections of x and z",
-                {{"map", "", "Which section."},
-                 {"x_mm", "mm", "Across the bump."},
-                 {"z_mm", "mm", "Up; the plane is z = 0."},
-                 {"curl_per_K", "1", "curl_y F = dF_x/dz - dF_z/dx over the stiffness."}},
-                {}};
+    Table table{
+        "curl",
+        "Curl of the force in sections of x and z",
+        {{"map", "", "Which section."},
+         {"x_mm", "mm", "Across the bump."},
+         {"z_mm", "mm", "Up; the plane is z = 0."},
+         {"curl_per_K", "1", "curl_y F = dF_x/dz - dF_z/dx over the stiffness, a mean over a cell of the map."}},
+        {}};
     for (const Json& map : maps)
         for (const Json& one : map.at("cells"))
             table.rows.push_back({map.at("map").get<std::string>(), cell(1e3 * one[0].get<double>()),

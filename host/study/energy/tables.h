@@ -25,6 +25,8 @@ Table curl_table(const std::vector<nlohmann::ordered_json>& maps);
 Table curl_maps_table(const std::vector<nlohmann::ordered_json>& maps);
 
 std::vector<Figure> loop_figures();
+/// Of a user's scene.
+std::vector<Figure> scene_figures();
 std::vector<Figure> curl_figures(const std::vector<nlohmann::ordered_json>& maps);
 
 } // namespace forceshade::study

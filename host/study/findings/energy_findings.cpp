@@ -121,7 +121,16 @@ void add_shading(const Table& loops, std::vector<Finding>& findings) {
                      after < kRounding ? "" : ", and not to 0: depth is read vertically")});
 }
 
-/// Schemes that have no more than rounding in any row.
+/// As good as 0: rounding, or what quadrature leaves of loops that give nothing by their closed form.
+double nothing(const Table& loops) {
+    double most = kRounding;
+    for (std::size_t row = 0; row < loops.rows.size(); ++row)
+        if (loops.has("closed_form_mJ") && loops.number(row, "closed_form_mJ") == 0.0)
+            most = std::max(most, 2 * loops.number(row, "closed_form_difference").value_or(0));
+    return most;
+}
+
+/// Schemes that have no more than that in any row.
 void add_conservative(const Table& loops, std::vector<Finding>& findings) {
     std::vector<std::string> order;
     std::map<std::string, double> largest;
@@ -131,20 +140,21 @@ void add_conservative(const Table& loops, std::vector<Finding>& findings) {
             order.push_back(scheme);
         largest[scheme] = std::max(largest[scheme], std::abs(loops.number(row, "eta").value_or(0)));
     }
+    if (order.empty())
+        return;
+    const double limit = nothing(loops);
     std::vector<std::string> none;
-    std::string most = order.empty() ? "" : order.front();
+    std::string most = order.front();
     for (const std::string& scheme : order) {
-        if (largest[scheme] < kRounding)
+        if (largest[scheme] < limit)
             none.push_back(scheme);
         if (largest[scheme] > largest[most])
             most = scheme;
     }
-    if (order.empty())
-        return;
     const std::string rest = fmt::format("the most, {:.2g} % of the effort, is that of {}", 100 * largest[most], most);
-    findings.push_back(
-        {"conservative", none.empty() ? fmt::format("No scheme here is conservative; {}.", rest)
-                                      : fmt::format("Conservative to rounding: {}; {}.", fmt::join(none, ", "), rest)});
+    findings.push_back({"conservative", none.empty() ? fmt::format("No scheme here is conservative; {}.", rest)
+                                                     : fmt::format("Conservative, to {:.1g} of the effort: {}; {}.",
+                                                                   limit, fmt::join(none, "; "), rest)});
 }
 
 /// Of the god-object: what its history takes or gives, beside the static field's.
@@ -196,12 +206,40 @@ void add_engine(const Table& loops, std::vector<Finding>& findings) {
                                                   largest, scheme)});
 }
 
+/// Without tables that compare at equal errors, as of a user's scene: who gives least and most round a loop over half.
+void add_scene(const StudyData& data, const Table& loops, std::vector<Finding>& findings) {
+    if (data.find("equal_error") || loops.rows.empty() || !loops.has("loop"))
+        return;
+    std::optional<std::size_t> least, most;
+    const auto eta = [&](std::size_t row) { return loops.number(row, "eta").value_or(0); };
+    for (std::size_t row = 0; row < loops.rows.size(); ++row) {
+        if (loops.word(row, "loop") != "half")
+            continue;
+        least = !least || eta(row) < eta(*least) ? row : *least;
+        most = !most || eta(row) > eta(*most) ? row : *most;
+    }
+    if (!least || *least == *most)
+        return;
+    const auto gives = [&](std::size_t row) {
+        const double value = eta(row);
+        return value < -nothing(loops)
+                   ? fmt::format("takes at least {:.2g} % of the effort whichever way it goes", -100 * value)
+               : value < nothing(loops) ? std::string("gives none")
+                                        : fmt::format("gives {:.2g} % of the effort", 100 * value);
+    };
+    findings.push_back(
+        {"scene", fmt::format("Of this scene's schemes {} has the least energy to give: a loop {}; {} has "
+                              "the most: a loop {}.",
+                              loops.word(*least, "scheme"), gives(*least), loops.word(*most, "scheme"), gives(*most))});
+}
+
 } // namespace
 
 std::vector<Finding> energy_findings(const StudyData& data) {
     std::vector<Finding> findings;
     const Table& loops = data.table("loops");
     add_least(data, findings);
+    add_scene(data, loops, findings);
     add_shading(loops, findings);
     add_conservative(loops, findings);
     add_history(loops, findings);
