@@ -92,6 +92,7 @@ Engine& engine() {
 LoopCell damped(const LoopPlace& place, double damping, double stiffness = 1) {
     LoopCell cell{place.hand, place.rate, stiffness};
     cell.hand.damping = damping;
+    cell.hand.grip_damping = 0;
     return cell;
 }
 
@@ -175,9 +176,11 @@ TEST(LoopMaps, CellsCurvesAndWhatIsForeseen) {
 StudyData sample() {
     const auto point = [](double mass, double damping, int delay, double measured, double wall, double linear,
                           const Json& flutter) {
-        return Json{{"mass", mass},     {"damping", damping},   {"rate", 1000},
-                    {"delay", delay},   {"measured", measured}, {"wall", wall},
-                    {"linear", linear}, {"flutter", flutter},   {"passive", 2000 * damping / (1 + 2 * delay)}};
+        return Json{{"mass", mass},         {"damping", damping},
+                    {"rate", 1000},         {"delay", delay},
+                    {"measured", measured}, {"wall", wall},
+                    {"linear", linear},     {"flutter", flutter},
+                    {"own", nullptr},       {"passive", 2000 * damping / (1 + 2 * delay)}};
     };
     const Json plane{
         {"limits", "plane"},
@@ -190,7 +193,6 @@ StudyData sample() {
     const Json dip{{"limits", "dip-shaded"},
                    {"title", "concave dip, shaded"},
                    {"flat", false},
-                   {"own", nullptr},
                    {"points", {point(0.1, 1, 0, 69.3, 2003.3, 69.26, 71.5)}}};
     StudyData data;
     add_loop(data, {plane, dip, sample_map()});
@@ -225,6 +227,17 @@ TEST(LoopFindings, PlaneKeepsItsPromiseOrNot) {
     EXPECT_TRUE(says(finding(data, "loop_plane"), "more than the 1 % that is promised"));
 }
 
+TEST(LoopFindings, ScenesOwnStiffnessIsJudged) {
+    StudyData data = sample();
+    EXPECT_EQ(finding(data, "loop_scene"), "");
+    for (Table& table : data.tables)
+        if (table.name == "loop_limits")
+            table.rows[0][table.index("own_N_per_m")] = cell(1000);
+    EXPECT_TRUE(says(finding(data, "loop_scene"), "its own 1000 N/m is 0.499 of that")) << finding(data, "loop_scene");
+    alter(data, "plane", "own_N_per_m", 4);
+    EXPECT_TRUE(says(finding(data, "loop_scene"), "its own 4000 N/m is 2 times too much"));
+}
+
 TEST(LoopFindings, LeastSurfaceIsNamed) {
     StudyData data = sample();
     EXPECT_TRUE(says(finding(data, "loop_surfaces"), "The concave dip, shaded gives way first, 28.9 times below"))
@@ -242,12 +255,12 @@ TEST(LoopFindings, LeastSurfaceIsNamed) {
 
 TEST(LoopFindings, ShadingIsComparedWithItsAbsence) {
     const auto point = [](double damping, double measured) {
-        return Json{{"mass", 0.1},        {"damping", damping},   {"rate", 1000},
-                    {"delay", 0},         {"measured", measured}, {"wall", measured},
-                    {"linear", measured}, {"passive", measured},  {"flutter", nullptr}};
+        return Json{{"mass", 0.1},          {"damping", damping}, {"rate", 1000},       {"delay", 0},
+                    {"measured", measured}, {"wall", measured},   {"linear", measured}, {"passive", measured},
+                    {"flutter", nullptr},   {"own", nullptr}};
     };
     const auto surface = [](const char* name, const Json& points) {
-        return Json{{"limits", name}, {"title", name}, {"flat", false}, {"own", nullptr}, {"points", points}};
+        return Json{{"limits", name}, {"title", name}, {"flat", false}, {"points", points}};
     };
     StudyData data;
     add_loop(data, {surface("bump", {point(1, 1769), point(10, 17922)}),
@@ -283,6 +296,17 @@ TEST(ScenePlace, IsTheScenesOwn) {
     EXPECT_NEAR(place.rest.z, -0.0005, 1e-12);
     EXPECT_NEAR(place.slope[2][2], 1, 1e-9);
     EXPECT_NEAR(place.force.z, 0.0005, 1e-12);
+}
+
+TEST(ScenePlace, LimitsAreAboutTheScenesOwn) {
+    const LoopPlace place = scene_place(prepared("[surface]\nkind = \"bump\"\n[force]\nstiffness = \"500 N/m\"\n"
+                                                 "[hand]\ngrip_stiffness = \"0 N/m\"\ndamping = \"9 N s/m\"\n"
+                                                 "grip_damping = \"1 N s/m\"\n[paths]\npress = \"0.25 N\"\n"));
+    const Json result = limits_result(engine(), place, {damped(place, 10), damped(place, 20)});
+    EXPECT_NEAR(result.at("points").at(0).at("measured").get<double>() / critical_stiffness(0.1, 10, 1e-3), 1, 1e-4);
+    EXPECT_EQ(result.at("points").at(0).at("own"), 500);
+    EXPECT_TRUE(result.at("points").at(1).at("own").is_null());
+    EXPECT_TRUE(says(result.at("hand"), "500 N/m, 0.1 kg, 10 N s/m, 1000 Hz, pressed 0.5 mm deep"));
 }
 
 TEST(ScenePlace, RefusesWhatIsNoLoop) {

@@ -71,14 +71,14 @@ std::string newton_per_metre(double stiffness) {
 }
 
 std::string about_scene(const std::vector<Limit>& limits) {
-    std::string text;
     for (const Limit& one : limits)
-        if (one.own && one.damping == limits.front().damping)
-            text += fmt::format("{}The {} is stable up to {} with {} ({:.3g} of a wall's K_crit): its own {} {}.",
-                                text.empty() ? "" : " ", one.series, newton_per_metre(one.measured), hand_of(one),
-                                one.over_wall, newton_per_metre(*one.own),
-                                *one.own < one.measured ? "stays below" : "is too much");
-    return text;
+        if (one.own)
+            return fmt::format(
+                "The {} is stable up to {} with {} ({:.3g} of a wall's K_crit): its own {} {}.", one.series,
+                newton_per_metre(one.measured), hand_of(one), one.over_wall, newton_per_metre(*one.own),
+                *one.own < one.measured ? fmt::format("is {:.3g} of that", *one.own / one.measured)
+                                        : fmt::format("is {:.3g} times too much", *one.own / one.measured));
+    return "";
 }
 
 std::string about_plane(const std::vector<Limit>& limits) {

@@ -41,7 +41,9 @@ std::vector<NamedLimit> limits_of(const LoopPlace& place, const LoopMap& map) {
         limits.push_back({"flutter", "flutter: b^2 sigma / (m omega^2)", true, [&place](const LoopCell& cell) {
                               return flutter_stiffness(place.slope, cell.hand.mass, damping_of(cell));
                           }});
-    if (map.y.axis == LoopAxis::quantum || map.y.axis == LoopAxis::friction)
+    const HandSpec& hand = map.nominal.hand;
+    if ((map.y.axis == LoopAxis::quantum || hand.quantisation > 0) &&
+        (map.y.axis == LoopAxis::friction || hand.coulomb > 0))
         limits.push_back({"friction", "2 f_c / quantum", true, [](const LoopCell& cell) {
                               return friction_stiffness(cell.hand.coulomb, cell.hand.quantisation);
                           }});

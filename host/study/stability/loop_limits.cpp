@@ -134,7 +134,7 @@ std::vector<LoopCell> limit_cells(const LoopPlace& place, bool quick) {
     if (!quick)
         times = mesh ? std::vector<double>{1, 2, 5} : std::vector<double>{0.5, 1, 2, 5, 10};
     if (quick && mesh)
-        times = {5};
+        times = place.stiffness > 0 ? std::vector<double>{1} : std::vector<double>{5};
     std::vector<LoopCell> cells;
     for (const std::uint64_t delay : {0U, 1U})
         for (const double one : times)
@@ -145,7 +145,6 @@ std::vector<LoopCell> limit_cells(const LoopPlace& place, bool quick) {
 
 Json limits_result(Engine& engine, const LoopPlace& place, const std::vector<LoopCell>& cells) {
     Json result{{"limits", place.name}, {"title", place.title}, {"flat", place.flat}, {"points", Json::array()}};
-    result["own"] = or_null(place.stiffness > 0 ? std::optional(place.stiffness) : std::nullopt);
     result["precision"] = engine.report().f64 ? "double" : "single";
     if (place.stiffness > 0)
         result["hand"] = fmt::format(
@@ -156,6 +155,8 @@ Json limits_result(Engine& engine, const LoopPlace& place, const std::vector<Loo
     for (const LoopCell& cell : cells) {
         const int delay = static_cast<int>(cell.hand.delay_samples);
         const double damping = damping_of(cell), wall = wall_limit(cell);
+        const bool own = place.stiffness > 0 && damping == damping_of({place.hand, place.rate, 1}) &&
+                         cell.hand.delay_samples == place.hand.delay_samples;
         const bool loose = cell.hand.grip_stiffness == 0;
         const std::optional<double> flutter = flutter_stiffness(place.slope, cell.hand.mass, damping);
         result["points"].push_back(
@@ -167,6 +168,7 @@ Json limits_result(Engine& engine, const LoopPlace& place, const std::vector<Loo
              {"wall", wall},
              {"passive", passive_stiffness(damping, 1 / cell.rate, delay)},
              {"linear", or_null(linear_limit(linear_loop(place, cell.hand, cell.rate), 1e-3 * wall, 10 * wall))},
+             {"own", or_null(own ? std::optional(place.stiffness) : std::nullopt)},
              {"flutter", or_null(loose && delay == 0 ? flutter : std::nullopt)}});
     }
     return result;

@@ -17,18 +17,18 @@ double largest_size(const Spread& spread) {
                                                   : std::abs(spread.value);
 }
 
-// m: as deep as the scene's hand goes, but no more than a part of the way that it goes along.
-double depth_of(const PathsSpec& paths, double stiffness, double length) {
-    constexpr double kShare = 0.05;
-    const double way = kShare * length;
-    double depth = largest_size(paths.depth);
+// m: as deep as the scene's hand goes; where it says nothing of that, or more than half of the way that it goes along,
+// a small part of that way.
+double depth_of(const Scene& scene, const PathsSpec& paths, double length) {
+    constexpr double kSmall = 0.05, kMost = 0.5; // of the way
+    const double stiffness = scene.force.stiffness;
+    double depth = scene.paths ? largest_size(paths.depth) : std::min(largest_size(paths.depth), kSmall * length);
     if (paths.drive == PathDrive::press)
         depth = std::abs(paths.press) / stiffness;
     if (paths.drive == PathDrive::push)
         depth = glm::length(glm::dvec3(paths.push[0], paths.push[1], paths.push[2])) / stiffness;
-    if (!(depth > 0))
-        depth = way;
-    return way > 0 ? std::min(depth, way) : depth;
+    const bool meant = depth > 0 && !(length > 0 && depth > kMost * length);
+    return meant ? depth : kSmall * length;
 }
 
 // Where a probe that comes down from `high` meets the surface, m; nothing where it does not above `low`. Deep below a
@@ -84,7 +84,7 @@ LoopPlace scene_place(const PreparedCase& given) {
     place.held = scene.paths && paths.closed() && paths.drive == PathDrive::depth;
     const PathRegion region = path_region(paths, given);
     const double length = std::max(region.length, region.width);
-    place.depth = depth_of(paths, scene.force.stiffness, length);
+    place.depth = depth_of(scene, paths, length);
     const double reach = 2 * std::max(length, place.depth);
     for (const double aside : shares) {
         const double x = region.centre[0] + (paths.centre ? 0 : aside * region.length), y = region.centre[1];

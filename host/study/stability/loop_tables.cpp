@@ -110,7 +110,7 @@ std::vector<Cell> limit_row(const Json& limits, const Json& point) {
             over(measured, number_or_nothing(point.at("passive")), 1, 0),
             over(measured, wall, 1, 0),
             number_or_nothing(point.at("flutter")),
-            number_or_nothing(limits.at("own"))};
+            number_or_nothing(point.at("own"))};
 }
 
 } // namespace
@@ -160,7 +160,7 @@ Table limit_table(const std::vector<Json>& limits) {
         {"over_passive_1", "1", "measured limit over the largest passive stiffness"},
         {"over_wall_1", "1", "measured limit over a wall's K_crit"},
         {"flutter_N_per_m", "N/m", "b^2 sigma / (m omega^2), for a force that is not held"},
-        {"own_N_per_m", "N/m", "stiffness of the scene itself"},
+        {"own_N_per_m", "N/m", "stiffness of the scene itself, where damping and delay are its own"},
     };
     for (const Json& one : limits)
         for (const Json& point : one.at("points"))
