@@ -80,6 +80,7 @@ TEST(Bump, KernelAndOracleAreEquallyFarOff) {
         const Evaluated oracle = named(contenders, law + "CPU on one thread " + precision).evaluate();
         EXPECT_GT(kernel.at.size(), 10000u);
         EXPECT_TRUE(kernel.at == oracle.at);
+        EXPECT_LT(against_reference(named(contenders, law + "kernel " + precision)).vector.largest, 1e-5);
         EXPECT_TRUE(kernel.force == oracle.force) << precision;
         const auto path = [&](const char* who) {
             return named(contenders, "bump, 64 facets, shaded: closed loop, " + std::string(who) + precision)

@@ -107,9 +107,9 @@ bool says(const std::string& text, const std::string& part) {
 
 TEST(ErrorTimeFindings, NameTheCheapest) {
     Made made;
-    EXPECT_TRUE(says(made.text("cheapest_1deg_bump"), "the cheapest is \"1 facet, shaded: direct f64\" (0.6 times"));
+    EXPECT_TRUE(says(made.text("cheapest_1deg_bump"), "the cheapest is \"1 facet, shaded: direct f64\" (0.6 times the unit"));
     made.times[made.number("bump, 64 facets, flat: direct f32")] = 0.3;
-    EXPECT_TRUE(says(made.text("cheapest_1deg_bump"), "the cheapest is \"64 facets, flat: direct f32\" (0.3 times"))
+    EXPECT_TRUE(says(made.text("cheapest_1deg_bump"), "the cheapest is \"64 facets, flat: direct f32\" (0.3 times the unit"))
         << made.text("cheapest_1deg_bump");
     EXPECT_TRUE(says(made.text("cheapest_1deg_mesh"), "the cheapest is nothing that was tried"));
     // Out of contact at a tenth of the places: no candidate.

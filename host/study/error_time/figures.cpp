@@ -54,6 +54,19 @@ Figure scatter(const std::string& surface, bool vector) {
     return figure;
 }
 
+// A dashed line of the expected order for each series of table convergence that `shown(row)` admits.
+template <typename Shown> void add_expected(Figure& figure, const Table& table, const Shown& shown) {
+    std::vector<std::string> drawn;
+    for (std::size_t row = 0; row < table.rows.size(); ++row) {
+        const std::string series = table.word(row, "series");
+        if (!shown(row) || !table.number(row, "expected_error") ||
+            std::find(drawn.begin(), drawn.end(), series) != drawn.end())
+            continue;
+        drawn.push_back(series);
+        figure.curves.push_back({"convergence", {{"series", series}}, "size", "expected_error", "expected", true});
+    }
+}
+
 Figure convergence(const Table& table, const std::string& group, const std::string& title, const FigureAxis& x,
                    const FigureAxis& y) {
     Figure figure;
@@ -68,19 +81,12 @@ Figure convergence(const Table& table, const std::string& group, const std::stri
     figure.y = y;
     figure.series = "series";
     figure.joined = true;
-    std::vector<std::string> drawn;
-    for (std::size_t row = 0; row < table.rows.size(); ++row) {
-        const std::string series = table.word(row, "series");
-        if (table.word(row, "group") != group || !table.number(row, "expected_error") ||
-            std::find(drawn.begin(), drawn.end(), series) != drawn.end())
-            continue;
-        drawn.push_back(series);
-        figure.curves.push_back({"convergence", {{"series", series}}, "size", "expected_error", "expected", true});
-    }
+    add_expected(figure, table, [&](std::size_t row) { return table.word(row, "group") == group; });
     return figure;
 }
 
-Figure lookup(const std::string& surface, std::size_t number) {
+// `sizes` has the lines of the orders to be expected.
+Figure lookup(const Table& sizes, const std::string& surface, std::size_t number) {
     Figure figure;
     figure.name = fmt::format("lookup-{}", number);
     figure.title = fmt::format("Look-up of the {}: error over the volume's spacing", surface);
@@ -88,13 +94,16 @@ Figure lookup(const std::string& surface, std::size_t number) {
         "Smooth: all samples that a reading takes lie on one facet; edge: on several; boundary: not all are in "
         "contact. In smooth "
         "parts a finer volume pays off by the square or more, across edges only in proportion, and across a "
-        "jump of the direction not at all.";
+        "jump of the direction not at all. Dashed lines have the orders to be expected.";
     figure.table = "lookup";
     figure.where = {{"surface", surface}};
     figure.x = {"spacing_m", "spacing h / m", true};
     figure.y = {"error_rms_1", "RMS error of the force, of the RMS force", true};
     figure.series = "series";
     figure.joined = true;
+    add_expected(figure, sizes, [&](std::size_t row) {
+        return sizes.word(row, "series").starts_with(fmt::format("look-up of {}:", surface));
+    });
     return figure;
 }
 
@@ -103,8 +112,9 @@ Figure precision(const std::string& surface) {
     figure.name = "precision-" + surface;
     figure.title = fmt::format("{}: error of single precision and of half output against double", surface);
     figure.caption =
-        "Relative error of the force vector against the same law in double, root mean square over the places. What "
-        "rises with the number of facets or cells is places that rounding puts on the neighbouring facet.";
+        "Relative error of the force vector against the same law in double, root mean square over the places. Single "
+        "precision keeps seven digits, half output three and a half; an error far above that is from places that "
+        "rounding puts on a neighbouring facet whose force differs.";
     figure.table = "precision";
     figure.where = {{"surface", surface}};
     figure.x = {"elements", surface == "mesh" ? "cells along a side" : "facets", true};
@@ -137,7 +147,7 @@ std::vector<Figure> figures_of(const std::vector<Table>& tables) {
     if (has(tables, "lookup")) {
         std::size_t number = 0;
         for (const std::string& surface : words_of(named(tables, "lookup"), "surface"))
-            figures.push_back(lookup(surface, ++number));
+            figures.push_back(lookup(sizes, surface, ++number));
     }
     for (const std::string& surface : words_of(named(tables, "precision"), "surface"))
         figures.push_back(precision(surface));

@@ -16,6 +16,7 @@ constexpr std::size_t kTries = 64;         // places drawn for each that is kept
 constexpr std::size_t kStroke = 256;       // probes of a stroke
 constexpr std::uint64_t kLongestSide = 64; // voxels of a kernel's grid
 constexpr double kMostSamples = 6e6;       // of a volume
+constexpr double kMostMeshSamples = 1e6;   // likewise of a mesh, whose samples take longer
 
 struct NamedShading {
     Shading shading;
@@ -150,13 +151,13 @@ Variant variant_of(const PreparedCase& scene, const NamedShading& shading, std::
     return variant;
 }
 
-std::vector<double> spacings_of(const GridSpec& grid) {
+std::vector<double> spacings_of(const GridSpec& grid, double most) {
     const glm::dvec3 size = high_of(grid) - low_of(grid);
     const double finest = *std::min_element(grid.spacing.begin(), grid.spacing.end());
     std::vector<double> spacings;
     for (const double times : {8.0, 4.0, 2.0, 1.0}) {
         const double h = times * finest;
-        if ((size.x / h + 5) * (size.y / h + 5) * (size.z / h + 5) <= kMostSamples)
+        if ((size.x / h + 5) * (size.y / h + 5) * (size.z / h + 5) <= most)
             spacings.push_back(h);
     }
     return spacings;
@@ -164,8 +165,11 @@ std::vector<double> spacings_of(const GridSpec& grid) {
 
 } // namespace
 
-Subject scene_subject(const PreparedCase& scene, const Extents& extents) {
+Subject scene_subject(const PreparedCase& given, const Extents& extents) {
+    PreparedCase scene = given;
     const Scene& own = scene.one.scene;
+    if (!own.field && own.surface.kind == SurfaceKind::mesh) // of paths alone: no grid was given
+        scene.one.scene.grid = fitted_grid(kLongestSide, scene.images.mesh->mesh);
     Subject subject;
     subject.name = "scene";
     const bool bump = own.surface.kind == SurfaceKind::bump, mesh = own.surface.kind == SurfaceKind::mesh;
@@ -184,7 +188,7 @@ Subject scene_subject(const PreparedCase& scene, const Extents& extents) {
         subject.probes = strokes_between(subject.probes, extents.probes);
         subject.stroke = kStroke;
     }
-    subject.spacings = spacings_of(own.grid);
+    subject.spacings = spacings_of(own.grid, mesh ? kMostMeshSamples : kMostSamples);
     if (bump && !own.texture) {
         subject.smooth = cylinder_law(own);
         subject.notes.push_back(

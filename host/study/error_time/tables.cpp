@@ -149,7 +149,7 @@ Table lookup_table(const Measured& measured) {
 
 Table precision_table(const Table& points) {
     Table table{"precision",
-                "What precision costs: direct evaluation in f64, f32 and f32 with half output",
+                "What precision costs: direct evaluation in f32 and with half output, against f64",
                 {{"law", "", "surface and law"},
                  {"surface", "", "as in points"},
                  {"elements", "1", "facets of a bump, cells of a mesh"},
@@ -161,7 +161,7 @@ Table precision_table(const Table& points) {
                  {"reference_direction_max_deg", "deg", "likewise, the largest angle"}},
                 {}};
     for (std::size_t row = 0; row < points.rows.size(); ++row) {
-        if (points.word(row, "family") != "direct")
+        if (points.word(row, "family") != "direct" || points.word(row, "precision") == "f64")
             continue;
         const auto facets = points.number(row, "facets"), cells = points.number(row, "cells");
         const std::string name = points.word(row, "contender");
@@ -172,6 +172,26 @@ Table precision_table(const Table& points) {
                                     points.number(row, "reference_vector_max_1"),
                                     points.number(row, "reference_direction_max_deg")));
     }
+    return table;
+}
+
+Table timing_table(const Measured& measured) {
+    Table table{"timing",
+                "How times were taken",
+                {{"unit", "", "the contender whose reference<double> is the unit of time_ratio"},
+                 {"rounds", "1", "each measures every contender once, in an order of its own"},
+                 {"unit_ns", "ns", "an evaluation of the unit, median over the rounds"},
+                 {"unit_low_ns", "ns", "its lower quartile"},
+                 {"unit_high_ns", "ns", "its upper quartile"}},
+                {}};
+    std::vector<double> units;
+    for (const Round& round : measured.rounds)
+        units.push_back(round.unit * 1e9);
+    if (units.empty())
+        return table;
+    const Quartiles unit = quartiles_of(units);
+    table.rows.push_back(
+        row_of(measured.contenders[measured.unit].name, double(units.size()), unit.median, unit.low, unit.high));
     return table;
 }
 
@@ -187,6 +207,7 @@ std::vector<Table> tables_of(const Measured& measured) {
     if (!measured.lookups.empty())
         tables.push_back(lookup_table(measured));
     tables.push_back(precision_table(points));
+    tables.push_back(timing_table(measured));
     return tables;
 }
 

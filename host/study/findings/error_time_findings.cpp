@@ -39,15 +39,24 @@ std::string bounded(double bound, const std::string& unit) {
     return unit == "deg" ? fmt::format("{:g}°", bound) : fmt::format("{:g} %", 100 * bound);
 }
 
-// "flat, 64 facets: direct f32 (0.92 times the unit's time, 0.51°)"
+// "flat, 64 facets: direct f32 (0.92 times the unit, 0.51°)"
 std::string cheapest_text(const Table& table, std::size_t row) {
     const std::string unit = table.word(row, "bound_unit");
     if (table.word(row, "contender").empty())
         return "nothing that was tried";
-    return fmt::format("\"{}\" ({:.2g} times the unit's time, {})", after_surface(table.word(row, "contender")),
+    return fmt::format("\"{}\" ({:.2g} times the unit, {})", after_surface(table.word(row, "contender")),
                        table.number(row, "time_ratio").value_or(NAN),
                        unit == "deg" ? fmt::format("{:.2g}°", table.number(row, "error").value_or(NAN))
                                      : fmt::format("{:.2g} %", 100 * table.number(row, "error").value_or(NAN)));
+}
+
+// What times are told in.
+std::string unit_text(const StudyData& data) {
+    const Table& timing = data.table("timing");
+    if (timing.rows.empty())
+        return "";
+    return fmt::format("; times are in units of {:.2g} ns, an evaluation of \"{}\" on one thread of this machine",
+                       timing.number(0, "unit_ns").value_or(NAN), timing.word(0, "unit"));
 }
 
 std::optional<std::size_t> cheapest_row(const Table& table, const std::string& surface, const std::string& use,
@@ -76,6 +85,8 @@ void add_cheapest(std::vector<Finding>& findings, const StudyData& data) {
             if (volume && !table.word(*volume, "contender").empty())
                 text +=
                     fmt::format("; over whole grids, for the same direction error, {}", cheapest_text(table, *volume));
+            if (findings.empty())
+                text += unit_text(data);
             findings.push_back({fmt::format("cheapest_{}_{}", name, surface), text + "."});
         }
 }
