@@ -59,12 +59,13 @@ Table sample_number(double far_error) {
     Table table{"number",
                 "",
                 {column("surface"), column("axis"), column("value"), column("precision"), column("series"),
-                 column("error"), column("of_predicted"), column("step_error"), column("condition"), column("refused")},
+                 column("error"), column("predicted"), column("of_predicted"), column("step_predicted"),
+                 column("value_shown"), column("step_error"), column("condition"), column("refused")},
                 {}};
     const auto add = [&](const char* axis, double value, Cell error) {
         table.rows.push_back({std::string("bump"), std::string(axis), value, std::string("f32"),
-                              std::string("bump, f32"), error, 0.5, Cell(), std::string("a condition"),
-                              std::string(error.index() == 0 ? "too large" : "")});
+                              std::string("bump, f32"), error, 0.25, 0.5, Cell(), value, Cell(),
+                              std::string("a condition"), std::string(error.index() == 0 ? "too large" : "")});
     };
     add("stiffness", 1e-3, 1e-7);
     add("stiffness", 1e3, 1e-7);
@@ -99,6 +100,18 @@ TEST(Promises, EndAtTheFirstValueThatIsWorse) {
     const Table promised = promised_table(promises);
     EXPECT_EQ(promised.word(0, "stiffness"), "0.001* to 1000");
     EXPECT_EQ(promised.word(0, "spacing"), "");
+}
+
+TEST(Failures, NameTheFirstValueThatIsLostAndWhy) {
+    const Table failures = failures_table(sample_number(0.5));
+    ASSERT_EQ(failures.rows.size(), 1u);
+    EXPECT_EQ(failures.number(0, "kept"), 1e3);
+    EXPECT_EQ(failures.number(0, "lost"), 1e9);
+    EXPECT_EQ(failures.number(0, "error"), 0.5);
+    EXPECT_EQ(failures.word(0, "condition"), "a condition");
+    const Table refused = failures_table(sample_number(1e-7));
+    EXPECT_EQ(refused.number(0, "lost"), 1e39);
+    EXPECT_EQ(refused.word(0, "condition"), "refused: too large");
 }
 
 TEST(Promises, AreNoneWhereThePlainValueIsTooBad) {

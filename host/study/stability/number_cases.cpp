@@ -173,22 +173,22 @@ std::vector<double> number_values(const std::string& surface, const std::string&
     if (axis == "radius_ratio" && surface != "height map") {
         values = mesh ? std::vector<double>{1.6} : std::vector<double>{1, 1 + 1e-6, 1.1};
         values.insert(values.end(), {2, 10});
-        add_decades(values, 2, 12, quick ? 5 : 1);
+        add_decades(values, 2, 12, quick ? 2 : 1);
     } else if (axis == "facets" && faceted) {
         values = {1, 2, 8, 64};
         add_decades(values, 3, 7, quick ? 2 : 1);
     } else if (axis == "facets" && mesh) {
         values = quick ? std::vector<double>{2, 8, 128} : std::vector<double>{2, 8, 32, 128, 512, 2048};
     } else if (axis == "stiffness") {
-        add_decades(values, -45, 45, quick ? 15 : 3);
+        add_decades(values, -45, 45, quick ? 9 : 3);
         values.insert(std::ranges::upper_bound(values, 1000), 3000);
     } else if (axis == "origin" && (mesh || surface == "height map")) {
         values = {0};
-        add_decades(values, quick ? 0 : -3, 6, quick ? 3 : 1);
+        add_decades(values, -3, 6, quick ? 3 : 1);
     } else if (axis == "spacing") {
-        add_decades(values, -12, 0, quick ? 4 : 1);
+        add_decades(values, -12, 0, quick ? 2 : 1);
     } else if (axis == "depth") {
-        add_decades(values, -12, -2, quick ? 5 : 1);
+        add_decades(values, -12, -2, quick ? 2 : 1);
     }
     return values;
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <tuple>
 
 #include <fmt/format.h>
 
@@ -16,6 +17,7 @@ constexpr double kAccuracies[] = {1e-6, 1e-4, 1e-2};
 struct Tried {
     double value;
     std::optional<double> error; /* none: there is no force */
+    std::size_t row;             /* of the table */
 };
 
 struct Group {
@@ -34,7 +36,7 @@ std::vector<Group> groups_of(const Table& number) {
         auto found = std::ranges::find_if(groups, same);
         if (found == groups.end())
             found = groups.insert(found, {surface, axis, precision, {}});
-        found->tried.push_back({*number.number(row, "value"), number.number(row, "error")});
+        found->tried.push_back({*number.number(row, "value"), number.number(row, "error"), row});
     }
     for (Group& group : groups)
         std::ranges::sort(group.tried, {}, &Tried::value);
@@ -93,6 +95,61 @@ Table promises_table(const Table& number) {
                                   range ? Cell(group.tried[range->second].value) : Cell(), group.tried.front().value,
                                   group.tried.back().value});
         }
+    return table;
+}
+
+Table failures_table(const Table& number) {
+    constexpr double kAccuracy = 1e-4;
+    Table table{"number_failures",
+                "Where forces are first off by more than 1e-4 of the largest, and why",
+                {{"surface", "", "Surface and shading."},
+                 {"axis", "", "The parameter; all others are plain."},
+                 {"precision", "", "f32 or f64."},
+                 {"kept", "unit of the axis", "The last tried value at which they are not."},
+                 {"lost", "unit of the axis", "The first tried value at which they are."},
+                 {"error", "1", "Largest error over the largest force there; none: there is no field."},
+                 {"predicted", "1", "What the conditions' formulas give for it."},
+                 {"condition", "", "The rounding that weighs most, or why there is no field."}},
+                {}};
+    for (const Group& group : groups_of(number)) {
+        const auto range = kept_range(group, kAccuracy);
+        const auto add = [&](std::size_t kept, std::size_t lost) {
+            const std::size_t row = group.tried[lost].row;
+            const std::string refused = number.word(row, "refused");
+            table.rows.push_back({group.surface, group.axis, group.precision, group.tried[kept].value,
+                                  group.tried[lost].value, number.rows[row][number.index("error")],
+                                  number.rows[row][number.index("predicted")],
+                                  refused.empty() ? number.word(row, "condition") : "refused: " + refused});
+        };
+        if (range && range->first > 0)
+            add(range->first, range->first - 1);
+        if (range && range->second + 1 < group.tried.size())
+            add(range->second, range->second + 1);
+    }
+    return table;
+}
+
+Table expected_table(const Table& number) {
+    Table table{"number_expected",
+                "What rounding lets one expect, the largest of all surfaces",
+                {{"axis", "", "Which parameter is varied."},
+                 {"precision", "", "f32 or f64."},
+                 {"value_shown", "unit of the axis", "Its value, but 1e-4 for an origin of 0."},
+                 {"predicted", "1", "Largest prediction of an error over the largest force."},
+                 {"step_predicted", "1", "Likewise of the differences of neighbours."}},
+                {}};
+    std::map<std::tuple<std::string, std::string, double>, std::pair<double, double>> largest;
+    for (std::size_t row = 0; row < number.rows.size(); ++row) {
+        auto& [force, step] =
+            largest[{number.word(row, "axis"), number.word(row, "precision"), *number.number(row, "value_shown")}];
+        force = std::max(force, number.number(row, "predicted").value_or(0));
+        step = std::max(step, number.number(row, "step_predicted").value_or(0));
+    }
+    for (const auto& [key, predicted] : largest) {
+        const auto& [axis, precision, value] = key;
+        const auto shown = [](double number_here) { return number_here > 0 ? Cell(number_here) : Cell(); };
+        table.rows.push_back({axis, precision, value, shown(predicted.first), shown(predicted.second)});
+    }
     return table;
 }
 
