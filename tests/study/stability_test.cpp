@@ -1,4 +1,4 @@
-// Loops of the study of stability: closed forms, limits found by paths, maps, and findings that follow the tables.
+// Loops of the study of stability: closed forms, limits found by paths, and maps.
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -8,8 +8,6 @@
 
 #include "host/error.h"
 #include "host/scene/study.h"
-#include "host/study/findings/loop_findings.h"
-#include "host/study/stability/loop.h"
 #include "host/study/stability/loop_curves.h"
 #include "host/study/stability/loop_laws.h"
 #include "host/study/stability/loop_limits.h"
@@ -173,113 +171,8 @@ TEST(LoopMaps, CellsCurvesAndWhatIsForeseen) {
     EXPECT_EQ(table.word(5, "closed_form"), "rests");
 }
 
-StudyData sample() {
-    const auto point = [](double mass, double damping, int delay, double measured, double wall, double linear,
-                          const Json& flutter) {
-        return Json{{"mass", mass},         {"damping", damping},
-                    {"rate", 1000},         {"delay", delay},
-                    {"measured", measured}, {"wall", wall},
-                    {"linear", linear},     {"flutter", flutter},
-                    {"own", nullptr},       {"passive", 2000 * damping / (1 + 2 * delay)}};
-    };
-    const Json plane{
-        {"limits", "plane"},
-        {"title", "plane"},
-        {"flat", true},
-        {"own", nullptr},
-        {"points",
-         {point(0.1, 1, 0, 2003.5, 2003.3, 2003.3, nullptr), point(0.1, 1, 1, 668.6, 668.5, 668.5, nullptr),
-          point(0.1, 5, 0, 10084.1, 10084, 10084, nullptr)}}};
-    const Json dip{{"limits", "dip-shaded"},
-                   {"title", "concave dip, shaded"},
-                   {"flat", false},
-                   {"points", {point(0.1, 1, 0, 69.3, 2003.3, 69.26, 71.5)}}};
-    StudyData data;
-    add_loop(data, {plane, dip, sample_map()});
-    return data;
-}
-
-std::string finding(const StudyData& data, const std::string& name) {
-    for (const Finding& one : loop_findings(data))
-        if (one.name == name)
-            return one.text;
-    return "";
-}
-
 bool says(const std::string& text, const std::string& part) {
     return text.find(part) != std::string::npos;
-}
-
-// Every row of a surface's limits gets another number.
-void alter(StudyData& data, const std::string& surface, const char* column, double factor) {
-    for (Table& table : data.tables)
-        if (table.name == "loop_limits")
-            for (std::size_t row = 0; row < table.rows.size(); ++row)
-                if (table.word(row, "surface") == surface && table.number(row, column))
-                    table.rows[row][table.index(column)] = cell(factor * table.number(row, column).value());
-}
-
-TEST(LoopFindings, PlaneKeepsItsPromiseOrNot) {
-    StudyData data = sample();
-    EXPECT_TRUE(says(finding(data, "loop_plane"), "agrees with K_crit")) << finding(data, "loop_plane");
-    EXPECT_TRUE(says(finding(data, "loop_plane"), "over 3 loops"));
-    alter(data, "plane", "disagreement_size_percent", 1000);
-    EXPECT_TRUE(says(finding(data, "loop_plane"), "more than the 1 % that is promised"));
-}
-
-TEST(LoopFindings, ScenesOwnStiffnessIsJudged) {
-    StudyData data = sample();
-    EXPECT_EQ(finding(data, "loop_scene"), "");
-    for (Table& table : data.tables)
-        if (table.name == "loop_limits")
-            table.rows[0][table.index("own_N_per_m")] = cell(1000);
-    EXPECT_TRUE(says(finding(data, "loop_scene"), "its own 1000 N/m is 0.499 of that")) << finding(data, "loop_scene");
-    alter(data, "plane", "own_N_per_m", 4);
-    EXPECT_TRUE(says(finding(data, "loop_scene"), "its own 4000 N/m is 2 times too much"));
-}
-
-TEST(LoopFindings, LeastSurfaceIsNamed) {
-    StudyData data = sample();
-    EXPECT_TRUE(says(finding(data, "loop_surfaces"), "The concave dip, shaded gives way first, 28.9 times below"))
-        << finding(data, "loop_surfaces");
-    EXPECT_TRUE(says(finding(data, "loop_flutter"), "takes away 3.1 %")) << finding(data, "loop_flutter");
-    EXPECT_TRUE(says(finding(data, "loop_passivity"), "does not protect"));
-    alter(data, "dip-shaded", "measured_N_per_m", 30);
-    alter(data, "dip-shaded", "over_wall_1", 30);
-    alter(data, "dip-shaded", "over_passive_1", 30);
-    EXPECT_TRUE(says(finding(data, "loop_surfaces"), "None gives way far below"));
-    EXPECT_TRUE(says(finding(data, "loop_flutter"), "adds"));
-    EXPECT_FALSE(says(finding(data, "loop_passivity"), "does not protect"));
-    EXPECT_TRUE(says(finding(data, "loop_delay"), "33.4 %")) << finding(data, "loop_delay");
-}
-
-TEST(LoopFindings, ShadingIsComparedWithItsAbsence) {
-    const auto point = [](double damping, double measured) {
-        return Json{{"mass", 0.1},          {"damping", damping}, {"rate", 1000},       {"delay", 0},
-                    {"measured", measured}, {"wall", measured},   {"linear", measured}, {"passive", measured},
-                    {"flutter", nullptr},   {"own", nullptr}};
-    };
-    const auto surface = [](const char* name, const Json& points) {
-        return Json{{"limits", name}, {"title", name}, {"flat", false}, {"points", points}};
-    };
-    StudyData data;
-    add_loop(data, {surface("bump", {point(1, 1769), point(10, 17922)}),
-                    surface("bump-shaded", {point(1, 1183), point(10, 1190)})});
-    EXPECT_EQ(finding(data, "loop_shading_bump"),
-              "Shading the bump lowers its limit from 17922 N/m to 1190 N/m at 10 N s/m; from 1 to 10 N s/m it rises "
-              "1.01 times with shading, 10.1 times without: damping helps little against it.");
-    alter(data, "bump-shaded", "measured_N_per_m", 20);
-    EXPECT_TRUE(says(finding(data, "loop_shading_bump"), "raises its limit from 17922 N/m to 23800 N/m"));
-}
-
-TEST(LoopFindings, MapsCountWhatIsForeseen) {
-    StudyData data = sample();
-    EXPECT_TRUE(says(finding(data, "loop_maps"), "Of 6 loops")) << finding(data, "loop_maps");
-    EXPECT_TRUE(says(finding(data, "loop_maps"), "100 %"));
-    for (Table& table : data.tables)
-        if (table.name == "loop_map")
-            table.rows[0][table.index("state")] = "unstable";
-    EXPECT_TRUE(says(finding(data, "loop_maps"), "83.33 %")) << finding(data, "loop_maps");
 }
 
 PreparedCase prepared(const std::string& text) {

@@ -1,10 +1,11 @@
 #include "host/study/findings/loop_findings.h"
 
 #include <algorithm>
-#include <map>
 #include <set>
 
 #include <fmt/format.h>
+
+#include "host/study/findings/loop_map_findings.h"
 
 namespace forceshade::study {
 namespace {
@@ -195,66 +196,10 @@ std::string about_passivity(const std::vector<Limit>& limits) {
                        fmt::join(names, "; "), worst->series, worst->over_passive);
 }
 
-struct Count {
-    std::size_t all = 0, right = 0;
-    double percent() const { return 100.0 * static_cast<double>(right) / static_cast<double>(all); }
-};
-
-// Loops without rounding and friction that do what closed forms foresee, by surface.
-std::string about_maps(const Table& maps) {
-    std::map<std::string, Count> counts;
-    Count total;
-    for (std::size_t row = 0; row < maps.rows.size(); ++row) {
-        const std::string form = maps.word(row, "closed_form");
-        if (form.empty() || maps.number(row, "quantum_um").value_or(0) > 0 ||
-            maps.number(row, "friction_N").value_or(0) > 0)
-            continue;
-        const bool right = (maps.word(row, "state") == "stable") == (form == "rests");
-        for (Count* count : {&counts[maps.word(row, "surface")], &total}) {
-            ++count->all;
-            count->right += right;
-        }
-    }
-    if (total.all == 0)
-        return "";
-    const auto least = std::ranges::min_element(counts, {}, [](const auto& one) { return one.second.percent(); });
-    return fmt::format(
-        "Of {} loops in the maps over stiffness, damping, rate and delay, {:.4g} % come to rest or do not "
-        "as their closed form says; least on the surface {}, {:.4g} %.",
-        total.all, total.percent(), least->first, least->second.percent());
-}
-
-std::string about_friction(const Table& maps) {
-    Count held, chatter;
-    for (std::size_t row = 0; row < maps.rows.size(); ++row) {
-        const double quantum = 1e-6 * maps.number(row, "quantum_um").value_or(0);
-        const double friction = maps.number(row, "friction_N").value_or(0);
-        if (maps.word(row, "surface") != kPlane || !(quantum > 0))
-            continue;
-        const double stiffness = maps.number(row, "stiffness_N_per_m").value_or(0);
-        const double passive = 2 * maps.number(row, "damping_N_s_per_m").value_or(0) *
-                               maps.number(row, "rate_Hz").value_or(0); // without delay
-        if (maps.number(row, "delay_ms").value_or(0) > 0 || stiffness > passive)
-            continue;
-        const bool stable = maps.word(row, "state") == "stable";
-        Count& count = stiffness <= 2 * friction / quantum ? held : chatter;
-        ++count.all;
-        count.right += &count == &held ? stable : !stable;
-    }
-    if (held.all == 0 || chatter.all == 0)
-        return "";
-    return fmt::format(
-        "With rounded positions, {} of {} loops on the plane within K <= min(2 b / T, 2 f_c / quantum) come "
-        "to rest{}; where friction is less than that and damping is not, {:.3g} % of {} chatter on.",
-        held.right == held.all ? "all" : fmt::format("{}", held.right), held.all,
-        held.right == held.all ? "" : ", so that the condition does not hold for all", chatter.percent(), chatter.all);
-}
-
 } // namespace
 
 std::vector<Finding> loop_findings(const StudyData& data) {
     const std::vector<Limit> limits = limits_of(data.table("loop_limits"));
-    const Table& maps = data.table("loop_map");
     std::vector<Finding> findings;
     add(findings, "loop_scene", about_scene(limits));
     add(findings, "loop_surfaces", about_surfaces(limits));
@@ -263,9 +208,10 @@ std::vector<Finding> loop_findings(const StudyData& data) {
     add(findings, "loop_plane", about_plane(limits));
     add(findings, "loop_passivity", about_passivity(limits));
     add(findings, "loop_delay", about_delay(limits));
-    add(findings, "loop_friction", about_friction(maps));
+    const auto [friction, sides] = loop_map_findings(data.table("loop_map"));
+    add(findings, "loop_friction", friction);
     add(findings, "loop_shading_mesh", about_shading(limits, "mesh"));
-    add(findings, "loop_maps", about_maps(maps));
+    add(findings, "loop_maps", sides);
     return findings;
 }
 

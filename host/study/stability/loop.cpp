@@ -53,7 +53,7 @@ void add_loop(StudyData& data, const std::vector<Json>& results) {
     data.tables.push_back(limit_table(limits));
     data.tables.push_back(map_table(maps));
     data.tables.push_back(curve_table(maps));
-    std::ranges::move(limit_figures(limits), std::back_inserter(data.figures));
+    std::ranges::move(limit_figures(limits, maps), std::back_inserter(data.figures));
     std::ranges::move(map_figures(maps), std::back_inserter(data.figures));
     std::ranges::move(loop_notes(results), std::back_inserter(data.notes));
 }

@@ -1,3 +1,5 @@
+#include <set>
+
 #include <fmt/format.h>
 
 #include "host/study/stability/loop_maps.h"
@@ -95,7 +97,7 @@ Figure bearing_figure(const Json& point) {
     figure.name = "loop-limits";
     figure.title = "What stiffness each surface bears";
     figure.caption = fmt::format("The limit found by paths over damping, with {} kg at {} Hz. A wall bears in "
-                                 "proportion to damping; a surface whose shaded direction turns "
+                                 "proportion to damping, as K_crit says; a surface whose shaded direction turns "
                                  "with the place may bear far less, or no more for any damping.",
                                  point.at("mass").get<double>(), point.at("rate").get<double>());
     figure.table = "loop_limits";
@@ -107,6 +109,25 @@ Figure bearing_figure(const Json& point) {
     figure.series = "series";
     figure.joined = true;
     return figure;
+}
+
+// Closed forms that some map over stiffness and damping has, each once.
+void add_forms(Figure& figure, const std::vector<Json>& maps) {
+    std::set<std::string> drawn;
+    for (const Json& map : maps) {
+        if (axis_words(map.at("y")).name != words_of(LoopAxis::damping).name)
+            continue;
+        for (const Json& curve : map.at("curves")) {
+            const std::string name = curve.at("name");
+            if ((name == "K_crit" || name == "flutter") && drawn.insert(name).second)
+                figure.curves.push_back({"loop_curves",
+                                         {{"map", map.at("map").get<std::string>()}, {"curve", name}},
+                                         words_of(LoopAxis::damping).column,
+                                         words_of(LoopAxis::stiffness).column,
+                                         curve.at("label"),
+                                         true});
+        }
+    }
 }
 
 } // namespace
@@ -145,11 +166,12 @@ std::vector<std::string> loop_notes(const std::vector<Json>& results) {
     return notes;
 }
 
-std::vector<Figure> limit_figures(const std::vector<Json>& limits) {
+std::vector<Figure> limit_figures(const std::vector<Json>& limits, const std::vector<Json>& maps) {
     std::vector<Figure> figures{disagreement_figure()};
     for (const Json& one : limits) // of a shaped surface: its hand is the one that all have
         if (!one.at("flat").get<bool>() && !one.at("points").empty()) {
             figures.push_back(bearing_figure(one.at("points").at(0)));
+            add_forms(figures.back(), maps);
             break;
         }
     return figures;

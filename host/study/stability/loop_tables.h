@@ -20,8 +20,10 @@ Table limit_table(const std::vector<nlohmann::ordered_json>& limits);
 /// What a reader must know of loops to read the numbers.
 std::vector<std::string> loop_notes(const std::vector<nlohmann::ordered_json>& results);
 
-/// How far limits lie from closed forms, and what surfaces bear over damping.
-std::vector<Figure> limit_figures(const std::vector<nlohmann::ordered_json>& limits);
+/// How far limits lie from closed forms, and what surfaces bear over damping, with the closed
+/// forms that the maps have.
+std::vector<Figure> limit_figures(const std::vector<nlohmann::ordered_json>& limits,
+                                  const std::vector<nlohmann::ordered_json>& maps);
 /// A map each, with its curves.
 std::vector<Figure> map_figures(const std::vector<nlohmann::ordered_json>& maps);
 
