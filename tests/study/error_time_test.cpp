@@ -149,6 +149,43 @@ TEST(Interpolation, TheStudysTableAgreesWithThePrintedOne) {
     EXPECT_EQ(worse.word(0, "agrees"), "no");
 }
 
+void add_law(Measured& measured, const std::string& shading, std::optional<double> facets, std::optional<double> cells,
+             double error) {
+    Contender one;
+    one.family = "direct";
+    one.precision = "f64";
+    one.shading = shading;
+    one.facets = facets;
+    one.cells = cells;
+    ForceErrors errors;
+    errors.direction.rms = error;
+    errors.magnitude.rms = 10 * error;
+    measured.contenders.push_back(one);
+    measured.compared.push_back({errors, {}});
+}
+
+TEST(Series, FollowFromTheErrorsOfTheLaws) {
+    Measured measured;
+    for (const double n : {4.0, 8.0, 16.0}) {
+        add_law(measured, "none", n, {}, 8 / n);
+        add_law(measured, "reference", n, {}, 64 / (n * n));
+        add_law(measured, "mean_value", {}, n, 3 / n);
+    }
+    measured.contenders.push_back(measured.contenders.front());
+    measured.contenders.back().precision = "f32"; // belongs to none
+    measured.compared.push_back(measured.compared.front());
+    add_series(measured);
+    ASSERT_EQ(measured.series.size(), 3u);
+    EXPECT_EQ(measured.series[0].name, "bump, flat");
+    EXPECT_EQ(measured.series[0].sizes, (std::vector<double>{1.0 / 8, 1.0 / 16})); // four facets are too few
+    EXPECT_EQ(measured.series[0].errors, (std::vector<double>{1, 0.5}));           // of direction
+    EXPECT_EQ(measured.series[1].name, "bump, shaded");
+    EXPECT_EQ(measured.series[1].errors, (std::vector<double>{10, 2.5})); // of magnitude
+    EXPECT_EQ(measured.series[1].expected, 2);
+    EXPECT_EQ(measured.series[2].name, "mesh, mean_value, static");
+    EXPECT_EQ(measured.series[2].expected, 1);
+}
+
 TEST(Rounds, MeasureEachOnceInAnOrderOfTheirOwn) {
     std::vector<std::size_t> order;
     Contenders contenders(20);
