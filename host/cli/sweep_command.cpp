@@ -8,6 +8,7 @@
 #include "host/error.h"
 #include "host/interrupt.h"
 #include "host/remark.h"
+#include "host/report/report.h"
 #include "host/sweep/progress.h"
 #include "host/sweep/sweep.h"
 
@@ -49,7 +50,8 @@ std::string picture_names(const Study& study) {
     return fmt::format("{}{}", any_field(study) ? ", *.arrows.png, *.mosaic.png" : "", paths ? ", *.paths.png" : "");
 }
 
-void print_outcome(const SweepResult& result, const SweepOptions& options, const Study& study) {
+void print_outcome(const SweepResult& result, const SweepOptions& options, const Study& study,
+                   const std::filesystem::path& report) {
     if (options.shard)
         remark("shard {}/{}: ", options.shard->index, options.shard->count);
     remark("{} case{}: {} computed{}, {} kept from before{}\n", result.chosen, result.chosen == 1 ? "" : "s",
@@ -61,8 +63,9 @@ void print_outcome(const SweepResult& result, const SweepOptions& options, const
         remark("largest error against the oracle in double precision: {:.2g} of the largest force\n",
                result.largest_relative_error);
     const std::filesystem::path folder = std::filesystem::absolute(options.folder).lexically_normal();
-    remark("look at {} (a row a case), manifest.json (everything known){} and *.exr beside it\n",
-           (folder / "summary.csv").string(), options.also.png ? picture_names(study) : "");
+    remark("look at {} (in a browser), summary.csv (a row a case), manifest.json (everything known){} and *.exr beside "
+           "it\n",
+           (folder / report.filename()).string(), options.also.png ? picture_names(study) : "");
 }
 
 int run(const SweepArguments& arguments, const CommonOptions& common) {
@@ -89,8 +92,9 @@ int run(const SweepArguments& arguments, const CommonOptions& common) {
             throw;
         }
     }();
+    const report::ReportResult report = report::write_report(options.folder);
     if (!common.quiet)
-        print_outcome(result, options, study);
+        print_outcome(result, options, study, report.file);
     for (const std::string& failure : result.failures)
         remark("error: {}\n", failure);
     if (common.json)

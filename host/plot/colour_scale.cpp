@@ -39,8 +39,26 @@ Range exact_range(const std::vector<double>& values, bool logarithmic) {
 
 } // namespace
 
-ColourScale::ColourScale(const std::vector<double>& values, bool logarithmic) {
-    const Range range = exact_range(values, logarithmic);
+std::string sequential_colours() {
+    std::string text;
+    for (const picture::Rgb8& colour : picture::force_colours())
+        text += hex(colour).substr(1);
+    return text;
+}
+
+std::string diverging_colours() {
+    std::string text;
+    for (int i = 0; i < 256; ++i)
+        text += hex(diverging_colour(i / 127.5 - 1)).substr(1);
+    return text;
+}
+
+ColourScale::ColourScale(const std::vector<double>& values, bool logarithmic, double limit) {
+    Range range = exact_range(values, logarithmic);
+    if (limit > 0 && logarithmic && range.low < limit)
+        range.high = limit;
+    else if (limit > 0 && !logarithmic)
+        range = {std::ranges::any_of(values, [](double value) { return value < 0; }) ? -limit : 0, limit};
     diverging_ = !logarithmic && range.low < 0 && range.high > 0;
     const double size = std::max(-range.low, range.high);
     scale_ = Scale(diverging_ ? Range{-size, size} : range, logarithmic);

@@ -10,10 +10,15 @@
 
 namespace forceshade::plot {
 
+/// 256 colours "rrggbb" one after the other, from the least to the largest.
+std::string sequential_colours();
+std::string diverging_colours();
+
 class ColourScale {
 public:
-    /// Of the numbers to be shown. Both signs: linear and symmetric about zero.
-    ColourScale(const std::vector<double>& values, bool logarithmic);
+    /// Of the numbers to be shown. Both signs: linear and symmetric about zero. With a `limit` > 0 the colours end at
+    /// that size, and begin at zero where no number is below and the scale is linear.
+    ColourScale(const std::vector<double>& values, bool logarithmic, double limit = 0);
 
     bool has(double value) const { return scale_.has(value); }
     /// "#rrggbb"; the number must have a place.

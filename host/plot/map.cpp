@@ -184,7 +184,7 @@ double draw_map(Sheet& sheet, const study::Figure& figure, const study::StudyDat
     map.words = legend_words(figure, map.value);
     const std::vector<CurveLine> curves = curve_lines(figure, data, {});
     const ColourScale colours(map.words.empty() ? present(map.value.values) : std::vector<double>{},
-                              figure.value_logarithmic);
+                              figure.value_logarithmic, figure.value_limit);
     lay_out(map.axes, top, height_of(map.y, map.lines), map.words.empty() ? kScaleBar : 0);
     sheet.svg.raw(word_patterns(sheet.id, map.words.size()));
     add_clip(sheet, map.axes.plot);

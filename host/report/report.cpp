@@ -1,9 +1,81 @@
 #include "host/report/report.h"
 
+#include <fmt/format.h>
+
+#include "host/io/temporary_file.h"
+#include "host/plot/xml_text.h"
+#include "host/report/contents.h"
+#include "host/report/page.h"
+#include "host/report/sections.h"
+#include "host/report/viewer_section.h"
+#include "host/report/words.h"
+#include "host/version.h"
+
 namespace forceshade::report {
+namespace {
+
+using plot::escaped;
+
+std::string entry(const std::string& id, const std::string& text) {
+    return fmt::format("<li><a href=\"#{}\">{}</a></li>\n", id, escaped(text));
+}
+
+std::string contents_list(const Contents& contents, bool viewer) {
+    std::string html = entry("findings", "Findings");
+    if (!contents.troubles.empty())
+        html += entry("troubles", "What is missing or damaged");
+    if (viewer)
+        html += entry("viewer", "Viewer");
+    for (const StudyPart& part : contents.studies)
+        html += entry(anchor(part), title(part));
+    for (const Sweep& sweep : contents.sweeps)
+        html += entry(anchor(sweep), title(sweep));
+    return "<nav aria-label=\"Contents\">\n<ul>\n" + html + "</ul>\n</nav>\n";
+}
+
+std::string name_of(const std::filesystem::path& folder) {
+    const std::filesystem::path whole = std::filesystem::absolute(folder).lexically_normal();
+    return (whole.has_filename() ? whole : whole.parent_path()).filename().string();
+}
+
+std::string body_of(const std::string& name, const std::filesystem::path& folder, Contents& contents) {
+    const std::string viewer = viewer_section(folder, contents.sweeps, contents.troubles);
+    std::string parts;
+    for (const StudyPart& part : contents.studies)
+        parts += study_section(folder, part, contents.troubles);
+    for (const Sweep& sweep : contents.sweeps)
+        parts += sweep_section(folder, sweep);
+    return fmt::format("<header>\n<h1>{}</h1>\n<p>Haptic force fields with and without force shading. Written by "
+                       "forceshade {}.</p>\n</header>\n",
+                       escaped(name), escaped(version())) +
+           contents_list(contents, !viewer.empty()) + "<main>\n" + findings_section(contents) +
+           troubles_section(contents.troubles) + viewer + parts + "</main>\n";
+}
+
+// Somebody else's report.html is left alone.
+std::filesystem::path file_for(const std::filesystem::path& folder, Contents& contents) {
+    const std::filesystem::path file = folder / "report.html", other = folder / "forceshade-report.html";
+    if (!std::filesystem::exists(file) || is_page(file))
+        return file;
+    contents.troubles.push_back("report.html: it is none of this program's, so the report is forceshade-report.html");
+    return other;
+}
+
+} // namespace
 
 ReportResult write_report(const std::filesystem::path& folder) {
-    return {folder / "report.html", 0, {}};
+    Contents contents = read_contents(folder);
+    if (contents.sweeps.empty() && contents.studies.empty() && contents.troubles.empty())
+        contents.troubles.push_back("The folder holds no manifest.json of a sweep and no study.json of a study.");
+    const std::string name = name_of(folder);
+    ReportResult result{file_for(folder, contents), 0, {}};
+    write_file_atomically(result.file, page(name + " – forceshade", body_of(name, folder, contents)));
+    for (const StudyPart& part : contents.studies)
+        result.findings += part.data.findings.size();
+    for (const Sweep& sweep : contents.sweeps)
+        result.findings += sweep.findings.size();
+    result.troubles = contents.troubles;
+    return result;
 }
 
 } // namespace forceshade::report

@@ -15,7 +15,8 @@ struct ReportResult {
 
 /// Writes FOLDER/report.html of what is there: a sweep (manifest.json and volumes) and studies (error-time/study.json
 /// and so on) in the folder itself or in folders right below it. A folder with nothing in it gives a report that says
-/// so. \throws IoError if the folder is not there or the file cannot be written.
+/// so. A report.html that another program wrote stays, the report is then forceshade-report.html. \throws IoError if
+/// the folder is not there or the file cannot be written.
 ReportResult write_report(const std::filesystem::path& folder);
 
 } // namespace forceshade::report

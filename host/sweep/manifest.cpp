@@ -130,6 +130,7 @@ std::size_t write_manifest(const std::filesystem::path& folder, const Study& stu
     for (;;) {
         const std::vector<CaseRecord> records = records_of(folder, study, fingerprints);
         Json json;
+        json["format"] = kManifestFormat;
         json["program"] = version();
         json["cases_of_study"] = study.cases.size();
         json["cases_recorded"] = records.size();

@@ -169,9 +169,14 @@ std::optional<CaseRecord> read_record(const std::filesystem::path& folder, const
         return std::nullopt;
     std::ostringstream text;
     text << file.rdbuf();
+    std::optional<CaseRecord> record = parse_record(text.str());
+    return record && record->name == name ? record : std::nullopt;
+}
+
+std::optional<CaseRecord> parse_record(const std::string& json) {
     try {
-        CaseRecord record = from_json(Json::parse(text.str()));
-        if (record.name == name && !record.files.empty())
+        CaseRecord record = from_json(Json::parse(json));
+        if (!record.files.empty())
             return record;
     } catch (const Json::exception&) {
         // Damaged: as if it were not there, so that the case is done again.

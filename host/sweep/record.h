@@ -49,6 +49,9 @@ void write_record(const std::filesystem::path& folder, const CaseRecord& record)
 /// Nothing if there is none or it cannot be understood.
 std::optional<CaseRecord> read_record(const std::filesystem::path& folder, const std::string& name);
 
+/// Of one record's text. Nothing if it cannot be understood.
+std::optional<CaseRecord> parse_record(const std::string& json);
+
 /// The record as JSON text, one object.
 std::string record_json(const CaseRecord& record);
 

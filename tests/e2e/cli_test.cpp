@@ -133,7 +133,7 @@ TEST_F(CommandLine, is_quiet_if_asked_and_tells_how_it_went_if_not) {
 
 TEST_F(CommandLine, reports_progress_in_lines_where_there_is_no_terminal) {
     const Outcome outcome = expect_success(commands_[0]);
-    expect_words(outcome.error, {"3/3 cases in ", "3 cases: 3 computed", "llvmpipe", "out/summary.csv"});
+    expect_words(outcome.error, {"3/3 cases in ", "3 cases: 3 computed", "llvmpipe", "out/report.html"});
     EXPECT_EQ(outcome.error.find('\r'), std::string::npos);
     EXPECT_EQ(outcome.error.find('\033'), std::string::npos);
 }

@@ -52,8 +52,8 @@ TEST_F(Sweep, of_the_papers_study_has_51_cases_and_the_second_run_changes_no_byt
     const Tree before = tree_of(path("out"));
     const json manifest = json::parse(before.at("manifest.json"));
     EXPECT_EQ(manifest["cases"].size(), 51u);
-    // A volume, an array, a ParaView file, two pictures and a record each; study, summary, manifest.
-    EXPECT_EQ(before.size(), 51u * 6 + 3);
+    // A volume, an array, a ParaView file, two pictures and a record each; study, summary, manifest, report.
+    EXPECT_EQ(before.size(), 51u * 6 + 4);
     expect_counts(sweep({"--also", "npy,vti,png"}, "paper.toml"), 0, 51);
     EXPECT_EQ(differences(before, tree_of(path("out"))), std::set<std::string>{}) << "the manifest included";
 }

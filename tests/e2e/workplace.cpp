@@ -62,8 +62,10 @@ Tree tree_of(const std::filesystem::path& folder) {
 
 Tree results_in(const std::filesystem::path& folder) {
     Tree tree = tree_of(folder);
-    std::erase_if(tree,
-                  [](const auto& file) { return file.first.starts_with("manifest") || file.first.starts_with('.'); });
+    // These tell times.
+    std::erase_if(tree, [](const auto& file) {
+        return file.first.starts_with("manifest") || file.first.starts_with('.') || file.first == "report.html";
+    });
     return tree;
 }
 

@@ -25,8 +25,8 @@ void write_text(const std::filesystem::path& path, const std::string& text);
 /// Everything below a folder.
 Tree tree_of(const std::filesystem::path& folder);
 
-/// Of a sweep's folder what is the same after every run: all but the manifest and its records, which tell times,
-/// and temporaries.
+/// Of a sweep's folder what is the same after every run: all but the manifest, its records and the report, which tell
+/// times, and temporaries.
 Tree results_in(const std::filesystem::path& folder);
 
 /// The names in a and b that are not in both with the same bytes.

@@ -1,0 +1,238 @@
+#include "host/report/contents.h"
+
+#include <algorithm>
+#include <fstream>
+#include <optional>
+#include <sstream>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "host/error.h"
+#include "host/io/exr_volume.h"
+#include "host/report/sweep_findings.h"
+#include "host/study/data/data_files.h"
+#include "host/study/findings/findings.h"
+#include "host/sweep/manifest.h"
+
+namespace forceshade::report {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::uint64_t kMostHashed = 64u << 20; /* bytes; of larger files only the size is compared */
+
+std::optional<std::string> text_of(const std::filesystem::path& path) {
+    std::ifstream file(path, std::ios::binary);
+    std::ostringstream text;
+    text << file.rdbuf();
+    return file ? std::optional(text.str()) : std::nullopt;
+}
+
+struct Reading {
+    const std::filesystem::path& root;
+    Contents contents;
+
+    template <class... Arguments>
+    void trouble(const std::string& file, fmt::format_string<Arguments...> what, Arguments&&... arguments) {
+        contents.troubles.push_back(file + ": " + fmt::format(what, std::forward<Arguments>(arguments)...));
+    }
+    void check_file(const std::string& folder, const FileRecord& file);
+    void check_case(Sweep& sweep, const CaseRecord& record);
+    void check_loose(const Sweep& sweep);
+    std::vector<std::string> records_beside(const std::string& folder);
+    void take_cases(Sweep& sweep, const std::vector<std::pair<std::string, std::string>>& records);
+    void read_manifest(const std::string& folder);
+    void read_study(const std::string& folder);
+};
+
+void Reading::check_file(const std::string& folder, const FileRecord& file) {
+    const std::string name = below(folder, file.name);
+    if (!is_plain_name(file.name)) {
+        trouble(name, "it lies outside of the folder and was not looked at");
+        return;
+    }
+    std::error_code error;
+    const std::uint64_t bytes = std::filesystem::file_size(root / name, error);
+    if (error)
+        trouble(name, "it is missing");
+    else if (bytes != file.bytes)
+        trouble(name, "it has {} bytes where {} were written", bytes, file.bytes);
+    else if (bytes <= kMostHashed && !volume_is_intact(root / name, file.sha256))
+        trouble(name, "its contents are not what was written");
+}
+
+void Reading::check_case(Sweep& sweep, const CaseRecord& record) {
+    for (const FileRecord& file : record.files)
+        check_file(sweep.folder, file);
+    if (const std::string wrong = complaint(record); !wrong.empty())
+        contents.troubles.push_back(wrong);
+}
+
+// Volumes that the manifest does not name.
+void Reading::check_loose(const Sweep& sweep) {
+    std::vector<std::string> known, loose;
+    for (const CaseRecord& record : sweep.cases)
+        for (const FileRecord& file : record.files)
+            known.push_back(file.name);
+    std::error_code ignored;
+    for (const auto& entry : std::filesystem::directory_iterator(root / sweep.folder, ignored)) {
+        const std::string name = entry.path().filename().string();
+        if (name.ends_with(".exr") && name.front() != '.' && std::ranges::find(known, name) == known.end())
+            loose.push_back(below(sweep.folder, name));
+    }
+    std::ranges::sort(loose);
+    for (const std::string& name : loose)
+        trouble(name, "the manifest does not name it, so it is not shown");
+}
+
+std::vector<std::string> Reading::records_beside(const std::string& folder) {
+    std::vector<std::string> names;
+    std::error_code ignored;
+    for (const auto& entry : std::filesystem::directory_iterator(root / folder / "manifest.d", ignored)) {
+        const std::string name = entry.path().filename().string();
+        if (name.ends_with(".json") && name.front() != '.')
+            names.push_back("manifest.d/" + name);
+    }
+    std::ranges::sort(names);
+    return names;
+}
+
+// Records by where they stand and their text.
+void Reading::take_cases(Sweep& sweep, const std::vector<std::pair<std::string, std::string>>& records) {
+    for (const auto& [where, text] : records) {
+        std::optional<CaseRecord> record = parse_record(text);
+        if (!record) {
+            trouble(where, "this case cannot be understood, it may be of another version of the program");
+            continue;
+        }
+        check_case(sweep, *record);
+        sweep.cases.push_back(std::move(*record));
+    }
+}
+
+void take_account(Sweep& sweep, const Json& manifest) {
+    const auto text = [](const Json& json, const char* key) {
+        return json.contains(key) && json[key].is_string() ? json[key].get<std::string>() : std::string();
+    };
+    const auto number = [](const Json& json, const char* key) {
+        return json.contains(key) && json[key].is_number() ? json[key].get<double>() : 0.0;
+    };
+    sweep.program = text(manifest, "program");
+    sweep.cases_of_study = static_cast<std::size_t>(std::max(0.0, number(manifest, "cases_of_study")));
+    if (!manifest.contains("last_run") || !manifest["last_run"].is_object())
+        return;
+    const Json& run = manifest["last_run"];
+    sweep.device = text(run, "device");
+    sweep.driver = text(run, "driver");
+    sweep.cpu = text(run, "cpu");
+    sweep.cores = static_cast<unsigned>(std::clamp(number(run, "cores"), 0.0, 1e6));
+    sweep.seconds = number(run, "wall_s");
+}
+
+void Reading::read_manifest(const std::string& folder) {
+    const std::string name = below(folder, "manifest.json");
+    const std::optional<std::string> text = text_of(root / name);
+    const std::vector<std::string> beside = records_beside(folder);
+    if (!text && beside.empty() && !std::filesystem::exists(root / name))
+        return;
+    Sweep sweep;
+    sweep.folder = folder;
+    const Json manifest = Json::parse(text.value_or(""), nullptr, false);
+    std::vector<std::pair<std::string, std::string>> records;
+    if (manifest.is_object() && manifest.contains("cases") && manifest["cases"].is_array()) {
+        const Json format = manifest.value("format", Json());
+        if (format != kManifestFormat)
+            trouble(name,
+                    "its format is {}, this program writes {}; what can be understood of it is shown, a sweep "
+                    "with this program brings it up to date",
+                    format.is_null() ? "an older one" : format.dump(), kManifestFormat);
+        take_account(sweep, manifest);
+        for (const Json& one : manifest["cases"])
+            records.emplace_back(fmt::format("{}, case {}", name, records.size() + 1), one.dump());
+    } else {
+        trouble(name, "{}{}",
+                !text                     ? "it cannot be read"
+                : manifest.is_discarded() ? "it is damaged"
+                                          : "it is no account of a sweep",
+                beside.empty() ? "" : "; the cases are taken from manifest.d");
+        for (const std::string& record : beside)
+            records.emplace_back(below(folder, record), text_of(root / below(folder, record)).value_or(""));
+    }
+    take_cases(sweep, records);
+    sweep.cases_of_study = std::max(sweep.cases_of_study, sweep.cases.size());
+    if (sweep.cases.empty())
+        trouble(name, "it holds no case");
+    else if (sweep.cases.size() < sweep.cases_of_study)
+        trouble(name, "{} of {} cases are there; the same sweep again computes the rest", sweep.cases.size(),
+                sweep.cases_of_study);
+    check_loose(sweep);
+    sweep.findings = sweep_findings(sweep);
+    contents.sweeps.push_back(std::move(sweep));
+}
+
+void Reading::read_study(const std::string& folder) {
+    const std::string name = below(folder, "study.json");
+    if (!std::filesystem::exists(root / name))
+        return;
+    StudyPart part;
+    part.folder = folder;
+    try {
+        part.data = study::read_data(root / folder);
+    } catch (const Error& error) {
+        trouble(name, "{}", error.what());
+        return;
+    }
+    try {
+        part.data.findings = study::findings_of(part.data);
+    } catch (const Error& error) {
+        part.data.findings.clear();
+        trouble(name, "its findings cannot be computed: {}", error.what());
+    }
+    for (const FileRecord& file : part.data.volumes)
+        check_file(folder, file);
+    contents.studies.push_back(std::move(part));
+}
+
+std::vector<std::string> folders_below(const std::filesystem::path& root) {
+    std::vector<std::string> names;
+    std::error_code error;
+    std::filesystem::directory_iterator entries(root, error);
+    if (error)
+        throw IoError(fmt::format("cannot read the folder {}: {}", root.string(), error.message()));
+    for (const auto& entry : entries) {
+        const std::string name = entry.path().filename().string();
+        if (entry.is_directory(error) && name.front() != '.' && !name.ends_with(".d"))
+            names.push_back(name);
+    }
+    std::ranges::sort(names);
+    return names;
+}
+
+} // namespace
+
+std::string below(const std::string& folder, const std::string& name) {
+    return folder.empty() ? name : folder + "/" + name;
+}
+
+bool is_plain_name(const std::string& name) {
+    return !name.empty() && name.front() != '.' && name.find_first_of(std::string("/\\\0", 3)) == std::string::npos;
+}
+
+Contents read_contents(const std::filesystem::path& folder) {
+    Reading reading{folder, {}};
+    std::vector<std::string> folders = folders_below(folder);
+    folders.insert(folders.begin(), "");
+    for (const std::string& one : folders) {
+        reading.read_manifest(one);
+        reading.read_study(one);
+    }
+    // In the order in which they are told of by the command line, foreign ones last.
+    const std::vector<std::string> order{"error-time", "stability", "energy", "omission"};
+    std::ranges::stable_sort(reading.contents.studies, {}, [&](const StudyPart& part) {
+        return std::ranges::find(order, part.data.study) - order.begin();
+    });
+    return std::move(reading.contents);
+}
+
+} // namespace forceshade::report

@@ -1,0 +1,43 @@
+// What lies in a results folder: sweeps and studies, and what cannot be understood of them.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "host/study/data/study_data.h"
+#include "host/sweep/record.h"
+
+namespace forceshade::report {
+
+struct Sweep {
+    std::string folder; /* below the report's: "" or "NAME" */
+    std::string program, device, driver, cpu;
+    unsigned cores = 0;
+    double seconds = 0; /* of the last run that computed something */
+    std::size_t cases_of_study = 0;
+    std::vector<CaseRecord> cases;
+    std::vector<study::Finding> findings;
+};
+
+struct StudyPart {
+    std::string folder; /* below the report's: "" or "NAME" */
+    study::StudyData data;
+};
+
+struct Contents {
+    std::vector<Sweep> sweeps;
+    std::vector<StudyPart> studies;    /* with their findings computed anew */
+    std::vector<std::string> troubles; /* a sentence each, beginning with the file */
+};
+
+/// Looks into the folder and the folders right below it. \throws IoError if there is no such folder.
+Contents read_contents(const std::filesystem::path& folder);
+
+/// "sub/name", or "name" right in the report's folder.
+std::string below(const std::string& folder, const std::string& name);
+
+/// True for the name of a file right in its folder; another is foreign and not followed.
+bool is_plain_name(const std::string& name);
+
+} // namespace forceshade::report

@@ -1,0 +1,11 @@
+# Writes the texts of FILES (a list parted by commas) as raw string literals NAME_text into OUTPUT.
+set(header "#pragma once\n\n#include <string_view>\n\nnamespace forceshade::report::assets {\n\n")
+string(REPLACE "," ";" files "${FILES}")
+foreach(entry ${files})
+    string(REPLACE "=" ";" parts "${entry}")
+    list(GET parts 0 name)
+    list(GET parts 1 path)
+    file(READ "${path}" text)
+    string(APPEND header "inline constexpr std::string_view ${name} = R\"embedded(${text})embedded\";\n")
+endforeach()
+file(WRITE "${OUTPUT}" "${header}\n} // namespace forceshade::report::assets\n")

@@ -1,0 +1,58 @@
+#include "host/report/page.h"
+
+#include <fstream>
+
+#include <fmt/format.h>
+
+#include "host/io/hash.h"
+#include "host/plot/xml_text.h"
+#include "host/report/base64.h"
+#include "report_assets.h"
+
+namespace forceshade::report {
+namespace {
+
+constexpr std::string_view kGenerator = "<meta name=\"generator\" content=\"forceshade\">";
+
+std::string script() {
+    std::string text = "\"use strict\";\n";
+    for (const std::string_view part : {assets::volume_js, assets::colours_js, assets::pane_js, assets::profile_js,
+                                        assets::viewer_js, assets::controls_js, assets::start_js})
+        text += part;
+    return text;
+}
+
+// As a policy names a script.
+std::string digest(const std::string& text) {
+    const std::string hex = sha256_of(text);
+    std::string bytes;
+    for (std::size_t i = 0; i + 1 < hex.size(); i += 2)
+        bytes += static_cast<char>(std::stoi(hex.substr(i, 2), nullptr, 16));
+    return "sha256-" + base64(bytes);
+}
+
+} // namespace
+
+bool is_page(const std::filesystem::path& path) {
+    std::ifstream file(path, std::ios::binary);
+    std::string beginning(4096, '\0');
+    file.read(beginning.data(), static_cast<std::streamsize>(beginning.size()));
+    beginning.resize(static_cast<std::size_t>(file.gcount()));
+    return beginning.find(kGenerator) != std::string::npos;
+}
+
+std::string page(const std::string& title, const std::string& body) {
+    const std::string code = script();
+    std::string html = "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n";
+    html += fmt::format("<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src "
+                        "'unsafe-inline'; img-src data:; script-src '{}'; base-uri 'none'; form-action 'none'\">\n",
+                        digest(code));
+    html += "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
+            "<meta name=\"color-scheme\" content=\"light dark\">\n" +
+            std::string(kGenerator) + "\n<link rel=\"icon\" href=\"data:,\">\n";
+    html += fmt::format("<title>{}</title>\n<style>\n{}</style>\n</head>\n<body>\n", plot::escaped(title),
+                        assets::report_css);
+    return html + body + "<script>" + code + "</script>\n</body>\n</html>\n";
+}
+
+} // namespace forceshade::report

@@ -1,0 +1,26 @@
+// Tables of the page.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "host/study/data/study_data.h"
+
+namespace forceshade::report {
+
+struct HtmlColumn {
+    std::string name, unit, meaning; /* plain text */
+    bool numbers = true;
+};
+
+/// Rows are markup. Wide tables scroll by themselves; what is folded opens by a click, and always on paper.
+std::string html_table(const std::vector<HtmlColumn>& columns, const std::vector<std::vector<std::string>>& rows,
+                       const std::string& label);
+
+/// A heading that unfolds `body`, both markup.
+std::string folded(const std::string& heading, const std::string& body);
+
+/// Folded, with units and the meaning of each column; a very long one ends at a number of rows, and says so.
+std::string study_table(const study::Table& table);
+
+} // namespace forceshade::report

@@ -1,0 +1,219 @@
+// The viewer: two cases, a slice, a cursor, a stroke.
+
+const byId = (id) => document.getElementById(id);
+const PROFILE_SAMPLES = 300, HANDLE = 14; // px about an end of the stroke that take hold of it
+
+class Viewer {
+  constructor(about) {
+    this.cases = about.cases;
+    this.tables = { sequential: colourTable(about.sequential), diverging: colourTable(about.diverging) };
+    this.state = { quantity: "magnitude", arrows: true, axis: 1, point: null, strokes: [null, null, null] };
+    this.panes = { a: new Pane(byId("pane-a")), b: new Pane(byId("pane-b")), d: new Pane(byId("pane-d")) };
+  }
+
+  async start() {
+    const [a, b] = this.firstPair();
+    for (const [id, chosen] of [["case-a", a], ["case-b", b]]) {
+      this.cases.forEach((one, i) => byId(id).add(new Option(one.name, i, i === chosen, i === chosen)));
+      byId(id).addEventListener("change", () => this.load());
+    }
+    byId("axis-" + AXES[this.state.axis]).checked = true;
+    await this.load();
+    this.listen();
+  }
+
+  // Two cases that differ in shading alone, if there are such.
+  firstPair() {
+    const plain = (one) => one.name.replace(/_?shading-[^_]*/, "");
+    for (let i = 0; i < this.cases.length; ++i)
+      for (let k = i + 1; k < this.cases.length; ++k)
+        if (plain(this.cases[i]) === plain(this.cases[k]))
+          return [i, k];
+    return [0, Math.min(1, this.cases.length - 1)];
+  }
+
+  async load() {
+    const chosen = ["case-a", "case-b"].map((id) => Number(byId(id).value));
+    const [a, b] = await Promise.all(chosen.map((i) => volume(this.cases, i)));
+    if (chosen[0] !== Number(byId("case-a").value) || chosen[1] !== Number(byId("case-b").value))
+      return; // another choice was made meanwhile
+    this.a = a;
+    this.b = b;
+    if (!this.state.point)
+      this.state.point = a.middle();
+    byId("viewer-body").hidden = false;
+    this.draw();
+  }
+
+  get plane() {
+    return slicePlane(this.state.axis);
+  }
+
+  // Ends of the stroke in the slice's plane (m), kept for each axis.
+  get stroke() {
+    const { strokes, axis } = this.state;
+    if (!strokes[axis]) {
+      const u = this.a.edges(this.plane[0]), high = this.a.middle()[this.plane[1]];
+      strokes[axis] = [0.12, 0.88].map((part) => [u[0] + part * (u[1] - u[0]), high]);
+    }
+    return strokes[axis];
+  }
+
+  value(f) {
+    const { quantity } = this.state;
+    if (quantity === "magnitude")
+      return length(f) === 0 ? null : length(f);
+    if (quantity === "direction")
+      return direction(f, this.plane);
+    return length(f) === 0 ? null : f[AXES.indexOf(quantity)];
+  }
+
+  // Forces of A and B where A has its samples, of the slice; nothing where B has no force.
+  pairs(index) {
+    const { a, b } = this, pairs = [];
+    const alike = [0, 1, 2].every((axis) => a.size[axis] === b.size[axis] && a.first[axis] === b.first[axis] && a.pitch[axis] === b.pitch[axis]);
+    this.eachSample(a, index, (at) => {
+      const other = alike ? b.sample(at) : b.force([0, 1, 2].map((axis) => a.position(axis, at[axis])));
+      pairs.push(other && [a.sample(at), other]);
+    });
+    return (at) => pairs[at[this.plane[0]] + a.size[this.plane[0]] * at[this.plane[1]]];
+  }
+
+  differenceValue(pair) {
+    const { quantity } = this.state;
+    if (!pair || quantity === "direction")
+      return pair ? angleBetween(...pair) : null;
+    const change = less(pair[1], pair[0]);
+    const value = quantity === "magnitude" ? length(change) : change[AXES.indexOf(quantity)];
+    return value === 0 ? null : value;
+  }
+
+  // Every sample of a slice through `visit`.
+  eachSample(volume_, index, visit) {
+    const at = [index, index, index];
+    for (let row = 0; row < volume_.size[this.plane[1]]; ++row)
+      for (let column = 0; column < volume_.size[this.plane[0]]; ++column) {
+        at[this.plane[0]] = column;
+        at[this.plane[1]] = row;
+        visit(at);
+      }
+  }
+
+  sharedScale(indexA, indexB) {
+    const { quantity } = this.state, { sequential, diverging } = this.tables, size = Math.max(this.a.largest, this.b.largest) || 1;
+    if (quantity === "magnitude")
+      return new ColourScale(sequential, 0, size, "force magnitude / N");
+    if (quantity !== "direction")
+      return new ColourScale(diverging, -size, size, "force along " + quantity + " / N");
+    let most = 1;
+    for (const [volume_, index] of [[this.a, indexA], [this.b, indexB]])
+      this.eachSample(volume_, index, (at) => { most = Math.max(most, Math.abs(direction(volume_.sample(at), this.plane) || 0)); });
+    return new ColourScale(diverging, -most, most, this.directionLabel());
+  }
+
+  directionLabel() {
+    const [right, up] = this.plane.map((a) => AXES[a]);
+    return "direction / deg, from +" + up + " towards +" + right;
+  }
+
+  differenceScale(pair, index) {
+    let most = 0;
+    this.eachSample(this.a, index, (at) => {
+      const value = this.differenceValue(pair(at));
+      if (value !== null && Number.isFinite(value))
+        most = Math.max(most, Math.abs(value));
+    });
+    const { quantity } = this.state, { sequential, diverging } = this.tables;
+    const label = { magnitude: "size of the difference of forces / N", direction: "angle between the forces / deg" }[quantity] ||
+      "difference along " + quantity + " / N";
+    return quantity === "magnitude" || quantity === "direction" ? new ColourScale(sequential, 0, most || 1, label)
+      : new ColourScale(diverging, -(most || 1), most || 1, label);
+  }
+
+  draw() {
+    const { axis, point, quantity, arrows } = this.state, { a, b, plane } = this;
+    const indexA = a.nearest(axis, point[axis]), indexB = b.nearest(axis, point[axis]), pair = this.pairs(indexA);
+    const scale = this.sharedScale(indexA, indexB), differenceScale = this.differenceScale(pair, indexA);
+    const shared = { plane, arrows, stroke: () => this.stroke, cursor: () => plane.map((one) => point[one]) };
+    for (const [pane, volume_, index] of [[this.panes.a, a, indexA], [this.panes.b, b, indexB]])
+      pane.show({ ...shared, volume: volume_, index, scale, cell: (at) => this.value(volume_.sample(at)), force: (at) => volume_.sample(at),
+        arrowScale: Math.max(a.largest, b.largest), equalArrows: quantity === "direction" });
+    const change = (at) => pair(at) && less(pair(at)[1], pair(at)[0]);
+    let largest = 0;
+    this.eachSample(a, indexA, (at) => { largest = Math.max(largest, length(change(at) || [0, 0, 0]) || 0); });
+    this.panes.d.show({ ...shared, volume: a, index: indexA, scale: differenceScale, cell: (at) => this.differenceValue(pair(at)), force: change,
+      arrowScale: largest, equalArrows: false });
+    scale.draw(byId("scale"));
+    differenceScale.draw(byId("scale-d"));
+    this.drawTitles(indexA);
+    this.drawReadout();
+    this.drawStroke();
+  }
+
+  // Only the cursor or the stroke moved.
+  mark(strokeToo) {
+    Object.values(this.panes).forEach((pane) => pane.mark());
+    this.drawReadout();
+    if (strokeToo)
+      this.drawStroke();
+  }
+
+  drawTitles(index) {
+    const { axis } = this.state, alone = this.a.alone(axis), text = byId("slice-text"), slider = byId("slice");
+    for (const [name, volume_] of [["a", this.a], ["b", this.b]]) {
+      const { about } = volume_, thinned = about.stride.some((s, a) => s > 1 && !volume_.alone(a));
+      const link = Object.assign(document.createElement("a"), { href: about.address, textContent: about.name });
+      byId("title-" + name).replaceChildren(name.toUpperCase() + ": ", link,
+        thinned ? " (every " + about.stride.map((s, a) => volume_.alone(a) ? 1 : s).join("×") + ". sample)" : "");
+      byId("pane-" + name).setAttribute("aria-label", name.toUpperCase() + ", " + about.name + ", slice across " + AXES[axis]);
+    }
+    byId("pane-d").setAttribute("aria-label", "Difference of B and A, slice across " + AXES[axis]);
+    slider.max = this.a.size[axis] - 1;
+    slider.value = index;
+    slider.disabled = byId("slice-back").disabled = byId("slice-on").disabled = this.a.size[axis] < 2;
+    text.value = alone ? "any y: the field does not depend on it"
+      : AXES[axis] + " = " + numberText(1e3 * this.a.position(axis, index), 4) + " mm (" + (index + 1) + " of " + this.a.size[axis] + ")";
+    slider.setAttribute("aria-valuetext", text.value);
+  }
+
+  drawReadout() {
+    const { point, axis } = this.state, forces = [this.a, this.b].map((one) => one.force(point)), both = forces[0] && forces[1];
+    byId("read-place").textContent = "At " + AXES.map((name, a) => name + " = " + numberText(1e3 * point[a], 4) + " mm").join(", ");
+    const out = (f) => length(f) ? Math.asin(f[axis] / length(f)) * DEGREES : null;
+    const row = (name, f, angles) => {
+      const tr = document.createElement("tr"), head = Object.assign(document.createElement("th"), { scope: "row", textContent: name });
+      tr.append(head, ...(f ? [length(f), ...f, ...angles] : Array(6).fill(null)).map((value) =>
+        Object.assign(document.createElement("td"), { className: "n", textContent: numberText(value, 4) })));
+      return tr;
+    };
+    const rows = ["A", "B"].map((name, i) => row(name, forces[i], forces[i] && [direction(forces[i], this.plane), out(forces[i])]));
+    const last = row("B − A", both && less(forces[1], forces[0]), both && [angleBetween(...forces), null]);
+    last.children[6].title = "angle between the two forces";
+    byId("read-rows").replaceChildren(...rows, last);
+  }
+
+  drawStroke() {
+    const { stroke, plane } = this, { point } = this.state, colours = palette();
+    const whole = 1e3 * Math.hypot(stroke[1][0] - stroke[0][0], stroke[1][1] - stroke[0][1]);
+    const ways = [], forces = { a: [], b: [] };
+    for (let i = 0; i <= PROFILE_SAMPLES; ++i) {
+      const t = i / PROFILE_SAMPLES, at = [...point];
+      plane.forEach((axis, c) => { at[axis] = stroke[0][c] + t * (stroke[1][c] - stroke[0][c]); });
+      ways.push(t * whole);
+      forces.a.push(this.a.force(at));
+      forces.b.push(this.b.force(at));
+    }
+    const lines = (number) => [["A", "a", colours.s0, []], ["B", "b", colours.s1, [7, 4]]].map(([name, key, colour, dash]) =>
+      ({ name, colour, dash, values: forces[key].map((f) => f && number(f)) }));
+    drawProfile(byId("profile-size"), ways, lines(length), "|F| / N", "way from end 1 / mm");
+    drawProfile(byId("profile-direction"), ways, lines((f) => direction(f, plane)), this.directionLabel(), "way from end 1 / mm");
+    document.querySelectorAll(".u-name").forEach((one) => { one.textContent = AXES[plane[0]]; });
+    document.querySelectorAll(".v-name").forEach((one) => { one.textContent = AXES[plane[1]]; });
+    for (const end of [0, 1])
+      for (const c of [0, 1]) {
+        const input = byId("stroke-" + end + "-" + c);
+        if (document.activeElement !== input)
+          input.value = (1e3 * stroke[end][c]).toFixed(2);
+      }
+  }
+}

@@ -1,0 +1,147 @@
+// Volumes: unpacked from the page, sampled anywhere.
+
+const AXES = ["x", "y", "z"];
+
+// Value of each half.
+const HALVES = (() => {
+  const values = new Float32Array(65536);
+  for (let bits = 0; bits < 65536; ++bits) {
+    const exponent = (bits >> 10) & 31, fraction = bits & 1023;
+    const size = exponent === 31 ? (fraction ? NaN : Infinity)
+      : exponent === 0 ? fraction * 2 ** -24 : (1 + fraction / 1024) * 2 ** (exponent - 15);
+    values[bits] = bits & 0x8000 ? -size : size;
+  }
+  return values;
+})();
+
+function canUnpack() {
+  return typeof DecompressionStream !== "undefined";
+}
+
+async function inflate(base64) {
+  const packed = Uint8Array.from(atob(base64), (c) => c.charCodeAt(0));
+  const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream("deflate"));
+  return new Uint8Array(await new Response(stream).arrayBuffer());
+}
+
+class Volume {
+  constructor(about, planes) {
+    this.about = about;
+    this.size = about.size;
+    const count = this.size[0] * this.size[1] * this.size[2];
+    if (planes.length !== 6 * count)
+      throw new Error("the volume of " + about.name + " is damaged");
+    this.components = [0, 1, 2].map((c) => this.unpack(planes.subarray(2 * c * count, 2 * (c + 1) * count), count));
+    // Place of the first sample and way to the next; one y that stands for all is in the middle and as wide as all.
+    this.first = [0, 1, 2].map((a) => this.alone(a) ? about.origin_m[a] + (about.full[a] - 1) / 2 * about.spacing_m[a]
+      : about.origin_m[a]);
+    this.pitch = [0, 1, 2].map((a) => about.spacing_m[a] * (this.alone(a) ? about.full[a] : about.stride[a]));
+    this.largest = 0;
+    for (let i = 0; i < count; ++i) {
+      const size = Math.hypot(this.components[0][i], this.components[1][i], this.components[2][i]);
+      if (size > this.largest && Number.isFinite(size))
+        this.largest = size;
+    }
+  }
+
+  alone(axis) {
+    return axis === 1 && this.about.alike_in_y;
+  }
+
+  unpack(planes, count) {
+    const values = new Float32Array(count), width = this.size[0];
+    let half = 0;
+    for (let i = 0; i < count; ++i) {
+      half = ((i % width ? half : 0) + (planes[i] << 8) + planes[count + i]) & 0xffff;
+      values[i] = HALVES[half] * this.about.scale_N;
+    }
+    return values;
+  }
+
+  position(axis, index) {
+    return this.first[axis] + index * this.pitch[axis];
+  }
+
+  edges(axis) {
+    return [this.first[axis] - this.pitch[axis] / 2, this.first[axis] + (this.size[axis] - 0.5) * this.pitch[axis]];
+  }
+
+  // Of the samples with a force, at a sample.
+  middle() {
+    const sum = [0, 0, 0], [nx, ny] = this.size;
+    let count = 0;
+    for (let i = 0; i < this.components[0].length; ++i)
+      if (this.components.some((values) => values[i] !== 0)) {
+        [i % nx, Math.floor(i / nx) % ny, Math.floor(i / nx / ny)].forEach((index, a) => { sum[a] += index; });
+        ++count;
+      }
+    return sum.map((s, a) => this.position(a, Math.floor(count ? s / count : this.size[a] / 2)));
+  }
+
+  nearest(axis, position) {
+    const index = Math.round((position - this.first[axis]) / this.pitch[axis]);
+    return Math.min(Math.max(index, 0), this.size[axis] - 1);
+  }
+
+  sample(index) {
+    const i = index[0] + this.size[0] * (index[1] + this.size[1] * index[2]);
+    return this.components.map((values) => values[i]);
+  }
+
+  // Linear between samples; null outside of the grid.
+  force(point) {
+    const low = [0, 0, 0], part = [0, 0, 0];
+    for (let a = 0; a < 3; ++a) {
+      const t = (point[a] - this.first[a]) / this.pitch[a];
+      if (!(t >= -0.5 - 1e-9 && t <= this.size[a] - 0.5 + 1e-9))
+        return null;
+      const inside = Math.min(Math.max(t, 0), this.size[a] - 1);
+      low[a] = Math.min(Math.floor(inside), Math.max(this.size[a] - 2, 0));
+      part[a] = inside - low[a];
+    }
+    const sum = [0, 0, 0];
+    for (let corner = 0; corner < 8; ++corner) {
+      let weight = 1;
+      const index = low.map((i, a) => {
+        const up = (corner >> a) & 1;
+        weight *= up ? part[a] : 1 - part[a];
+        return i + up;
+      });
+      if (weight > 0)
+        this.sample(index).forEach((value, c) => { sum[c] += weight * value; });
+    }
+    return sum;
+  }
+}
+
+const volumes = new Map();
+
+// Of the i-th case, unpacked once.
+function volume(cases, i) {
+  if (!volumes.has(i))
+    volumes.set(i, inflate(document.getElementById("volume-" + i).textContent).then((planes) => new Volume(cases[i], planes)));
+  return volumes.get(i);
+}
+
+// The slice's axes: what is drawn to the right and upwards.
+function slicePlane(axis) {
+  return axis === 0 ? [1, 2] : axis === 1 ? [0, 2] : [0, 1];
+}
+
+const DEGREES = 180 / Math.PI;
+const length = (f) => Math.hypot(f[0], f[1], f[2]);
+const less = (a, b) => [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
+
+// deg from the slice's upward axis towards its rightward one; nothing where no force lies in the slice.
+function direction(f, plane) {
+  const u = f[plane[0]], v = f[plane[1]];
+  return u === 0 && v === 0 ? null : Math.atan2(u, v) * DEGREES;
+}
+
+// deg between two forces; nothing where one is none.
+function angleBetween(a, b) {
+  if (length(a) === 0 || length(b) === 0)
+    return null;
+  const cross = [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+  return Math.atan2(length(cross), a[0] * b[0] + a[1] * b[1] + a[2] * b[2]) * DEGREES;
+}

@@ -1,0 +1,157 @@
+#include "host/report/viewer_section.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "host/error.h"
+#include "host/plot/colour_scale.h"
+#include "host/plot/xml_text.h"
+#include "host/report/base64.h"
+#include "host/report/sampled_volume.h"
+#include "host/report/words.h"
+#include "report_assets.h"
+
+namespace forceshade::report {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::size_t kMostCases = 256;
+constexpr std::uint64_t kMostSamples = 1u << 19; /* of a volume, however few volumes there are */
+constexpr std::uint64_t kLeastSamples = 512;
+
+struct Wanted {
+    std::string name, path; /* path below the report's folder */
+    const CaseRecord* record;
+};
+
+struct Packed {
+    Json about;
+    std::string data; /* base64 */
+    bool thinned = false;
+};
+
+std::string volume_name(const CaseRecord& record) {
+    for (const FileRecord& file : record.files)
+        if (file.name == record.name + ".exr" && is_plain_name(file.name))
+            return file.name;
+    return "";
+}
+
+std::vector<Wanted> wanted_volumes(const std::filesystem::path& root, const std::vector<Sweep>& sweeps) {
+    std::vector<Wanted> all;
+    for (const Sweep& sweep : sweeps)
+        for (const CaseRecord& record : sweep.cases) {
+            const std::string path = below(sweep.folder, volume_name(record));
+            std::error_code ignored;
+            if (record.voxels > 0 && !volume_name(record).empty() && std::filesystem::exists(root / path, ignored))
+                all.push_back({below(sweep.folder, record.name), path, &record});
+        }
+    return all;
+}
+
+Packed packed_volume(const std::filesystem::path& root, const Wanted& wanted, std::uint64_t most) {
+    const SampledVolume volume = sample_volume(root / wanted.path, most);
+    const PackedForce force = pack_force(volume);
+    Packed packed;
+    packed.data = base64(force.bytes);
+    packed.thinned = volume.stride[0] > 1 || volume.stride[2] > 1 || (volume.stride[1] > 1 && !volume.alike_in_y);
+    packed.about = {{"name", wanted.name},         {"address", address(wanted.path)},
+                    {"full", volume.full},         {"stride", volume.stride},
+                    {"size", volume.size},         {"origin_m", volume.origin},
+                    {"spacing_m", volume.spacing}, {"alike_in_y", volume.alike_in_y},
+                    {"scale_N", force.scale}};
+    return packed;
+}
+
+// Volumes that cannot be read are taken from the list, with a trouble.
+std::vector<Packed> pack_all(const std::filesystem::path& root, std::vector<Wanted>& wanted, std::uint64_t most,
+                             std::vector<std::string>& troubles) {
+    std::vector<Packed> packed;
+    std::erase_if(wanted, [&](const Wanted& one) {
+        try {
+            packed.push_back(packed_volume(root, one, most));
+            return false;
+        } catch (const Error& error) {
+            troubles.push_back(fmt::format("{}: the viewer cannot show it: {}", one.path, error.what()));
+            return true;
+        }
+    });
+    return packed;
+}
+
+std::size_t characters(const std::vector<Packed>& packed) {
+    std::size_t sum = 0;
+    for (const Packed& one : packed)
+        sum += one.data.size() + 400;
+    return sum;
+}
+
+std::vector<Packed> pack_within(const std::filesystem::path& root, std::vector<Wanted>& wanted, std::size_t budget,
+                                std::vector<std::string>& troubles) {
+    std::uint64_t most = kMostSamples;
+    for (;;) {
+        std::vector<Packed> packed = pack_all(root, wanted, most, troubles);
+        const std::size_t size = characters(packed);
+        if (size <= budget || most <= kLeastSamples)
+            return packed;
+        const double share = 0.9 * static_cast<double>(budget) / static_cast<double>(size);
+        // What is larger than the volumes themselves was no limit.
+        std::uint64_t largest = 0;
+        for (const Packed& one : packed)
+            largest = std::max(largest, one.about["size"][0].get<std::uint64_t>() *
+                                            one.about["size"][1].get<std::uint64_t>() *
+                                            one.about["size"][2].get<std::uint64_t>());
+        most =
+            std::max(kLeastSamples, static_cast<std::uint64_t>(share * static_cast<double>(std::min(most, largest))));
+    }
+}
+
+// JSON within a <script>: nothing in it can end the element.
+std::string script_safe(const Json& json) {
+    std::string text;
+    for (const char c : json.dump(-1, ' ', false, Json::error_handler_t::replace))
+        text += c == '<' ? "\\u003c" : std::string(1, c);
+    return text;
+}
+
+std::string about_data(const std::vector<Packed>& packed, std::size_t left_out) {
+    const auto thinned = std::ranges::count_if(packed, &Packed::thinned);
+    std::string text = "Forces here are rounded to 11 significant bits";
+    if (thinned == 0)
+        text += "; every sample of the files is here, or one y for all where a field does not depend on y.";
+    else
+        text += fmt::format(". To keep this page small, {} of {} volumes {} thinned: what is shown is every second or "
+                            "further sample, as the heading of each picture says.",
+                            thinned, packed.size(), thinned == 1 ? "is" : "are");
+    if (left_out > 0)
+        text += fmt::format(" {} further cases are not here.", count_text(left_out));
+    return text + " The whole volumes are the EXR files beside this page.";
+}
+
+} // namespace
+
+std::string viewer_section(const std::filesystem::path& root, const std::vector<Sweep>& sweeps,
+                           std::vector<std::string>& troubles, std::size_t budget) {
+    std::vector<Wanted> wanted = wanted_volumes(root, sweeps);
+    const std::size_t left_out = wanted.size() - std::min(wanted.size(), kMostCases);
+    wanted.resize(wanted.size() - left_out);
+    const std::vector<Packed> packed = pack_within(root, wanted, budget, troubles);
+    if (packed.empty())
+        return "";
+    Json about{
+        {"sequential", plot::sequential_colours()}, {"diverging", plot::diverging_colours()}, {"cases", Json::array()}};
+    std::string data;
+    for (const Packed& one : packed) {
+        data +=
+            fmt::format("<script type=\"text/plain\" id=\"volume-{}\">{}</script>\n", about["cases"].size(), one.data);
+        about["cases"].push_back(one.about);
+    }
+    return fmt::format("<section id=\"viewer\">\n<h2>Viewer</h2>\n{}<p class=\"note\">{}</p>\n"
+                       "<script type=\"application/json\" id=\"volumes\">{}</script>\n{}</section>\n",
+                       assets::viewer_html, plot::escaped(about_data(packed, left_out)), script_safe(about), data);
+}
+
+} // namespace forceshade::report

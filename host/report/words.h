@@ -1,0 +1,25 @@
+// Numbers, links and files as the page words them. Everything that comes from a file is escaped here.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+namespace forceshade::report {
+
+/// "12 345 678", with spaces that do not break.
+std::string count_text(std::uint64_t count);
+
+/// "1 min 5 s", "3.2 s".
+std::string duration_text(double seconds);
+
+/// "3.1 MiB"
+std::string size_text(std::uint64_t bytes);
+
+/// A path below the report's folder as a relative address: nothing in it can be another scheme, host or query.
+std::string address(std::string_view path);
+
+/// <a href="address">text</a>
+std::string link(std::string_view path, std::string_view text);
+
+} // namespace forceshade::report

@@ -1,0 +1,219 @@
+// report.html: one file that needs nothing else, whatever lies in the folder.
+#include <filesystem>
+#include <regex>
+
+#include <gtest/gtest.h>
+
+#include "host/error.h"
+#include "host/report/report.h"
+#include "host/report/words.h"
+#include "tests/io/folder.h"
+#include "tests/report/sample_folder.h"
+
+namespace forceshade::report {
+namespace {
+
+using namespace testing;
+
+class Report : public ::testing::Test {
+protected:
+    std::filesystem::path path(const std::string& name = "") const { return folder_.path() / name; }
+
+    ReportResult write() {
+        const ReportResult result = write_report(path());
+        html_ = text_in(result.file);
+        EXPECT_TRUE(html_.starts_with("<!DOCTYPE html>"));
+        EXPECT_TRUE(html_.ends_with("</html>\n"));
+        return result;
+    }
+    bool says(const std::string& words) const { return html_.find(words) != std::string::npos; }
+    // Expects one trouble, which holds the words, and that the page tells it.
+    void expect_trouble(const std::string& words) {
+        const ReportResult result = write();
+        std::string all;
+        for (const std::string& trouble : result.troubles)
+            all += trouble + "\n";
+        EXPECT_NE(all.find(words), std::string::npos) << "no \"" << words << "\" in: " << all;
+        EXPECT_TRUE(says("What is missing or damaged"));
+        EXPECT_TRUE(says(words)) << words;
+    }
+
+    Folder folder_;
+    std::string html_;
+};
+
+TEST_F(Report, OfASweepAndAStudyIsWholeAndLeadsToItsFiles) {
+    write_sample_sweep(path());
+    write_sample_study(path("energy"));
+    const ReportResult result = write();
+    EXPECT_EQ(result.troubles, std::vector<std::string>{});
+    EXPECT_GE(result.findings, 3u);
+    for (const char* words : {"id=\"findings\"", "The largest force is ", "class=\"fsp\"", "a processor, 2 cores",
+                              "quick: coarse", "These numbers are made up.", "id=\"viewer\"", "Time by stage"})
+        EXPECT_TRUE(says(words)) << words;
+    const std::regex link("href=\"([^#\"][^\"]*)\"");
+    std::size_t links = 0;
+    for (std::sregex_iterator it(html_.begin(), html_.end(), link), end; it != end; ++it) {
+        if ((*it)[1] == "data:,")
+            continue;
+        ++links;
+        EXPECT_TRUE(std::filesystem::exists(path((*it)[1]))) << (*it)[1];
+    }
+    EXPECT_GE(links, 15u);
+}
+
+TEST_F(Report, LoadsNothing) {
+    write_sample_sweep(path());
+    write_sample_study(path("energy"));
+    write();
+    std::size_t at = 0, found = 0;
+    while ((at = html_.find("://", at + 1)) != std::string::npos)
+        found += html_.compare(at - 4, 23, "http://www.w3.org/2000/") != 0;
+    EXPECT_EQ(found, 0u);
+    EXPECT_FALSE(says(" src="));
+    EXPECT_TRUE(says("default-src 'none'"));
+}
+
+TEST_F(Report, IsTheSameForTheSameFolder) {
+    write_sample_sweep(path());
+    write_sample_study(path("energy"));
+    write();
+    const std::string first = html_;
+    write();
+    EXPECT_EQ(html_, first);
+}
+
+TEST_F(Report, ShowsMarkupInNamesAsText) {
+    const std::string evil = "<script>alert(1)<!--\"'&";
+    std::vector<CaseRecord> records{write_sample_case(path(), {.name = evil})};
+    records[0].parameters = {{evil, "</td><script>"}};
+    records[0].omitted = {"<script>"};
+    write_sample_manifest(path(), records);
+    std::filesystem::create_directory(path("<script>alert(2)"));
+    write_sample_study(path("<script>alert(2)"));
+    write();
+    EXPECT_FALSE(says("<script>alert"));
+    EXPECT_FALSE(says("</td><script>"));
+    EXPECT_TRUE(says("&lt;script&gt;alert(1)"));
+    EXPECT_TRUE(says("\\u003cscript>alert(1)"));
+    EXPECT_TRUE(says("href=\"%3Cscript%3Ealert%281%29%3C%21--%22%27%26.exr\""));
+}
+
+TEST_F(Report, ReplacesNoPageOfSomebodyElse) {
+    put_text(path("report.html"), "mine");
+    expect_trouble("report.html: it is none of this program");
+    EXPECT_EQ(text_in(path("report.html")), "mine");
+    EXPECT_TRUE(std::filesystem::exists(path("forceshade-report.html")));
+}
+
+TEST_F(Report, OfNoFolderIsAnError) {
+    EXPECT_THROW(write_report(path("nothing")), IoError);
+    put_text(path("file"), "");
+    EXPECT_THROW(write_report(path("file")), IoError);
+}
+
+TEST_F(Report, OfAnEmptyFolderSaysSo) {
+    expect_trouble("The folder holds no manifest.json of a sweep and no study.json of a study.");
+    EXPECT_TRUE(says("There is no sweep and no study here that this program can read."));
+}
+
+TEST_F(Report, TellsOfManifestsThatAreNone) {
+    put_text(path("manifest.json"), "{\"cases\": [");
+    expect_trouble("manifest.json: it is damaged");
+    put_text(path("manifest.json"), "{\"short_name\": \"an app\"}");
+    expect_trouble("manifest.json: it is no account of a sweep");
+    put_text(path("manifest.json"), "[]");
+    expect_trouble("manifest.json: it is no account of a sweep");
+    write_sample_manifest(path(), {});
+    expect_trouble("manifest.json: it holds no case");
+}
+
+TEST_F(Report, OfAnOldManifestShowsWhatCanBeUnderstood) {
+    write_sample_sweep(path());
+    std::string text = text_in(path("manifest.json"));
+    text.replace(text.find("\"format\": 1"), 11, "\"format\": 0");
+    put_text(path("manifest.json"), text);
+    expect_trouble("its format is 0, this program writes 1");
+    EXPECT_TRUE(says("bump_shading-reference"));
+    text.replace(text.find("\"voxels\""), 8, "\"volume\"");
+    text.replace(text.find("\"cases_of_study\": 2"), 19, "\"cases_of_study\":-1");
+    put_text(path("manifest.json"), text);
+    expect_trouble("manifest.json, case 1: this case cannot be understood");
+    EXPECT_TRUE(says("bump_shading-reference"));
+}
+
+TEST_F(Report, TakesCasesFromTheirRecordsWhereTheManifestIsDamaged) {
+    const std::vector<CaseRecord> records = write_sample_sweep(path());
+    std::filesystem::create_directory(path("manifest.d"));
+    for (const CaseRecord& record : records)
+        write_record(path(), record);
+    put_text(path("manifest.d/foreign.json"), "{}");
+    put_text(path("manifest.json"), "");
+    expect_trouble("manifest.json: it is damaged; the cases are taken from manifest.d");
+    EXPECT_TRUE(says("manifest.d/foreign.json: this case cannot be understood"));
+    EXPECT_TRUE(says("<td>bump_shading-reference</td>"));
+}
+
+TEST_F(Report, TellsOfVolumesThatAreMissingDamagedOrForeign) {
+    std::vector<CaseRecord> records = write_sample_sweep(path());
+    const std::string whole = text_in(path("bump_shading-none.exr"));
+    std::filesystem::remove(path("bump_shading-none.exr"));
+    expect_trouble("bump_shading-none.exr: it is missing");
+    put_text(path("bump_shading-none.exr"), whole.substr(0, whole.size() / 2));
+    expect_trouble("bump_shading-none.exr: the viewer cannot show it");
+    EXPECT_TRUE(says("bytes where"));
+    std::string flipped = whole;
+    flipped[whole.size() / 2] = static_cast<char>(~flipped[whole.size() / 2]);
+    put_text(path("bump_shading-none.exr"), flipped);
+    expect_trouble("bump_shading-none.exr: its contents are not what was written");
+    put_text(path("bump_shading-none.exr"), whole);
+    put_text(path("foreign.exr"), "");
+    expect_trouble("foreign.exr: the manifest does not name it");
+    records[0].files[0].name = "../outside.exr";
+    write_sample_manifest(path(), records);
+    expect_trouble("../outside.exr: it lies outside of the folder");
+    EXPECT_FALSE(says("href=\"../"));
+}
+
+TEST_F(Report, TellsOfStudiesThatCannotBeRead) {
+    write_sample_study(path("energy"));
+    const std::string whole = text_in(path("energy/study.json"));
+    put_text(path("energy/study.json"), whole.substr(0, whole.size() / 2));
+    expect_trouble("energy/study.json: it is damaged");
+    std::string text = whole;
+    text.replace(text.find("0.1.0+sample") - 1, 14, "NaN");
+    put_text(path("energy/study.json"), text);
+    expect_trouble("energy/study.json: it is damaged");
+    text = whole;
+    text.replace(text.find("\"name\": \"time_ratio\""), 20, "\"name\": \"other_ratio\"");
+    put_text(path("energy/study.json"), text);
+    expect_trouble("the figure error_time cannot be drawn: table points has no column time_ratio");
+    EXPECT_TRUE(says("Where the loop is stable")) << "the other figures are shown";
+    text = whole;
+    text.replace(text.find("\"study\": \"energy\""), 17, "\"study\": \"<b>luck\"");
+    put_text(path("energy/study.json"), text);
+    expect_trouble("its findings cannot be computed");
+    EXPECT_FALSE(says("<b>luck"));
+    std::filesystem::remove(path("energy/points.csv"));
+    put_text(path("energy/study.json"), whole);
+    expect_trouble("energy/points.csv: it is missing");
+}
+
+TEST(Addresses, StayBelowTheFolder) {
+    EXPECT_EQ(address("energy/curl.exr"), "energy/curl.exr");
+    EXPECT_EQ(address("javascript:alert(1)"), "javascript%3Aalert%281%29");
+    EXPECT_EQ(address("a b?c#d%"), "a%20b%3Fc%23d%25");
+    EXPECT_EQ(link("a<b", "a<b"), "<a href=\"a%3Cb\">a&lt;b</a>");
+}
+
+TEST(Words, AreForReaders) {
+    EXPECT_EQ(count_text(12345678), "12\u00a0345\u00a0678");
+    EXPECT_EQ(count_text(7), "7");
+    EXPECT_EQ(duration_text(65), "1 min 5 s");
+    EXPECT_EQ(duration_text(3.25), "3.2 s");
+    EXPECT_EQ(duration_text(-1), "an unknown time");
+    EXPECT_EQ(size_text(3u << 20), "3 MiB");
+}
+
+} // namespace
+} // namespace forceshade::report

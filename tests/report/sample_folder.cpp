@@ -1,0 +1,111 @@
+#include "tests/report/sample_folder.h"
+
+#include <cmath>
+#include <fstream>
+#include <random>
+#include <sstream>
+
+#include <nlohmann/json.hpp>
+
+#include "host/io/exr_volume.h"
+#include "host/io/temporary_file.h"
+#include "host/plot/plot.h"
+#include "host/study/data/data_files.h"
+#include "host/sweep/manifest.h"
+#include "tests/report/samples.h"
+
+namespace forceshade::testing {
+namespace {
+
+// Nothing in the upper half; below, a force that grows with depth and leans with x and y.
+std::vector<float> forces(const SampleCase& one) {
+    std::vector<float> values;
+    std::mt19937 random(1);
+    const std::size_t ny = one.alike_in_y ? 1 : one.size[1];
+    for (std::size_t z = 0; z < one.size[2]; ++z)
+        for (std::size_t y = 0; y < ny; ++y)
+            for (std::size_t x = 0; x < one.size[0]; ++x) {
+                const double depth = 0.5 - double(z) / double(one.size[2]);
+                const double lean = double(x) / double(one.size[0]) - 0.5 + 0.1 * double(y);
+                for (const double part : {lean, 0.3 * double(y), 1.0})
+                    values.push_back(one.noise   ? static_cast<float>(random()) * 1e-9f - 2.0f
+                                     : depth > 0 ? static_cast<float>(one.strength * depth * part)
+                                                 : 0.0f);
+            }
+    return values;
+}
+
+} // namespace
+
+CaseRecord write_sample_case(const std::filesystem::path& folder, const SampleCase& one) {
+    VolumeHeader header;
+    header.size = one.size;
+    header.origin = {-0.0115, -0.0025, -0.004};
+    header.spacing = {0.001, 0.001, 0.0005};
+    header.omitted = one.alike_in_y ? "texture, 5 of 6 y samples, alike" : "texture";
+    VolumeWriter writer(folder / (one.name + ".exr"), header);
+    const std::vector<float> values = forces(one);
+    writer.write(
+        layout::FieldChunk<float>{
+            one.size[0], one.size[0], 0, one.alike_in_y ? 1 : one.size[1], 0, one.size[2], values, {}, {}, {}, {}},
+        one.alike_in_y ? one.size[1] : 1);
+    const VolumeResult result = writer.finish();
+    CaseRecord record;
+    record.name = one.name;
+    record.parameters = {{"shading", one.name.ends_with("none") ? "none" : "reference"}};
+    record.precision = "f32";
+    record.engine = {};
+    record.engine.engine = "gpu";
+    record.engine.device = "a device";
+    record.files = {{one.name + ".exr", result.sha256, result.bytes}};
+    record.omitted = {"texture"};
+    record.voxels = one.size[0] * one.size[1] * one.size[2];
+    record.evaluated = record.voxels;
+    record.largest_force = result.largest_force;
+    record.error.compared = record.voxels;
+    record.error.largest = 1e-7;
+    record.error.largest_force = result.largest_force;
+    record.engine_times.kernel = 0.002;
+    record.volume_times.encode = 0.004;
+    return record;
+}
+
+void write_sample_manifest(const std::filesystem::path& folder, const std::vector<CaseRecord>& records) {
+    nlohmann::ordered_json json{{"format", kManifestFormat},
+                                {"program", "0.1.0+sample"},
+                                {"cases_of_study", records.size()},
+                                {"cases_recorded", records.size()},
+                                {"complete", true},
+                                {"last_run", {{"device", "a device"}, {"driver", "a driver"}, {"wall_s", 1.5}}},
+                                {"cases", nlohmann::ordered_json::array()}};
+    for (const CaseRecord& record : records)
+        json["cases"].push_back(nlohmann::ordered_json::parse(record_json(record)));
+    write_file_atomically(folder / "manifest.json", json.dump(2));
+}
+
+std::vector<CaseRecord> write_sample_sweep(const std::filesystem::path& folder) {
+    std::vector<CaseRecord> records{write_sample_case(folder, {}),
+                                    write_sample_case(folder, {.name = "bump_shading-reference", .strength = 2})};
+    write_sample_manifest(folder, records);
+    return records;
+}
+
+void write_sample_study(const std::filesystem::path& folder) {
+    std::filesystem::create_directories(folder);
+    const study::StudyData data = sample_study();
+    study::write_data(folder, data);
+    plot::write_figures(folder, data);
+}
+
+std::string text_in(const std::filesystem::path& path) {
+    std::ifstream file(path, std::ios::binary);
+    std::ostringstream text;
+    text << file.rdbuf();
+    return text.str();
+}
+
+void put_text(const std::filesystem::path& path, const std::string& text) {
+    std::ofstream(path, std::ios::binary) << text;
+}
+
+} // namespace forceshade::testing

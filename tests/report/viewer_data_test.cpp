@@ -1,0 +1,164 @@
+// The viewer's volumes: what they keep of the files, and how much of the page they take.
+#include <cmath>
+#include <limits>
+
+#include <gtest/gtest.h>
+#include <zlib.h>
+
+#include "host/report/base64.h"
+#include "host/report/sampled_volume.h"
+#include "host/report/sweep_findings.h"
+#include "host/report/viewer_section.h"
+#include "tests/io/folder.h"
+#include "tests/report/sample_folder.h"
+
+namespace forceshade::report {
+namespace {
+
+using namespace testing;
+
+TEST(Halves, AreRoundedToNearestEven) {
+    EXPECT_EQ(half_of(0.0f), 0x0000);
+    EXPECT_EQ(half_of(-0.0f), 0x8000);
+    EXPECT_EQ(half_of(1.0f), 0x3C00);
+    EXPECT_EQ(half_of(-2.0f), 0xC000);
+    EXPECT_EQ(half_of(65504.0f), 0x7BFF);
+    EXPECT_EQ(half_of(65520.0f), 0x7C00);
+    EXPECT_EQ(half_of(0x1p-24f), 0x0001);
+    EXPECT_EQ(half_of(0x1p-25f), 0x0000) << "a tie goes to even";
+    EXPECT_EQ(half_of(1 + 0x1p-11f), 0x3C00);
+    EXPECT_EQ(half_of(1 + 0x1.8p-10f), 0x3C02);
+    EXPECT_EQ(half_of(2 - 0x1p-12f), 0x4000) << "rounding may step into the exponent";
+    EXPECT_EQ(half_of(std::numeric_limits<float>::quiet_NaN()) & 0x7C00, 0x7C00);
+}
+
+TEST(Base64, IsThatOfTheStandard) {
+    EXPECT_EQ(base64(""), "");
+    EXPECT_EQ(base64("f"), "Zg==");
+    EXPECT_EQ(base64("fo"), "Zm8=");
+    EXPECT_EQ(base64("foobar"), "Zm9vYmFy");
+    EXPECT_EQ(base64("\xff\xfe"), "//4=");
+}
+
+double value_of(std::uint16_t half) {
+    const int exponent = half >> 10 & 31, fraction = half & 1023;
+    const double size = exponent == 0 ? std::ldexp(fraction, -24) : std::ldexp(1024 + fraction, exponent - 25);
+    return half & 0x8000 ? -size : size;
+}
+
+// As the page unpacks them.
+std::vector<double> unpacked(const PackedForce& packed, const SampledVolume& volume) {
+    const std::size_t count = volume.size[0] * volume.size[1] * volume.size[2];
+    std::vector<unsigned char> planes(6 * count);
+    uLongf length = planes.size();
+    EXPECT_EQ(
+        uncompress(planes.data(), &length, reinterpret_cast<const Bytef*>(packed.bytes.data()), packed.bytes.size()),
+        Z_OK);
+    EXPECT_EQ(length, planes.size());
+    std::vector<double> values(3 * count);
+    for (std::size_t component = 0; component < 3; ++component) {
+        std::uint16_t half = 0;
+        for (std::size_t i = 0; i < count; ++i) {
+            const unsigned step = planes[2 * component * count + i] * 256u + planes[(2 * component + 1) * count + i];
+            half = static_cast<std::uint16_t>((i % volume.size[0] ? half : 0) + step);
+            values[3 * i + component] = value_of(half) * packed.scale;
+        }
+    }
+    return values;
+}
+
+TEST(PackedForces, AreThoseOfTheFileToElevenBits) {
+    const Folder folder;
+    write_sample_case(folder.path(), {.name = "a", .strength = 3e-9});
+    const SampledVolume volume = sample_volume(folder.path() / "a.exr", 1u << 20);
+    EXPECT_EQ(volume.size, (std::array<std::uint64_t, 3>{24, 6, 16}));
+    const std::vector<double> values = unpacked(pack_force(volume), volume);
+    for (std::size_t i = 0; i < values.size(); ++i)
+        EXPECT_NEAR(values[i], static_cast<double>(volume.force[i]),
+                    std::fabs(static_cast<double>(volume.force[i])) * 0x1p-11 + 1e-9 * 0x1p-23);
+}
+
+TEST(SampledVolumes, OfFieldsAlikeInYHoldOneY) {
+    const Folder folder;
+    write_sample_case(folder.path(), {.name = "a", .alike_in_y = true});
+    const SampledVolume volume = sample_volume(folder.path() / "a.exr", 1u << 20);
+    EXPECT_TRUE(volume.alike_in_y);
+    EXPECT_EQ(volume.size, (std::array<std::uint64_t, 3>{24, 1, 16}));
+    EXPECT_EQ(volume.stride, (std::array<std::uint64_t, 3>{1, 6, 1}));
+}
+
+TEST(SampledVolumes, AreThinnedToTheirNumber) {
+    const Folder folder;
+    write_sample_case(folder.path(), {.name = "a"});
+    for (const std::uint64_t most : {1u, 10u, 300u, 2303u}) {
+        const SampledVolume volume = sample_volume(folder.path() / "a.exr", most);
+        EXPECT_LE(volume.size[0] * volume.size[1] * volume.size[2], most);
+        EXPECT_EQ(volume.force.size(), 3 * volume.size[0] * volume.size[1] * volume.size[2]);
+    }
+}
+
+TEST(Viewers, KeepToTheirBudget) {
+    const Folder folder;
+    Sweep sweep;
+    for (const char* name : {"a", "b", "c"})
+        sweep.cases.push_back(write_sample_case(folder.path(), {.name = name, .size = {64, 16, 32}, .noise = true}));
+    std::vector<std::string> troubles;
+    const std::string whole = viewer_section(folder.path(), {sweep}, troubles);
+    EXPECT_GT(whole.size(), 600'000u);
+    EXPECT_EQ(whole.find("thinned"), std::string::npos);
+    const std::string small = viewer_section(folder.path(), {sweep}, troubles, 100'000);
+    EXPECT_LT(small.size(), 120'000u); // the frame is a few kilobytes
+    EXPECT_GT(small.size(), 30'000u) << "the budget is used";
+    EXPECT_NE(small.find("3 of 3 volumes are thinned"), std::string::npos);
+    EXPECT_TRUE(troubles.empty());
+}
+
+TEST(Viewers, AreLeftOutWithoutVolumes) {
+    std::vector<std::string> troubles;
+    EXPECT_EQ(viewer_section(".", {}, troubles), "");
+}
+
+// The sentence of that name.
+std::string finding(const Sweep& sweep, const std::string& name) {
+    for (const study::Finding& one : sweep_findings(sweep))
+        if (one.name == name)
+            return one.text;
+    return "";
+}
+
+TEST(SweepFindings, FollowTheData) {
+    Sweep sweep;
+    EXPECT_TRUE(sweep_findings(sweep).empty());
+    CaseRecord a, b;
+    a.name = "a";
+    b.name = "b";
+    a.voxels = b.voxels = a.evaluated = b.evaluated = a.error.compared = b.error.compared = 1000;
+    a.largest_force = 2;
+    b.largest_force = 3;
+    a.error.largest_force = b.error.largest_force = 2;
+    a.error.largest = 1e-6;
+    a.engine_times.kernel = 0.25;
+    b.engine_times.kernel = 0.5;
+    sweep.cases = {a, b};
+    EXPECT_EQ(finding(sweep, "agreement"),
+              "Of 2\u00a0000 voxels compared with the CPU oracle in the same precision, all "
+              "are equal bit for bit.");
+    EXPECT_NE(finding(sweep, "largest_error").find("5×10⁻⁷ of the case's largest force (10⁻⁶ N), in a."),
+              std::string::npos);
+    EXPECT_NE(finding(sweep, "largest_force").find("3 N, in b"), std::string::npos);
+    EXPECT_EQ(finding(sweep, "dearest_case"), "The dearest case took 500 ms in the kernel, b; that is 2 times the "
+                                              "cheapest, a.");
+    EXPECT_EQ(finding(sweep, "evaluated"), "");
+    sweep.cases[0].error.differing = 3;
+    sweep.cases[0].error.beyond = 1;
+    sweep.cases[0].evaluated = 10;
+    sweep.cases[0].engine_times.kernel = 1;
+    sweep.cases[1].error.largest = 1;
+    EXPECT_NE(finding(sweep, "agreement").find("3 differ, 1 of them by more than rounding allows"), std::string::npos);
+    EXPECT_NE(finding(sweep, "largest_error").find("in b."), std::string::npos);
+    EXPECT_NE(finding(sweep, "dearest_case").find("kernel, a; that is 2 times"), std::string::npos);
+    EXPECT_NE(finding(sweep, "evaluated").find("Only 1\u00a0010 of 2\u00a0000 voxels"), std::string::npos);
+}
+
+} // namespace
+} // namespace forceshade::report
