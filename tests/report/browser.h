@@ -1,0 +1,58 @@
+// A headless Chromium with one page, driven by its DevTools protocol.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+namespace forceshade::testing {
+
+/// A picture of the page.
+struct Screenshot {
+    unsigned width = 0, height = 0;
+    double lightness = 0;    /* mean of the colours' values, 0 black to 1 white */
+    std::size_t colours = 0; /* different ones */
+};
+
+class Browser {
+public:
+    /// \throws std::runtime_error if there is no chromium or it does not answer within half a minute.
+    Browser();
+    ~Browser();
+
+    /// A new page of that size (px) and colour scheme shows the file; `before` is run before any script of it.
+    void open(const std::filesystem::path& file, unsigned width = 1200, bool dark = false,
+              const std::string& before = {});
+    /// The value of a JavaScript expression. \throws std::runtime_error if it throws.
+    nlohmann::json evaluate(const std::string& expression);
+    std::string text(const std::string& expression) {
+        return evaluate("String(" + expression + ")").get<std::string>();
+    }
+    /// Waits until the expression is true; false if it is not within 20 s.
+    bool wait_for(const std::string& expression);
+
+    /// In the middle of the first element that the selector names, brought into view; moved by dx, dy px.
+    void click(const std::string& selector);
+    void drag(const std::string& selector, double x, double y, double dx, double dy); /* from (x, y) of the element */
+    /// "ArrowLeft", "PageUp", "Tab", "1".
+    void press(const std::string& key);
+
+    Screenshot screenshot();
+    /// The PDF file that printing makes.
+    std::string print();
+
+    /// Errors and warnings of the console, exceptions, and what the page's policy refused, since open().
+    const std::vector<std::string>& complaints() const;
+
+private:
+    nlohmann::json call(const std::string& method, nlohmann::json parameters = nlohmann::json::object());
+    void mouse(const std::string& type, double x, double y, int buttons);
+
+    struct State;
+    std::unique_ptr<State> state_;
+};
+
+} // namespace forceshade::testing

@@ -1,0 +1,207 @@
+// The report as a reader meets it, in headless Chromium.
+#include <memory>
+
+#include <gtest/gtest.h>
+
+#include "host/report/report.h"
+#include "tests/io/folder.h"
+#include "tests/report/browser.h"
+#include "tests/report/sample_folder.h"
+
+namespace forceshade::report {
+namespace {
+
+using namespace testing;
+
+constexpr const char* kReady = "document.documentElement.dataset.viewer === 'ready'";
+constexpr const char* kSlice = "document.getElementById('slice-text').value";
+constexpr const char* kPlace = "document.getElementById('read-place').textContent";
+constexpr const char* kPaneA = "document.getElementById('pane-a').toDataURL()";
+constexpr const char* kPaneD = "document.getElementById('pane-d').toDataURL()";
+constexpr const char* kProfile = "document.getElementById('profile-size').toDataURL()";
+
+class Page : public ::testing::Test {
+protected:
+    static void SetUpTestSuite() {
+        folder_ = std::make_unique<Folder>();
+        write_sample_sweep(folder_->path());
+        write_sample_study(folder_->path() / "energy");
+        write_report(folder_->path());
+        browser_ = std::make_unique<Browser>();
+    }
+    static void TearDownTestSuite() {
+        browser_.reset();
+        folder_.reset();
+    }
+
+    void TearDown() override { EXPECT_EQ(browser_->complaints(), std::vector<std::string>{}); }
+
+    static std::filesystem::path report() { return folder_->path() / "report.html"; }
+    void open(unsigned width = 1200, bool dark = false) {
+        browser_->open(report(), width, dark);
+        ASSERT_TRUE(browser_->wait_for(kReady))
+            << browser_->text("document.getElementById('viewer-status').textContent");
+    }
+    // The number in a row (0: A, 1: B, 2: their difference) and column (1: |F|) of the read-out.
+    double read(int row, int column) {
+        const std::string cell = "document.getElementById('read-rows').children[" + std::to_string(row) +
+                                 "].children[" + std::to_string(column) + "].textContent";
+        return browser_->evaluate("Number(" + cell + ".replace('−', '-'))").get<double>();
+    }
+
+    static std::unique_ptr<Folder> folder_;
+    static std::unique_ptr<Browser> browser_;
+};
+
+std::unique_ptr<Folder> Page::folder_;
+std::unique_ptr<Browser> Page::browser_;
+
+TEST_F(Page, ShowsTheForcesOfBothCases) {
+    open();
+    EXPECT_EQ(browser_->text("document.getElementById('viewer-status').textContent"), "");
+    EXPECT_EQ(browser_->text("document.getElementById('case-b').selectedOptions[0].textContent"),
+              "bump_shading-reference");
+    EXPECT_GT(read(0, 1), 0.0);
+    EXPECT_NEAR(read(1, 1), 2 * read(0, 1), 1e-3 * read(1, 1)) << "the second case is twice as strong";
+    EXPECT_NEAR(read(2, 1), read(0, 1), 2e-3 * read(0, 1));
+    // Forces of the sample: (lean, 0.3 y, 1) times the depth.
+    EXPECT_NEAR(read(0, 3) / read(0, 4), 0.6, 2e-3) << "y is the third sample of six";
+}
+
+TEST_F(Page, ClicksChangeTheSlice) {
+    open();
+    const std::string slice = browser_->text(kSlice), picture = browser_->text(kPaneA);
+    EXPECT_EQ(slice, "y = −0.5000 mm (3 of 6)");
+    browser_->click("#slice-on");
+    EXPECT_EQ(browser_->text(kSlice), "y = 0.5000 mm (4 of 6)");
+    EXPECT_NE(browser_->text(kPaneA), picture);
+    browser_->click("#axis-z");
+    EXPECT_EQ(browser_->text(kSlice).substr(0, 4), "z = ");
+}
+
+TEST_F(Page, KeysMoveSliceCursorAndStroke) {
+    open();
+    browser_->evaluate("document.getElementById('pane-a').focus()");
+    std::string before = browser_->text(kSlice);
+    browser_->press("PageUp");
+    EXPECT_NE(browser_->text(kSlice), before);
+    browser_->press("PageDown");
+    EXPECT_EQ(browser_->text(kSlice), before);
+    before = browser_->text(kPlace);
+    browser_->press("ArrowRight");
+    EXPECT_NE(browser_->text(kPlace), before);
+    browser_->press("ArrowLeft");
+    EXPECT_EQ(browser_->text(kPlace), before);
+    const std::string profile = browser_->text(kProfile);
+    browser_->press("1");
+    EXPECT_NE(browser_->text(kProfile), profile);
+    browser_->evaluate("document.getElementById('slice').focus()");
+    before = browser_->text(kSlice);
+    browser_->press("ArrowRight");
+    EXPECT_NE(browser_->text(kSlice), before);
+}
+
+TEST_F(Page, FocusIsSeenAndReachesEverything) {
+    open();
+    browser_->evaluate("document.getElementById('case-a').focus()");
+    std::string reached;
+    for (int i = 0; i < 14; ++i) {
+        browser_->press("Tab");
+        EXPECT_NE(browser_->text("getComputedStyle(document.activeElement).outlineStyle"), "none");
+        reached += browser_->text("document.activeElement.id") + " ";
+    }
+    for (const char* id : {"case-b ", "quantity ", "arrows ", "slice ", "pane-a ", "pane-b ", "pane-d "})
+        EXPECT_NE(reached.find(id), std::string::npos) << id << "in " << reached;
+}
+
+TEST_F(Page, TheStrokesEndsCanBeDragged) {
+    open();
+    const std::string profile = browser_->text(kProfile);
+    const std::string end = "document.getElementById('stroke-0-0').value", before = browser_->text(end);
+    // The first end: 12 % of the plot, which begins 46 px from the left, at the cursor's height.
+    const double wide = browser_->evaluate("document.getElementById('pane-a').clientWidth").get<double>();
+    const double high = browser_->evaluate("document.getElementById('pane-a').clientHeight").get<double>() - 42;
+    const double part =
+        browser_->evaluate("(Number(document.getElementById('stroke-0-1').value) + 4.25) / 8").get<double>();
+    browser_->drag("#pane-a", 46 + 0.12 * (wide - 56), 6 + high * (1 - part), 60, -10);
+    EXPECT_NE(browser_->text(end), before);
+    EXPECT_NE(browser_->text(kProfile), profile);
+}
+
+TEST_F(Page, ChoicesChangeThePictures) {
+    open();
+    const std::string picture = browser_->text(kPaneA), difference = browser_->text(kPaneD);
+    for (const char* quantity : {"direction", "x", "y", "z"}) {
+        browser_->evaluate(std::string("(() => { const q = document.getElementById('quantity'); q.value = '") +
+                           quantity + "'; q.dispatchEvent(new Event('change')); })()");
+        EXPECT_NE(browser_->text(kPaneA), picture) << quantity;
+    }
+    browser_->evaluate("(() => { const c = document.getElementById('case-b'); c.value = '0'; "
+                       "c.dispatchEvent(new Event('change')); })()");
+    ASSERT_TRUE(browser_->wait_for("document.getElementById('title-b').textContent.includes('none')"));
+    EXPECT_EQ(read(2, 1), 0) << "a case does not differ from itself";
+    EXPECT_NE(browser_->text(kPaneD), difference);
+}
+
+TEST_F(Page, IsReadableInLightAndDark) {
+    open(1200, false);
+    const Screenshot light = browser_->screenshot();
+    EXPECT_GT(light.lightness, 0.8);
+    EXPECT_GT(light.colours, 50u);
+    browser_->evaluate("document.getElementById('viewer').scrollIntoView()");
+    EXPECT_GT(browser_->screenshot().colours, 200u) << "the viewer draws";
+    open(1200, true);
+    const Screenshot dark = browser_->screenshot();
+    EXPECT_LT(dark.lightness, 0.3);
+    EXPECT_GT(dark.colours, 50u);
+    browser_->evaluate("document.getElementById('viewer').scrollIntoView()");
+    EXPECT_LT(browser_->screenshot().lightness, 0.45);
+}
+
+TEST_F(Page, FitsNarrowAndWideWindows) {
+    for (const unsigned width : {360u, 600u, 1600u}) {
+        open(width);
+        EXPECT_LE(browser_->evaluate("document.documentElement.scrollWidth").get<unsigned>(), width);
+    }
+}
+
+TEST_F(Page, PrintsWhole) {
+    open(1200, true);
+    browser_->evaluate("addEventListener('beforeprint', () => { window.folded = "
+                       "document.querySelectorAll('details:not([open])').length; })");
+    const std::string pdf = browser_->print();
+    EXPECT_TRUE(pdf.starts_with("%PDF-"));
+    EXPECT_GT(pdf.size(), 30'000u);
+    EXPECT_EQ(browser_->evaluate("window.folded"), 0) << "tables are unfolded on paper";
+    EXPECT_NE(browser_->evaluate("document.querySelectorAll('details:not([open])').length"), 0) << "and folded again";
+}
+
+TEST_F(Page, TellsWhereABrowserCannotUnpack) {
+    browser_->open(report(), 1200, false, "delete window.DecompressionStream");
+    EXPECT_TRUE(browser_->wait_for("document.getElementById('viewer-status').textContent.includes('cannot unpack')"));
+    EXPECT_TRUE(browser_->evaluate("document.getElementById('viewer-body').hidden").get<bool>());
+}
+
+TEST_F(Page, RunsNothingThatStandsInAFile) {
+    const Folder folder;
+    const std::string evil = "<img src=x onerror=pwned=1><!--<script>";
+    std::vector<CaseRecord> records{write_sample_case(folder.path(), {.name = evil}),
+                                    write_sample_case(folder.path(), {.name = "b"})};
+    records[0].parameters = {{"shading", "</script><script>pwned=1</script>"}};
+    write_sample_manifest(folder.path(), records);
+    write_report(folder.path());
+    browser_->open(folder.path() / "report.html");
+    EXPECT_TRUE(browser_->wait_for(kReady));
+    EXPECT_EQ(browser_->text("typeof pwned"), "undefined");
+    EXPECT_NE(browser_->text("document.getElementById('title-a').textContent").find(evil), std::string::npos);
+}
+
+TEST_F(Page, OfAnEmptyFolderHasNoError) {
+    const Folder folder;
+    write_report(folder.path());
+    browser_->open(folder.path() / "report.html");
+    EXPECT_NE(browser_->text("document.body.innerText").find("no sweep and no study"), std::string::npos);
+}
+
+} // namespace
+} // namespace forceshade::report
