@@ -103,6 +103,34 @@ TEST(MeasuredLimit, OfThePlaneAndTheDip) {
                 1, 1e-3);
 }
 
+// A device that computes in single precision only.
+class SingleEngine final : public Engine {
+public:
+    EngineReport report() const override {
+        EngineReport report = engine().report();
+        report.f64 = false;
+        return report;
+    }
+    EngineTimes evaluate(const layout::FieldInput<float>&,
+                         const std::function<void(const layout::FieldChunk<float>&)>&) override {
+        return {};
+    }
+    EngineTimes evaluate(const layout::FieldInput<double>&,
+                         const std::function<void(const layout::FieldChunk<double>&)>&) override {
+        return {};
+    }
+    EngineTimes explore(const layout::PathInput<float>& input, const reference::TakePaths<float>& take,
+                        const reference::TakeMetrics<float>& take_metrics) override {
+        return engine().explore(input, take, take_metrics);
+    }
+};
+
+TEST(MeasuredLimit, InSinglePrecision) {
+    SingleEngine single;
+    const LoopCell cell = damped(own("plane"), 5);
+    EXPECT_NEAR(measured_limit(single, own("plane"), cell).value() / wall_limit(cell), 1, 1e-4);
+}
+
 // A probe slides off a shaded bump whatever the damping: its grip against K d / R.
 TEST(MeasuredLimit, OfTheShadedBumpIsStatic) {
     const LoopPlace& bump = own("bump-shaded");

@@ -121,7 +121,7 @@ std::vector<LoopOutcome> run_as(Engine& engine, const LoopPlace& place, const st
     engine.explore(
         input, [&](const layout::PathChunk<T>& chunk) { spread.take(chunk); },
         [&](std::size_t first, std::span<const layout::PathMetrics<T>> metrics) {
-            constexpr double kRest = std::is_same_v<T, double> ? 1e-6 : 1e-3; // of the speed that the disturbance makes
+            constexpr double kRest = std::is_same_v<T, double> ? 1e-6 : 1e-2; // of the speed that the disturbance makes
             constexpr double kNowhere = 0.1;                                  // of the disturbance
             const auto steps = static_cast<double>(run.steps);
             for (std::size_t i = 0; i < metrics.size(); ++i) {

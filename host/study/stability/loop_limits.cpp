@@ -24,7 +24,8 @@ struct Rung {
 };
 
 std::vector<Rung> climb(Engine& engine, const LoopPlace& place, const LoopCell& cell, double low, double high) {
-    constexpr double kSmall = 1e-4;      // of the depth: no loop leaves the neighbourhood where it is linear
+    // Of the depth: no loop leaves the neighbourhood where it is linear, and it is far above rounding.
+    constexpr double kSmall = 1e-4, kSmallInSingle = 2e-2;
     constexpr double kNear = 0.2;        // depths: what comes further grew, and settles elsewhere if at all
     constexpr std::size_t kLeast = 5000; // steps: a fast oscillation's largest sample is near its largest speed
     constexpr double kClearly = -0.5; // what is bounded by leaving contact grows no more, but does not decay like this
@@ -32,7 +33,7 @@ std::vector<Rung> climb(Engine& engine, const LoopPlace& place, const LoopCell& 
     for (std::size_t i = 0; i < kRungs; ++i)
         cells[i].stiffness = low * std::pow(high / low, double(i) / (kRungs - 1));
     LoopRun run;
-    run.disturbance = kSmall;
+    run.disturbance = engine.report().f64 ? kSmall : kSmallInSingle;
     run.bound = kNear;
     for (const LoopCell& one : cells)
         run.steps = std::max(run.steps, settling_steps(one, run.patience));
