@@ -97,6 +97,8 @@ Room room_of(const PreparedCase& scene) {
     PathsSpec strokes;
     strokes.centre = given.centre;
     strokes.length = given.length;
+    if (scene.one.scene.surface.kind == SurfaceKind::mesh)
+        strokes.drive = PathDrive::press; // not over the mesh's rim
     const PathRegion region = path_region(strokes, scene);
     if (!(region.length > 0))
         throw UsageError("paths.length leaves no room for a loop: it must be above 0");
@@ -129,7 +131,8 @@ std::function<Vector(double, double)> normals_of(const Scene& scene) {
 std::vector<LoopCase> scene_loops(const PreparedCase& scene) {
     const Room room = room_of(scene);
     const double x = room.region.centre[0], y = room.region.centre[1], half = kUsed * room.region.length / 2;
-    const bool mesh = scene.one.scene.surface.kind == SurfaceKind::mesh;
+    const SurfaceKind surface = scene.one.scene.surface.kind;
+    const bool mesh = surface == SurfaceKind::mesh;
     const std::pair<const char*, Section> parts[] = {{"half", scene_section(scene, x, x + half, y)},
                                                      {"whole", scene_section(scene, x - half, x + half, y)}};
     std::vector<LoopCase> loops;
@@ -139,7 +142,7 @@ std::vector<LoopCase> scene_loops(const PreparedCase& scene) {
                 if (god_object && !mesh)
                     continue;
                 LoopCase one;
-                one.surface = surface_word(scene.one.scene.surface.kind);
+                one.surface = surface_word(surface);
                 one.loop = part;
                 one.scheme = scheme.name + (god_object ? ", god-object" : "");
                 one.prepared = with_force(scene, scheme);
@@ -150,10 +153,11 @@ std::vector<LoopCase> scene_loops(const PreparedCase& scene) {
                 one.god_object = god_object;
                 one.pieces = {8};
                 one.steps = mesh ? kMeshSteps : one.steps;
-                if (scene.one.scene.surface.kind == SurfaceKind::bump)
+                if (surface == SurfaceKind::bump)
                     one.facets = scene.one.scene.surface.facets;
-                if (mesh && !god_object && scheme.force.shading == Shading::none && !scene.one.scene.texture)
-                    one.closed_form = 0; // the gradient of K/2 d^2
+                const bool plain = !scene.one.scene.texture && scheme.force.shading == Shading::none;
+                if (plain && !god_object && (mesh || surface == SurfaceKind::cylinder_bump))
+                    one.closed_form = 0; // a mesh's is the gradient of K/2 d^2
                 loops.push_back(std::move(one));
             }
     return loops;

@@ -71,6 +71,11 @@ Section scene_section(const PreparedCase& prepared, double first, double last, d
     std::vector<double> cuts{-params.half_width, params.half_width};
     if (facets && law->law().facet_vertices.size() <= kMostCuts)
         cuts.assign(law->law().facet_vertices.begin(), law->law().facet_vertices.end());
+    if (circle) // towards a rim that may be upright
+        for (const double short_of : {1e-2, 1e-3, 1e-4, 1e-5, 1e-6})
+            for (const double side : {-1.0, 1.0})
+                cuts.push_back(side * (1 - short_of) * params.half_width);
+    std::ranges::sort(cuts);
     Section section;
     section.breaks.push_back(first);
     for (const double cut : cuts)
