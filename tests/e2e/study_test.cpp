@@ -152,6 +152,15 @@ TEST_P(EveryStudy, is_whole_and_computes_nothing_again) {
     EXPECT_EQ(differences(before, tree_of(path(folder))), std::set<std::string>{}) << "all steps were kept";
 }
 
+TEST_P(EveryStudy, takes_a_scene) {
+    const std::string name = GetParam(), folder = "out/" + name;
+    write("scene.toml", kOneCase);
+    expect_study({"study", name, "scene.toml", "--quick", "--out", "out", "--quiet"});
+    expect_whole(folder, name);
+    const std::string scene = read_json(folder + "/study.json")["scene"];
+    EXPECT_NE(scene.find("facets = 3"), std::string::npos) << scene;
+}
+
 INSTANTIATE_TEST_SUITE_P(All, EveryStudy, ::testing::Values("error-time", "stability", "energy", "omission"),
                          [](const auto& study) {
                              std::string name = study.param;

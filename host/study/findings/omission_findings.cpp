@@ -38,15 +38,17 @@ Rows features_with(const Table& table, const char* column, const std::string& wo
     });
 }
 
-// By the feature, with the scenes that it was measured in: "facet channel (bump, mesh)".
-std::string listed(const Table& table, const Rows& rows) {
+// By the feature, with the scenes that it was measured in and what it saved there: "facet channel (bump 1.2 %, mesh
+// -0.3 %)"; `saved`: the column, none for scenes alone.
+std::string listed(const Table& table, const Rows& rows, const char* saved = nullptr) {
     std::vector<std::string> features;
     std::map<std::string, std::vector<std::string>> scenes;
     for (const std::size_t row : rows) {
         const std::string feature = table.word(row, "feature");
         if (scenes[feature].empty())
             features.push_back(feature);
-        scenes[feature].push_back(table.word(row, "scene"));
+        const std::string scene = table.word(row, "scene");
+        scenes[feature].push_back(saved ? fmt::format("{} {:.1f} %", scene, *table.number(row, saved)) : scene);
     }
     std::vector<std::string> parts;
     for (const std::string& feature : features)
@@ -70,14 +72,14 @@ Finding most_time(const Table& table, const char* name, const std::string& kind,
     const std::size_t best = rows.front();
     std::string text =
         fmt::format("Leaving out {} saves the most {}: with it a sample takes {} times as long (quartiles "
-                    "{} to {}), {} instead of {} ns",
+                    "{} to {}), {} instead of {} ns: that saves {:.0f} % of the time",
                     name_of(table, best), time, number(value(best, ratio)), number(value(best, ratio + "_q1")),
                     number(value(best, ratio + "_q3")), number(value(best, kind + "_ns_with")),
-                    number(value(best, kind + "_ns_without")));
+                    number(value(best, kind + "_ns_without")), value(best, kind + "_saved_percent"));
     if (rows.size() > 1)
-        text += fmt::format("; next come {} with {} times", name_of(table, rows[1]), number(value(rows[1], ratio)));
+        text += fmt::format("; next comes {} with {} times", name_of(table, rows[1]), number(value(rows[1], ratio)));
     if (rows.size() > 2)
-        text += fmt::format(" and {} with {} times", name_of(table, rows[2]), number(value(rows[2], ratio)));
+        text += fmt::format(", then {} with {} times", name_of(table, rows[2]), number(value(rows[2], ratio)));
     return {name, text + "."};
 }
 
@@ -110,7 +112,7 @@ Finding saves_nothing(const Table& table) {
     if (rows.empty())
         return {"saves_nothing", "Every feature switched makes a difference to the kernel's time beyond the spread."};
     return {"saves_nothing", fmt::format("Leaving these out saves no kernel time that can be told from the spread: {}.",
-                                         listed(table, rows))};
+                                         listed(table, rows, "kernel_saved_percent"))};
 }
 
 Finding costs(const Table& table) {
@@ -136,8 +138,8 @@ Finding unchanged(const Table& table) {
     }
     if (changed.empty())
         return {"unchanged", fmt::format("Switching a feature changes nothing that it does not concern: 0 of {:.0f} "
-                                         "samples differ in {} comparisons, {:.0f} of them in contact.",
-                                         compared, table.rows.size(), in_contact)};
+                                         "samples ({:.0f} in contact) differ in {} comparisons.",
+                                         compared, in_contact, table.rows.size())};
     std::vector<std::string> parts;
     for (const std::size_t row : changed)
         parts.push_back(fmt::format("{} in {:.0f} of {:.0f} samples", name_of(table, row),

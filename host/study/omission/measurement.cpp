@@ -6,7 +6,6 @@
 
 #include "host/interrupt.h"
 #include "host/io/exr_volume.h"
-#include "host/study/omission/quartiles.h"
 #include "host/study/omission/unchanged.h"
 #include "host/version.h"
 
@@ -50,21 +49,15 @@ template <typename T> struct Measured {
     std::vector<double> kernel{}, whole{}, round_kernel{}, round_whole{};
     Cost cost{};
 
-    // Evaluated a few times more than once, so that a round is no matter of microseconds.
-    unsigned times_within(double seconds) {
-        constexpr double kMost = 64;
-        const double taken = side->measure(engine).whole;
-        return static_cast<unsigned>(std::clamp(seconds / std::max(taken, 1e-6), 1.0, kMost));
-    }
     void measure() {
         cost = side->measure(engine);
         round_kernel.push_back(cost.kernel);
         round_whole.push_back(cost.whole);
     }
-    // Medians of the round.
+    // The least of the round: what comes between makes times longer, never shorter.
     void end_round() {
-        kernel.push_back(quartiles(std::exchange(round_kernel, {})).middle);
-        whole.push_back(quartiles(std::exchange(round_whole, {})).middle);
+        kernel.push_back(std::ranges::min(std::exchange(round_kernel, {})));
+        whole.push_back(std::ranges::min(std::exchange(round_whole, {})));
     }
     Json json() const {
         return {{"kernel_s", kernel},          {"whole_s", whole},
@@ -93,9 +86,12 @@ Json measure_in(Engine& engine, Engine* layered, const Comparison& comparison, c
     const Captured<T> with_result = with.side->capture(with.engine, channels);
     const Captured<T> without_result = without.side->capture(without.engine, channels);
     const Unchanged unchanged = compare(comparison, with_result, without_result);
-    const unsigned times = std::min(with.times_within(rounds.seconds), without.times_within(rounds.seconds));
+    const double taken = std::max(1e-6, with.side->measure(with.engine).whole + without.side->measure(engine).whole);
+    constexpr double kLeastRounds = 5, kMostTimes = 64;
+    const auto count = static_cast<unsigned>(std::clamp(rounds.budget / taken, kLeastRounds, double(rounds.count)));
+    const auto times = static_cast<unsigned>(std::clamp(rounds.seconds / taken, 1.0, kMostTimes));
     std::mt19937_64 random(rounds.seed);
-    for (unsigned round = 0; round < rounds.count; ++round) {
+    for (unsigned round = 0; round < count; ++round) {
         check_interrupt();
         for (unsigned i = 0; i < times; ++i) {
             const bool turned = random() & 1;

@@ -11,8 +11,9 @@
 namespace forceshade::study {
 
 struct Rounds {
-    unsigned count = 0;     /* each evaluates both sides in turn, in shuffled order, and takes their medians */
-    double seconds = 0;     /* about what a round is given for a side; it evaluates at least once */
+    unsigned count = 0;     /* most; each evaluates both sides in turn, in shuffled order, and takes the least times */
+    double seconds = 0;     /* about what a round is given; it evaluates at least once */
+    double budget = 0;      /* s: for all rounds; there are five at least */
     std::uint64_t seed = 0; /* of the order */
 };
 

@@ -60,6 +60,9 @@ const std::vector<Column>& feature_columns() {
         {"kernel_ratio", "1", "kernel time with over without in the same round, median"},
         {"kernel_ratio_q1", "1", "its first quartile"},
         {"kernel_ratio_q3", "1", "its third quartile"},
+        {"kernel_saved_percent", "%", "share of the kernel time that leaving it out saves, median; below 0 it costs"},
+        {"kernel_saved_percent_q1", "%", "its first quartile"},
+        {"kernel_saved_percent_q3", "%", "its third quartile"},
         {"kernel_verdict", "",
          "what leaving it out does to the kernel's time: saves or costs where the quartiles of the ratio are on one "
          "side of 1 and the median is further from it than 2 % and than that with nothing switched; same kernel: the "
@@ -69,6 +72,9 @@ const std::vector<Column>& feature_columns() {
         {"whole_ratio", "1", "time by the clock with over without in the same round, median"},
         {"whole_ratio_q1", "1", "its first quartile"},
         {"whole_ratio_q3", "1", "its third quartile"},
+        {"whole_saved_percent", "%", "share of the time by the clock that leaving it out saves, median"},
+        {"whole_saved_percent_q1", "%", "its first quartile"},
+        {"whole_saved_percent_q3", "%", "its third quartile"},
         {"whole_verdict", "", "as kernel_verdict"},
         {"evaluated_with", "1", "samples that a kernel evaluated with it"},
         {"evaluated_without", "1", "samples that a kernel evaluated without it"},
@@ -77,6 +83,7 @@ const std::vector<Column>& feature_columns() {
         {"received_with_bytes", "B", "results read back with it"},
         {"received_without_bytes", "B", "results read back without it"},
         {"bytes_ratio", "1", "bytes to and from the device, with over without"},
+        {"bytes_saved_percent", "%", "share of these bytes that leaving it out saves"},
         {"file_with_bytes", "B", "the volume's file with it"},
         {"file_without_bytes", "B", "the volume's file without it"},
         {"file_ratio", "1", "size of the file, with over without"},
@@ -90,6 +97,11 @@ const std::vector<Column>& feature_columns() {
 
 Cell ratio_of(double with, double without) {
     return without > 0 ? cell(with / without) : Cell();
+}
+
+// Of what it takes with the feature, where that is so many times what it takes without.
+double saved_percent(double ratio) {
+    return 100 * (1 - 1 / ratio);
 }
 
 std::vector<Cell> feature_row(const Comparison& one, const Json& result, double kernel_floor, double whole_floor) {
@@ -108,6 +120,8 @@ std::vector<Cell> feature_row(const Comparison& one, const Json& result, double 
         const Quartiles ratio = ratio_of_sides(result, key);
         for (const double value : {ratio.middle, ratio.low, ratio.high})
             add(value);
+        for (const double value : {ratio.middle, ratio.low, ratio.high})
+            add(saved_percent(value));
         row.push_back(one.feature == kControl ? "control" : verdict(ratio, floor));
     };
     add_times(with);
@@ -129,6 +143,7 @@ std::vector<Cell> feature_row(const Comparison& one, const Json& result, double 
         return side.at("uploaded").get<double>() + side.at("received").get<double>();
     };
     row.push_back(ratio_of(moved(with), moved(without)));
+    row.push_back(moved(with) > 0 ? cell(saved_percent(moved(with) / moved(without))) : Cell());
     add_pair("file");
     row.push_back(ratio_of(with.value("file", 0.0), without.value("file", 0.0)));
     row.push_back(what_is_compared(one));
@@ -139,13 +154,6 @@ std::vector<Cell> feature_row(const Comparison& one, const Json& result, double 
     return row;
 }
 
-bool reaches(const Table& features, const char* column, double value) {
-    for (std::size_t row = 0; row < features.rows.size(); ++row)
-        if (features.number(row, column).value_or(0) >= value)
-            return true;
-    return false;
-}
-
 Figure bars(const Table& features, const char* name, const char* title, const char* column, const char* label) {
     Figure figure;
     figure.name = name;
@@ -153,7 +161,7 @@ Figure bars(const Table& features, const char* name, const char* title, const ch
     figure.kind = FigureKind::bars;
     figure.table = features.name;
     figure.x = {"feature", "feature"};
-    figure.y = {column, label, reaches(features, column, 5)};
+    figure.y = {column, label};
     figure.series = "scene";
     return figure;
 }
@@ -197,23 +205,24 @@ Table omitted_table(const std::vector<BaseScene>& scenes, const std::vector<Comp
 }
 
 std::vector<Figure> omission_figures(const Table& features) {
-    Figure kernel = bars(features, "kernel", "What each feature costs in kernel time", "kernel_ratio",
-                         "kernel time with / without");
-    kernel.low = "kernel_ratio_q1";
-    kernel.high = "kernel_ratio_q3";
-    kernel.caption = "Bars are medians of kernel time with a feature over that without it, measured in turn; whiskers "
-                     "are quartiles. "
-                     "At 1 a feature costs nothing, and leaving it out saves nothing.";
-    Figure whole =
-        bars(features, "whole", "What each feature costs by the clock", "whole_ratio", "time with / without");
-    whole.low = "whole_ratio_q1";
-    whole.high = "whole_ratio_q3";
+    Figure kernel = bars(features, "kernel", "What leaving a feature out saves of the kernel's time",
+                         "kernel_saved_percent", "kernel time saved / %");
+    kernel.low = "kernel_saved_percent_q1";
+    kernel.high = "kernel_saved_percent_q3";
+    kernel.caption =
+        "Each bar is the share of the kernel time with a feature that is saved without it, everything else "
+        "as it was: 50 % is half the time, 0 nothing, below 0 it takes longer without. Whiskers are "
+        "quartiles; \"nothing\" is a control, in which both sides are the same.";
+    Figure whole = bars(features, "whole", "What leaving a feature out saves by the clock", "whole_saved_percent",
+                        "time saved / %");
+    whole.low = "whole_saved_percent_q1";
+    whole.high = "whole_saved_percent_q3";
     whole.caption = "The same for everything between a scene's tables and its results in memory: planning, uploads, "
-                    "kernel, checks. What a host does for a feature shows here and not in the kernel's time.";
-    Figure moved = bars(features, "bytes", "What each feature costs in bytes", "bytes_ratio",
-                        "bytes to and from the device, with / without");
-    moved.caption = "Tables, plans and results that travel to the device and back, with a feature over without it. A "
-                    "channel costs its share of the results whatever its kernel takes.";
+                    "kernel, checks. What the host does for a feature shows here and not in the kernel's time.";
+    Figure moved = bars(features, "bytes", "What leaving a feature out saves of the bytes", "bytes_saved_percent",
+                        "bytes to and from the device saved / %");
+    moved.caption = "Tables, plans and results that travel to the device and back: the share that is saved without a "
+                    "feature. A channel costs its share of the results whatever its kernel takes.";
     return {kernel, whole, moved};
 }
 
