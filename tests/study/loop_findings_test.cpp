@@ -103,6 +103,15 @@ TEST(LoopFindings, LeastSurfaceIsNamed) {
     EXPECT_TRUE(says(finding(data, "loop_delay"), "33.4 %")) << finding(data, "loop_delay");
 }
 
+TEST(LoopFindings, PassivityIsSafeOrNot) {
+    StudyData data = sample();
+    EXPECT_TRUE(says(finding(data, "loop_passivity"), "is safe and hardly more than needed on the plane"));
+    alter(data, "plane", "over_passive_1", 1.5);
+    EXPECT_TRUE(says(finding(data, "loop_passivity"), "is safe on the plane")) << finding(data, "loop_passivity");
+    alter(data, "plane", "over_passive_1", 0.5);
+    EXPECT_TRUE(says(finding(data, "loop_passivity"), "does not hold on the plane"));
+}
+
 TEST(LoopFindings, ShadingIsComparedWithItsAbsence) {
     const auto point = [](double damping, double measured) {
         return Json{{"mass", 0.1},          {"damping", damping}, {"rate", 1000},       {"delay", 0},
@@ -119,6 +128,7 @@ TEST(LoopFindings, ShadingIsComparedWithItsAbsence) {
               "Shading the bump lowers its limit from 17922 N/m to 1190 N/m at 10 N s/m; from 1 to 10 N s/m it rises "
               "1.01 times with shading, 10.1 times without: damping helps little against it.");
     alter(data, "bump-shaded", "measured_N_per_m", 20);
+    EXPECT_FALSE(says(finding(data, "loop_shading_bump"), "does not rise"));
     EXPECT_TRUE(says(finding(data, "loop_shading_bump"), "raises its limit from 17922 N/m to 23800 N/m"));
 }
 

@@ -240,5 +240,20 @@ TEST(ScenePlace, RefusesWhatIsNoLoop) {
                  UsageError);
 }
 
+TEST(ScenePlace, IsOnAMeshOrRefused) {
+    const std::string mesh =
+        "[surface]\nkind = \"mesh\"\nfile = \"" FORCESHADE_TEST_DATA "/spot.obj\"\n[paths]\npress = \"1 N\"\n";
+    const LoopPlace place = scene_place(prepared(mesh));
+    EXPECT_GT(place.rest.z, 0);
+    EXPECT_NEAR(place.slope[0][0] + place.slope[1][1] + place.slope[2][2], 1, 0.05); // one direction pushes back
+    try {
+        scene_place(prepared(mesh + "centre = [\"5 m\", \"0 m\"]\n"));
+        FAIL() << "a place beside the mesh was taken";
+    } catch (const UsageError& error) {
+        EXPECT_TRUE(says(error.what(), "x = 5 m, y = 0 m")) << error.what();
+        EXPECT_TRUE(says(error.what(), "paths.centre"));
+    }
+}
+
 } // namespace
 } // namespace forceshade::study

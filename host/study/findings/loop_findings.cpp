@@ -148,13 +148,15 @@ std::string about_shading(const std::vector<Limit>& limits, const std::string& b
     const Limit &less = with.front(), &more = with.back();
     const double rises = more.measured / less.measured, bare_rises = without.back().measured / without.front().measured;
     const double share = more.measured / without.back().measured;
+    constexpr double kSame = 1.005; // 1
     std::string text =
         fmt::format("Shading the {} {} its limit from {} to {} at {:.4g} N s/m", bare, share < 1 ? "lowers" : "raises",
                     newton_per_metre(without.back().measured), newton_per_metre(more.measured), more.damping);
     if (with.size() > 1)
-        text += fmt::format("; from {:.4g} to {:.4g} N s/m it rises {:.3g} times with shading, {:.3g} times without{}",
-                            less.damping, more.damping, rises, bare_rises,
-                            rises < 0.5 * bare_rises ? ": damping helps little against it" : "");
+        text += fmt::format("; from {:.4g} to {:.4g} N s/m it {} with shading, {:.3g} times without{}", less.damping,
+                            more.damping,
+                            rises < kSame ? std::string("does not rise") : fmt::format("rises {:.3g} times", rises),
+                            bare_rises, rises < 0.5 * bare_rises ? ": damping helps little against it" : "");
     return text + ".";
 }
 
@@ -178,12 +180,15 @@ std::string about_passivity(const std::vector<Limit>& limits) {
     if (plane.empty())
         return "";
     const auto over = each(plane, [](const Limit& one) { return one.over_passive; });
-    const double least = std::ranges::min(over);
+    constexpr double kHardly = 1.1; // 1: of the median
+    const double least = std::ranges::min(over), middle = median(over);
     std::string text =
         fmt::format("Passivity, b > K T / 2, {} on the plane: loops stand {:.4g} to {:.3g} times as much "
                     "stiffness ({:.4g} in the median)",
-                    least >= 1 ? "is safe and hardly more than needed" : "does not hold", least, std::ranges::max(over),
-                    median(over));
+                    least < 1           ? "does not hold"
+                    : middle <= kHardly ? "is safe and hardly more than needed"
+                                        : "is safe",
+                    least, std::ranges::max(over), middle);
     const auto below = chosen(limits, [](const Limit& one) { return one.delay == 0 && one.over_passive < 0.999; });
     if (below.empty())
         return text + ".";

@@ -25,11 +25,13 @@ struct Fineness {
     double patience;
 };
 
-Fineness fineness_of(const LoopPlace& place, bool quick) {
+Fineness fineness_of(const LoopPlace& place, LoopAxis axis, bool quick) {
     const bool mesh = place.prepared.images.mesh != nullptr; // a hundred times dearer than other surfaces
     if (mesh)
         return quick ? Fineness{8, 4, 60} : Fineness{16, 8, 120};
-    return quick ? Fineness{16, 8, 200} : place.flat ? Fineness{40, 20, 400} : Fineness{28, 14, 400};
+    if (quick)
+        return {16, 8, 200};
+    return place.flat && axis == LoopAxis::damping ? Fineness{40, 20, 400} : Fineness{28, 14, 400};
 }
 
 LoopRange around(LoopAxis axis, double value, double low, double high, std::size_t count) {
@@ -158,15 +160,16 @@ double value_of(const LoopCell& cell, LoopAxis axis) {
 }
 
 std::vector<LoopMap> maps_of(const LoopPlace& place, bool quick) {
-    const Fineness fine = fineness_of(place, quick);
     std::vector<LoopMap> maps;
     for (const LoopAxis axis :
          {LoopAxis::damping, LoopAxis::rate, LoopAxis::delay, LoopAxis::quantum, LoopAxis::friction}) {
         if (quick && place.prepared.images.mesh && axis != LoopAxis::damping)
             continue;
+        const Fineness fine = fineness_of(place, axis, quick);
         maps.push_back({place.name + "-" + words_of(axis).name, stiffness_range(place, fine.columns),
                         row_range(place, axis, fine.rows), nominal_of(place, axis), run_of(axis, fine.patience)});
     }
+    const Fineness fine = fineness_of(place, LoopAxis::friction, quick);
     if (place.flat || place.stiffness > 0)
         maps.push_back({place.name + "-quantum-friction", row_range(place, LoopAxis::quantum, fine.columns),
                         row_range(place, LoopAxis::friction, fine.rows), nominal_of(place, LoopAxis::stiffness),
