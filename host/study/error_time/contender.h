@@ -30,8 +30,9 @@ struct Contender {
     std::optional<double> bytes;                  /* of the volume */
     std::string reference;               /* the contender that is the same law by reference<double>, on one thread */
     std::function<Evaluated()> evaluate; /* empty: has no errors here */
-    std::function<std::vector<glm::dvec3>(const std::vector<glm::dvec3>&)> exact; /* reference<double> at places */
-    std::function<double()> seconds;                                              /* of an evaluation, measured now */
+    std::function<std::vector<glm::dvec3>(const std::vector<glm::dvec3>&)> exact;  /* reference<double> at places */
+    std::function<std::vector<glm::dvec3>(const std::vector<glm::dvec3>&)> smooth; /* empty: Subject::smooth */
+    std::function<double()> seconds;                                               /* of an evaluation, measured now */
 };
 
 using Contenders = std::vector<Contender>;

@@ -88,6 +88,10 @@ template <typename T> Contender god_object(const Subject& subject, const Variant
     contender.exact = [prepared = variant.prepared, stroke = subject.stroke](const std::vector<glm::dvec3>& at) {
         return proxy_forces<double>(*prepared, at, stroke);
     };
+    if (subject.best)
+        contender.smooth = [best = subject.best, stroke = subject.stroke](const std::vector<glm::dvec3>& at) {
+            return proxy_forces<double>(*best, at, stroke);
+        };
     contender.seconds = timed(std::min(count, subject.probes.size()),
                               [loop = loop_over<T, ProxyLaw>(subject, variant, count), stroke = subject.stroke] {
                                   auto& [law, places] = loop();

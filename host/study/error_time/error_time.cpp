@@ -13,7 +13,8 @@ namespace {
 using namespace error_time;
 using Json = nlohmann::ordered_json;
 
-constexpr std::size_t kComparedAtOnce = 12; // contenders
+constexpr std::size_t kComparedAtOnce = 6; // contenders
+constexpr std::size_t kWarmedAtOnce = 12;  // contenders
 constexpr std::size_t kLookupPlaces = 8000;
 
 // Steps, and who takes what they give.
@@ -44,11 +45,20 @@ std::string unit_name(const Subject& subject) {
     return reference_name(subject, subject.variants.front());
 }
 
+void warm_up(const Contender& contender, std::vector<bool>& warm, std::size_t number) {
+    if (!warm[number])
+        contender.seconds();
+    warm[number] = true;
+}
+
 Json compare(const Contender& contender, const SmoothLaw& smooth) {
     const Evaluated evaluated = contender.evaluate();
     std::vector<glm::dvec3> truth;
-    for (const glm::dvec3& at : evaluated.at)
-        truth.push_back(smooth(at));
+    if (contender.smooth)
+        truth = contender.smooth(evaluated.at);
+    else
+        for (const glm::dvec3& at : evaluated.at)
+            truth.push_back(smooth(at));
     return {{"smooth", to_json(force_errors(evaluated.force, truth))},
             {"reference", to_json(force_errors(evaluated.force, contender.exact(evaluated.at)))}};
 }
@@ -125,16 +135,30 @@ void plan_lookups(Plan& plan, const Extents& extents, Measured& measured) {
         }
 }
 
+// Each contender once, so that nothing is compiled or made within a round; in steps of their own, as that takes longer.
+void plan_warming(Plan& plan, const Measured& measured, const std::shared_ptr<std::vector<bool>>& warm) {
+    warm->resize(measured.contenders.size());
+    for (std::size_t first = 0; first < warm->size(); first += kWarmedAtOnce)
+        plan.add(
+            fmt::format("warm-{:02}", first / kWarmedAtOnce),
+            [&measured, warm, first] {
+                for (std::size_t i = first; i < std::min(first + kWarmedAtOnce, warm->size()); ++i)
+                    warm_up(measured.contenders[i], *warm, i);
+                return Json();
+            },
+            [](const Json&) {});
+}
+
 void plan_rounds(Plan& plan, const Extents& extents, bool quick, Measured& measured) {
     const std::size_t at_once = quick ? 1 : 4;
-    const auto warm = std::make_shared<bool>(false);
+    const auto warm = std::make_shared<std::vector<bool>>();
+    plan_warming(plan, measured, warm);
     for (std::size_t first = 0; first < extents.rounds; first += at_once)
         plan.add(
             fmt::format("time-{:02}", first / at_once),
             [&measured, warm, first, at_once] {
-                if (!*warm)
-                    warm_up(measured.contenders);
-                *warm = true;
+                for (std::size_t i = 0; i < warm->size(); ++i) // what an earlier run warmed is cold
+                    warm_up(measured.contenders[i], *warm, i);
                 Json rounds = Json::array();
                 for (std::size_t i = 0; i < at_once; ++i)
                     rounds.push_back(to_json(measure_round(measured.contenders, measured.unit, first + i)));

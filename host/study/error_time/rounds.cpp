@@ -36,11 +36,6 @@ Round measure_round(const Contenders& contenders, std::size_t unit, std::size_t 
     return round;
 }
 
-void warm_up(const Contenders& contenders) {
-    for (const Contender& contender : contenders)
-        contender.seconds();
-}
-
 nlohmann::ordered_json to_json(const Round& round) {
     return {{"unit_s", round.unit}, {"seconds", round.seconds}};
 }

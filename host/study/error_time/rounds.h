@@ -17,11 +17,8 @@ struct Round {
     std::vector<double> seconds; /* by contender */
 };
 
-/// `number` seeds the order.
+/// `number` seeds the order. All were measured before, so that nothing is compiled or made within a round.
 Round measure_round(const Contenders& contenders, std::size_t unit, std::size_t number);
-
-/// Measures all once, so that nothing is compiled or made within a round.
-void warm_up(const Contenders& contenders);
 
 nlohmann::ordered_json to_json(const Round& round);
 Round round_from(const nlohmann::ordered_json& json);

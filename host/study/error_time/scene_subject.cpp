@@ -14,6 +14,10 @@ namespace {
 
 constexpr std::size_t kTries = 64;         // places drawn for each that is kept
 constexpr std::size_t kStroke = 256;       // probes of a stroke
+constexpr std::size_t kMeshPlaces = 2048;  // from which strokes over a mesh are chosen
+constexpr std::size_t kOthers = 32;        // places of which a stroke goes to the nearest
+constexpr std::size_t kFewPlaces = 64;     // fewer are not enough
+constexpr double kShallow = 0.05;          // of the grid's longest side
 constexpr std::uint64_t kLongestSide = 64; // voxels of a kernel's grid
 constexpr double kMostSamples = 6e6;       // of a volume
 constexpr double kMostMeshSamples = 1e6;   // likewise of a mesh, whose samples take longer
@@ -98,32 +102,53 @@ GridSpec coarser(GridSpec grid) {
     return grid;
 }
 
-// Places in the grid's box that the scene's own law has in contact.
-std::vector<glm::dvec3> touching_places(const PreparedCase& scene, std::size_t count) {
+// Places in the grid's box that the scene's own law has in contact, no deeper than `deepest`, m, if there are enough.
+std::vector<glm::dvec3> touching_places(const PreparedCase& scene, std::size_t count, double deepest) {
     const glm::dvec3 low = low_of(scene.one.scene.grid), high = high_of(scene.one.scene.grid);
     DirectLaw<double> law(scene);
     Draw draw(3);
-    std::vector<glm::dvec3> places;
-    for (std::size_t tries = 0; places.size() < count && tries < kTries * count; ++tries) {
+    std::vector<glm::dvec3> shallow, all;
+    for (std::size_t tries = 0; shallow.size() < count && tries < kTries * count; ++tries) {
         const double x = draw(low.x, high.x), y = draw(low.y, high.y);
         const glm::dvec3 at(x, y, draw(low.z, high.z));
-        if (law.at(places_of<double>(scene, std::span(&at, 1))[0]).facet != layout::kNoFacet)
-            places.push_back(at);
+        const auto contact = law.at(places_of<double>(scene, std::span(&at, 1))[0]);
+        if (contact.facet == layout::kNoFacet)
+            continue;
+        all.push_back(at);
+        if (contact.depth <= deepest)
+            shallow.push_back(at);
     }
-    if (places.empty())
+    if (all.empty())
         throw UsageError("nothing in the scene's [grid] is in contact: there is no force whose error could be told");
-    return places;
+    if (shallow.size() >= kFewPlaces)
+        return shallow;
+    all.resize(std::min(all.size(), count));
+    return all;
 }
 
-// Straight lines from place to place, as long as the number of places tells.
+// From a place to the nearest of a few others, so that strokes go along the surface rather than through the mesh.
 std::vector<glm::dvec3> strokes_between(const std::vector<glm::dvec3>& places, std::size_t count) {
+    Draw draw(5);
+    const auto any = [&] { return places[static_cast<std::size_t>(draw(0, static_cast<double>(places.size())))]; };
     std::vector<glm::dvec3> probes;
-    for (std::size_t stroke = 0; probes.size() < count; ++stroke) {
-        const glm::dvec3 from = places[(2 * stroke) % places.size()], to = places[(2 * stroke + 1) % places.size()];
+    while (probes.size() < count) {
+        const glm::dvec3 from = any();
+        glm::dvec3 way = any() - from;
+        for (std::size_t i = 1; i < kOthers; ++i) {
+            const glm::dvec3 other = any() - from;
+            const double square = reference::dot(other, other);
+            if (square > 0 && square < reference::dot(way, way))
+                way = other;
+        }
         for (std::size_t i = 0; i < kStroke; ++i)
-            probes.push_back(from + static_cast<double>(i) / (kStroke - 1) * (to - from));
+            probes.push_back(from + static_cast<double>(i) / (kStroke - 1) * way);
     }
     return probes;
+}
+
+double longest_side(const GridSpec& grid) {
+    const glm::dvec3 size = high_of(grid) - low_of(grid);
+    return std::max({size.x, size.y, size.z});
 }
 
 Variant variant_of(const PreparedCase& scene, const NamedShading& shading, std::uint32_t facets) {
@@ -183,10 +208,14 @@ Subject scene_subject(const PreparedCase& given, const Extents& extents) {
     subject.grid = coarser(own.grid);
     subject.low = low_of(own.grid);
     subject.high = high_of(own.grid);
-    subject.probes = touching_places(scene, extents.probes);
     if (mesh) {
-        subject.probes = strokes_between(subject.probes, extents.probes);
+        const auto places = touching_places(scene, kMeshPlaces, kShallow * longest_side(own.grid));
+        subject.probes = strokes_between(places, extents.probes);
         subject.stroke = kStroke;
+        subject.best = std::make_shared<PreparedCase>(scene);
+        subject.best->one.scene.force.shading = best_shading(scene).shading;
+    } else {
+        subject.probes = touching_places(scene, extents.probes, INFINITY);
     }
     subject.spacings = spacings_of(own.grid, mesh ? kMostMeshSamples : kMostSamples);
     if (bump && !own.texture) {
@@ -201,9 +230,12 @@ Subject scene_subject(const PreparedCase& given, const Extents& extents) {
                         "reference<double> of its best shading, {}.",
                         best_shading(scene).name));
     }
-    subject.notes.push_back("Probes are random places in the scene's grid that are in contact; on a mesh, along "
-                            "straight lines between such places, "
-                            "god-object and static field alike.");
+    subject.notes.push_back(mesh ? "Probes go along short straight strokes between places inside the mesh, no deeper "
+                                   "than 5 % of the grid's longest side "
+                                   "where there are enough of these, god-object and static field alike; a god-object "
+                                   "is held against the god-object "
+                                   "with the best shading, which keeps the side that it is on as it does."
+                                 : "Probes are random places in the scene's grid that are in contact.");
     return subject;
 }
 

@@ -41,13 +41,14 @@ struct Variant {
 using SmoothLaw = std::function<glm::dvec3(const glm::dvec3&)>;
 
 struct Subject {
-    std::string name;               /* "bump", "mesh" */
-    SmoothLaw smooth;               /* empty: not known */
-    std::vector<glm::dvec3> probes; /* m */
-    std::size_t stroke = 0;         /* probes of a stroke, one after the other; 0: they have no order */
-    GridSpec grid;                  /* for kernels */
-    glm::dvec3 low{0}, high{0};     /* m: the box of volumes */
-    std::vector<double> spacings;   /* m: of volumes */
+    std::string name;                   /* "bump", "mesh" */
+    SmoothLaw smooth;                   /* empty: not known */
+    std::vector<glm::dvec3> probes;     /* m */
+    std::size_t stroke = 0;             /* probes of a stroke, one after the other; 0: they have no order */
+    std::shared_ptr<PreparedCase> best; /* a god-object's smooth shape: the god-object of this; null: `smooth` */
+    GridSpec grid;                      /* for kernels */
+    glm::dvec3 low{0}, high{0};         /* m: the box of volumes */
+    std::vector<double> spacings;       /* m: of volumes */
     std::vector<Variant> variants;
     std::vector<std::string> notes;
 };
