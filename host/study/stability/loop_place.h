@@ -22,12 +22,12 @@ struct LoopPlace {
     double depth = 1e-3;   /* m: how deep the probe is pressed */
     glm::dvec3 rest{};     /* m */
     bool held = false;     /* the grip's spring also holds along z */
-    glm::dvec3 force{};    /* 1: at rest, for a stiffness of 1 N/m and 1 m of depth times the depth: N per N/m */
+    glm::dvec3 force{};    /* m: at rest, for each N/m of stiffness */
     glm::dmat3 slope{};    /* 1: -dF/dp there for a stiffness of 1 N/m; columns first */
     bool flat = false;     /* the plane: K_crit holds exactly */
 };
 
-/// The force at a probe, N for 1 N/m, and which facet gives it. A mesh is entered from `outside`.
+/// The force at a probe, N, of a prepared case. A mesh is entered from `outside`.
 glm::dvec3 force_at(const PreparedCase& prepared, const glm::dvec3& outside, const glm::dvec3& probe);
 
 /// Fills in force and slope. `outward` points out of the surface. \throws UsageError where there is no force.
