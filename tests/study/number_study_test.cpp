@@ -125,10 +125,10 @@ TEST(Promises, AreNoneWhereThePlainValueIsTooBad) {
 
 TEST(NumberFindings, FollowTheData) {
     const StudyData good = sample(1e-7), bad = sample(0.5);
-    EXPECT_NE(finding(good, "promise_f32").find("stiffness 0.001 to 1e+09 (bump)"), std::string::npos);
-    EXPECT_NE(finding(bad, "promise_f32").find("stiffness 0.001 to 1000 (bump)"), std::string::npos);
+    EXPECT_NE(finding(good, "promise_f32").find("stiffness 0.001 N/m to 1e+09 N/m (bump)"), std::string::npos);
+    EXPECT_NE(finding(bad, "promise_f32").find("stiffness 0.001 N/m to 1000 N/m (bump)"), std::string::npos);
     EXPECT_NE(finding(good, "where_f32_fails").find("nowhere"), std::string::npos);
-    EXPECT_NE(finding(bad, "where_f32_fails").find("stiffness up to 0.5 (bump at 1e+09; a condition)"),
+    EXPECT_NE(finding(bad, "where_f32_fails").find("stiffness up to 0.5 (bump at 1e+09 N/m; a condition)"),
               std::string::npos);
     EXPECT_NE(finding(good, "prediction").find("explain every error"), std::string::npos);
     StudyData odd = good;

@@ -67,11 +67,31 @@ Common common_range(const Table& promises, const std::string& axis, const std::s
     return common;
 }
 
-std::string text_of(const Common& common) {
+/// An axis as readers call it, with its unit after a space where it has one.
+struct AxisWords {
+    const char* axis;
+    const char* name;
+    const char* unit;
+};
+
+constexpr AxisWords kAxisWords[] = {{"radius_ratio", "R/a", ""},
+                                    {"stiffness", "stiffness", " N/m"},
+                                    {"spacing", "spacing", " m"},
+                                    {"depth", "depth", " m"},
+                                    {"origin", "distance from the origin", " m"}};
+
+AxisWords words_of(const std::string& axis) {
+    for (const AxisWords& one : kAxisWords)
+        if (axis == one.axis)
+            return one;
+    return {axis.c_str(), axis.c_str(), ""};
+}
+
+std::string text_of(const Common& common, const char* unit) {
     if (common.nowhere)
         return fmt::format("not at the plain value ({})", common.low_by);
-    const auto end = [](double value, const std::string& by) {
-        return by.empty() ? fmt::format("{:g}", value) : fmt::format("{:g} ({})", value, by);
+    const auto end = [&](double value, const std::string& by) {
+        return by.empty() ? fmt::format("{:g}{}", value, unit) : fmt::format("{:g}{} ({})", value, unit, by);
     };
     return fmt::format("{} to {}", end(common.low, common.low_by), end(common.high, common.high_by));
 }
@@ -87,13 +107,15 @@ void add_promise(const StudyData& data, const char* precision, std::vector<Findi
         if (promises->word(row, "precision") != precision || std::ranges::count(axes, axis))
             continue;
         axes.push_back(axis);
-        ranges.push_back(fmt::format("{} {}", axis, text_of(common_range(*promises, axis, precision, kPromised))));
+        const AxisWords words = words_of(axis);
+        ranges.push_back(
+            fmt::format("{} {}", words.name, text_of(common_range(*promises, axis, precision, kPromised), words.unit)));
     }
     if (!ranges.empty())
         findings.push_back(
             {fmt::format("promise_{}", precision),
-             fmt::format("{} keeps every force to {:g} of the largest for (SI units, one parameter varied, in brackets "
-                         "the surface that ends the range): {}.",
+             fmt::format("{} keeps every force to {:g} of the largest for (one parameter varied, in brackets the "
+                         "surface that ends the range): {}.",
                          precision, kPromised, fmt::join(ranges, "; "))});
 }
 
@@ -110,9 +132,10 @@ void add_failures(const Table& number, std::vector<Finding>& findings) {
         });
         if (!worst.row || worst.value <= kFine)
             continue;
-        failures.push_back(fmt::format("over {} up to {:.1g} ({} at {:g}; {})", axis, worst.value,
+        const AxisWords words = words_of(axis);
+        failures.push_back(fmt::format("over {} up to {:.1g} ({} at {:g}{}; {})", words.name, worst.value,
                                        number.word(*worst.row, "surface"), *number.number(*worst.row, "value"),
-                                       number.word(*worst.row, "condition")));
+                                       words.unit, number.word(*worst.row, "condition")));
     }
     findings.push_back(
         {"where_f32_fails",
