@@ -44,9 +44,13 @@ std::string caption_of(const Json& map) {
     std::string text = fmt::format("Each cell is a loop of its own, pressed into the {} and pushed off its place; held "
                                    "fixed: {}. ",
                                    map.at("title").get<std::string>(), held_values(map));
-    if (is_rounded(map))
+    if (is_rounded(map) && map.at("place") == "plane")
         return text + "Left of the curves for damping and for friction every loop is to come to rest; right of the "
                       "latter positions chatter between two quanta, which friction no longer holds.";
+    if (is_rounded(map))
+        return text +
+               "The curves for damping and for friction are a wall's, left of which every loop comes to rest there; "
+               "where the colour changes left of both, this surface gives way sooner than a wall.";
     return text +
            "Loops left of the curve of the closed form decay, those right of it go on, bounded or not: where the "
            "colour changes on the curve, closed form and paths agree.";
