@@ -57,9 +57,14 @@ template <typename T> void add_chunk(Evaluated& evaluated, const Grid<T>& grid, 
 // Evaluates a grid; receives its chunks.
 template <typename T> using Evaluate = std::function<EngineTimes(const layout::FieldInput<T>&, const Consume<T>&)>;
 
-// A grid is over in a millisecond: one of them says little.
-template <typename Measure> double median_of_three(const Measure& measure) {
-    double seconds[3] = {measure(), measure(), measure()};
+// Seconds of a voxel. A small grid is over in a millisecond, of which one says little: the median of three.
+template <typename Measure> double per_voxel(std::size_t voxels, const Measure& measure) {
+    constexpr double kLongEnough = 5e-3; // s
+    double seconds[3] = {measure(), 0, 0};
+    if (seconds[0] * static_cast<double>(voxels) > kLongEnough)
+        return seconds[0];
+    seconds[1] = measure();
+    seconds[2] = measure();
     std::sort(std::begin(seconds), std::end(seconds));
     return seconds[1];
 }
@@ -79,7 +84,7 @@ Contender grid_contender(const Subject& subject, const Variant& variant, const s
         return direct_forces<double>(*prepared, at);
     };
     contender.seconds = [grid, evaluate] {
-        return median_of_three([&] {
+        return per_voxel(grid().voxels(), [&] {
             const EngineTimes times = evaluate(grid().tables.input(), [](const layout::FieldChunk<T>&) {});
             const std::uint64_t voxels = times.voxels_evaluated ? times.voxels_evaluated : grid().voxels();
             return (times.kernel + times.plan) / static_cast<double>(voxels);
@@ -106,7 +111,7 @@ Contender half_grid(const Subject& subject, const Variant& variant, const std::s
     };
     contender.seconds = [grid = grid_of<float>(subject, variant), evaluate, halves = std::vector<Half>()]() mutable {
         using Clock = std::chrono::steady_clock;
-        return median_of_three([&] {
+        return per_voxel(grid().voxels(), [&] {
             double rounding = 0;
             const EngineTimes times = evaluate(grid().tables.input(), [&](const layout::FieldChunk<float>& chunk) {
                 const Clock::time_point start = Clock::now();
