@@ -16,7 +16,10 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::size_t kRungs = 32;
+// Of a ladder; on a mesh, where a path is dear, fewer.
+std::size_t rungs_on(const LoopPlace& place) {
+    return place.prepared.images.mesh ? 16 : 32;
+}
 
 struct Rung {
     double stiffness, growth; /* N/m; the logarithm of the speeds late over early */
@@ -29,9 +32,9 @@ std::vector<Rung> climb(Engine& engine, const LoopPlace& place, const LoopCell& 
     constexpr double kNear = 0.2;        // depths: what comes further grew, and settles elsewhere if at all
     constexpr std::size_t kLeast = 5000; // steps: a fast oscillation's largest sample is near its largest speed
     constexpr double kClearly = -0.5; // what is bounded by leaving contact grows no more, but does not decay like this
-    std::vector<LoopCell> cells(kRungs, cell);
-    for (std::size_t i = 0; i < kRungs; ++i)
-        cells[i].stiffness = low * std::pow(high / low, double(i) / (kRungs - 1));
+    std::vector<LoopCell> cells(rungs_on(place), cell);
+    for (std::size_t i = 0; i < cells.size(); ++i)
+        cells[i].stiffness = low * std::pow(high / low, double(i) / double(cells.size() - 1));
     LoopRun run;
     run.disturbance = engine.report().f64 ? kSmall : kSmallInSingle;
     run.bound = kNear;
