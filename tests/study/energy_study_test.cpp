@@ -118,7 +118,7 @@ TEST(LoopPaths, CloseAndMeetBothSidesOfABreak) {
     EXPECT_EQ(std::ranges::count_if(places, [](const Vector& at) { return at.x == 0.3; }), 2);
 }
 
-TEST(Curl, OfALinearFieldIsExactAndNothingAtTheRim) {
+TEST(Curl, OfALinearFieldIsExactAndUnknownWhereACornerIsFree) {
     SectionField field;
     for (int i = 0; i < 4; ++i) {
         field.x.push_back(i);
@@ -129,10 +129,23 @@ TEST(Curl, OfALinearFieldIsExactAndNothingAtTheRim) {
             field.force.insert(field.force.end(), {3 * z, 0, -x});
             field.depth.push_back(x == 3 ? 0 : 1);
         }
-    const std::vector<double> curl = curl_y(field);
-    EXPECT_EQ(curl[field.at(1, 1)], 4);
-    EXPECT_TRUE(std::isnan(curl[field.at(2, 1)])) << "a neighbour is free";
-    EXPECT_TRUE(std::isnan(curl[field.at(0, 1)]));
+    const std::vector<double> curl = cell_curls(field);
+    ASSERT_EQ(curl.size(), 9u);
+    EXPECT_EQ(curl[0], 4);
+    EXPECT_EQ(curl[7], 4);
+    EXPECT_TRUE(std::isnan(curl[2])) << "a corner is free";
+}
+
+TEST(Curl, InARectangleIsTheWorkRoundIt) {
+    const auto engine = oracle();
+    CurlMap map = curl_maps(41).front(); // the flat plane, shaded
+    SectionGrid grid{{0, -0.002}, {0.999 * kHalfWidth, -0.001}, 0, 65, 33};
+    set_section(map.prepared, grid);
+    const SectionField field = evaluated_section(*engine, map.prepared);
+    double sum = 0;
+    for (const double curl : cell_curls(field))
+        sum += curl * (field.x[1] - field.x[0]) * (field.z[1] - field.z[0]);
+    EXPECT_NEAR(-sum, shaded_plane_work({kStiffness, 0.0254, 0.999 * kHalfWidth, 0.002, 0.001}), 1e-6);
 }
 
 TEST(Curl, VolumesAreWrittenAndTheirLossIsSeen) {
@@ -228,6 +241,19 @@ TEST(EnergyFindings, SayWhichSchemesAreConservative) {
     for (auto& cells : loops.rows)
         cells[loops.index("eta")] = 0.1;
     EXPECT_NE(finding(data, "conservative").find("No scheme"), std::string::npos);
+}
+
+TEST(EnergyFindings, CompareTheMapsOfCurl) {
+    StudyData data = sample();
+    const std::vector<Json> maps{{{"map", "a"}, {"rms_per_K", 0.5}, {"closed_form_difference_per_K", 1e-8}},
+                                 {{"map", "b"}, {"rms_per_K", 0.01}}};
+    data.tables.push_back(curl_maps_table(maps));
+    EXPECT_EQ(finding(data, "curl"),
+              "The least curl has b (0.01 K, RMS), the most a (0.5 K, RMS); that of the flat shaded "
+              "plane is its closed form to 1e-08 K.");
+    Table& table = data.tables.back();
+    table.rows[1][table.index("rms_per_K")] = 0.7;
+    EXPECT_NE(finding(data, "curl").find("least curl has a"), std::string::npos);
 }
 
 TEST(EnergyFindings, OfASceneNameLeastAndMost) {

@@ -39,12 +39,12 @@ template <typename T> SectionField evaluated_in(Engine& engine, const PreparedCa
     return field;
 }
 
-VolumeHeader header_of(const PreparedCase& prepared, const std::string& remark) {
+VolumeHeader header_of(const PreparedCase& prepared, const GridSpec& grid, const std::string& remark) {
     const Scene& scene = prepared.one.scene;
     VolumeHeader header;
-    header.size = scene.grid.size;
-    header.origin = scene.grid.origin;
-    header.spacing = scene.grid.spacing;
+    header.size = grid.size;
+    header.origin = grid.origin;
+    header.spacing = grid.spacing;
     header.scene = remark + prepared.scene;
     header.version = version();
     header.omitted = fmt::format("{}", fmt::join(omissions(scene), ", "));
@@ -67,51 +67,110 @@ Json written(const std::filesystem::path& folder, const std::string& name, Volum
     return {{"name", name}, {"sha256", result.sha256}, {"bytes", result.bytes}};
 }
 
-/// Every so many samples, so that a map has no more cells than it can show.
-std::size_t stride(std::size_t samples, std::size_t most) {
-    return (samples + most - 1) / most;
+/// Blocks of cells, one a cell of the map.
+struct Blocks {
+    std::size_t across, up;     /* cells of a block */
+    std::size_t columns, rows;  /* blocks */
+    GridSpec grid;              /* of their middles, m */
+    std::vector<double> curl_y; /* N/m: means; NaN where more than half is unknown */
+};
+
+Blocks blocks_of(const SectionField& field, const std::vector<double>& curl, const GridSpec& fine) {
+    const std::size_t across_all = field.x.size() - 1, up_all = field.z.size() - 1;
+    const auto stride = [](std::size_t cells, std::size_t most) { return (cells + most - 1) / most; };
+    Blocks blocks{stride(across_all, kMapColumns), stride(up_all, kMapRows), 0, 0, fine, {}};
+    blocks.columns = across_all / blocks.across;
+    blocks.rows = up_all / blocks.up;
+    blocks.grid.size = {blocks.columns, 1, blocks.rows};
+    const std::size_t counts[3] = {blocks.across, 1, blocks.up};
+    for (const std::size_t axis : {std::size_t(0), std::size_t(2)}) {
+        blocks.grid.spacing[axis] *= static_cast<double>(counts[axis]);
+        blocks.grid.origin[axis] += blocks.grid.spacing[axis] / 2;
+    }
+    for (std::size_t block = 0; block < blocks.columns * blocks.rows; ++block) {
+        const std::size_t i = block % blocks.columns * blocks.across, k = block / blocks.columns * blocks.up;
+        const std::size_t all = blocks.across * blocks.up;
+        double sum = 0;
+        std::size_t count = 0;
+        for (std::size_t at = 0; at < all; ++at)
+            if (const double value = curl[(k + at / blocks.across) * across_all + i + at % blocks.across];
+                !std::isnan(value)) {
+                sum += value;
+                ++count;
+            }
+        blocks.curl_y.push_back(2 * count >= all ? sum / static_cast<double>(count)
+                                                 : std::numeric_limits<double>::quiet_NaN());
+    }
+    return blocks;
 }
 
-struct Summary {
-    double largest = 0, squares = 0, off = 0; /* N/m */
+/// How far cells are from the closed form at their middles, at most, N/m.
+double closed_form_difference(const CurlMap& map, const SectionField& field, const std::vector<double>& curl) {
+    double most = 0;
+    const std::size_t columns = field.x.size() - 1;
+    for (std::size_t cell = 0; cell < curl.size(); ++cell) {
+        const std::size_t i = cell % columns, k = cell / columns;
+        const double off = std::abs(curl[cell] - map.closed_form(std::midpoint(field.x[i], field.x[i + 1]),
+                                                                 std::midpoint(field.z[k], field.z[k + 1])));
+        most = std::isnan(off) ? most : std::max(most, off);
+    }
+    return most;
+}
+
+struct Sizes {
+    double largest = 0, squares = 0; /* N/m, squared */
     std::size_t count = 0;
 };
 
-Summary summary_of(const CurlMap& map, const SectionField& field, const std::vector<double>& curl) {
-    Summary summary;
-    for (std::size_t k = 0; k < field.z.size(); ++k)
-        for (std::size_t i = 0; i < field.x.size(); ++i) {
-            const double value = curl[field.at(i, k)];
-            if (std::isnan(value))
-                continue;
-            summary.largest = std::max(summary.largest, std::abs(value));
-            summary.squares += value * value;
-            ++summary.count;
-            if (map.closed_form)
-                summary.off = std::max(summary.off, std::abs(value - map.closed_form(field.x[i], field.z[k])));
-        }
-    return summary;
+Sizes sizes_of(const Blocks& blocks) {
+    Sizes sizes;
+    for (const double value : blocks.curl_y) {
+        if (std::isnan(value))
+            continue;
+        sizes.largest = std::max(sizes.largest, std::abs(value));
+        sizes.squares += value * value;
+        ++sizes.count;
+    }
+    return sizes;
 }
 
-/// Means over blocks, so that the circulation round a cell is its value times its area: x, z, curl / K.
-Json cells_of(const SectionField& field, const std::vector<double>& curl, double stiffness) {
+Json cells_of(const Blocks& blocks, double stiffness) {
     Json cells = Json::array();
-    const std::size_t across = stride(field.x.size(), kMapColumns), up = stride(field.z.size(), kMapRows);
-    for (std::size_t k = 0; k + up <= field.z.size(); k += up)
-        for (std::size_t i = 0; i + across <= field.x.size(); i += across) {
-            double sum = 0;
-            std::size_t count = 0;
-            for (std::size_t at = 0; at < up * across; ++at)
-                if (const double value = curl[field.at(i + at % across, k + at / across)]; !std::isnan(value)) {
-                    sum += value;
-                    ++count;
-                }
-            if (2 * count >= up * across)
-                cells.push_back({std::midpoint(field.x[i], field.x[i + across - 1]),
-                                 std::midpoint(field.z[k], field.z[k + up - 1]),
-                                 sum / static_cast<double>(count) / stiffness});
-        }
+    const GridSpec& grid = blocks.grid;
+    for (std::size_t block = 0; block < blocks.curl_y.size(); ++block)
+        if (!std::isnan(blocks.curl_y[block]))
+            cells.push_back({grid.origin[0] + grid.spacing[0] * static_cast<double>(block % blocks.columns),
+                             grid.origin[2] + grid.spacing[2] * static_cast<double>(block / blocks.columns),
+                             blocks.curl_y[block] / stiffness});
     return cells;
+}
+
+/// Of the field every sample at a block's lower corner.
+Json written_force(const CurlMap& map, const SectionField& field, const Blocks& blocks,
+                   const std::filesystem::path& folder) {
+    const GridSpec& fine = map.prepared.one.scene.grid;
+    GridSpec grid = blocks.grid;
+    grid.origin = fine.origin;
+    grid.size = {blocks.columns + 1, 1, blocks.rows + 1};
+    std::vector<double> force, depth;
+    for (std::size_t k = 0; k < grid.size[2]; ++k)
+        for (std::size_t i = 0; i < grid.size[0]; ++i) {
+            const std::size_t from = field.at(i * blocks.across, k * blocks.up);
+            force.insert(force.end(), &field.force[3 * from], &field.force[3 * from] + 3);
+            depth.push_back(field.depth[from]);
+        }
+    return written(folder, map.name + ".exr", header_of(map.prepared, grid, ""), force, depth);
+}
+
+Json written_curl(const CurlMap& map, const Blocks& blocks, const std::filesystem::path& folder) {
+    std::vector<double> vectors(3 * blocks.curl_y.size());
+    for (std::size_t i = 0; i < blocks.curl_y.size(); ++i)
+        vectors[3 * i + 1] = std::isnan(blocks.curl_y[i]) ? 0 : blocks.curl_y[i];
+    return written(folder, map.name + ".curl.exr",
+                   header_of(map.prepared, blocks.grid,
+                             "# curl of this scene's force in N/m: R, G, B are curl_x, curl_y, curl_z; of them only "
+                             "curl_y was computed\n"),
+                   vectors, {});
 }
 
 } // namespace
@@ -120,42 +179,41 @@ SectionField evaluated_section(Engine& engine, const PreparedCase& prepared) {
     return engine.report().f64 ? evaluated_in<double>(engine, prepared) : evaluated_in<float>(engine, prepared);
 }
 
-std::vector<double> curl_y(const SectionField& field) {
-    std::vector<double> curl(field.depth.size(), std::numeric_limits<double>::quiet_NaN());
-    for (std::size_t k = 1; k + 1 < field.z.size(); ++k)
-        for (std::size_t i = 1; i + 1 < field.x.size(); ++i) {
-            const std::size_t left = field.at(i - 1, k), right = field.at(i + 1, k), below = field.at(i, k - 1),
-                              above = field.at(i, k + 1);
-            const auto touches = [&](std::size_t sample) { return field.depth[sample] > 0; };
-            if (touches(left) && touches(right) && touches(below) && touches(above))
-                curl[field.at(i, k)] =
-                    (field.force[3 * above] - field.force[3 * below]) / (field.z[k + 1] - field.z[k - 1]) -
-                    (field.force[3 * right + 2] - field.force[3 * left + 2]) / (field.x[i + 1] - field.x[i - 1]);
+std::vector<double> cell_curls(const SectionField& field) {
+    std::vector<double> curls;
+    for (std::size_t k = 0; k + 1 < field.z.size(); ++k)
+        for (std::size_t i = 0; i + 1 < field.x.size(); ++i) {
+            const std::size_t corners[4] = {field.at(i, k), field.at(i + 1, k), field.at(i + 1, k + 1),
+                                            field.at(i, k + 1)};
+            if (!std::ranges::all_of(corners, [&](std::size_t corner) { return field.depth[corner] > 0; })) {
+                curls.push_back(std::numeric_limits<double>::quiet_NaN());
+                continue;
+            }
+            const auto [a, b, c, d] = corners;
+            const auto& f = field.force;
+            const double across = (f[3 * d] + f[3 * c] - f[3 * a] - f[3 * b]) / 2,
+                         up = (f[3 * b + 2] + f[3 * c + 2] - f[3 * a + 2] - f[3 * d + 2]) / 2; /* N */
+            curls.push_back(across / (field.z[k + 1] - field.z[k]) - up / (field.x[i + 1] - field.x[i]));
         }
-    return curl;
+    return curls;
 }
 
 Json curl_result(const CurlMap& map, Engine& engine, const std::filesystem::path& folder) {
     const SectionField field = evaluated_section(engine, map.prepared);
-    const std::vector<double> curl = curl_y(field);
+    const std::vector<double> curl = cell_curls(field);
     const double stiffness = map.prepared.one.scene.force.stiffness;
-    std::vector<double> vectors(3 * curl.size());
-    for (std::size_t i = 0; i < curl.size(); ++i)
-        vectors[3 * i + 1] = std::isnan(curl[i]) ? 0 : curl[i];
-    const Summary summary = summary_of(map, field, curl);
-    Json result{{"map", map.title}, {"spacing_mm", 1e3 * map.prepared.one.scene.grid.spacing[0]}};
-    result["largest_per_K"] = summary.largest / stiffness;
+    const Blocks blocks = blocks_of(field, curl, map.prepared.one.scene.grid);
+    const Sizes sizes = sizes_of(blocks);
+    Json result{{"map", map.title},
+                {"spacing_mm", 1e3 * map.prepared.one.scene.grid.spacing[0]},
+                {"cell_mm", 1e3 * blocks.grid.spacing[0]}};
+    result["largest_per_K"] = sizes.largest / stiffness;
     result["rms_per_K"] =
-        summary.count ? Json(std::sqrt(summary.squares / static_cast<double>(summary.count)) / stiffness) : Json();
+        sizes.count ? Json(std::sqrt(sizes.squares / static_cast<double>(sizes.count)) / stiffness) : Json();
     if (map.closed_form)
-        result["closed_form_difference_per_K"] = summary.off / stiffness;
-    result["cells"] = cells_of(field, curl, stiffness);
-    result["volumes"] = Json::array(
-        {written(folder, map.name + ".exr", header_of(map.prepared, ""), field.force, field.depth),
-         written(folder, map.name + ".curl.exr",
-                 header_of(map.prepared, "# curl of this scene's force in N/m: R, G, B are curl_x, curl_y, curl_z; of "
-                                         "them only curl_y was computed\n"),
-                 vectors, {})});
+        result["closed_form_difference_per_K"] = closed_form_difference(map, field, curl) / stiffness;
+    result["cells"] = cells_of(blocks, stiffness);
+    result["volumes"] = Json::array({written_force(map, field, blocks, folder), written_curl(map, blocks, folder)});
     return result;
 }
 

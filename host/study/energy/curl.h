@@ -25,12 +25,15 @@ struct SectionField {
 /// Engine::evaluate throws.
 SectionField evaluated_section(Engine& engine, const PreparedCase& prepared);
 
-/// curl_y F = dF_x/dz - dF_z/dx, N/m, by central differences; NaN where a neighbour is missing or out of contact.
-std::vector<double> curl_y(const SectionField& field);
+/// curl_y F = dF_x/dz - dF_z/dx, N/m, of each cell between four samples, x fastest: the work round it, by the mean of
+/// two samples' forces along each side, over its area; NaN where a corner is out of contact. So the work round cells
+/// together is their sum, forces that jump along slanted lines included.
+std::vector<double> cell_curls(const SectionField& field);
 
-/// The force as NAME.exr and its curl as NAME.curl.exr (R, G, B: curl_x, curl_y, curl_z in N/m; of them only curl_y is
-/// known, the others and what is not known are 0), with the summary of the map and its thinned cells as JSON.
-/// `closed_form`(x, z) is the curl in N/m where it is known, or empty.
+/// The force as NAME.exr, each sample that stands for a cell of the map, and the map's curl as NAME.curl.exr (R, G, B:
+/// curl_x, curl_y, curl_z in N/m; of them only curl_y is known, the others and what is not known are 0), with a summary
+/// and the map's cells, means over blocks of cells, as JSON. `closed_form`(x, z) is the curl in N/m where it is known,
+/// or empty.
 struct CurlMap {
     std::string name;  /* the volumes' stem */
     std::string title; /* as the table has it */

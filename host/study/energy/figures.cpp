@@ -84,9 +84,10 @@ std::vector<Figure> curl_figures(const std::vector<nlohmann::ordered_json>& maps
         figure.name = "curl_" + name.substr(0, name.size() - 4);
         figure.title = fmt::format("Curl of the force: {}", title);
         figure.caption =
-            "A section of x and z; colour is curl_y / K wherever the probe touches. Without colour a loop gives "
-            "no energy; the work round a loop is the sum of the curl inside it. All maps share a scale that ends at "
-            "0.5. A line is a jump of the force: its value depends on the spacing.";
+            "A section of x and z; colour is the work round each cell over its area and K, wherever the probe touches. "
+            "Without colour a loop gives no energy; the work round a loop is the sum of the cells inside it. All maps "
+            "share a scale that ends at 0.5. Colours that alternate along a slanted line are a jump of the force "
+            "between samples and cancel.";
         figure.kind = FigureKind::map;
         figure.table = "curl";
         figure.where = {{"map", title}};

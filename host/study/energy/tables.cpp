@@ -248,10 +248,11 @@ Table curl_maps_table(const std::vector<Json>& maps) {
                 "How much curl a field has",
                 {{"map", "", "Which section."},
                  {"spacing_mm", "mm", "Between samples of the field along x."},
+                 {"cell_mm", "mm", "Width of a cell of the map, whose curl is the work round it over its area."},
                  {"largest_per_K", "1",
-                  "Largest size of curl_y over the stiffness; where the force jumps, the jump over "
-                  "twice the spacing."},
-                 {"rms_per_K", "1", "Root mean square over the samples in contact."},
+                  "Largest size of a cell's curl_y over the stiffness; a jump of the force counts over the "
+                  "cell's width."},
+                 {"rms_per_K", "1", "Root mean square over the map's cells in contact."},
                  {"closed_form_difference_per_K", "1", "Largest difference from the closed form, where there is one."}},
                 {}};
     for (const Json& map : maps)

@@ -233,6 +233,33 @@ void add_scene(const StudyData& data, const Table& loops, std::vector<Finding>& 
                               loops.word(*least, "scheme"), gives(*least), loops.word(*most, "scheme"), gives(*most))});
 }
 
+/// Which map has the least curl and which the most, and how far one is from its closed form.
+void add_curl(const StudyData& data, std::vector<Finding>& findings) {
+    const Table* maps = data.find("curl_maps");
+    if (!maps)
+        return;
+    std::optional<std::size_t> least, most;
+    double off = -1;
+    for (std::size_t row = 0; row < maps->rows.size(); ++row) {
+        off = std::max(off, maps->number(row, "closed_form_difference_per_K").value_or(-1));
+        const auto rms = maps->number(row, "rms_per_K");
+        if (!rms)
+            continue;
+        least = !least || *rms < *maps->number(*least, "rms_per_K") ? row : *least;
+        most = !most || *rms > *maps->number(*most, "rms_per_K") ? row : *most;
+    }
+    if (!least || *least == *most)
+        return;
+    const auto named = [&](std::size_t row) {
+        return fmt::format("{} ({:.1g} K, RMS)", maps->word(row, "map"), *maps->number(row, "rms_per_K"));
+    };
+    findings.push_back(
+        {"curl",
+         fmt::format("The least curl has {}, the most {}{}.", named(*least), named(*most),
+                     off < 0 ? ""
+                             : fmt::format("; that of the flat shaded plane is its closed form to {:.1g} K", off))});
+}
+
 } // namespace
 
 std::vector<Finding> energy_findings(const StudyData& data) {
@@ -243,6 +270,7 @@ std::vector<Finding> energy_findings(const StudyData& data) {
     add_shading(loops, findings);
     add_conservative(loops, findings);
     add_history(loops, findings);
+    add_curl(data, findings);
     add_laws(data, findings);
     add_engine(loops, findings);
     return findings;
