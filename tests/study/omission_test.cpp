@@ -75,6 +75,16 @@ TEST(Omission, SwitchesEachFeatureOnceInAScene) {
     }
 }
 
+TEST(Omission, EvaluatesTheSameSamplesOnBothSidesUnlessTheyAreTheFeature) {
+    for (const BaseScene& base : own_scenes(true))
+        for (const Comparison& one : comparisons_of(base, true)) {
+            const auto y_samples = [](const study::Setup& setup) {
+                return make_tables<float>(setup.prepared.one.scene, setup.prepared.images, setup.extent).y.size();
+            };
+            EXPECT_EQ(y_samples(one.with) == y_samples(one.without), one.feature != "every y") << one.feature;
+        }
+}
+
 // The oracle as the engine: what is held is the comparison, whatever kernels do.
 class OnTheOracle : public ::testing::Test {
 protected:

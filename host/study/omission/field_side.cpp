@@ -75,11 +75,7 @@ template <typename T> Cost FieldSide<T>::measure(Engine& engine) {
 }
 
 template <typename T> Captured<T> FieldSide<T>::capture(Engine& engine, std::uint32_t channels) {
-    // A proxy stands at its own y.
-    const bool proxies = channels & layout::kChannelProxy;
-    const FieldTables<T> tables =
-        make_tables<T>(setup_.prepared.one.scene, setup_.prepared.images, proxies ? Extent::everything : setup_.extent);
-    layout::FieldInput<T> input = tables.input();
+    layout::FieldInput<T> input = tables_.input();
     input.law.features.channels |= channels;
     const std::size_t repeats = setup_.prepared.one.scene.grid.size[1] / input.y.size();
     Captured<T> captured;
