@@ -153,6 +153,8 @@ void add_number(StudyData& data, const std::vector<Json>& results) {
     data.notes.push_back("Ranges of precision are those that were tried: an error between two tried values is taken "
                          "for that of neither. A voxel that lies on an edge to within rounding may have either "
                          "facet's force; the samples here avoid edges.");
+    if (!data.scene.empty())
+        data.notes.push_back("The part on numbers takes plain surfaces of its own, not those of the scene.");
 }
 
 } // namespace forceshade::study
