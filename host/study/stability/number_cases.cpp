@@ -157,7 +157,7 @@ const std::vector<NumberAxis>& number_axes() {
         {"stiffness", "N/m", "stiffness K / (N/m)", 1000, "stiffness, with penetrations of millimetres"},
         {"origin", "m", "distance from the origin / m", 0, "distance of the samples, and of a mesh, from the origin"},
         {"spacing", "m", "spacing of the grid / m", 1e-4, "spacing of the samples along x"},
-        {"depth", "m", "penetration / m", 1e-3, "penetration alone, on the bump"}};
+        {"depth", "m", "penetration / m", 1e-2, "penetration alone, on the bump"}};
     return axes;
 }
 

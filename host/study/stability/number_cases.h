@@ -24,7 +24,7 @@ struct NumberCase {
 /// What is varied: its name, unit, where it stands in the plain scene, and what it means.
 struct NumberAxis {
     std::string name, unit, label;
-    double base;
+    double base; /* or where it is easiest: of penetration the deepest */
     std::string meaning;
 };
 
