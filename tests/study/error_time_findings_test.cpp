@@ -126,6 +126,20 @@ TEST(ErrorTimeFindings, CountFacets) {
     EXPECT_TRUE(says(made.text("facets_1deg"), "flat ones need 4 (0.9°)"));
 }
 
+TEST(ErrorTimeFindings, HoldShadingsAgainstFlatFacets) {
+    Made made;
+    made.add("bump, 4 facets, shaded", "direct", "f64", 0.88, 2, 4, "reference");
+    made.measured.contenders[made.number("bump, 1 facet, shaded: direct f64")].facets = 2; // no flat one of as many
+    EXPECT_TRUE(says(made.text("shading_bump_reference"),
+                     "takes 1.1 times as long as flat facets, as many of them, and has "
+                     "0.25 times their direction error"))
+        << made.text("shading_bump_reference");
+    made.times.back() = 0.4;
+    made.measured.compared.back().smooth->direction.rms = 0;
+    EXPECT_TRUE(says(made.text("shading_bump_reference"), "takes 0.5 times the time of flat facets"));
+    EXPECT_TRUE(says(made.text("shading_bump_reference"), "none of their direction error"));
+}
+
 TEST(ErrorTimeFindings, HoldWaysAgainstEachOther) {
     Made made;
     EXPECT_TRUE(says(made.text("god_object"), "takes 0.5 times the time of the static field"));

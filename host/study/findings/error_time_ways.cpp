@@ -186,6 +186,38 @@ void add_god_object(std::vector<Finding>& findings, const Table& points) {
              against(median_ratio(points, both, "time_ratio")), laws(both.size()), error, other_error)});
 }
 
+// Each shading of a surface against flat facets, as many of them, both evaluated directly in f64.
+void add_shadings(std::vector<Finding>& findings, const Table& points) {
+    std::vector<std::string> done;
+    const Way direct{"direct", "f64"};
+    for (Row first = 0; first < points.rows.size(); ++first) {
+        const std::string shading = points.word(first, "shading"), surface = points.word(first, "surface");
+        const std::string name = fmt::format("shading_{}_{}", surface, shading);
+        if (shading == "none" || std::ranges::find(done, name) != done.end())
+            continue;
+        done.push_back(name);
+        std::vector<double> times, errors;
+        for (Row one = 0; one < points.rows.size(); ++one)
+            for (Row flat = 0; flat < points.rows.size(); ++flat)
+                if (is(points, one, direct) && is(points, flat, direct) && points.word(one, "shading") == shading &&
+                    points.word(flat, "shading") == "none" && points.word(one, "surface") == surface &&
+                    points.word(flat, "surface") == surface &&
+                    points.number(one, "facets") == points.number(flat, "facets") &&
+                    points.number(one, "cells") == points.number(flat, "cells")) {
+                    times.push_back(value(points, one, "time_ratio") / value(points, flat, "time_ratio"));
+                    errors.push_back(value(points, one, "direction_rms_deg") /
+                                     value(points, flat, "direction_rms_deg"));
+                }
+        const double time = median(times), error = median(errors);
+        if (!std::isfinite(time) || !std::isfinite(error))
+            continue;
+        const std::string less = error < 1e-6 ? std::string("none of their direction error")
+                                              : fmt::format("{:.2g} times their direction error", error);
+        findings.push_back({name, fmt::format("On the {}, shading \"{}\" {} flat facets, as many of them, and has {}.",
+                                              surface, shading, against(time), less)});
+    }
+}
+
 void add_loop(std::vector<Finding>& findings, const Table& points) {
     const auto steps = pairs(points, {"closed loop, CPU on one thread", "f64"}, {"direct", "f64"});
     const auto singles =
@@ -205,6 +237,7 @@ void add_loop(std::vector<Finding>& findings, const Table& points) {
 
 void add_ways(std::vector<Finding>& findings, const StudyData& data) {
     const Table& points = data.table("points");
+    add_shadings(findings, points);
     add_lookup(findings, points);
     add_tricubic(findings, points);
     add_god_object(findings, points);
