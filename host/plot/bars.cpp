@@ -23,6 +23,8 @@ struct Bars {
     AxisData x, y;
     std::vector<std::optional<double>> low, high;
     SeriesData series;
+    bool ratios;   /* of a logarithmic axis, about 1: bars stand on 1 */
+    bool labelled; /* with their numbers */
     Axes axes;
 
     bool shown(std::size_t i) const { return y.values[i] && axes.y.has(*y.values[i]); }
@@ -35,7 +37,9 @@ struct Bars {
         return axes.x.at(*x.values[i]) + place * width();
     }
     double foot() const {
-        return axes.y.logarithmic() ? axes.plot.bottom() : std::clamp(axes.y.at(0), axes.plot.y, axes.plot.bottom());
+        if (axes.y.logarithmic())
+            return ratios ? axes.y.at(1) : axes.plot.bottom();
+        return std::clamp(axes.y.at(0), axes.plot.y, axes.plot.bottom());
     }
 };
 
@@ -49,7 +53,8 @@ Range bar_range(const Bars& bars, bool logarithmic) {
         values.push_back(0);
     Range range = range_of(values, logarithmic);
     if (logarithmic) {
-        range.low = std::pow(10.0, std::floor(std::log10(range.low)));
+        if (!bars.ratios)
+            range.low = std::pow(10.0, std::floor(std::log10(range.low)));
         range.high =
             std::pow(10.0, std::min(std::log10(range.high) + 0.05 * std::log10(range.high / range.low), 307.0));
     } else if (range.high > 0) {
@@ -78,11 +83,26 @@ void draw_bar(Svg& svg, const Bars& bars, std::size_t i) {
         svg.path(fmt::format("M{0} {1}h6m-3 0V{2}m-3 0h6", px(bars.centre(i) - 3), px(low), px(high)), "l thin ink");
         end = at <= foot ? std::min(at, high) : std::max(at, low);
     }
-    const std::string value = number_label(*bars.y.values[i], 3);
-    const double room = bars.series.words.size() == 1 ? bars.slot() : bars.width();
-    if (text_width(value, kValueSize) <= room)
-        svg.text(bars.centre(i), at <= foot ? end - 4 : end + 12, value,
+    if (bars.labelled)
+        svg.text(bars.centre(i), at <= foot ? end - 4 : end + 12, number_label(*bars.y.values[i], 3),
                  {.anchor = Anchor::middle, .size = kValueSize});
+}
+
+// Numbers stand at all bars or at none.
+bool have_room(const Bars& bars) {
+    const double room = bars.series.words.size() == 1 ? bars.slot() : bars.width();
+    for (std::size_t i = 0; i < bars.rows.size(); ++i)
+        if (bars.shown(i) && text_width(number_label(*bars.y.values[i], 3), kValueSize) > room)
+            return false;
+    return true;
+}
+
+// Numbers without a unit on either side of 1.
+bool are_ratios(const Bars& bars, const study::Table& table) {
+    const std::vector<double> values = present(bars.y.values);
+    return table.columns[table.index(bars.figure.y.column)].unit == "1" &&
+           std::ranges::any_of(values, [](double value) { return value > 0 && value <= 1; }) &&
+           std::ranges::any_of(values, [](double value) { return value >= 1; });
 }
 
 void note_rows(Sheet& sheet, const Bars& bars) {
@@ -111,9 +131,12 @@ double draw_bars(Sheet& sheet, const study::Figure& figure, const study::StudyDa
               optional_numbers(table, rows, figure.low),
               optional_numbers(table, rows, figure.high),
               series_data(table, rows, figure.series),
+              false,
+              false,
               {}};
     if (!bars.y.words.empty()) // words have no height
         std::ranges::fill(bars.y.values, std::nullopt);
+    bars.ratios = figure.y.logarithmic && are_ratios(bars, table);
     bars.axes = {bars.x.words.empty() ? Scale({0, 1}, false) : Scale(bars.x.words),
                  Scale(bar_range(bars, figure.y.logarithmic), figure.y.logarithmic),
                  figure.x.label,
@@ -121,13 +144,14 @@ double draw_bars(Sheet& sheet, const study::Figure& figure, const study::StudyDa
                  {}};
     const std::vector<CurveLine> curves = curve_lines(figure, data, bars.series.words);
     lay_out(bars.axes, top, kHeight, 0);
+    bars.labelled = have_room(bars);
     const double axes_end = draw_axes(sheet, bars.axes, true);
     add_clip(sheet, bars.axes.plot);
     for (std::size_t i = 0; i < rows.size(); ++i)
         if (bars.shown(i))
             draw_bar(sheet.svg, bars, i);
     draw_curves(sheet, bars.axes, curves, true);
-    if (!figure.y.logarithmic)
+    if (!figure.y.logarithmic || bars.ratios)
         sheet.svg.line(bars.axes.plot.x, bars.foot(), bars.axes.plot.right(), bars.foot(), "axis");
     note_rows(sheet, bars);
     std::vector<LegendEntry> entries;

@@ -72,13 +72,13 @@ void draw_curves(Sheet& sheet, const Axes& axes, const std::vector<CurveLine>& l
     if (lines.empty())
         return;
     sheet.svg.raw(fmt::format("<g clip-path=\"url(#{}-plot)\">\n", sheet.id));
-    for (const CurveLine& line : lines)
-        for (const auto& piece : line.pieces) {
-            const std::string d = points_text(axes, piece);
+    for (const CurveLine& line : lines) // all of them first, so that no curve hides another
+        for (const auto& piece : line.pieces)
             if (halo)
-                sheet.svg.path(d, "halo");
-            sheet.svg.path(d, "l " + line.classes, line.label, dash_attribute(line));
-        }
+                sheet.svg.path(points_text(axes, piece), "halo");
+    for (const CurveLine& line : lines)
+        for (const auto& piece : line.pieces)
+            sheet.svg.path(points_text(axes, piece), "l " + line.classes, line.label, dash_attribute(line));
     sheet.svg.raw("</g>\n");
 }
 

@@ -35,6 +35,8 @@ std::string style_sheet() {
                       ".fsp .axis,.fsp .grid,.fsp .edge{fill:none;stroke-width:1}\n"
                       ".fsp .halo{fill:none;stroke-width:5;stroke-opacity:.85}\n"
                       ".fsp .m{stroke-width:1}\n.fsp .v{shape-rendering:crispEdges}\n";
+    css += ".fsp .lab{paint-order:stroke;stroke-width:3px;stroke-linejoin:round}\n";
+    css += property("lab", "stroke", "paper", "#ffffff");
     css += property("paper", "fill", "paper", "#ffffff");
     css += property("t", "fill", "ink", "#1b1f24");
     css += property("q", "fill", "quiet", "#555c66");
@@ -46,7 +48,7 @@ std::string style_sheet() {
     css += property("ink", "color", "ink", "#1b1f24");
     for (std::size_t i = 0; i < kSeries.size(); ++i)
         css += property(fmt::format("s{}", i), "color", fmt::format("s{}", i), kSeries[i]);
-    return "<style>\n" + css + "</style>\n";
+    return css;
 }
 
 std::string series_class(std::size_t series) {
@@ -55,19 +57,18 @@ std::string series_class(std::size_t series) {
 
 bool is_open_marker(std::size_t series) {
     const std::size_t shape = series % kMarkers;
-    return shape == 5 || shape == 6;
+    return shape >= 5;
 }
 
 std::string marker(std::size_t series, double x, double y) {
-    static constexpr std::array<const char*, kMarkers> kShapes{
-        "m-4.5 0a4.5 4.5 0 1 0 9 0a4.5 4.5 0 1 0 -9 0z", // disc
-        "m-4 -4h8v8h-8z",                                // square
-        "m0 -5.2l5 8.6h-10z",                            // triangle
-        "m0 -5.6l5.6 5.6l-5.6 5.6l-5.6 -5.6z",           // diamond
-        "m0 5.2l5 -8.6h-10z",                            // triangle on its tip
-        "m-4.5 -4.5l9 9m0 -9l-9 9",                      // cross
-        "m-5.5 0h11m-5.5 -5.5v11",                       // plus
-        "m-2.2 -5.2h4.4l3 3v4.4l-3 3h-4.4l-3 -3v-4.4z"}; // octagon
+    static constexpr std::array<const char*, kMarkers> kShapes{"m-4.5 0a4.5 4.5 0 1 0 9 0a4.5 4.5 0 1 0 -9 0z", // disc
+                                                               "m-4 -4h8v8h-8z",                      // square
+                                                               "m0 -5.2l5 8.6h-10z",                  // triangle
+                                                               "m0 -5.6l5.6 5.6l-5.6 5.6l-5.6 -5.6z", // diamond
+                                                               "m0 5.2l5 -8.6h-10z",       // triangle on its tip
+                                                               "m-4.5 -4.5l9 9m0 -9l-9 9", // cross
+                                                               "m-5.5 0h11m-5.5 -5.5v11",  // plus
+                                                               "m-5 0h10m-7.5 -4.4l5 8.8m0 -8.8l-5 8.8"}; // asterisk
     return fmt::format("M{} {}{}", px(x), px(y), kShapes[series % kMarkers]);
 }
 

@@ -8,7 +8,8 @@
 
 namespace forceshade::plot {
 
-/// The <style> of a figure. Every colour is a custom property of the page with a value of its own where there is none.
+/// The style rules of a figure. Every colour is a custom property of the page with a value of its own where there is
+/// none.
 std::string style_sheet();
 
 /// Class of the i-th series' colour: "s0" ...; it repeats, but not together with the marker.

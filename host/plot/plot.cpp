@@ -43,7 +43,11 @@ double draw_kind(Sheet& sheet, const study::Figure& figure, const study::StudyDa
 
 } // namespace
 
-std::string svg_of(const study::Figure& figure, const study::StudyData& data) {
+std::string figure_styles() {
+    return style_sheet();
+}
+
+std::string svg_of(const study::Figure& figure, const study::StudyData& data, bool styles) {
     Sheet sheet{plain(data.study + "-" + figure.name), {}, {}};
     double y = 6;
     if (!figure.title.empty())
@@ -56,7 +60,8 @@ std::string svg_of(const study::Figure& figure, const study::StudyData& data) {
                        "viewBox=\"0 0 {0} {1}\" role=\"img\" aria-label=\"{2}\">\n<title>{2}</title>\n<desc>{3}"
                        "</desc>\n{4}<rect class=\"paper\" width=\"{0}\" height=\"{1}\"/>\n{5}</svg>\n",
                        width, height, escaped(figure.title.empty() ? figure.name : figure.title),
-                       escaped(figure.caption), style_sheet(), sheet.svg.body());
+                       escaped(figure.caption), styles ? "<style>\n" + style_sheet() + "</style>\n" : "",
+                       sheet.svg.body());
 }
 
 void write_figures(const std::filesystem::path& folder, const study::StudyData& data) {

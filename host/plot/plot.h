@@ -11,7 +11,11 @@ namespace forceshade::plot {
 
 /// One <svg> element, the same bytes for the same data. Rows without a number, or without a place on a logarithmic
 /// axis, are counted below the figure. \throws study::DataError if a table or column that the figure names is missing.
-std::string svg_of(const study::Figure& figure, const study::StudyData& data);
+/// Without `styles` it stands in a page that holds figure_styles().
+std::string svg_of(const study::Figure& figure, const study::StudyData& data, bool styles = true);
+
+/// Style rules of all figures.
+std::string figure_styles();
 
 /// FIGURE.svg for each figure. \throws IoError, study::DataError.
 void write_figures(const std::filesystem::path& folder, const study::StudyData& data);

@@ -117,7 +117,7 @@ void draw_labels(Sheet& sheet, const Scatter& s) {
         const double x = std::clamp(points[i].x, box.x, box.right()), y = std::clamp(points[i].y, box.y, box.bottom());
         if (std::max(std::abs(x - points[i].x), std::abs(y - points[i].y)) > 12)
             sheet.svg.line(points[i].x, points[i].y, x, y, "edge");
-        sheet.svg.text(box.x, box.y + kLabelSize, points[i].text, {.size = kLabelSize});
+        sheet.svg.text(box.x, box.y + kLabelSize, points[i].text, {.classes = "t lab", .size = kLabelSize});
     }
     if (dropped > 0)
         sheet.notes.push_back(fmt::format("{} label{} found no room; the points tell when pointed at, and the table.",

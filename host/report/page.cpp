@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "host/io/hash.h"
+#include "host/plot/plot.h"
 #include "host/plot/xml_text.h"
 #include "host/report/base64.h"
 #include "report_assets.h"
@@ -50,8 +51,8 @@ std::string page(const std::string& title, const std::string& body) {
     html += "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
             "<meta name=\"color-scheme\" content=\"light dark\">\n" +
             std::string(kGenerator) + "\n<link rel=\"icon\" href=\"data:,\">\n";
-    html += fmt::format("<title>{}</title>\n<style>\n{}</style>\n</head>\n<body>\n", plot::escaped(title),
-                        assets::report_css);
+    html += fmt::format("<title>{}</title>\n<style>\n{}{}</style>\n</head>\n<body>\n", plot::escaped(title),
+                        plot::figure_styles(), assets::report_css);
     return html + body + "<script>" + code + "</script>\n</body>\n</html>\n";
 }
 

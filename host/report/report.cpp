@@ -1,5 +1,7 @@
 #include "host/report/report.h"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 
 #include "host/io/temporary_file.h"
@@ -15,6 +17,9 @@ namespace forceshade::report {
 namespace {
 
 using plot::escaped;
+
+// Characters: a page that opens at once and can be sent by mail.
+constexpr std::size_t kPageBudget = 9'500'000, kLeastForViewer = 1'500'000;
 
 std::string entry(const std::string& id, const std::string& text) {
     return fmt::format("<li><a href=\"#{}\">{}</a></li>\n", id, escaped(text));
@@ -38,13 +43,27 @@ std::string name_of(const std::filesystem::path& folder) {
     return (whole.has_filename() ? whole : whole.parent_path()).filename().string();
 }
 
+// Studies and sweeps; tables are cut where they would make the page too large.
+std::string parts_of(const std::filesystem::path& folder, Contents& contents) {
+    for (const std::size_t most_rows : {3000u, 500u, 100u}) {
+        std::vector<std::string> troubles;
+        std::string parts;
+        for (const StudyPart& part : contents.studies)
+            parts += study_section(folder, part, troubles, most_rows);
+        for (const Sweep& sweep : contents.sweeps)
+            parts += sweep_section(folder, sweep);
+        if (parts.size() <= kPageBudget - kLeastForViewer || most_rows == 100) {
+            contents.troubles.insert(contents.troubles.end(), troubles.begin(), troubles.end());
+            return parts;
+        }
+    }
+    return "";
+}
+
 std::string body_of(const std::string& name, const std::filesystem::path& folder, Contents& contents) {
-    const std::string viewer = viewer_section(folder, contents.sweeps, contents.troubles);
-    std::string parts;
-    for (const StudyPart& part : contents.studies)
-        parts += study_section(folder, part, contents.troubles);
-    for (const Sweep& sweep : contents.sweeps)
-        parts += sweep_section(folder, sweep);
+    const std::string parts = parts_of(folder, contents);
+    const std::size_t room = kPageBudget - std::min(parts.size(), kPageBudget - kLeastForViewer);
+    const std::string viewer = viewer_section(folder, contents, contents.troubles, room);
     return fmt::format("<header>\n<h1>{}</h1>\n<p>Haptic force fields with and without force shading. Written by "
                        "forceshade {}.</p>\n</header>\n",
                        escaped(name), escaped(version())) +

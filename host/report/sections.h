@@ -16,8 +16,9 @@ std::string findings_section(const Contents& contents);
 std::string troubles_section(const std::vector<std::string>& troubles);
 
 /// Figures, tables and files of a study. A figure that cannot be drawn, or a file that is not there, is added to the
-/// troubles.
-std::string study_section(const std::filesystem::path& root, const StudyPart& part, std::vector<std::string>& troubles);
+/// troubles. A table of more rows is cut, and says so.
+std::string study_section(const std::filesystem::path& root, const StudyPart& part, std::vector<std::string>& troubles,
+                          std::size_t most_rows);
 
 /// Cases of a sweep: errors, times, what was left out, files.
 std::string sweep_section(const std::filesystem::path& root, const Sweep& sweep);

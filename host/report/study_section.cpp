@@ -48,7 +48,7 @@ std::string figure_markup(const study::Figure& figure, const StudyPart& part, co
     if (is_plain_name(figure.name) && is_there(root, file))
         links += ", picture: " + link(file, figure.name + ".svg");
     return fmt::format("<figure>\n{}<figcaption>{} <small>{}</small></figcaption>\n</figure>\n",
-                       plot::svg_of(figure, part.data), escaped(figure.caption), links);
+                       plot::svg_of(figure, part.data, false), escaped(figure.caption), links);
 }
 
 std::string figures(const std::filesystem::path& root, const StudyPart& part, std::vector<std::string>& troubles) {
@@ -76,8 +76,8 @@ std::string files(const std::filesystem::path& root, const StudyPart& part, std:
 
 } // namespace
 
-std::string study_section(const std::filesystem::path& root, const StudyPart& part,
-                          std::vector<std::string>& troubles) {
+std::string study_section(const std::filesystem::path& root, const StudyPart& part, std::vector<std::string>& troubles,
+                          std::size_t most_rows) {
     const study::StudyData& data = part.data;
     std::string html =
         fmt::format("<section id=\"{}\">\n<h2>{}</h2>\n{}", anchor(part), escaped(title(part)), run_facts(data));
@@ -89,7 +89,7 @@ std::string study_section(const std::filesystem::path& root, const StudyPart& pa
     else
         html += "<h3>Tables</h3>\n";
     for (const study::Table& table : data.tables)
-        html += study_table(table);
+        html += study_table(table, most_rows);
     if (!data.scene.empty())
         html += folded("The scene", "<pre>" + escaped(data.scene) + "</pre>\n");
     return html + files(root, part, troubles) + "</section>\n";

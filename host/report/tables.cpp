@@ -13,7 +13,6 @@ namespace {
 
 using plot::escaped;
 
-constexpr std::size_t kMostRows = 3000;
 constexpr int kDigits = 5;
 
 std::string cell_markup(const study::Cell& cell) {
@@ -57,20 +56,20 @@ std::string folded(const std::string& heading, const std::string& body) {
     return fmt::format("<details><summary>{}</summary>\n{}</details>\n", heading, body);
 }
 
-std::string study_table(const study::Table& table) {
+std::string study_table(const study::Table& table, std::size_t most_rows) {
     std::vector<HtmlColumn> columns;
     for (const study::Column& column : table.columns)
         columns.push_back({column.name, column.unit == "1" ? "" : column.unit, column.meaning, !column.unit.empty()});
     std::vector<std::vector<std::string>> rows;
-    for (std::size_t i = 0; i < std::min(table.rows.size(), kMostRows); ++i) {
+    for (std::size_t i = 0; i < std::min(table.rows.size(), most_rows); ++i) {
         rows.emplace_back();
         for (const study::Cell& cell : table.rows[i])
             rows.back().push_back(cell_markup(cell));
     }
     std::string body = meanings(table) + html_table(columns, rows, table.title);
-    if (table.rows.size() > kMostRows)
+    if (table.rows.size() > most_rows)
         body += fmt::format("<p>These are the first {} of {} rows; the CSV file holds all.</p>\n",
-                            count_text(kMostRows), count_text(table.rows.size()));
+                            count_text(most_rows), count_text(table.rows.size()));
     return folded(fmt::format("{} <small>{} row{}</small>", escaped(table.title.empty() ? table.name : table.title),
                               count_text(table.rows.size()), table.rows.size() == 1 ? "" : "s"),
                   body);

@@ -24,7 +24,6 @@ constexpr std::uint64_t kLeastSamples = 512;
 
 struct Wanted {
     std::string name, path; /* path below the report's folder */
-    const CaseRecord* record;
 };
 
 struct Packed {
@@ -40,15 +39,29 @@ std::string volume_name(const CaseRecord& record) {
     return "";
 }
 
-std::vector<Wanted> wanted_volumes(const std::filesystem::path& root, const std::vector<Sweep>& sweeps) {
+void add_volume(std::vector<Wanted>& all, const std::filesystem::path& root, const std::string& name,
+                const std::string& path) {
+    std::error_code ignored;
+    if (std::filesystem::is_regular_file(root / path, ignored))
+        all.push_back({name, path});
+}
+
+// A study's maps of curl are no forces.
+bool is_force(const FileRecord& file) {
+    return is_plain_name(file.name) && file.name.ends_with(".exr") && !file.name.ends_with(".curl.exr");
+}
+
+std::vector<Wanted> wanted_volumes(const std::filesystem::path& root, const Contents& contents) {
     std::vector<Wanted> all;
-    for (const Sweep& sweep : sweeps)
-        for (const CaseRecord& record : sweep.cases) {
-            const std::string path = below(sweep.folder, volume_name(record));
-            std::error_code ignored;
-            if (record.voxels > 0 && !volume_name(record).empty() && std::filesystem::exists(root / path, ignored))
-                all.push_back({below(sweep.folder, record.name), path, &record});
-        }
+    for (const Sweep& sweep : contents.sweeps)
+        for (const CaseRecord& record : sweep.cases)
+            if (record.voxels > 0 && !volume_name(record).empty())
+                add_volume(all, root, below(sweep.folder, record.name), below(sweep.folder, volume_name(record)));
+    for (const StudyPart& part : contents.studies)
+        for (const FileRecord& file : part.data.volumes)
+            if (is_force(file))
+                add_volume(all, root, below(part.folder, file.name.substr(0, file.name.size() - 4)),
+                           below(part.folder, file.name));
     return all;
 }
 
@@ -119,7 +132,7 @@ std::string script_safe(const Json& json) {
 
 std::string about_data(const std::vector<Packed>& packed, std::size_t left_out) {
     const auto thinned = std::ranges::count_if(packed, &Packed::thinned);
-    std::string text = "Forces here are rounded to 11 significant bits";
+    std::string text = "Forces here are rounded to 11 significant bits, directions thereby to 0.06 degrees";
     if (thinned == 0)
         text += "; every sample of the files is here, or one y for all where a field does not depend on y.";
     else
@@ -133,9 +146,9 @@ std::string about_data(const std::vector<Packed>& packed, std::size_t left_out) 
 
 } // namespace
 
-std::string viewer_section(const std::filesystem::path& root, const std::vector<Sweep>& sweeps,
+std::string viewer_section(const std::filesystem::path& root, const Contents& contents,
                            std::vector<std::string>& troubles, std::size_t budget) {
-    std::vector<Wanted> wanted = wanted_volumes(root, sweeps);
+    std::vector<Wanted> wanted = wanted_volumes(root, contents);
     const std::size_t left_out = wanted.size() - std::min(wanted.size(), kMostCases);
     wanted.resize(wanted.size() - left_out);
     const std::vector<Packed> packed = pack_within(root, wanted, budget, troubles);

@@ -102,11 +102,12 @@ TEST(Viewers, KeepToTheirBudget) {
     Sweep sweep;
     for (const char* name : {"a", "b", "c"})
         sweep.cases.push_back(write_sample_case(folder.path(), {.name = name, .size = {64, 16, 32}, .noise = true}));
+    const Contents contents{{sweep}, {}, {}};
     std::vector<std::string> troubles;
-    const std::string whole = viewer_section(folder.path(), {sweep}, troubles);
+    const std::string whole = viewer_section(folder.path(), contents, troubles, 7'000'000);
     EXPECT_GT(whole.size(), 600'000u);
     EXPECT_EQ(whole.find("thinned"), std::string::npos);
-    const std::string small = viewer_section(folder.path(), {sweep}, troubles, 100'000);
+    const std::string small = viewer_section(folder.path(), contents, troubles, 100'000);
     EXPECT_LT(small.size(), 120'000u); // the frame is a few kilobytes
     EXPECT_GT(small.size(), 30'000u) << "the budget is used";
     EXPECT_NE(small.find("3 of 3 volumes are thinned"), std::string::npos);
@@ -115,7 +116,7 @@ TEST(Viewers, KeepToTheirBudget) {
 
 TEST(Viewers, AreLeftOutWithoutVolumes) {
     std::vector<std::string> troubles;
-    EXPECT_EQ(viewer_section(".", {}, troubles), "");
+    EXPECT_EQ(viewer_section(".", {}, troubles, 1'000'000), "");
 }
 
 // The sentence of that name.

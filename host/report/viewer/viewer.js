@@ -124,6 +124,8 @@ class Viewer {
         most = Math.max(most, Math.abs(value));
     });
     const { quantity } = this.state, { sequential, diverging } = this.tables;
+    if (quantity === "direction")
+      most = Math.max(most, 0.2); // less is the page's rounding
     const label = { magnitude: "size of the difference of forces / N", direction: "angle between the forces / deg" }[quantity] ||
       "difference along " + quantity + " / N";
     return quantity === "magnitude" || quantity === "direction" ? new ColourScale(sequential, 0, most || 1, label)
