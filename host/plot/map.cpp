@@ -117,10 +117,28 @@ std::size_t draw_cells(Sheet& sheet, const Map& map, const ColourScale& colours)
             sheet.svg.rect(filled, "v", text, fmt::format(" fill=\"{}\"", colours.colour(*map.value.values[i])));
         } else {
             const auto word = static_cast<std::size_t>(std::ranges::find(map.words, map.word(i)) - map.words.begin());
-            sheet.svg.rect(filled, "v", text, word_fill(sheet.id, word));
+            sheet.svg.rect(filled, "v", text, word_fill(word));
         }
     }
     return empty;
+}
+
+// Each over all cells of its word at once.
+void draw_hatches(Sheet& sheet, const Map& map) {
+    for (std::size_t word = 1; word < map.words.size(); ++word) {
+        std::string cells;
+        for (std::size_t i = 0; i < map.rows.size(); ++i)
+            if (map.placed(i) && map.value.values[i] && map.word(i) == map.words[word]) {
+                const Box box = map.box(i);
+                cells += fmt::format("M{} {}h{}v{}h{}z", px(box.x), px(box.y), px(box.width), px(box.height),
+                                     px(-box.width));
+            }
+        if (cells.empty())
+            continue;
+        const std::string id = fmt::format("{}-word{}", sheet.id, word);
+        sheet.svg.raw(fmt::format("<clipPath id=\"{}\"><path d=\"{}\"/></clipPath>\n", id, cells));
+        draw_hatch(sheet.svg, word, map.axes.plot, fmt::format(" clip-path=\"url(#{})\"", id));
+    }
 }
 
 void note_rows(Sheet& sheet, const Map& map) {
@@ -138,12 +156,12 @@ void note_rows(Sheet& sheet, const Map& map) {
                         twice == 1 ? "" : "s", twice == 1 ? "s" : ""));
 }
 
-std::vector<LegendEntry> legend_of(const Map& map, const std::string& id, std::size_t empty,
-                                   const std::vector<CurveLine>& curves) {
+std::vector<LegendEntry> legend_of(const Map& map, std::size_t empty, const std::vector<CurveLine>& curves) {
     std::vector<LegendEntry> entries;
     for (std::size_t k = 0; k < map.words.size(); ++k)
-        entries.push_back({map.words[k], [k, id](Svg& svg, double x, double y) {
-                               svg.rect({x, y - 8, kSwatch, 16}, "v", {}, word_fill(id, k));
+        entries.push_back({map.words[k], [k](Svg& svg, double x, double y) {
+                               svg.rect({x, y - 8, kSwatch, 16}, "v", {}, word_fill(k));
+                               draw_hatch(svg, k, {x, y - 8, kSwatch, 16});
                                svg.rect({x, y - 8, kSwatch, 16}, "edge");
                            }});
     if (empty > 0)
@@ -186,16 +204,16 @@ double draw_map(Sheet& sheet, const study::Figure& figure, const study::StudyDat
     const ColourScale colours(map.words.empty() ? present(map.value.values) : std::vector<double>{},
                               figure.value_logarithmic, figure.value_limit);
     lay_out(map.axes, top, height_of(map.y, map.lines), map.words.empty() ? kScaleBar : 0);
-    sheet.svg.raw(word_patterns(sheet.id, map.words.size()));
     add_clip(sheet, map.axes.plot);
     const std::size_t empty = draw_cells(sheet, map, colours);
+    draw_hatches(sheet, map);
     const double axes_end = draw_axes(sheet, map.axes, false);
     draw_curves(sheet, map.axes, curves, true);
     if (map.words.empty())
         colours.draw(sheet.svg, {map.axes.plot.right() + 16, map.axes.plot.y, 16, map.axes.plot.height},
                      figure.value_label);
     note_rows(sheet, map);
-    return draw_legend(sheet, legend_of(map, sheet.id, empty, curves), map.axes.plot.x, axes_end);
+    return draw_legend(sheet, legend_of(map, empty, curves), map.axes.plot.x, axes_end);
 }
 
 } // namespace forceshade::plot

@@ -1,6 +1,8 @@
 #include "host/plot/palette.h"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 
 #include <fmt/format.h>
 
@@ -16,9 +18,37 @@ constexpr std::array<const char*, kSeriesColours> kSeries{"#0062ad", "#c2410c", 
 // From light to dark, so that grey tells them apart too.
 constexpr std::array<const char*, kWords> kWordColours{"#cfe6f7", "#fbc15e", "#c2512f", "#8fce9c",
                                                        "#b9a2d8", "#e6e6e6", "#5b8bb5", "#f2a8bd"};
-constexpr std::array<const char*, kWords> kWordPatterns{
-    "",         "M-2 2L2 -2M0 8L8 0M6 10L10 6", "M0 0L8 8M0 8L8 0", "M2 2h1.6v1.6h-1.6zM6 6h1.6v1.6h-1.6z", "M0 4L8 4",
-    "M4 0L4 8", "M-2 6L2 10M0 0L8 8M6 -2L10 2", "M0 4L8 4M4 0L4 8"};
+constexpr double kHatch = 8; /* px from line to line */
+
+// Lines x + slope y = c through a box, slope +1 or -1.
+std::string slanting_lines(const Box& box, int slope) {
+    std::string d;
+    const double ends[] = {box.x + slope * box.y, box.right() + slope * box.bottom(), box.x + slope * box.bottom(),
+                           box.right() + slope * box.y};
+    const double last = std::ranges::max(ends);
+    for (double c = std::ceil(std::ranges::min(ends) / kHatch) * kHatch; c <= last; c += kHatch) {
+        const double at_top = c - slope * box.y, at_bottom = c - slope * box.bottom();
+        const double from = std::max(box.x, std::min(at_top, at_bottom));
+        const double to = std::min(box.right(), std::max(at_top, at_bottom));
+        if (to > from)
+            d += fmt::format("M{} {}L{} {}", px(from), px((c - from) / slope), px(to), px((c - to) / slope));
+    }
+    return d;
+}
+
+std::string level_lines(const Box& box) {
+    std::string d;
+    for (double y = std::ceil(box.y / kHatch) * kHatch; y <= box.bottom(); y += kHatch)
+        d += fmt::format("M{} {}H{}", px(box.x), px(y), px(box.right()));
+    return d;
+}
+
+std::string upright_lines(const Box& box) {
+    std::string d;
+    for (double x = std::ceil(box.x / kHatch) * kHatch; x <= box.right(); x += kHatch)
+        d += fmt::format("M{} {}V{}", px(x), px(box.y), px(box.bottom()));
+    return d;
+}
 
 std::string property(const std::string& name, const char* what, const std::string& variable, const char* colour) {
     // Twice: readers that know no custom properties take the first.
@@ -34,6 +64,7 @@ std::string style_sheet() {
                       ".fsp .thin{stroke-width:1}\n.fsp .b{font-weight:600}\n"
                       ".fsp .axis,.fsp .grid,.fsp .edge{fill:none;stroke-width:1}\n"
                       ".fsp .halo{fill:none;stroke-width:5;stroke-opacity:.85}\n"
+                      ".fsp .hatch{fill:none;stroke:#1b1f24;stroke-opacity:.65;pointer-events:none}\n"
                       ".fsp .m{stroke-width:1}\n.fsp .v{shape-rendering:crispEdges}\n";
     css += ".fsp .lab{paint-order:stroke;stroke-width:3px;stroke-linejoin:round}\n";
     css += property("lab", "stroke", "paper", "#ffffff");
@@ -72,18 +103,30 @@ std::string marker(std::size_t series, double x, double y) {
     return fmt::format("M{} {}{}", px(x), px(y), kShapes[series % kMarkers]);
 }
 
-std::string word_patterns(const std::string& id, std::size_t count) {
-    std::string defs = "<defs>\n";
-    for (std::size_t i = 0; i < std::min(count, kWords); ++i)
-        defs += fmt::format("<pattern id=\"{}-w{}\" width=\"8\" height=\"8\" patternUnits=\"userSpaceOnUse\"><rect "
-                            "width=\"8\" height=\"8\" fill=\"{}\"/><path d=\"{}\" fill=\"none\" stroke=\"#1b1f24\" "
-                            "stroke-opacity=\".65\"/></pattern>\n",
-                            id, i, kWordColours[i], kWordPatterns[i]);
-    return defs + "</defs>\n";
+std::string word_fill(std::size_t word) {
+    return fmt::format(" fill=\"{}\"", kWordColours[word % kWords]);
 }
 
-std::string word_fill(const std::string& id, std::size_t word) {
-    return fmt::format(" fill=\"url(#{}-w{})\"", id, word % kWords);
+void draw_hatch(Svg& svg, std::size_t word, const Box& box, std::string_view extra) {
+    const std::string dots = fmt::format(" stroke-dasharray=\"2 {}\" stroke-width=\"2\"{}", px(kHatch - 2), extra);
+    switch (word % kWords) {
+    case 1:
+        return svg.path(slanting_lines(box, 1), "hatch", {}, extra);
+    case 2:
+        return svg.path(slanting_lines(box, 1) + slanting_lines(box, -1), "hatch", {}, extra);
+    case 3:
+        return svg.path(level_lines(box), "hatch", {}, dots);
+    case 4:
+        return svg.path(level_lines(box), "hatch", {}, extra);
+    case 5:
+        return svg.path(upright_lines(box), "hatch", {}, extra);
+    case 6:
+        return svg.path(slanting_lines(box, -1), "hatch", {}, extra);
+    case 7:
+        return svg.path(level_lines(box) + upright_lines(box), "hatch", {}, extra);
+    default:
+        return; // plain
+    }
 }
 
 } // namespace forceshade::plot

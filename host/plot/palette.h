@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <string>
+#include <string_view>
 
 #include "host/plot/svg.h"
 
@@ -20,9 +21,11 @@ std::string marker(std::size_t series, double x, double y);
 /// Some markers are strokes, not areas.
 bool is_open_marker(std::size_t series);
 
-/// The fill patterns of word cells as <defs>, their ids beginning with `id`.
-std::string word_patterns(const std::string& id, std::size_t count);
-/// Attribute text: the fill of the i-th word.
-std::string word_fill(const std::string& id, std::size_t word);
+/// Attribute text: the colour of the i-th word's cells.
+std::string word_fill(std::size_t word);
+
+/// What tells the i-th word without colour: lines or dots within a box, nothing for the first. Lines, not a pattern:
+/// printers take long over patterns.
+void draw_hatch(Svg& svg, std::size_t word, const Box& box, std::string_view extra = {});
 
 } // namespace forceshade::plot
