@@ -1,13 +1,9 @@
 // Studies as a user runs them: what they leave, how they go on, and what goes wrong.
-#include <charconv>
 #include <csignal>
 #include <thread>
 
-#include <fmt/format.h>
-
-#include "host/io/hash.h"
 #include "tests/e2e/small_disk.h"
-#include "tests/e2e/workplace.h"
+#include "tests/e2e/study_workplace.h"
 
 namespace forceshade::testing {
 namespace {
@@ -15,131 +11,13 @@ namespace {
 using Json = nlohmann::json;
 
 constexpr uid_t kNobody = 65534;
-constexpr double kPatience = 300; // s, on a machine that others load too
-
-// A line of a CSV file: no cell holds a line's end.
-std::vector<std::string> cells_of(const std::string& line) {
-    std::vector<std::string> cells(1);
-    bool quoted = false;
-    for (std::size_t i = 0; i < line.size(); ++i) {
-        if (line[i] == '"' && quoted && i + 1 < line.size() && line[i + 1] == '"')
-            cells.back() += line[++i];
-        else if (line[i] == '"')
-            quoted = !quoted;
-        else if (line[i] == ',' && !quoted)
-            cells.emplace_back();
-        else
-            cells.back() += line[i];
-    }
-    return cells;
-}
-
-std::vector<std::string> lines_of(const std::string& text) {
-    std::vector<std::string> lines;
-    for (std::size_t at = 0; at < text.size();) {
-        const std::size_t end = text.find('\n', at);
-        lines.push_back(text.substr(at, end - at));
-        at = end == std::string::npos ? text.size() : end + 1;
-    }
-    return lines;
-}
-
-bool is_same(const Json& cell, const std::string& text) {
-    if (cell.is_null())
-        return text.empty();
-    if (cell.is_string())
-        return cell.get<std::string>() == text;
-    double number = 0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-    return error == std::errc() && end == text.data() + text.size() && number == cell.get<double>();
-}
-
-class Study : public Workplace {
-protected:
-    static std::vector<std::string> quick(const std::string& name, const std::string& out) {
-        return {"study", name, "--quick", "--out", out, "--quiet"};
-    }
-    Outcome run_study(std::vector<std::string> arguments) const {
-        Launch launch = this->launch(std::move(arguments));
-        launch.timeout = kPatience;
-        return run(launch);
-    }
-    void expect_study(std::vector<std::string> arguments) const {
-        const Outcome outcome = run_study(std::move(arguments));
-        EXPECT_EQ(outcome.code, 0) << outcome.error;
-    }
-    Tree steps_in(const std::string& folder) const { return tree_of(path(folder) / "steps.d"); }
-
-    void expect_csv_as_json(const std::string& folder, const Json& table) const {
-        const std::string name = table["name"];
-        const std::vector<std::string> lines = lines_of(read_text(path(folder) / (name + ".csv")));
-        ASSERT_EQ(lines.size(), table["rows"].size() + 1) << name;
-        const std::vector<std::string> header = cells_of(lines[0]);
-        ASSERT_EQ(header.size(), table["columns"].size());
-        for (std::size_t column = 0; column < header.size(); ++column) {
-            EXPECT_EQ(header[column], table["columns"][column]["name"]);
-            EXPECT_NE(table["columns"][column]["meaning"], "") << header[column];
-        }
-        for (std::size_t row = 0; row < table["rows"].size(); ++row) {
-            const std::vector<std::string> cells = cells_of(lines[row + 1]);
-            ASSERT_EQ(cells.size(), header.size()) << lines[row + 1];
-            for (std::size_t column = 0; column < cells.size(); ++column)
-                EXPECT_TRUE(is_same(table["rows"][row][column], cells[column]))
-                    << name << ' ' << header[column] << ": " << cells[column];
-        }
-    }
-
-    // Every name that a figure speaks of is there.
-    static void expect_columns(const Json& data, const Json& figure) {
-        const std::string name = figure["name"];
-        EXPECT_NE(figure["caption"], "") << name;
-        EXPECT_NE(figure["x"]["label"], "") << name;
-        EXPECT_NE(figure["y"]["label"], "") << name;
-        for (const Json& table : data["tables"]) {
-            if (table["name"] != figure["table"])
-                continue;
-            std::set<std::string> columns{""};
-            for (const Json& column : table["columns"])
-                columns.insert(column["name"].get<std::string>());
-            for (const Json& named : {figure["x"]["column"], figure["y"]["column"], figure["series"], figure["label"],
-                                      figure["low"], figure["high"], figure["value"]})
-                EXPECT_TRUE(columns.contains(named.get<std::string>())) << name << ": " << named;
-            return;
-        }
-        ADD_FAILURE() << "no table for figure " << name;
-    }
-
-    void expect_whole(const std::string& folder, const std::string& study) const {
-        const Json data = read_json(folder + "/study.json");
-        EXPECT_EQ(data["study"], study);
-        EXPECT_FALSE(data["findings"].empty());
-        for (const Json& finding : data["findings"]) {
-            const std::string text = finding["text"];
-            EXPECT_TRUE(text.ends_with('.')) << text;
-            for (const char* wrong : {"nan", "inf ", "{}", "  "})
-                EXPECT_EQ(text.find(wrong), std::string::npos) << text;
-        }
-        EXPECT_FALSE(data["tables"].empty());
-        for (const Json& table : data["tables"])
-            expect_csv_as_json(folder, table);
-        EXPECT_FALSE(data["figures"].empty());
-        for (const Json& figure : data["figures"])
-            expect_columns(data, figure);
-        for (const Json& volume : data["volumes"]) {
-            const std::string content = read_text(path(folder) / volume["name"].get<std::string>());
-            EXPECT_EQ(sha256_of(content), volume["sha256"]) << volume["name"];
-            EXPECT_EQ(content.size(), volume["bytes"]);
-        }
-        EXPECT_EQ(temporaries_in(path(folder)), std::vector<std::string>{});
-    }
-};
 
 class EveryStudy : public Study, public ::testing::WithParamInterface<const char*> {};
 
 TEST_P(EveryStudy, is_whole_and_computes_nothing_again) {
     const std::string name = GetParam(), folder = "out/" + name;
     Launch launch = this->launch({"study", name, "--quick", "--out", "out", "--json"});
-    launch.timeout = kPatience;
+    launch.timeout = kStudyPatience;
     const Outcome outcome = run(launch);
     ASSERT_EQ(outcome.code, 0) << outcome.error;
     expect_whole(folder, name);

@@ -1,13 +1,10 @@
 #include "host/study/omission/comparison.h"
 
 #include <algorithm>
-#include <cmath>
-#include <numbers>
 
 #include <fmt/format.h>
 
-#include "host/field/scene_mesh.h"
-#include "host/io/height_image.h"
+#include "host/study/omission/usual_features.h"
 
 namespace forceshade::study {
 namespace {
@@ -17,83 +14,6 @@ constexpr std::uint32_t kProxy = layout::kChannelProxy, kUnshaded = layout::kCha
 
 bool is_mesh(const Scene& scene) {
     return scene.surface.kind == SurfaceKind::mesh;
-}
-
-// What this surface is shaded by unless the scene says.
-Shading usual_shading(SurfaceKind kind) {
-    switch (kind) {
-    case SurfaceKind::bump:
-        return Shading::reference;
-    case SurfaceKind::height_map:
-        return Shading::height_map;
-    case SurfaceKind::mesh:
-        return Shading::mean_value;
-    case SurfaceKind::cylinder_bump:
-        break;
-    }
-    return Shading::none;
-}
-
-const char* name_of(Shading shading) {
-    constexpr const char* kNames[] = {"none",        "reference",  "height_map", "morgenbesser",
-                                      "barycentric", "mean_value", "two_pass"};
-    return kNames[static_cast<std::size_t>(shading)];
-}
-
-// How far the scene's feature reaches along x, m.
-double extent_of(const PreparedCase& prepared) {
-    if (!prepared.images.mesh)
-        return prepared.one.scene.surface.width;
-    const MeshBox box = bounding_box(prepared.images.mesh->mesh.polygons);
-    return std::max({box.high[0] - box.low[0], box.high[1] - box.low[1], box.high[2] - box.low[2]});
-}
-
-// A sine of twelve waves across the feature, a hundredth as high as it is long.
-TextureSpec usual_texture(const PreparedCase& prepared, TextureEffect effect) {
-    TextureSpec texture;
-    texture.stiffness = prepared.one.scene.force.stiffness / 5;
-    texture.effect = effect;
-    texture.map.function = MapFunction::sine;
-    texture.map.width = extent_of(prepared) / 12;
-    texture.map.height = texture.map.width / 100;
-    return texture;
-}
-
-double height_at(const HeightMapSpec& map, double x, double y) {
-    if (map.function == MapFunction::sine)
-        return std::sin(2 * std::numbers::pi * x / map.width);
-    return std::exp(-(x * x + y * y) / (map.radius * map.radius));
-}
-
-// A sine or Gaussian as an image would hold it.
-std::shared_ptr<const HeightImage> sample_map(HeightMapSpec& map) {
-    constexpr std::size_t kNodes = 129;
-    const double extent = map.function == MapFunction::sine ? 12 * map.width : 6 * map.radius; /* m */
-    auto image = std::make_shared<HeightImage>();
-    image->columns = image->rows = kNodes;
-    for (std::size_t row = 0; row < kNodes; ++row)
-        for (std::size_t column = 0; column < kNodes; ++column) {
-            const auto at = [&](std::size_t i) { return extent * (double(i) / double(kNodes - 1) - 0.5); };
-            image->samples.push_back(height_at(map, at(column), -at(row)));
-        }
-    map.function = MapFunction::file;
-    map.file = "sampled";
-    map.size = {extent, extent};
-    return image;
-}
-
-// Layers in the uppermost twentieth of a mesh, as wide as it is and somewhat more: there rows begin outside, and what a
-// probe remembers is the nearest place too.
-GridSpec shallow_grid(const PreparedCase& prepared) {
-    const Mesh& mesh = prepared.images.mesh->mesh;
-    const MeshBox box = bounding_box(mesh.polygons);
-    const auto& size = prepared.one.scene.grid.size;
-    GridSpec grid = fitted_grid(std::max({size[0], size[1], size[2]}), mesh);
-    const double depth = (box.high[2] - box.low[2]) / 20; /* m */
-    grid.size[2] = 8;
-    grid.spacing[2] = depth / 8;
-    grid.origin[2] = box.high[2] - depth;
-    return grid;
 }
 
 class Comparisons {

@@ -13,7 +13,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr unsigned kRounds = 15, kQuickRounds = 7;
 constexpr double kRoundSeconds = 0.1, kQuickRoundSeconds = 0.01; // s
-constexpr double kBudget = 6, kQuickBudget = 1;                   // s: of a comparison
+constexpr double kBudget = 6, kQuickBudget = 1;                  // s: of a comparison
 
 std::string step_name(const Comparison& one) {
     std::string name = one.scene + "." + one.feature;

@@ -1,0 +1,125 @@
+#include "tests/e2e/study_workplace.h"
+
+#include <charconv>
+
+#include "host/io/hash.h"
+
+namespace forceshade::testing {
+namespace {
+
+using Json = nlohmann::json;
+
+// A line of a CSV file: no cell holds a line's end.
+std::vector<std::string> cells_of(const std::string& line) {
+    std::vector<std::string> cells(1);
+    bool quoted = false;
+    for (std::size_t i = 0; i < line.size(); ++i) {
+        if (line[i] == '"' && quoted && i + 1 < line.size() && line[i + 1] == '"')
+            cells.back() += line[++i];
+        else if (line[i] == '"')
+            quoted = !quoted;
+        else if (line[i] == ',' && !quoted)
+            cells.emplace_back();
+        else
+            cells.back() += line[i];
+    }
+    return cells;
+}
+
+std::vector<std::string> lines_of(const std::string& text) {
+    std::vector<std::string> lines;
+    for (std::size_t at = 0; at < text.size();) {
+        const std::size_t end = text.find('\n', at);
+        lines.push_back(text.substr(at, end - at));
+        at = end == std::string::npos ? text.size() : end + 1;
+    }
+    return lines;
+}
+
+bool is_same(const Json& cell, const std::string& text) {
+    if (cell.is_null())
+        return text.empty();
+    if (cell.is_string())
+        return cell.get<std::string>() == text;
+    double number = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+    return error == std::errc() && end == text.data() + text.size() && number == cell.get<double>();
+}
+
+// Every name that a figure speaks of is there.
+void expect_columns(const Json& data, const Json& figure) {
+    const std::string name = figure["name"];
+    EXPECT_NE(figure["caption"], "") << name;
+    EXPECT_NE(figure["x"]["label"], "") << name;
+    EXPECT_NE(figure["y"]["label"], "") << name;
+    for (const Json& table : data["tables"]) {
+        if (table["name"] != figure["table"])
+            continue;
+        std::set<std::string> columns{""};
+        for (const Json& column : table["columns"])
+            columns.insert(column["name"].get<std::string>());
+        for (const Json& named : {figure["x"]["column"], figure["y"]["column"], figure["series"], figure["label"],
+                                  figure["low"], figure["high"], figure["value"]})
+            EXPECT_TRUE(columns.contains(named.get<std::string>())) << name << ": " << named;
+        return;
+    }
+    ADD_FAILURE() << "no table for figure " << name;
+}
+
+} // namespace
+
+Outcome Study::run_study(std::vector<std::string> arguments) const {
+    Launch launch = this->launch(std::move(arguments));
+    launch.timeout = kStudyPatience;
+    return run(launch);
+}
+
+void Study::expect_study(std::vector<std::string> arguments) const {
+    const Outcome outcome = run_study(std::move(arguments));
+    EXPECT_EQ(outcome.code, 0) << outcome.error;
+}
+
+void Study::expect_csv_as_json(const std::string& folder, const Json& table) const {
+    const std::string name = table["name"];
+    const std::vector<std::string> lines = lines_of(read_text(path(folder) / (name + ".csv")));
+    ASSERT_EQ(lines.size(), table["rows"].size() + 1) << name;
+    const std::vector<std::string> header = cells_of(lines[0]);
+    ASSERT_EQ(header.size(), table["columns"].size());
+    for (std::size_t column = 0; column < header.size(); ++column) {
+        EXPECT_EQ(header[column], table["columns"][column]["name"]);
+        EXPECT_NE(table["columns"][column]["meaning"], "") << header[column];
+    }
+    for (std::size_t row = 0; row < table["rows"].size(); ++row) {
+        const std::vector<std::string> cells = cells_of(lines[row + 1]);
+        ASSERT_EQ(cells.size(), header.size()) << lines[row + 1];
+        for (std::size_t column = 0; column < cells.size(); ++column)
+            EXPECT_TRUE(is_same(table["rows"][row][column], cells[column]))
+                << name << ' ' << header[column] << ": " << cells[column];
+    }
+}
+
+void Study::expect_whole(const std::string& folder, const std::string& study) const {
+    const Json data = read_json(folder + "/study.json");
+    EXPECT_EQ(data["study"], study);
+    EXPECT_FALSE(data["findings"].empty());
+    for (const Json& finding : data["findings"]) {
+        const std::string text = finding["text"];
+        EXPECT_TRUE(text.ends_with('.')) << text;
+        for (const char* wrong : {"nan", "inf ", "{}", "  "})
+            EXPECT_EQ(text.find(wrong), std::string::npos) << text;
+    }
+    EXPECT_FALSE(data["tables"].empty());
+    for (const Json& table : data["tables"])
+        expect_csv_as_json(folder, table);
+    EXPECT_FALSE(data["figures"].empty());
+    for (const Json& figure : data["figures"])
+        expect_columns(data, figure);
+    for (const Json& volume : data["volumes"]) {
+        const std::string content = read_text(path(folder) / volume["name"].get<std::string>());
+        EXPECT_EQ(sha256_of(content), volume["sha256"]) << volume["name"];
+        EXPECT_EQ(content.size(), volume["bytes"]);
+    }
+    EXPECT_EQ(temporaries_in(path(folder)), std::vector<std::string>{});
+}
+
+} // namespace forceshade::testing
