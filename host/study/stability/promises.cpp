@@ -161,7 +161,7 @@ Table promised_table(const Table& promises) {
                  {"accuracy", "1", "Largest error over the largest force."}},
                 {}};
     for (const NumberAxis& axis : number_axes())
-        table.columns.push_back({axis.name, "",
+        table.columns.push_back({axis.name, axis.unit == "1" ? "" : axis.unit,
                                  fmt::format("Range of {}{}; a star: as far as was tried.", axis.meaning,
                                              axis.unit == "1" ? "" : " in " + axis.unit)});
     const auto row_for = [&](const std::string& surface, const std::string& precision, double accuracy) {
