@@ -1,0 +1,77 @@
+// The results that the README shows are whole, and the README says what they say.
+#include <algorithm>
+#include <fstream>
+#include <sstream>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "host/study/data/data_files.h"
+#include "host/study/findings/findings.h"
+
+namespace forceshade::study {
+namespace {
+
+const std::filesystem::path kSource = FORCESHADE_SOURCE;
+const std::filesystem::path kReference = kSource / "results/reference";
+constexpr const char* kStudies[] = {"error-time", "stability", "energy", "omission"};
+
+std::string readme() {
+    std::ifstream file(kSource / "README.md", std::ios::binary);
+    std::ostringstream text;
+    text << file.rdbuf();
+    return text.str();
+}
+
+TEST(Reference, FindingsAreThoseOfItsTables) {
+    for (const char* study : kStudies) {
+        const StudyData data = read_data(kReference / study);
+        EXPECT_FALSE(data.quick) << study;
+        const std::vector<Finding> findings = findings_of(data);
+        ASSERT_EQ(findings.size(), data.findings.size()) << study;
+        for (std::size_t i = 0; i < findings.size(); ++i)
+            EXPECT_EQ(findings[i].text, data.findings[i].text) << study;
+    }
+}
+
+TEST(Reference, ReadmeShowsThreeFindingsWordForWord) {
+    const std::string text = readme();
+    std::size_t shown = 0;
+    for (const char* study : kStudies)
+        for (const Finding& finding : read_data(kReference / study).findings)
+            shown += text.find("- " + finding.text + "\n") != std::string::npos;
+    EXPECT_GE(shown, 3u);
+}
+
+TEST(Reference, ReadmeShowsTheTableOfPromises) {
+    const std::string text = readme();
+    const StudyData data = read_data(kReference / "stability");
+    const Table& promised = data.table("promised");
+    std::size_t shown = 0;
+    for (std::size_t row = 0; row < promised.rows.size(); ++row) {
+        if (promised.word(row, "precision") != "f32" || promised.number(row, "accuracy") != 1e-4)
+            continue;
+        std::string line = "|";
+        for (std::size_t column = 0; column < promised.columns.size(); ++column)
+            if (promised.columns[column].name != "precision" && promised.columns[column].name != "accuracy")
+                line += fmt::format(" {} |", cell_text(promised.rows[row][column]));
+        EXPECT_NE(text.find(line + "\n"), std::string::npos) << line;
+        ++shown;
+    }
+    EXPECT_GE(shown, 4u);
+}
+
+TEST(Reference, PicturesOfTheReadmeAreThere) {
+    const std::string text = readme();
+    std::size_t pictures = 0;
+    for (std::size_t at = text.find("](results/reference/"); at != std::string::npos;
+         at = text.find("](results/reference/", at + 1)) {
+        const std::string name = text.substr(at + 2, text.find(')', at) - at - 2);
+        EXPECT_TRUE(std::filesystem::is_regular_file(kSource / name)) << name;
+        ++pictures;
+    }
+    EXPECT_GE(pictures, 2u);
+}
+
+} // namespace
+} // namespace forceshade::study
