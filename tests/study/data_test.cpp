@@ -75,6 +75,8 @@ TEST(StudyFiles, UnknownTablesColumnsAndStudiesAreTold) {
     const StudyData data = sample();
     EXPECT_THROW(data.table("points"), DataError);
     EXPECT_THROW(data.tables[0].number(0, "work_mJ"), DataError);
+    EXPECT_EQ(data.tables[0].needed(0, "work_J"), 0.1);
+    EXPECT_THROW(data.tables[0].needed(1, "work_J"), DataError);
     StudyData foreign = data;
     foreign.study = "astrology";
     EXPECT_THROW(findings_of(foreign), DataError);

@@ -32,6 +32,12 @@ std::optional<double> Table::number(std::size_t row, std::string_view column) co
     return value ? std::optional(*value) : std::nullopt;
 }
 
+double Table::needed(std::size_t row, std::string_view column) const {
+    if (const auto value = number(row, column))
+        return *value;
+    throw DataError(fmt::format("row {} of table {} has no {}", row + 1, name, column));
+}
+
 std::string Table::word(std::size_t row, std::string_view column) const {
     const std::string* value = std::get_if<std::string>(&rows.at(row)[index(column)]);
     return value ? *value : std::string();

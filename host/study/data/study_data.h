@@ -38,6 +38,8 @@ struct Table {
     std::size_t index(std::string_view column) const;
     /// The number in a row; nothing where there is none. \throws DataError if there is no such column.
     std::optional<double> number(std::size_t row, std::string_view column) const;
+    /// The number in a row. \throws DataError if there is none, or no such column.
+    double needed(std::size_t row, std::string_view column) const;
     /// The word in a row, empty where there is none. \throws DataError if there is no such column.
     std::string word(std::size_t row, std::string_view column) const;
 };
