@@ -16,26 +16,28 @@ double length(const Vector& v) {
     return std::sqrt(reference::dot(v, v));
 }
 
-Json to_json(const Summary& summary) {
-    return Json::array({summary.rms, summary.p999, summary.largest});
+Json to_json(const std::optional<Summary>& summary) {
+    return summary ? Json::array({summary->rms, summary->p999, summary->largest}) : Json();
 }
 
-Summary summary_from(const Json& json) {
-    return {json.at(0), json.at(1), json.at(2)};
+std::optional<Summary> summary_from(const Json& json) {
+    if (json.is_null())
+        return std::nullopt;
+    return Summary{json.at(0), json.at(1), json.at(2)};
 }
 
 } // namespace
 
-Summary summary_of(std::vector<double> values) {
+std::optional<Summary> summary_of(std::vector<double> values) {
     if (values.empty())
-        return {};
+        return std::nullopt;
     std::sort(values.begin(), values.end());
     double squares = 0;
     for (const double value : values)
         squares += value * value;
     const double count = static_cast<double>(values.size());
     const auto place = static_cast<std::size_t>(std::ceil(0.999 * count)) - 1;
-    return {std::sqrt(squares / count), values[place], values.back()};
+    return Summary{std::sqrt(squares / count), values[place], values.back()};
 }
 
 ForceErrors force_errors(std::span<const Vector> forces, std::span<const Vector> truth) {

@@ -57,7 +57,8 @@ template <typename T> void add_chunk(Evaluated& evaluated, const Grid<T>& grid, 
 // Evaluates a grid; receives its chunks.
 template <typename T> using Evaluate = std::function<EngineTimes(const layout::FieldInput<T>&, const Consume<T>&)>;
 
-// Seconds of a voxel. A small grid is over in a millisecond, of which one says little: the median of three.
+// Seconds of a voxel: those of a grid over all its voxels, evaluated or left out by a plan. A small grid is over in a
+// millisecond, of which one says little: the median of three.
 template <typename Measure> double per_voxel(std::size_t voxels, const Measure& measure) {
     constexpr double kLongEnough = 5e-3; // s
     double seconds[3] = {measure(), 0, 0};
@@ -86,8 +87,7 @@ Contender grid_contender(const Subject& subject, const Variant& variant, const s
     contender.seconds = [grid, evaluate] {
         return per_voxel(grid().voxels(), [&] {
             const EngineTimes times = evaluate(grid().tables.input(), [](const layout::FieldChunk<T>&) {});
-            const std::uint64_t voxels = times.voxels_evaluated ? times.voxels_evaluated : grid().voxels();
-            return (times.kernel + times.plan) / static_cast<double>(voxels);
+            return (times.kernel + times.plan) / static_cast<double>(grid().voxels());
         });
     };
     return contender;
@@ -118,8 +118,7 @@ Contender half_grid(const Subject& subject, const Variant& variant, const std::s
                 to_halves(chunk.force, halves);
                 rounding += std::chrono::duration<double>(Clock::now() - start).count();
             });
-            const std::uint64_t voxels = times.voxels_evaluated ? times.voxels_evaluated : grid().voxels();
-            return (times.kernel + times.plan + rounding) / static_cast<double>(voxels);
+            return (times.kernel + times.plan + rounding) / static_cast<double>(grid().voxels());
         });
     };
     return contender;

@@ -44,15 +44,15 @@ void add_series(Measured& measured) {
         if (!direct || one.precision != "f64" || !measured.compared[i].smooth)
             continue;
         const ForceErrors& errors = *measured.compared[i].smooth;
-        if (one.facets && *one.facets >= kFewFacets && one.shading == "none")
+        if (one.facets && *one.facets >= kFewFacets && one.shading == "none" && errors.direction)
             add_point(measured, {"bump, flat", "direction RMS / deg", "1 / facets", {}, {}, 1, "G2"}, 1 / *one.facets,
-                      errors.direction.rms);
-        if (one.facets && *one.facets >= kFewFacets && one.shading == "reference")
+                      errors.direction->rms);
+        if (one.facets && *one.facets >= kFewFacets && one.shading == "reference" && errors.magnitude)
             add_point(measured, {"bump, shaded", "magnitude RMS, relative", "1 / facets", {}, {}, 2, "G2"},
-                      1 / *one.facets, errors.magnitude.rms);
+                      1 / *one.facets, errors.magnitude->rms);
         // A probe at depth d sees the proxy's angle off the facet's middle shrunk by d / R: to every shading that adds
         // d / R of the flat error, of order 1.
-        if (one.cells && *one.cells >= kFewCells)
+        if (one.cells && *one.cells >= kFewCells && errors.direction)
             add_point(measured,
                       {fmt::format("mesh, {}, {}", one.shading, one.family == "direct" ? "static" : "god-object"),
                        "direction RMS / deg",
@@ -61,7 +61,7 @@ void add_series(Measured& measured) {
                        {},
                        1,
                        order_source(one.shading)},
-                      1 / *one.cells, errors.direction.rms);
+                      1 / *one.cells, errors.direction->rms);
     }
 }
 

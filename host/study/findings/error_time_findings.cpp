@@ -111,10 +111,11 @@ void add_facets(std::vector<Finding>& findings, const StudyData& data) {
     const auto flat = fewest("none"), shaded = fewest("reference");
     if (!shaded)
         return;
-    const double n = *points.number(*shaded, "facets");
-    const std::string without = flat ? fmt::format("flat ones need {:g} ({:.2g}°)", *points.number(*flat, "facets"),
-                                                   *points.number(*flat, "direction_rms_deg"))
-                                     : std::string("no number of flat ones that was tried does");
+    const double n = points.needed(*shaded, "facets");
+    const std::string without =
+        flat ? fmt::format("of the numbers tried, flat ones need {:g} ({:.2g}°)", points.needed(*flat, "facets"),
+                           points.needed(*flat, "direction_rms_deg"))
+             : std::string("no number of flat ones that was tried does");
     findings.push_back(
         {"facets_1deg",
          fmt::format("For a direction within 1° RMS a bump needs {:g} shaded facet{}; {}. The magnitude "
@@ -145,8 +146,8 @@ void add_orders(std::vector<Finding>& findings, const StudyData& data) {
          fmt::format(
              "{} of {} observed orders of convergence are within {} of those to be expected; the furthest is that of "
              "\"{}\": {:.2f} where {:g} is expected.",
-             near, expected, kNear, orders.word(worst, "series"), *orders.number(worst, "order"),
-             *orders.number(worst, "expected"))});
+             near, expected, kNear, orders.word(worst, "series"), orders.needed(worst, "order"),
+             orders.needed(worst, "expected"))});
 }
 
 std::optional<double> order_of(const Table& orders, const std::string& series) {
