@@ -1,4 +1,6 @@
 // Where numbers leave the truth: errors on small cases, ranges from tables, and findings that follow the data.
+#include <cmath>
+
 #include <gtest/gtest.h>
 
 #include "host/engine/engine.h"
@@ -121,6 +123,33 @@ TEST(Promises, AreNoneWhereThePlainValueIsTooBad) {
     const Table promises = promises_table(number);
     EXPECT_FALSE(promises.number(0, "low"));
     EXPECT_EQ(promised_table(promises).word(0, "stiffness"), "nowhere");
+}
+
+TEST(NumberFindings, AForceThatIsNoNumberIsTheWorst) {
+    StudyData data = sample(1e-7);
+    EXPECT_NE(finding(data, "prediction").find("explain every error"), std::string::npos);
+    Table& number = data.tables[0];
+    number.rows[1][number.index("error")] = Cell(); // and not refused
+    EXPECT_NE(finding(data, "prediction").find("Not every error"), std::string::npos);
+    EXPECT_NE(finding(data, "where_f32_fails").find("up to inf (bump at 1000 N/m"), std::string::npos)
+        << finding(data, "where_f32_fails");
+}
+
+TEST(NumberFindings, TellStepsAndTheForcesBesideThem) {
+    StudyData data = sample(1e-7);
+    Table& number = data.tables[0];
+    for (std::size_t row = 0; row < 3; ++row) {
+        number.rows[row][number.index("axis")] = std::string("spacing");
+        number.rows[row][number.index("value")] = std::pow(10.0, double(row) - 9);
+        number.rows[row][number.index("step_error")] = row == 0 ? 0.5 : 0.01;
+    }
+    EXPECT_NE(finding(data, "steps")
+                  .find("up to a spacing of 1e-09 m (bump), where each force by itself is off by at "
+                        "most 1e-07"),
+              std::string::npos)
+        << finding(data, "steps");
+    number.rows[0][number.index("step_error")] = 0.01;
+    EXPECT_NE(finding(data, "steps").find("at every spacing tried"), std::string::npos);
 }
 
 TEST(NumberFindings, FollowTheData) {

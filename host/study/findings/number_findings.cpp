@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 
 #include <fmt/format.h>
@@ -29,41 +30,41 @@ template <typename Counts> Worst largest(const Table& number, const char* column
     return worst;
 }
 
-/// The range of an axis in which every surface keeps the accuracy, and which surfaces end it.
+/// The range of an axis in which every surface that was tried there keeps the accuracy, and which surfaces end it.
 struct Common {
-    double low = -1, high = -1;  /* below 0: none known */
+    double low = 0, high = 0;
     std::string low_by, high_by; /* empty: as far as was tried */
     bool nowhere = false;
 };
 
+/// Takes an end of a surface's range where it is narrower than what is known, or as narrow and no mere end of trying.
+void narrow(double& end, std::string& by, bool narrower, double value, bool tried, const std::string& surface) {
+    if (narrower || (value == end && by.empty() && !tried)) {
+        end = value;
+        by = tried ? std::string() : surface;
+    }
+}
+
 Common common_range(const Table& promises, const std::string& axis, const std::string& precision, double accuracy) {
     Common common;
-    double tried_low = -1, tried_high = -1;
+    bool any = false;
     for (std::size_t row = 0; row < promises.rows.size(); ++row) {
         if (promises.word(row, "axis") != axis || promises.word(row, "precision") != precision ||
             promises.number(row, "accuracy") != accuracy)
             continue;
         const std::string surface = promises.word(row, "surface");
         const auto low = promises.number(row, "low"), high = promises.number(row, "high");
-        const double least = *promises.number(row, "tried_low"), most = *promises.number(row, "tried_high");
-        tried_low = tried_low < 0 ? least : std::min(tried_low, least);
-        tried_high = std::max(tried_high, most);
         if (!low || !high) {
             common.nowhere = true;
             common.low_by = surface;
             return common;
         }
-        if (*low > least && *low > common.low) {
-            common.low = *low;
-            common.low_by = surface;
-        }
-        if (*high < most && (common.high_by.empty() || *high < common.high)) {
-            common.high = *high;
-            common.high_by = surface;
-        }
+        narrow(common.low, common.low_by, !any || *low > common.low, *low, *low <= promises.needed(row, "tried_low"),
+               surface);
+        narrow(common.high, common.high_by, !any || *high < common.high, *high,
+               *high >= promises.needed(row, "tried_high"), surface);
+        any = true;
     }
-    common.low = common.low_by.empty() ? tried_low : common.low;
-    common.high = common.high_by.empty() ? tried_high : common.high;
     return common;
 }
 
@@ -114,9 +115,14 @@ void add_promise(const StudyData& data, const char* precision, std::vector<Findi
     if (!ranges.empty())
         findings.push_back(
             {fmt::format("promise_{}", precision),
-             fmt::format("{} keeps every force to {:g} of the largest for (one parameter varied, in brackets the "
-                         "surface that ends the range): {}.",
+             fmt::format("{} keeps every force to {:g} of the largest for (one parameter varied; in brackets the "
+                         "surface that ends the range, without them it was not tried further): {}.",
                          precision, kPromised, fmt::join(ranges, "; "))});
+}
+
+/// A row that was evaluated and gave no number where one was due.
+bool is_lost(const Table& number, std::size_t row) {
+    return number.word(row, "refused").empty() && !number.number(row, "error");
 }
 
 /// For each axis the values nearest to the plain one at which f32 is lost, with the condition.
@@ -127,14 +133,18 @@ void add_failures(const Table& number, std::vector<Finding>& findings) {
         if (number.word(row, "precision") != "f32" || std::ranges::count(axes, axis))
             continue;
         axes.push_back(axis);
-        const Worst worst = largest(number, "error", [&](std::size_t one) {
+        const auto counts = [&](std::size_t one) {
             return number.word(one, "precision") == "f32" && number.word(one, "axis") == axis;
-        });
+        };
+        Worst worst = largest(number, "error", counts);
+        for (std::size_t one = 0; one < number.rows.size(); ++one)
+            if (counts(one) && is_lost(number, one))
+                worst = {one, std::numeric_limits<double>::infinity()};
         if (!worst.row || worst.value <= kFine)
             continue;
         const AxisWords words = words_of(axis);
         failures.push_back(fmt::format("over {} up to {:.1g} ({} at {:g}{}; {})", words.name, worst.value,
-                                       number.word(*worst.row, "surface"), *number.number(*worst.row, "value"),
+                                       number.word(*worst.row, "surface"), number.needed(*worst.row, "value"),
                                        words.unit, number.word(*worst.row, "condition")));
     }
     findings.push_back(
@@ -159,11 +169,14 @@ void add_refusals(const Table& number, std::vector<Finding>& findings) {
 }
 
 void add_prediction(const Table& number, std::vector<Finding>& findings) {
-    const Worst most = largest(number, "of_predicted", [](std::size_t) { return true; });
+    Worst most = largest(number, "of_predicted", [](std::size_t) { return true; });
+    for (std::size_t row = 0; row < number.rows.size(); ++row)
+        if (is_lost(number, row))
+            most = {row, std::numeric_limits<double>::infinity()};
     if (!most.row)
         return;
     const std::string place = fmt::format("{}, {} = {:g}", number.word(*most.row, "series"),
-                                          number.word(*most.row, "axis"), *number.number(*most.row, "value"));
+                                          number.word(*most.row, "axis"), number.needed(*most.row, "value"));
     findings.push_back({"prediction", most.value <= 1
                                           ? fmt::format("The formulas of the conditions explain every error: the "
                                                         "largest is {:.2g} of what they give ({}).",
@@ -187,7 +200,7 @@ void add_steps(const Table& number, std::vector<Finding>& findings) {
         const std::string here = number.word(row, "surface");
         if (*step <= kBlurred)
             clear.push_back(here);
-        const double spacing = *number.number(row, "value");
+        const double spacing = number.needed(row, "value");
         if (*step <= kBlurred || std::ranges::count(clear, here) || (blurred && spacing <= *blurred))
             continue;
         blurred = spacing;
@@ -195,12 +208,16 @@ void add_steps(const Table& number, std::vector<Finding>& findings) {
     }
     if (!any)
         return;
+    const Worst force = largest(number, "error", [&](std::size_t row) {
+        return number.word(row, "axis") == "spacing" && number.word(row, "precision") == "f32" && blurred &&
+               number.needed(row, "value") <= *blurred;
+    });
     findings.push_back(
         {"steps", blurred
-                      ? fmt::format("However fine the grid, each force stays good, but the difference of two "
-                                    "neighbouring samples is off by more than {:g} of itself in single precision up "
-                                    "to a spacing of {:g} m ({}): rounding of place and depth is then as large.",
-                                    kBlurred, *blurred, surface)
+                      ? fmt::format("The difference of two neighbouring samples is off by more than {:g} of itself in "
+                                    "single precision up to a spacing of {:g} m ({}), where each force by itself is "
+                                    "off by at most {:.1g} of the largest.",
+                                    kBlurred, *blurred, surface, force.value)
                       : fmt::format("The difference of two neighbouring samples is good to {:g} of itself in "
                                     "single precision at every spacing tried.",
                                     kBlurred)});
