@@ -2,6 +2,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/cli/command.h"
+#include "host/error.h"
 #include "host/remark.h"
 #include "host/report/report.h"
 
@@ -21,7 +22,7 @@ int run(const std::string& folder, const CommonOptions& common) {
                        {"report", file.string()}, {"findings", written.findings}, {"troubles", written.troubles}}
                        .dump(2) +
                    "\n");
-    return 0;
+    return written.troubles.empty() ? 0 : static_cast<int>(ExitCode::io);
 }
 
 } // namespace

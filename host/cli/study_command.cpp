@@ -56,6 +56,8 @@ const KnownStudy& known_study(const std::string& name) {
 
 // The user's scene; its warnings go to stderr unless quiet.
 std::optional<Case> scene_of(const StudyArguments& arguments, const CommonOptions& common) {
+    if (arguments.scene.empty() && !common.precision.empty())
+        throw UsageError("--precision is of a scene, and none is given; the study's own scenes are measured in both");
     if (arguments.scene.empty())
         return std::nullopt;
     std::vector<std::string> warnings;

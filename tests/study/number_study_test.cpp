@@ -131,7 +131,7 @@ TEST(NumberFindings, AForceThatIsNoNumberIsTheWorst) {
     Table& number = data.tables[0];
     number.rows[1][number.index("error")] = Cell(); // and not refused
     EXPECT_NE(finding(data, "prediction").find("Not every error"), std::string::npos);
-    EXPECT_NE(finding(data, "where_f32_fails").find("up to inf (bump at 1000 N/m"), std::string::npos)
+    EXPECT_NE(finding(data, "where_f32_fails").find("by up to inf over stiffness (bump at 1000 N/m"), std::string::npos)
         << finding(data, "where_f32_fails");
 }
 
@@ -157,7 +157,7 @@ TEST(NumberFindings, FollowTheData) {
     EXPECT_NE(finding(good, "promise_f32").find("stiffness 0.001 N/m to 1e+09 N/m (bump)"), std::string::npos);
     EXPECT_NE(finding(bad, "promise_f32").find("stiffness 0.001 N/m to 1000 N/m (bump)"), std::string::npos);
     EXPECT_NE(finding(good, "where_f32_fails").find("nowhere"), std::string::npos);
-    EXPECT_NE(finding(bad, "where_f32_fails").find("stiffness up to 0.5 (bump at 1e+09 N/m; a condition)"),
+    EXPECT_NE(finding(bad, "where_f32_fails").find("by up to 0.5 over stiffness (bump at 1e+09 N/m; a condition)"),
               std::string::npos);
     EXPECT_NE(finding(good, "prediction").find("explain every error"), std::string::npos);
     StudyData odd = good;

@@ -142,8 +142,15 @@ std::string about_shading(const std::vector<Limit>& limits, const std::string& b
         std::ranges::stable_sort(some, {}, &Limit::damping);
         return some;
     };
-    const std::vector<Limit> without = of(bare), with = of(bare + "-shaded");
-    if (without.empty() || with.empty() || without.size() != with.size())
+    std::vector<Limit> without = of(bare), with = of(bare + "-shaded");
+    const auto has_no_partner = [](const std::vector<Limit>& others) {
+        return [&others](const Limit& one) {
+            return std::ranges::none_of(others, [&](const Limit& other) { return other.same_hand(one); });
+        };
+    };
+    std::erase_if(without, has_no_partner(with));
+    std::erase_if(with, has_no_partner(without));
+    if (without.empty() || without.size() != with.size())
         return "";
     const Limit &less = with.front(), &more = with.back();
     const double rises = more.measured / less.measured, bare_rises = without.back().measured / without.front().measured;
@@ -189,7 +196,8 @@ std::string about_passivity(const std::vector<Limit>& limits) {
                     : middle <= kHardly ? "is safe and hardly more than needed"
                                         : "is safe",
                     least, std::ranges::max(over), middle);
-    const auto below = chosen(limits, [](const Limit& one) { return one.delay == 0 && one.over_passive < 0.999; });
+    const auto below = chosen(
+        limits, [](const Limit& one) { return one.surface != kPlane && one.delay == 0 && one.over_passive < 0.999; });
     if (below.empty())
         return text + ".";
     const auto worst = std::ranges::min_element(below, {}, &Limit::over_passive);

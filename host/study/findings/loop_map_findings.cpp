@@ -33,7 +33,7 @@ std::string about_maps(const Table& maps) {
     const auto least = std::ranges::min_element(counts, {}, [](const auto& one) { return one.second.percent(); });
     return fmt::format(
         "Of {} loops in the maps over stiffness, damping, rate and delay, {:.4g} % come to rest or do not "
-        "as their closed form says; least on the surface {}, {:.4g} %.",
+        "as K_crit (plane) or the linearised loop (elsewhere) says; least on the surface {}, {:.4g} %.",
         total.all, total.percent(), least->first, least->second.percent());
 }
 

@@ -143,7 +143,7 @@ void add_failures(const Table& number, std::vector<Finding>& findings) {
         if (!worst.row || worst.value <= kFine)
             continue;
         const AxisWords words = words_of(axis);
-        failures.push_back(fmt::format("over {} up to {:.1g} ({} at {:g}{}; {})", words.name, worst.value,
+        failures.push_back(fmt::format("by up to {:.1g} over {} ({} at {:g}{}; {})", worst.value, words.name,
                                        number.word(*worst.row, "surface"), number.needed(*worst.row, "value"),
                                        words.unit, number.word(*worst.row, "condition")));
     }
@@ -151,7 +151,7 @@ void add_failures(const Table& number, std::vector<Finding>& findings) {
         {"where_f32_fails",
          failures.empty()
              ? fmt::format("Single precision is nowhere off by more than {:g} of the largest force.", kFine)
-             : fmt::format("Single precision is off by more than {:g} of the largest force {}.", kFine,
+             : fmt::format("Single precision is off by more than {:g} of the largest force in places: {}.", kFine,
                            fmt::join(failures, "; "))});
 }
 

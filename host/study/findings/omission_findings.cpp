@@ -48,7 +48,7 @@ std::string listed(const Table& table, const Rows& rows, const char* saved = nul
         if (scenes[feature].empty())
             features.push_back(feature);
         const std::string scene = table.word(row, "scene");
-        scenes[feature].push_back(saved ? fmt::format("{} {:.1f} %", scene, *table.number(row, saved)) : scene);
+        scenes[feature].push_back(saved ? fmt::format("{} {:.1f} %", scene, table.needed(row, saved)) : scene);
     }
     std::vector<std::string> parts;
     for (const std::string& feature : features)
@@ -58,7 +58,7 @@ std::string listed(const Table& table, const Rows& rows, const char* saved = nul
 
 Rows by_falling(const Table& table, Rows rows, const char* column) {
     std::ranges::stable_sort(
-        rows, [&](std::size_t a, std::size_t b) { return *table.number(a, column) > *table.number(b, column); });
+        rows, [&](std::size_t a, std::size_t b) { return table.needed(a, column) > table.needed(b, column); });
     return rows;
 }
 
@@ -68,7 +68,7 @@ Finding most_time(const Table& table, const char* name, const std::string& kind,
     const Rows rows = by_falling(table, features_with(table, verdict.c_str(), "saves"), ratio.c_str());
     if (rows.empty())
         return {name, fmt::format("No omission saves {} that can be told from the spread.", time)};
-    const auto value = [&](std::size_t row, const std::string& column) { return *table.number(row, column); };
+    const auto value = [&](std::size_t row, const std::string& column) { return table.needed(row, column); };
     const std::size_t best = rows.front();
     std::string text =
         fmt::format("Leaving out {} saves the most {}: with it a sample takes {} times as long (quartiles "
@@ -98,12 +98,12 @@ Finding most_bytes(const Table& table) {
         moved.empty() ? "No omission saves bytes to or from the device"
                       : fmt::format("Leaving out {} saves the most bytes to and from the device: with it there "
                                     "are {} times as many",
-                                    name_of(table, moved.front()), number(*table.number(moved.front(), "bytes_ratio")));
+                                    name_of(table, moved.front()), number(table.needed(moved.front(), "bytes_ratio")));
     if (files.empty())
         text += "; no omission makes a file smaller";
     else
         text += fmt::format("; the file shrinks most without {}: with it it is {} times as large",
-                            name_of(table, files.front()), number(*table.number(files.front(), "file_ratio")));
+                            name_of(table, files.front()), number(table.needed(files.front(), "file_ratio")));
     return {"most_bytes", text + "."};
 }
 
@@ -119,7 +119,7 @@ Finding costs(const Table& table) {
     const Rows rows = features_with(table, "kernel_verdict", "costs");
     if (rows.empty())
         return {"costs", "No omission makes a kernel slower."};
-    const auto ratio = [&](std::size_t row) { return 1 / *table.number(row, "kernel_ratio"); };
+    const auto ratio = [&](std::size_t row) { return 1 / table.needed(row, "kernel_ratio"); };
     const std::size_t worst =
         *std::ranges::max_element(rows, [&](std::size_t a, std::size_t b) { return ratio(a) < ratio(b); });
     return {"costs", fmt::format("Leaving these out makes the kernel slower, not faster: {}; the most {}, {} times as "
@@ -129,9 +129,12 @@ Finding costs(const Table& table) {
 
 Finding unchanged(const Table& table) {
     double compared = 0, in_contact = 0;
+    std::size_t comparisons = 0; // a feature that moves the probe leaves nothing to compare
     Rows changed;
     for (std::size_t row = 0; row < table.rows.size(); ++row) {
-        compared += table.number(row, "compared").value_or(0);
+        const double here = table.number(row, "compared").value_or(0);
+        compared += here;
+        comparisons += here > 0;
         in_contact += table.number(row, "in_contact").value_or(0);
         if (table.number(row, "differing").value_or(0) > 0)
             changed.push_back(row);
@@ -139,14 +142,14 @@ Finding unchanged(const Table& table) {
     if (changed.empty())
         return {"unchanged", fmt::format("Switching a feature changes nothing that it does not concern: 0 of {:.0f} "
                                          "samples ({:.0f} in contact) differ in {} comparisons.",
-                                         compared, in_contact, table.rows.size())};
+                                         compared, in_contact, comparisons)};
     std::vector<std::string> parts;
     for (const std::size_t row : changed)
         parts.push_back(fmt::format("{} in {:.0f} of {:.0f} samples", name_of(table, row),
-                                    *table.number(row, "differing"), table.number(row, "compared").value_or(0)));
+                                    table.needed(row, "differing"), table.number(row, "compared").value_or(0)));
     return {"unchanged", fmt::format("Switching a feature changes what it does not concern: {}; the other {} of {} "
                                      "comparisons hold.",
-                                     fmt::join(parts, ", "), table.rows.size() - changed.size(), table.rows.size())};
+                                     fmt::join(parts, ", "), comparisons - changed.size(), comparisons)};
 }
 
 Finding manifest(const Table& table, const Table& omitted) {
@@ -180,7 +183,7 @@ void add_specialised(const Table& table, std::vector<Finding>& findings) {
     const Rows beyond = rows_with(table, [&](std::size_t row) {
         return table.word(row, "feature") == kFlat && table.word(row, "kernel_verdict") != "within the spread";
     });
-    const double most = *table.number(rows.front(), "kernel_ratio"), least = *table.number(rows.back(), "kernel_ratio");
+    const double most = table.needed(rows.front(), "kernel_ratio"), least = table.needed(rows.back(), "kernel_ratio");
     const std::string range = rows.size() > 1
                                   ? fmt::format("{} to {} times the kernel time", number(least), number(most))
                                   : fmt::format("{} times the kernel time", number(most));
@@ -201,15 +204,15 @@ void add_control(const Table& table, std::vector<Finding>& findings) {
     const Rows rows = rows_with(table, [&](std::size_t row) { return table.word(row, "feature") == kControl; });
     if (rows.empty())
         return;
-    double low = 1, high = 1;
-    for (const std::size_t row : rows) {
-        low = std::min(low, table.number(row, "kernel_ratio").value_or(1));
-        high = std::max(high, table.number(row, "kernel_ratio").value_or(1));
-    }
-    findings.push_back(
-        {"control", fmt::format("With nothing switched the medians of the ratio of kernel times lie between {:.3f} and "
-                                "{:.3f}: a smaller effect cannot be told here.",
-                                low, high)});
+    std::vector<std::string> parts;
+    for (const std::size_t row : rows)
+        if (const auto ratio = table.number(row, "kernel_ratio"))
+            parts.push_back(fmt::format("{:.3f} ({})", *ratio, table.word(row, "scene")));
+    if (!parts.empty())
+        findings.push_back(
+            {"control", fmt::format("With nothing switched the ratio of kernel times is {} in the median "
+                                    "of the rounds: a smaller effect cannot be told there.",
+                                    fmt::join(parts, ", "))});
 }
 
 } // namespace

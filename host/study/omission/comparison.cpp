@@ -163,6 +163,7 @@ private:
             scene_of(*setup).grid = shallow_grid(base_.prepared);
         }
         history.with.god_object = true;
+        history.without.free = FreeSpace::visited; // paths skip no sample
         history.force = Agreement::contact;
     }
 

@@ -41,9 +41,9 @@ StudyRun::StudyRun(std::string study, const StudyOptions& options) : study_(std:
     engine_ = make_engine(options_.engine);
     make_folder(options_.folder);
     const EngineReport report = engine_->report();
-    fingerprint_ =
-        sha256_of(fmt::format("{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}", study_, version(), report.engine, report.device,
-                              report.driver, cpu_name(), options_.quick, scene_ ? scene_->scene : std::string()));
+    fingerprint_ = sha256_of(fmt::format(
+        "{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}", study_, version(), report.engine, report.device, report.uuid,
+        report.driver, cpu_name(), options_.engine.validation, options_.quick, scene_ ? scene_->scene : std::string()));
 }
 
 // Nothing where the file is missing, damaged or of another run.
