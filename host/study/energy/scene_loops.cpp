@@ -126,6 +126,15 @@ std::function<Vector(double, double)> normals_of(const Scene& scene) {
     };
 }
 
+/// Where a loop from the middle ends: inside the bump, where its last facet slopes, for over the rim on the plane the
+/// breaks of unequal slopes add up to nothing.
+double half_end(const Scene& scene, double middle, double end) {
+    constexpr double kInside = 0.999; /* of the half width, as in the built-in loops */
+    const bool bump = scene.surface.kind == SurfaceKind::bump || scene.surface.kind == SurfaceKind::cylinder_bump;
+    const double rim = kInside * scene.surface.width / 2;
+    return bump && middle < rim ? std::min(end, rim) : end;
+}
+
 } // namespace
 
 std::vector<LoopCase> scene_loops(const PreparedCase& scene) {
@@ -133,8 +142,9 @@ std::vector<LoopCase> scene_loops(const PreparedCase& scene) {
     const double x = room.region.centre[0], y = room.region.centre[1], half = kUsed * room.region.length / 2;
     const SurfaceKind surface = scene.one.scene.surface.kind;
     const bool mesh = surface == SurfaceKind::mesh;
-    const std::pair<const char*, Section> parts[] = {{"half", scene_section(scene, x, x + half, y)},
-                                                     {"whole", scene_section(scene, x - half, x + half, y)}};
+    const std::pair<const char*, Section> parts[] = {
+        {"half", scene_section(scene, x, half_end(scene.one.scene, x, x + half), y)},
+        {"whole", scene_section(scene, x - half, x + half, y)}};
     std::vector<LoopCase> loops;
     for (const auto& [part, section] : parts)
         for (const Scheme& scheme : schemes_of(scene))
