@@ -39,7 +39,7 @@ Figure scatter(const std::string& surface, bool vector) {
                            : " A direction may be right where the magnitude is not: see the picture of vectors.");
     figure.table = "points";
     figure.where = {{"surface", surface}};
-    figure.x = {"time_ratio", "time of an evaluation / reference<double>", true};
+    figure.x = {"time_ratio", "time of an evaluation / time in double on one CPU thread", true};
     figure.y = vector ? FigureAxis{"shown_vector_1", "RMS relative error of the force vector", true}
                       : FigureAxis{"shown_direction_deg", "RMS direction error / deg", true};
     figure.series = "family";
