@@ -1,4 +1,4 @@
-// Work round loops: quadrature, closed forms, the engine's samples, curl, and findings that follow the data.
+// Work round loops: quadrature, closed forms, the engine's samples, curl.
 #include <cmath>
 #include <filesystem>
 
@@ -11,8 +11,6 @@
 #include "host/study/energy/loop_paths.h"
 #include "host/study/energy/scene_loops.h"
 #include "host/study/energy/scenes.h"
-#include "host/study/energy/tables.h"
-#include "host/study/findings/energy_findings.h"
 
 namespace forceshade::study {
 namespace {
@@ -166,114 +164,6 @@ TEST(Curl, VolumesAreWrittenAndTheirLossIsSeen) {
     std::filesystem::remove(folder / (map.name + ".curl.exr"));
     EXPECT_FALSE(has_volumes(result, folder));
     std::filesystem::remove_all(folder);
-}
-
-Json row(const char* surface, const char* scheme, int facets, double error, double eta) {
-    return {{"surface", surface},       {"scheme", scheme},     {"facets", facets},
-            {"radius_mil", 1000.0},     {"work_mJ", 1.5 * eta}, {"eta", eta},
-            {"gained_mJ", 1.5 * eta},   {"effort_mJ", 1.5},     {"direction_rms_deg", error},
-            {"engine_difference", 1e-9}};
-}
-
-StudyData sample() {
-    StudyData data;
-    data.study = "energy";
-    const Table loops = loops_table({row("bump", "facets", 8, 2, 0.05), row("bump", "facets", 32, 0.5, 0.07),
-                                     row("bump", "shaded", 1, 0, 0.24), row("bump", "shaded", 32, 0, 0.06),
-                                     row("mesh of triangles", "triangles none", 8, 2.2, 0),
-                                     row("mesh of triangles", "triangles none", 32, 0.4, 0),
-                                     row("mesh of triangles", "triangles mean_value", 4, 1.2, 0.01),
-                                     row("mesh of triangles", "triangles mean_value", 8, 0.3, 0.006)});
-    data.tables = {loops, laws_table(loops), equal_error_table(loops), front_table(loops)};
-    return data;
-}
-
-TEST(EnergyTables, InterpolateEachSchemesCurve) {
-    const StudyData data = sample();
-    const Table& equal = data.table("equal_error");
-    bool seen = false;
-    for (std::size_t i = 0; i < equal.rows.size(); ++i)
-        if (equal.number(i, "error_deg") == 1.0 && equal.word(i, "scheme") == "facets") {
-            EXPECT_NEAR(*equal.number(i, "facets"), 16, 1e-9);
-            EXPECT_NEAR(*equal.number(i, "eta"), 0.06, 1e-9);
-            seen = true;
-        }
-    EXPECT_TRUE(seen);
-}
-
-TEST(EnergyTables, TheFrontHoldsWhatNothingBeats) {
-    const StudyData data = sample();
-    const Table& front = data.table("front");
-    ASSERT_EQ(front.rows.size(), 3u);
-    EXPECT_EQ(front.word(0, "scheme"), "shaded");
-    EXPECT_EQ(front.number(0, "facets"), 32.0);
-    EXPECT_EQ(front.word(1, "scheme"), "triangles mean_value");
-    EXPECT_EQ(front.word(2, "scheme"), "triangles none");
-}
-
-std::string finding(const StudyData& data, const std::string& name) {
-    for (const Finding& one : energy_findings(data))
-        if (one.name == name)
-            return one.text;
-    return "";
-}
-
-TEST(EnergyFindings, NameTheLeastAtEqualError) {
-    StudyData data = sample();
-    const std::string first = finding(data, "least_at_equal_error");
-    EXPECT_NE(first.find("triangles none"), std::string::npos) << first;
-    Table& equal = data.tables[2];
-    for (auto& cells : equal.rows)
-        if (std::get<std::string>(cells[equal.index("scheme")]) == "triangles none")
-            cells[equal.index("eta")] = 0.9;
-    const std::string second = finding(data, "least_at_equal_error");
-    EXPECT_NE(second, first);
-    EXPECT_NE(second.find("given by triangles mean_value"), std::string::npos) << second;
-}
-
-TEST(EnergyFindings, TellWhetherTheLawsAreReproduced) {
-    StudyData data = sample();
-    Table& laws = data.tables[1];
-    laws.rows = {{std::string("a law"), 600.0, 1.0, 1.0, 0.1, std::string("yes")}};
-    EXPECT_NE(finding(data, "laws").find("1 of 1"), std::string::npos);
-    laws.rows.push_back({std::string("another"), 600.0, 1.0, 2.0, 0.1, std::string("no")});
-    EXPECT_NE(finding(data, "laws").find("another at 600 mil: 2, printed 1"), std::string::npos);
-}
-
-TEST(EnergyFindings, SayWhichSchemesAreConservative) {
-    StudyData data = sample();
-    EXPECT_NE(finding(data, "conservative").find("triangles none"), std::string::npos);
-    Table& loops = data.tables[0];
-    for (auto& cells : loops.rows)
-        cells[loops.index("eta")] = 0.1;
-    EXPECT_NE(finding(data, "conservative").find("No scheme"), std::string::npos);
-}
-
-TEST(EnergyFindings, CompareTheMapsOfCurl) {
-    StudyData data = sample();
-    const std::vector<Json> maps{{{"map", "a"}, {"rms_per_K", 0.5}, {"closed_form_difference_per_K", 1e-8}},
-                                 {{"map", "b"}, {"rms_per_K", 0.01}}};
-    data.tables.push_back(curl_maps_table(maps));
-    EXPECT_EQ(finding(data, "curl"),
-              "The least curl has b (0.01 K, RMS), the most a (0.5 K, RMS); that of the flat shaded "
-              "plane is its closed form to 1e-08 K.");
-    Table& table = data.tables.back();
-    table.rows[1][table.index("rms_per_K")] = 0.7;
-    EXPECT_NE(finding(data, "curl").find("least curl has a"), std::string::npos);
-}
-
-TEST(EnergyFindings, OfASceneNameLeastAndMost) {
-    StudyData data = sample();
-    EXPECT_EQ(finding(data, "scene"), "");
-    data.tables.resize(1);
-    const Table& loops = data.tables[0];
-    for (auto& cells : data.tables[0].rows)
-        cells[loops.index("loop")] = std::string("half");
-    const std::string first = finding(data, "scene");
-    EXPECT_NE(first.find("triangles none has the least"), std::string::npos) << first;
-    EXPECT_NE(first.find("shaded has the most: a loop gives 24 %"), std::string::npos) << first;
-    data.tables[0].rows[0][loops.index("eta")] = -0.5;
-    EXPECT_NE(finding(data, "scene").find("takes at least 50 %"), std::string::npos);
 }
 
 } // namespace

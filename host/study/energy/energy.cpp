@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "host/interrupt.h"
 #include "host/study/energy/curl_maps.h"
 #include "host/study/energy/loop_cases.h"
 #include "host/study/energy/scene_loops.h"
@@ -68,11 +69,13 @@ std::vector<Step> curl_steps(StudyRun& run, const Form& form) {
     return steps;
 }
 
-/// Results of steps that an earlier run left, whose volumes are gone or damaged, anew.
+/// Results of steps that an earlier run left, whose volumes are gone or damaged, anew. \throws Interrupted
 void restore_volumes(StudyRun& run, const std::vector<Step>& steps, std::vector<Json>& results) {
     for (std::size_t i = 0; i < steps.size(); ++i)
-        if (!has_volumes(results[i], run.options().folder))
+        if (!has_volumes(results[i], run.options().folder)) {
+            check_interrupt();
             results[i] = steps[i].compute();
+        }
 }
 
 } // namespace

@@ -78,8 +78,9 @@ void add_breaks(const Table& loops, Table& laws) {
             double off = 0;
             bool any = false;
             for (std::size_t row = 0; row < loops.rows.size(); ++row)
-                if (is_row(loops, row, scheme, 0, radius) && loops.number(row, "closed_form_mJ")) {
-                    off = std::max(off, std::abs(*loops.number(row, "work_mJ") - *loops.number(row, "closed_form_mJ")));
+                if (const auto work = loops.number(row, "work_mJ"), sum = loops.number(row, "closed_form_mJ");
+                    work && sum && is_row(loops, row, scheme, 0, radius)) {
+                    off = std::max(off, std::abs(*work - *sum));
                     any = true;
                 }
             if (any)
@@ -129,6 +130,11 @@ bool is_exact(const std::vector<Point>& curve) {
     return std::ranges::all_of(curve, [](const Point& point) { return point.error < 1e-9; });
 }
 
+/// Where a curve comes nearest to giving and taking nothing.
+std::optional<Point> least(const std::vector<Point>& curve) {
+    return *std::ranges::min_element(curve, {}, [](const Point& point) { return std::abs(point.eta); });
+}
+
 /// Errors that most of the curves come to.
 constexpr double kLevels[] = {2, 1, 0.5, 0.2}; /* deg */
 
@@ -167,10 +173,11 @@ Table laws_table(const Table& loops) {
             for (std::size_t row = 0; row < loops.rows.size(); ++row) {
                 if (!is_row(loops, row, printed.scheme, printed.facets, kPaperRadii[i]))
                     continue;
-                const double found = *loops.number(row, printed.column);
-                const bool holds = std::abs(found - printed.values[i]) <= printed.tolerance;
-                table.rows.push_back({std::string(printed.law), kPaperRadii[i], printed.values[i], found,
-                                      printed.tolerance, std::string(holds ? "yes" : "no")});
+                const auto found = loops.number(row, printed.column);
+                const bool holds = found && std::abs(*found - printed.values[i]) <= printed.tolerance;
+                table.rows.push_back({std::string(printed.law), kPaperRadii[i], printed.values[i],
+                                      found ? Cell(*found) : Cell(), printed.tolerance,
+                                      std::string(holds ? "yes" : "no")});
             }
     add_breaks(loops, table);
     return table;
@@ -181,15 +188,15 @@ Table equal_error_table(const Table& loops) {
                 "Energy at the same direction error, bump of 1000 mil",
                 {{"error_deg", "deg", "The common direction error, root mean square."},
                  {"scheme", "", "How force is made of the surface."},
-                 {"facets", "1", "Facets over the bump's width at which the scheme has this error; none: at any."},
-                 {"eta", "1", "Gained energy over effort there; of a scheme without error at its most facets."}},
+                 {"facets", "1",
+                  "Facets over the bump's width at which the scheme has this error; of a scheme without error those "
+                  "at which it gives least."},
+                 {"eta", "1", "Gained energy over effort there."}},
                 {}};
     const auto curves = curves_of(loops);
     for (const double level : kLevels)
         for (const auto& [scheme, curve] : curves) {
-            if (is_exact(curve))
-                table.rows.push_back({level, scheme, Cell(), curve.back().eta});
-            else if (const auto point = crossing(curve, level))
+            if (const auto point = is_exact(curve) ? least(curve) : crossing(curve, level))
                 table.rows.push_back({level, scheme, point->facets, point->eta});
         }
     return table;
@@ -209,10 +216,11 @@ Table front_table(const Table& loops) {
     };
     std::vector<Candidate> all;
     for (std::size_t row = 0; row < loops.rows.size(); ++row) {
-        const auto radius = loops.number(row, "radius_mil"), error = loops.number(row, "error_shown_deg");
-        if (radius && error && std::abs(*radius - kComparedRadius) < 1e-6 &&
+        const auto radius = loops.number(row, "radius_mil"), error = loops.number(row, "error_shown_deg"),
+                   eta = loops.number(row, "eta_shown");
+        if (radius && error && eta && std::abs(*radius - kComparedRadius) < 1e-6 &&
             loops.word(row, "surface") != "plane as mesh")
-            all.push_back({row, *error, *loops.number(row, "eta_shown")});
+            all.push_back({row, *error, *eta});
     }
     std::ranges::stable_sort(all, {}, [](const Candidate& one) { return std::pair(one.error, one.eta); });
     double least = std::numeric_limits<double>::infinity();

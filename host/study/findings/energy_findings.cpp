@@ -2,123 +2,63 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <optional>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "host/study/findings/energy_least_findings.h"
+
 namespace forceshade::study {
 namespace {
 
-constexpr double kRounding = 1e-9;    /* of the effort: less is nothing */
-constexpr double kSteady = 0.05;      /* relative: a curve that changes less has levelled out */
-constexpr std::size_t kMostNamed = 2; /* schemes in one place */
+constexpr double kMostNothing = 1e-6; /* of the effort: quadrature leaves no more, whatever closed forms say */
+constexpr double kSteady = 0.05;      /* relative: a curve that changes less is level */
 const std::string kGodObject = ", god-object";
 
-struct Entry {
-    std::string scheme;
-    std::optional<double> facets;
-    double eta;
-};
-
-/// The schemes at one error, those that give the least first.
-std::vector<Entry> entries_at(const Table& equal, double level) {
-    std::vector<Entry> entries;
-    for (std::size_t row = 0; row < equal.rows.size(); ++row)
-        if (equal.number(row, "error_deg") == level)
-            entries.push_back(
-                {equal.word(row, "scheme"), equal.number(row, "facets"), equal.number(row, "eta").value_or(0)});
-    std::ranges::stable_sort(entries, {}, [](const Entry& one) { return std::max(std::abs(one.eta), kRounding); });
-    return entries;
+/// "24 %", of a share.
+std::string percent(double share) {
+    return fmt::format("{:.2g} %", std::abs(share) < kRounding ? 0 : 100 * share);
 }
 
-/// "33 facets over the width", "any number of facets".
-std::string with_facets(const Entry& entry) {
-    return entry.facets ? fmt::format("{:.3g} facets over the width", *entry.facets) : "any number of facets";
+/// Rows of the shaded bump at a radius in mil, those with the fewest facets first.
+std::vector<std::size_t> shaded_rows(const Table& loops, double radius) {
+    std::vector<std::size_t> rows;
+    for (std::size_t row = 0; row < loops.rows.size(); ++row)
+        if (loops.word(row, "scheme") == "shaded" && loops.word(row, "loop") != "whole" &&
+            loops.number(row, "radius_mil") == radius && loops.number(row, "facets") && loops.number(row, "eta") &&
+            loops.number(row, "gained_mJ"))
+            rows.push_back(row);
+    std::ranges::stable_sort(rows, {}, [&](std::size_t row) { return loops.number(row, "facets"); });
+    return rows;
 }
 
-/// "triangles none; quads none (from 33 facets over the width)": the facets are the fewest of theirs.
-std::string named(const std::vector<Entry>& entries) {
-    std::vector<std::string> names;
-    for (const Entry& entry : entries)
-        if (names.size() < kMostNamed)
-            names.push_back(entry.scheme);
-    if (entries.size() > names.size())
-        names.push_back(fmt::format("{} more", entries.size() - names.size()));
-    const auto fewest = std::ranges::min_element(
-        entries, {}, [](const Entry& one) { return one.facets.value_or(std::numeric_limits<double>::infinity()); });
-    return fmt::format("{} ({}{})", fmt::join(names, "; "), names.size() > 1 ? "from " : "", with_facets(*fewest));
-}
-
-/// What schemes that have the same error give round a loop, the least first.
-std::string least_text(double level, const std::vector<Entry>& entries) {
-    std::vector<Entry> conservative, losing, giving;
-    for (const Entry& entry : entries)
-        (std::abs(entry.eta) < kRounding ? conservative : entry.eta < 0 ? losing : giving).push_back(entry);
-    std::vector<std::string> parts;
-    if (!conservative.empty())
-        parts.push_back(fmt::format("no energy is to be had round a loop from {}", named(conservative)));
-    if (!losing.empty())
-        parts.push_back(fmt::format("a loop either way takes up to {:.2g} % of the effort from the hand with {}",
-                                    -100 * losing.back().eta, named(losing)));
-    if (!giving.empty())
-        parts.push_back(fmt::format("{} the least, {:.2g} % of the effort, is given by {}{}",
-                                    parts.empty() ? "energy comes of every scheme:" : "of those that give energy",
-                                    100 * giving.front().eta, giving.front().scheme,
-                                    " (" + with_facets(giving.front()) + ")"));
-    if (giving.size() > 1)
-        parts.push_back(fmt::format("the most, {:.2g} %, by {} ({})", 100 * giving.back().eta, giving.back().scheme,
-                                    with_facets(giving.back())));
-    return fmt::format("At the same direction error of {} deg (RMS) {}.", level, fmt::join(parts, "; "));
-}
-
-/// At the error that most schemes come to; of several the smallest.
-void add_least(const StudyData& data, std::vector<Finding>& findings) {
-    const Table* equal = data.find("equal_error");
-    if (!equal || equal->rows.empty())
-        return;
-    std::map<double, std::size_t> counts;
-    for (std::size_t row = 0; row < equal->rows.size(); ++row)
-        ++counts[*equal->number(row, "error_deg")];
-    double level = counts.begin()->first;
-    for (const auto& [error, count] : counts)
-        if (count > counts[level])
-            level = error;
-    findings.push_back({"least_at_equal_error", least_text(level, entries_at(*equal, level))});
-}
-
-/// The row of a scheme at a radius with the fewest or the most facets.
-std::optional<std::size_t> extreme_row(const Table& loops, const std::string& scheme, double radius, bool most) {
-    std::optional<std::size_t> found;
-    for (std::size_t row = 0; row < loops.rows.size(); ++row) {
-        const auto facets = loops.number(row, "facets"), radius_here = loops.number(row, "radius_mil");
-        if (loops.word(row, "scheme") != scheme || !facets || radius_here != radius)
-            continue;
-        if (!found || (most ? *facets > *loops.number(*found, "facets") : *facets < *loops.number(*found, "facets")))
-            found = row;
-    }
-    return found;
-}
-
+/// How the shaded bump's energy goes with its facets: with the fewest, at its least, with the most.
 void add_shading(const Table& loops, std::vector<Finding>& findings) {
-    constexpr double kRadius = 1000; /* mil */
-    const auto coarse = extreme_row(loops, "shaded", kRadius, false),
-               fine = extreme_row(loops, "shaded", kRadius, true);
-    if (!coarse || !fine || *coarse == *fine)
+    const std::vector<std::size_t> rows = shaded_rows(loops, 1000);
+    const auto facets = [&](std::size_t row) { return loops.needed(row, "facets"); };
+    const auto eta = [&](std::size_t row) { return loops.needed(row, "eta"); };
+    if (rows.empty() || facets(rows.front()) == facets(rows.back()))
         return;
-    const double few = *loops.number(*coarse, "facets"), many = *loops.number(*fine, "facets");
-    const double before = std::abs(*loops.number(*coarse, "eta")), after = std::abs(*loops.number(*fine, "eta"));
-    const std::string change = std::abs(after - before) <= kSteady * before ? "it stays so"
-                               : after < before ? fmt::format("it falls to {:.2g} %", 100 * after)
-                                                : fmt::format("it rises to {:.2g} %", 100 * after);
+    const std::size_t few = rows.front(), many = rows.back();
+    const auto [least, most] = std::ranges::minmax(rows, {}, eta);
+    const std::string last = fmt::format("with {:.0f}, the most facets here,", facets(many));
+    std::string change;
+    if (eta(most) - eta(least) <= kSteady * std::abs(eta(few)))
+        change = fmt::format("up to {:.0f}, the most facets here, it stays so", facets(many));
+    else if (least == few)
+        change = fmt::format("that is the least: {} it is {}", last, percent(eta(many)));
+    else if (least == many)
+        change = fmt::format("{} it is least, {}", last, percent(eta(many)));
+    else
+        change = fmt::format("it is least with {:.0f} facets, {}; {} it is {}", facets(least), percent(eta(least)),
+                             last, percent(eta(many)));
     findings.push_back(
-        {"shading",
-         fmt::format("Force shading a bump of 1000 mil with {:.0f} facet{} gives {:.3g} mJ a round, {:.2g} % "
-                     "of the effort; with {:.0f} facets {}{}.",
-                     few, few == 1 ? "" : "s", *loops.number(*coarse, "gained_mJ"), 100 * before, many, change,
-                     after < kRounding ? "" : ", and not to 0: depth is read vertically")});
+        {"shading", fmt::format("Force shading a bump of 1000 mil with {:.0f} facet{} gives {:.3g} mJ a round, {} of "
+                                "the effort; {}.",
+                                facets(few), facets(few) == 1 ? "" : "s", loops.needed(few, "gained_mJ"),
+                                percent(eta(few)), change)});
 }
 
 /// As good as 0: rounding, or what quadrature leaves of loops that give nothing by their closed form.
@@ -127,7 +67,7 @@ double nothing(const Table& loops) {
     for (std::size_t row = 0; row < loops.rows.size(); ++row)
         if (loops.has("closed_form_mJ") && loops.number(row, "closed_form_mJ") == 0.0)
             most = std::max(most, 2 * loops.number(row, "closed_form_difference").value_or(0));
-    return most;
+    return std::min(most, kMostNothing);
 }
 
 /// Schemes that have no more than that in any row.
@@ -136,9 +76,12 @@ void add_conservative(const Table& loops, std::vector<Finding>& findings) {
     std::map<std::string, double> largest;
     for (std::size_t row = 0; row < loops.rows.size(); ++row) {
         const std::string scheme = loops.word(row, "scheme");
+        const auto eta = loops.number(row, "eta");
+        if (!eta)
+            continue;
         if (!largest.contains(scheme))
             order.push_back(scheme);
-        largest[scheme] = std::max(largest[scheme], std::abs(loops.number(row, "eta").value_or(0)));
+        largest[scheme] = std::max(largest[scheme], std::abs(*eta));
     }
     if (order.empty())
         return;
@@ -161,14 +104,14 @@ void add_conservative(const Table& loops, std::vector<Finding>& findings) {
 void add_history(const Table& loops, std::vector<Finding>& findings) {
     for (std::size_t row = 0; row < loops.rows.size(); ++row) {
         const std::string scheme = loops.word(row, "scheme");
-        if (!scheme.ends_with(" none" + kGodObject) || loops.number(row, "facets") != 8.0)
+        const auto eta = loops.number(row, "eta");
+        if (!scheme.ends_with(" none" + kGodObject) || loops.number(row, "facets") != 8.0 || !eta)
             continue;
-        const double eta = loops.number(row, "eta").value_or(0);
-        const std::string says = std::abs(eta) < kRounding ? "neither gives nor takes energy"
-                                 : eta < 0 ? fmt::format("takes at least {:.2g} % of the effort from the "
-                                                         "hand, whichever way the loop goes",
-                                                         -100 * eta)
-                                           : fmt::format("gives up to {:.2g} % of the effort", 100 * eta);
+        const std::string says = std::abs(*eta) < kRounding ? "neither gives nor takes energy"
+                                 : *eta < 0 ? fmt::format("takes at least {} of the effort from the hand, whichever "
+                                                          "way the loop goes",
+                                                          percent(-*eta))
+                                            : fmt::format("gives up to {} of the effort", percent(*eta));
         findings.push_back(
             {"history", fmt::format("The god-object on a mesh of 8 cells over the bump, unshaded, {}.", says)});
         return;
@@ -179,12 +122,15 @@ void add_laws(const StudyData& data, std::vector<Finding>& findings) {
     const Table* laws = data.find("laws");
     if (!laws || laws->rows.empty())
         return;
+    const auto at = [&](std::size_t row, const char* column) {
+        const auto number = laws->number(row, column);
+        return number ? fmt::format("{}", *number) : std::string("no number");
+    };
     std::vector<std::string> missed;
     for (std::size_t row = 0; row < laws->rows.size(); ++row)
         if (laws->word(row, "holds") != "yes")
-            missed.push_back(fmt::format("{} at {} mil: {}, printed {}", laws->word(row, "law"),
-                                         *laws->number(row, "radius_mil"), *laws->number(row, "found"),
-                                         *laws->number(row, "printed")));
+            missed.push_back(fmt::format("{} at {} mil: {}, printed {}", laws->word(row, "law"), at(row, "radius_mil"),
+                                         at(row, "found"), at(row, "printed")));
     const std::size_t count = laws->rows.size();
     findings.push_back(
         {"laws", fmt::format("{} of {} energy values of the laws are reproduced within their "
@@ -211,9 +157,9 @@ void add_scene(const StudyData& data, const Table& loops, std::vector<Finding>& 
     if (data.find("equal_error") || loops.rows.empty() || !loops.has("loop"))
         return;
     std::optional<std::size_t> least, most;
-    const auto eta = [&](std::size_t row) { return loops.number(row, "eta").value_or(0); };
+    const auto eta = [&](std::size_t row) { return loops.needed(row, "eta"); };
     for (std::size_t row = 0; row < loops.rows.size(); ++row) {
-        if (loops.word(row, "loop") != "half")
+        if (loops.word(row, "loop") != "half" || !loops.number(row, "eta"))
             continue;
         least = !least || eta(row) < eta(*least) ? row : *least;
         most = !most || eta(row) > eta(*most) ? row : *most;
@@ -265,7 +211,7 @@ void add_curl(const StudyData& data, std::vector<Finding>& findings) {
 std::vector<Finding> energy_findings(const StudyData& data) {
     std::vector<Finding> findings;
     const Table& loops = data.table("loops");
-    add_least(data, findings);
+    add_least_at_equal_error(data, findings);
     add_scene(data, loops, findings);
     add_shading(loops, findings);
     add_conservative(loops, findings);

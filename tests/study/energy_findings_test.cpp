@@ -1,0 +1,242 @@
+// Tables of the study of energy, and findings that follow them.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "host/study/energy/tables.h"
+#include "host/study/findings/energy_findings.h"
+
+namespace forceshade::study {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json row(const char* surface, const char* scheme, int facets, double error, double eta) {
+    return {{"surface", surface},       {"scheme", scheme},     {"facets", facets},
+            {"radius_mil", 1000.0},     {"work_mJ", 1.5 * eta}, {"eta", eta},
+            {"gained_mJ", 1.5 * eta},   {"effort_mJ", 1.5},     {"direction_rms_deg", error},
+            {"engine_difference", 1e-9}};
+}
+
+StudyData sample() {
+    StudyData data;
+    data.study = "energy";
+    const Table loops = loops_table({row("bump", "facets", 8, 2, 0.05), row("bump", "facets", 32, 0.5, 0.07),
+                                     row("bump", "shaded", 1, 0, 0.24), row("bump", "shaded", 32, 0, 0.06),
+                                     row("mesh of triangles", "triangles none", 8, 2.2, 0),
+                                     row("mesh of triangles", "triangles none", 32, 0.4, 0),
+                                     row("mesh of triangles", "triangles mean_value", 4, 1.2, 0.01),
+                                     row("mesh of triangles", "triangles mean_value", 8, 0.3, 0.006)});
+    data.tables = {loops, laws_table(loops), equal_error_table(loops), front_table(loops)};
+    return data;
+}
+
+TEST(EnergyTables, InterpolateEachSchemesCurve) {
+    const StudyData data = sample();
+    const Table& equal = data.table("equal_error");
+    bool seen = false;
+    for (std::size_t i = 0; i < equal.rows.size(); ++i)
+        if (equal.number(i, "error_deg") == 1.0 && equal.word(i, "scheme") == "facets") {
+            EXPECT_NEAR(*equal.number(i, "facets"), 16, 1e-9);
+            EXPECT_NEAR(*equal.number(i, "eta"), 0.06, 1e-9);
+            seen = true;
+        }
+    EXPECT_TRUE(seen);
+}
+
+TEST(EnergyTables, TheFrontHoldsWhatNothingBeats) {
+    const StudyData data = sample();
+    const Table& front = data.table("front");
+    ASSERT_EQ(front.rows.size(), 3u);
+    EXPECT_EQ(front.word(0, "scheme"), "shaded");
+    EXPECT_EQ(front.number(0, "facets"), 32.0);
+    EXPECT_EQ(front.word(1, "scheme"), "triangles mean_value");
+    EXPECT_EQ(front.word(2, "scheme"), "triangles none");
+}
+
+std::string finding(const StudyData& data, const std::string& name) {
+    for (const Finding& one : energy_findings(data))
+        if (one.name == name)
+            return one.text;
+    return "";
+}
+
+TEST(EnergyFindings, NameTheLeastAtEqualError) {
+    StudyData data = sample();
+    const std::string first = finding(data, "least_at_equal_error");
+    EXPECT_NE(first.find("triangles none"), std::string::npos) << first;
+    Table& equal = data.tables[2];
+    for (auto& cells : equal.rows)
+        if (std::get<std::string>(cells[equal.index("scheme")]) == "triangles none")
+            cells[equal.index("eta")] = 0.9;
+    const std::string second = finding(data, "least_at_equal_error");
+    EXPECT_NE(second, first);
+    EXPECT_NE(second.find("given by triangles mean_value"), std::string::npos) << second;
+}
+
+void set(Table& table, const std::string& scheme, const char* column, Cell value) {
+    for (auto& cells : table.rows)
+        if (std::get<std::string>(cells[table.index("scheme")]) == scheme)
+            cells[table.index(column)] = value;
+}
+
+TEST(EnergyTables, OfASchemeWithoutErrorTakeItsLeast) {
+    const Table loops = loops_table(
+        {row("bump", "shaded", 1, 0, 0.24), row("bump", "shaded", 3, 0, 0.02), row("bump", "shaded", 512, 0, 0.07)});
+    const Table equal = equal_error_table(loops);
+    ASSERT_EQ(equal.rows.size(), 4u);
+    EXPECT_EQ(equal.number(0, "facets"), 3.0);
+    EXPECT_EQ(equal.number(0, "eta"), 0.02);
+}
+
+TEST(EnergyFindings, NameTheMostAtEqualError) {
+    StudyData data = sample();
+    const auto says = [&](const char* text) {
+        const std::string found = finding(data, "least_at_equal_error");
+        EXPECT_NE(found.find(text), std::string::npos) << found;
+    };
+    says("the most, 7 %, by facets (32 facets over the width)");
+    set(data.tables[2], "shaded", "eta", 0.2);
+    set(data.tables[2], "shaded", "facets", 1.0);
+    says("the most, 20 %, by shaded (1 facet over the width)");
+}
+
+TEST(EnergyFindings, TellTheLeastThatIsTaken) {
+    StudyData data = sample();
+    set(data.tables[2], "facets", "eta", -0.013);
+    const std::string one = finding(data, "least_at_equal_error");
+    EXPECT_NE(one.find("takes at least 1.3 % of the effort from the hand with facets"), std::string::npos) << one;
+    set(data.tables[2], "triangles mean_value", "eta", -0.0003);
+    const std::string both = finding(data, "least_at_equal_error");
+    EXPECT_NE(both.find("takes at least 0.03 to 1.3 % of the effort from the hand, by the scheme, with triangles "
+                        "mean_value; facets"),
+              std::string::npos)
+        << both;
+}
+
+TEST(EnergyFindings, TellHowShadingGoesWithFacets) {
+    const auto text = [](double one, double three, double many) {
+        StudyData data;
+        data.tables = {loops_table({row("bump", "shaded", 512, 0, many), row("bump", "shaded", 1, 0, one),
+                                    row("bump", "shaded", 3, 0, three)})};
+        return finding(data, "shading");
+    };
+    const std::string first = "Force shading a bump of 1000 mil with 1 facet gives 0.36 mJ a round, 24 % of the "
+                              "effort; ";
+    EXPECT_EQ(text(0.24, 0.02, 0.07),
+              first + "it is least with 3 facets, 2 %; with 512, the most facets here, it is 7 %.");
+    EXPECT_EQ(text(0.24, 0.1, 1e-15), first + "with 512, the most facets here, it is least, 0 %.");
+    EXPECT_EQ(text(0.24, 0.3, 0.4), first + "that is the least: with 512, the most facets here, it is 40 %.");
+    EXPECT_EQ(text(0.24, 0.241, 0.242), first + "up to 512, the most facets here, it stays so.");
+}
+
+TEST(EnergyFindings, TellWhatTheGodObjectsHistoryDoes) {
+    StudyData data;
+    data.tables = {loops_table({row("mesh of triangles", "triangles none, god-object", 8, 2, -0.041)})};
+    const std::string who = "The god-object on a mesh of 8 cells over the bump, unshaded, ";
+    EXPECT_EQ(finding(data, "history"),
+              who + "takes at least 4.1 % of the effort from the hand, whichever way the loop goes.");
+    set(data.tables[0], "triangles none, god-object", "eta", 0.02);
+    EXPECT_EQ(finding(data, "history"), who + "gives up to 2 % of the effort.");
+    set(data.tables[0], "triangles none, god-object", "eta", 1e-12);
+    EXPECT_EQ(finding(data, "history"), who + "neither gives nor takes energy.");
+    set(data.tables[0], "triangles none, god-object", "eta", Cell());
+    EXPECT_EQ(finding(data, "history"), "");
+}
+
+TEST(EnergyFindings, TellHowFarTheEnginesSamplesAre) {
+    StudyData data = sample();
+    set(data.tables[0], "shaded", "engine_difference", 3e-7);
+    const std::string text = "Work added up from the engine's samples is within {} of the effort of the oracle's; the "
+                             "most is at {}.";
+    EXPECT_EQ(finding(data, "engine"), fmt::format(fmt::runtime(text), "3e-07", "shaded"));
+    set(data.tables[0], "facets", "engine_difference", 0.02);
+    EXPECT_EQ(finding(data, "engine"), fmt::format(fmt::runtime(text), "0.02", "facets"));
+    for (auto& cells : data.tables[0].rows)
+        cells[data.tables[0].index("engine_difference")] = Cell();
+    EXPECT_EQ(finding(data, "engine"), "");
+}
+
+TEST(EnergyFindings, OfTablesWithoutNumbersSayNothing) {
+    StudyData data = sample();
+    data.tables.push_back(curl_maps_table({{{"map", "a"}, {"rms_per_K", 0.5}}, {{"map", "b"}, {"rms_per_K", 0.01}}}));
+    data.tables[1].rows = {{std::string("a law"), 600.0, 1.0, Cell(), 0.1, std::string("no")}};
+    EXPECT_NE(finding(data, "laws").find("a law at 600 mil: no number, printed 1"), std::string::npos);
+    for (Table& table : data.tables)
+        for (auto& cells : table.rows)
+            for (Cell& one : cells)
+                one = std::holds_alternative<double>(one) ? Cell() : one;
+    for (const Finding& one : energy_findings(data))
+        EXPECT_EQ(one.name, "laws") << one.text;
+}
+
+TEST(EnergyFindings, TellWhetherTheLawsAreReproduced) {
+    StudyData data = sample();
+    Table& laws = data.tables[1];
+    laws.rows = {{std::string("a law"), 600.0, 1.0, 1.0, 0.1, std::string("yes")}};
+    EXPECT_NE(finding(data, "laws").find("1 of 1"), std::string::npos);
+    laws.rows.push_back({std::string("another"), 600.0, 1.0, 2.0, 0.1, std::string("no")});
+    EXPECT_NE(finding(data, "laws").find("another at 600 mil: 2, printed 1"), std::string::npos);
+}
+
+TEST(EnergyFindings, SayWhichSchemesAreConservative) {
+    StudyData data = sample();
+    EXPECT_NE(finding(data, "conservative").find("triangles none"), std::string::npos);
+    Table& loops = data.tables[0];
+    for (auto& cells : loops.rows)
+        cells[loops.index("eta")] = 0.1;
+    EXPECT_NE(finding(data, "conservative").find("No scheme"), std::string::npos);
+}
+
+TEST(EnergyFindings, CallNothingConservativeThatMissesItsClosedForm) {
+    StudyData data = sample();
+    Table& loops = data.tables[0];
+    const auto alter = [&](double eta) {
+        set(loops, "triangles none", "closed_form_mJ", 0.0);
+        set(loops, "triangles none", "eta", eta);
+        set(loops, "triangles none", "closed_form_difference", eta);
+        set(loops, "triangles none", "loop", std::string("half"));
+        set(loops, "shaded", "loop", std::string("half"));
+    };
+    const auto scene = [&] {
+        StudyData alone;
+        alone.tables = {loops};
+        return finding(alone, "scene");
+    };
+    alter(1e-8);
+    EXPECT_NE(finding(data, "conservative").find("Conservative, to 2e-08 of the effort: triangles none;"),
+              std::string::npos);
+    EXPECT_NE(scene().find("a loop gives none"), std::string::npos) << scene();
+    alter(0.002);
+    EXPECT_NE(finding(data, "conservative").find("No scheme"), std::string::npos);
+    EXPECT_NE(scene().find("a loop gives 0.2 % of the effort"), std::string::npos) << scene();
+}
+
+TEST(EnergyFindings, CompareTheMapsOfCurl) {
+    StudyData data = sample();
+    const std::vector<Json> maps{{{"map", "a"}, {"rms_per_K", 0.5}, {"closed_form_difference_per_K", 1e-8}},
+                                 {{"map", "b"}, {"rms_per_K", 0.01}}};
+    data.tables.push_back(curl_maps_table(maps));
+    EXPECT_EQ(finding(data, "curl"),
+              "The least curl has b (0.01 K, RMS), the most a (0.5 K, RMS); that of the flat shaded "
+              "plane is its closed form to 1e-08 K.");
+    Table& table = data.tables.back();
+    table.rows[1][table.index("rms_per_K")] = 0.7;
+    EXPECT_NE(finding(data, "curl").find("least curl has a"), std::string::npos);
+}
+
+TEST(EnergyFindings, OfASceneNameLeastAndMost) {
+    StudyData data = sample();
+    EXPECT_EQ(finding(data, "scene"), "");
+    data.tables.resize(1);
+    const Table& loops = data.tables[0];
+    for (auto& cells : data.tables[0].rows)
+        cells[loops.index("loop")] = std::string("half");
+    const std::string first = finding(data, "scene");
+    EXPECT_NE(first.find("triangles none has the least"), std::string::npos) << first;
+    EXPECT_NE(first.find("shaded has the most: a loop gives 24 %"), std::string::npos) << first;
+    data.tables[0].rows[0][loops.index("eta")] = -0.5;
+    EXPECT_NE(finding(data, "scene").find("takes at least 50 %"), std::string::npos);
+}
+
+} // namespace
+} // namespace forceshade::study
