@@ -14,6 +14,7 @@ namespace {
 using plot::escaped;
 
 constexpr int kDigits = 5;
+constexpr std::size_t kPaperRows = 60; /* of a table on paper, as report.css has it */
 
 std::string cell_markup(const study::Cell& cell) {
     if (const double* number = std::get_if<double>(&cell))
@@ -67,6 +68,11 @@ std::string study_table(const study::Table& table, std::size_t most_rows) {
             rows.back().push_back(cell_markup(cell));
     }
     std::string body = meanings(table) + html_table(columns, rows, table.title);
+    if (rows.size() > kPaperRows)
+        body =
+            fmt::format("<div class=\"long\">{}</div>\n<p class=\"paper\">On paper these are the first {} of {} rows; "
+                        "the CSV file holds all.</p>\n",
+                        body, kPaperRows, count_text(table.rows.size()));
     if (table.rows.size() > most_rows)
         body += fmt::format("<p>These are the first {} of {} rows; the CSV file holds all.</p>\n",
                             count_text(most_rows), count_text(table.rows.size()));

@@ -6,6 +6,7 @@
 
 #include "host/error.h"
 #include "host/report/report.h"
+#include "host/report/tables.h"
 #include "host/report/words.h"
 #include "tests/io/folder.h"
 #include "tests/report/sample_folder.h"
@@ -199,6 +200,16 @@ TEST_F(Report, TellsOfStudiesThatCannotBeRead) {
     std::filesystem::remove(path("energy/points.csv"));
     put_text(path("energy/study.json"), whole);
     expect_trouble("energy/points.csv: it is missing");
+}
+
+TEST(Tables, ThatAreLongSayWhatPaperShows) {
+    study::Table table{"points", "Points", {{"x_m", "m", ""}}, {}};
+    table.rows.assign(60, {1.0});
+    EXPECT_EQ(study_table(table, 100).find("On paper"), std::string::npos);
+    table.rows.assign(61, {1.0});
+    const std::string html = study_table(table, 100);
+    EXPECT_NE(html.find("<div class=\"long\">"), std::string::npos);
+    EXPECT_NE(html.find("On paper these are the first 60 of 61 rows"), std::string::npos);
 }
 
 TEST(Addresses, StayBelowTheFolder) {
