@@ -9,6 +9,7 @@
 #include "host/study/error_time/law_at.h"
 #include "host/study/error_time/measured.h"
 #include "host/study/error_time/patch_rows.h"
+#include "host/study/run/quartiles.h"
 
 namespace forceshade::study::error_time {
 namespace {
@@ -37,10 +38,10 @@ TEST(Front, HoldsWhatNothingBeats) {
 }
 
 TEST(Quartiles, AreInterpolated) {
-    const Quartiles quartiles = quartiles_of({4, 1, 3, 2});
-    EXPECT_DOUBLE_EQ(quartiles.low, 1.75);
-    EXPECT_DOUBLE_EQ(quartiles.median, 2.5);
-    EXPECT_DOUBLE_EQ(quartiles.high, 3.25);
+    const Quartiles found = quartiles({4, 1, 3, 2});
+    EXPECT_DOUBLE_EQ(found.low, 1.75);
+    EXPECT_DOUBLE_EQ(found.median, 2.5);
+    EXPECT_DOUBLE_EQ(found.high, 3.25);
 }
 
 TEST(Errors, TellDirectionMagnitudeAndContactApart) {

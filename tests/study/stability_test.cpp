@@ -80,6 +80,7 @@ TEST(LinearLoop, HeldDipFluttersSooner) {
     EXPECT_NEAR(linear_limit(linear_loop(dip, dip.hand, 1000), 1, 1e4).value(), 69, 0.01 * 69);
     EXPECT_NEAR(linear_limit(linear_loop(dip, dip.hand, 1e5), 1, 1e4).value(),
                 flutter_stiffness(dip.slope, dip.hand.mass, dip.hand.damping).value(), 0.05);
+    EXPECT_EQ(linear_limit(linear_loop(dip, dip.hand, 1000), 100, 1e4), 0.0) << "it flutters there already";
 }
 
 Engine& engine() {

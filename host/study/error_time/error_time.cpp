@@ -6,6 +6,7 @@
 
 #include "host/study/error_time/measured.h"
 #include "host/study/error_time/patch_rows.h"
+#include "host/study/run/quartiles.h"
 
 namespace forceshade::study {
 namespace {
@@ -185,7 +186,7 @@ std::vector<std::string> notes_of(const std::vector<Subject>& subjects, const Me
                                 "place after the other; a kernel's time is that of all voxels over their number, on {} "
                                 "({} cores{}), without reading "
                                 "back, of a mesh with the plan of where it is touched.",
-                                measured.contenders[measured.unit].name, quartiles_of(units).median, units.size(),
+                                measured.contenders[measured.unit].name, quartiles(units).median, units.size(),
                                 engine.device, cores, engine.software ? ", a software device" : ""));
     notes.push_back("A closed loop's time is that of a step with its hand and its metrics; its errors are against the "
                     "same step of the same "

@@ -36,17 +36,6 @@ OrderFit fit_order(std::span<const double> sizes, std::span<const double> errors
     return fit;
 }
 
-Quartiles quartiles_of(std::vector<double> values) {
-    std::sort(values.begin(), values.end());
-    const auto at = [&](double share) {
-        const double place = share * static_cast<double>(values.size() - 1);
-        const auto below = static_cast<std::size_t>(place);
-        const std::size_t above = std::min(below + 1, values.size() - 1);
-        return values[below] + (place - static_cast<double>(below)) * (values[above] - values[below]);
-    };
-    return {at(0.25), at(0.5), at(0.75)};
-}
-
 std::vector<std::size_t> pareto_front(std::span<const double> costs, std::span<const double> errors, double least) {
     std::vector<std::size_t> order;
     for (std::size_t i = 0; i < costs.size(); ++i)

@@ -1,4 +1,4 @@
-// Orders of convergence, medians and Pareto fronts.
+// Orders of convergence and Pareto fronts.
 #pragma once
 
 #include <cstddef>
@@ -16,13 +16,6 @@ struct OrderFit {
 
 /// Points whose size or error is not above 0 are left out.
 OrderFit fit_order(std::span<const double> sizes, std::span<const double> errors);
-
-struct Quartiles {
-    double low = 0, median = 0, high = 0;
-};
-
-/// Of at least one value.
-Quartiles quartiles_of(std::vector<double> values);
 
 /// The points that no cheaper one comes up to, by rising cost: each is closer by `least` of the error before it, or
 /// more, so that what differs by rounding does not count as closer. Values that are no numbers never belong.

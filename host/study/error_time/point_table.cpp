@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "host/study/error_time/table_builder.h"
+#include "host/study/run/quartiles.h"
 
 namespace forceshade::study::error_time {
 namespace {
@@ -38,8 +39,8 @@ std::vector<double> unit_ratios(const Measured& measured, std::size_t contender)
 
 Ratios ratios_of(const Measured& measured, std::size_t contender) {
     const std::size_t reference = place_of(measured.contenders, measured.contenders[contender].reference);
-    const Quartiles unit = quartiles_of(unit_ratios(measured, contender));
-    const double own = quartiles_of(unit_ratios(measured, reference)).median;
+    const Quartiles unit = quartiles(unit_ratios(measured, contender));
+    const double own = quartiles(unit_ratios(measured, reference)).median;
     return {unit, {unit.low / own, unit.median / own, unit.high / own}};
 }
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <numeric>
 
-#include "host/study/error_time/fits.h"
+#include "host/study/run/quartiles.h"
 
 namespace forceshade::study::error_time {
 namespace {
@@ -31,7 +31,7 @@ Round measure_round(const Contenders& contenders, std::size_t unit, std::size_t 
         const double seconds = contenders[i].seconds();
         (i == unit ? units.emplace_back() : round.seconds[i]) = seconds;
     }
-    round.unit = quartiles_of(units).median;
+    round.unit = quartiles(units).median;
     round.seconds[unit] = units[0];
     return round;
 }

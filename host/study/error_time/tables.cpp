@@ -8,6 +8,7 @@
 #include "host/study/error_time/measured.h"
 #include "host/study/error_time/point_table.h"
 #include "host/study/error_time/table_builder.h"
+#include "host/study/run/quartiles.h"
 
 namespace forceshade::study::error_time {
 namespace {
@@ -189,7 +190,7 @@ Table timing_table(const Measured& measured) {
         units.push_back(round.unit * 1e9);
     if (units.empty())
         return table;
-    const Quartiles unit = quartiles_of(units);
+    const Quartiles unit = quartiles(units);
     table.rows.push_back(
         row_of(measured.contenders[measured.unit].name, double(units.size()), unit.median, unit.low, unit.high));
     return table;

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "host/study/omission/quartiles.h"
 #include "host/study/omission/unchanged.h"
+#include "host/study/run/quartiles.h"
 
 namespace forceshade::study {
 namespace {
@@ -27,7 +27,7 @@ double floor_of(const std::string& scene, const char* key, const std::vector<Com
     double floor = kLeastEffect;
     for (std::size_t i = 0; i < comparisons.size(); ++i)
         if (comparisons[i].feature == kControl && comparisons[i].scene == scene && !results[i].contains("skipped")) {
-            const double control = ratio_of_sides(results[i], key).middle;
+            const double control = ratio_of_sides(results[i], key).median;
             floor = std::max({floor, control - 1, 1 / control - 1});
         }
     return floor;
@@ -35,9 +35,9 @@ double floor_of(const std::string& scene, const char* key, const std::vector<Com
 
 // "saves", "costs" or "within the spread".
 std::string verdict(const Quartiles& ratio, double floor) {
-    if (ratio.low > 1 && ratio.middle >= 1 + floor)
+    if (ratio.low > 1 && ratio.median >= 1 + floor)
         return "saves";
-    if (ratio.high < 1 && ratio.middle <= 1 / (1 + floor))
+    if (ratio.high < 1 && ratio.median <= 1 / (1 + floor))
         return "costs";
     return "within the spread";
 }
@@ -113,14 +113,14 @@ std::vector<Cell> feature_row(const Comparison& one, const Json& result, double 
     const auto add = [&](double value) { row.push_back(cell(value)); };
     const auto add_times = [&](const Json& side) {
         const Quartiles times = quartiles(numbers(side, "kernel_s"));
-        for (const double seconds : {times.middle, times.low, times.high})
+        for (const double seconds : {times.median, times.low, times.high})
             add(1e9 * seconds / samples);
     };
     const auto add_ratios = [&](const char* key, double floor) {
         const Quartiles ratio = ratio_of_sides(result, key);
-        for (const double value : {ratio.middle, ratio.low, ratio.high})
+        for (const double value : {ratio.median, ratio.low, ratio.high})
             add(value);
-        for (const double value : {ratio.middle, ratio.low, ratio.high})
+        for (const double value : {ratio.median, ratio.low, ratio.high})
             add(saved_percent(value));
         row.push_back(one.feature == kControl ? "control" : verdict(ratio, floor));
     };
@@ -129,8 +129,8 @@ std::vector<Cell> feature_row(const Comparison& one, const Json& result, double 
     add_ratios("kernel_s", kernel_floor);
     if (one.same_kernel)
         row.back() = std::string("same kernel");
-    add(1e9 * quartiles(numbers(with, "whole_s")).middle / samples);
-    add(1e9 * quartiles(numbers(without, "whole_s")).middle / samples);
+    add(1e9 * quartiles(numbers(with, "whole_s")).median / samples);
+    add(1e9 * quartiles(numbers(without, "whole_s")).median / samples);
     add_ratios("whole_s", whole_floor);
     const auto add_pair = [&](const char* key) {
         for (const Json* side : {&with, &without})

@@ -106,6 +106,13 @@ Json or_null(const std::optional<double>& value) {
     return value ? Json(*value) : Json();
 }
 
+// Of the linearised loop; nothing where it has none that a measured one could be compared with.
+std::optional<double> linear_limit_of(const LoopPlace& place, const LoopCell& cell) {
+    const double wall = wall_limit(cell);
+    const auto limit = linear_limit(linear_loop(place, cell.hand, cell.rate), 1e-3 * wall, 10 * wall);
+    return limit && *limit > 0 ? limit : std::nullopt;
+}
+
 } // namespace
 
 std::optional<double> measured_limit(Engine& engine, const LoopPlace& place, const LoopCell& cell) {
@@ -163,17 +170,16 @@ Json limits_result(Engine& engine, const LoopPlace& place, const std::vector<Loo
                          cell.hand.delay_samples == place.hand.delay_samples;
         const bool loose = cell.hand.grip_stiffness == 0;
         const std::optional<double> flutter = flutter_stiffness(place.slope, cell.hand.mass, damping);
-        result["points"].push_back(
-            {{"mass", cell.hand.mass},
-             {"damping", damping},
-             {"rate", cell.rate},
-             {"delay", delay},
-             {"measured", or_null(measured_limit(engine, place, cell))},
-             {"wall", wall},
-             {"passive", passive_stiffness(damping, 1 / cell.rate, delay)},
-             {"linear", or_null(linear_limit(linear_loop(place, cell.hand, cell.rate), 1e-3 * wall, 10 * wall))},
-             {"own", or_null(own ? std::optional(place.stiffness) : std::nullopt)},
-             {"flutter", or_null(loose && delay == 0 ? flutter : std::nullopt)}});
+        result["points"].push_back({{"mass", cell.hand.mass},
+                                    {"damping", damping},
+                                    {"rate", cell.rate},
+                                    {"delay", delay},
+                                    {"measured", or_null(measured_limit(engine, place, cell))},
+                                    {"wall", wall},
+                                    {"passive", passive_stiffness(damping, 1 / cell.rate, delay)},
+                                    {"linear", or_null(linear_limit_of(place, cell))},
+                                    {"own", or_null(own ? std::optional(place.stiffness) : std::nullopt)},
+                                    {"flutter", or_null(loose && delay == 0 ? flutter : std::nullopt)}});
     }
     return result;
 }

@@ -77,6 +77,8 @@ double growth_of(const LinearLoop& loop, double stiffness) {
 std::optional<double> linear_limit(const LinearLoop& loop, double low, double high) {
     constexpr double kStep = 1.05, kNone = 1e-10; // 1: of the stiffness; what rounding makes of a mode that stays
     double below = low, above = low;
+    if (growth_of(loop, low) > kNone)
+        return 0.0;
     while (growth_of(loop, above) <= kNone) {
         below = above;
         above *= kStep;

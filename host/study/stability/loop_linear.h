@@ -20,7 +20,8 @@ struct LinearLoop {
 /// The logarithm of the factor by which its slowest mode grows in a sample.
 double growth_of(const LinearLoop& loop, double stiffness);
 
-/// The least stiffness, N/m, above `low` at which a mode grows, to 1e-7 of it; nothing where none does up to `high`.
+/// The least stiffness, N/m, above `low` at which a mode grows, to 1e-7 of it; nothing where none does up to `high`,
+/// 0 where one does already at `low`.
 std::optional<double> linear_limit(const LinearLoop& loop, double low, double high);
 
 } // namespace forceshade::study

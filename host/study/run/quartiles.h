@@ -7,7 +7,7 @@ namespace forceshade::study {
 
 /// Quartiles, by the middle of neighbours where the rank is none; 0 of nothing.
 struct Quartiles {
-    double low = 0, middle = 0, high = 0;
+    double low = 0, median = 0, high = 0;
 };
 
 Quartiles quartiles(std::vector<double> values);

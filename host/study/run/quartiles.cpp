@@ -1,4 +1,4 @@
-#include "host/study/omission/quartiles.h"
+#include "host/study/run/quartiles.h"
 
 #include <algorithm>
 #include <cmath>
