@@ -34,6 +34,8 @@ void FolderWatch::look() {
 void FolderWatch::check(const std::string& name, const std::string& content) {
     if (name.ends_with(".json")) {
         EXPECT_FALSE(nlohmann::json::parse(content, nullptr, false).is_discarded()) << name << ": " << content;
+    } else if (name == "report.html") {
+        EXPECT_TRUE(content.ends_with("</html>\n")); // it tells times
     } else if (name == "summary.csv") {
         EXPECT_TRUE(content.ends_with('\n')); // it grows from run to run
     } else if (const auto found = expected_.find(name); found == expected_.end()) {
