@@ -15,7 +15,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::size_t kMapColumns = 81, kMapRows = 40; /* cells of a map in the table, at most */
+constexpr std::size_t kMapColumns = 61, kMapRows = 30; /* cells of a map in the table, at most */
 
 template <typename T> SectionField evaluated_in(Engine& engine, const PreparedCase& prepared) {
     const Scene& scene = prepared.one.scene;

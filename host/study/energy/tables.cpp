@@ -235,19 +235,24 @@ Table front_table(const Table& loops) {
     return table;
 }
 
+// A map of thousands of cells is for looking at: digits that are rounding's own, or of no cell's place, stay out of it.
+Cell rounded(double value, double steps) {
+    return cell(std::round(value * steps) / steps + 0.0);
+}
+
 Table curl_table(const std::vector<Json>& maps) {
-    Table table{
-        "curl",
-        "Curl of the force in sections of x and z",
-        {{"map", "", "Which section."},
-         {"x_mm", "mm", "Across the bump."},
-         {"z_mm", "mm", "Up; the plane is z = 0."},
-         {"curl_per_K", "1", "curl_y F = dF_x/dz - dF_z/dx over the stiffness, a mean over a cell of the map."}},
-        {}};
+    Table table{"curl",
+                "Curl of the force in sections of x and z",
+                {{"map", "", "Which section."},
+                 {"x_mm", "mm", "Across the bump."},
+                 {"z_mm", "mm", "Up; the plane is z = 0."},
+                 {"curl_per_K", "1",
+                  "curl_y F = dF_x/dz - dF_z/dx over the stiffness, a mean over a cell of the map, to 1e-9."}},
+                {}};
     for (const Json& map : maps)
         for (const Json& one : map.at("cells"))
-            table.rows.push_back({map.at("map").get<std::string>(), cell(1e3 * one[0].get<double>()),
-                                  cell(1e3 * one[1].get<double>()), cell(one[2].get<double>())});
+            table.rows.push_back({map.at("map").get<std::string>(), rounded(1e3 * one[0].get<double>(), 1e6),
+                                  rounded(1e3 * one[1].get<double>(), 1e6), rounded(one[2].get<double>(), 1e9)});
     return table;
 }
 
