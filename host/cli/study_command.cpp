@@ -89,8 +89,12 @@ int run(const StudyArguments& arguments, const CommonOptions& common) {
         }
     }();
     data.findings = study::findings_of(data);
-    study::write_data(options.folder, data);
-    plot::write_figures(options.folder, data);
+    std::vector<std::string> warnings;
+    for (const std::string& name : study::write_data(options.folder, data, plot::pictures(data)))
+        warnings.push_back(fmt::format("{} is of an earlier run and was changed since, so it stays; this run does not "
+                                       "name it",
+                                       (options.folder / name).string()));
+    print_warnings(warnings, common);
     const report::ReportResult written = report::write_report(out);
     if (!common.quiet) {
         for (const study::Finding& finding : data.findings)

@@ -145,12 +145,4 @@ void require_workers(int threads) {
 
 } // namespace exr
 
-bool volume_is_intact(const std::filesystem::path& path, const std::string& expected_sha256) {
-    try {
-        return sha256_of_file(path) == expected_sha256;
-    } catch (const IoError&) {
-        return false;
-    }
-}
-
 } // namespace forceshade

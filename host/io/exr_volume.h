@@ -73,8 +73,4 @@ private:
     std::unique_ptr<State> state_;
 };
 
-/// True if the file is there and its SHA-256 is the expected one (64 hex digits). A file that cannot be read is not
-/// intact.
-bool volume_is_intact(const std::filesystem::path& path, const std::string& expected_sha256);
-
 } // namespace forceshade

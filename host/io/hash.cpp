@@ -7,6 +7,7 @@
 #include <openssl/evp.h>
 #include <xxhash.h>
 
+#include "host/error.h"
 #include "host/io/readable_file.h"
 
 namespace forceshade {
@@ -69,6 +70,14 @@ std::string sha256_of_file(const std::filesystem::path& path) {
         offset += got;
         if (got < block.size())
             return hash.finish();
+    }
+}
+
+bool file_is_intact(const std::filesystem::path& path, const std::string& expected_sha256) {
+    try {
+        return sha256_of_file(path) == expected_sha256;
+    } catch (const IoError&) {
+        return false;
     }
 }
 

@@ -18,6 +18,10 @@ std::string sha256_of(std::string_view text);
 /// Streamed: memory does not grow with the file. Throws IoError.
 std::string sha256_of_file(const std::filesystem::path& path);
 
+/// True if the file is there and its SHA-256 is the expected one (64 hex digits). A file that cannot be read is not
+/// intact.
+bool file_is_intact(const std::filesystem::path& path, const std::string& expected_sha256);
+
 /// SHA-256 of what arrives piece by piece.
 class Sha256 {
 public:

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include "host/io/temporary_file.h"
 #include "host/plot/axes.h"
 #include "host/plot/kinds.h"
 #include "host/plot/palette.h"
@@ -64,9 +63,11 @@ std::string svg_of(const study::Figure& figure, const study::StudyData& data, bo
                        sheet.svg.body());
 }
 
-void write_figures(const std::filesystem::path& folder, const study::StudyData& data) {
+std::vector<study::TextFile> pictures(const study::StudyData& data) {
+    std::vector<study::TextFile> files;
     for (const study::Figure& figure : data.figures)
-        write_file_atomically(folder / (figure.name + ".svg"), svg_of(figure, data));
+        files.push_back({figure.name + ".svg", svg_of(figure, data)});
+    return files;
 }
 
 } // namespace forceshade::plot

@@ -2,9 +2,10 @@
 // it sets other colours (--plot-paper and so on, see palette.cpp).
 #pragma once
 
-#include <filesystem>
 #include <string>
+#include <vector>
 
+#include "host/study/data/data_files.h"
 #include "host/study/data/study_data.h"
 
 namespace forceshade::plot {
@@ -17,7 +18,7 @@ std::string svg_of(const study::Figure& figure, const study::StudyData& data, bo
 /// Style rules of all figures.
 std::string figure_styles();
 
-/// FIGURE.svg for each figure. \throws IoError, study::DataError.
-void write_figures(const std::filesystem::path& folder, const study::StudyData& data);
+/// FIGURE.svg for each figure. \throws study::DataError.
+std::vector<study::TextFile> pictures(const study::StudyData& data);
 
 } // namespace forceshade::plot

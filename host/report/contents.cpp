@@ -3,13 +3,15 @@
 #include <algorithm>
 #include <fstream>
 #include <optional>
+#include <set>
 #include <sstream>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "host/error.h"
-#include "host/io/exr_volume.h"
+#include "host/io/hash.h"
+#include "host/io/plain_name.h"
 #include "host/report/sweep_findings.h"
 #include "host/study/data/data_files.h"
 #include "host/study/findings/findings.h"
@@ -39,7 +41,7 @@ struct Reading {
     }
     void check_file(const std::string& folder, const FileRecord& file);
     void check_case(Sweep& sweep, const CaseRecord& record);
-    void check_loose(const Sweep& sweep);
+    void check_loose(const std::string& folder);
     std::vector<std::string> records_beside(const std::string& folder);
     void take_cases(Sweep& sweep, const std::vector<std::pair<std::string, std::string>>& records);
     void read_manifest(const std::string& folder);
@@ -58,7 +60,7 @@ void Reading::check_file(const std::string& folder, const FileRecord& file) {
         trouble(name, "it is missing");
     else if (bytes != file.bytes)
         trouble(name, "it has {} bytes where {} were written", bytes, file.bytes);
-    else if (bytes <= kMostHashed && !volume_is_intact(root / name, file.sha256))
+    else if (bytes <= kMostHashed && !file_is_intact(root / name, file.sha256))
         trouble(name, "its contents are not what was written");
 }
 
@@ -69,21 +71,34 @@ void Reading::check_case(Sweep& sweep, const CaseRecord& record) {
         contents.troubles.push_back(wrong);
 }
 
-// Volumes that the manifest does not name.
-void Reading::check_loose(const Sweep& sweep) {
-    std::vector<std::string> known, loose;
-    for (const CaseRecord& record : sweep.cases)
-        for (const FileRecord& file : record.files)
-            known.push_back(file.name);
+// Volumes that neither a manifest nor a study.json names.
+void Reading::check_loose(const std::string& folder) {
+    std::set<std::string> known;
+    std::string account;
+    const auto know = [&](const std::vector<FileRecord>& files) {
+        for (const FileRecord& file : files)
+            known.insert(file.name);
+    };
+    for (const StudyPart& part : contents.studies)
+        if (part.folder == folder) {
+            account = "study.json";
+            know(part.data.volumes);
+        }
+    for (const Sweep& sweep : contents.sweeps)
+        if (sweep.folder == folder) {
+            account = "the manifest";
+            for (const CaseRecord& record : sweep.cases)
+                know(record.files);
+        }
+    std::set<std::string> loose;
     std::error_code ignored;
-    for (const auto& entry : std::filesystem::directory_iterator(root / sweep.folder, ignored)) {
+    for (const auto& entry : std::filesystem::directory_iterator(root / folder, ignored)) {
         const std::string name = entry.path().filename().string();
-        if (name.ends_with(".exr") && name.front() != '.' && std::ranges::find(known, name) == known.end())
-            loose.push_back(below(sweep.folder, name));
+        if (!account.empty() && name.ends_with(".exr") && name.front() != '.' && !known.contains(name))
+            loose.insert(below(folder, name));
     }
-    std::ranges::sort(loose);
     for (const std::string& name : loose)
-        trouble(name, "the manifest does not name it, so it is not shown");
+        trouble(name, "{} does not name it, so it is not shown", account);
 }
 
 std::vector<std::string> Reading::records_beside(const std::string& folder) {
@@ -166,7 +181,6 @@ void Reading::read_manifest(const std::string& folder) {
     else if (sweep.cases.size() < sweep.cases_of_study)
         trouble(name, "{} of {} cases are there; the same sweep again computes the rest", sweep.cases.size(),
                 sweep.cases_of_study);
-    check_loose(sweep);
     sweep.findings = sweep_findings(sweep);
     contents.sweeps.push_back(std::move(sweep));
 }
@@ -189,8 +203,9 @@ void Reading::read_study(const std::string& folder) {
         part.data.findings.clear();
         trouble(name, "its findings cannot be computed: {}", error.what());
     }
-    for (const FileRecord& file : part.data.volumes)
-        check_file(folder, file);
+    for (const std::vector<FileRecord>* files : {&part.data.files, &part.data.volumes})
+        for (const FileRecord& file : *files)
+            check_file(folder, file);
     contents.studies.push_back(std::move(part));
 }
 
@@ -215,10 +230,6 @@ std::string below(const std::string& folder, const std::string& name) {
     return folder.empty() ? name : folder + "/" + name;
 }
 
-bool is_plain_name(const std::string& name) {
-    return !name.empty() && name.front() != '.' && name.find_first_of(std::string("/\\\0", 3)) == std::string::npos;
-}
-
 Contents read_contents(const std::filesystem::path& folder) {
     Reading reading{folder, {}};
     std::vector<std::string> folders = folders_below(folder);
@@ -226,6 +237,7 @@ Contents read_contents(const std::filesystem::path& folder) {
     for (const std::string& one : folders) {
         reading.read_manifest(one);
         reading.read_study(one);
+        reading.check_loose(one);
     }
     // In the order in which they are told of by the command line, foreign ones last.
     const std::vector<std::string> order{"error-time", "stability", "energy", "omission"};

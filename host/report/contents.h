@@ -37,7 +37,4 @@ Contents read_contents(const std::filesystem::path& folder);
 /// "sub/name", or "name" right in the report's folder.
 std::string below(const std::string& folder, const std::string& name);
 
-/// True for the name of a file right in its folder; another is foreign and not followed.
-bool is_plain_name(const std::string& name);
-
 } // namespace forceshade::report

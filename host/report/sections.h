@@ -15,8 +15,8 @@ std::string findings_section(const Contents& contents);
 /// What is missing, damaged or foreign; empty where nothing is.
 std::string troubles_section(const std::vector<std::string>& troubles);
 
-/// Figures, tables and files of a study. A figure that cannot be drawn, or a file that is not there, is added to the
-/// troubles. A table of more rows is cut, and says so.
+/// Figures, tables and files of a study. A figure that cannot be drawn is added to the troubles. A table of more rows
+/// is cut, and says so.
 std::string study_section(const std::filesystem::path& root, const StudyPart& part, std::vector<std::string>& troubles,
                           std::size_t most_rows);
 

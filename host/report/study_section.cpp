@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include "host/error.h"
+#include "host/io/plain_name.h"
 #include "host/plot/plot.h"
 #include "host/plot/xml_text.h"
 #include "host/report/sections.h"
@@ -18,15 +19,11 @@ bool is_there(const std::filesystem::path& root, const std::string& name) {
     return std::filesystem::is_regular_file(root / name, ignored);
 }
 
-// A link to a file of the study; one that should be there and is not, is told.
+// A link to a file of the study, if it is there: its absence is told already.
 std::string file_link(const std::filesystem::path& root, const StudyPart& part, const std::string& name,
-                      std::vector<std::string>& troubles) {
+                      const std::string& remark = "") {
     const std::string path = below(part.folder, name);
-    if (is_plain_name(name) && is_there(root, path))
-        return "<li>" + link(path, name) + "</li>\n";
-    if (is_plain_name(name))
-        troubles.push_back(path + ": it is missing");
-    return "";
+    return is_plain_name(name) && is_there(root, path) ? "<li>" + link(path, name) + remark + "</li>\n" : "";
 }
 
 std::string run_facts(const study::StudyData& data) {
@@ -41,14 +38,13 @@ std::string run_facts(const study::StudyData& data) {
 }
 
 std::string figure_markup(const study::Figure& figure, const StudyPart& part, const std::filesystem::path& root) {
-    const std::string file = below(part.folder, figure.name + ".svg");
-    std::string links = fmt::format("Table: {}.csv", escaped(figure.table));
-    if (is_plain_name(figure.table))
-        links = "Numbers: " + link(below(part.folder, figure.table + ".csv"), figure.table + ".csv");
-    if (is_plain_name(figure.name) && is_there(root, file))
-        links += ", picture: " + link(file, figure.name + ".svg");
-    return fmt::format("<figure>\n{}<figcaption>{} <small>{}</small></figcaption>\n</figure>\n",
-                       plot::svg_of(figure, part.data, false), escaped(figure.caption), links);
+    const auto named = [&](const std::string& file) {
+        const std::string path = below(part.folder, file);
+        return is_plain_name(file) && is_there(root, path) ? link(path, file) : escaped(file);
+    };
+    return fmt::format("<figure>\n{}<figcaption>{} <small>Numbers: {}, picture: {}</small></figcaption>\n</figure>\n",
+                       plot::svg_of(figure, part.data, false), escaped(figure.caption), named(figure.table + ".csv"),
+                       named(figure.name + ".svg"));
 }
 
 std::string figures(const std::filesystem::path& root, const StudyPart& part, std::vector<std::string>& troubles) {
@@ -63,14 +59,12 @@ std::string figures(const std::filesystem::path& root, const StudyPart& part, st
     return html.empty() ? html : "<div class=\"figures\">\n" + html + "</div>\n";
 }
 
-std::string files(const std::filesystem::path& root, const StudyPart& part, std::vector<std::string>& troubles) {
-    std::string html = file_link(root, part, "study.json", troubles);
-    for (const study::Table& table : part.data.tables)
-        html += file_link(root, part, table.name + ".csv", troubles);
-    for (const FileRecord& file : part.data.volumes) // their absence is told already
-        if (is_plain_name(file.name) && is_there(root, below(part.folder, file.name)))
-            html += fmt::format("<li>{} <small>volume, {}</small></li>\n",
-                                link(below(part.folder, file.name), file.name), size_text(file.bytes));
+std::string files(const std::filesystem::path& root, const StudyPart& part) {
+    std::string html = file_link(root, part, "study.json");
+    for (const FileRecord& file : part.data.files)
+        html += file_link(root, part, file.name);
+    for (const FileRecord& file : part.data.volumes)
+        html += file_link(root, part, file.name, fmt::format(" <small>volume, {}</small>", size_text(file.bytes)));
     return "<h3>Files</h3>\n<ul class=\"files\">\n" + html + "</ul>\n";
 }
 
@@ -92,7 +86,7 @@ std::string study_section(const std::filesystem::path& root, const StudyPart& pa
         html += study_table(table, most_rows);
     if (!data.scene.empty())
         html += folded("The scene", "<pre>" + escaped(data.scene) + "</pre>\n");
-    return html + files(root, part, troubles) + "</section>\n";
+    return html + files(root, part) + "</section>\n";
 }
 
 } // namespace forceshade::report

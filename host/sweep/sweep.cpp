@@ -8,7 +8,6 @@
 
 #include "host/error.h"
 #include "host/interrupt.h"
-#include "host/io/exr_volume.h"
 #include "host/io/hash.h"
 #include "host/io/temporary_file.h"
 #include "host/paths/recorded_paths.h"
@@ -39,7 +38,7 @@ bool is_done(const CaseJob& job, const SweepOptions& options, std::optional<Case
     for (const std::string& name : file_names(job.prepared.one.name, job.prepared.one.scene, options.also)) {
         const auto file = std::find_if(record->files.begin(), record->files.end(),
                                        [&](const FileRecord& known) { return known.name == name; });
-        if (file == record->files.end() || !volume_is_intact(options.folder / name, file->sha256))
+        if (file == record->files.end() || !file_is_intact(options.folder / name, file->sha256))
             return false;
     }
     return true;

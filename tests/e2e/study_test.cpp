@@ -134,6 +134,24 @@ TEST_F(SceneStudy, is_the_same_from_every_run_but_for_times) {
     }
 }
 
+// Maps of a scene's curl are named after its features, and those of the program's own studies after theirs.
+TEST_F(SceneStudy, of_another_scene_in_the_same_folder_leaves_nothing_of_the_first) {
+    expect_study({"study", "energy", "scene.toml", "--quick", "--out", "out", "--quiet"});
+    write("out/energy/mine.csv", "kept");
+    const Tree first = tree_of(path("out/energy"));
+    expect_study(quick("energy", "out"));
+    EXPECT_EQ(read_text(path("out/energy/mine.csv")), "kept");
+    std::filesystem::remove(path("out/energy/mine.csv"));
+    expect_whole("out/energy", "energy");
+    std::size_t gone = 0;
+    for (const auto& [name, content] : first)
+        gone += !name.starts_with("steps.d") && !std::filesystem::exists(path("out/energy") / name);
+    EXPECT_GE(gone, 3u) << "the scene's figures and volumes";
+    EXPECT_EQ(forceshade({"report", "out", "--quiet"}).code, 0);
+    write("out/energy/loops.csv", read_text(path("out/energy/loops.csv")) + "one more\n");
+    expect_failure(4, {"report", "out"}, {"energy/loops.csv", "bytes where"});
+}
+
 TEST_F(SceneStudy, on_a_full_disk_is_an_io_error_and_goes_on_once_there_is_room) {
     const SmallDisk disk(path("disk"), "size=64k");
     if (disk.bad())

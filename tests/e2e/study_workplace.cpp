@@ -114,11 +114,18 @@ void Study::expect_whole(const std::string& folder, const std::string& study) co
     EXPECT_FALSE(data["figures"].empty());
     for (const Json& figure : data["figures"])
         expect_columns(data, figure);
-    for (const Json& volume : data["volumes"]) {
-        const std::string content = read_text(path(folder) / volume["name"].get<std::string>());
-        EXPECT_EQ(sha256_of(content), volume["sha256"]) << volume["name"];
-        EXPECT_EQ(content.size(), volume["bytes"]);
-    }
+    std::set<std::string> named{"study.json"};
+    for (const char* files : {"files", "volumes"})
+        for (const Json& file : data[files]) {
+            const std::string content = read_text(path(folder) / file["name"].get<std::string>());
+            EXPECT_EQ(sha256_of(content), file["sha256"]) << file["name"];
+            EXPECT_EQ(content.size(), file["bytes"]);
+            named.insert(file["name"].get<std::string>());
+        }
+    EXPECT_EQ(data["files"].size(), data["tables"].size() + data["figures"].size());
+    for (const auto& entry : std::filesystem::directory_iterator(path(folder)))
+        EXPECT_TRUE(!entry.is_regular_file() || named.contains(entry.path().filename().string()))
+            << entry.path() << " is not named";
     EXPECT_EQ(temporaries_in(path(folder)), std::vector<std::string>{});
 }
 

@@ -2,6 +2,7 @@
 #include <filesystem>
 #include <regex>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "host/error.h"
@@ -197,9 +198,35 @@ TEST_F(Report, TellsOfStudiesThatCannotBeRead) {
     put_text(path("energy/study.json"), text);
     expect_trouble("its findings cannot be computed");
     EXPECT_FALSE(says("<b>luck"));
-    std::filesystem::remove(path("energy/points.csv"));
-    put_text(path("energy/study.json"), whole);
-    expect_trouble("energy/points.csv: it is missing");
+}
+
+// As of volumes: a file of the same length with other contents is noticed, too.
+TEST_F(Report, TellsOfTablesAndFiguresThatAreMissingOrAltered) {
+    write_sample_study(path("energy"));
+    write();
+    EXPECT_FALSE(says("it is missing"));
+    EXPECT_FALSE(says("what was written"));
+    for (const char* name : {"energy/points.csv", "energy/error_time.svg"}) {
+        const std::string whole = text_in(path(name));
+        std::string altered = whole;
+        altered[whole.size() / 2] = altered[whole.size() / 2] == '1' ? '2' : '1';
+        put_text(path(name), altered);
+        expect_trouble(std::string(name) + ": its contents are not what was written");
+        put_text(path(name), whole.substr(0, whole.size() - 1));
+        expect_trouble(fmt::format("{}: it has {} bytes where {} were written", name, whole.size() - 1, whole.size()));
+        std::filesystem::remove(path(name));
+        expect_trouble(std::string(name) + ": it is missing");
+        EXPECT_FALSE(says(std::string("href=\"") + name + '"')) << "no link to what is not there";
+        put_text(path(name), whole);
+        write();
+        EXPECT_FALSE(says(std::string(name) + ": it")) << "all is well again";
+    }
+}
+
+TEST_F(Report, TellsOfVolumesThatAStudyDoesNotName) {
+    write_sample_study(path("energy"));
+    put_text(path("energy/left.exr"), "");
+    expect_trouble("energy/left.exr: study.json does not name it");
 }
 
 TEST(Tables, ThatAreLongSayWhatPaperShows) {

@@ -92,9 +92,8 @@ std::vector<CaseRecord> write_sample_sweep(const std::filesystem::path& folder) 
 
 void write_sample_study(const std::filesystem::path& folder) {
     std::filesystem::create_directories(folder);
-    const study::StudyData data = sample_study();
-    study::write_data(folder, data);
-    plot::write_figures(folder, data);
+    study::StudyData data = sample_study();
+    study::write_data(folder, data, plot::pictures(data));
 }
 
 std::string text_in(const std::filesystem::path& path) {

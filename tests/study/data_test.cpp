@@ -33,6 +33,7 @@ StudyData sample() {
     figure.curves = {{"loops", {}, "work_J", "work_J", "a curve", true}};
     data.figures = {figure};
     data.findings = {{"name", "A sentence."}};
+    data.files = {{"loops.csv", "11ee", 34}};
     data.volumes = {{"curl.exr", "00ff", 12}};
     return data;
 }

@@ -1,11 +1,14 @@
 // The results that the README shows are whole, and the README says what they say.
 #include <algorithm>
+#include <filesystem>
 #include <fstream>
+#include <set>
 #include <sstream>
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include "host/io/hash.h"
 #include "host/study/data/data_files.h"
 #include "host/study/findings/findings.h"
 
@@ -31,6 +34,22 @@ TEST(Reference, FindingsAreThoseOfItsTables) {
         ASSERT_EQ(findings.size(), data.findings.size()) << study;
         for (std::size_t i = 0; i < findings.size(); ++i)
             EXPECT_EQ(findings[i].text, data.findings[i].text) << study;
+    }
+}
+
+// What the account names is there as it was written, and nothing else is.
+TEST(Reference, HoldsWhatItsAccountsName) {
+    for (const char* study : kStudies) {
+        const StudyData data = read_data(kReference / study);
+        EXPECT_EQ(data.files.size(), data.tables.size() + data.figures.size()) << study;
+        std::set<std::string> named{"study.json"};
+        for (const std::vector<FileRecord>* files : {&data.files, &data.volumes})
+            for (const FileRecord& file : *files) {
+                EXPECT_TRUE(file_is_intact(kReference / study / file.name, file.sha256)) << study << ' ' << file.name;
+                named.insert(file.name);
+            }
+        for (const auto& entry : std::filesystem::directory_iterator(kReference / study))
+            EXPECT_TRUE(!entry.is_regular_file() || named.contains(entry.path().filename().string())) << entry.path();
     }
 }
 

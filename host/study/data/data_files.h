@@ -1,15 +1,16 @@
-// A study's data as files: study.json holds everything, TABLE.csv each table.
+// A study's data as files: study.json holds everything, TABLE.csv each table, FIGURE.svg each figure.
 #pragma once
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "host/study/data/study_data.h"
 
 namespace forceshade::study {
 
 /// Of the layout of study.json; another is refused on reading.
-inline constexpr int kDataFormat = 1;
+inline constexpr int kDataFormat = 2;
 
 std::string data_json(const StudyData& data);
 
@@ -22,8 +23,20 @@ std::string table_csv(const Table& table);
 /// As in CSV: the word, the number, or nothing.
 std::string cell_text(const Cell& cell);
 
-/// study.json and TABLE.csv of each table. \throws IoError.
-void write_data(const std::filesystem::path& folder, const StudyData& data);
+/// What the account of a study's run, of whatever format, names as written beside it: tables, figures and volumes.
+/// Nothing if it is of another study or cannot be understood.
+std::vector<FileRecord> files_named_by(const std::string& json, const std::string& study);
+
+/// A file beside study.json.
+struct TextFile {
+    std::string name, text;
+};
+
+/// Writes TABLE.csv of each table and the pictures, names them in data.files, then writes study.json, which ends the
+/// run: files that the study.json before it names and the new one does not are removed, if they are what that run
+/// wrote. Returns the names of those that have been changed since, which stay. \throws IoError.
+std::vector<std::string> write_data(const std::filesystem::path& folder, StudyData& data,
+                                    const std::vector<TextFile>& pictures);
 
 /// \throws IoError if FOLDER/study.json cannot be read, DataError as parse_data.
 StudyData read_data(const std::filesystem::path& folder);

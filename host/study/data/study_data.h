@@ -105,7 +105,8 @@ struct StudyData {
     std::vector<Table> tables;
     std::vector<Figure> figures;
     std::vector<Finding> findings;
-    std::vector<FileRecord> volumes; /* EXR files beside, by name in the study's folder */
+    std::vector<FileRecord> files;   /* CSV and SVG files beside, by name in the study's folder */
+    std::vector<FileRecord> volumes; /* EXR files beside, likewise */
 
     /// Nothing if there is none.
     const Table* find(std::string_view table) const;

@@ -8,6 +8,7 @@
 #include <fmt/ranges.h>
 
 #include "host/io/exr_volume.h"
+#include "host/io/hash.h"
 #include "host/version.h"
 
 namespace forceshade::study {
@@ -219,7 +220,7 @@ Json curl_result(const CurlMap& map, Engine& engine, const std::filesystem::path
 
 bool has_volumes(const Json& result, const std::filesystem::path& folder) {
     return std::ranges::all_of(result.at("volumes"), [&](const Json& volume) {
-        return volume_is_intact(folder / volume.at("name").get<std::string>(), volume.at("sha256"));
+        return file_is_intact(folder / volume.at("name").get<std::string>(), volume.at("sha256"));
     });
 }
 
