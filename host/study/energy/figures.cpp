@@ -32,7 +32,8 @@ std::vector<Figure> loop_figures() {
             fmt::format("error_energy_{}", kFiles[i]),
             fmt::format("Energy that a loop gives against the error of the force's direction: {}", kGroups[i]),
             "Each point is a loop over half the bump of 1000 mil, out 2 mm deep and back 1 mm deep; points of a scheme "
-            "are joined from few facets to many. Left is truer in direction, down gives less energy; the dashed line "
+            "are joined from few facets to many, though no surface lies between two of them and a scheme may go from "
+            "taking energy to giving it there. Left is truer in direction, down gives less energy; the dashed line "
             "passes through the loops of all groups that no other beats in both. Values below 0.001 degrees or 1e-5 "
             "are shown there. Energy that is taken from the hand counts as much as energy given.",
             {"error_shown_deg", "direction error, RMS / deg", true}, {"eta_shown", "|gained energy| / effort", true}));

@@ -89,53 +89,45 @@ void add_breaks(const Table& loops, Table& laws) {
         }
 }
 
-/// A point of a scheme's curve.
+/// A loop over a real surface.
 struct Point {
-    double error, eta, facets;
+    double facets, error, eta;
+};
+
+struct Scheme {
+    std::string name, group;
+    std::vector<Point> points;
 };
 
 /// Of each scheme at the compared radius, in the order of their rows, those with facets.
-std::vector<std::pair<std::string, std::vector<Point>>> curves_of(const Table& loops) {
-    std::vector<std::pair<std::string, std::vector<Point>>> curves;
+std::vector<Scheme> schemes_of(const Table& loops) {
+    std::vector<Scheme> schemes;
     for (std::size_t row = 0; row < loops.rows.size(); ++row) {
         const auto error = loops.number(row, "direction_rms_deg"), eta = loops.number(row, "eta"),
                    facets = loops.number(row, "facets"), radius = loops.number(row, "radius_mil");
         if (!error || !eta || !facets || !radius || std::abs(*radius - kComparedRadius) > 1e-6 ||
             loops.word(row, "surface") == "plane as mesh")
             continue;
-        const std::string scheme = loops.word(row, "scheme");
-        auto found = std::ranges::find(curves, scheme, [](const auto& curve) { return curve.first; });
-        if (found == curves.end())
-            found = curves.insert(found, {scheme, {}});
-        found->second.push_back({*error, *eta, *facets});
+        const std::string name = loops.word(row, "scheme");
+        auto found = std::ranges::find(schemes, name, &Scheme::name);
+        if (found == schemes.end())
+            found = schemes.insert(found, {name, loops.word(row, "group"), {}});
+        found->points.push_back({*facets, *error, *eta});
     }
-    return curves;
+    return schemes;
 }
 
-/// Where error falls to `level` between two points: straight in the logarithms of error and facets, and in eta over
-/// the logarithm of error.
-std::optional<Point> crossing(const std::vector<Point>& curve, double level) {
-    for (std::size_t i = 0; i + 1 < curve.size(); ++i) {
-        const Point &coarse = curve[i], &fine = curve[i + 1];
-        if (!(coarse.error >= level && fine.error <= level && fine.error > 0 && coarse.error > fine.error))
-            continue;
-        const double share = std::log(coarse.error / level) / std::log(coarse.error / fine.error);
-        return Point{level, std::lerp(coarse.eta, fine.eta, share),
-                     std::exp(std::lerp(std::log(coarse.facets), std::log(fine.facets), share))};
-    }
-    return std::nullopt;
+/// The one with the fewest facets whose error is at most `level`; none between two of them is made up, for energy may
+/// go from taken to given on the way.
+std::optional<Point> coarsest(const std::vector<Point>& points, double level) {
+    std::optional<Point> found;
+    for (const Point& point : points)
+        if (point.error <= level && (!found || point.facets < found->facets))
+            found = point;
+    return found;
 }
 
-bool is_exact(const std::vector<Point>& curve) {
-    return std::ranges::all_of(curve, [](const Point& point) { return point.error < 1e-9; });
-}
-
-/// Where a curve comes nearest to giving and taking nothing.
-std::optional<Point> least(const std::vector<Point>& curve) {
-    return *std::ranges::min_element(curve, {}, [](const Point& point) { return std::abs(point.eta); });
-}
-
-/// Errors that most of the curves come to.
+/// Errors that most of the schemes keep to with some of their facets.
 constexpr double kLevels[] = {2, 1, 0.5, 0.2}; /* deg */
 
 std::string group_of(const std::string& surface, const std::string& scheme) {
@@ -185,20 +177,21 @@ Table laws_table(const Table& loops) {
 
 Table equal_error_table(const Table& loops) {
     Table table{"equal_error",
-                "Energy at the same direction error, bump of 1000 mil",
-                {{"error_deg", "deg", "The common direction error, root mean square."},
+                "Energy of the coarsest surface that keeps to a direction error, bump of 1000 mil",
+                {{"error_deg", "deg", "The direction error to keep to, root mean square."},
+                 {"group", "", "Bump or meshes, as in loops."},
                  {"scheme", "", "How force is made of the surface."},
                  {"facets", "1",
-                  "Facets over the bump's width at which the scheme has this error; of a scheme without error those "
-                  "at which it gives least."},
-                 {"eta", "1", "Gained energy over effort there."}},
+                  "Facets of the bump, or cells of the mesh, over its width: the fewest in loops with which the scheme "
+                  "has no more than this error."},
+                 {"direction_rms_deg", "deg", "The direction error that it has with them."},
+                 {"eta", "1", "Gained energy over effort with them."}},
                 {}};
-    const auto curves = curves_of(loops);
+    const std::vector<Scheme> schemes = schemes_of(loops);
     for (const double level : kLevels)
-        for (const auto& [scheme, curve] : curves) {
-            if (const auto point = is_exact(curve) ? least(curve) : crossing(curve, level))
-                table.rows.push_back({level, scheme, point->facets, point->eta});
-        }
+        for (const Scheme& scheme : schemes)
+            if (const auto point = coarsest(scheme.points, level))
+                table.rows.push_back({level, scheme.group, scheme.name, point->facets, point->error, cell(point->eta)});
     return table;
 }
 

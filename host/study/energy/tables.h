@@ -16,7 +16,7 @@ inline constexpr const char* kGroups[] = {"bump", "mesh, nearest place", "mesh, 
 Table loops_table(const std::vector<nlohmann::ordered_json>& rows);
 /// Table `laws`: what the laws print, beside what was found. Rows of `loops` that are not there are left out.
 Table laws_table(const Table& loops);
-/// Table `equal_error`: each scheme's facets and energy at one direction error, interpolated along its own curve.
+/// Table `equal_error`: each scheme's row of `loops` with the fewest facets that keeps to a direction error.
 Table equal_error_table(const Table& loops);
 /// Table `front`: the loops of `loops` with a radius of 1000 mil that no other beats in both error and energy.
 Table front_table(const Table& loops);

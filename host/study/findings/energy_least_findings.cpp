@@ -11,29 +11,31 @@ namespace forceshade::study {
 namespace {
 
 constexpr std::size_t kMostNamed = 2; /* schemes in one place */
+constexpr double kMostSchemes = 0.9;  /* of those that keep to some error: so many are compared */
 
 struct Entry {
-    std::string scheme;
+    std::string scheme, group;
     double facets, eta;
 };
 
-/// The schemes at one error, those that give the least first.
+/// The schemes that keep to one error, those that give the least first.
 std::vector<Entry> entries_at(const Table& equal, double level) {
     std::vector<Entry> entries;
     for (std::size_t row = 0; row < equal.rows.size(); ++row)
         if (const auto facets = equal.number(row, "facets"), eta = equal.number(row, "eta");
             facets && eta && equal.number(row, "error_deg") == level)
-            entries.push_back({equal.word(row, "scheme"), *facets, *eta});
+            entries.push_back({equal.word(row, "scheme"), equal.word(row, "group"), *facets, *eta});
     std::ranges::stable_sort(entries, {}, [](const Entry& one) { return std::max(std::abs(one.eta), kRounding); });
     return entries;
 }
 
-/// "33 facets over the width".
+/// "32 facets", of a mesh "32 cells".
 std::string with_facets(const Entry& entry) {
-    return fmt::format("{:.3g} facet{} over the width", entry.facets, entry.facets == 1 ? "" : "s");
+    const char* what = entry.group.starts_with("mesh") ? "cell" : "facet";
+    return fmt::format("{:.0f} {}{}", entry.facets, what, entry.facets == 1 ? "" : "s");
 }
 
-/// "triangles none; quads none (from 33 facets over the width)": the facets are the fewest of theirs.
+/// "triangles none; quads none (from 64 cells)": the facets are the fewest of theirs.
 std::string named(const std::vector<Entry>& entries) {
     std::vector<std::string> names;
     for (const Entry& entry : entries)
@@ -54,7 +56,7 @@ std::string taken(const std::vector<Entry>& losing) {
                : fmt::format("takes at least {} to {} % of the effort from the hand, by the scheme,", least, most);
 }
 
-/// What schemes that have the same error give round a loop, the least first.
+/// What schemes that keep to the same error give round a loop, the least first.
 std::string least_text(double level, const std::vector<Entry>& entries) {
     std::vector<Entry> conservative, losing, giving;
     for (const Entry& entry : entries)
@@ -72,7 +74,9 @@ std::string least_text(double level, const std::vector<Entry>& entries) {
     if (giving.size() > 1)
         parts.push_back(fmt::format("the most, {:.2g} %, by {} ({})", 100 * giving.back().eta, giving.back().scheme,
                                     with_facets(giving.back())));
-    return fmt::format("At the same direction error of {} deg (RMS) {}.", level, fmt::join(parts, "; "));
+    return fmt::format("On the bump with a radius of 1000 mil, each scheme with the fewest facets or cells here that "
+                       "keep its direction error to {} deg (RMS): {}.",
+                       level, fmt::join(parts, "; "));
 }
 
 } // namespace
@@ -87,10 +91,12 @@ void add_least_at_equal_error(const StudyData& data, std::vector<Finding>& findi
             ++counts[*error];
     if (counts.empty())
         return;
-    double level = counts.begin()->first;
+    std::size_t most = 0;
     for (const auto& [error, count] : counts)
-        if (count > counts[level])
-            level = error;
+        most = std::max(most, count);
+    const double level = std::ranges::find_if(counts, [&](const auto& one) {
+                             return static_cast<double>(one.second) >= kMostSchemes * static_cast<double>(most);
+                         })->first;
     if (const std::vector<Entry> entries = entries_at(*equal, level); !entries.empty())
         findings.push_back({"least_at_equal_error", least_text(level, entries)});
 }

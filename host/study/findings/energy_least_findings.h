@@ -1,4 +1,4 @@
-// Finding of the study of energy: which schemes give least and most round a loop at the same direction error.
+// Finding of the study of energy: which schemes give least and most round a loop while they keep to a direction error.
 #pragma once
 
 #include <vector>
@@ -9,7 +9,7 @@ namespace forceshade::study {
 
 constexpr double kRounding = 1e-9; /* of the effort: less energy is none */
 
-/// At the error that most schemes come to; of several the smallest. Without the table, or numbers in it, nothing.
+/// At the smallest error that nearly all schemes keep to. Without the table, or numbers in it, nothing.
 void add_least_at_equal_error(const StudyData& data, std::vector<Finding>& findings);
 
 } // namespace forceshade::study
