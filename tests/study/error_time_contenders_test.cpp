@@ -105,6 +105,24 @@ TEST(Mesh, GodObjectStaticFieldAndLookUpAreNearTheSmoothCylinder) {
     EXPECT_EQ(against_reference(named(contenders, "mesh, 16 x 16 cells, none: god-object f64")).vector->largest, 0);
 }
 
+std::vector<std::string> looked_up(const Subject& subject) {
+    std::vector<std::string> names;
+    for (const Variant& variant : subject.variants)
+        if (variant.lookups)
+            names.push_back(variant.name);
+    return names;
+}
+
+// Reading costs the same whatever a volume is of: a front without the finest would end at a coarser one's errors.
+TEST(Lookups, AreOfTheFinestSurfaceToo) {
+    Extents extents = few();
+    extents.facets = {64, 512};
+    extents.cells = {16, 32};
+    EXPECT_EQ(looked_up(bump_subject(extents)), (std::vector<std::string>{"64 facets, shaded", "512 facets, shaded"}));
+    EXPECT_EQ(looked_up(mesh_subject(extents)),
+              (std::vector<std::string>{"16 x 16 cells, mean_value", "32 x 32 cells, mean_value"}));
+}
+
 PreparedCase scene(const std::string& text) {
     return CasePreparation().prepare(parse_scene(text, "scene.toml", FORCESHADE_TEST_DATA));
 }

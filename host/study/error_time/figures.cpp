@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "host/study/error_time/measured.h"
 
@@ -24,8 +25,23 @@ std::vector<std::string> words_of(const Table& table, const std::string& column)
     return words;
 }
 
+// "Look-ups are of volumes of 16 x 16 cells, mean_value and of 64 x 64 cells, mean_value."; nothing of none.
+std::string volumes_text(const Table& points, const std::string& surface) {
+    std::vector<std::string> laws;
+    for (std::size_t row = 0; row < points.rows.size(); ++row) {
+        if (points.word(row, "surface") != surface || !points.word(row, "family").starts_with("look-up"))
+            continue;
+        const std::string name = points.word(row, "contender");
+        const std::size_t from = name.find(", ") + 2;
+        const std::string law = name.substr(from, name.find(':') - from);
+        if (std::find(laws.begin(), laws.end(), law) == laws.end())
+            laws.push_back(law);
+    }
+    return laws.empty() ? "" : fmt::format(" Look-ups are of volumes of {}.", fmt::join(laws, " and of "));
+}
+
 // Error over time of a surface, with the fronts as curves.
-Figure scatter(const std::string& surface, bool vector) {
+Figure scatter(const Table& points, const std::string& surface, bool vector) {
     Figure figure;
     const std::string criterion = vector ? "vector" : "direction";
     figure.name = fmt::format("error-time-{}-{}", surface, criterion);
@@ -33,8 +49,8 @@ Figure scatter(const std::string& surface, bool vector) {
     figure.caption =
         fmt::format("Each mark is a way of coming by a force; left is cheaper, down is closer to the smooth shape. The "
                     "lines join what nothing "
-                    "beats: one for live use, one for whole grids. Errors below {} stand at that.{}",
-                    vector ? "1e-9" : "1e-7 deg",
+                    "beats: one for live use, one for whole grids. Errors below {} stand at that.{}{}",
+                    vector ? "1e-9" : "1e-7 deg", volumes_text(points, surface),
                     vector ? " Here the error is of the whole vector, of which direction is a part."
                            : " A direction may be right where the magnitude is not: see the picture of vectors.");
     figure.table = "points";
@@ -131,7 +147,7 @@ std::vector<Figure> figures_of(const std::vector<Table>& tables) {
     const Table& points = named(tables, "points");
     for (const std::string& surface : words_of(points, "surface"))
         for (const bool vector : {false, true})
-            figures.push_back(scatter(surface, vector));
+            figures.push_back(scatter(points, surface, vector));
     const Table& sizes = named(tables, "convergence");
     const std::vector<std::string> groups = words_of(sizes, "group");
     const auto add = [&](const std::string& group, const std::string& title, const FigureAxis& x, const FigureAxis& y) {

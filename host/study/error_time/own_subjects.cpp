@@ -24,7 +24,8 @@ constexpr double kReach = 0.85;          // of the bump's half width: no stencil
 constexpr double kMeshReachAlong = 0.75; // of the mesh's half angle
 constexpr double kMeshReachAcross = 0.6; // of its half length
 constexpr unsigned kThorough = 64;       // facets of the bump that everything is done with
-constexpr unsigned kThoroughCells = 16;  // likewise of the mesh
+constexpr unsigned kThoroughCells = 16;  // likewise of the mesh; volumes are of the finest, too, as reading them costs
+                                         // the same whatever they are of
 constexpr double kStiffHand = 1;         // N: what closed loops press with
 
 const double kCentreDepth = std::sqrt((kRadius - kHalf) * (kRadius + kHalf)); // m
@@ -66,7 +67,6 @@ Variant bump_variant(unsigned facets, bool shaded) {
     variant.facets = facets;
     variant.half = facets == 4 || facets == kThorough || facets == 512 || facets == 4096;
     variant.kernels = variant.half || facets == 1;
-    variant.lookups = shaded && facets == kThorough;
     variant.thorough = facets == kThorough;
     variant.prepared = std::move(prepared);
     return variant;
@@ -109,7 +109,6 @@ Variant mesh_variant(const std::shared_ptr<const SceneMesh>& mesh, unsigned cell
     variant.cells = cells;
     variant.half = cells == kThoroughCells && often;
     variant.kernels = often && cells >= 8;
-    variant.lookups = cells == kThoroughCells && shading.shading == Shading::mean_value;
     variant.proxies = often || shading.shading == Shading::morgenbesser;
     variant.thorough = cells == kThoroughCells && often;
     variant.prepared = std::move(prepared);
@@ -157,8 +156,10 @@ Subject bump_subject(const Extents& extents) {
     Subject subject;
     subject.name = "bump";
     for (const unsigned facets : extents.facets)
-        for (const bool shaded : {false, true})
+        for (const bool shaded : {false, true}) {
             subject.variants.push_back(bump_variant(facets, shaded));
+            subject.variants.back().lookups = shaded && (facets == kThorough || facets == extents.facets.back());
+        }
     subject.smooth = cylinder_law(own_scene());
     const glm::dvec3 low(-kReach * kHalf, -kHalf / 4, -kDeepest), high(kReach * kHalf, kHalf / 4, -kShallowest);
     Draw draw(1);
@@ -185,8 +186,11 @@ Subject mesh_subject(const Extents& extents) {
     subject.name = "mesh";
     for (const unsigned cells : extents.cells) {
         const auto mesh = cylinder_mesh(cells);
-        for (const NamedShading& shading : kMeshShadings)
+        for (const NamedShading& shading : kMeshShadings) {
             subject.variants.push_back(mesh_variant(mesh, cells, shading));
+            subject.variants.back().lookups =
+                shading.shading == Shading::mean_value && (cells == kThoroughCells || cells == extents.cells.back());
+        }
     }
     subject.smooth = [](const glm::dvec3& at) {
         const glm::dvec3 from_axis(at.x, 0, at.z + kCentreDepth);

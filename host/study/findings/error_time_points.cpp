@@ -1,0 +1,56 @@
+#include "host/study/findings/error_time_points.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+namespace forceshade::study {
+
+bool is(const Table& points, Row row, const Way& way) {
+    return points.word(row, "family") == way.family && points.word(row, "precision") == way.precision;
+}
+
+std::string law_of(const Table& points, Row row) {
+    const std::string name = points.word(row, "contender");
+    return name.substr(0, name.find(':'));
+}
+
+std::vector<std::pair<Row, Row>> pairs(const Table& points, const Way& one, const Way& other) {
+    std::vector<std::pair<Row, Row>> result;
+    for (Row row = 0; row < points.rows.size(); ++row)
+        for (Row with = 0; with < points.rows.size(); ++with)
+            if (is(points, row, one) && is(points, with, other) && law_of(points, row) == law_of(points, with))
+                result.emplace_back(row, with);
+    return result;
+}
+
+double value(const Table& points, Row row, std::string_view column) {
+    return points.number(row, column).value_or(NAN);
+}
+
+double median(std::vector<double> values) {
+    std::erase_if(values, [](double one) { return !std::isfinite(one); });
+    if (values.empty())
+        return NAN;
+    std::sort(values.begin(), values.end());
+    const std::size_t half = values.size() / 2;
+    return values.size() % 2 ? values[half] : (values[half - 1] + values[half]) / 2;
+}
+
+double median_ratio(const Table& points, const std::vector<std::pair<Row, Row>>& of, std::string_view column) {
+    std::vector<double> ratios;
+    for (const auto& [one, other] : of)
+        ratios.push_back(value(points, one, column) / value(points, other, column));
+    return median(std::move(ratios));
+}
+
+std::string against(double ratio) {
+    if (ratio < kCheaper)
+        return fmt::format("takes {:.2g} times the time of", ratio);
+    if (ratio > 1.05)
+        return fmt::format("takes {:.2g} times as long as", ratio);
+    return "takes as long as";
+}
+
+} // namespace forceshade::study
