@@ -10,11 +10,17 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+Json pressed(double grip) {
+    return {{"depth", 1e-3}, {"rest", {0, 0, -1e-3}}, {"grip", grip}, {"held", false}};
+}
+
 // Two rows of three.
 Json sample_map() {
     return {{"map", "plane-damping"},
             {"place", "plane"},
             {"title", "plane"},
+            {"pressed", pressed(0)},
+            {"mass", 0.1},
             {"x", {{"axis", static_cast<std::size_t>(LoopAxis::stiffness)}, {"values", {1000, 2000, 4000}}}},
             {"y", {{"axis", static_cast<std::size_t>(LoopAxis::damping)}, {"values", {5, 10}}}},
             {"states", {"sss", "sss"}},
@@ -36,6 +42,7 @@ StudyData sample() {
         {"limits", "plane"},
         {"title", "plane"},
         {"flat", true},
+        {"pressed", pressed(0)},
         {"own", nullptr},
         {"points",
          {point(0.1, 1, 0, 2003.5, 2003.3, 2003.3, nullptr), point(0.1, 1, 1, 668.6, 668.5, 668.5, nullptr),
@@ -43,6 +50,7 @@ StudyData sample() {
     const Json dip{{"limits", "dip-shaded"},
                    {"title", "concave dip, shaded"},
                    {"flat", false},
+                   {"pressed", pressed(150)},
                    {"points", {point(0.1, 1, 0, 69.3, 2003.3, 69.26, 71.5)}}};
     StudyData data;
     add_loop(data, {plane, dip, sample_map()});
@@ -88,6 +96,18 @@ TEST(LoopFindings, ScenesOwnStiffnessIsJudged) {
     EXPECT_TRUE(says(finding(data, "loop_scene"), "its own 4000 N/m is 2 times too much"));
 }
 
+TEST(LoopFindings, SpringThatHoldsTheHandIsTold) {
+    StudyData data = sample();
+    EXPECT_TRUE(
+        says(finding(data, "loop_surfaces"), "A spring of 150 N/m holds the hand sideways (concave dip, shaded)."))
+        << finding(data, "loop_surfaces");
+    EXPECT_TRUE(says(data.notes.back(), "concave dip, shaded: 1 mm deep at x = 0 mm, y = 0 mm, where a spring of "
+                                        "150 N/m holds it sideways"))
+        << data.notes.back();
+    alter(data, "dip-shaded", "grip_N_per_m", 0);
+    EXPECT_TRUE(says(finding(data, "loop_surfaces"), "Nothing holds the hand sideways."));
+}
+
 TEST(LoopFindings, LeastSurfaceIsNamed) {
     StudyData data = sample();
     EXPECT_TRUE(says(finding(data, "loop_surfaces"), "The concave dip, shaded gives way first, 28.9 times below"))
@@ -119,14 +139,16 @@ TEST(LoopFindings, ShadingIsComparedWithItsAbsence) {
                     {"flutter", nullptr},   {"own", nullptr}};
     };
     const auto surface = [](const char* name, const Json& points) {
-        return Json{{"limits", name}, {"title", name}, {"flat", false}, {"points", points}};
+        return Json{{"limits", name}, {"title", name}, {"flat", false}, {"pressed", pressed(200)}, {"points", points}};
     };
     StudyData data;
     add_loop(data, {surface("bump", {point(1, 1769), point(10, 17922)}),
                     surface("bump-shaded", {point(1, 1183), point(10, 1190)})});
     EXPECT_EQ(finding(data, "loop_shading_bump"),
               "Shading the bump lowers its limit from 17922 N/m to 1190 N/m at 10 N s/m; from 1 to 10 N s/m it rises "
-              "1.01 times with shading, 10.1 times without: damping helps little against it.");
+              "1.01 times with shading, 10.1 times without: damping helps little against it. A spring of 200 N/m holds "
+              "the hand "
+              "sideways.");
     alter(data, "bump-shaded", "measured_N_per_m", 20);
     EXPECT_FALSE(says(finding(data, "loop_shading_bump"), "does not rise"));
     EXPECT_TRUE(says(finding(data, "loop_shading_bump"), "raises its limit from 17922 N/m to 23800 N/m"));

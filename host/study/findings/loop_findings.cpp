@@ -1,6 +1,7 @@
 #include "host/study/findings/loop_findings.h"
 
 #include <algorithm>
+#include <map>
 #include <set>
 
 #include <fmt/format.h>
@@ -17,6 +18,7 @@ constexpr double kPromised = 1; // %: of the median disagreement on the plane
 struct Limit {
     std::string surface, series;
     double mass, damping, rate, delay;             /* kg, N s/m, Hz, samples */
+    double grip;                                   /* N/m */
     double measured, off, over_passive, over_wall; /* N/m, %, 1, 1 */
     std::optional<double> flutter, own;            /* N/m */
     bool same_hand(const Limit& other) const {
@@ -31,8 +33,8 @@ std::vector<Limit> limits_of(const Table& table) {
         if (table.number(row, "measured_N_per_m") && table.number(row, "disagreement_size_percent"))
             limits.push_back({table.word(row, "surface"), table.word(row, "series"), number("mass_kg"),
                               number("damping_N_s_per_m"), number("rate_Hz"), number("delay_samples"),
-                              number("measured_N_per_m"), number("disagreement_size_percent"), number("over_passive_1"),
-                              number("over_wall_1"), table.number(row, "flutter_N_per_m"),
+                              number("grip_N_per_m"), number("measured_N_per_m"), number("disagreement_size_percent"),
+                              number("over_passive_1"), number("over_wall_1"), table.number(row, "flutter_N_per_m"),
                               table.number(row, "own_N_per_m")});
     }
     return limits;
@@ -71,14 +73,28 @@ std::string newton_per_metre(double stiffness) {
     return stiffness >= 1000 ? fmt::format("{:.0f} N/m", stiffness) : fmt::format("{:.4g} N/m", stiffness);
 }
 
+// " A spring of 200 N/m holds the hand sideways (bump; mesh)."
+std::string grips_of(const std::vector<Limit>& limits) {
+    std::map<double, std::vector<std::string>> series;
+    for (const Limit& one : limits)
+        if (one.grip > 0)
+            series[one.grip].push_back(one.series);
+    std::string text;
+    for (const auto& [grip, held] : series)
+        text += fmt::format(" A spring of {} holds the hand sideways{}.", newton_per_metre(grip),
+                            held.size() == limits.size() ? "" : fmt::format(" ({})", fmt::join(held, "; ")));
+    return text.empty() ? " Nothing holds the hand sideways." : text;
+}
+
 std::string about_scene(const std::vector<Limit>& limits) {
     for (const Limit& one : limits)
         if (one.own)
             return fmt::format(
-                "The {} is stable up to {} with {} ({:.3g} of a wall's K_crit): its own {} {}.", one.series,
+                "The {} is stable up to {} with {} ({:.3g} of a wall's K_crit): its own {} {}.{}", one.series,
                 newton_per_metre(one.measured), hand_of(one), one.over_wall, newton_per_metre(*one.own),
                 *one.own < one.measured ? fmt::format("is {:.3g} of that", *one.own / one.measured)
-                                        : fmt::format("is {:.3g} times too much", *one.own / one.measured));
+                                        : fmt::format("is {:.3g} times too much", *one.own / one.measured),
+                grips_of({one}));
     return "";
 }
 
@@ -117,11 +133,12 @@ std::string about_surfaces(const std::vector<Limit>& limits) {
     for (const Limit& limit : same)
         parts.push_back(fmt::format("{} {}", limit.series, newton_per_metre(limit.measured)));
     const Limit& least = same.back();
-    return fmt::format("With {}, surfaces are stable up to: {}. {}", hand_of(least), fmt::join(parts, "; "),
+    return fmt::format("With {}, surfaces are stable up to: {}. {}{}", hand_of(least), fmt::join(parts, "; "),
                        least.over_wall < 0.95
                            ? fmt::format("The {} gives way first, {:.3g} times below a wall's K_crit.", least.series,
                                          1 / least.over_wall)
-                           : "None gives way far below a wall's K_crit.");
+                           : "None gives way far below a wall's K_crit.",
+                       grips_of(same));
 }
 
 std::string about_flutter(const std::vector<Limit>& limits) {
@@ -164,7 +181,7 @@ std::string about_shading(const std::vector<Limit>& limits, const std::string& b
                             more.damping,
                             rises < kSame ? std::string("does not rise") : fmt::format("rises {:.3g} times", rises),
                             bare_rises, rises < 0.5 * bare_rises ? ": damping helps little against it" : "");
-    return text + ".";
+    return text + "." + grips_of({more});
 }
 
 std::string about_delay(const std::vector<Limit>& limits) {

@@ -40,10 +40,22 @@ bool is_rounded(const Json& map) {
            map.at("nominal").at(static_cast<std::size_t>(LoopAxis::quantum)).get<double>() > 0;
 }
 
+// "2 mm deep at x = 6.5 mm, y = 0 mm, where a spring of 200 N/m holds it sideways"
+std::string place_of(const Json& pressed) {
+    const double grip = pressed.at("grip");
+    return fmt::format("{:.4g} mm deep at x = {:.4g} mm, y = {:.4g} mm, where {}",
+                       1e3 * pressed.at("depth").get<double>(), 1e3 * pressed.at("rest").at(0).get<double>(),
+                       1e3 * pressed.at("rest").at(1).get<double>(),
+                       grip > 0 ? fmt::format("a spring of {:.4g} N/m holds it{}", grip,
+                                              pressed.at("held").get<bool>() ? "" : " sideways")
+                                : std::string("nothing holds it sideways"));
+}
+
 std::string caption_of(const Json& map) {
-    std::string text = fmt::format("Each cell is a loop of its own, pressed into the {} and pushed off its place; held "
-                                   "fixed: {}. ",
-                                   map.at("title").get<std::string>(), held_values(map));
+    std::string text = fmt::format("Each cell is a loop of its own, a hand of {:.4g} kg pressed into the {} ({}) and "
+                                   "pushed off its place; held fixed: {}. ",
+                                   map.at("mass").get<double>(), map.at("title").get<std::string>(),
+                                   place_of(map.at("pressed")), held_values(map));
     if (is_rounded(map) && map.at("place") == "plane")
         return text + "Left of the curves for damping and for friction every loop is to come to rest; right of the "
                       "latter positions chatter between two quanta, which friction no longer holds.";
@@ -160,14 +172,21 @@ std::vector<std::string> loop_notes(const std::vector<Json>& results) {
         "midway "
         "between two quanta, the worst case.",
     };
+    const auto with_precision =
+        std::ranges::find_if(results, [](const Json& one) { return one.contains("precision"); });
+    if (with_precision != results.end()) {
+        notes.push_back(
+            fmt::format("Paths were taken in {} precision.", with_precision->at("precision").get<std::string>()));
+        if (with_precision->contains("hand"))
+            notes.push_back(with_precision->at("hand"));
+    }
+    std::vector<std::string> places;
     for (const Json& result : results)
-        if (result.contains("precision")) {
-            notes.push_back(
-                fmt::format("Paths were taken in {} precision.", result.at("precision").get<std::string>()));
-            if (result.contains("hand"))
-                notes.push_back(result.at("hand"));
-            break;
-        }
+        if (std::string place =
+                fmt::format("{}: {}", result.at("title").get<std::string>(), place_of(result.at("pressed")));
+            std::ranges::find(places, place) == places.end())
+            places.push_back(std::move(place));
+    notes.push_back(fmt::format("Where the hand is pressed in: {}.", fmt::join(places, "; ")));
     return notes;
 }
 

@@ -156,13 +156,12 @@ std::vector<LoopCell> limit_cells(const LoopPlace& place, bool quick) {
 
 Json limits_result(Engine& engine, const LoopPlace& place, const std::vector<LoopCell>& cells) {
     Json result{{"limits", place.name}, {"title", place.title}, {"flat", place.flat}, {"points", Json::array()}};
+    result["pressed"] = pressed(place);
     result["precision"] = engine.report().f64 ? "double" : "single";
     if (place.stiffness > 0)
         result["hand"] = fmt::format(
-            "Loops are those of the scene, around its own values: {:.4g} N/m, {:.4g} kg, {:.4g} N s/m, {:.4g} Hz, "
-            "pressed {:.4g} mm deep at x = {:.4g} mm, y = {:.4g} mm.",
-            place.stiffness, place.hand.mass, place.hand.damping + place.hand.grip_damping, place.rate,
-            1e3 * place.depth, 1e3 * place.rest.x, 1e3 * place.rest.y);
+            "Loops are those of the scene, around its own values: {:.4g} N/m, {:.4g} kg, {:.4g} N s/m, {:.4g} Hz.",
+            place.stiffness, place.hand.mass, place.hand.damping + place.hand.grip_damping, place.rate);
     for (const LoopCell& cell : cells) {
         const int delay = static_cast<int>(cell.hand.delay_samples);
         const double damping = damping_of(cell), wall = wall_limit(cell);

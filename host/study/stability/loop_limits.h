@@ -18,8 +18,8 @@ std::optional<double> measured_limit(Engine& engine, const LoopPlace& place, con
 /// The hands and rates for which a place's limits are found.
 std::vector<LoopCell> limit_cells(const LoopPlace& place, bool quick);
 
-/// {place, title, flat, points: [{mass, damping, rate, delay, measured, wall, passive, linear, own, flutter}]}; null:
-/// none. The scene's own stiffness stands where the loop is the scene's.
+/// {limits, title, flat, pressed, precision, points: [{mass, damping, rate, delay, measured, wall, passive, linear,
+/// own, flutter}]}; null: none. The scene's own stiffness stands where the loop is the scene's.
 nlohmann::ordered_json limits_result(Engine& engine, const LoopPlace& place, const std::vector<LoopCell>& cells);
 
 } // namespace forceshade::study

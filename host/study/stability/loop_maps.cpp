@@ -178,7 +178,8 @@ std::vector<LoopMap> maps_of(const LoopPlace& place, bool quick) {
 }
 
 Json map_result(Engine& engine, const LoopPlace& place, const LoopMap& map) {
-    Json result{{"map", map.name}, {"place", place.name}, {"title", place.title}};
+    Json result{{"map", map.name}, {"place", place.name}, {"title", place.title}, {"pressed", pressed(place)}};
+    result["mass"] = map.nominal.hand.mass;
     result["x"] = range_json(map.x);
     result["y"] = range_json(map.y);
     result["states"] = Json::array();

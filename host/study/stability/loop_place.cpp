@@ -174,6 +174,13 @@ LinearLoop linear_loop(const LoopPlace& place, const HandSpec& hand, double rate
     return loop;
 }
 
+nlohmann::ordered_json pressed(const LoopPlace& place) {
+    return {{"depth", place.depth},
+            {"rest", {place.rest.x, place.rest.y, place.rest.z}},
+            {"grip", place.hand.grip_stiffness},
+            {"held", place.held}};
+}
+
 std::vector<LoopPlace> own_places() {
     const auto mesh = cap_mesh();
     return {plane_place(), bump_place(false),       bump_place(true),

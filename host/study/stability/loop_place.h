@@ -6,6 +6,7 @@
 
 #include <glm/mat3x3.hpp>
 #include <glm/vec3.hpp>
+#include <nlohmann/json.hpp>
 
 #include "host/field/prepared_case.h"
 #include "host/study/stability/loop_linear.h"
@@ -35,6 +36,10 @@ void feel_around(LoopPlace& place, const glm::dvec3& outward);
 
 /// The loop of a hand there.
 LinearLoop linear_loop(const LoopPlace& place, const HandSpec& hand, double rate);
+
+/// How the hand rests there: {depth, m; rest: [x, y, z], m; grip, N/m; held: whether the grip's spring holds it along z
+/// too}.
+nlohmann::ordered_json pressed(const LoopPlace& place);
 
 /// The study's own: plane, bump with and without shading, shaded dip, mesh with and without shading.
 std::vector<LoopPlace> own_places();

@@ -86,6 +86,7 @@ void add_curve(Table& table, const Json& map, const Json& curve) {
 std::vector<Cell> limit_row(const Json& limits, const Json& point) {
     const bool late = point.at("delay").get<int>() > 0;
     const std::string title = limits.at("title");
+    const Json& pressed = limits.at("pressed");
     const Cell measured = number_or_nothing(point.at("measured")), wall = number_or_nothing(point.at("wall"));
     const Cell linear = number_or_nothing(point.at("linear"));
     const Cell& form = limits.at("flat").get<bool>() ? wall : linear;
@@ -101,6 +102,10 @@ std::vector<Cell> limit_row(const Json& limits, const Json& point) {
             cell(point.at("damping")),
             cell(point.at("rate")),
             cell(point.at("delay")),
+            cell(pressed.at("grip")),
+            cell(1e3 * pressed.at("depth").get<double>()),
+            cell(1e3 * pressed.at("rest").at(0).get<double>()),
+            cell(1e3 * pressed.at("rest").at(1).get<double>()),
             measured,
             form,
             off,
@@ -151,6 +156,10 @@ Table limit_table(const std::vector<Json>& limits) {
         {"damping_N_s_per_m", "N s/m", "damping b of device and hand together"},
         {"rate_Hz", "Hz", "samples a second"},
         {"delay_samples", "1", "from measurement to force"},
+        {"grip_N_per_m", "N/m", "spring that holds the probe sideways at its place"},
+        {"depth_mm", "mm", "how deep the probe is pressed"},
+        {"x_mm", "mm", "where on the surface"},
+        {"y_mm", "mm", "where on the surface"},
         {"measured_N_per_m", "N/m", "stiffness at which a small disturbance neither grows nor decays along paths"},
         {"closed_form_N_per_m", "N/m", "K_crit on the plane, the limit of the linearised loop elsewhere"},
         {"disagreement_percent", "%", "of the measured limit with the closed form"},

@@ -131,24 +131,26 @@ Table failures_table(const Table& number) {
 
 Table expected_table(const Table& number) {
     Table table{"number_expected",
-                "What rounding lets one expect, the largest of all surfaces",
+                "What rounding lets one expect, the largest of all surfaces of a kind",
                 {{"axis", "", "Which parameter is varied."},
                  {"precision", "", "f32 or f64."},
+                 {"kind", "", "mesh, or analytic for all others."},
                  {"value_shown", "unit of the axis", "Its value, but 1e-4 for an origin of 0."},
                  {"predicted", "1", "Largest prediction of an error over the largest force."},
                  {"step_predicted", "1", "Likewise of the differences of neighbours."}},
                 {}};
-    std::map<std::tuple<std::string, std::string, double>, std::pair<double, double>> largest;
+    std::map<std::tuple<std::string, std::string, std::string, double>, std::pair<double, double>> largest;
     for (std::size_t row = 0; row < number.rows.size(); ++row) {
         auto& [force, step] =
-            largest[{number.word(row, "axis"), number.word(row, "precision"), *number.number(row, "value_shown")}];
+            largest[{number.word(row, "axis"), number.word(row, "precision"),
+                     number.word(row, "surface") == "mesh" ? "mesh" : "analytic", *number.number(row, "value_shown")}];
         force = std::max(force, number.number(row, "predicted").value_or(0));
         step = std::max(step, number.number(row, "step_predicted").value_or(0));
     }
     for (const auto& [key, predicted] : largest) {
-        const auto& [axis, precision, value] = key;
+        const auto& [axis, precision, kind, value] = key;
         const auto shown = [](double number_here) { return number_here > 0 ? Cell(number_here) : Cell(); };
-        table.rows.push_back({axis, precision, value, shown(predicted.first), shown(predicted.second)});
+        table.rows.push_back({axis, precision, kind, value, shown(predicted.first), shown(predicted.second)});
     }
     return table;
 }

@@ -16,7 +16,8 @@ Table promised_table(const Table& promises);
 /// what is measured and predicted there, and the condition that explains it.
 Table failures_table(const Table& number);
 
-/// Table `number_expected`, from `number`: the largest prediction of all surfaces by axis, precision and value.
+/// Table `number_expected`, from `number`: the largest prediction of meshes and of all other surfaces, by axis,
+/// precision and value.
 Table expected_table(const Table& number);
 
 } // namespace forceshade::study
