@@ -2,6 +2,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "host/error.h"
@@ -11,6 +12,8 @@
 #include "host/study/energy/loop_paths.h"
 #include "host/study/energy/scene_loops.h"
 #include "host/study/energy/scenes.h"
+#include "host/study/energy/tables.h"
+#include "host/study/findings/energy_findings.h"
 
 namespace forceshade::study {
 namespace {
@@ -108,6 +111,34 @@ TEST(SceneLoops, EndInsideTheBumpWhereUnequalSlopesShow) {
     for (const LoopCase& one : scene_loops(scene("[surface]\nkind = \"bump\"\nfacets = 5\nradius = \"800 mil\"\n")))
         if (one.loop == "half" && one.scheme == "facets") {
             EXPECT_GT(std::abs(loop_row(one, *engine)["eta"].get<double>()), 0.01);
+        }
+}
+
+std::string conservative(const StudyData& data) {
+    for (const Finding& finding : energy_findings(data))
+        if (finding.name == "conservative")
+            return finding.text;
+    return "";
+}
+
+TEST(SceneLoops, OverPlaneAndCylinderAreConservativeWhereverTheyComeThroughThePlane) {
+    const auto engine = oracle();
+    for (const char* radius : {"501 mil", "600 mil", "800 mil", "1400 mil"})
+        for (const char* paths :
+             {"", "depth = \"2 mm\"\ndepth_back = \"1 mm\"\n", "depth = \"6 mm\"\ndepth_back = \"0.1 mm\"\n",
+              "centre = [\"-9 mm\", \"0 mm\"]\ndepth = \"1 mm\"\n", "length = \"50 mm\"\ndepth = \"3 mm\"\n"}) {
+            const std::vector<LoopCase> loops =
+                scene_loops(scene(fmt::format("[surface]\nkind = \"cylinder_bump\"\nradius = \"{}\"\n[force]\n"
+                                              "stiffness = \"500 N/m\"\n[paths]\n{}",
+                                              radius, paths)));
+            EXPECT_EQ(loops.size(), 2u);
+            for (const LoopCase& one : loops) {
+                const Json row = loop_row(one, *engine);
+                EXPECT_LT(std::abs(row["eta"].get<double>()), 1e-11) << radius << " " << paths << row;
+                StudyData data;
+                data.tables = {loops_table({row})};
+                EXPECT_EQ(conservative(data), "Conservative, to 1e-09 of the effort: superposed.");
+            }
         }
 }
 

@@ -21,27 +21,29 @@ struct DirectionErrors {
     double rms() const { return weight > 0 ? std::sqrt(squares / weight) : 0; }
 };
 
-/// Where the facet that `facet_at` names changes over shares (0, 1) of a way, to the last bit of a share.
-template <typename FacetAt> std::vector<double> changes(const FacetAt& facet_at) {
+/// Where the piece that `piece_at` names changes over shares (0, 1) of a way, to the last bit of a share. A piece
+/// shorter than the 512th part of the way is missed where one other piece lies on both sides of it.
+template <typename PieceAt> std::vector<double> changes(const PieceAt& piece_at) {
     constexpr int kSamples = 512;
     std::vector<double> shares;
-    layout::uint before = facet_at(0.0);
+    layout::uint before = piece_at(0.0);
     for (int i = 1; i <= kSamples; ++i) {
-        double low = (i - 1.0) / kSamples, high = static_cast<double>(i) / kSamples;
-        const layout::uint now = facet_at(high);
-        if (now != before) {
+        double from = (i - 1.0) / kSamples;
+        const double to = static_cast<double>(i) / kSamples;
+        for (const layout::uint now = piece_at(to); before != now; before = piece_at(from)) {
+            double low = from, high = to;
             while (low < (low + high) / 2 && (low + high) / 2 < high) {
                 const double middle = (low + high) / 2;
-                (facet_at(middle) == before ? low : high) = middle;
+                (piece_at(middle) == before ? low : high) = middle;
             }
             shares.push_back(high);
+            from = high;
         }
-        before = now;
     }
     return shares;
 }
 
-/// The section cut where a probe at this depth comes to another facet, whose force may jump there.
+/// The section cut where a probe at this depth comes to another piece, whose force may jump or bend there.
 Section cut_section(const Section& section, const PlacedLaw& law, double depth) {
     Section cut = section;
     cut.breaks.clear();
@@ -49,7 +51,7 @@ Section cut_section(const Section& section, const PlacedLaw& law, double depth) 
         const double left = section.breaks[arc], right = section.breaks[arc + 1];
         cut.breaks.push_back(left);
         const auto x_at = [&](double share) { return std::lerp(left, right, share); };
-        for (const double share : changes([&](double at) { return law(section.below(x_at(at), depth)).facet; }))
+        for (const double share : changes([&](double at) { return law.piece(section.below(x_at(at), depth)); }))
             cut.breaks.push_back(x_at(share));
     }
     cut.breaks.push_back(section.breaks.back());
@@ -61,7 +63,7 @@ Work cut_work(const ForceAt& force, const PlacedLaw& law, const Vector& from, co
     const auto place = [&](double share) { return from + share * (to - from); };
     Work sum;
     double before = 0;
-    std::vector<double> shares = changes([&](double share) { return law(place(share)).facet; });
+    std::vector<double> shares = changes([&](double share) { return law.piece(place(share)); });
     shares.push_back(1);
     for (const double share : shares) {
         sum += work_along(force, place(before), place(share), pieces);
@@ -70,7 +72,7 @@ Work cut_work(const ForceAt& force, const PlacedLaw& law, const Vector& from, co
     return sum;
 }
 
-/// As work_round, cut where facets change.
+/// As work_round, cut where pieces change.
 Work cut_round(const LoopCase& one, const PlacedLaw& law, const Section& section) {
     const ForceAt force = [&](const Vector& place) { return law(place).force; };
     const double first = section.breaks.front(), last = section.breaks.back();
@@ -147,6 +149,16 @@ reference::Contact<double> PlacedLaw::operator()(const Vector& place) const {
     if (law_.features.surface == layout::kSurfaceMesh)
         return reference::evaluate(law_, reference::to_mesh_frame(law_.mesh.params, place));
     return reference::evaluate(law_, place);
+}
+
+layout::uint PlacedLaw::piece(const Vector& place) const {
+    const layout::uint facet = (*this)(place).facet;
+    if (law_.features.surface != layout::kSurfaceCylinderBump || facet == layout::kNoFacet)
+        return facet;
+    const layout::LawParams<double>& params = law_.params;
+    const double power = (params.half_width - place.x) * (params.half_width + place.x) -
+                         place.z * (place.z + 2 * params.centre_depth); // R^2 - r^2, m^2
+    return 4 * facet + (place.z < 0 ? 2 : 0) + (power > 0 ? 1 : 0);
 }
 
 Json loop_row(const LoopCase& one, Engine& engine) {

@@ -35,6 +35,9 @@ class PlacedLaw {
 public:
     explicit PlacedLaw(const PreparedCase& prepared);
     reference::Contact<double> operator()(const Vector& place) const;
+    /// Which smooth piece of the force the place is in: its facet; of a cylinder bump also which of plane and cylinder
+    /// are touched there.
+    layout::uint piece(const Vector& place) const;
     const layout::Law<double>& law() const { return law_; }
 
 private:

@@ -94,9 +94,11 @@ void add_conservative(const Table& loops, std::vector<Finding>& findings) {
         if (largest[scheme] > largest[most])
             most = scheme;
     }
-    const std::string rest = fmt::format("the most, {:.2g} % of the effort, is that of {}", 100 * largest[most], most);
-    findings.push_back({"conservative", none.empty() ? fmt::format("No scheme here is conservative; {}.", rest)
-                                                     : fmt::format("Conservative, to {:.1g} of the effort: {}; {}.",
+    const std::string rest = largest[most] < limit ? std::string()
+                                                   : fmt::format("; the most, {:.2g} % of the effort, is that of {}",
+                                                                 100 * largest[most], most);
+    findings.push_back({"conservative", none.empty() ? fmt::format("No scheme here is conservative{}.", rest)
+                                                     : fmt::format("Conservative, to {:.1g} of the effort: {}{}.",
                                                                    limit, fmt::join(none, "; "), rest)});
 }
 
