@@ -105,7 +105,8 @@ TEST(OmissionFindings, SayWhatChanged) {
     EXPECT_TRUE(has(finding(data, "specialised"), "nothing that can be told"));
     set(data, "flat texture", "kernel_verdict", std::string("saves"));
     set(data, "flat texture", "kernel_ratio", 1.2);
-    EXPECT_TRUE(has(finding(data, "specialised"), "costs 1.20 times the kernel time, for the same forces"));
+    EXPECT_TRUE(has(finding(data, "specialised"),
+                    "costs 1.20 times the kernel time, quartiles 1.00 to 1.00, for the same forces"));
     EXPECT_TRUE(has(finding(data, "control"), "the ratio of kernel times is 1.000 ("));
     data.tables.pop_back();
     EXPECT_THROW(omission_findings(data), DataError);

@@ -6,6 +6,7 @@
 
 #include "host/engine/engine.h"
 #include "host/error.h"
+#include "host/field/scene_mesh.h"
 #include "host/study/omission/measurement.h"
 #include "host/study/omission/tables.h"
 #include "host/study/omission/unchanged.h"
@@ -161,6 +162,24 @@ TEST_F(OnTheOracle, AMeasurementHasARoundOfEachSideAndLeavesNoFile) {
     EXPECT_EQ(result["with"]["received"].get<double>(), 8 * result["without"]["received"].get<double>());
     EXPECT_EQ(result["with"]["file"], result["without"]["file"]) << "the file holds every y either way";
     EXPECT_EQ(result["differing"], 0);
+}
+
+// A patch has no inside, and a god-object on it is another law than the static field: neither is an error.
+TEST(OmissionScene, OnAnOpenMeshComparesNoLawWithAnother) {
+    PreparedCase given = own_scenes(true)[2].prepared;
+    auto mesh = std::make_shared<SceneMesh>(*given.images.mesh);
+    mesh->findings.closed = false;
+    given.images.mesh = mesh;
+    std::set<std::string> uncompared;
+    for (const Comparison& one : comparisons_of(user_scene(given, true), true))
+        if (one.force == Agreement::nothing) {
+            uncompared.insert(one.feature);
+            EXPECT_GT(what_is_compared(one).size(), 20u) << "the reason stands in the table";
+        }
+    EXPECT_EQ(uncompared, (std::set<std::string>{"winding number", "history"}));
+    for (const BaseScene& base : own_scenes(true))
+        for (const Comparison& one : comparisons_of(base, true))
+            EXPECT_NE(one.force, Agreement::nothing) << base.name << ": " << one.feature;
 }
 
 TEST(OmissionScene, OfTheUserIsThinnedOut) {

@@ -186,7 +186,9 @@ void add_specialised(const Table& table, std::vector<Finding>& findings) {
     const double most = table.needed(rows.front(), "kernel_ratio"), least = table.needed(rows.back(), "kernel_ratio");
     const std::string range = rows.size() > 1
                                   ? fmt::format("{} to {} times the kernel time", number(least), number(most))
-                                  : fmt::format("{} times the kernel time", number(most));
+                                  : fmt::format("{} times the kernel time, quartiles {} to {}", number(most),
+                                                number(table.needed(rows.front(), "kernel_ratio_q1")),
+                                                number(table.needed(rows.front(), "kernel_ratio_q3")));
     findings.push_back(
         {"specialised",
          all("saves")

@@ -123,6 +123,7 @@ BaseScene user_scene(const PreparedCase& prepared, bool quick) {
     BaseScene base{"scene", "the scene that was given", prepared};
     Scene& scene = base.prepared.one.scene;
     base.field = scene.field;
+    base.given = true;
     base.paths = scene.paths && scene.paths->kind != PathKind::recorded;
     if (!base.field && !base.paths)
         throw UsageError("the study of omissions switches the features of fields and of generated paths, and this "

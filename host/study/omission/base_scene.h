@@ -15,6 +15,7 @@ struct BaseScene {
     PreparedCase prepared;
     bool field = true;  /* features of its field are switched */
     bool paths = false; /* likewise of its paths */
+    bool given = false; /* by the user: of its surface nothing is known beforehand */
 };
 
 /// A bump, a height map, a mesh, and strokes over a bump; small ones for a quick study.

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "host/field/scene_mesh.h"
 #include "host/study/omission/usual_features.h"
 
 namespace forceshade::study {
@@ -43,6 +44,11 @@ private:
         for (Setup* setup : {&one.with, &one.without})
             setup->prepared.one.scene.field = !paths_;
         return one;
+    }
+    static void compare_nothing(Comparison& one, const char* why) {
+        one.force = Agreement::nothing;
+        one.channels = 0;
+        one.why_nothing = why;
     }
     static Scene& scene_of(Setup& setup) { return setup.prepared.one.scene; }
 
@@ -150,6 +156,9 @@ private:
         scene_of(winding.without).surface.mesh.inside = InsideTest::pseudonormal;
         winding.omitted = winding.feature;
         winding.channels = kDepth | kFacet | kProxy | kUnshaded;
+        if (!is_solid(base_.prepared.images.mesh->findings))
+            compare_nothing(winding,
+                            "what the winding number takes for the inside of a mesh that is no solid is its own");
         if (!gpu_)
             return;
         Comparison& free = add("free space", "every block visited", "skipped");
@@ -165,6 +174,9 @@ private:
         history.with.god_object = true;
         history.without.free = FreeSpace::visited; // paths skip no sample
         history.force = Agreement::contact;
+        if (base_.given)
+            compare_nothing(history,
+                            "where a surface is concave or open, a probe that remembers meets another contact");
     }
 
     // Both sides alike: what still lies between them is the measurement's.
@@ -207,10 +219,8 @@ private:
         add_samples();
         // In closed loop a probe goes where the force lets it.
         if (scene().paths->closed())
-            for (std::size_t i = first; i < made_.size(); ++i) {
-                made_[i].force = Agreement::nothing;
-                made_[i].channels = 0;
-            }
+            for (std::size_t i = first; i < made_.size(); ++i)
+                compare_nothing(made_[i], "in closed loop the feature moves the probe");
         add_channel("depth", kDepth);
         add_channel("facet", kFacet);
         add_channel("proxy", kProxy);

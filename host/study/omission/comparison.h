@@ -29,7 +29,7 @@ enum class Agreement {
     along_z,   /* F_z bit for bit: the feature is tangential */
     contact,   /* zero or not, sample by sample */
     none,      /* what paths add up to is compared in its place, bit for bit */
-    nothing,   /* nor that: the feature concerns everything */
+    nothing,   /* nor that: both sides are other laws, see Comparison::why_nothing */
 };
 
 /// The feature of a comparison whose sides are alike.
@@ -40,6 +40,7 @@ struct Comparison {
     std::string scene;   /* of BaseScene */
     Setup with, without; /* the feature, or the work that an omission saves */
     Agreement force = Agreement::bits;
+    const char* why_nothing = "";   /* is compared, for readers */
     std::uint32_t channels = 0;     /* layout::kChannel... bits that must be the same bit for bit beside the force */
     bool unshaded_is_force = false; /* the channel `unshaded` with the feature is the force without it */
     std::string omitted;            /* as the manifest calls it; empty: it does not tell of this */

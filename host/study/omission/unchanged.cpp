@@ -115,7 +115,7 @@ std::string what_is_compared(const Comparison& comparison) {
         if (comparison.channels & channel)
             parts.push_back(name);
     if (comparison.force == Agreement::nothing)
-        return "nothing: in closed loop the feature moves the probe";
+        return fmt::format("nothing: {}", comparison.why_nothing);
     if (comparison.paths && comparison.force != Agreement::none)
         parts.push_back("positions");
     if (comparison.unshaded_is_force)
