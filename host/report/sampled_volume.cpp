@@ -7,7 +7,10 @@
 
 #include <zlib.h>
 
+#include "host/error.h"
+#include "host/field/tables.h"
 #include "host/io/exr_volume.h"
+#include "host/scene/study.h"
 
 namespace forceshade::report {
 namespace {
@@ -39,6 +42,19 @@ void choose_strides(SampledVolume& volume, std::uint64_t most) {
             return;
         const auto longest = std::ranges::max_element(volume.size) - volume.size.begin();
         ++volume.stride[static_cast<std::size_t>(longest)];
+    }
+}
+
+// One y stands for all: of those in the file the others were left out as alike, or it has but one, of a scene that does
+// not depend on y.
+bool is_alike_in_y(const VolumeHeader& header) {
+    if (header.size[1] > 1)
+        return header.omitted.find(" y samples, alike") != std::string::npos;
+    try { // a file that names no scene tells nothing
+        return !header.scene.empty() &&
+               !depends_on_y(features_of(parse_scene(header.scene, "the volume's scene").scene));
+    } catch (const Error&) {
+        return false; // that of another version, or of none: it may depend on y
     }
 }
 
@@ -90,7 +106,7 @@ SampledVolume sample_volume(const std::filesystem::path& path, std::uint64_t mos
     volume.full = header.size;
     volume.origin = header.origin;
     volume.spacing = header.spacing;
-    volume.alike_in_y = header.omitted.find(" y samples, alike") != std::string::npos;
+    volume.alike_in_y = is_alike_in_y(header);
     choose_strides(volume, most);
     volume.force.reserve(3 * samples(volume));
     std::vector<float> row;

@@ -232,9 +232,9 @@ void Browser::click(const std::string& selector) {
 }
 
 void Browser::press(const std::string& key) {
-    static const std::map<std::string, int> kCodes{{"ArrowLeft", 37}, {"ArrowUp", 38}, {"ArrowRight", 39},
-                                                   {"ArrowDown", 40}, {"PageUp", 33},  {"PageDown", 34},
-                                                   {"Tab", 9},        {"1", 49},       {"2", 50}};
+    static const std::map<std::string, int> kCodes{
+        {"ArrowLeft", 37}, {"ArrowUp", 38},  {"ArrowRight", 39}, {"ArrowDown", 40}, {"ArrowDown", 40},
+        {"PageUp", 33},    {"PageDown", 34}, {"Tab", 9},         {"1", 49},         {"2", 50}};
     for (const char* type : {"keyDown", "keyUp"})
         call("Input.dispatchKeyEvent", {{"type", type},
                                         {"key", key},

@@ -40,8 +40,9 @@ std::vector<float> forces(const SampleCase& one) {
 CaseRecord write_sample_case(const std::filesystem::path& folder, const SampleCase& one) {
     VolumeHeader header;
     header.size = one.size;
-    header.origin = {-0.0115, -0.0025, -0.004};
-    header.spacing = {0.001, 0.001, 0.0005};
+    header.origin = {-0.0115, one.first_y, -0.004};
+    header.spacing = {0.001, one.y_spacing, 0.0005};
+    header.scene = one.scene;
     header.omitted = one.alike_in_y ? "texture, 5 of 6 y samples, alike" : "texture";
     VolumeWriter writer(folder / (one.name + ".exr"), header);
     const std::vector<float> values = forces(one);

@@ -14,8 +14,10 @@ struct SampleCase {
     std::string name = "bump_shading-none";
     std::array<std::uint64_t, 3> size{24, 6, 16};
     bool alike_in_y = false;
-    double strength = 1; /* N */
-    bool noise = false;  /* forces that no compression makes small */
+    double strength = 1;                         /* N */
+    bool noise = false;                          /* forces that no compression makes small */
+    double first_y = -0.0025, y_spacing = 0.001; /* m */
+    std::string scene{};                         /* as TOML; empty: the file names none */
 };
 
 /// Writes the case's volume; its record as a sweep would keep it.

@@ -87,6 +87,24 @@ TEST(SampledVolumes, OfFieldsAlikeInYHoldOneY) {
     EXPECT_EQ(volume.stride, (std::array<std::uint64_t, 3>{1, 6, 1}));
 }
 
+TEST(SampledVolumes, OfOneYStandForAllWhereTheSceneDoesNotDependOnY) {
+    const Folder folder;
+    const auto alike = [&](const std::string& scene, std::uint64_t ny = 1) {
+        write_sample_case(folder.path(), {.name = "a", .size = {24, ny, 16}, .scene = scene});
+        return sample_volume(folder.path() / "a.exr", 1u << 20).alike_in_y;
+    };
+    const std::string bump = "[surface]\nkind = \"bump\"\nfacets = 8\n";
+    EXPECT_TRUE(alike(bump));
+    EXPECT_TRUE(alike("# a remark\n" + bump + "[force]\nshading = \"reference\"\n"));
+    EXPECT_FALSE(alike(bump, 6)) << "what the file holds at every y is shown at every y";
+    EXPECT_FALSE(alike("[surface]\nkind = \"mesh\"\nfile = \"a.off\"\n"));
+    EXPECT_TRUE(alike(bump + "[texture]\nfunction = \"sine\"\n"));
+    EXPECT_FALSE(alike(bump + "[texture]\nfunction = \"gaussian\"\n"));
+    EXPECT_FALSE(alike("")) << "nothing is known of it";
+    EXPECT_FALSE(alike("kind = "));
+    EXPECT_FALSE(alike("[surface]\nkind = \"of another version\"\n"));
+}
+
 TEST(SampledVolumes, AreThinnedToTheirNumber) {
     const Folder folder;
     write_sample_case(folder.path(), {.name = "a"});

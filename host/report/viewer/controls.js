@@ -9,7 +9,7 @@ class Controls extends Viewer {
 
   moveCursor(axis, steps) {
     const { point } = this.state, [low, high] = this.a.edges(axis);
-    const step = this.a.alone(axis) ? this.a.about.spacing_m[axis] : this.a.pitch[axis];
+    const step = this.a.size[axis] > 1 ? this.a.pitch[axis] : this.a.about.spacing_m[axis];
     point[axis] = Math.min(Math.max(point[axis] + steps * step, low), high);
     this.mark(false);
   }
@@ -57,7 +57,7 @@ class Controls extends Viewer {
     byId("slice").addEventListener("input", (event) => this.moveSlice(event.target.value - this.a.nearest(this.state.axis, this.state.point[this.state.axis])));
     byId("slice-back").addEventListener("click", () => this.moveSlice(-1));
     byId("slice-on").addEventListener("click", () => this.moveSlice(1));
-    AXES.forEach((name, axis) => byId("axis-" + name).addEventListener("change", () => { this.state.axis = axis; this.draw(); }));
+    AXES.forEach((name, axis) => byId("axis-" + name).addEventListener("change", () => { this.state.axis = axis; this.settle(); this.draw(); }));
     for (const end of [0, 1])
       for (const c of [0, 1])
         byId("stroke-" + end + "-" + c).addEventListener("input", (event) => {

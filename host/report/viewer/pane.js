@@ -56,6 +56,7 @@ class Pane {
     const { volume, plane, index, cell, scale } = this.view;
     const columns = volume.size[plane[0]], rows = volume.size[plane[1]];
     const cells = new ImageData(columns, rows);
+    this.blank = true;
     for (let row = 0; row < rows; ++row)
       for (let column = 0; column < columns; ++column) {
         const at = [index, index, index];
@@ -64,6 +65,7 @@ class Pane {
         const rgb = scale.rgb(cell(at));
         if (rgb)
           cells.data.set([...rgb, 255], 4 * ((rows - 1 - row) * columns + column));
+        this.blank = this.blank && !rgb;
       }
     const sheet = document.createElement("canvas");
     sheet.width = columns;

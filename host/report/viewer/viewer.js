@@ -3,6 +3,12 @@
 const byId = (id) => document.getElementById(id);
 const PROFILE_SAMPLES = 300, HANDLE = 14; // px about an end of the stroke that take hold of it
 
+// Words that are read aloud when they change.
+function say(id, words) {
+  if (byId(id).textContent !== words)
+    byId(id).textContent = words;
+}
+
 class Viewer {
   constructor(about) {
     this.cases = about.cases;
@@ -15,7 +21,7 @@ class Viewer {
     const [a, b] = this.firstPair();
     for (const [id, chosen] of [["case-a", a], ["case-b", b]]) {
       this.cases.forEach((one, i) => byId(id).add(new Option(one.name, i, i === chosen, i === chosen)));
-      byId(id).addEventListener("change", () => this.load());
+      byId(id).addEventListener("change", () => this.load().catch((error) => { byId("viewer-status").textContent = error.message; }));
     }
     byId("axis-" + AXES[this.state.axis]).checked = true;
     await this.load();
@@ -37,12 +43,28 @@ class Viewer {
     const [a, b] = await Promise.all(chosen.map((i) => volume(this.cases, i)));
     if (chosen[0] !== Number(byId("case-a").value) || chosen[1] !== Number(byId("case-b").value))
       return; // another choice was made meanwhile
-    this.a = a;
-    this.b = b;
+    this.a = b.alike(1) ? a : a.spread(b);
+    this.b = b.spread(this.a);
     if (!this.state.point)
-      this.state.point = a.middle();
+      this.state.point = this.a.middle();
+    this.settle();
+    byId("viewer-status").textContent = "";
     byId("viewer-body").hidden = false;
     this.draw();
+  }
+
+  // The cursor to A's nearest sample where it lies outside of A or A has but one, and always across the slice. Strokes
+  // that leave A are made anew.
+  settle() {
+    const { axis, point, strokes } = this.state, { a } = this;
+    for (const one of [0, 1, 2])
+      if (one === axis || a.size[one] === 1 || !a.within(one, point[one]))
+        point[one] = a.position(one, a.nearest(one, point[one]));
+    strokes.forEach((ends, across) => {
+      const plane = slicePlane(across);
+      if (ends && !ends.every((end) => end.every((value, c) => a.within(plane[c], value))))
+        strokes[across] = null;
+    });
   }
 
   get plane() {
@@ -53,8 +75,8 @@ class Viewer {
   get stroke() {
     const { strokes, axis } = this.state;
     if (!strokes[axis]) {
-      const u = this.a.edges(this.plane[0]), high = this.a.middle()[this.plane[1]];
-      strokes[axis] = [0.12, 0.88].map((part) => [u[0] + part * (u[1] - u[0]), high]);
+      const middle = this.a.middle(), along = this.a.size[this.plane[0]] > 1 ? 0 : 1, [low, high] = this.a.edges(this.plane[along]);
+      strokes[axis] = [0.12, 0.88].map((part) => this.plane.map((one, c) => c === along ? low + part * (high - low) : middle[one]));
     }
     return strokes[axis];
   }
@@ -147,7 +169,9 @@ class Viewer {
       arrowScale: largest, equalArrows: false });
     scale.draw(byId("scale"));
     differenceScale.draw(byId("scale-d"));
-    this.drawTitles(indexA);
+    byId("scale-d").style.visibility = this.panes.d.blank ? "hidden" : "";
+    this.drawTitles(indexA, indexB);
+    this.drawNotes(indexA);
     this.drawReadout();
     this.drawStroke();
   }
@@ -160,22 +184,48 @@ class Viewer {
       this.drawStroke();
   }
 
-  drawTitles(index) {
-    const { axis } = this.state, alone = this.a.alone(axis), text = byId("slice-text"), slider = byId("slice");
+  drawTitles(index, indexB) {
+    const { axis } = this.state, text = byId("slice-text"), slider = byId("slice");
+    const [place, placeB] = [[this.a, index], [this.b, indexB]].map(([one, i]) => AXES[axis] + " = " + numberText(1e3 * one.position(axis, i), 4) + " mm");
     for (const [name, volume_] of [["a", this.a], ["b", this.b]]) {
-      const { about } = volume_, thinned = about.stride.some((s, a) => s > 1 && !volume_.alone(a));
+      const { about } = volume_, thinned = about.stride.some((s, a) => s > 1 && !volume_.alike(a));
       const link = Object.assign(document.createElement("a"), { href: about.address, textContent: about.name });
       byId("title-" + name).replaceChildren(name.toUpperCase() + ": ", link,
-        thinned ? " (every " + about.stride.map((s, a) => volume_.alone(a) ? 1 : s).join("×") + ". sample)" : "");
+        thinned ? " (every " + about.stride.map((s, a) => volume_.alike(a) ? 1 : s).join("×") + ". sample)" : "",
+        name === "b" && placeB !== place ? ", at " + placeB : "");
       byId("pane-" + name).setAttribute("aria-label", name.toUpperCase() + ", " + about.name + ", slice across " + AXES[axis]);
     }
     byId("pane-d").setAttribute("aria-label", "Difference of B and A, slice across " + AXES[axis]);
     slider.max = this.a.size[axis] - 1;
     slider.value = index;
     slider.disabled = byId("slice-back").disabled = byId("slice-on").disabled = this.a.size[axis] < 2;
-    text.value = alone ? "any y: the field does not depend on it"
-      : AXES[axis] + " = " + numberText(1e3 * this.a.position(axis, index), 4) + " mm (" + (index + 1) + " of " + this.a.size[axis] + ")";
+    text.value = this.a.alike(axis) && this.b.alike(axis) ? "any y: neither field depends on it"
+      : place + " (" + (index + 1) + " of " + this.a.size[axis] + ")";
     slider.setAttribute("aria-valuetext", text.value);
+  }
+
+  // Why there is nothing to compare in the slice; empty where there is.
+  whyApart(index) {
+    const { a, b } = this, { axis } = this.state, whole = apart(a, b);
+    if (whole !== undefined)
+      return "These two cases have no common places: A has " + a.places(whole) + ", B has " + b.places(whole) + ".";
+    const missed = [0, 1, 2].find((one) => {
+      const indices = one === axis ? [index] : Array.from({ length: a.size[one] }, (_, i) => i);
+      return !indices.some((i) => b.has(one, a.position(one, i)));
+    });
+    if (missed === undefined)
+      return "";
+    return "No sample of A in this slice is a place of B, which has " + b.places(missed) + "." +
+      (a.force(b.middle()) ? " With A and B exchanged they can be compared." : "");
+  }
+
+  // What a picture without colours means.
+  drawNotes(index) {
+    const { quantity } = this.state, blank = quantity === "direction" ? "No force lies in this slice." : "No force in this slice.";
+    const same = quantity === "direction" ? "Nowhere in this slice do both cases have a force."
+      : "No difference " + (quantity === "magnitude" ? "" : "along " + quantity + " ") + "in this slice.";
+    for (const [name, words] of [["a", blank], ["b", blank], ["d", this.whyApart(index) || same]])
+      say("note-" + name, this.panes[name].blank ? words : "");
   }
 
   drawReadout() {
@@ -192,6 +242,8 @@ class Viewer {
     const last = row("B − A", both && less(forces[1], forces[0]), both && [angleBetween(...forces), null]);
     last.children[6].title = "angle between the two forces";
     byId("read-rows").replaceChildren(...rows, last);
+    const missing = ["A", "B"].filter((_, i) => !forces[i]), axisApart = missing.length ? apart(this.a, this.b) : undefined;
+    say("read-note", axisApart !== undefined ? this.whyApart() : missing.length ? missing.join(" and ") + " has no values here." : "");
   }
 
   drawStroke() {
@@ -205,8 +257,11 @@ class Viewer {
       forces.a.push(this.a.force(at));
       forces.b.push(this.b.force(at));
     }
-    const lines = (number) => [["A", "a", colours.s0, []], ["B", "b", colours.s1, [7, 4]]].map(([name, key, colour, dash]) =>
-      ({ name, colour, dash, values: forces[key].map((f) => f && number(f)) }));
+    const why = (all, values) => all.every((f) => f === null) ? " has no values here" : values.every((value) => value === null) ? ": no force lies in the slice" : "";
+    const lines = (number) => [["A", "a", colours.s0, []], ["B", "b", colours.s1, [7, 4]]].map(([name, key, colour, dash]) => {
+      const values = forces[key].map((f) => f && number(f));
+      return { name: name + why(forces[key], values), colour, dash, values };
+    });
     drawProfile(byId("profile-size"), ways, lines(length), "|F| / N", "way from end 1 / mm");
     drawProfile(byId("profile-direction"), ways, lines((f) => direction(f, plane)), this.directionLabel(), "way from end 1 / mm");
     document.querySelectorAll(".u-name").forEach((one) => { one.textContent = AXES[plane[0]]; });

@@ -33,9 +33,9 @@ class Volume {
       throw new Error("the volume of " + about.name + " is damaged");
     this.components = [0, 1, 2].map((c) => this.unpack(planes.subarray(2 * c * count, 2 * (c + 1) * count), count));
     // Place of the first sample and way to the next; one y that stands for all is in the middle and as wide as all.
-    this.first = [0, 1, 2].map((a) => this.alone(a) ? about.origin_m[a] + (about.full[a] - 1) / 2 * about.spacing_m[a]
+    this.first = [0, 1, 2].map((a) => this.alike(a) ? about.origin_m[a] + (about.full[a] - 1) / 2 * about.spacing_m[a]
       : about.origin_m[a]);
-    this.pitch = [0, 1, 2].map((a) => about.spacing_m[a] * (this.alone(a) ? about.full[a] : about.stride[a]));
+    this.pitch = [0, 1, 2].map((a) => about.spacing_m[a] * (this.alike(a) ? about.full[a] : about.stride[a]));
     this.largest = 0;
     for (let i = 0; i < count; ++i) {
       const size = Math.hypot(this.components[0][i], this.components[1][i], this.components[2][i]);
@@ -44,8 +44,17 @@ class Volume {
     }
   }
 
-  alone(axis) {
+  // True if the field does not depend on that coordinate: it has one sample for all.
+  alike(axis) {
     return axis === 1 && this.about.alike_in_y;
+  }
+
+  // Where this field is the same at every y: itself at the other one's y.
+  spread(other) {
+    if (!this.alike(1))
+      return this;
+    const [size, first, pitch] = ["size", "first", "pitch"].map((name) => [this[name][0], other[name][1], this[name][2]]);
+    return Object.assign(Object.create(this), { size, first, pitch });
   }
 
   unpack(planes, count) {
@@ -66,16 +75,32 @@ class Volume {
     return [this.first[axis] - this.pitch[axis] / 2, this.first[axis] + (this.size[axis] - 0.5) * this.pitch[axis]];
   }
 
+  within(axis, position) {
+    const t = (position - this.first[axis]) / this.pitch[axis];
+    return t >= -0.5 - 1e-9 && t <= this.size[axis] - 0.5 + 1e-9;
+  }
+
+  // True if there are values at that coordinate.
+  has(axis, position) {
+    return this.alike(axis) || this.within(axis, position);
+  }
+
+  // In words: "y = 0.4350 mm".
+  places(axis) {
+    const name = AXES[axis], [low, high] = [0, this.size[axis] - 1].map((i) => numberText(1e3 * this.position(axis, i), 4));
+    return this.alike(axis) ? "any " + name : low === high ? name + " = " + low + " mm" : name + " from " + low + " to " + high + " mm";
+  }
+
   // Of the samples with a force, at a sample.
   middle() {
-    const sum = [0, 0, 0], [nx, ny] = this.size;
+    const sum = [0, 0, 0], [nx, ny] = this.about.size;
     let count = 0;
     for (let i = 0; i < this.components[0].length; ++i)
       if (this.components.some((values) => values[i] !== 0)) {
         [i % nx, Math.floor(i / nx) % ny, Math.floor(i / nx / ny)].forEach((index, a) => { sum[a] += index; });
         ++count;
       }
-    return sum.map((s, a) => this.position(a, Math.floor(count ? s / count : this.size[a] / 2)));
+    return sum.map((s, a) => this.position(a, Math.floor(count && !this.alike(a) ? s / count : this.size[a] / 2)));
   }
 
   nearest(axis, position) {
@@ -84,7 +109,7 @@ class Volume {
   }
 
   sample(index) {
-    const i = index[0] + this.size[0] * (index[1] + this.size[1] * index[2]);
+    const [nx, ny] = this.about.size, i = index[0] + nx * ((this.alike(1) ? 0 : index[1]) + ny * index[2]);
     return this.components.map((values) => values[i]);
   }
 
@@ -93,7 +118,7 @@ class Volume {
     const low = [0, 0, 0], part = [0, 0, 0];
     for (let a = 0; a < 3; ++a) {
       const t = (point[a] - this.first[a]) / this.pitch[a];
-      if (!(t >= -0.5 - 1e-9 && t <= this.size[a] - 0.5 + 1e-9))
+      if (!this.has(a, point[a]))
         return null;
       const inside = Math.min(Math.max(t, 0), this.size[a] - 1);
       low[a] = Math.min(Math.floor(inside), Math.max(this.size[a] - 2, 0));
@@ -121,6 +146,14 @@ function volume(cases, i) {
   if (!volumes.has(i))
     volumes.set(i, inflate(document.getElementById("volume-" + i).textContent).then((planes) => new Volume(cases[i], planes)));
   return volumes.get(i);
+}
+
+// Along which axis two volumes lie apart; undefined if they have common places.
+function apart(a, b) {
+  return [0, 1, 2].find((axis) => {
+    const [one, other] = [a.edges(axis), b.edges(axis)];
+    return !a.alike(axis) && !b.alike(axis) && (one[1] < other[0] || other[1] < one[0]);
+  });
 }
 
 // The slice's axes: what is drawn to the right and upwards.

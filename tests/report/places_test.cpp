@@ -1,0 +1,254 @@
+// The viewer where its two cases do not lie at the same places.
+#include <memory>
+
+#include <gtest/gtest.h>
+
+#include "host/report/report.h"
+#include "tests/io/folder.h"
+#include "tests/report/browser.h"
+#include "tests/report/sample_folder.h"
+
+namespace forceshade::report {
+namespace {
+
+using namespace testing;
+
+constexpr const char* kBump = "[surface]\nkind = \"bump\"\n";
+constexpr const char* kMesh = "[surface]\nkind = \"mesh\"\nfile = \"a.off\"\n";
+constexpr const char* kSlice = "document.getElementById('slice-text').value";
+constexpr const char* kPlace = "document.getElementById('read-place').textContent";
+constexpr const char* kNoteOfDifference = "document.getElementById('note-d').textContent";
+constexpr const char* kNoteOfReadout = "document.getElementById('read-note').textContent";
+
+// Of what is drawn within the frame of a canvas: colours(id) how many there are, pixels(id, colour) how many have one.
+constexpr const char* kLook = R"(
+const FRAMES = { pane: [46, 6, 10, 36], profile: [63, 27, 13, 41] };
+function drawn(id) {
+  const from = document.getElementById(id), [left, top, right, bottom] = FRAMES[id.split("-")[0]];
+  const copy = document.createElement("canvas"), [width, height] = [from.width - left - right, from.height - top - bottom];
+  const context = copy.getContext("2d", { willReadFrequently: true }), counts = new Map();
+  Object.assign(copy, { width, height });
+  context.drawImage(from, -left, -top);
+  const { data } = context.getImageData(0, 0, width, height);
+  for (let i = 0; i < data.length; i += 4) {
+    const colour = data[i] << 16 | data[i + 1] << 8 | data[i + 2];
+    counts.set(colour, (counts.get(colour) || 0) + 1);
+  }
+  return counts;
+}
+const colours = (id) => drawn(id).size, pixels = (id, colour) => drawn(id).get(colour) || 0;
+const A = 0x0062ad, B = 0xc2410c; // of their curves
+
+// What is empty without a word, across every axis.
+function silent() {
+  const empty = [], text = (id) => document.getElementById(id).textContent;
+  for (const axis of ["x", "z", "y"]) {
+    document.getElementById("axis-" + axis).click();
+    for (const pane of ["a", "b", "d"])
+      if (colours("pane-" + pane) < 40 && !text("note-" + pane))
+        empty.push(axis + ": picture " + pane);
+    if (pixels("profile-size", A) < 50)
+      empty.push(axis + ": curve of A");
+    const [a, b] = [0, 1].map((i) => document.getElementById("read-rows").children[i].children[1].textContent);
+    if (a === "–" || (b === "–" && !text("read-note")))
+      empty.push(axis + ": read-out " + a + " " + b);
+  }
+  return empty.join("; ");
+}
+)";
+
+class Places : public ::testing::Test {
+protected:
+    static void SetUpTestSuite() {
+        folder_ = std::make_unique<Folder>();
+        const std::array<std::uint64_t, 3> one_y{24, 1, 16};
+        const double narrow = 1e-5;
+        std::vector<CaseRecord> records;
+        for (const SampleCase& one : std::initializer_list<SampleCase>{
+                 {.name = "bump", .size = one_y, .first_y = 0, .y_spacing = narrow, .scene = kBump},
+                 {.name = "mesh",
+                 .size = one_y,
+                 .strength = 2,
+                 .first_y = 0.000435,
+                 .y_spacing = narrow,
+                 .scene = kMesh},
+                 {.name = "other",
+                 .size = one_y,
+                 .strength = 3,
+                 .first_y = 0.000435,
+                 .y_spacing = narrow,
+                 .scene = kMesh},
+                 {.name = "far", .size = one_y, .strength = 4, .first_y = 0.0009, .y_spacing = narrow, .scene = kMesh},
+                 {.name = "whole", .strength = 5},
+                 {.name = "alike", .alike_in_y = true, .strength = 6}})
+            records.push_back(write_sample_case(folder_->path(), one));
+        write_sample_manifest(folder_->path(), records);
+        write_report(folder_->path());
+        browser_ = std::make_unique<Browser>();
+    }
+    static void TearDownTestSuite() {
+        browser_.reset();
+        folder_.reset();
+    }
+
+    void TearDown() override { EXPECT_EQ(browser_->complaints(), std::vector<std::string>{}); }
+
+    static void open(unsigned width = 1200) {
+        browser_->open(folder_->path() / "report.html", width, false, kLook);
+        ASSERT_TRUE(browser_->wait_for("document.documentElement.dataset.viewer === 'ready'"));
+    }
+    static void choose(const std::string& pane, const std::string& name) {
+        browser_->evaluate("(() => { const c = document.getElementById('case-" + pane +
+                           "'); c.value = [...c.options].findIndex((one) => one.textContent === '" + name +
+                           "'); c.dispatchEvent(new Event('change')); })()");
+        await_title(pane, name);
+    }
+    static void await_title(const std::string& pane, const std::string& name) {
+        ASSERT_TRUE(
+            browser_->wait_for("document.querySelector('#title-" + pane + " a').textContent === '" + name + "'"))
+            << name;
+    }
+    // As the read-out has it: row 0: A, 1: B, 2: their difference; column 1: |F|.
+    static std::string read(int row, int column = 1) {
+        return browser_->text("document.getElementById('read-rows').children[" + std::to_string(row) + "].children[" +
+                              std::to_string(column) + "].textContent");
+    }
+    static double number(int row) { return std::stod(read(row)); }
+    static int count(const std::string& expression) { return browser_->evaluate(expression).get<int>(); }
+    static int line_of_a() { return count("pixels('profile-size', A)"); }
+    static int line_of_b() { return count("pixels('profile-size', B)"); }
+
+    static std::unique_ptr<Folder> folder_;
+    static std::unique_ptr<Browser> browser_;
+};
+
+std::unique_ptr<Folder> Places::folder_;
+std::unique_ptr<Browser> Places::browser_;
+
+TEST_F(Places, TheCursorGoesWithCasesOfAnotherY) {
+    open();
+    EXPECT_EQ(browser_->text(kSlice), "y = 0.4350 mm (1 of 1)") << "the mesh's: the bump is everywhere";
+    choose("b", "bump");
+    EXPECT_EQ(browser_->text(kSlice), "any y: neither field depends on it");
+    EXPECT_NE(browser_->text(kPlace).find("y = 0 mm"), std::string::npos);
+    choose("a", "mesh");
+    choose("b", "other");
+    EXPECT_EQ(browser_->text(kSlice), "y = 0.4350 mm (1 of 1)");
+    EXPECT_NE(browser_->text(kPlace).find("y = 0.4350 mm"), std::string::npos);
+    EXPECT_NEAR(number(1), 1.5 * number(0), 1e-3 * number(1));
+    EXPECT_NEAR(number(2), 0.5 * number(0), 4e-3 * number(2));
+    EXPECT_GT(line_of_a(), 300);
+    EXPECT_GT(line_of_b(), 200) << "dashed";
+    EXPECT_GT(count("colours('pane-d')"), 40);
+    EXPECT_EQ(browser_->text(kNoteOfDifference), "");
+    EXPECT_EQ(browser_->text(kNoteOfReadout), "");
+}
+
+TEST_F(Places, WhatDoesNotDependOnYIsComparedAtAnyY) {
+    open();
+    for (const auto& [a, b, factor] : {std::tuple{"bump", "mesh", 2.0}, {"mesh", "bump", 0.5}, {"far", "alike", 1.5}}) {
+        choose("a", a);
+        choose("b", b);
+        EXPECT_NEAR(number(1), factor * number(0), 1e-3 * number(1)) << a << b;
+        EXPECT_GT(line_of_a(), 300) << a << b;
+        EXPECT_GT(line_of_b(), 200) << a << b;
+        EXPECT_GT(count("colours('pane-d')"), 40) << a << b;
+        EXPECT_EQ(browser_->text(kNoteOfDifference), "") << a << b;
+    }
+}
+
+TEST_F(Places, AFieldAlikeInYIsSlicedAsTheOther) {
+    open();
+    choose("a", "alike");
+    choose("b", "whole");
+    const std::string slice = browser_->text(kSlice), a = read(0), b = read(1);
+    EXPECT_NE(slice.find(" of 6)"), std::string::npos) << slice;
+    browser_->click("#slice-on");
+    EXPECT_NE(browser_->text(kSlice), slice);
+    EXPECT_EQ(read(0), a);
+    EXPECT_NE(read(1), b);
+    EXPECT_EQ(browser_->text(kNoteOfDifference), "");
+}
+
+TEST_F(Places, ThatAreApartAreToldInWords) {
+    for (const unsigned width : {1200u, 600u}) {
+        open(width);
+        choose("a", "mesh");
+        choose("b", "far");
+        const std::string words = "These two cases have no common places: A has y = 0.4350 mm, B has y = 0.9000 mm.";
+        EXPECT_EQ(browser_->text(kNoteOfDifference), words);
+        EXPECT_EQ(browser_->text(kNoteOfReadout), words);
+        EXPECT_TRUE(browser_->evaluate("document.getElementById('note-d').checkVisibility()").get<bool>());
+        EXPECT_EQ(browser_->text("document.getElementById('scale-d').style.visibility"), "hidden");
+        EXPECT_NE(browser_->text("document.getElementById('title-b').textContent").find("at y = 0.9000 mm"),
+                  std::string::npos);
+        EXPECT_GT(number(0), 0);
+        EXPECT_EQ(read(1), "–");
+        EXPECT_GT(line_of_a(), 200);
+        EXPECT_EQ(line_of_b(), 0);
+        EXPECT_LE(browser_->evaluate("document.documentElement.scrollWidth").get<unsigned>(), width);
+        choose("b", "other");
+        EXPECT_EQ(browser_->text(kNoteOfDifference), "") << "the words go with their cause";
+        EXPECT_EQ(browser_->text(kNoteOfReadout), "");
+        EXPECT_EQ(browser_->text("document.getElementById('scale-d').style.visibility"), "");
+    }
+}
+
+TEST_F(Places, BetweenTheSlicesCanBeComparedTheOtherWayRound) {
+    open();
+    choose("a", "whole");
+    choose("b", "mesh");
+    EXPECT_EQ(browser_->text(kNoteOfDifference), "No sample of A in this slice is a place of B, which has y = 0.4350 "
+                                                 "mm. With A and B exchanged they can be compared.");
+    EXPECT_EQ(browser_->text(kNoteOfReadout), "B has no values here.");
+    choose("a", "mesh");
+    choose("b", "whole");
+    EXPECT_EQ(browser_->text(kNoteOfDifference), "");
+    EXPECT_GT(number(1), 0);
+}
+
+TEST_F(Places, StrokesOutsideAreMadeAnew) {
+    open();
+    choose("a", "whole");
+    browser_->click("#axis-x");
+    const std::string first = "document.getElementById('stroke-0-0').valueAsNumber", whole = browser_->text(first);
+    choose("a", "far");
+    EXPECT_EQ(browser_->text(first), "0.9");
+    EXPECT_GT(line_of_a(), 200) << "a stroke within one y goes along z";
+    choose("a", "whole");
+    EXPECT_EQ(browser_->text(first), "0.9") << "one that lies inside stays";
+    EXPECT_GT(line_of_a(), 200);
+}
+
+TEST_F(Places, KeysChooseAndRead) {
+    open(600);
+    browser_->evaluate("document.getElementById('case-a').focus()");
+    browser_->press("ArrowDown");
+    await_title("a", "mesh");
+    browser_->press("Tab");
+    EXPECT_EQ(browser_->text("document.activeElement.id"), "case-b");
+    browser_->press("ArrowDown");
+    await_title("b", "other");
+    for (int i = 0; i < 20 && browser_->text("document.activeElement.id") != "pane-a"; ++i)
+        browser_->press("Tab");
+    const std::string place = browser_->text(kPlace);
+    browser_->press("ArrowRight");
+    EXPECT_NE(browser_->text(kPlace), place);
+    EXPECT_NEAR(number(1), 1.5 * number(0), 1e-3 * number(1));
+}
+
+// Every two cases, across every axis, whatever is shown.
+TEST_F(Places, NoPictureIsBlankWithoutWords) {
+    open();
+    const std::vector<std::string> names{"bump", "mesh", "other", "far", "whole", "alike"};
+    for (const std::string& a : names) {
+        choose("a", a);
+        for (const std::string& b : names) {
+            choose("b", b);
+            EXPECT_EQ(browser_->text("silent()"), "") << a << " and " << b;
+        }
+    }
+}
+
+} // namespace
+} // namespace forceshade::report
