@@ -172,7 +172,7 @@ TEST(EnergyFindings, TellHowFarTheEnginesSamplesAre) {
 
 TEST(EnergyFindings, OfTablesWithoutNumbersSayNothing) {
     StudyData data = sample();
-    data.tables.push_back(curl_maps_table({{{"map", "a"}, {"rms_per_K", 0.5}}, {{"map", "b"}, {"rms_per_K", 0.01}}}));
+    data.tables.push_back(curl_maps_table({{{"map", "a"}, {"mean_per_K", 0.5}}, {{"map", "b"}, {"mean_per_K", 0.01}}}));
     data.tables[1].rows = {{std::string("a law"), 600.0, 1.0, Cell(), 0.1, std::string("no")}};
     EXPECT_NE(finding(data, "laws").find("a law at 600 mil: no number, printed 1"), std::string::npos);
     for (Table& table : data.tables)
@@ -227,15 +227,31 @@ TEST(EnergyFindings, CallNothingConservativeThatMissesItsClosedForm) {
 
 TEST(EnergyFindings, CompareTheMapsOfCurl) {
     StudyData data = sample();
-    const std::vector<Json> maps{{{"map", "a"}, {"rms_per_K", 0.5}, {"closed_form_difference_per_K", 1e-8}},
-                                 {{"map", "b"}, {"rms_per_K", 0.01}}};
+    const auto map = [](const char* name, const char* scheme, double mean, double sampling) {
+        return Json{{"map", name}, {"scheme", scheme}, {"mean_per_K", mean}, {"sampling_per_K", sampling}};
+    };
+    std::vector<Json> maps{map("a", "shaded", 0.5, 1e-9), map("b", "facets", 0.01, 0.003)};
+    maps[0]["closed_form_difference_per_K"] = 1e-8;
     data.tables.push_back(curl_maps_table(maps));
-    EXPECT_EQ(finding(data, "curl"),
-              "The least curl has b (0.01 K, RMS), the most a (0.5 K, RMS); that of the flat shaded "
-              "plane is its closed form to 1e-08 K.");
     Table& table = data.tables.back();
-    table.rows[1][table.index("rms_per_K")] = 0.7;
-    EXPECT_NE(finding(data, "curl").find("least curl has a"), std::string::npos);
+    const std::string start = "Of curl, the mean size over a section's cells in contact: ",
+                      end = "; that of the flat shaded plane is its closed form to 1e-08 K.";
+    EXPECT_EQ(finding(data, "curl"), start + "the most has a (0.5 K), the least b (0.01 K)" + end);
+    table.rows[1][table.index("mean_per_K")] = 0.7;
+    EXPECT_EQ(finding(data, "curl"), start + "the most has b (0.7 K), the least a (0.5 K)" + end);
+    table.rows[1][table.index("sampling_per_K")] = 0.8;
+    EXPECT_EQ(finding(data, "curl"),
+              start + "a (0.5 K) has some; no more than sampling leaves, up to 0.7 K, has b" + end);
+}
+
+TEST(EnergyFindings, CountNoCurlOfASchemeWhoseLoopsGiveNothing) {
+    StudyData data = sample();
+    data.tables.push_back(curl_maps_table({{{"map", "mesh"}, {"scheme", "triangles none"}, {"mean_per_K", 0.9}},
+                                           {{"map", "bump"}, {"scheme", "shaded"}, {"mean_per_K", 0.1}}}));
+    const std::string text = finding(data, "curl");
+    EXPECT_NE(text.find("bump (0.1 K) has some; no more than sampling leaves, up to 0.9 K, has mesh."),
+              std::string::npos)
+        << text;
 }
 
 TEST(EnergyFindings, OfASceneNameLeastAndMost) {

@@ -183,6 +183,19 @@ TEST(Curl, InARectangleIsTheWorkRoundIt) {
     EXPECT_NEAR(-sum, shaded_plane_work({kStiffness, 0.0254, 0.999 * kHalfWidth, 0.002, 0.001}), 1e-6);
 }
 
+TEST(Curl, IsToldFromWhatSamplingLeavesAtJumps) {
+    const auto folder = std::filesystem::temp_directory_path() / "forceshade_energy_curl_test";
+    std::filesystem::create_directories(folder);
+    const auto engine = oracle();
+    for (const CurlMap& map : curl_maps(325)) {
+        const Json result = curl_result(map, *engine, folder);
+        const double mean = result["mean_per_K"], sampling = result["sampling_per_K"];
+        const bool conservative = map.scheme == "superposed" || map.scheme == "triangles none";
+        EXPECT_EQ(mean <= sampling, conservative) << map.title << " " << mean << " " << sampling;
+    }
+    std::filesystem::remove_all(folder);
+}
+
 TEST(Curl, VolumesAreWrittenAndTheirLossIsSeen) {
     const auto folder = std::filesystem::temp_directory_path() / "forceshade_energy_study_test";
     std::filesystem::create_directories(folder);

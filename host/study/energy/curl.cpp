@@ -76,9 +76,28 @@ struct Blocks {
     std::vector<double> curl_y; /* N/m: means; NaN where more than half is unknown */
 };
 
+/// The means over the blocks of `across` x `up` cells of a field.
+std::vector<double> block_means(const Blocks& blocks, std::size_t across, std::size_t up,
+                                const std::vector<double>& curl, std::size_t across_all) {
+    std::vector<double> means;
+    for (std::size_t block = 0; block < blocks.columns * blocks.rows; ++block) {
+        const std::size_t i = block % blocks.columns * across, k = block / blocks.columns * up, all = across * up;
+        double sum = 0;
+        std::size_t count = 0;
+        for (std::size_t at = 0; at < all; ++at)
+            if (const double value = curl[(k + at / across) * across_all + i + at % across]; !std::isnan(value)) {
+                sum += value;
+                ++count;
+            }
+        means.push_back(2 * count >= all ? sum / static_cast<double>(count) : std::numeric_limits<double>::quiet_NaN());
+    }
+    return means;
+}
+
+/// Of an even number of cells each way, so that half as many samples have the same blocks.
 Blocks blocks_of(const SectionField& field, const std::vector<double>& curl, const GridSpec& fine) {
     const std::size_t across_all = field.x.size() - 1, up_all = field.z.size() - 1;
-    const auto stride = [](std::size_t cells, std::size_t most) { return (cells + most - 1) / most; };
+    const auto stride = [](std::size_t cells, std::size_t most) { return 2 * ((cells + 2 * most - 1) / (2 * most)); };
     Blocks blocks{stride(across_all, kMapColumns), stride(up_all, kMapRows), 0, 0, fine, {}};
     blocks.columns = across_all / blocks.across;
     blocks.rows = up_all / blocks.up;
@@ -88,20 +107,7 @@ Blocks blocks_of(const SectionField& field, const std::vector<double>& curl, con
         blocks.grid.spacing[axis] *= static_cast<double>(counts[axis]);
         blocks.grid.origin[axis] += blocks.grid.spacing[axis] / 2;
     }
-    for (std::size_t block = 0; block < blocks.columns * blocks.rows; ++block) {
-        const std::size_t i = block % blocks.columns * blocks.across, k = block / blocks.columns * blocks.up;
-        const std::size_t all = blocks.across * blocks.up;
-        double sum = 0;
-        std::size_t count = 0;
-        for (std::size_t at = 0; at < all; ++at)
-            if (const double value = curl[(k + at / blocks.across) * across_all + i + at % blocks.across];
-                !std::isnan(value)) {
-                sum += value;
-                ++count;
-            }
-        blocks.curl_y.push_back(2 * count >= all ? sum / static_cast<double>(count)
-                                                 : std::numeric_limits<double>::quiet_NaN());
-    }
+    blocks.curl_y = block_means(blocks, blocks.across, blocks.up, curl, across_all);
     return blocks;
 }
 
@@ -119,20 +125,33 @@ double closed_form_difference(const CurlMap& map, const SectionField& field, con
 }
 
 struct Sizes {
-    double largest = 0, squares = 0; /* N/m, squared */
+    double largest = 0, sum = 0; /* N/m */
     std::size_t count = 0;
+    Json mean(double stiffness) const { return count ? Json(sum / static_cast<double>(count) / stiffness) : Json(); }
 };
 
-Sizes sizes_of(const Blocks& blocks) {
+/// Of the numbers that are known.
+Sizes sizes_of(const std::vector<double>& values) {
     Sizes sizes;
-    for (const double value : blocks.curl_y) {
+    for (const double value : values) {
         if (std::isnan(value))
             continue;
         sizes.largest = std::max(sizes.largest, std::abs(value));
-        sizes.squares += value * value;
+        sizes.sum += std::abs(value);
         ++sizes.count;
     }
     return sizes;
+}
+
+/// What the blocks' means change by where every second sample is left out, N/m. At a jump of the force the work round
+/// a cell depends on where samples lie; what is left of that in a mean shrinks with their spacing, curl does not.
+std::vector<double> changes_of_half(const SectionField& field, const Blocks& blocks) {
+    const SectionField half = every_second(field);
+    std::vector<double> changes =
+        block_means(blocks, blocks.across / 2, blocks.up / 2, cell_curls(half), half.x.size() - 1);
+    for (std::size_t i = 0; i < changes.size(); ++i)
+        changes[i] -= blocks.curl_y[i];
+    return changes;
 }
 
 Json cells_of(const Blocks& blocks, double stiffness) {
@@ -199,18 +218,34 @@ std::vector<double> cell_curls(const SectionField& field) {
     return curls;
 }
 
+SectionField every_second(const SectionField& field) {
+    SectionField half;
+    for (std::size_t i = 0; i < field.x.size(); i += 2)
+        half.x.push_back(field.x[i]);
+    for (std::size_t k = 0; k < field.z.size(); k += 2) {
+        half.z.push_back(field.z[k]);
+        for (std::size_t i = 0; i < field.x.size(); i += 2) {
+            const double* force = &field.force[3 * field.at(i, k)];
+            half.force.insert(half.force.end(), force, force + 3);
+            half.depth.push_back(field.depth[field.at(i, k)]);
+        }
+    }
+    return half;
+}
+
 Json curl_result(const CurlMap& map, Engine& engine, const std::filesystem::path& folder) {
     const SectionField field = evaluated_section(engine, map.prepared);
     const std::vector<double> curl = cell_curls(field);
     const double stiffness = map.prepared.one.scene.force.stiffness;
     const Blocks blocks = blocks_of(field, curl, map.prepared.one.scene.grid);
-    const Sizes sizes = sizes_of(blocks);
+    const Sizes sizes = sizes_of(blocks.curl_y);
     Json result{{"map", map.title},
+                {"scheme", map.scheme},
                 {"spacing_mm", 1e3 * map.prepared.one.scene.grid.spacing[0]},
                 {"cell_mm", 1e3 * blocks.grid.spacing[0]}};
     result["largest_per_K"] = sizes.largest / stiffness;
-    result["rms_per_K"] =
-        sizes.count ? Json(std::sqrt(sizes.squares / static_cast<double>(sizes.count)) / stiffness) : Json();
+    result["mean_per_K"] = sizes.mean(stiffness);
+    result["sampling_per_K"] = sizes_of(changes_of_half(field, blocks)).mean(stiffness);
     if (map.closed_form)
         result["closed_form_difference_per_K"] = closed_form_difference(map, field, curl) / stiffness;
     result["cells"] = cells_of(blocks, stiffness);

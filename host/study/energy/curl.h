@@ -30,13 +30,18 @@ SectionField evaluated_section(Engine& engine, const PreparedCase& prepared);
 /// together is their sum, forces that jump along slanted lines included.
 std::vector<double> cell_curls(const SectionField& field);
 
+/// The field without every second sample, the first kept.
+SectionField every_second(const SectionField& field);
+
 /// The force as NAME.exr, each sample that stands for a cell of the map, and the map's curl as NAME.curl.exr (R, G, B:
 /// curl_x, curl_y, curl_z in N/m; of them only curl_y is known, the others and what is not known are 0), with a summary
-/// and the map's cells, means over blocks of cells, as JSON. `closed_form`(x, z) is the curl in N/m where it is known,
+/// and the map's cells, means over blocks of cells, as JSON. What sampling leaves of curl is told by how those
+/// means change where every second sample is left out. `closed_form`(x, z) is the curl in N/m where it is known,
 /// or empty.
 struct CurlMap {
-    std::string name;  /* the volumes' stem */
-    std::string title; /* as the table has it */
+    std::string name;   /* the volumes' stem */
+    std::string title;  /* as the table has it */
+    std::string scheme; /* as the table of loops has it */
     PreparedCase prepared;
     std::function<double(double x, double z)> closed_form;
 };

@@ -87,8 +87,9 @@ std::vector<Figure> curl_figures(const std::vector<nlohmann::ordered_json>& maps
         figure.caption =
             "A section of x and z; colour is the work round each cell over its area and K, wherever the probe touches. "
             "Without colour a loop gives no energy; the work round a loop is the sum of the cells inside it. All maps "
-            "share a scale that ends at 0.5. Colours that alternate along a slanted line are a jump of the force "
-            "between samples and cancel.";
+            "share a scale that ends at 0.5. Along a line where the force jumps, a cell has the jump's part along the "
+            "line over its width, the more the narrower cells are; colours that alternate along a slanted line are "
+            "a jump across it, between samples: they cancel and are no curl.";
         figure.kind = FigureKind::map;
         figure.table = "curl";
         figure.where = {{"map", title}};

@@ -190,7 +190,7 @@ std::vector<CurlMap> scene_curl_maps(const PreparedCase& scene, std::uint64_t co
         std::string name = "scene-" + scheme.name;
         std::erase(name, ',');
         std::ranges::replace(name, ' ', '-');
-        maps.push_back({name, scheme.name, std::move(prepared), {}});
+        maps.push_back({name, scheme.name, scheme.name, std::move(prepared), {}});
     }
     return maps;
 }

@@ -253,12 +253,19 @@ Table curl_maps_table(const std::vector<Json>& maps) {
     Table table{"curl_maps",
                 "How much curl a field has",
                 {{"map", "", "Which section."},
+                 {"scheme", "", "Whose force it is, as in loops."},
                  {"spacing_mm", "mm", "Between samples of the field along x."},
                  {"cell_mm", "mm", "Width of a cell of the map, whose curl is the work round it over its area."},
                  {"largest_per_K", "1",
-                  "Largest size of a cell's curl_y over the stiffness; a jump of the force counts over the "
-                  "cell's width."},
-                 {"rms_per_K", "1", "Root mean square over the map's cells in contact."},
+                  "Largest size of a cell's curl_y over the stiffness; a jump of the force along a line has it spread "
+                  "over the cell's width, so that this grows as cells shrink."},
+                 {"mean_per_K", "1",
+                  "Mean size of curl_y over the stiffness, of the map's cells in contact; jumps along lines count by "
+                  "their length, however wide cells are."},
+                 {"sampling_per_K", "1",
+                  "Mean size of what the cells' curl_y changes by where every second sample of the field is left out, "
+                  "over the stiffness: a mean_per_K that is not above it is sampling's own, at jumps of the force "
+                  "across lines that samples do not follow."},
                  {"closed_form_difference_per_K", "1", "Largest difference from the closed form, where there is one."}},
                 {}};
     for (const Json& map : maps)

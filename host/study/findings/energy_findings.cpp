@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <optional>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "host/study/findings/energy_curl_findings.h"
 #include "host/study/findings/energy_least_findings.h"
 
 namespace forceshade::study {
@@ -70,33 +70,43 @@ double nothing(const Table& loops) {
     return std::min(most, kMostNothing);
 }
 
-/// Schemes that have no more than that in any row.
-void add_conservative(const Table& loops, std::vector<Finding>& findings) {
-    std::vector<std::string> order;
-    std::map<std::string, double> largest;
+/// Schemes in the order of their rows, and the row of each with the largest size of eta.
+std::vector<std::pair<std::string, std::size_t>> largest_rows(const Table& loops) {
+    std::vector<std::pair<std::string, std::size_t>> largest;
     for (std::size_t row = 0; row < loops.rows.size(); ++row) {
         const std::string scheme = loops.word(row, "scheme");
-        const auto eta = loops.number(row, "eta");
-        if (!eta)
+        if (!loops.number(row, "eta"))
             continue;
-        if (!largest.contains(scheme))
-            order.push_back(scheme);
-        largest[scheme] = std::max(largest[scheme], std::abs(*eta));
+        const auto found = std::ranges::find(largest, scheme, [](const auto& one) { return one.first; });
+        if (found == largest.end())
+            largest.emplace_back(scheme, row);
+        else if (std::abs(loops.needed(row, "eta")) > std::abs(loops.needed(found->second, "eta")))
+            found->second = row;
     }
-    if (order.empty())
+    return largest;
+}
+
+/// Schemes that have as good as none in any row.
+std::vector<std::string> conservative_schemes(const Table& loops) {
+    const double limit = nothing(loops);
+    std::vector<std::string> schemes;
+    for (const auto& [scheme, row] : largest_rows(loops))
+        if (std::abs(loops.needed(row, "eta")) < limit)
+            schemes.push_back(scheme);
+    return schemes;
+}
+
+void add_conservative(const Table& loops, std::vector<Finding>& findings) {
+    const auto largest = largest_rows(loops);
+    if (largest.empty())
         return;
     const double limit = nothing(loops);
-    std::vector<std::string> none;
-    std::string most = order.front();
-    for (const std::string& scheme : order) {
-        if (largest[scheme] < limit)
-            none.push_back(scheme);
-        if (largest[scheme] > largest[most])
-            most = scheme;
-    }
-    const std::string rest = largest[most] < limit ? std::string()
-                                                   : fmt::format("; the most, {:.2g} % of the effort, is that of {}",
-                                                                 100 * largest[most], most);
+    const std::vector<std::string> none = conservative_schemes(loops);
+    const auto size = [&](const auto& one) { return std::abs(loops.needed(one.second, "eta")); };
+    const auto most = *std::ranges::max_element(largest, {}, size);
+    const std::string rest = size(most) < limit ? std::string()
+                                                : fmt::format("; the most, {:.2g} % of the effort, is that of {}",
+                                                              100 * size(most), most.first);
     findings.push_back({"conservative", none.empty() ? fmt::format("No scheme here is conservative{}.", rest)
                                                      : fmt::format("Conservative, to {:.1g} of the effort: {}{}.",
                                                                    limit, fmt::join(none, "; "), rest)});
@@ -181,33 +191,6 @@ void add_scene(const StudyData& data, const Table& loops, std::vector<Finding>& 
                               loops.word(*least, "scheme"), gives(*least), loops.word(*most, "scheme"), gives(*most))});
 }
 
-/// Which map has the least curl and which the most, and how far one is from its closed form.
-void add_curl(const StudyData& data, std::vector<Finding>& findings) {
-    const Table* maps = data.find("curl_maps");
-    if (!maps)
-        return;
-    std::optional<std::size_t> least, most;
-    double off = -1;
-    for (std::size_t row = 0; row < maps->rows.size(); ++row) {
-        off = std::max(off, maps->number(row, "closed_form_difference_per_K").value_or(-1));
-        const auto rms = maps->number(row, "rms_per_K");
-        if (!rms)
-            continue;
-        least = !least || *rms < *maps->number(*least, "rms_per_K") ? row : *least;
-        most = !most || *rms > *maps->number(*most, "rms_per_K") ? row : *most;
-    }
-    if (!least || *least == *most)
-        return;
-    const auto named = [&](std::size_t row) {
-        return fmt::format("{} ({:.1g} K, RMS)", maps->word(row, "map"), *maps->number(row, "rms_per_K"));
-    };
-    findings.push_back(
-        {"curl",
-         fmt::format("The least curl has {}, the most {}{}.", named(*least), named(*most),
-                     off < 0 ? ""
-                             : fmt::format("; that of the flat shaded plane is its closed form to {:.1g} K", off))});
-}
-
 } // namespace
 
 std::vector<Finding> energy_findings(const StudyData& data) {
@@ -218,7 +201,7 @@ std::vector<Finding> energy_findings(const StudyData& data) {
     add_shading(loops, findings);
     add_conservative(loops, findings);
     add_history(loops, findings);
-    add_curl(data, findings);
+    add_curl(data, conservative_schemes(loops), findings);
     add_laws(data, findings);
     add_engine(loops, findings);
     return findings;
