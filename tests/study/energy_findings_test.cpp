@@ -134,8 +134,9 @@ TEST(EnergyFindings, TellHowShadingGoesWithFacets) {
                                     row("bump", "shaded", 3, 0, three)})};
         return finding(data, "shading");
     };
-    const std::string first = "Force shading a bump of 1000 mil with 1 facet gives 0.36 mJ a round, 24 % of the "
-                              "effort; ";
+    const std::string first =
+        "Force shading a bump with a radius of 1000 mil and 1 facet gives 0.36 mJ a round, 24 % of "
+        "the effort; ";
     EXPECT_EQ(text(0.24, 0.02, 0.07),
               first + "it is least with 3 facets, 2 %; with 512, the most facets here, it is 7 %.");
     EXPECT_EQ(text(0.24, 0.1, 1e-15), first + "with 512, the most facets here, it is least, 0 %.");
@@ -143,10 +144,33 @@ TEST(EnergyFindings, TellHowShadingGoesWithFacets) {
     EXPECT_EQ(text(0.24, 0.241, 0.242), first + "up to 512, the most facets here, it stays so.");
 }
 
+TEST(EnergyFindings, TellWhereEnergyIsMeant) {
+    Json few = row("bump", "shaded", 1, 0, 0.24), many = row("bump", "shaded", 3, 0, 0.5);
+    for (Json* one : {&few, &many})
+        one->update({{"stiffness_N_per_m", 500.0}, {"out_mm", 2.0}, {"back_mm", 1.0}, {"radius_mil", 1000.0}});
+    Json other = many;
+    other.update({{"scheme", "facets"}, {"radius_mil", 600.0}, {"eta", 0.53}});
+    StudyData data;
+    data.tables = {loops_table({few, many, other})};
+    EXPECT_NE(finding(data, "shading").find("0.36 mJ a round (K = 500 N/m, out 2 mm deep and back 1 mm deep), 24 %"),
+              std::string::npos)
+        << finding(data, "shading");
+    EXPECT_EQ(finding(data, "conservative"),
+              "No scheme here is conservative; the most, 53 % of the effort, is given by "
+              "facets (3 facets, radius of 600 mil).");
+    set(data.tables[0], "facets", "eta", -0.53);
+    set(data.tables[0], "facets", "loop", std::string("whole"));
+    EXPECT_NE(
+        finding(data, "conservative")
+            .find("the most, 53 % of the effort, is taken by facets (3 facets, radius of 600 mil, the whole loop)"),
+        std::string::npos)
+        << finding(data, "conservative");
+}
+
 TEST(EnergyFindings, TellWhatTheGodObjectsHistoryDoes) {
     StudyData data;
     data.tables = {loops_table({row("mesh of triangles", "triangles none, god-object", 8, 2, -0.041)})};
-    const std::string who = "The god-object on a mesh of 8 cells over the bump, unshaded, ";
+    const std::string who = "The god-object on a mesh of 8 cells over the bump with a radius of 1000 mil, unshaded, ";
     EXPECT_EQ(finding(data, "history"),
               who + "takes at least 4.1 % of the effort from the hand, whichever way the loop goes.");
     set(data.tables[0], "triangles none, god-object", "eta", 0.02);
@@ -162,9 +186,11 @@ TEST(EnergyFindings, TellHowFarTheEnginesSamplesAre) {
     set(data.tables[0], "shaded", "engine_difference", 3e-7);
     const std::string text = "Work added up from the engine's samples is within {} of the effort of the oracle's; the "
                              "most is at {}.";
-    EXPECT_EQ(finding(data, "engine"), fmt::format(fmt::runtime(text), "3e-07", "shaded"));
+    EXPECT_EQ(finding(data, "engine"),
+              fmt::format(fmt::runtime(text), "3e-07", "shaded (1 facet, radius of 1000 mil)"));
     set(data.tables[0], "facets", "engine_difference", 0.02);
-    EXPECT_EQ(finding(data, "engine"), fmt::format(fmt::runtime(text), "0.02", "facets"));
+    EXPECT_EQ(finding(data, "engine"),
+              fmt::format(fmt::runtime(text), "0.02", "facets (8 facets, radius of 1000 mil)"));
     for (auto& cells : data.tables[0].rows)
         cells[data.tables[0].index("engine_difference")] = Cell();
     EXPECT_EQ(finding(data, "engine"), "");

@@ -10,6 +10,7 @@
 #include "host/study/energy/curl_maps.h"
 #include "host/study/energy/loop_cases.h"
 #include "host/study/energy/loop_paths.h"
+#include "host/study/energy/notes.h"
 #include "host/study/energy/scene_loops.h"
 #include "host/study/energy/scenes.h"
 #include "host/study/energy/tables.h"
@@ -140,6 +141,25 @@ TEST(SceneLoops, OverPlaneAndCylinderAreConservativeWhereverTheyComeThroughThePl
                 EXPECT_EQ(conservative(data), "Conservative, to 1e-09 of the effort: superposed.");
             }
         }
+}
+
+bool says(const std::vector<std::string>& notes, const char* part) {
+    return std::ranges::any_of(notes, [&](const std::string& note) { return note.find(part) != std::string::npos; });
+}
+
+TEST(Notes, TellStiffnessDepthsAndWaysOfTheLoops) {
+    for (const char* part :
+         {"K = 500 N/m", "out 2 mm deep, up, back 1 mm deep", "\"superposed\" is", "\"plane mesh\" is",
+          "\"height map on the plane\" is", "0.999 of half the width of 25.4 mm"})
+        EXPECT_TRUE(says(loop_notes(), part)) << part;
+    const PreparedCase bump = scene("[surface]\nkind = \"bump\"\nfacets = 3\nradius = \"800 mil\"\n[force]\n"
+                                    "stiffness = \"300 N/m\"\n[paths]\ndepth = \"3 mm\"\n");
+    const std::vector<std::string> notes = scene_notes(bump, scene_loops(bump));
+    for (const char* part :
+         {"K is 300 N/m", "below the scene's own facets, at y = 0 mm: \"half\" from x = 0 mm to 12.69 mm",
+          "\"whole\" from x = -15.21 mm", "out 3 mm deep, up, back 1.5 mm deep"})
+        EXPECT_TRUE(says(notes, part)) << part << notes.front();
+    EXPECT_FALSE(says(notes, "god-object"));
 }
 
 TEST(SceneLoops, WithoutRoomAreRefused) {

@@ -5,6 +5,7 @@
 #include "host/interrupt.h"
 #include "host/study/energy/curl_maps.h"
 #include "host/study/energy/loop_cases.h"
+#include "host/study/energy/notes.h"
 #include "host/study/energy/scene_loops.h"
 #include "host/study/energy/scenes.h"
 #include "host/study/energy/tables.h"
@@ -34,18 +35,15 @@ Json rows_of(const std::vector<LoopCase>& loops, Engine& engine) {
 }
 
 /// A step a loop, which of a scene may take long.
-std::vector<Step> scene_steps(StudyRun& run) {
+std::vector<Step> scene_steps(StudyRun& run, const std::vector<LoopCase>& loops) {
     std::vector<Step> steps;
-    std::vector<LoopCase> loops = scene_loops(*run.scene());
     for (std::size_t i = 0; i < loops.size(); ++i)
         steps.push_back({fmt::format("scene-{}", i),
-                         [&run, one = std::move(loops[i])] { return Json::array({loop_row(one, run.engine())}); }});
+                         [&run, one = loops[i]] { return Json::array({loop_row(one, run.engine())}); }});
     return steps;
 }
 
 std::vector<Step> loop_steps(StudyRun& run, const Form& form) {
-    if (run.scene())
-        return scene_steps(run);
     std::vector<Step> steps;
     for (const double radius : kPaperRadii) {
         steps.push_back({fmt::format("bump-{}", radius),
@@ -82,7 +80,9 @@ void restore_volumes(StudyRun& run, const std::vector<Step>& steps, std::vector<
 
 StudyData study_energy(StudyRun& run) {
     const Form form = form_of(run.options().quick);
-    std::vector<Step> loops = loop_steps(run, form), curls = curl_steps(run, form), all = loops;
+    const std::vector<LoopCase> of_scene = run.scene() ? scene_loops(*run.scene()) : std::vector<LoopCase>();
+    std::vector<Step> loops = run.scene() ? scene_steps(run, of_scene) : loop_steps(run, form);
+    std::vector<Step> curls = curl_steps(run, form), all = loops;
     all.insert(all.end(), curls.begin(), curls.end());
     const std::vector<Json> results = run.run(all);
     const auto middle = results.begin() + static_cast<std::ptrdiff_t>(loops.size());
@@ -91,6 +91,7 @@ StudyData study_energy(StudyRun& run) {
         rows.insert(rows.end(), result->begin(), result->end());
     restore_volumes(run, curls, maps);
     StudyData data = run.data();
+    data.notes = run.scene() ? scene_notes(*run.scene(), of_scene) : loop_notes();
     data.tables.push_back(loops_table(rows));
     const Table table = data.tables.front();
     if (!run.scene()) {

@@ -172,6 +172,9 @@ Json loop_row(const LoopCase& one, Engine& engine) {
              {"loop", one.loop},
              {"facets", one.facets ? Json(one.facets) : Json()}};
     row["radius_mil"] = one.radius_mil > 0 ? Json(one.radius_mil) : Json();
+    row["stiffness_N_per_m"] = one.prepared.one.scene.force.stiffness;
+    row["out_mm"] = one.out / kMilli;
+    row["back_mm"] = one.back / kMilli;
     row["work_mJ"] = found.forth / kMilli;
     row["work_back_mJ"] = found.back / kMilli;
     row["gained_mJ"] = found.most() / kMilli;

@@ -12,9 +12,9 @@
 namespace forceshade::study {
 namespace {
 
-constexpr double kEnd = 0.999 * kHalfWidth; /* m: x1 of the laws' rectangle */
-constexpr double kMeshRadius = 1000;        /* mil */
-constexpr int kMeshPieces = 2;              /* of an arc between facets */
+constexpr double kEnd = kLoopEnd * kHalfWidth; /* m */
+constexpr double kMeshRadius = 1000;           /* mil */
+constexpr int kMeshPieces = 2;                 /* of an arc between facets */
 constexpr int kMeshSteps = 1024;
 
 double rise(double radius, double x) {

@@ -129,9 +129,8 @@ std::function<Vector(double, double)> normals_of(const Scene& scene) {
 /// Where a loop from the middle ends: inside the bump, where its last facet slopes, for over the rim on the plane the
 /// breaks of unequal slopes add up to nothing.
 double half_end(const Scene& scene, double middle, double end) {
-    constexpr double kInside = 0.999; /* of the half width, as in the built-in loops */
     const bool bump = scene.surface.kind == SurfaceKind::bump || scene.surface.kind == SurfaceKind::cylinder_bump;
-    const double rim = kInside * scene.surface.width / 2;
+    const double rim = kLoopEnd * scene.surface.width / 2;
     return bump && middle < rim ? std::min(end, rim) : end;
 }
 

@@ -9,9 +9,10 @@
 
 namespace forceshade::study {
 
-inline constexpr double kMil = 25.4e-6;                    /* m */
-inline constexpr double kHalfWidth = 0.0127;               /* m: a of the paper, to the bit as scenes have it */
-inline constexpr double kStiffness = 500;                  /* K, N/m */
+inline constexpr double kMil = 25.4e-6;      /* m */
+inline constexpr double kHalfWidth = 0.0127; /* m: a of the paper, to the bit as scenes have it */
+inline constexpr double kLoopEnd = 0.999;    /* of the half width: x1 of the laws' rectangle, inside the bump */
+inline constexpr double kStiffness = 500;    /* K, N/m */
 inline constexpr double kPaperRadii[] = {600, 1000, 1400}; /* mil */
 
 /// What the force of a bump is made of, in the words of a scene file.

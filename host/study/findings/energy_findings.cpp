@@ -22,6 +22,30 @@ std::string percent(double share) {
     return fmt::format("{:.2g} %", std::abs(share) < kRounding ? 0 : 100 * share);
 }
 
+/// "K = 500 N/m, out 2 mm deep and back 1 mm deep"; empty where the table does not say.
+std::string terms(const Table& loops, std::size_t row) {
+    for (const char* column : {"stiffness_N_per_m", "out_mm", "back_mm"})
+        if (!loops.has(column) || !loops.number(row, column))
+            return "";
+    return fmt::format("K = {:.4g} N/m, out {:.4g} mm deep and back {:.4g} mm deep",
+                       loops.needed(row, "stiffness_N_per_m"), loops.needed(row, "out_mm"),
+                       loops.needed(row, "back_mm"));
+}
+
+/// " (512 facets, radius of 600 mil)": what tells a scheme's rows apart, where there is anything.
+std::string place(const Table& loops, std::size_t row) {
+    std::vector<std::string> parts;
+    if (const auto facets = loops.number(row, "facets"))
+        parts.push_back(fmt::format("{:.0f} {}{}", *facets,
+                                    loops.word(row, "group").starts_with("mesh") ? "cell" : "facet",
+                                    *facets == 1 ? "" : "s"));
+    if (const auto radius = loops.number(row, "radius_mil"))
+        parts.push_back(fmt::format("radius of {:.6g} mil", *radius));
+    if (loops.word(row, "loop") == "whole")
+        parts.emplace_back("the whole loop");
+    return parts.empty() ? "" : fmt::format(" ({})", fmt::join(parts, ", "));
+}
+
 /// Rows of the shaded bump at a radius in mil, those with the fewest facets first.
 std::vector<std::size_t> shaded_rows(const Table& loops, double radius) {
     std::vector<std::size_t> rows;
@@ -54,11 +78,12 @@ void add_shading(const Table& loops, std::vector<Finding>& findings) {
     else
         change = fmt::format("it is least with {:.0f} facets, {}; {} it is {}", facets(least), percent(eta(least)),
                              last, percent(eta(many)));
+    const std::string with = terms(loops, few);
     findings.push_back(
-        {"shading", fmt::format("Force shading a bump of 1000 mil with {:.0f} facet{} gives {:.3g} mJ a round, {} of "
-                                "the effort; {}.",
+        {"shading", fmt::format("Force shading a bump with a radius of 1000 mil and {:.0f} facet{} gives {:.3g} mJ a "
+                                "round{}, {} of the effort; {}.",
                                 facets(few), facets(few) == 1 ? "" : "s", loops.needed(few, "gained_mJ"),
-                                percent(eta(few)), change)});
+                                with.empty() ? "" : fmt::format(" ({})", with), percent(eta(few)), change)});
 }
 
 /// As good as 0: rounding, or what quadrature leaves of loops that give nothing by their closed form.
@@ -104,9 +129,11 @@ void add_conservative(const Table& loops, std::vector<Finding>& findings) {
     const std::vector<std::string> none = conservative_schemes(loops);
     const auto size = [&](const auto& one) { return std::abs(loops.needed(one.second, "eta")); };
     const auto most = *std::ranges::max_element(largest, {}, size);
-    const std::string rest = size(most) < limit ? std::string()
-                                                : fmt::format("; the most, {:.2g} % of the effort, is that of {}",
-                                                              100 * size(most), most.first);
+    const std::string rest = size(most) < limit
+                                 ? std::string()
+                                 : fmt::format("; the most, {:.2g} % of the effort, is {} by {}{}", 100 * size(most),
+                                               loops.needed(most.second, "eta") < 0 ? "taken" : "given", most.first,
+                                               place(loops, most.second));
     findings.push_back({"conservative", none.empty() ? fmt::format("No scheme here is conservative{}.", rest)
                                                      : fmt::format("Conservative, to {:.1g} of the effort: {}{}.",
                                                                    limit, fmt::join(none, "; "), rest)});
@@ -117,7 +144,8 @@ void add_history(const Table& loops, std::vector<Finding>& findings) {
     for (std::size_t row = 0; row < loops.rows.size(); ++row) {
         const std::string scheme = loops.word(row, "scheme");
         const auto eta = loops.number(row, "eta");
-        if (!scheme.ends_with(" none" + kGodObject) || loops.number(row, "facets") != 8.0 || !eta)
+        if (!scheme.ends_with(" none" + kGodObject) || loops.number(row, "facets") != 8.0 || !eta ||
+            !loops.number(row, "radius_mil"))
             continue;
         const std::string says = std::abs(*eta) < kRounding ? "neither gives nor takes energy"
                                  : *eta < 0 ? fmt::format("takes at least {} of the effort from the hand, whichever "
@@ -125,7 +153,9 @@ void add_history(const Table& loops, std::vector<Finding>& findings) {
                                                           percent(-*eta))
                                             : fmt::format("gives up to {} of the effort", percent(*eta));
         findings.push_back(
-            {"history", fmt::format("The god-object on a mesh of 8 cells over the bump, unshaded, {}.", says)});
+            {"history", fmt::format("The god-object on a mesh of 8 cells over the bump with a radius of {:.6g} mil, "
+                                    "unshaded, {}.",
+                                    loops.needed(row, "radius_mil"), says)});
         return;
     }
 }
@@ -152,16 +182,16 @@ void add_laws(const StudyData& data, std::vector<Finding>& findings) {
 
 void add_engine(const Table& loops, std::vector<Finding>& findings) {
     double largest = -1;
-    std::string scheme;
+    std::size_t most = 0;
     for (std::size_t row = 0; row < loops.rows.size(); ++row)
         if (const auto off = loops.number(row, "engine_difference"); off && *off > largest) {
             largest = *off;
-            scheme = loops.word(row, "scheme");
+            most = row;
         }
     if (largest >= 0)
         findings.push_back({"engine", fmt::format("Work added up from the engine's samples is within {:.1g} of the "
-                                                  "effort of the oracle's; the most is at {}.",
-                                                  largest, scheme)});
+                                                  "effort of the oracle's; the most is at {}{}.",
+                                                  largest, loops.word(most, "scheme"), place(loops, most))});
 }
 
 /// Without tables that compare at equal errors, as of a user's scene: who gives least and most round a loop over half.
@@ -185,10 +215,12 @@ void add_scene(const StudyData& data, const Table& loops, std::vector<Finding>& 
                : value < nothing(loops) ? std::string("gives none")
                                         : fmt::format("gives {:.2g} % of the effort", 100 * value);
     };
+    const std::string with = terms(loops, *least);
     findings.push_back(
-        {"scene", fmt::format("Of this scene's schemes {} has the least energy to give: a loop {}; {} has "
+        {"scene", fmt::format("Of this scene's schemes{} {} has the least energy to give: a loop {}; {} has "
                               "the most: a loop {}.",
-                              loops.word(*least, "scheme"), gives(*least), loops.word(*most, "scheme"), gives(*most))});
+                              with.empty() ? "" : fmt::format(" ({}, over half)", with), loops.word(*least, "scheme"),
+                              gives(*least), loops.word(*most, "scheme"), gives(*most))});
 }
 
 } // namespace
