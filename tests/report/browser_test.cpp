@@ -165,6 +165,24 @@ TEST_F(Page, FitsNarrowAndWideWindows) {
     }
 }
 
+TEST_F(Page, FiguresStayReadable) {
+    const std::string figure = "document.querySelector('.figures figure')";
+    const auto box = [&](const std::string& part, const std::string& side) {
+        return browser_->evaluate(figure + part + ".getBoundingClientRect()." + side).get<double>();
+    };
+    const std::string picture = ".querySelector('svg')", caption = ".querySelector('figcaption')";
+    for (const unsigned width : {360u, 600u, 800u, 801u, 1400u, 1680u}) {
+        SCOPED_TRACE(width);
+        open(width);
+        EXPECT_GE(11.0 / 760 * box(picture, "width"), 10) << "px of a word of 11 px in the file, 760 px wide";
+        EXPECT_LE(box("", "right"), width);
+        EXPECT_LE(box(caption, "right"), box("", "right"));
+        browser_->evaluate(figure + ".scrollLeft = 1000");
+        EXPECT_GE(box(caption, "left"), box("", "left") - 0.5) << "captions stay";
+        EXPECT_LE(box(picture, "right"), box("", "right") + 0.5) << "all of it can be seen";
+    }
+}
+
 TEST_F(Page, PrintsWhole) {
     open(1200, true);
     browser_->evaluate("addEventListener('beforeprint', () => { window.folded = "

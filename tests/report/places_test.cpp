@@ -157,6 +157,16 @@ TEST_F(Places, WhatDoesNotDependOnYIsComparedAtAnyY) {
     }
 }
 
+TEST_F(Places, AFieldAlikeInYIsShownAtTheOthersY) {
+    open();
+    choose("a", "mesh");
+    choose("b", "bump");
+    browser_->click("#axis-x");
+    browser_->drag("#pane-b", 60, 200, 0, 0);
+    EXPECT_NE(browser_->text(kPlace).find("y = 0.43"), std::string::npos) << browser_->text(kPlace);
+    EXPECT_NE(read(0), "–");
+}
+
 TEST_F(Places, AFieldAlikeInYIsSlicedAsTheOther) {
     open();
     choose("a", "alike");
