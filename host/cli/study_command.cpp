@@ -67,6 +67,19 @@ std::optional<Case> scene_of(const StudyArguments& arguments, const CommonOption
     return one;
 }
 
+// A coarse run in the place of a full one is not what everybody expects.
+void warn_of_full_run(const std::filesystem::path& folder, const CommonOptions& common) {
+    try {
+        if (!study::read_data(folder).quick)
+            print_warnings({fmt::format("{} holds a full run, whose tables and figures become coarse ones; the same "
+                                        "command without --quick brings them back from {}",
+                                        folder.string(), (folder / study::kSteps).string())},
+                           common);
+    } catch (const Error&) {
+        // None is there that could be read.
+    }
+}
+
 int run(const StudyArguments& arguments, const CommonOptions& common) {
     const KnownStudy& known = known_study(arguments.name);
     if (arguments.out.empty())
@@ -79,6 +92,8 @@ int run(const StudyArguments& arguments, const CommonOptions& common) {
     options.fresh = arguments.fresh;
     options.quiet = common.quiet;
     options.engine = engine_options(common, true);
+    if (options.quick)
+        warn_of_full_run(options.folder, common);
     study::StudyRun study_run(known.name, options);
     study::StudyData data = [&] {
         try {

@@ -31,6 +31,16 @@ std::optional<std::string> text_of(const std::filesystem::path& path) {
     return file ? std::optional(text.str()) : std::nullopt;
 }
 
+bool has_steps(const std::filesystem::path& folder) {
+    return std::filesystem::exists(folder / study::kSteps) || std::filesystem::exists(folder / study::kQuickSteps);
+}
+
+// A sweep or a study, or what is left of one.
+bool has_results(const std::filesystem::path& folder) {
+    return std::filesystem::exists(folder / "manifest.json") || std::filesystem::exists(folder / "manifest.d") ||
+           std::filesystem::exists(folder / "study.json") || has_steps(folder);
+}
+
 struct Reading {
     const std::filesystem::path& root;
     Contents contents;
@@ -187,8 +197,11 @@ void Reading::read_manifest(const std::string& folder) {
 
 void Reading::read_study(const std::string& folder) {
     const std::string name = below(folder, "study.json");
-    if (!std::filesystem::exists(root / name))
+    if (!std::filesystem::exists(root / name)) {
+        if (has_steps(root / folder))
+            trouble(name, "it is not there yet: this study was not finished; the same command goes on");
         return;
+    }
     StudyPart part;
     part.folder = folder;
     try {
@@ -209,19 +222,34 @@ void Reading::read_study(const std::string& folder) {
     contents.studies.push_back(std::move(part));
 }
 
-std::vector<std::string> folders_below(const std::filesystem::path& root) {
+std::vector<std::string> folders_below(const std::filesystem::path& root, std::error_code& error) {
     std::vector<std::string> names;
-    std::error_code error;
-    std::filesystem::directory_iterator entries(root, error);
-    if (error)
-        throw IoError(fmt::format("cannot read the folder {}: {}", root.string(), error.message()));
-    for (const auto& entry : entries) {
+    for (const auto& entry : std::filesystem::directory_iterator(root, error)) {
         const std::string name = entry.path().filename().string();
-        if (entry.is_directory(error) && name.front() != '.' && !name.ends_with(".d"))
+        std::error_code vanished;
+        if (entry.is_directory(vanished) && name.front() != '.' && !name.ends_with(".d"))
             names.push_back(name);
     }
     std::ranges::sort(names);
     return names;
+}
+
+// Those that may hold results, the report's own first.
+std::vector<std::string> folders_of(const std::filesystem::path& root) {
+    std::vector<std::string> folders{""};
+    std::error_code error;
+    const std::vector<std::string> names = folders_below(root, error);
+    if (error)
+        throw IoError(fmt::format("cannot read the folder {}: {}", root.string(), error.message()));
+    for (const std::string& name : names) {
+        folders.push_back(name);
+        if (has_results(root / name))
+            continue;
+        for (const std::string& deeper : folders_below(root / name, error))
+            if (has_results(root / name / deeper))
+                folders.push_back(below(name, deeper));
+    }
+    return folders;
 }
 
 } // namespace
@@ -232,9 +260,7 @@ std::string below(const std::string& folder, const std::string& name) {
 
 Contents read_contents(const std::filesystem::path& folder) {
     Reading reading{folder, {}};
-    std::vector<std::string> folders = folders_below(folder);
-    folders.insert(folders.begin(), "");
-    for (const std::string& one : folders) {
+    for (const std::string& one : folders_of(folder)) {
         reading.read_manifest(one);
         reading.read_study(one);
         reading.check_loose(one);

@@ -11,7 +11,7 @@
 namespace forceshade::report {
 
 struct Sweep {
-    std::string folder; /* below the report's: "" or "NAME" */
+    std::string folder; /* below the report's: "", "NAME" or "NAME/NAME" */
     std::string program, device, driver, cpu;
     unsigned cores = 0;
     double seconds = 0; /* of the last run that computed something */
@@ -21,7 +21,7 @@ struct Sweep {
 };
 
 struct StudyPart {
-    std::string folder; /* below the report's: "" or "NAME" */
+    std::string folder; /* likewise */
     study::StudyData data;
 };
 
@@ -31,7 +31,7 @@ struct Contents {
     std::vector<std::string> troubles; /* a sentence each, beginning with the file */
 };
 
-/// Looks into the folder and the folders right below it. \throws IoError if there is no such folder.
+/// Looks into the folder, the folders below it, and those below folders that hold no results themselves. \throws IoError if there is no such folder.
 Contents read_contents(const std::filesystem::path& folder);
 
 /// "sub/name", or "name" right in the report's folder.

@@ -69,12 +69,22 @@ TEST_F(SceneStudy, switches_the_features_of_that_scene) {
     expect_whole("cpu/omission", "omission");
 }
 
+TEST_F(SceneStudy, says_that_a_quick_run_takes_the_place_of_a_full_one) {
+    expect_study(on_scene("out"));
+    const std::vector<std::string> loud{"study", "omission", "scene.toml", "--quick", "--out", "out"};
+    EXPECT_EQ(expect_success(loud).error.find("holds a full run"), std::string::npos);
+    Json data = read_json("out/omission/study.json");
+    data["run"]["quick"] = false;
+    write("out/omission/study.json", data.dump());
+    EXPECT_NE(expect_success(loud).error.find("omission holds a full run"), std::string::npos);
+}
+
 TEST_F(SceneStudy, goes_on_after_an_interrupt) {
     Process process(launch(on_scene("out")));
     const auto count = [&] {
         std::error_code ignored;
         std::size_t files = 0;
-        for (const auto& entry : std::filesystem::directory_iterator(path("out/omission/steps.d"), ignored))
+        for (const auto& entry : std::filesystem::directory_iterator(path("out/omission/quick-steps.d"), ignored))
             files += entry.path().extension() == ".json";
         return files;
     };
@@ -104,7 +114,7 @@ TEST_F(SceneStudy, computes_damaged_steps_and_all_of_a_fresh_run_anew) {
     std::set<std::string> damaged;
     for (const std::string& content : {std::string(), step->second.substr(0, step->second.size() / 2),
                                        std::string("[]"), std::string("{\"fingerprint\": 1}")}) {
-        write("out/omission/steps.d/" + step->first, content);
+        write("out/omission/quick-steps.d/" + step->first, content);
         damaged.insert((step++)->first);
     }
     expect_study(on_scene("out"));
@@ -145,7 +155,7 @@ TEST_F(SceneStudy, of_another_scene_in_the_same_folder_leaves_nothing_of_the_fir
     expect_whole("out/energy", "energy");
     std::size_t gone = 0;
     for (const auto& [name, content] : first)
-        gone += !name.starts_with("steps.d") && !std::filesystem::exists(path("out/energy") / name);
+        gone += !name.starts_with("quick-steps.d") && !std::filesystem::exists(path("out/energy") / name);
     EXPECT_GE(gone, 3u) << "the scene's figures and volumes";
     EXPECT_EQ(forceshade({"report", "out", "--quiet"}).code, 0);
     write("out/energy/loops.csv", read_text(path("out/energy/loops.csv")) + "one more\n");

@@ -66,6 +66,23 @@ TEST_F(Report, OfASweepAndAStudyIsWholeAndLeadsToItsFiles) {
     EXPECT_GE(links, 15u);
 }
 
+TEST_F(Report, FindsWhatLiesTwoFoldersBelow) {
+    std::filesystem::create_directory(path("paper"));
+    write_sample_sweep(path("paper"));
+    write_sample_study(path("reference/energy"));
+    std::filesystem::create_directories(path("paper/deeper/energy/steps.d"));
+    std::filesystem::create_directories(path("photos/more"));
+    EXPECT_EQ(write().troubles.size(), 1u) << "of the made up tables";
+    EXPECT_TRUE(says("Sweep paper"));
+    EXPECT_TRUE(says("Energy (reference/energy)"));
+}
+
+TEST_F(Report, TellsOfAStudyThatWasNotFinished) {
+    write_sample_sweep(path());
+    std::filesystem::create_directories(path("stability/quick-steps.d"));
+    expect_trouble("stability/study.json: it is not there yet: this study was not finished");
+}
+
 TEST_F(Report, LoadsNothing) {
     write_sample_sweep(path());
     write_sample_study(path("energy"));

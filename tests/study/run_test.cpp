@@ -86,6 +86,8 @@ TEST_F(Run, OfAnotherStudySceneOrFormIsComputedAnew) {
     EXPECT_EQ(computed_by_run(), 3);
     options_.quick = true;
     EXPECT_EQ(computed_by_run(), 3);
+    options_.quick = false;
+    EXPECT_EQ(computed_by_run(), 0) << "a quick run takes nothing away from a full one";
     options_.scene = parse_scene("[surface]\nfacets = 2\n", "test");
     EXPECT_EQ(computed_by_run(), 3);
     EXPECT_EQ(computed_by_run(), 0);

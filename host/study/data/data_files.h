@@ -9,6 +9,9 @@
 
 namespace forceshade::study {
 
+/// Folders beside study.json with the finished steps of a full run and of a quick one.
+inline constexpr const char *kSteps = "steps.d", *kQuickSteps = "quick-steps.d";
+
 /// Of the layout of study.json; another is refused on reading.
 inline constexpr int kDataFormat = 2;
 

@@ -10,6 +10,7 @@
 #include "host/interrupt.h"
 #include "host/io/hash.h"
 #include "host/io/temporary_file.h"
+#include "host/study/data/data_files.h"
 #include "host/sweep/machine.h"
 #include "host/sweep/progress.h"
 #include "host/version.h"
@@ -20,17 +21,18 @@ namespace {
 using Json = nlohmann::ordered_json;
 using Clock = std::chrono::steady_clock;
 
-std::filesystem::path step_path(const std::filesystem::path& folder, const std::string& name) {
-    return folder / "steps.d" / (name + ".json");
+std::filesystem::path steps_folder(const StudyOptions& options) {
+    return options.folder / (options.quick ? kQuickSteps : kSteps);
 }
 
-void make_folder(const std::filesystem::path& folder) {
+void make_folders(const StudyOptions& options) {
+    const std::filesystem::path steps = steps_folder(options);
     std::error_code error;
-    std::filesystem::create_directories(folder / "steps.d", error);
+    std::filesystem::create_directories(steps, error);
     if (error)
-        throw IoError(fmt::format("cannot make the folder {}: {}", (folder / "steps.d").string(), error.message()));
-    clear_stale_temporaries(folder);
-    clear_stale_temporaries(folder / "steps.d");
+        throw IoError(fmt::format("cannot make the folder {}: {}", steps.string(), error.message()));
+    clear_stale_temporaries(options.folder);
+    clear_stale_temporaries(steps);
 }
 
 } // namespace
@@ -39,16 +41,20 @@ StudyRun::StudyRun(std::string study, const StudyOptions& options) : study_(std:
     if (options_.scene)
         scene_ = CasePreparation().prepare(*options_.scene);
     engine_ = make_engine(options_.engine);
-    make_folder(options_.folder);
+    make_folders(options_);
     const EngineReport report = engine_->report();
     fingerprint_ = sha256_of(fmt::format(
         "{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}", study_, version(), report.engine, report.device, report.uuid,
         report.driver, cpu_name(), options_.engine.validation, options_.quick, scene_ ? scene_->scene : std::string()));
 }
 
+std::filesystem::path StudyRun::step_path(const Step& step) const {
+    return steps_folder(options_) / (step.name + ".json");
+}
+
 // Nothing where the file is missing, damaged or of another run.
 std::optional<Json> StudyRun::kept(const Step& step) const {
-    std::ifstream file(step_path(options_.folder, step.name), std::ios::binary);
+    std::ifstream file(step_path(step), std::ios::binary);
     std::ostringstream text;
     text << file.rdbuf();
     const Json json = Json::parse(text.str(), nullptr, false);
@@ -65,7 +71,7 @@ std::optional<Json> StudyRun::kept(const Step& step) const {
 void StudyRun::keep(const Step& step, const Json& result, double seconds) const {
     const Json json{
         {"fingerprint", fingerprint_}, {"seconds", seconds}, {"sha256", sha256_of(result.dump())}, {"result", result}};
-    write_file_atomically(step_path(options_.folder, step.name), json.dump() + "\n");
+    write_file_atomically(step_path(step), json.dump() + "\n");
 }
 
 std::vector<Json> StudyRun::run(const std::vector<Step>& steps) {

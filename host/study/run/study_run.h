@@ -42,15 +42,16 @@ public:
     /// The user's scene with its files; nothing without one.
     const std::optional<PreparedCase>& scene() const { return scene_; }
 
-    /// The results of the steps, in their order, from FOLDER/steps.d where the same program, device, scene and form
-    /// (quick or not) left them, else computed in the order given and left there. With progress. An interrupt ends it
-    /// between steps. \throws Interrupted, IoError, and whatever a step throws.
+    /// The results of the steps, in their order, from FOLDER/steps.d (of a quick run quick-steps.d) where the same
+    /// program, device and scene left them, else computed in the order given and left there. With progress. An
+    /// interrupt ends it between steps. \throws Interrupted, IoError, and whatever a step throws.
     std::vector<nlohmann::ordered_json> run(const std::vector<Step>& steps);
 
     /// Data with everything filled in that does not depend on the study: program, device, scene, time.
     StudyData data() const;
 
 private:
+    std::filesystem::path step_path(const Step& step) const;
     std::optional<nlohmann::ordered_json> kept(const Step& step) const;
     void keep(const Step& step, const nlohmann::ordered_json& result, double seconds) const;
 
