@@ -6,6 +6,7 @@
 
 #include "host/error.h"
 #include "host/io/exr_volume.h"
+#include "host/io/hash.h"
 #include "host/io/readable_file.h"
 #include "host/io/temporary_file.h"
 #include "tests/io/folder.h"
@@ -52,11 +53,11 @@ TEST(DamagedVolume, is_noticed_wherever_it_was_cut) {
     for (std::size_t size = 0; size < sound.bytes.size(); size += 1 + size / 50) {
         write_file_atomically(sound.path, std::string_view(sound.bytes).substr(0, size));
         EXPECT_THROW(read_all(sound.path), IoError) << size;
-        EXPECT_FALSE(volume_is_intact(sound.path, sound.sha256));
+        EXPECT_FALSE(file_is_intact(sound.path, sound.sha256));
     }
     std::filesystem::remove(sound.path);
     EXPECT_THROW(read_all(sound.path), IoError);
-    EXPECT_FALSE(volume_is_intact(sound.path, sound.sha256));
+    EXPECT_FALSE(file_is_intact(sound.path, sound.sha256));
 }
 
 // OpenEXR would allocate what the header announces.
@@ -93,7 +94,7 @@ TEST(DamagedVolume, never_does_more_than_throw_io_errors) {
                 read_all(sound.path);
             } catch (const IoError&) {
             }
-            EXPECT_EQ(volume_is_intact(sound.path, sound.sha256), bytes == sound.bytes);
+            EXPECT_EQ(file_is_intact(sound.path, sound.sha256), bytes == sound.bytes);
         }
     }
 }

@@ -5,6 +5,7 @@
 
 #include "host/error.h"
 #include "host/io/exr_volume.h"
+#include "host/io/hash.h"
 #include "host/io/readable_file.h"
 #include "tests/io/folder.h"
 #include "tests/io/sample_field.h"
@@ -100,7 +101,7 @@ TEST(Refusal, of_a_new_volume_leaves_the_old_one) {
     const std::string hash = writer.finish().sha256;
     field.force[0] = std::numeric_limits<float>::quiet_NaN();
     EXPECT_NE(refusal<Error>(folder, sample_header(kSize), field), "");
-    EXPECT_TRUE(volume_is_intact(folder / "a.exr", hash));
+    EXPECT_TRUE(file_is_intact(folder / "a.exr", hash));
 }
 
 TEST(Refusal, of_grids_that_no_exr_holds) {

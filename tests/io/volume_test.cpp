@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "host/error.h"
+#include "host/io/hash.h"
 #include "host/io/pixel_rows.h"
 #include "host/io/readable_file.h"
 #include "tests/io/folder.h"
@@ -124,7 +125,7 @@ TEST(Volume, has_the_same_bytes_however_it_was_written) {
         }
         header.threads = 2;
         EXPECT_EQ(whole.sha256, write_volume(folder / "a.exr", header, field).sha256);
-        EXPECT_TRUE(volume_is_intact(folder / "a.exr", whole.sha256));
+        EXPECT_TRUE(file_is_intact(folder / "a.exr", whole.sha256));
         EXPECT_EQ(whole.bytes, std::filesystem::file_size(folder / "a.exr"));
     }
 }
