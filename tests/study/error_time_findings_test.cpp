@@ -143,6 +143,44 @@ TEST(ErrorTimeFindings, HoldShadingsAgainstFlatFacets) {
     EXPECT_TRUE(says(made.text("shading_bump_reference"), "none of their direction error"));
 }
 
+// Where no smooth shape is known, errors are against a law that is compared itself: nothing is close to a truth.
+TEST(ErrorTimeFindings, WithoutASmoothShapeNothingIsTheCheapest) {
+    Made made;
+    made.add("mesh, 8 x 8 cells, mean_value", "direct", "f64", 12, 0, {}, "mean_value");
+    EXPECT_TRUE(says(made.text("shading_mesh_mean_value"), "none of their direction error"));
+    for (Contender& one : made.measured.contenders)
+        if (one.subject == "mesh")
+            one.against = "double of mean_value";
+    EXPECT_EQ(made.text("cheapest_1deg_mesh"), "");
+    EXPECT_EQ(made.text("shading_mesh_mean_value"), "");
+    EXPECT_NE(made.text("cheapest_1deg_bump"), "");
+    EXPECT_TRUE(says(made.text("god_object"), "up to 4.1° RMS off double of mean_value by the god-object, the static "
+                                              "field's up to 4° off that by the static field."))
+        << made.text("god_object");
+    const auto figures = figures_of(tables_of(made.measured));
+    const auto figure = std::ranges::find(figures, "error-time-mesh-direction", &Figure::name);
+    ASSERT_NE(figure, figures.end());
+    EXPECT_EQ(figure->y.label, "RMS direction error off double of mean_value / deg");
+    EXPECT_TRUE(says(figure->caption, "closer to double of mean_value."));
+    EXPECT_FALSE(says(figure->caption, "smooth shape"));
+    for (Contender& one : made.measured.contenders)
+        one.against = "double of none";
+    EXPECT_EQ(made.text("facets_1deg"), "");
+}
+
+TEST(ErrorTimeFigures, OfPrecisionAreOfSurfacesWithSizes) {
+    Made made;
+    made.add("mesh, 8 x 8 cells, none", "direct", "f32", 10, 4, {}, "none");
+    made.add("bump, 4 facets, flat", "direct", "f32", 1, 8, 4, "none");
+    const auto named = [&](const char* name) {
+        const auto figures = figures_of(tables_of(made.measured));
+        return std::ranges::count(figures, name, &Figure::name);
+    };
+    made.measured.rounds = {{1, made.times}};
+    EXPECT_EQ(named("precision-mesh"), 0); // no number of cells
+    EXPECT_EQ(named("precision-bump"), 1);
+}
+
 TEST(ErrorTimeFindings, HoldWaysAgainstEachOther) {
     Made made;
     EXPECT_TRUE(says(made.text("god_object"), "takes 0.5 times the time of the static field"));
@@ -174,20 +212,21 @@ TEST(ErrorTimeFindings, HoldVolumesOfEverySpacingAgainstDirect) {
         made.measured.compared.back().reference->direction->rms = error;
     };
     add(0.2e-3, 9, 0.003);
-    add(0.8e-3, 6.7, 0.05);
+    add(0.8312581986e-3, 6.7, 0.05);
     add(0.4e-3, 7.1, 0.012);
     const std::string text = made.text("lookup_mesh");
-    EXPECT_TRUE(says(text, "volume of 0.8 mm (nan MB) takes 0.67 times the time of evaluating it directly in f64, and "
-                           "is 0.05° RMS off that; a volume of 0.1 mm"))
+    EXPECT_TRUE(says(text,
+                     "volume of 0.831 mm (nan MB) takes 0.67 times the time of evaluating it directly in f64, and "
+                     "is 0.05° RMS off that; a volume of 0.1 mm"))
         << text;
     EXPECT_TRUE(says(text,
                      "takes 1.7 times as long as evaluating it directly in f64, and is 0.001° RMS off that: of "
-                     "those tried, 0.8, 0.4 and 0.2 mm save time, the closest of these with 0.9 times the time and "
+                     "those tried, 0.831, 0.4 and 0.2 mm save time, the closest of these with 0.9 times the time and "
                      "0.003°."))
         << text;
     made.times[made.times.size() - 3] = 11;
     made.times[made.times.size() - 1] = 12;
-    EXPECT_TRUE(says(made.text("lookup_mesh"), ": of those tried, 0.8 mm saves time."));
+    EXPECT_TRUE(says(made.text("lookup_mesh"), ": of those tried, 0.831 mm saves time."));
     made.times[made.times.size() - 2] = 9.9;
     EXPECT_TRUE(says(made.text("lookup_mesh"), ": here no volume that was tried saves anything."));
     for (std::size_t i = 0; i < 3; ++i)

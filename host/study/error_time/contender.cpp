@@ -17,6 +17,7 @@ Contender contender_of(const Subject& subject, const Variant& variant, const std
     Contender contender;
     contender.name = contender_name(subject, variant, fmt::format("{} {}", family, precision));
     contender.subject = subject.name;
+    contender.against = subject.against;
     contender.family = family;
     contender.shading = variant.shading;
     contender.precision = precision;

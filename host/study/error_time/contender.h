@@ -21,11 +21,12 @@ struct Evaluated {
 };
 
 struct Contender {
-    std::string name;      /* unique */
-    std::string subject;   /* Subject::name */
-    std::string family;    /* "direct", "field, kernel", "look-up, trilinear", "god-object", ... */
-    std::string shading;   /* as in scenes */
-    std::string precision; /* "f64", "f32", "f32, half output" */
+    std::string name;                   /* unique */
+    std::string subject;                /* Subject::name */
+    std::string against = kSmoothShape; /* Subject::against */
+    std::string family;                 /* "direct", "field, kernel", "look-up, trilinear", "god-object", ... */
+    std::string shading;                /* as in scenes */
+    std::string precision;              /* "f64", "f32", "f32, half output" */
     std::optional<double> facets, cells, spacing; /* 1, 1, m */
     std::optional<double> bytes;                  /* of the volume */
     std::string reference;               /* the contender that is the same law by reference<double>, on one thread */

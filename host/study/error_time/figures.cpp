@@ -1,5 +1,6 @@
 // Pictures of error over time, convergence, look-ups and precision.
 #include <algorithm>
+#include <set>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -40,24 +41,34 @@ std::string volumes_text(const Table& points, const std::string& surface) {
     return laws.empty() ? "" : fmt::format(" Look-ups are of volumes of {}.", fmt::join(laws, " and of "));
 }
 
+// What the errors of a surface are against.
+std::string against(const Table& points, const std::string& surface) {
+    for (std::size_t row = 0; row < points.rows.size(); ++row)
+        if (points.word(row, "surface") == surface)
+            return points.word(row, "against");
+    return "";
+}
+
 // Error over time of a surface, with the fronts as curves.
 Figure scatter(const Table& points, const std::string& surface, bool vector) {
     Figure figure;
-    const std::string criterion = vector ? "vector" : "direction";
+    const std::string criterion = vector ? "vector" : "direction", other = against(points, surface);
+    const std::string off = other == kSmoothShape ? "" : " off " + other;
     figure.name = fmt::format("error-time-{}-{}", surface, criterion);
-    figure.title = fmt::format("{}: error of the force{} against run time", surface, vector ? "" : "'s direction");
+    figure.title =
+        fmt::format("{}: error of the force{}{} against run time", surface, vector ? "" : "'s direction", off);
     figure.caption =
-        fmt::format("Each mark is a way of coming by a force; left is cheaper, down is closer to the smooth shape. The "
+        fmt::format("Each mark is a way of coming by a force; left is cheaper, down is closer to {}. The "
                     "lines join what nothing "
                     "beats: one for live use, one for whole grids. Errors below {} stand at that.{}{}",
-                    vector ? "1e-9" : "1e-7 deg", volumes_text(points, surface),
+                    other, vector ? "1e-9" : "1e-7 deg", volumes_text(points, surface),
                     vector ? " Here the error is of the whole vector, of which direction is a part."
                            : " A direction may be right where the magnitude is not: see the picture of vectors.");
     figure.table = "points";
     figure.where = {{"surface", surface}};
     figure.x = {"time_ratio", "time of an evaluation / time in double on one CPU thread", true};
-    figure.y = vector ? FigureAxis{"shown_vector_1", "RMS relative error of the force vector", true}
-                      : FigureAxis{"shown_direction_deg", "RMS direction error / deg", true};
+    figure.y = vector ? FigureAxis{"shown_vector_1", fmt::format("RMS relative error of the force vector{}", off), true}
+                      : FigureAxis{"shown_direction_deg", fmt::format("RMS direction error{} / deg", off), true};
     figure.series = "family";
     figure.label = criterion + "_label";
     for (const char* use : {"live", "volume"})
@@ -123,6 +134,16 @@ Figure lookup(const Table& sizes, const std::string& surface, std::size_t number
     return figure;
 }
 
+// How many numbers of facets or cells a surface has in the table of precision.
+std::size_t sizes_of(const Table& table, const std::string& surface) {
+    std::set<double> sizes;
+    for (std::size_t row = 0; row < table.rows.size(); ++row)
+        if (const auto size = table.number(row, "elements"); size && table.word(row, "surface") == surface)
+            sizes.insert(*size);
+    return sizes.size();
+}
+
+// Over facets or cells, of a surface that has some numbers of these.
 Figure precision(const std::string& surface) {
     Figure figure;
     figure.name = "precision-" + surface;
@@ -165,8 +186,10 @@ std::vector<Figure> figures_of(const std::vector<Table>& tables) {
         for (const std::string& surface : words_of(named(tables, "lookup"), "surface"))
             figures.push_back(lookup(sizes, surface, ++number));
     }
-    for (const std::string& surface : words_of(named(tables, "precision"), "surface"))
-        figures.push_back(precision(surface));
+    const Table& precisions = named(tables, "precision");
+    for (const std::string& surface : words_of(precisions, "surface"))
+        if (sizes_of(precisions, surface) > 1)
+            figures.push_back(precision(surface));
     return figures;
 }
 

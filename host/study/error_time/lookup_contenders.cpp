@@ -31,8 +31,8 @@ Contender lookup(const Subject& subject, const Variant& variant, const VolumeGri
     const bool half = sizeof(Stored) == 2;
     const std::string family = method == Method::trilinear ? "look-up, trilinear" : "look-up, tricubic";
     Contender contender = contender_of(subject, variant, family, half ? "f32, half stored" : "f32");
-    contender.name = contender_name(subject, variant,
-                                    fmt::format("{} {} mm{}", family, grid.spacing * 1e3, half ? ", half stored" : ""));
+    contender.name = contender_name(
+        subject, variant, fmt::format("{} {:.3g} mm{}", family, grid.spacing * 1e3, half ? ", half stored" : ""));
     contender.spacing = grid.spacing;
     contender.bytes = static_cast<double>(3 * sizeof(Stored) * grid.samples());
     contender.evaluate = [volume, method, probes = &subject.probes] {

@@ -41,7 +41,7 @@ void add_series(Measured& measured) {
     for (std::size_t i = 0; i < measured.contenders.size(); ++i) {
         const Contender& one = measured.contenders[i];
         const bool direct = one.family == "direct" || one.family == "god-object";
-        if (!direct || one.precision != "f64" || !measured.compared[i].smooth)
+        if (!direct || one.precision != "f64" || one.against != kSmoothShape || !measured.compared[i].smooth)
             continue;
         const ForceErrors& errors = *measured.compared[i].smooth;
         if (one.facets && *one.facets >= kFewFacets && one.shading == "none" && errors.direction)

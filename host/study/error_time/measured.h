@@ -15,7 +15,7 @@ namespace forceshade::study::error_time {
 
 /// A contender's errors; nothing where it has none.
 struct Compared {
-    std::optional<ForceErrors> smooth;    /* against the smooth shape */
+    std::optional<ForceErrors> smooth;    /* against what Contender::against names */
     std::optional<ForceErrors> reference; /* against reference<double> */
 };
 

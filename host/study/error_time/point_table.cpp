@@ -57,7 +57,8 @@ std::string short_name(const Contender& contender) {
 const std::vector<Column>& point_columns() {
     static const std::vector<Column> columns{
         {"contender", "", "the law and the way of coming by its force"},
-        {"surface", "", "what is compared with each other: same places, same smooth shape"},
+        {"surface", "", "what is compared with each other: same places, errors against the same"},
+        {"against", "", "what the errors are against: the smooth shape; where none is known, a law in double"},
         {"family", "", "the way: direct, god-object, look-up, field over a grid, closed loop"},
         {"use", "", "live: one place after the other on one thread; volume: whole grids; loop: steps with a hand"},
         {"shading", "", "as in a scene's [force]"},
@@ -73,13 +74,15 @@ const std::vector<Column>& point_columns() {
         {"own_time_ratio", "1", "time_ratio over that of reference<double> of the same law, medians"},
         {"own_time_ratio_low", "1", "its lower quartile"},
         {"own_time_ratio_high", "1", "its upper quartile"},
-        {"direction_rms_deg", "deg", "angle to the smooth shape's force, root mean square"},
+        {"direction_rms_deg", "deg", "angle to the force of what `against` names, root mean square"},
         {"direction_p999_deg", "deg", "likewise, what 99.9 % do not exceed"},
         {"direction_max_deg", "deg", "likewise, the largest"},
-        {"magnitude_rms_1", "1", "difference of magnitude to the smooth shape's force, of this, root mean square"},
+        {"magnitude_rms_1", "1",
+         "difference of magnitude to the force of what `against` names, of this, root mean square"},
         {"magnitude_p999_1", "1", "likewise, what 99.9 % do not exceed"},
         {"magnitude_max_1", "1", "likewise, the largest"},
-        {"vector_rms_1", "1", "length of the difference to the smooth shape's force, of this, root mean square"},
+        {"vector_rms_1", "1",
+         "length of the difference to the force of what `against` names, of this, root mean square"},
         {"vector_p999_1", "1", "likewise, what 99.9 % do not exceed"},
         {"vector_max_1", "1", "likewise, the largest"},
         {"reference_direction_rms_deg", "deg", "angle to the force of reference<double> of the same law, RMS"},
@@ -91,9 +94,9 @@ const std::vector<Column>& point_columns() {
         {"reference_magnitude_max_1", "1", "likewise, the largest"},
         {"reference_vector_rms_1", "1", "length of the difference to reference<double> of the same law, of this, RMS"},
         {"reference_vector_max_1", "1", "likewise, the largest"},
-        {"places", "1", "places compared with the smooth shape"},
+        {"places", "1", "places compared with what `against` names"},
         {"contact_differs", "1",
-         "places where only one of both is in contact, the smooth shape (one of `places`) or this"},
+         "places where only one of both is in contact, what `against` names (one of `places`) or this"},
         {"shown_direction_deg", "deg", "direction_rms_deg, or 1e-7 where it is below that, for pictures"},
         {"shown_vector_1", "1", "vector_rms_1, or 1e-9 where it is below that, for pictures"},
         {"direction_label", "", "its name where it is on the front of directions"},
@@ -117,9 +120,9 @@ std::vector<Cell> point_row(const Measured& measured, std::size_t i) {
     const Ratios ratios = ratios_of(measured, i);
     const ForceErrors smooth = measured.compared[i].smooth.value_or(ForceErrors{});
     const ForceErrors exact = measured.compared[i].reference.value_or(ForceErrors{});
-    return row_of(one.name, one.subject, one.family, use_of(one), one.shading, one.precision, one.facets, one.cells,
-                  one.spacing, one.bytes, ratios.unit.median, ratios.unit.low, ratios.unit.high, ratios.own.median,
-                  ratios.own.low, ratios.own.high, part(smooth.direction, &Summary::rms),
+    return row_of(one.name, one.subject, one.against, one.family, use_of(one), one.shading, one.precision, one.facets,
+                  one.cells, one.spacing, one.bytes, ratios.unit.median, ratios.unit.low, ratios.unit.high,
+                  ratios.own.median, ratios.own.low, ratios.own.high, part(smooth.direction, &Summary::rms),
                   part(smooth.direction, &Summary::p999), part(smooth.direction, &Summary::largest),
                   part(smooth.magnitude, &Summary::rms), part(smooth.magnitude, &Summary::p999),
                   part(smooth.magnitude, &Summary::largest), part(smooth.vector, &Summary::rms),
@@ -132,7 +135,7 @@ std::vector<Cell> point_row(const Measured& measured, std::size_t i) {
                   shown(smooth.vector, kLeastShownVector), std::string(), std::string());
 }
 
-// Those that are in contact where the smooth shape is: out of contact a force has no direction that could be off.
+// Those that are in contact where they should be: out of contact a force has no direction that could be off.
 std::vector<std::size_t> rows_with(const Table& points, const std::string& surface, const std::string& use) {
     std::vector<std::size_t> rows;
     for (std::size_t row = 0; row < points.rows.size(); ++row) {
@@ -194,10 +197,12 @@ std::optional<std::size_t> cheapest_of(const Table& points, const std::vector<st
     return best;
 }
 
-std::vector<std::string> surfaces_of(const Table& points) {
+// All, or those alone whose smooth shape is known.
+std::vector<std::string> surfaces_of(const Table& points, bool known_shape = false) {
     std::vector<std::string> names;
     for (std::size_t row = 0; row < points.rows.size(); ++row)
-        if (std::find(names.begin(), names.end(), points.word(row, "surface")) == names.end())
+        if ((!known_shape || points.word(row, "against") == kSmoothShape) &&
+            std::find(names.begin(), names.end(), points.word(row, "surface")) == names.end())
             names.push_back(points.word(row, "surface"));
     return names;
 }
@@ -221,8 +226,8 @@ Table point_table(const Measured& measured) {
 
 Table front_table(const Table& points) {
     Table table{"front",
-                "The Pareto fronts: nothing is both cheaper and closer, of what is in contact where the smooth shape "
-                "is, but for 1 % of the places",
+                "The Pareto fronts: nothing is both cheaper and closer, of what is in contact where it should be, but "
+                "for 1 % of the places",
                 {{"surface", "", "as in points"},
                  {"use", "", "as in points: fronts of live use and of whole grids are apart"},
                  {"criterion", "", "direction: RMS angle in degrees; vector: RMS of the relative error of the force"},
@@ -248,7 +253,8 @@ Table front_table(const Table& points) {
 Table cheapest_table(const Table& points) {
     Table table{
         "cheapest",
-        "The cheapest within a bound, of what is in contact where the smooth shape is, but for 1 % of the places",
+        "The cheapest within a bound off a known smooth shape, of what is in contact where this is, but for 1 % of "
+        "the places",
         {{"surface", "", "as in points"},
          {"use", "", "as in points"},
          {"criterion", "", "what is bounded"},
@@ -261,7 +267,7 @@ Table cheapest_table(const Table& points) {
          {"error", "deg or 1", "what it has of the criterion"},
          {"candidates", "1", "how many keep to the bound"}},
         {}};
-    for (const std::string& surface : surfaces_of(points))
+    for (const std::string& surface : surfaces_of(points, true))
         for (const char* use : kUses)
             for (const Bound& bound : kBounds) {
                 std::vector<std::size_t> within = rows_with(points, surface, use);

@@ -225,10 +225,15 @@ Subject scene_subject(const PreparedCase& given, const Extents& extents) {
             "above the probe, the depth read as the scene reads it.");
     } else {
         subject.smooth = best_law(scene);
-        subject.notes.push_back(
-            fmt::format("No smooth shape of this scene is known: errors \"against the smooth shape\" are against "
-                        "reference<double> of its best shading, {}.",
-                        best_shading(scene).name));
+        const NamedShading best = best_shading(scene);
+        subject.against = best.shading == Shading::none ? std::string("double without shading")
+                                                        : fmt::format("double of {}", best.name);
+        subject.notes.push_back(fmt::format(
+            "No smooth shape of this scene is known: errors are told against reference<double> {}, which is a law "
+            "among "
+            "others and no truth. They say how far apart ways and shadings are, not which of them is right; so nothing "
+            "is named the cheapest here.",
+            best.shading == Shading::none ? std::string("without shading") : fmt::format("of {}", best.name)));
     }
     subject.notes.push_back(mesh ? "Probes go along short straight strokes between places inside the mesh, no deeper "
                                    "than 5 % of the grid's longest side "

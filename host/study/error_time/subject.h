@@ -40,9 +40,13 @@ struct Variant {
 /// The smooth shape's force, N, at a place, m.
 using SmoothLaw = std::function<glm::dvec3(const glm::dvec3&)>;
 
+/// What errors are against where it is known; only then is less error closer to a truth.
+constexpr const char* kSmoothShape = "the smooth shape";
+
 struct Subject {
     std::string name;                   /* "bump", "mesh" */
-    SmoothLaw smooth;                   /* empty: not known */
+    SmoothLaw smooth;                   /* what errors are against */
+    std::string against = kSmoothShape; /* its name; where that is not known, a law: "double of mean_value" */
     std::vector<glm::dvec3> probes;     /* m */
     std::size_t stroke = 0;             /* probes of a stroke, one after the other; 0: they have no order */
     std::shared_ptr<PreparedCase> best; /* a god-object's smooth shape: the god-object of this; null: `smooth` */

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "host/study/findings/error_time_points.h"
 #include "host/study/findings/error_time_ways.h"
 
 namespace forceshade::study {
@@ -102,7 +103,8 @@ void add_facets(std::vector<Finding>& findings, const StudyData& data) {
             const auto facets = points.number(row, "facets");
             const bool touches =
                 points.number(row, "contact_differs").value_or(0) <= 0.01 * points.number(row, "places").value_or(0);
-            if (facets && touches && points.number(row, "direction_rms_deg").value_or(INFINITY) <= 1 &&
+            if (facets && touches && has_smooth_shape(points, row) &&
+                points.number(row, "direction_rms_deg").value_or(INFINITY) <= 1 &&
                 (!best || *facets < points.number(*best, "facets")))
                 best = row;
         }

@@ -14,7 +14,7 @@ namespace {
 std::string spacings_text(const Table& points, const std::vector<Row>& rows) {
     std::string text;
     for (std::size_t i = 0; i < rows.size(); ++i)
-        text += fmt::format("{}{:g}",
+        text += fmt::format("{}{:.3g}",
                             i == 0                 ? ""
                             : i + 1 == rows.size() ? " and "
                                                    : ", ",
@@ -36,7 +36,7 @@ std::vector<Row> volumes_of(const Table& points, const std::string& law) {
 
 // "volume of 0.8 mm (0.085 MB) takes as long as evaluating it directly in f64, and is 0.05° RMS off that"
 std::string volume_text(const Table& points, Row row) {
-    return fmt::format("volume of {:g} mm ({:.2g} MB) {} evaluating it directly in f64, and is {:.2g}° RMS off that",
+    return fmt::format("volume of {:.3g} mm ({:.2g} MB) {} evaluating it directly in f64, and is {:.2g}° RMS off that",
                        value(points, row, "spacing_m") * 1e3, value(points, row, "volume_bytes") * 1e-6,
                        against(value(points, row, "own_time_ratio")),
                        value(points, row, "reference_direction_rms_deg"));

@@ -16,6 +16,10 @@ std::string law_of(const Table& points, Row row) {
     return name.substr(0, name.find(':'));
 }
 
+bool has_smooth_shape(const Table& points, Row row) {
+    return points.word(row, "against") == "the smooth shape";
+}
+
 std::vector<std::pair<Row, Row>> pairs(const Table& points, const Way& one, const Way& other) {
     std::vector<std::pair<Row, Row>> result;
     for (Row row = 0; row < points.rows.size(); ++row)

@@ -22,6 +22,9 @@ bool is(const Table& points, Row row, const Way& way);
 /// "bump, 64 facets, shaded" of "bump, 64 facets, shaded: direct f64"
 std::string law_of(const Table& points, Row row);
 
+/// Whether the errors of a row are against a known smooth shape, so that less of them is closer to a truth.
+bool has_smooth_shape(const Table& points, Row row);
+
 /// Rows of the same law, one of each way.
 std::vector<std::pair<Row, Row>> pairs(const Table& points, const Way& one, const Way& other);
 

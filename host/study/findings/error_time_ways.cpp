@@ -75,22 +75,28 @@ void add_god_object(std::vector<Finding>& findings, const Table& points) {
         error = std::max(error, value(points, one, "direction_rms_deg"));
         other_error = std::max(other_error, value(points, other, "direction_rms_deg"));
     }
+    const Row any = both.front().first;
+    const bool known = has_smooth_shape(points, any);
+    const std::string of =
+        known ? std::string("the smooth shape's") : points.word(any, "against") + " by the god-object";
     findings.push_back(
         {"god_object",
          fmt::format(
              "Along strokes on a mesh the god-object {} the static field (median of {}); its direction is up to "
-             "{:.2g}° RMS off the smooth shape's, the static field's up to {:.2g}°.",
-             against(median_ratio(points, both, "time_ratio")), laws(both.size()), error, other_error)});
+             "{:.2g}° RMS off {}, the static field's up to {:.2g}°{}.",
+             against(median_ratio(points, both, "time_ratio")), laws(both.size()), error, of, other_error,
+             known ? "" : " off that by the static field")});
 }
 
-// Each shading of a surface against flat facets, as many of them, both evaluated directly in f64.
+// Each shading of a surface whose smooth shape is known against flat facets, as many of them, both evaluated directly
+// in f64.
 void add_shadings(std::vector<Finding>& findings, const Table& points) {
     std::vector<std::string> done;
     const Way direct{"direct", "f64"};
     for (Row first = 0; first < points.rows.size(); ++first) {
         const std::string shading = points.word(first, "shading"), surface = points.word(first, "surface");
         const std::string name = fmt::format("shading_{}_{}", surface, shading);
-        if (shading == "none" || std::ranges::find(done, name) != done.end())
+        if (shading == "none" || !has_smooth_shape(points, first) || std::ranges::find(done, name) != done.end())
             continue;
         done.push_back(name);
         std::vector<double> times, errors;
