@@ -1,112 +1,13 @@
 // Findings of error against time say what the data say, and turn with them.
-#include <functional>
-
 #include <gtest/gtest.h>
 
 #include "host/study/data/data_error.h"
-#include "host/study/error_time/measured.h"
-#include "host/study/findings/findings.h"
+#include "tests/study/made_error_time.h"
 
 namespace forceshade::study {
 namespace {
 
 using namespace error_time;
-
-// A study as it might have come out; a contender has a time in the unit and a direction error, deg.
-class Made {
-public:
-    Measured measured;
-
-    Made() {
-        add("bump, 4 facets, flat", "direct", "f64", 0.8, 8, 4, "none");
-        add("bump, 64 facets, flat", "direct", "f64", 1, 0.5, 64, "none");
-        add("bump, 64 facets, flat", "direct", "f32", 0.7, 0.5, 64, "none");
-        add("bump, 64 facets, flat", "direct", "f32, half output", 1.5, 0.51, 64, "none");
-        add("bump, 1 facet, shaded", "direct", "f64", 0.6, 0, 1, "reference");
-        add("bump, 64 facets, flat", "field, kernel", "f32", 0.2, 0.5, 64, "none");
-        add("bump, 64 facets, flat", "field, CPU on one thread", "f32", 0.4, 0.5, 64, "none");
-        add("bump, 64 facets, flat", "closed loop, CPU on one thread", "f64", 4, 0.5, 64, "none");
-        add("bump, 64 facets, flat", "closed loop, CPU on one thread", "f32", 3, 0.5, 64, "none");
-        add("mesh, 8 x 8 cells, none", "direct", "f64", 10, 4, {}, "none");
-        add("mesh, 8 x 8 cells, none", "god-object", "f64", 5, 4.1, {}, "none");
-        add("mesh, 8 x 8 cells, none", "look-up, trilinear", "f32", 0.5, 4.2, {}, "none");
-        add("mesh, 8 x 8 cells, none", "look-up, tricubic", "f32", 1.5, 4.15, {}, "none");
-        of("look-up, trilinear", "f32").spacing = of("look-up, tricubic", "f32").spacing = 0.2e-3;
-        measured.series = {{"patch of triangles, mean_value", "e", "1 / cells", {0.1, 0.05}, {4, 1}, 2, "L7"},
-                           {"mesh, mean_value, static", "e", "1 / cells", {0.1, 0.05}, {4, 2}, 1, "depth"}};
-        for (const double spacing : {0.4e-3, 0.2e-3})
-            for (const char* place : {"smooth", "edge"})
-                measured.lookups.push_back({"a bump",
-                                            spacing,
-                                            {"trilinear", place, 500, place[0] == 'e' ? spacing / 0.04 : 1e-4, 1, 1},
-                                            place[0] == 'e' ? std::optional(1.0) : std::nullopt});
-        measured.patches = {{"cylinder", "triangles", "none", 8, {2.12, 3.77, 7.42}, {2.12, 3.77, 7.42}}};
-        measured.unit = 1;
-    }
-
-    void add(const std::string& law, const std::string& family, const std::string& precision, double time, double angle,
-             std::optional<double> facets, const std::string& shading) {
-        Contender one;
-        one.name = law + ": " + family + " " + precision;
-        one.subject = law.substr(0, law.find(','));
-        one.family = family;
-        one.precision = precision;
-        one.shading = shading;
-        one.facets = facets;
-        one.reference = law + ": direct f64";
-        measured.contenders.push_back(one);
-        ForceErrors errors;
-        errors.direction = Summary{angle, 2 * angle, 3 * angle};
-        errors.vector = Summary{angle / 57, angle / 30, angle / 20};
-        errors.compared = 100;
-        ForceErrors exact;
-        exact.direction = Summary{0, 0, 0};
-        exact.vector = Summary{precision == "f64" ? 0 : 1e-7, 1e-6, precision == "f64" ? 0 : 1e-5};
-        measured.compared.push_back({errors, exact});
-        times.push_back(time);
-    }
-
-    Contender& of(const std::string& family, const std::string& precision) {
-        for (Contender& one : measured.contenders)
-            if (one.family == family && one.precision == precision)
-                return one;
-        throw std::out_of_range(family);
-    }
-
-    std::size_t number(const std::string& name) const {
-        for (std::size_t i = 0; i < measured.contenders.size(); ++i)
-            if (measured.contenders[i].name == name)
-                return i;
-        throw std::out_of_range(name);
-    }
-
-    StudyData data() {
-        measured.rounds = {{1, times}, {2, times}};
-        measured.rounds[1].unit = apart ? 1 : 2;
-        for (double& seconds : measured.rounds[1].seconds)
-            seconds *= 2;
-        StudyData data;
-        data.study = "error-time";
-        data.device = "a device";
-        data.cores = 2;
-        data.tables = tables_of(measured);
-        return data;
-    }
-
-    std::string text(const std::string& name) {
-        for (const Finding& one : findings_of(data()))
-            if (one.name == name)
-                return one.text;
-        return "";
-    }
-
-    std::vector<double> times;
-    bool apart = false; // the second round's ratios are twice the first's
-};
-
-bool says(const std::string& text, const std::string& part) {
-    return text.find(part) != std::string::npos;
-}
 
 TEST(ErrorTimeFindings, NameTheCheapest) {
     Made made;
@@ -191,48 +92,12 @@ TEST(ErrorTimeFindings, HoldWaysAgainstEachOther) {
     EXPECT_TRUE(says(made.text("closed_loop"), "takes 4 times as long as a direct evaluation"));
     EXPECT_TRUE(says(made.text("lookup_mesh"), "takes 0.05 times the time of evaluating it directly"));
     EXPECT_TRUE(says(made.text("lookup_mesh"), ": here a volume saves time."));
-    EXPECT_TRUE(says(made.text("tricubic"), "takes 3 times as long as trilinear"));
     made.times[made.number("mesh, 8 x 8 cells, none: god-object f64")] = 20;
     made.times[made.number("bump, 64 facets, flat: field, kernel f32")] = 0.8;
     made.times[made.number("mesh, 8 x 8 cells, none: look-up, trilinear f32")] = 12;
     EXPECT_TRUE(says(made.text("god_object"), "takes 2 times as long as the static field"));
     EXPECT_TRUE(says(made.text("kernel"), "takes 2 times as long as the CPU oracle"));
     EXPECT_TRUE(says(made.text("lookup_mesh"), "here a volume saves nothing"));
-}
-
-TEST(ErrorTimeFindings, HoldVolumesOfEverySpacingAgainstDirect) {
-    Made made;
-    made.of("look-up, trilinear", "f32").spacing = 0.1e-3;
-    const auto trilinear = made.number("mesh, 8 x 8 cells, none: look-up, trilinear f32");
-    made.times[trilinear] = 17;
-    made.measured.compared[trilinear].reference->direction->rms = 0.001;
-    const auto add = [&](double spacing, double time, double error) {
-        made.add("mesh, 8 x 8 cells, none", "look-up, trilinear", "f32", time, 4.2, {}, "none");
-        made.measured.contenders.back().spacing = spacing;
-        made.measured.compared.back().reference->direction->rms = error;
-    };
-    add(0.2e-3, 9, 0.003);
-    add(0.8312581986e-3, 6.7, 0.05);
-    add(0.4e-3, 7.1, 0.012);
-    const std::string text = made.text("lookup_mesh");
-    EXPECT_TRUE(says(text,
-                     "volume of 0.831 mm (nan MB) takes 0.67 times the time of evaluating it directly in f64, and "
-                     "is 0.05° RMS off that; a volume of 0.1 mm"))
-        << text;
-    EXPECT_TRUE(says(text,
-                     "takes 1.7 times as long as evaluating it directly in f64, and is 0.001° RMS off that: of "
-                     "those tried, 0.831, 0.4 and 0.2 mm save time, the closest of these with 0.9 times the time and "
-                     "0.003°."))
-        << text;
-    made.times[made.times.size() - 3] = 11;
-    made.times[made.times.size() - 1] = 12;
-    EXPECT_TRUE(says(made.text("lookup_mesh"), ": of those tried, 0.831 mm saves time."));
-    made.times[made.times.size() - 2] = 9.9;
-    EXPECT_TRUE(says(made.text("lookup_mesh"), ": here no volume that was tried saves anything."));
-    for (std::size_t i = 0; i < 3; ++i)
-        made.times[made.times.size() - 1 - i] = 5;
-    made.times[trilinear] = 5;
-    EXPECT_TRUE(says(made.text("lookup_mesh"), ": every volume that was tried saves time."));
 }
 
 TEST(ErrorTimeFindings, TheCloserOfTwoThatTimesDoNotTellApartIsTheCheapest) {

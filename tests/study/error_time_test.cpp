@@ -2,7 +2,9 @@
 #include <cmath>
 #include <filesystem>
 #include <map>
+#include <set>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "host/study/error_time/half_forces.h"
@@ -166,6 +168,7 @@ TEST(Interpolation, TheStudysTableAgreesWithThePrintedOne) {
 void add_law(Measured& measured, const std::string& shading, std::optional<double> facets, std::optional<double> cells,
              double error) {
     Contender one;
+    one.name = one.reference = fmt::format("a surface, law {}: direct f64", measured.contenders.size());
     one.family = "direct";
     one.precision = "f64";
     one.shading = shading;
@@ -198,6 +201,14 @@ TEST(Series, FollowFromTheErrorsOfTheLaws) {
     EXPECT_EQ(measured.series[1].expected, 2);
     EXPECT_EQ(measured.series[2].name, "mesh, mean_value, static");
     EXPECT_EQ(measured.series[2].expected, 1);
+    measured.rounds = {{1, std::vector<double>(measured.contenders.size(), 1.0)}};
+    std::set<std::string> shown; // degrees and shares are apart
+    for (const Figure& figure : figures_of(tables_of(measured)))
+        if (figure.name.starts_with("convergence"))
+            shown.insert(figure.name + ": " + figure.y.label);
+    EXPECT_EQ(shown, (std::set<std::string>{"convergence-facets-direction: RMS direction error / deg",
+                                            "convergence-facets-magnitude: RMS relative error of the magnitude",
+                                            "convergence-meshes: RMS direction error / deg"}));
 }
 
 TEST(Rounds, MeasureEachOnceInAnOrderOfTheirOwn) {

@@ -80,8 +80,7 @@ void add_cheapest(std::vector<Finding>& findings, const StudyData& data) {
             std::string text = fmt::format(
                 "{}, for a direction error of at most {} RMS the cheapest is {}; for the whole force within {} RMS {} "
                 "{}",
-                surface == "scene" ? "In the scene" : "On the " + surface, bounded(bound, "deg"),
-                cheapest_text(table, *angle), bounded(within, "1"),
+                on_surface(surface), bounded(bound, "deg"), cheapest_text(table, *angle), bounded(within, "1"),
                 table.word(*angle, "contender") == table.word(*vector, "contender") ? "it is also" : "it is",
                 cheapest_text(table, *vector));
             if (volume && !table.word(*volume, "contender").empty())

@@ -86,27 +86,69 @@ void add_lookup(std::vector<Finding>& findings, const Table& points) {
     }
 }
 
+// A law's tricubic volumes, and the trilinear ones of the same spacing; but for those without a number to compare.
+std::vector<std::pair<Row, Row>> tricubic_of(const Table& points, const std::string& law) {
+    auto rows = pairs(points, {"look-up, tricubic", "f32"}, {"look-up, trilinear", "f32"});
+    std::erase_if(rows, [&](const auto& both) {
+        const auto ratio = [&](const char* column) {
+            return value(points, both.first, column) / value(points, both.second, column);
+        };
+        return law_of(points, both.first) != law || !points.number(both.first, "spacing_m") ||
+               points.number(both.first, "spacing_m") != points.number(both.second, "spacing_m") ||
+               !std::isfinite(ratio("reference_direction_rms_deg")) || !std::isfinite(ratio("reference_vector_rms_1"));
+    });
+    return rows;
+}
+
+// "21 to 545 times smaller", "0.9 to 2.1 times as large": a column of the first of each pair, of that of the second.
+std::string range_text(const Table& points, const std::vector<std::pair<Row, Row>>& of, const char* column) {
+    std::vector<double> ratios;
+    for (const auto& [one, other] : of)
+        ratios.push_back(value(points, one, column) / value(points, other, column));
+    const auto [low, high] = std::ranges::minmax(ratios);
+    const auto text = [](double from, double to) {
+        const std::string first = fmt::format("{:.3g}", from), last = fmt::format("{:.3g}", to);
+        return first == last ? first : first + " to " + last;
+    };
+    return high < 1 ? text(1 / high, 1 / low) + " times smaller" : text(low, high) + " times as large";
+}
+
+// The spacings at which an error falls by more than the time rises: "every spacing", "no spacing", "0.8 and 0.4 mm".
+std::string paying_text(const Table& points, const std::vector<std::pair<Row, Row>>& of, const char* error) {
+    std::vector<Row> paying;
+    for (const auto& [one, other] : of)
+        if (value(points, one, error) * value(points, one, "time_ratio") <
+            value(points, other, error) * value(points, other, "time_ratio"))
+            paying.push_back(one);
+    return paying.empty() ? "no spacing" : paying.size() == of.size() ? "every spacing" : spacings_text(points, paying);
+}
+
 void add_tricubic(std::vector<Finding>& findings, const Table& points) {
-    std::vector<double> times, errors;
-    for (Row one = 0; one < points.rows.size(); ++one)
-        for (Row other = 0; other < points.rows.size(); ++other)
-            if (is(points, one, {"look-up, tricubic", "f32"}) && is(points, other, {"look-up, trilinear", "f32"}) &&
-                law_of(points, one) == law_of(points, other) &&
-                points.number(one, "spacing_m") == points.number(other, "spacing_m")) {
-                times.push_back(value(points, one, "time_ratio") / value(points, other, "time_ratio"));
-                errors.push_back(value(points, one, "reference_vector_rms_1") /
-                                 value(points, other, "reference_vector_rms_1"));
-            }
-    if (times.empty())
-        return;
-    const double error = median(errors);
-    findings.push_back(
-        {"tricubic",
-         fmt::format("Tricubic look-up {} trilinear at the same spacing, and its error is {:.2g} times as large: {}.",
-                     against(median(times)), error,
-                     error > 1     ? "edges, not curvature, are what a volume gets wrong"
-                     : error > 0.5 ? "it is hardly worth its price"
-                                   : "it pays off")});
+    constexpr const char* kDirection = "reference_direction_rms_deg";
+    constexpr const char* kVector = "reference_vector_rms_1";
+    std::vector<std::string> done;
+    for (Row row = 0; row < points.rows.size(); ++row) {
+        const std::string law = law_of(points, row);
+        if (!is(points, row, {"look-up, tricubic", "f32"}) || std::ranges::find(done, law) != done.end())
+            continue;
+        done.push_back(law);
+        const auto both = tricubic_of(points, law);
+        if (both.empty())
+            continue;
+        const std::string direction = paying_text(points, both, kDirection),
+                          vector = paying_text(points, both, kVector);
+        findings.push_back(
+            {"tricubic_" + points.word(row, "surface") + elements_suffix(points, row),
+             fmt::format(
+                 "Reading \"{}\" tricubic {} trilinear of the same spacing (median of {} volume{}); its direction "
+                 "error against direct evaluation is {}, the error of the whole force {}: where the error should "
+                 "fall by more than the time rises, it pays off {}.",
+                 law, against(median_ratio(points, both, "time_ratio")), both.size(), both.size() == 1 ? "" : "s",
+                 range_text(points, both, kDirection), range_text(points, both, kVector),
+                 direction == vector
+                     ? "at " + direction
+                     : fmt::format("for the direction at {}, for the whole force at {}", direction, vector))});
+    }
 }
 
 } // namespace

@@ -20,6 +20,10 @@ bool has_smooth_shape(const Table& points, Row row) {
     return points.word(row, "against") == "the smooth shape";
 }
 
+std::string on_surface(const std::string& surface) {
+    return surface == "scene" ? "In the scene" : "On the " + surface;
+}
+
 std::vector<std::pair<Row, Row>> pairs(const Table& points, const Way& one, const Way& other) {
     std::vector<std::pair<Row, Row>> result;
     for (Row row = 0; row < points.rows.size(); ++row)

@@ -25,6 +25,9 @@ std::string law_of(const Table& points, Row row);
 /// Whether the errors of a row are against a known smooth shape, so that less of them is closer to a truth.
 bool has_smooth_shape(const Table& points, Row row);
 
+/// "On the mesh", "In the scene"
+std::string on_surface(const std::string& surface);
+
 /// Rows of the same law, one of each way.
 std::vector<std::pair<Row, Row>> pairs(const Table& points, const Way& one, const Way& other);
 
