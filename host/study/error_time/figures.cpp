@@ -175,8 +175,10 @@ std::vector<Figure> figures_of(const std::vector<Table>& tables) {
         if (std::find(groups.begin(), groups.end(), group) != groups.end())
             figures.push_back(convergence(sizes, group, title, x, y));
     };
-    add("facets", "Bump: error over the number of facets", {"size", "1 / facets", true},
-        {"error", "RMS direction error / deg, relative magnitude error", true});
+    add("facets-direction", "Bump: direction error over the number of facets", {"size", "1 / facets", true},
+        {"error", "RMS direction error / deg", true});
+    add("facets-magnitude", "Bump: magnitude error over the number of facets", {"size", "1 / facets", true},
+        {"error", "RMS relative error of the magnitude", true});
     add("patches", "Patches of triangles: direction error over the cell size", {"size", "1 / cells", true},
         {"error", "RMS direction error / deg", true});
     add("meshes", "Meshes of the cylinder: direction error over the cell size", {"size", "1 / cells", true},

@@ -69,21 +69,24 @@ Table order_table(const std::vector<Series>& all) {
 
 // With a line of the expected slope through the finest point of each series.
 Table convergence_table(const std::vector<Series>& all) {
-    Table table{"convergence",
-                "Errors over size",
-                {{"series", "", "as in orders"},
-                 {"group", "", "facets, cells of patches, cells of meshes, look-ups"},
-                 {"size", "1 or m", "1 / facets, 1 / cells or spacing"},
-                 {"error", "deg or 1", "the series' quantity"},
-                 {"expected_error", "deg or 1", "what the expected order makes of the finest size's error"}},
-                {}};
+    Table table{
+        "convergence",
+        "Errors over size",
+        {{"series", "", "as in orders"},
+         {"group", "",
+          "what is shown together: facets by direction or magnitude, cells of patches, cells of meshes, look-ups"},
+         {"size", "1 or m", "1 / facets, 1 / cells or spacing"},
+         {"error", "deg or 1", "the series' quantity"},
+         {"expected_error", "deg or 1", "what the expected order makes of the finest size's error"}},
+        {}};
     for (const Series& one : all) {
         const auto finest = std::min_element(one.sizes.begin(), one.sizes.end()) - one.sizes.begin();
         const auto at = static_cast<std::size_t>(finest);
-        const std::string group = one.name.starts_with("patch")     ? "patches"
-                                  : one.name.starts_with("mesh")    ? "meshes"
-                                  : one.name.starts_with("look-up") ? "look-ups"
-                                                                    : "facets";
+        const std::string group = one.name.starts_with("patch")           ? "patches"
+                                  : one.name.starts_with("mesh")          ? "meshes"
+                                  : one.name.starts_with("look-up")       ? "look-ups"
+                                  : one.quantity.starts_with("direction") ? "facets-direction"
+                                                                          : "facets-magnitude";
         for (std::size_t i = 0; i < one.sizes.size(); ++i)
             table.rows.push_back(row_of(
                 one.name, group, one.sizes[i], one.errors[i],
