@@ -1,4 +1,4 @@
-// Labels beside points that overlap neither each other, nor points, nor the plot's edge.
+// Labels beside points that overlap neither each other, nor points, nor the plot's edge, nor lines drawn over it.
 #pragma once
 
 #include <optional>
@@ -14,8 +14,17 @@ struct LabelledPoint {
     std::string text;
 };
 
-/// A box for each text, as near its point as there is room; nothing where there is none within 60 px.
+/// A straight piece of a line that is drawn, px.
+struct Piece {
+    double x1 = 0, y1 = 0, x2 = 0, y2 = 0;
+};
+
+/// True if a piece and a box have a point in common.
+bool crosses(const Piece& piece, const Box& box);
+
+/// A box for each text, as near its point as there is room, rather where a line that leads to it passes no other point;
+/// those with the least room choose first. Nothing where there is none within 140 px.
 std::vector<std::optional<Box>> place_labels(const std::vector<LabelledPoint>& points, const Box& plot,
-                                             double font_size);
+                                             double font_size, const std::vector<Piece>& lines = {});
 
 } // namespace forceshade::plot

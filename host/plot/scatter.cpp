@@ -101,12 +101,23 @@ void draw_point(Svg& svg, std::size_t series, double x, double y, std::string_vi
     svg.path(marker(series, x, y), (is_open_marker(series) ? "l " : "f m ") + series_class(series), text);
 }
 
+// The curves as they are drawn.
+std::vector<Piece> pieces_of(const Scatter& s) {
+    std::vector<Piece> pieces;
+    for (const CurveLine& curve : s.curves)
+        for (const auto& line : curve.pieces)
+            for (std::size_t i = 1; i < line.size(); ++i)
+                pieces.push_back({s.axes.x.at(line[i - 1].first), s.axes.y.at(line[i - 1].second),
+                                  s.axes.x.at(line[i].first), s.axes.y.at(line[i].second)});
+    return pieces;
+}
+
 void draw_labels(Sheet& sheet, const Scatter& s) {
     std::vector<LabelledPoint> points;
     for (std::size_t i = 0; i < s.rows.size(); ++i)
         if (s.shown(i))
             points.push_back({s.at_x(i), s.at_y(i), s.label(i)});
-    const std::vector<std::optional<Box>> places = place_labels(points, s.axes.plot, kLabelSize);
+    const std::vector<std::optional<Box>> places = place_labels(points, s.axes.plot, kLabelSize, pieces_of(s));
     std::size_t dropped = 0;
     for (std::size_t i = 0; i < points.size(); ++i) {
         if (!places[i]) {

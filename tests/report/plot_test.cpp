@@ -180,5 +180,33 @@ TEST(Labels, KeepOffEachOtherPointsAndEdges) {
     EXPECT_GE(placed, 10u);
 }
 
+TEST(Labels, KeepOffLinesWhereThereIsRoomElsewhere) {
+    const Box plot{0, 0, 600, 300};
+    const std::vector<LabelledPoint> points{{300, 150, "the winner"}};
+    const std::optional<Box> free = place_labels(points, plot, 11)[0];
+    ASSERT_TRUE(free);
+    const double level = free->y + free->height / 2;
+    const Piece through{300, level, 600, level};
+    EXPECT_TRUE(crosses(through, *free));
+    const std::optional<Box> moved = place_labels(points, plot, 11, {through})[0];
+    ASSERT_TRUE(moved);
+    EXPECT_FALSE(crosses(through, *moved));
+    std::vector<Piece> everywhere;
+    for (double y = 0; y < 300; y += 5)
+        everywhere.push_back({0, y, 600, y});
+    EXPECT_FALSE(place_labels(points, plot, 11, everywhere)[0]);
+}
+
+TEST(Labels, PiecesCrossBoxesThatTheyPassThrough) {
+    const Box box{10, 10, 20, 10};
+    EXPECT_TRUE(crosses({0, 0, 40, 30}, box));
+    EXPECT_TRUE(crosses({15, 12, 16, 13}, box)); // within
+    EXPECT_TRUE(crosses({20, 0, 20, 40}, box));
+    EXPECT_FALSE(crosses({0, 0, 9, 9}, box));    // ends before
+    EXPECT_FALSE(crosses({0, 12, 12, 40}, box)); // passes its corner
+    EXPECT_FALSE(crosses({31, 0, 31, 40}, box));
+    EXPECT_FALSE(crosses({0, 21, 40, 21}, box));
+}
+
 } // namespace
 } // namespace forceshade::plot
