@@ -8,9 +8,12 @@
 #include "host/error.h"
 #include "host/field/scene_mesh.h"
 #include "host/study/omission/measurement.h"
+#include "host/study/omission/omission.h"
 #include "host/study/omission/tables.h"
+#include "host/study/omission/touched.h"
 #include "host/study/omission/unchanged.h"
 #include "host/study/run/quartiles.h"
+#include "tests/io/folder.h"
 
 namespace forceshade::study {
 namespace {
@@ -148,6 +151,68 @@ TEST_F(OnTheOracle, WhatDiffersIsCounted) {
     smaller.with.prepared.one.scene.grid.size[2] /= 2;
     const Unchanged half = held(smaller);
     EXPECT_EQ(half.differing, half.compared) << "the samples that are not there";
+}
+
+constexpr const char* kPaths = "[paths]\ndepth = \"1 mm\"\ncount = 2\nsteps = 100\n";
+
+// A bump's grid, from `bottom` upwards.
+Case given_scene(const std::string& bottom, const std::string& more = "") {
+    const std::string grid = "[grid]\nsize = [16, 2, 8]\norigin = [\"-14 mm\", \"-1 mm\", \"" + bottom +
+                             "\"]\nspacing = [\"1.8 mm\", \"1 mm\", \"0.5 mm\"]\n";
+    return parse_scene("[surface]\nfacets = 3\n" + more + grid, "test");
+}
+BaseScene based_on(const Case& scene) {
+    return user_scene(CasePreparation().prepare(scene), true);
+}
+
+TEST_F(OnTheOracle, WhatTouchesIsCounted) {
+    const Touched grid = touched(*engine_, based_on(given_scene("-4 mm")));
+    EXPECT_GT(grid.field, 100u);
+    EXPECT_LT(grid.field, 16u * 2 * 8 + 1);
+    EXPECT_EQ(grid.paths, 0u) << "it has none";
+    EXPECT_EQ(touched(*engine_, based_on(given_scene("30 mm"))).field, 0u);
+    for (const char* precision : {"f32", "f64"}) {
+        BaseScene both = based_on(given_scene("30 mm", kPaths));
+        both.prepared.one.scene.precision = precision == std::string("f32") ? Precision::f32 : Precision::f64;
+        const Touched samples = touched(*engine_, both);
+        EXPECT_EQ(samples.field, 0u);
+        EXPECT_GT(samples.paths, 10u);
+        EXPECT_LE(samples.paths, 200u);
+    }
+}
+
+// The studies of energy and stability go to places on the surface of their own; this one takes the scene's.
+class OmissionRun : public ::testing::Test {
+protected:
+    StudyData run(const Case& scene) {
+        StudyOptions options;
+        options.folder = folder_ / "omission";
+        options.quick = options.quiet = true;
+        options.engine.cpu = true;
+        options.scene = scene;
+        StudyRun study("omission", options);
+        return study_omission(study);
+    }
+    static std::size_t free_notes(const StudyData& data) {
+        return static_cast<std::size_t>(std::ranges::count_if(data.notes, [](const std::string& note) {
+            return note.find("is in contact: what is told of it is what free space takes") != std::string::npos;
+        }));
+    }
+
+    testing::Folder folder_;
+};
+
+TEST_F(OmissionRun, OfASceneThatTouchesNothingIsRefused) {
+    const std::string why = testing::message_of<UsageError>([&] { run(given_scene("30 mm")); });
+    EXPECT_NE(why.find("nothing of the scene's [grid] is in contact"), std::string::npos) << why;
+    EXPECT_FALSE(std::filesystem::exists(folder_ / "omission/study.json"));
+    EXPECT_EQ(free_notes(run(given_scene("-4 mm"))), 0u);
+}
+
+TEST_F(OmissionRun, OfAGridInTheAirAboveTouchingPathsSaysSo) {
+    const StudyData data = run(given_scene("30 mm", kPaths));
+    EXPECT_EQ(free_notes(data), 1u);
+    EXPECT_GT(data.table("features").rows.size(), 10u);
 }
 
 TEST_F(OnTheOracle, AMeasurementHasARoundOfEachSideAndLeavesNoFile) {

@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 
 #include "compute/device.h"
+#include "host/error.h"
 #include "host/study/omission/measurement.h"
 #include "host/study/omission/tables.h"
+#include "host/study/omission/touched.h"
 
 namespace forceshade::study {
 namespace {
@@ -49,6 +51,37 @@ Json measure_or_skip(StudyRun& run, LayeredEngine& layered, const Comparison& on
     return measure(run.engine(), engine, one, rounds, run.options().folder);
 }
 
+// A scene whose samples are all free has no feature that matters: that leaving it out changes nothing would be said of
+// nothing, and all times would be those of free space.
+Touched require_contact(StudyRun& run, const BaseScene& base) {
+    const std::vector<Json> results = run.run({{"contact", [&] {
+                                                    const Touched samples = touched(run.engine(), base);
+                                                    return Json{{"field", samples.field}, {"paths", samples.paths}};
+                                                }}});
+    const Touched samples{results[0].at("field"), results[0].at("paths")};
+    if (samples.field == 0 && samples.paths == 0)
+        throw UsageError(
+            fmt::format("nothing of the scene's {} is in contact: every feature could be left out, and the "
+                        "study would compare zeros with zeros; let it reach below the surface",
+                        !base.paths  ? "[grid]"
+                        : base.field ? "[grid] and [paths]"
+                                     : "[paths]"));
+    return samples;
+}
+
+// Where the grid touches nothing but the paths do, or the other way round.
+void add_free_note(const BaseScene& base, const Touched& samples, StudyData& data) {
+    const auto add = [&](const char* what) {
+        data.notes.push_back(fmt::format("Nothing of the scene's {} is in contact: what is told of it is what free "
+                                         "space takes, and that it stays free.",
+                                         what));
+    };
+    if (base.field && samples.field == 0)
+        add("[grid]");
+    if (base.paths && samples.paths == 0)
+        add("[paths]");
+}
+
 void add_notes(const std::vector<BaseScene>& scenes, const std::vector<Comparison>& comparisons,
                const std::vector<Json>& results, unsigned rounds, StudyData& data) {
     for (const BaseScene& base : scenes) {
@@ -81,6 +114,7 @@ StudyData study_omission(StudyRun& run) {
     const double seconds = quick ? kQuickRoundSeconds : kRoundSeconds;
     const std::vector<BaseScene> scenes =
         run.scene() ? std::vector{user_scene(*run.scene(), quick)} : own_scenes(quick);
+    const Touched samples = run.scene() ? require_contact(run, scenes.front()) : Touched();
     std::vector<Comparison> comparisons;
     for (const BaseScene& base : scenes)
         for (Comparison& one : comparisons_of(base, !run.options().engine.cpu))
@@ -97,6 +131,8 @@ StudyData study_omission(StudyRun& run) {
     data.tables = {features_table(comparisons, results), omitted_table(scenes, comparisons)};
     data.figures = omission_figures(data.tables.front());
     add_notes(scenes, comparisons, results, rounds, data);
+    if (run.scene())
+        add_free_note(scenes.front(), samples, data);
     return data;
 }
 
