@@ -64,6 +64,21 @@ TEST(EnergyTables, OfEqualErrorAreRowsOfLoopsWhereEnergyChangesSign) {
     EXPECT_EQ(equal.word(2, "group"), "mesh, god-object");
 }
 
+TEST(EnergyTables, TellASchemesHistoryApart) {
+    const Table loops = loops_table({row("mesh of quads", "quads two_pass, god-object", 8, 1, 0.1),
+                                     row("mesh of quads", "quads two_pass", 8, 1, 0.1),
+                                     row("bump", "facets, normal depth", 8, 1, 0.1)});
+    EXPECT_EQ(loops.word(0, "law"), "quads two_pass");
+    EXPECT_EQ(loops.word(0, "history"), "god-object");
+    EXPECT_EQ(loops.word(1, "law"), "quads two_pass");
+    EXPECT_EQ(loops.word(1, "history"), "static field");
+    EXPECT_EQ(loops.word(2, "law"), "facets, normal depth");
+    const std::vector<Figure> figures = loop_figures();
+    const auto bars = std::ranges::find(figures, std::string("eta_bars"), &Figure::name);
+    ASSERT_NE(bars, figures.end());
+    EXPECT_EQ(bars->x.column + "/" + bars->series, "law/history");
+}
+
 TEST(EnergyTables, TheFrontHoldsWhatNothingBeats) {
     const StudyData data = sample();
     const Table& front = data.table("front");

@@ -51,13 +51,15 @@ std::vector<Figure> loop_figures() {
     Figure bars;
     bars.name = "eta_bars";
     bars.title = "Energy that a loop gives, by scheme, with 8 facets over the width";
-    bars.caption = "The share of the effort that a round gives back over the bump of 1000 mil; below 0 a round takes "
-                   "energy from the hand whichever way it goes.";
+    bars.caption = "The share of the effort that a round gives back over the bump of 1000 mil, by the force from the "
+                   "place alone and, of meshes, by the god-object; below 0 a round takes energy from the hand "
+                   "whichever way it goes.";
     bars.kind = FigureKind::bars;
     bars.table = "loops";
     bars.where = {{"radius_mil", "1000"}, {"facets", "8"}};
-    bars.x = {"scheme", "scheme"};
+    bars.x = {"law", "scheme"};
     bars.y = {"eta", "gained energy / effort"};
+    bars.series = "history";
     figures.push_back(std::move(bars));
     return figures;
 }

@@ -23,6 +23,8 @@ const std::vector<Column> kLoopColumns{
      "Schemes that figures show together: of the bump's own facets, of meshes by the nearest place, of "
      "meshes by the god-object."},
     {"scheme", "", "How force is made of the surface; rows of one scheme differ in facets and radius."},
+    {"law", "", "The scheme, whatever its history."},
+    {"history", "", "static field: force follows from the place alone; god-object: from the way there, too."},
     {"loop", "",
      "half: from the middle to one side; whole: from side to side, where a symmetric surface gives back what "
      "it takes."},
@@ -133,10 +135,12 @@ std::optional<Point> coarsest(const std::vector<Point>& points, double level) {
 /// Errors that most of the schemes keep to with some of their facets.
 constexpr double kLevels[] = {2, 1, 0.5, 0.2}; /* deg */
 
+constexpr std::string_view kGodObject = ", god-object"; /* at the end of a scheme's name */
+
 std::string group_of(const std::string& surface, const std::string& scheme) {
     if (surface.find("mesh") == std::string::npos)
         return kGroups[0];
-    return scheme.ends_with(", god-object") ? kGroups[2] : kGroups[1];
+    return scheme.ends_with(kGodObject) ? kGroups[2] : kGroups[1];
 }
 
 } // namespace
@@ -146,7 +150,11 @@ Table loops_table(const std::vector<Json>& rows) {
     for (Json row : rows) {
         if (row.contains("direction_rms_deg"))
             row["error_shown_deg"] = std::max(kLeastError, row["direction_rms_deg"].get<double>());
-        row["group"] = group_of(row.at("surface"), row.at("scheme"));
+        const std::string scheme = row.at("scheme");
+        row["group"] = group_of(row.at("surface"), scheme);
+        const bool history = scheme.ends_with(kGodObject);
+        row["law"] = scheme.substr(0, scheme.size() - (history ? kGodObject.size() : 0));
+        row["history"] = history ? "god-object" : "static field";
         row["eta_shown"] = std::max(kLeastEta, std::abs(row["eta"].get<double>()));
         table.rows.push_back(row_of(kLoopColumns, row));
     }
