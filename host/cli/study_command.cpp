@@ -26,13 +26,15 @@ struct KnownStudy {
     const char* name;
     const char* about;
     study::StudyData (*run)(study::StudyRun&);
+    const char* precision = ""; /* what it takes in place of the scene's; empty: the scene's */
 };
 
 constexpr std::array<KnownStudy, 4> kStudies{{
     {"error-time", "force error against run time: facets, shadings, precision, look-up volumes",
      study::study_error_time},
     {"stability", "where the sampled loop and the numbers stop being stable", study::study_stability},
-    {"energy", "work round closed loops and curl, for each shading", study::study_energy},
+    {"energy", "work round closed loops and curl, for each shading", study::study_energy,
+     "quadrature and oracle are in double precision, the engine in double where the device has it"},
     {"omission", "what leaving out what a scene does not need saves", study::study_omission},
 }};
 
@@ -55,7 +57,10 @@ const KnownStudy& known_study(const std::string& name) {
 }
 
 // The user's scene; its warnings go to stderr unless quiet.
-std::optional<Case> scene_of(const StudyArguments& arguments, const CommonOptions& common) {
+std::optional<Case> scene_of(const KnownStudy& known, const StudyArguments& arguments, const CommonOptions& common) {
+    if (*known.precision && !common.precision.empty())
+        throw UsageError(
+            fmt::format("--precision changes nothing in the study {}: {}; leave it out", known.name, known.precision));
     if (arguments.scene.empty() && !common.precision.empty())
         throw UsageError("--precision is of a scene, and none is given; the study's own scenes are measured in both");
     if (arguments.scene.empty())
@@ -87,7 +92,7 @@ int run(const StudyArguments& arguments, const CommonOptions& common) {
     const std::filesystem::path out = arguments.out;
     study::StudyOptions options;
     options.folder = out / known.name;
-    options.scene = scene_of(arguments, common);
+    options.scene = scene_of(known, arguments, common);
     options.quick = arguments.quick;
     options.fresh = arguments.fresh;
     options.quiet = common.quiet;
