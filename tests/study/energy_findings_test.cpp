@@ -199,13 +199,21 @@ TEST(EnergyFindings, TellWhatTheGodObjectsHistoryDoes) {
 TEST(EnergyFindings, TellHowFarTheEnginesSamplesAre) {
     StudyData data = sample();
     set(data.tables[0], "shaded", "engine_difference", 3e-7);
-    const std::string text = "Work added up from the engine's samples is within {} of the effort of the oracle's; the "
-                             "most is at {}.";
+    const std::string text =
+        "Work added up from the engine's samples is the oracle's within {} of the effort; the most is at {}.";
     EXPECT_EQ(finding(data, "engine"),
               fmt::format(fmt::runtime(text), "3e-07", "shaded (1 facet, radius of 1000 mil)"));
     set(data.tables[0], "facets", "engine_difference", 0.02);
     EXPECT_EQ(finding(data, "engine"),
               fmt::format(fmt::runtime(text), "0.02", "facets (8 facets, radius of 1000 mil)"));
+    const auto all = [&](double off) {
+        for (const char* scheme : {"facets", "shaded", "triangles none", "triangles mean_value"})
+            set(data.tables[0], scheme, "engine_difference", off);
+        return finding(data, "engine");
+    };
+    EXPECT_EQ(all(0), "Work added up from the engine's samples is the oracle's to the last bit.");
+    EXPECT_EQ(all(3e-16), "Work added up from the engine's samples is the oracle's to rounding, 3e-16 of the effort at "
+                          "facets (8 facets, radius of 1000 mil).");
     for (auto& cells : data.tables[0].rows)
         cells[data.tables[0].index("engine_difference")] = Cell();
     EXPECT_EQ(finding(data, "engine"), "");

@@ -103,8 +103,16 @@ TEST(SceneLoops, TakeEachSchemeOfASurface) {
         if (one.scheme == "facets") {
             EXPECT_LT(std::abs(row["eta"].get<double>()), 1e-12) << "a plane";
         }
+        EXPECT_EQ(row["radius_mil"], 1000);
     }
     EXPECT_EQ(scene_curl_maps(bump, 21).size(), 6u);
+}
+
+TEST(SceneLoops, HaveTheRadiusThatTheirSurfaceHas) {
+    const auto radius = [](const std::string& surface) { return scene_loops(scene(surface)).front().radius_mil; };
+    EXPECT_EQ(radius("[surface]\nkind = \"cylinder_bump\"\nradius = \"600 mil\"\n"), 600);
+    EXPECT_EQ(radius("[surface]\nkind = \"height_map\"\nfunction = \"cylinder\"\nradius = \"20 mm\"\n"), 787.401575);
+    EXPECT_EQ(radius("[surface]\nkind = \"height_map\"\nfunction = \"sine\"\n"), 0);
 }
 
 TEST(SceneLoops, EndInsideTheBumpWhereUnequalSlopesShow) {

@@ -126,6 +126,15 @@ std::function<Vector(double, double)> normals_of(const Scene& scene) {
     };
 }
 
+/// R in mil, without the digits that units leave; 0: the surface has none.
+double radius_mil(const SurfaceSpec& surface) {
+    const bool round = surface.kind == SurfaceKind::bump || surface.kind == SurfaceKind::cylinder_bump;
+    const bool map = surface.kind == SurfaceKind::height_map &&
+                     (surface.map.function == MapFunction::cylinder || surface.map.function == MapFunction::dip);
+    constexpr double kSteps = 1e6; /* of a mil */
+    return std::round(kSteps * (round ? surface.radius : map ? surface.map.radius : 0) / kMil) / kSteps;
+}
+
 /// Where a loop from the middle ends: inside the bump, where its last facet slopes, for over the rim on the plane the
 /// breaks of unequal slopes add up to nothing.
 double half_end(const Scene& scene, double middle, double end) {
@@ -155,6 +164,7 @@ std::vector<LoopCase> scene_loops(const PreparedCase& scene) {
                 one.loop = part;
                 one.scheme = scheme.name + (god_object ? ", god-object" : "");
                 one.prepared = with_force(scene, scheme);
+                one.radius_mil = radius_mil(scene.one.scene.surface);
                 one.sections = {section};
                 one.out = room.out;
                 one.back = room.back;

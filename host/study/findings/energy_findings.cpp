@@ -14,6 +14,7 @@ namespace forceshade::study {
 namespace {
 
 constexpr double kMostNothing = 1e-6; /* of the effort: quadrature leaves no more, whatever closed forms say */
+constexpr double kLastDigits = 1e-13; /* of the effort: sums of thousands of numbers are off by that */
 constexpr double kSteady = 0.05;      /* relative: a curve that changes less is level */
 const std::string kGodObject = ", god-object";
 
@@ -188,10 +189,15 @@ void add_engine(const Table& loops, std::vector<Finding>& findings) {
             largest = *off;
             most = row;
         }
-    if (largest >= 0)
-        findings.push_back({"engine", fmt::format("Work added up from the engine's samples is within {:.1g} of the "
-                                                  "effort of the oracle's; the most is at {}{}.",
-                                                  largest, loops.word(most, "scheme"), place(loops, most))});
+    if (largest < 0)
+        return;
+    const std::string at = loops.word(most, "scheme") + place(loops, most);
+    findings.push_back(
+        {"engine",
+         "Work added up from the engine's samples is the oracle's " +
+             (largest == 0            ? std::string("to the last bit.")
+              : largest < kLastDigits ? fmt::format("to rounding, {:.1g} of the effort at {}.", largest, at)
+                                      : fmt::format("within {:.1g} of the effort; the most is at {}.", largest, at))});
 }
 
 /// Without tables that compare at equal errors, as of a user's scene: who gives least and most round a loop over half.
