@@ -1,13 +1,19 @@
 // Work round loops: quadrature, closed forms, the engine's samples, curl.
 #include <cmath>
+#include <csignal>
+#include <cstdlib>
 #include <filesystem>
+#include <fstream>
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "host/error.h"
+#include "host/interrupt.h"
+#include "host/io/hash.h"
 #include "host/study/energy/closed_forms.h"
 #include "host/study/energy/curl_maps.h"
+#include "host/study/energy/energy.h"
 #include "host/study/energy/loop_cases.h"
 #include "host/study/energy/loop_paths.h"
 #include "host/study/energy/notes.h"
@@ -15,6 +21,7 @@
 #include "host/study/energy/scenes.h"
 #include "host/study/energy/tables.h"
 #include "host/study/findings/energy_findings.h"
+#include "tests/io/folder.h"
 
 namespace forceshade::study {
 namespace {
@@ -236,6 +243,55 @@ TEST(Curl, VolumesAreWrittenAndTheirLossIsSeen) {
     std::filesystem::remove(folder / (map.name + ".curl.exr"));
     EXPECT_FALSE(has_volumes(result, folder));
     std::filesystem::remove_all(folder);
+}
+
+// The energy of a small scene, its steps kept.
+class KeptEnergy : public ::testing::Test {
+protected:
+    KeptEnergy() {
+        options_.folder = folder_ / "energy";
+        options_.quick = options_.quiet = true;
+        options_.engine.cpu = true;
+        options_.scene = parse_scene("[surface]\nkind = \"bump\"\nfacets = 2\n", "test");
+    }
+    StudyData run() const {
+        StudyRun study("energy", options_);
+        return study_energy(study);
+    }
+    std::filesystem::path volume() const { return options_.folder / first_.volumes.at(0).name; }
+
+    testing::Folder folder_;
+    StudyOptions options_;
+    StudyData first_;
+};
+
+TEST_F(KeptEnergy, RestoresVolumesThatAreGoneOrDamaged) {
+    first_ = run();
+    std::filesystem::remove(volume());
+    std::ofstream(options_.folder / first_.volumes.at(2).name, std::ios::app) << "more";
+    const StudyData again = run();
+    for (const FileRecord& file : again.volumes)
+        EXPECT_TRUE(file_is_intact(options_.folder / file.name, file.sha256)) << file.name;
+    for (std::size_t i = 0; i < first_.volumes.size(); ++i)
+        EXPECT_EQ(again.volumes[i].sha256, first_.volumes[i].sha256);
+}
+
+// All steps are kept, so that only the volumes are left to do. The flag stays raised: in a process of its own.
+TEST_F(KeptEnergy, RestoringIsInterrupted) {
+    GTEST_FLAG_SET(death_test_style, "threadsafe");
+    const auto interrupted_run = [this] {
+        first_ = run();
+        std::filesystem::remove(volume());
+        catch_interrupts();
+        std::raise(SIGINT);
+        try {
+            run();
+        } catch (const Interrupted&) {
+            std::_Exit(std::filesystem::exists(volume()) ? 1 : 42);
+        }
+        std::_Exit(2);
+    };
+    EXPECT_EXIT(interrupted_run(), ::testing::ExitedWithCode(42), "");
 }
 
 } // namespace

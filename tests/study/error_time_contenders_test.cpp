@@ -1,4 +1,5 @@
 // What the contenders of the study of error against time give, on few places.
+#include <algorithm>
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -87,6 +88,57 @@ TEST(Bump, KernelAndOracleAreEquallyFarOff) {
                 .evaluate();
         };
         EXPECT_TRUE(path("kernel ").force == path("CPU on one thread ").force) << precision;
+    }
+}
+
+// A device that says how long it took, a time an evaluation, and that it visited seven voxels.
+class TimedEngine final : public Engine {
+public:
+    std::vector<EngineTimes> left; /* the last one first */
+    EngineReport report() const override { return {"gpu", "a device", "", "", true, true}; }
+    EngineTimes evaluate(const layout::FieldInput<float>&,
+                         const std::function<void(const layout::FieldChunk<float>&)>&) override {
+        return taken();
+    }
+    EngineTimes evaluate(const layout::FieldInput<double>&,
+                         const std::function<void(const layout::FieldChunk<double>&)>&) override {
+        return taken();
+    }
+    void take(const std::vector<double>& kernels, double plan) {
+        for (const double kernel : kernels)
+            left.insert(left.begin(), {.kernel = kernel, .plan = plan, .voxels_evaluated = 7});
+    }
+
+private:
+    EngineTimes taken() {
+        const EngineTimes times = left.back();
+        left.pop_back();
+        return times;
+    }
+};
+
+// A plan leaves most voxels of a mesh out, and finding them takes time: a grid's time is both, over all its voxels.
+TEST(Grid, TimeIsThatOfKernelAndPlanOverAllVoxels) {
+    for (const Subject& subject : {bump_subject(few()), mesh_subject(few())}) {
+        const auto& size = subject.grid.size;
+        const double voxels = static_cast<double>(size[0] * size[1] * size[2]);
+        TimedEngine engine;
+        Contenders contenders;
+        add_grids(contenders, subject, subject.variants.front(), engine);
+        for (const char* precision : {"f32", "f64"}) {
+            const auto grid = std::ranges::find_if(contenders, [&](const Contender& one) {
+                return one.family == "field, kernel" && one.precision == precision;
+            });
+            if (grid == contenders.end()) {
+                EXPECT_STREQ(precision, "f64") << "not of every variant";
+                continue;
+            }
+            engine.take({8e-3}, 3e-3);
+            EXPECT_DOUBLE_EQ(grid->seconds(), 11e-3 / voxels) << subject.name << ", long enough at once";
+            engine.take({1e-3, 3e-3, 2e-3}, 0.5e-3);
+            EXPECT_DOUBLE_EQ(grid->seconds(), 2.5e-3 / voxels) << subject.name << ", the middle one of three";
+            EXPECT_TRUE(engine.left.empty());
+        }
     }
 }
 
