@@ -31,11 +31,6 @@ std::filesystem::path recorded_file(const Scene& scene, const PathRunOptions& op
     return {};
 }
 
-double PathRecord::steps_per_second() const {
-    const double seconds = engine_times.upload + engine_times.kernel + engine_times.read_back;
-    return seconds > 0 ? double(samples) / seconds : 0;
-}
-
 std::vector<std::string> path_file_names(const PathRunOptions& options, layout::uint channels) {
     std::vector<std::string> names;
     const std::string stem = options.stem.filename().string();
@@ -49,20 +44,6 @@ std::vector<std::string> path_file_names(const PathRunOptions& options, layout::
     if (options.png)
         names.push_back(stem + ".paths.png");
     return names;
-}
-
-std::string complaint(const PathRecord& record, const std::string& name, const std::string& device) {
-    if (!record.error.passed())
-        return fmt::format("{}: {} of {} samples and the metrics of {} of {} paths compared are further from the CPU "
-                           "oracle than rounding allows on {} ({}); it is not to be trusted (forceshade validate tells "
-                           "more)",
-                           name, record.error.beyond, record.error.samples, record.error.metrics, record.error.paths,
-                           device, record.error.first);
-    if (record.unfinished > 0)
-        return fmt::format("{}: at {} of {} samples the proxy did not come to rest within its limit of steps; their "
-                           "forces are not to be trusted",
-                           name, record.unfinished, record.samples);
-    return {};
 }
 
 } // namespace forceshade

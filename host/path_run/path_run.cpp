@@ -24,6 +24,7 @@
 #include "host/path_run/recorded_times.h"
 #include "host/paths/recorded_file.h"
 #include "host/paths/scene_paths.h"
+#include "host/validate/path_oracle.h"
 #include "host/version.h"
 
 namespace forceshade {

@@ -15,7 +15,6 @@
 #include "host/report/sweep_findings.h"
 #include "host/study/data/data_files.h"
 #include "host/study/findings/findings.h"
-#include "host/sweep/manifest.h"
 
 namespace forceshade::report {
 namespace {

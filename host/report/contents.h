@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "host/record/case_record.h"
 #include "host/study/data/study_data.h"
-#include "host/sweep/record.h"
 
 namespace forceshade::report {
 

@@ -10,7 +10,8 @@
 #include "host/io/chunk_sink.h"
 #include "host/path_run/path_run.h"
 #include "host/picture/slice_collector.h"
-#include "host/sweep/record.h"
+#include "host/record/case_record.h"
+#include "host/validate/oracle_check.h"
 
 namespace forceshade {
 

@@ -10,8 +10,8 @@
 
 #include "host/io/csv.h"
 #include "host/io/temporary_file.h"
+#include "host/record/case_record.h"
 #include "host/sweep/machine.h"
-#include "host/sweep/record.h"
 #include "host/version.h"
 
 namespace forceshade {

@@ -10,9 +10,6 @@
 
 namespace forceshade {
 
-/// Of the layout of manifest.json.
-inline constexpr int kManifestFormat = 1;
-
 /// What a run of the program cost; stands in the manifest only.
 struct RunAccount {
     std::string engine_device, engine_driver;

@@ -4,24 +4,12 @@
 #include <cstdint>
 
 #include "host/field/prepared_case.h"
+#include "host/record/oracle_errors.h"
 #include "host/validate/mesh_bound.h"
 #include "host/validate/rounding_bound.h"
 #include "shaders/shared/layout.h"
 
 namespace forceshade {
-
-struct OracleError {
-    std::uint64_t compared = 0;  /* voxels */
-    std::uint64_t differing = 0; /* voxels whose bits are not the oracle's in the same precision */
-    std::uint64_t beyond = 0;    /* of them, those further from it than rounding allows: on a software device all */
-    std::uint64_t on_edge = 0;   /* voxels of a mesh as near to another facet, or to the surface, as rounding reaches:
-                                    their error says nothing and is not counted */
-    double largest = 0;          /* N: largest |F - F_oracle|, the oracle in double */
-    double largest_force = 0;    /* N: largest |F_oracle| among the voxels compared */
-
-    /// The largest error over the largest force; 0 for a field without force.
-    double relative() const { return largest_force > 0 ? largest / largest_force : 0; }
-};
 
 /// Compares evenly chosen rows, all of them where the grid is small, so that the cost is bounded.
 class OracleCheck {

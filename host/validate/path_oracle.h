@@ -7,23 +7,10 @@
 #include <string>
 
 #include "host/path_output/row_gatherer.h"
+#include "host/record/oracle_errors.h"
 #include "host/validate/path_bound.h"
 
 namespace forceshade {
-
-struct PathError {
-    std::uint64_t paths = 0;     /* compared */
-    std::uint64_t samples = 0;   /* compared */
-    std::uint64_t differing = 0; /* samples any of whose channels differs in a bit */
-    std::uint64_t beyond = 0;    /* samples further from the oracle than rounding allows: on a software device all that
-                                    differ */
-    std::uint64_t metrics = 0;   /* paths whose metrics differ: on a software device in a bit, else beyond rounding */
-    double largest = 0;          /* N: largest |F - F_oracle| */
-    double largest_force = 0;    /* N: of the oracle */
-    std::string first;           /* where and what, for the first sample or path that is beyond */
-
-    bool passed() const { return beyond == 0 && metrics == 0; }
-};
 
 /// Most samples that are compared where not all are asked for: about a second's work.
 inline constexpr std::uint64_t kComparedSamples = std::uint64_t(1) << 20;

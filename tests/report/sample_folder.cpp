@@ -11,7 +11,6 @@
 #include "host/io/temporary_file.h"
 #include "host/plot/plot.h"
 #include "host/study/data/data_files.h"
-#include "host/sweep/manifest.h"
 #include "tests/report/samples.h"
 
 namespace forceshade::testing {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "host/sweep/record.h"
+#include "host/record/case_record.h"
 
 namespace forceshade::testing {
 

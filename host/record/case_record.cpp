@@ -1,4 +1,4 @@
-#include "host/sweep/record.h"
+#include "host/record/case_record.h"
 
 #include <fstream>
 #include <sstream>

@@ -9,13 +9,12 @@
 #include <utility>
 #include <vector>
 
-#include "host/engine/engine.h"
-#include "host/io/chunk_sink.h"
-#include "host/io/file_record.h"
-#include "host/path_run/path_run.h"
-#include "host/validate/oracle_check.h"
+#include "host/record/path_record.h"
 
 namespace forceshade {
+
+/// Of the layout of manifest.json.
+inline constexpr int kManifestFormat = 1;
 
 struct CaseRecord {
     std::string name;
