@@ -5,17 +5,13 @@
 
 #include "host/mesh/structure_edges.h"
 #include "host/mesh/weld.h"
-#include "host/reference/vector.h"
+#include "host/reference/length.h"
 
 namespace forceshade {
 namespace {
 
 using layout::uint;
 using Vector = reference::Vector<double>;
-
-double length(const Vector& v) {
-    return std::sqrt(reference::dot(v, v));
-}
 
 Vector vector_of(const double (&numbers)[3]) {
     return {numbers[0], numbers[1], numbers[2]};
@@ -58,7 +54,7 @@ void add(const layout::MeshMoment& part, layout::MeshMoment& sum) {
                         3;
         }
     }
-    sum.radius = std::max(sum.radius, length({t[0], t[1], t[2]}) + part.radius);
+    sum.radius = std::max(sum.radius, reference::length(Vector(t[0], t[1], t[2])) + part.radius);
 }
 
 /// Triangle by triangle and node by node, the deepest first.
@@ -82,11 +78,11 @@ private:
                                                       structure_.parts->triangle_corners[3 * triangle + i]);
         const Vector centre = (corners[0] + corners[1] + corners[2]) / 3.0;
         const Vector area = reference::cross(Vector(corners[1] - corners[0]), Vector(corners[2] - corners[0])) / 2.0;
-        Part part{{{centre.x, centre.y, centre.z}, 0, {area.x, area.y, area.z}, {}, {}}, length(area)};
+        Part part{{{centre.x, centre.y, centre.z}, 0, {area.x, area.y, area.z}, {}, {}}, reference::length(area)};
         double spread[3][3] = {}; // mean of x_j x_k over the triangle
         for (const Vector& corner : corners) {
             const Vector from = corner - centre;
-            part.moment.radius = std::max(part.moment.radius, length(from));
+            part.moment.radius = std::max(part.moment.radius, reference::length(from));
             for (int j = 0; j < 3; ++j)
                 for (int k = 0; k < 3; ++k)
                     spread[j][k] += from[j] * from[k] / 12;

@@ -8,6 +8,7 @@
 #include "host/mesh/structure.h"
 #include "host/mesh_file/mesh_file.h"
 #include "host/reference/contact.h"
+#include "host/reference/length.h"
 #include "tests/mesh/shapes.h"
 
 namespace forceshade {
@@ -60,10 +61,6 @@ private:
     std::mt19937 random_{11};
 };
 
-double length(const glm::dvec3& v) {
-    return std::sqrt(reference::dot(v, v));
-}
-
 glm::dvec3 vector_of(const brute::Vector& v) {
     return {double(v[0]), double(v[1]), double(v[2])};
 }
@@ -91,9 +88,10 @@ void hold_against_referee(Oracle& oracle, int count, bool triangles) {
                 continue;
             touching += expected.depth > 0;
             EXPECT_EQ(found.facet, expected.facet);
-            EXPECT_LT(length(found.proxy - vector_of(expected.proxy)), 1e-12 * oracle.size);
-            EXPECT_LT(length(found.unshaded - vector_of(expected.unshaded)), 1e-12 * kStiffness * oracle.size);
-            EXPECT_LT(length(found.force - vector_of(expected.force)), 1e-11 * kStiffness * oracle.size);
+            EXPECT_LT(reference::length(found.proxy - vector_of(expected.proxy)), 1e-12 * oracle.size);
+            EXPECT_LT(reference::length(found.unshaded - vector_of(expected.unshaded)),
+                      1e-12 * kStiffness * oracle.size);
+            EXPECT_LT(reference::length(found.force - vector_of(expected.force)), 1e-11 * kStiffness * oracle.size);
         }
     }
     EXPECT_GT(touching, count / 20);
@@ -153,8 +151,8 @@ TEST(MeshContact, TextureAndMapAreTheReferees) {
                     continue;
                 const brute::Answer expected = referee.at(world);
                 const Contact found = oracle.at(world);
-                EXPECT_LT(length(found.force - vector_of(expected.force)), 1e-11 * kStiffness);
-                EXPECT_LT(length(found.unshaded - vector_of(expected.unshaded)), 1e-11 * kStiffness);
+                EXPECT_LT(reference::length(found.force - vector_of(expected.force)), 1e-11 * kStiffness);
+                EXPECT_LT(reference::length(found.unshaded - vector_of(expected.unshaded)), 1e-11 * kStiffness);
             }
         }
     }
@@ -175,8 +173,8 @@ TEST(MeshContact, ShadingKeepsTheMagnitude) {
                 for (int i = 0; i < 500; ++i) {
                     const Contact contact = oracle.at(random.within(0.57));
                     EXPECT_GT(contact.depth, 0);
-                    EXPECT_NEAR(length(contact.force) / length(contact.unshaded), 1, 1e-12);
-                    EXPECT_NEAR(length(contact.unshaded) / (kStiffness * contact.depth), 1, 1e-12);
+                    EXPECT_NEAR(reference::length(contact.force) / reference::length(contact.unshaded), 1, 1e-12);
+                    EXPECT_NEAR(reference::length(contact.unshaded) / (kStiffness * contact.depth), 1, 1e-12);
                 }
             }
         }
@@ -191,7 +189,7 @@ TEST(MeshContact, TwoPassIsAsDeepAlongTheFacetNormal) {
         const Contact contact = oracle.at(random.within(0.5));
         const Vector normal = reference::vector_at(oracle.law.mesh.facet_normals, contact.facet);
         EXPECT_NEAR(reference::dot(contact.force, normal), kStiffness * contact.depth, 1e-12 * kStiffness);
-        EXPECT_GE(length(contact.force), kStiffness * contact.depth * (1 - 1e-14));
+        EXPECT_GE(reference::length(contact.force), kStiffness * contact.depth * (1 - 1e-14));
     }
 }
 
@@ -229,7 +227,7 @@ TEST(MeshContact, DirectionIsContinuousAcrossEdges) {
                         reference::shading_direction(oracle.law.mesh, shading, parts.triangle_facets[own], on);
                     const Vector beyond =
                         reference::shading_direction(oracle.law.mesh, shading, parts.triangle_facets[across], on);
-                    EXPECT_LT(length(direction - beyond), 1e-9);
+                    EXPECT_LT(reference::length(direction - beyond), 1e-9);
                     EXPECT_GT(one.depth, 0);
                     EXPECT_GT(other.depth, 0);
                 }

@@ -12,23 +12,14 @@
 #include "host/study/stability/loop_laws.h"
 #include "host/study/stability/loop_limits.h"
 #include "host/study/stability/loop_tables.h"
+#include "tests/paths/sampled_plants.h"
 
 namespace forceshade::study {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-struct Plant {
-    double mass, damping, period; /* kg, N s/m, s */
-    double limit, limit_late;     /* N/m: K_crit, and with a sample of delay */
-};
-
-constexpr std::array<Plant, 6> kPlants{{{0.075, 0.5, 1e-3, 1001.11, 333.95},
-                                        {0.1, 1.0, 1e-3, 2003.34, 668.51},
-                                        {0.1, 5.0, 1e-3, 10084.03, 3378.94},
-                                        {0.1, 1.0, 1e-4, 20003.33, 6668.52},
-                                        {0.05, 20, 1e-3, 42849.01, 14646.91},
-                                        {0.01, 50, 1e-3, 165192.52, 48213.32}}};
+using testing::kPlants;
+using testing::Plant;
 
 TEST(LoopLaws, TableOfSampledStability) {
     for (const Plant& plant : kPlants) {

@@ -5,6 +5,7 @@
 #include <functional>
 
 #include "host/mesh/prepare_mesh.h"
+#include "host/reference/circle.h"
 
 namespace forceshade::study {
 namespace {
@@ -85,10 +86,6 @@ PolygonSoup block_under(const BumpMesh& bump, const std::function<double(double)
     return block;
 }
 
-double rise(double radius, double x) {
-    return std::sqrt((radius - x) * (radius + x));
-}
-
 std::shared_ptr<SceneMesh> prepared(PolygonSoup block, const glm::dvec3& shift = glm::dvec3(0)) {
     for (glm::dvec3& vertex : block.vertices)
         vertex += shift;
@@ -101,9 +98,11 @@ std::shared_ptr<SceneMesh> prepared(PolygonSoup block, const glm::dvec3& shift =
 } // namespace
 
 std::shared_ptr<const SceneMesh> bump_mesh(const BumpMesh& bump, const glm::dvec3& shift) {
-    const double a = bump.half_width, foot = rise(bump.radius, a); /* m */
-    auto mesh =
-        prepared(block_under(bump, [&](double x) { return (a - x) * (a + x) / (rise(bump.radius, x) + foot); }), shift);
+    const double a = bump.half_width, foot = reference::circle_rise(bump.radius, a); /* m */
+    auto mesh = prepared(
+        block_under(bump,
+                    [&](double x) { return (a - x) * (a + x) / (reference::circle_rise(bump.radius, x) + foot); }),
+        shift);
     StructureOptions options;
     options.solid = is_solid(mesh->findings);
     mesh->structure = build_structure(mesh->mesh, options);
@@ -114,7 +113,7 @@ std::shared_ptr<const SceneMesh> shaded_plane_mesh(const BumpMesh& bump) {
     auto mesh = prepared(block_under(bump, [](double) { return 0.0; }));
     for (std::size_t i = 0; i < mesh->mesh.polygons.vertices.size(); ++i) {
         const double x = std::clamp(mesh->mesh.polygons.vertices[i].x, -bump.half_width, bump.half_width);
-        mesh->mesh.vertex_normals[i] = {x / bump.radius, 0, rise(bump.radius, x) / bump.radius};
+        mesh->mesh.vertex_normals[i] = {x / bump.radius, 0, reference::circle_rise(bump.radius, x) / bump.radius};
     }
     StructureOptions options;
     options.solid = is_solid(mesh->findings);

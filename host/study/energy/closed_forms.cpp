@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/reference/circle.h"
+
 namespace forceshade::study {
 namespace {
 
@@ -10,13 +12,9 @@ double squares(const BumpLoop& loop) {
     return 0.5 * loop.stiffness * (loop.out * loop.out - loop.back * loop.back);
 }
 
-double rise(double radius, double x) {
-    return std::sqrt((radius - x) * (radius + x));
-}
-
 /// The chord of the circle over [left, right].
 double chord_slope(double radius, double left, double right) {
-    return -(left + right) / (rise(radius, left) + rise(radius, right));
+    return -(left + right) / (reference::circle_rise(radius, left) + reference::circle_rise(radius, right));
 }
 
 double cosine(double slope) {
@@ -25,7 +23,7 @@ double cosine(double slope) {
 
 /// The integral of N_z = sqrt(R^2 - x^2) / R from 0 to x, m.
 double upward(double radius, double x) {
-    return (x * rise(radius, x) + radius * radius * std::asin(x / radius)) / (2 * radius);
+    return (x * reference::circle_rise(radius, x) + radius * radius * std::asin(x / radius)) / (2 * radius);
 }
 
 /// use(from, to, slope) for each facet's part within [0, x1], from left to right.
@@ -41,11 +39,11 @@ template <typename Use> void over_facets(const BumpLoop& loop, std::span<const d
 
 double shaded_plane_work(const BumpLoop& loop) {
     return loop.stiffness * (loop.out - loop.back) * loop.end * loop.end / (2 * loop.radius) +
-           squares(loop) * (rise(loop.radius, loop.end) / loop.radius - 1);
+           squares(loop) * (reference::circle_rise(loop.radius, loop.end) / loop.radius - 1);
 }
 
 double two_pass_plane_work(const BumpLoop& loop) {
-    return loop.stiffness * (loop.out - loop.back) * (loop.radius - rise(loop.radius, loop.end));
+    return loop.stiffness * (loop.out - loop.back) * (loop.radius - reference::circle_rise(loop.radius, loop.end));
 }
 
 double faceted_work(const BumpLoop& loop, std::span<const double> vertices, bool normal_depth) {
@@ -72,7 +70,7 @@ double shaded_facets_work(const BumpLoop& loop, std::span<const double> vertices
         last = c;
     });
     return loop.stiffness * (loop.out - loop.back) * along +
-           squares(loop) * (last * rise(radius, loop.end) / radius - first);
+           squares(loop) * (last * reference::circle_rise(radius, loop.end) / radius - first);
 }
 
 } // namespace forceshade::study

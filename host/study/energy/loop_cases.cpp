@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "host/reference/circle.h"
 #include "host/study/energy/closed_forms.h"
 #include "host/study/energy/scenes.h"
 #include "host/surface/facet_vertices.h"
@@ -17,13 +18,9 @@ constexpr double kMeshRadius = 1000;           /* mil */
 constexpr int kMeshPieces = 2;                 /* of an arc between facets */
 constexpr int kMeshSteps = 1024;
 
-double rise(double radius, double x) {
-    return std::sqrt((radius - x) * (radius + x));
-}
-
 std::function<Vector(double, double)> normals_of(double radius) {
     return [radius](double x, double) {
-        return std::abs(x) < kHalfWidth ? Vector(x, 0, rise(radius, x)) : Vector(0, 0, 1);
+        return std::abs(x) < kHalfWidth ? Vector(x, 0, reference::circle_rise(radius, x)) : Vector(0, 0, 1);
     };
 }
 
@@ -33,12 +30,13 @@ Section flat_section() {
 
 /// Below the circle; cut where a probe at one of the depths comes through the plane.
 Section round_section(double radius, std::initializer_list<double> depths = {}) {
-    const double foot = rise(radius, kHalfWidth);
+    const double foot = reference::circle_rise(radius, kHalfWidth);
     std::vector<double> breaks{0};
     for (const double depth : depths)
-        breaks.push_back(rise(radius, foot + depth));
+        breaks.push_back(reference::circle_rise(radius, foot + depth));
     breaks.push_back(kEnd);
-    return {breaks, [=](double x) { return rise(radius, x) - foot; }, [=](double x) { return -x / rise(radius, x); }};
+    return {breaks, [=](double x) { return reference::circle_rise(radius, x) - foot; },
+            [=](double x) { return -x / reference::circle_rise(radius, x); }};
 }
 
 /// Below the facets, cut where they meet.
@@ -49,19 +47,19 @@ Section faceted_section(double radius, const std::vector<double>& vertices) {
         if (vertex > 0 && vertex < kEnd)
             section.breaks.push_back(vertex);
     section.breaks.push_back(kEnd);
-    const double foot = rise(radius, kHalfWidth);
+    const double foot = reference::circle_rise(radius, kHalfWidth);
     const auto facet = [=](double x) {
         const auto after = std::upper_bound(vertices.begin() + 1, vertices.end() - 1, x);
         return std::pair(*(after - 1), *after);
     };
     const auto slope = [=](double x) {
         const auto [left, right] = facet(x);
-        return -(left + right) / (rise(radius, left) + rise(radius, right));
+        return -(left + right) / (reference::circle_rise(radius, left) + reference::circle_rise(radius, right));
     };
     section.slope = slope;
     section.height = [=](double x) {
         const double left = facet(x).first;
-        return rise(radius, left) - foot + slope(x) * (x - left);
+        return reference::circle_rise(radius, left) - foot + slope(x) * (x - left);
     };
     return section;
 }
@@ -159,7 +157,7 @@ std::vector<LoopCase> mesh_loops(MeshCells kind, unsigned cells) {
             one.facets = cells;
             one.radius_mil = kMeshRadius;
             one.sections = lines_of(round_section(radius), 2 * kHalfWidth / cells);
-            one.smooth = [radius](double x, double) { return Vector(x, 0, rise(radius, x)); };
+            one.smooth = [radius](double x, double) { return Vector(x, 0, reference::circle_rise(radius, x)); };
             one.god_object = god_object;
             if (!god_object && one.scheme == word + " none")
                 one.closed_form = 0; // the gradient of K/2 d^2

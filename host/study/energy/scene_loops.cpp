@@ -8,6 +8,7 @@
 #include "host/error.h"
 #include "host/field/scene_mesh.h"
 #include "host/paths/region.h"
+#include "host/reference/circle.h"
 #include "host/study/energy/scene_section.h"
 #include "host/study/energy/scenes.h"
 
@@ -122,7 +123,7 @@ std::function<Vector(double, double)> normals_of(const Scene& scene) {
     if (scene.surface.kind != SurfaceKind::bump && scene.surface.kind != SurfaceKind::cylinder_bump)
         return {};
     return [=](double x, double) {
-        return std::abs(x) < half_width ? Vector(x, 0, std::sqrt((radius - x) * (radius + x))) : Vector(0, 0, 1);
+        return std::abs(x) < half_width ? Vector(x, 0, reference::circle_rise(radius, x)) : Vector(0, 0, 1);
     };
 }
 

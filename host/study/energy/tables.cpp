@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "host/study/energy/rows.h"
+#include "host/study/data/rows.h"
 
 namespace forceshade::study {
 namespace {

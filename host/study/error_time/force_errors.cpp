@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include "host/reference/length.h"
 #include "host/study/error_time/angle.h"
 
 namespace forceshade::study::error_time {
@@ -11,10 +12,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 using Vector = reference::Vector<double>;
-
-double length(const Vector& v) {
-    return std::sqrt(reference::dot(v, v));
-}
 
 Json to_json(const std::optional<Summary>& summary) {
     return summary ? Json::array({summary->rms, summary->p999, summary->largest}) : Json();
@@ -44,14 +41,14 @@ ForceErrors force_errors(std::span<const Vector> forces, std::span<const Vector>
     ForceErrors errors;
     std::vector<double> directions, magnitudes, vectors;
     for (std::size_t i = 0; i < truth.size(); ++i) {
-        const double is = length(forces[i]), should = length(truth[i]);
+        const double is = reference::length(forces[i]), should = reference::length(truth[i]);
         if ((is > 0) != (should > 0))
             ++errors.contact_differs;
         if (!(should > 0))
             continue;
         ++errors.compared;
         magnitudes.push_back(std::abs(is - should) / should);
-        vectors.push_back(length(forces[i] - truth[i]) / should);
+        vectors.push_back(reference::length(forces[i] - truth[i]) / should);
         if (is > 0)
             directions.push_back(angle_between(forces[i], truth[i]) / kDegree);
     }

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "host/reference/length.h"
 #include "host/study/error_time/angle.h"
 #include "host/study/error_time/law_at.h"
 #include "host/study/error_time/lookup_volume.h"
@@ -22,10 +23,6 @@ constexpr std::size_t kTries = 1000; // places drawn for each that is kept
 enum Place : std::size_t { smooth, edge, boundary };
 constexpr std::array<const char*, 3> kPlaces{"smooth", "edge", "boundary"};
 constexpr std::array<const char*, 2> kMethods{"trilinear", "tricubic"};
-
-double length(const Vector& v) {
-    return std::sqrt(reference::dot(v, v));
-}
 
 struct Truth {
     std::vector<glm::dvec3> at;  /* m */
@@ -92,11 +89,11 @@ struct Sums {
     double squares = 0, largest = 0, angles = 0;
 
     void add(const Vector& found, const Vector& should, double typical) {
-        const double error = length(found - should) / typical;
+        const double error = reference::length(found - should) / typical;
         ++places;
         squares += error * error;
         largest = std::max(largest, error);
-        if (length(found) < kFeeble * typical || length(should) < kFeeble * typical)
+        if (reference::length(found) < kFeeble * typical || reference::length(should) < kFeeble * typical)
             return;
         const double angle = angle_between(found, should) / kDegree;
         ++directions;

@@ -5,6 +5,7 @@
 
 #include "host/field/scene_mesh.h"
 #include "host/mesh/prepare_mesh.h"
+#include "host/reference/length.h"
 #include "host/reference/vector.h"
 #include "host/study/error_time/lookup_errors.h"
 #include "host/study/error_time/patch.h"
@@ -194,7 +195,7 @@ Subject mesh_subject(const Extents& extents) {
     }
     subject.smooth = [](const glm::dvec3& at) {
         const glm::dvec3 from_axis(at.x, 0, at.z + kCentreDepth);
-        const double r = std::sqrt(reference::dot(from_axis, from_axis));
+        const double r = reference::length(from_axis);
         return r < kRadius ? kStiffness * (kRadius - r) / r * from_axis : glm::dvec3(0);
     };
     subject.probes = strokes(extents.probes);

@@ -9,7 +9,7 @@
 
 #include <fmt/format.h>
 
-#include "host/study/error_time/table_builder.h"
+#include "host/study/data/rows.h"
 #include "host/study/run/quartiles.h"
 
 namespace forceshade::study::error_time {

@@ -5,9 +5,9 @@
 
 #include <fmt/format.h>
 
+#include "host/study/data/rows.h"
 #include "host/study/error_time/measured.h"
 #include "host/study/error_time/point_table.h"
-#include "host/study/error_time/table_builder.h"
 #include "host/study/run/quartiles.h"
 
 namespace forceshade::study::error_time {

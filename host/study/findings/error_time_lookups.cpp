@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "host/study/findings/error_time_points.h"
+#include "host/study/findings/median.h"
 
 namespace forceshade::study {
 namespace {

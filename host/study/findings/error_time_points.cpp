@@ -1,9 +1,10 @@
 #include "host/study/findings/error_time_points.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
+
+#include "host/study/findings/median.h"
 
 namespace forceshade::study {
 
@@ -35,15 +36,6 @@ std::vector<std::pair<Row, Row>> pairs(const Table& points, const Way& one, cons
 
 double value(const Table& points, Row row, std::string_view column) {
     return points.number(row, column).value_or(NAN);
-}
-
-double median(std::vector<double> values) {
-    std::erase_if(values, [](double one) { return !std::isfinite(one); });
-    if (values.empty())
-        return NAN;
-    std::sort(values.begin(), values.end());
-    const std::size_t half = values.size() / 2;
-    return values.size() % 2 ? values[half] : (values[half - 1] + values[half]) / 2;
 }
 
 double median_ratio(const Table& points, const std::vector<std::pair<Row, Row>>& of, std::string_view column) {

@@ -34,9 +34,6 @@ std::vector<std::pair<Row, Row>> pairs(const Table& points, const Way& one, cons
 /// The number in a row, no number where there is none.
 double value(const Table& points, Row row, std::string_view column);
 
-/// Of those that are finite; no number of none.
-double median(std::vector<double> values);
-
 /// Of the pairs: a column of the first over that of the second.
 double median_ratio(const Table& points, const std::vector<std::pair<Row, Row>>& of, std::string_view column);
 

@@ -7,6 +7,7 @@
 
 #include "host/study/findings/error_time_lookups.h"
 #include "host/study/findings/error_time_points.h"
+#include "host/study/findings/median.h"
 
 namespace forceshade::study {
 namespace {

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "host/study/findings/loop_map_findings.h"
+#include "host/study/findings/median.h"
 
 namespace forceshade::study {
 namespace {
@@ -44,12 +45,6 @@ template <typename Keep> std::vector<Limit> chosen(const std::vector<Limit>& lim
     std::vector<Limit> some;
     std::ranges::copy_if(limits, std::back_inserter(some), keep);
     return some;
-}
-
-double median(std::vector<double> values) {
-    std::ranges::sort(values);
-    const std::size_t half = values.size() / 2;
-    return values.size() % 2 == 1 ? values[half] : (values[half - 1] + values[half]) / 2;
 }
 
 template <typename Value> std::vector<double> each(const std::vector<Limit>& limits, const Value& value) {

@@ -15,6 +15,11 @@ struct LoopCell {
     double stiffness = 1; /* N/m */
 };
 
+/// N s/m: of the device and of the hand that grips it.
+inline double damping_of(const LoopCell& cell) {
+    return cell.hand.damping + cell.hand.grip_damping;
+}
+
 /// What a loop comes to. stable: its largest speed in the last quarter of the time is less than 3/4 of that in the
 /// second, or nothing beside the disturbance, or falls and is too slow to come a tenth of the disturbance in that
 /// quarter, or the measured position does not change any more. unstable: it left its bound. limit_cycle: neither.

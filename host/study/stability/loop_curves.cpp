@@ -10,10 +10,6 @@ namespace {
 using Json = nlohmann::ordered_json;
 using Limit = std::function<std::optional<double>(const LoopCell&)>; // N/m
 
-double damping_of(const LoopCell& cell) {
-    return cell.hand.damping + cell.hand.grip_damping;
-}
-
 struct NamedLimit {
     const char *name, *label;
     bool dashed;

@@ -63,10 +63,6 @@ double zero_between(const Rung& below, const Rung& above) {
     return below.stiffness + (above.stiffness - below.stiffness) * below.growth / (below.growth - above.growth);
 }
 
-double damping_of(const LoopCell& cell) {
-    return cell.hand.damping + cell.hand.grip_damping;
-}
-
 LoopCell cell_of(const LoopPlace& place, double mass, double damping, double rate, std::uint64_t delay) {
     LoopCell cell{place.hand, rate, 1};
     cell.hand.mass = mass;

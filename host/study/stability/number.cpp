@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "host/study/energy/rows.h"
+#include "host/study/data/rows.h"
 #include "host/study/error_time/angle.h"
 #include "host/study/stability/number_cases.h"
 #include "host/study/stability/number_error.h"

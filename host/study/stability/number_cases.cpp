@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/reference/circle.h"
 #include "host/reference/contact.h"
 #include "host/study/energy/bump_mesh.h"
 
@@ -62,13 +63,10 @@ Scene surface_of(const std::string& surface, const Setting& setting) {
     return scene;
 }
 
-double rise(double radius, double x) {
-    return std::sqrt((radius - x) * (radius + x));
-}
-
 double circle_height(double ratio, double x) {
     const double radius = ratio * kHalfWidth;
-    return (kHalfWidth - x) * (kHalfWidth + x) / (rise(radius, x) + rise(radius, kHalfWidth));
+    return (kHalfWidth - x) * (kHalfWidth + x) /
+           (reference::circle_rise(radius, x) + reference::circle_rise(radius, kHalfWidth));
 }
 
 /// The nominal surface above x, m.

@@ -1,6 +1,8 @@
-// Tables out of objects whose keys are the columns' names.
+// Rows of tables, out of values or out of objects whose keys are the columns' names.
 #pragma once
 
+#include <optional>
+#include <string>
 #include <vector>
 
 #include <nlohmann/json.hpp>
@@ -8,6 +10,21 @@
 #include "host/study/data/study_data.h"
 
 namespace forceshade::study {
+
+inline Cell cell_of(const std::optional<double>& value) {
+    return value ? cell(*value) : Cell();
+}
+inline Cell cell_of(double value) {
+    return cell(value);
+}
+inline Cell cell_of(const std::string& word) {
+    return word;
+}
+
+/// A row's cells from values: words, numbers, or numbers that may be missing.
+template <typename... Values> std::vector<Cell> row_of(const Values&... values) {
+    return {cell_of(values)...};
+}
 
 /// A cell for each column: a number, a word, or nothing where the object has none.
 inline std::vector<Cell> row_of(const std::vector<Column>& columns, const nlohmann::ordered_json& object) {
