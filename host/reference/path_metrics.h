@@ -42,11 +42,16 @@ void add_sample(layout::PathMetrics<T>& metrics, const Contact<T>& contact, cons
 }
 
 /// About the square of an angle from that of its chord, to tell which of two turns over ways of different length is the
-/// steeper: the angle is within 4e-4 of itself up to 45 degrees, 4e-3 up to 90, 0.05 up to 180.
+/// steeper: the angle is within 4e-4 of itself up to 45 degrees, 4e-3 up to 90, 0.05 up to 180. A chord of a few
+/// roundings, as an unshaded facet has from sample to sample, is its own angle to the last bit; its powers would be
+/// denormal, which many processors are slow with.
 template <typename T> T angle_square(T chord_square) noexcept {
-    const T square = chord_square * chord_square;
-    const T more = T(0.0890539) + T(0.00343149) * (square * chord_square);
-    return chord_square + square * more;
+    constexpr T kLeast = std::numeric_limits<T>::epsilon();
+    const bool counts = chord_square > kLeast;
+    const T base = counts ? chord_square : kLeast;
+    const T square = base * base;
+    const T more = T(0.0890539) + T(0.00343149) * (square * base);
+    return counts ? base + square * more : chord_square;
 }
 
 /// A sample's place, m, and the force's direction there and at the sample before. Its turn is counted from an anchor,

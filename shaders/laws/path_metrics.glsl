@@ -33,12 +33,16 @@ void add_sample(inout PathMetrics metrics, real depth, bool touches, real3 force
 }
 
 // About the square of an angle from that of its chord, to tell which of two turns over ways of different length is the
-// steeper: the angle is within 4e-4 of itself up to 45 degrees, 4e-3 up to 90, 0.05 up to 180.
+// steeper: the angle is within 4e-4 of itself up to 45 degrees, 4e-3 up to 90, 0.05 up to 180. A chord of a few roundings,
+// as an unshaded facet has from sample to sample, is its own angle to the last bit; its powers would be denormal, which many
+// processors are slow with.
 real angle_square(real chord_square) {
-    precise real square = chord_square * chord_square;
-    precise real more = real(0.0890539LF) + real(0.00343149LF) * (square * chord_square);
-    precise real value = chord_square + square * more;
-    return value;
+    bool counts = chord_square > EPSILON;
+    real base = counts ? chord_square : real(EPSILON);
+    precise real square = base * base;
+    precise real more = real(0.0890539LF) + real(0.00343149LF) * (square * base);
+    precise real value = base + square * more;
+    return counts ? value : chord_square;
 }
 
 real square_of(real value) {
