@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 
+#include "compute/mesh_needs.h"
+
 namespace forceshade::compute {
 namespace {
 
@@ -69,9 +71,14 @@ template <typename T> struct SortedCorners {
     }
 };
 
+template <typename T> void add_vector(std::span<const T> table, std::size_t index, std::vector<T>& to) {
+    to.insert(to.end(), {table[3 * index], table[3 * index + 1], table[3 * index + 2], T(0)});
+}
+
 } // namespace
 
-template <typename T> void MeshInputs::upload_triangles(const layout::MeshView<T>& mesh) {
+template <typename T>
+void MeshInputs::upload_triangles(const layout::MeshView<T>& mesh, const layout::Features& features) {
     const std::size_t triangles = mesh.triangle_facets.size();
     const std::vector<uint> place = places(mesh);
     candidates_.resize(triangles);
@@ -89,8 +96,14 @@ template <typename T> void MeshInputs::upload_triangles(const layout::MeshView<T
             record[4 * i + 3] = sorted.turned ? -normal : normal;
         }
     }
-    std::vector<uint> words(8 * triangles);
+    buffers_.upload(layout::kMeshBindRecords, std::as_bytes(std::span<const T>(records)));
+    const bool around = reads_pseudonormals(features);
+    std::vector<uint> words(around ? 8 * triangles : (triangles + 3) / 4 * 4);
     for (std::size_t t = 0; t < triangles; ++t) {
+        if (!around) {
+            words[place[t]] = mesh.triangle_facets[t];
+            continue;
+        }
         uint* const to = &words[8 * std::size_t(place[t])];
         std::ranges::copy(mesh.triangle_corners.subspan(3 * t, 3), to);
         to[3] = mesh.triangle_facets[t];
@@ -101,25 +114,37 @@ template <typename T> void MeshInputs::upload_triangles(const layout::MeshView<T
                             : place[across] << 1 | (candidates_[across] & layout::kMeshCandidateTurned);
         }
     }
-    buffers_.upload(layout::kMeshBindRecords, std::as_bytes(std::span<const T>(records)));
     buffers_.upload(layout::kMeshBindTriangles, std::as_bytes(std::span<const uint>(words)));
 }
 
-template <typename T> void MeshInputs::upload_vertices(const layout::MeshView<T>& mesh) {
+template <typename T>
+void MeshInputs::upload_vertices(const layout::MeshView<T>& mesh, const layout::Features& features) {
     const std::size_t count = mesh.vertices.size() / 3;
-    std::vector<T> vertices(12 * count);
+    std::vector<T> vectors;
+    vectors.reserve(4 * count * ((reads_corners(features) ? 2 : 0) + (reads_pseudonormals(features) ? 1 : 0)));
     for (std::size_t v = 0; v < count; ++v) {
-        std::ranges::copy(mesh.vertices.subspan(3 * v, 3), &vertices[12 * v]);
-        std::ranges::copy(mesh.vertex_normals.subspan(3 * v, 3), &vertices[12 * v + 4]);
-        std::ranges::copy(mesh.vertex_pseudonormals.subspan(3 * v, 3), &vertices[12 * v + 8]);
+        if (reads_corners(features)) {
+            add_vector(mesh.vertices, v, vectors);
+            add_vector(mesh.vertex_normals, v, vectors);
+        }
+        if (reads_pseudonormals(features))
+            add_vector(mesh.vertex_pseudonormals, v, vectors);
     }
-    buffers_.upload(layout::kMeshBindVertices, std::as_bytes(std::span<const T>(vertices)));
+    buffers_.upload(layout::kMeshBindVertices, std::as_bytes(std::span<const T>(vectors)));
+}
+
+template <typename T>
+void MeshInputs::upload_facets(const layout::MeshView<T>& mesh, const layout::Features& features) {
     std::vector<T> normals;
-    normals.reserve((mesh.facet_normals.size() + mesh.edge_pseudonormals.size()) / 3 * 4);
-    for (const auto table : {mesh.facet_normals, mesh.edge_pseudonormals})
-        for (std::size_t i = 0; i < table.size(); i += 3)
-            normals.insert(normals.end(), {table[i], table[i + 1], table[i + 2], T(0)});
+    if (reads_facet_normals(features))
+        for (std::size_t f = 0; f < mesh.facet_normals.size() / 3; ++f)
+            add_vector(mesh.facet_normals, f, normals);
+    if (reads_pseudonormals(features))
+        for (std::size_t e = 0; e < mesh.edge_pseudonormals.size() / 3; ++e)
+            add_vector(mesh.edge_pseudonormals, e, normals);
     buffers_.upload(layout::kMeshBindNormals, std::as_bytes(std::span<const T>(normals)));
+    if (!reads_corners(features))
+        return;
     std::vector<uint> facets(mesh.facet_begins.begin(), mesh.facet_begins.end());
     facets.insert(facets.end(), mesh.facet_corners.begin(), mesh.facet_corners.end());
     buffers_.upload(layout::kMeshBindFacets, std::as_bytes(std::span<const uint>(facets)));
@@ -137,8 +162,9 @@ template <typename T> void MeshInputs::upload(const layout::FieldInput<T>& input
     buffers_.upload(layout::kMeshBindAxes, std::as_bytes(std::span<const T>(axes)));
     buffers_.upload(layout::kMeshBindMapGradients, std::as_bytes(input.law.map_gradients));
     buffers_.upload(layout::kMeshBindTextureGradients, std::as_bytes(input.law.texture_gradients));
-    upload_triangles(input.law.mesh);
-    upload_vertices(input.law.mesh);
+    upload_triangles(input.law.mesh, input.law.features);
+    upload_vertices(input.law.mesh, input.law.features);
+    upload_facets(input.law.mesh, input.law.features);
 }
 
 template void MeshInputs::upload<float>(const layout::FieldInput<float>&);

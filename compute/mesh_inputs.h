@@ -12,7 +12,8 @@ class MeshInputs {
 public:
     explicit MeshInputs(Device::Implementation& device) : buffers_(device, layout::kMeshBindPlan) {}
 
-    /// Uploads everything but the plan. \throws DeviceError: out_of_memory for a table beyond the device's range.
+    /// Uploads everything that the law reads but the plan. \throws DeviceError: out_of_memory for a table beyond the
+    /// device's range.
     template <typename T> void upload(const layout::FieldInput<T>& input);
 
     /// The buffer of a binding below layout::kMeshBindPlan; a small one where the scene has none.
@@ -27,8 +28,9 @@ public:
     std::uint64_t uploaded() const { return buffers_.uploaded(); }
 
 private:
-    template <typename T> void upload_triangles(const layout::MeshView<T>& mesh);
-    template <typename T> void upload_vertices(const layout::MeshView<T>& mesh);
+    template <typename T> void upload_triangles(const layout::MeshView<T>& mesh, const layout::Features& features);
+    template <typename T> void upload_vertices(const layout::MeshView<T>& mesh, const layout::Features& features);
+    template <typename T> void upload_facets(const layout::MeshView<T>& mesh, const layout::Features& features);
 
     InputBuffers buffers_;
     std::vector<layout::uint> candidates_;

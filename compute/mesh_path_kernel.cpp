@@ -163,6 +163,8 @@ void MeshPathKernel::Implementation::Run<T>::chunk(std::size_t step_first, std::
     chunk.step_end = static_cast<std::uint32_t>(step_first + step_count);
     chunk.own_hands = input.hands.size() > 1;
     chunk.stretch = input.stretch;
+    chunk.vertices = self.inputs.vertices();
+    chunk.vertex_vectors = self.inputs.vertex_vectors();
     while (round(chunk)) {
     }
 }
@@ -187,7 +189,7 @@ MeshPathTimes MeshPathKernel::explore(const layout::PathInput<T>& input, const F
         const FacetLoops loops = facet_loops(input.law.features, input.law.mesh.facet_begins);
         Clock::time_point start = Clock::now();
         const std::uint64_t before = self.inputs.uploaded();
-        self.inputs.upload(input.law);
+        self.inputs.upload(input.law, self.settles);
         times.upload = seconds_since(start);
         start = Clock::now();
         const auto constants = constants_of(input, loops.unroll);

@@ -26,6 +26,11 @@ std::span<const layout::HandParams<T>> hands_of(const layout::PathInput<T>& inpu
     return input.hands.size() == 1 ? input.hands : input.hands.subspan(batch.first, batch.count);
 }
 
+template <typename T> std::span<const layout::MotionParams<T>> motions_of(const layout::PathBatch<T>& batch) {
+    static constexpr layout::MotionParams<T> kNone{};
+    return batch.motions.empty() ? std::span<const layout::MotionParams<T>>(&kNone, 1) : batch.motions;
+}
+
 template <typename T> void PathInputs::upload(const layout::Law<T>& law) {
     buffers_.upload(layout::kPathBindLaw, std::as_bytes(std::span(&law.params, 1)));
     buffers_.upload(layout::kPathBindFacetVertices, std::as_bytes(law.facet_vertices));
@@ -34,12 +39,8 @@ template <typename T> void PathInputs::upload(const layout::Law<T>& law) {
 }
 
 template <typename T> void PathInputs::upload(const layout::PathInput<T>& input, const layout::PathBatch<T>& batch) {
-    static constexpr layout::MotionParams<T> kNone{};
-    const std::vector<layout::MotionParams<T>> none(batch.motions.empty() ? batch.count : 0, kNone);
     const std::vector<layout::Harmonic<T>> harmonics = harmonics_of(batch);
-    buffers_.upload(
-        layout::kPathBindMotions,
-        std::as_bytes(batch.motions.empty() ? std::span<const layout::MotionParams<T>>(none) : batch.motions));
+    buffers_.upload(layout::kPathBindMotions, std::as_bytes(motions_of(batch)));
     buffers_.upload(layout::kPathBindHarmonics, std::as_bytes(std::span<const layout::Harmonic<T>>(harmonics)));
     buffers_.upload(layout::kPathBindHands, std::as_bytes(hands_of(input, batch)));
     buffers_.upload(layout::kPathBindLengths, std::as_bytes(batch.steps));
@@ -53,6 +54,8 @@ template std::span<const layout::HandParams<float>> hands_of<float>(const layout
                                                                     const layout::PathBatch<float>&);
 template std::span<const layout::HandParams<double>> hands_of<double>(const layout::PathInput<double>&,
                                                                       const layout::PathBatch<double>&);
+template std::span<const layout::MotionParams<float>> motions_of<float>(const layout::PathBatch<float>&);
+template std::span<const layout::MotionParams<double>> motions_of<double>(const layout::PathBatch<double>&);
 template void PathInputs::upload<float>(const layout::Law<float>&);
 template void PathInputs::upload<double>(const layout::Law<double>&);
 template void PathInputs::upload<float>(const layout::PathInput<float>&, const layout::PathBatch<float>&);

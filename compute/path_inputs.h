@@ -20,6 +20,9 @@ template <typename T> std::vector<layout::Harmonic<T>> harmonics_of(const layout
 template <typename T>
 std::span<const layout::HandParams<T>> hands_of(const layout::PathInput<T>& input, const layout::PathBatch<T>& batch);
 
+/// What a batch moves by, one a path; of recorded paths one that does nothing, for all.
+template <typename T> std::span<const layout::MotionParams<T>> motions_of(const layout::PathBatch<T>& batch);
+
 class PathInputs {
 public:
     explicit PathInputs(Device::Implementation& device) : buffers_(device, layout::kPathBindRecorded) {}

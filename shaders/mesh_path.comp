@@ -59,11 +59,11 @@ real3 facet_normal(uint facet) {
 }
 
 real3 vertex_position(uint vertex) {
-    return vectors[3u * mesh.triangles + mesh.facets + 3u * vertex].xyz;
+    return vectors[chunk.vertices + chunk.vertex_vectors * vertex].xyz;
 }
 
 real3 vertex_normal(uint vertex) {
-    return vectors[3u * mesh.triangles + mesh.facets + 3u * vertex + 1u].xyz;
+    return vectors[chunk.vertices + chunk.vertex_vectors * vertex + 1u].xyz;
 }
 
 #include "laws/mesh_shading.glsl"
@@ -150,7 +150,7 @@ void main() {
         return;
     uint steps = walk_word(path, kWalkWordSteps);
     uint end = min(chunk.step_end, steps);
-    MotionParams motion = motions[path];
+    MotionParams motion = motions[MOTION == kMotionRecorded ? 0u : path];
     HandParams hand = hands[chunk.own_hands * path];
     per_phase_step = ONE / real(int(motion.phase_step));
     round_end = in_world(motion, place_at(motion, 0u), real3(exact_zero));

@@ -131,7 +131,8 @@ void put_settled(uint path) {
 void main() {
     exact_zero = real(law_params.mesh.zero);
     corner_words = 2u * law_params.mesh.triangles;
-    vertex_vectors = 3u * law_params.mesh.triangles + law_params.mesh.facets;
+    vertex_begin = chunk.vertices;
+    vertex_vectors = chunk.vertex_vectors;
     spent = 0u;
     spent_limit = chunk.limit;
     overrun = false;

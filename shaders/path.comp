@@ -100,7 +100,7 @@ void main() {
     exact_zero = real(law.zero);
     least_reach = square_of(real(chunk.stretch));
     uint path = min(gl_GlobalInvocationID.x, chunk.paths - 1u);
-    MotionParams motion = motions[path];
+    MotionParams motion = motions[MOTION == kMotionRecorded ? 0u : path];
     HandParams hand = hands[chunk.own_hands * path];
     uint steps = chunk.own_lengths != 0u ? lengths[path] : chunk.steps;
     keep_harmonics(path, chunk.paths);

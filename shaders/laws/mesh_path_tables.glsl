@@ -25,7 +25,8 @@ Triangle triangle_at(uint triangle) {
 
 #ifdef FS_SETTLE
 uint corner_words; // where the triangles' corners begin
-uint vertex_vectors; // where the vertices do
+uint vertex_begin; // where the vertices do
+uint vertex_vectors; // of each
 
 real3 triangle_normal(uint triangle) {
     return real3(vectors[3u * triangle].w, vectors[3u * triangle + 1u].w, vectors[3u * triangle + 2u].w);
@@ -35,12 +36,16 @@ uvec3 triangle_corners(uint triangle) {
     return triangle_words[corner_words + triangle].xyz;
 }
 
+uint vertex_at(uint vertex) {
+    return vertex_begin + vertex_vectors * vertex;
+}
+
 real3 vertex_place(uint vertex) {
-    return vectors[vertex_vectors + 3u * vertex].xyz;
+    return vectors[vertex_at(vertex)].xyz;
 }
 
 real3 vertex_pseudonormal(uint vertex) {
-    return vectors[vertex_vectors + 3u * vertex + 2u].xyz;
+    return vectors[vertex_at(vertex + 1u) - 1u].xyz;
 }
 #endif
 

@@ -1,4 +1,10 @@
-// What stands about a mesh in the device's buffers. Triangles are numbered by (facet, triangle) there.
+// What stands about a mesh in the device's buffers, as far as the law reads it. Triangles are numbered by (facet, triangle)
+// there.
+
+// Vectors a vertex: its place and normal where the law is shaded, its pseudonormal where that tells the inside.
+const uint kShadedVectors = SHADING != kShadingNone ? 2u : 0u;
+const uint kVertexVectors = kShadedVectors + (INSIDE == kInsidePseudonormal ? 1u : 0u);
+const bool kFacetNormals = SHADING != kShadingNone || MAP != kMapNone || TEXTURE != kMapNone;
 
 struct MeshTriangle {
     uvec3 corners;
@@ -16,6 +22,8 @@ real3 neighbour_normal(uint across) {
 }
 
 MeshTriangle mesh_triangle(uint triangle) {
+    if (INSIDE != kInsidePseudonormal)
+        return MeshTriangle(uvec3(0u), triangle_words[triangle >> 2][triangle & 3u], uvec3(0u));
     uvec4 low = triangle_words[2u * triangle];
     uvec4 high = triangle_words[2u * triangle + 1u];
     return MeshTriangle(low.xyz, low.w, high.xyz);
@@ -45,15 +53,15 @@ Triangle triangle_shape(uint candidate) {
 }
 
 real3 vertex_position(uint vertex) {
-    return vertices[3u * vertex].xyz;
+    return vertices[kVertexVectors * vertex].xyz;
 }
 
 real3 vertex_normal(uint vertex) {
-    return vertices[3u * vertex + 1u].xyz;
+    return vertices[kVertexVectors * vertex + 1u].xyz;
 }
 
 real3 vertex_pseudonormal(uint vertex) {
-    return vertices[3u * vertex + 2u].xyz;
+    return vertices[kVertexVectors * vertex + kShadedVectors].xyz;
 }
 
 real3 facet_normal(uint facet) {
@@ -61,5 +69,5 @@ real3 facet_normal(uint facet) {
 }
 
 real3 edge_pseudonormal(uint edge) {
-    return normals[mesh.facets + edge].xyz;
+    return normals[(kFacetNormals ? mesh.facets : 0u) + edge].xyz;
 }

@@ -108,11 +108,14 @@ FS_CONSTANT kMeshBindAxes = 1u;
 FS_CONSTANT kMeshBindMapGradients = 2u;
 FS_CONSTANT kMeshBindTextureGradients = 3u;
 FS_CONSTANT kMeshBindRecords = 4u;   // 3 vectors a triangle: corners in order of (x, y, z), and its normal
-FS_CONSTANT kMeshBindTriangles = 5u; // 8 words a triangle: corners, facet, neighbours * 2 + turned
-FS_CONSTANT kMeshBindVertices = 6u;  // 3 vectors a vertex: position, normal, pseudonormal
-FS_CONSTANT kMeshBindNormals = 7u;   // a vector a facet; then one an edge that has a pseudonormal of its own
-FS_CONSTANT kMeshBindFacets = 8u;    // where each facet's corners begin, and the end; then the corners
-FS_CONSTANT kMeshBindPlan = 9u;      // kMeshBlockWords a block; then the candidates
+FS_CONSTANT kMeshBindTriangles = 5u; // 8 words a triangle: corners, facet, neighbours * 2 + turned; kInsideWinding: its
+                                     // facet alone
+FS_CONSTANT kMeshBindVertices =
+    6u;                            // of each vertex position and normal, if shaded; pseudonormal, unless kInsideWinding
+FS_CONSTANT kMeshBindNormals = 7u; // a vector a facet, unless neither shaded nor textured; then one an edge that has a
+                                   // pseudonormal of its own, unless kInsideWinding
+FS_CONSTANT kMeshBindFacets = 8u;  // if shaded: where each facet's corners begin, and the end; then the corners
+FS_CONSTANT kMeshBindPlan = 9u;    // kMeshBlockWords a block; then the candidates
 FS_CONSTANT kMeshBindStatus = 10u;
 FS_CONSTANT kMeshBindForce = 11u;
 FS_CONSTANT kMeshBindDepth = 12u;

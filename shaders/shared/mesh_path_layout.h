@@ -6,12 +6,14 @@ FS_CONSTANT kMeshPathBindLaw = 0u;
 FS_CONSTANT kMeshPathBindMapGradients = 1u;
 FS_CONSTANT kMeshPathBindTextureGradients = 2u;
 FS_CONSTANT kMeshPathBindVectors = 3u;   // 3 a triangle: its corners, and beside them the normal's x, y and z; then the
-                                         // normal of each facet; then position, normal and pseudonormal of each
-                                         // vertex; then pseudonormals of edges that have one of their own
+                                         // normal of each facet, if shaded or textured; then of each vertex position,
+                                         // normal (if shaded) and pseudonormal (if rests settle here), or nothing; then
+                                         // pseudonormals of edges that have one of their own
 FS_CONSTANT kMeshPathBindTriangles = 4u; // 8 words a triangle: facet, neighbours (with kMeshManyBit: where in the
                                          // vectors the edge's pseudonormal is); obstacles in front, behind, end, bits;
-                                         // then 4 a triangle: its corners
-FS_CONSTANT kMeshPathBindIndices = 5u;   // where each facet's corners begin, and the end; the corners; the obstacles
+                                         // then 4 a triangle: its corners, if rests settle here
+FS_CONSTANT kMeshPathBindIndices = 5u;   // if shaded: where each facet's corners begin, and the end; the corners; then
+                                         // the obstacles
 FS_CONSTANT kMeshPathBindNodes = 6u;     // MeshNode
 FS_CONSTANT kMeshPathBindMotions = 7u;   // as kPathBindMotions, and so on
 FS_CONSTANT kMeshPathBindHarmonics = 8u;
@@ -128,16 +130,18 @@ FS_CONSTANT kWalkRealCount = 38u;
 
 // What one dispatch covers, as push constants.
 struct MeshPathChunkParams {
-    uint first;     // in the list
-    uint listed;    // paths
-    uint paths;     // of the batch
-    uint row_first; // the step at which results and recorded positions begin
-    uint rows;      // steps of the results
-    uint step_end;  // where the dispatch ends
-    uint own_hands; // 1: each path has a hand of its own
-    uint pause;     // loops after which an invocation begins nothing new
-    uint limit;     // loops that an invocation may run
-    float stretch;  // m: as in PathChunkParams
+    uint first;          // in the list
+    uint listed;         // paths
+    uint paths;          // of the batch
+    uint row_first;      // the step at which results and recorded positions begin
+    uint rows;           // steps of the results
+    uint step_end;       // where the dispatch ends
+    uint own_hands;      // 1: each path has a hand of its own
+    uint pause;          // loops after which an invocation begins nothing new
+    uint limit;          // loops that an invocation may run
+    float stretch;       // m: as in PathChunkParams
+    uint vertices;       // where they begin in the vectors
+    uint vertex_vectors; // vectors of each: position, normal, pseudonormal, as far as they are read
 };
 
 #ifdef __cplusplus

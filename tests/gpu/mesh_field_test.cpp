@@ -55,6 +55,39 @@ protected:
         twice.features.inside = inside;
         hold(twice, what + ", f64");
     }
+
+    /// Bytes of the tables alone: no block is planned.
+    template <typename T>
+    static std::uint64_t uploaded(const MeshStructure& structure, layout::uint shading, layout::uint inside,
+                                  layout::uint texture = layout::kMapNone) {
+        MeshCase<T> mesh_case(structure, {{4, 4, 4}}, shading);
+        mesh_case.features.inside = inside;
+        mesh_case.features.texture = texture;
+        return kernel().evaluate<T>(mesh_case.input(), [](const layout::FieldChunk<T>&) {}).uploaded;
+    }
+
+    template <typename T> static void expect_least_uploads(const PolygonSoup& polygons) {
+        const MeshStructure structure = build_structure(shapes::mesh_of(polygons));
+        const MeshTables<T> tables = make_mesh_tables<T>(structure, 1000);
+        const layout::MeshView<T> mesh = tables.view();
+        constexpr std::size_t kVector = 4 * sizeof(T);
+        const std::size_t vertices = mesh.vertices.size() / 3, facets = mesh.facet_normals.size() / 3;
+        const std::size_t edges = mesh.edge_pseudonormals.size() / 3, triangles = mesh.triangle_facets.size();
+        ASSERT_GT(edges, 0u);
+        const std::uint64_t plain = uploaded<T>(structure, layout::kShadingNone, layout::kInsidePseudonormal);
+        const std::uint64_t winding = uploaded<T>(structure, layout::kShadingNone, layout::kInsideWinding);
+        const std::uint64_t shaded = uploaded<T>(structure, layout::kShadingMeanValue, layout::kInsidePseudonormal);
+        const std::size_t words = sizeof(layout::uint) * (8 * triangles - (triangles + 3) / 4 * 4);
+        EXPECT_EQ(plain - winding, (vertices + edges) * kVector + words) << "pseudonormals, and what is around";
+        EXPECT_EQ(shaded - plain, (2 * vertices + facets) * kVector +
+                                      sizeof(layout::uint) * (mesh.facet_begins.size() + mesh.facet_corners.size()))
+            << "places and normals of vertices, normals and corners of facets";
+        EXPECT_EQ(shaded - uploaded<T>(structure, layout::kShadingMeanValue, layout::kInsideWinding), plain - winding);
+        EXPECT_EQ(uploaded<T>(structure, layout::kShadingNone, layout::kInsidePseudonormal, layout::kMapSine) - plain,
+                  facets * kVector);
+        EXPECT_EQ(uploaded<T>(structure, layout::kShadingMeanValue, layout::kInsidePseudonormal, layout::kMapSine),
+                  shaded);
+    }
 };
 
 struct Shape {
@@ -113,7 +146,15 @@ TEST_F(MeshField, EqualsTheOracleWithEveryShading) {
 
 TEST_F(MeshField, EqualsTheOracleInsideByWinding) {
     for (const Shape& shape : shapes_of_all_kinds())
-        hold_both(shape.polygons, kGrids[0], layout::kShadingMeanValue, shape.name, layout::kInsideWinding);
+        for (const layout::uint shading : {layout::kShadingNone, layout::kShadingMeanValue})
+            hold_both(shape.polygons, kGrids[0], shading, shape.name, layout::kInsideWinding);
+}
+
+TEST_F(MeshField, UploadsWhatTheLawReadsAlone) {
+    const PolygonSoup wall =
+        shapes::merged(shapes::cube(true), shapes::moved(shapes::cube(true), glm::dvec3(1), {2, 0, 0}));
+    expect_least_uploads<float>(wall);
+    expect_least_uploads<double>(wall);
 }
 
 } // namespace

@@ -189,6 +189,35 @@ TEST_F(MeshPath, ShadingsTiltsAndTextures) {
         }
 }
 
+// What the law does not read, and of what settling does where the host settles, stays with the host.
+TEST_F(MeshPath, UploadsWhatIsReadAlone) {
+    const MeshStructure structure = ball(1);
+    compute::MeshPathOptions options;
+    options.settles = false;
+    compute::MeshPathKernel plain(device(), options);
+    constexpr std::size_t kPaths = 8, kSteps = 5;
+    const auto uploaded = [&](compute::MeshPathKernel& on, layout::uint shading, std::size_t paths) {
+        MeshPathCase<float> one(structure, shape_of(layout::kMotionRecorded, layout::kLoopOpen, paths, kSteps), true);
+        one.law.features.shading = shading;
+        test::MeshPathRunner runner{on};
+        EXPECT_TRUE(is_equal(held(runner, one)));
+        return runner.times.uploaded;
+    };
+    MeshPathCase<float> some(structure, shape_of(layout::kMotionStrokes, layout::kLoopOpen));
+    const layout::MeshView<float> mesh = some.law.mesh;
+    constexpr std::size_t kVector = 4 * sizeof(float);
+    const std::size_t vertices = mesh.vertices.size() / 3, facets = mesh.facet_normals.size() / 3;
+    const std::size_t corners = sizeof(layout::uint) * (mesh.facet_begins.size() + mesh.facet_corners.size());
+    const std::uint64_t least = uploaded(plain, layout::kShadingNone, kPaths);
+    const std::uint64_t settles = uploaded(kernel(), layout::kShadingNone, kPaths);
+    EXPECT_EQ(uploaded(plain, layout::kShadingMeanValue, kPaths) - least, (2 * vertices + facets) * kVector + corners);
+    EXPECT_EQ(settles - least, 2 * vertices * kVector + 4 * sizeof(layout::uint) * mesh.triangle_facets.size());
+    EXPECT_EQ(uploaded(kernel(), layout::kShadingMeanValue, kPaths) - settles, (vertices + facets) * kVector + corners)
+        << "places are there for both";
+    EXPECT_EQ(uploaded(plain, layout::kShadingNone, 2 * kPaths) - least, kPaths * kSteps * 3 * sizeof(float))
+        << "recorded paths have places and no motions";
+}
+
 TEST_F(MeshPath, InPiecesAsOnceThrough) {
     const MeshStructure structure = ball(3);
     compute::MeshPathOptions options = settling();
