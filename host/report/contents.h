@@ -31,7 +31,8 @@ struct Contents {
     std::vector<std::string> troubles; /* a sentence each, beginning with the file */
 };
 
-/// Looks into the folder, the folders below it, and those below folders that hold no results themselves. \throws IoError if there is no such folder.
+/// Looks into the folder, the folders below it, and those below folders that hold no results themselves. \throws
+/// IoError if there is no such folder.
 Contents read_contents(const std::filesystem::path& folder);
 
 /// "sub/name", or "name" right in the report's folder.
