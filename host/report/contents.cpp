@@ -30,14 +30,20 @@ std::optional<std::string> text_of(const std::filesystem::path& path) {
     return file ? std::optional(text.str()) : std::nullopt;
 }
 
+// Nothing is there that may not be looked at.
+bool is_there(const std::filesystem::path& path) {
+    std::error_code ignored;
+    return std::filesystem::exists(path, ignored);
+}
+
 bool has_steps(const std::filesystem::path& folder) {
-    return std::filesystem::exists(folder / study::kSteps) || std::filesystem::exists(folder / study::kQuickSteps);
+    return is_there(folder / study::kSteps) || is_there(folder / study::kQuickSteps);
 }
 
 // A sweep or a study, or what is left of one.
 bool has_results(const std::filesystem::path& folder) {
-    return std::filesystem::exists(folder / "manifest.json") || std::filesystem::exists(folder / "manifest.d") ||
-           std::filesystem::exists(folder / "study.json") || has_steps(folder);
+    return is_there(folder / "manifest.json") || is_there(folder / "manifest.d") || is_there(folder / "study.json") ||
+           has_steps(folder);
 }
 
 struct Reading {
@@ -158,7 +164,7 @@ void Reading::read_manifest(const std::string& folder) {
     const std::string name = below(folder, "manifest.json");
     const std::optional<std::string> text = text_of(root / name);
     const std::vector<std::string> beside = records_beside(folder);
-    if (!text && beside.empty() && !std::filesystem::exists(root / name))
+    if (!text && beside.empty() && !is_there(root / name))
         return;
     Sweep sweep;
     sweep.folder = folder;
@@ -196,7 +202,7 @@ void Reading::read_manifest(const std::string& folder) {
 
 void Reading::read_study(const std::string& folder) {
     const std::string name = below(folder, "study.json");
-    if (!std::filesystem::exists(root / name)) {
+    if (!is_there(root / name)) {
         if (has_steps(root / folder))
             trouble(name, "it is not there yet: this study was not finished; the same command goes on");
         return;

@@ -77,6 +77,16 @@ TEST_F(Report, FindsWhatLiesTwoFoldersBelow) {
     EXPECT_TRUE(says("Energy (reference/energy)"));
 }
 
+TEST_F(Report, PassesByWhatMayNotBeLookedAt) {
+    write_sample_sweep(path());
+    for (const char* folder : {"odd", "other/odd"}) {
+        std::filesystem::create_directories(path(folder));
+        for (const char* name : {"manifest.json", "study.json", "steps.d"})
+            std::filesystem::create_symlink(name, path(folder) / name); // to itself: an error, not an absence
+    }
+    EXPECT_EQ(write().troubles, std::vector<std::string>{});
+}
+
 TEST_F(Report, TellsOfAStudyThatWasNotFinished) {
     write_sample_sweep(path());
     std::filesystem::create_directories(path("stability/quick-steps.d"));
