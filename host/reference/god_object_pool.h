@@ -83,7 +83,9 @@ public:
         projection_.vector = Vector<T>(T(0));
     }
 
-    /// Whether a move keeps to the half-space of a triangle in the pool, so that it cannot cross it.
+    /// Whether a move keeps to the half-space of a triangle in the pool, so that it cannot cross it. Rounding tilts the
+    /// plane of a rounded edge or corner: unless it holds the move, which then ends a skin aside, a long move may keep
+    /// to that plane and cross the triangle, so a cast decides.
     bool keeps_off(layout::uint triangle, const Vector<T>& way) const noexcept {
         for (layout::uint i = 0; i < count_; ++i) {
             if (touches_[i].index != triangle)
@@ -92,7 +94,7 @@ public:
                 if (projection_.held[j].source == i)
                     return true;
             const Hold hold = hold_of(touches_[i], way);
-            if (hold == Hold::none)
+            if (hold == Hold::none || (hold == Hold::rounded && !(largest_of(way) <= Skin<T>::kWidth)))
                 return false;
             const HalfSpace<T> space = half_space(touches_[i], hold, i);
             return dot(space.normal, way) >= space.slack - tolerance_;

@@ -1,6 +1,7 @@
 // L6: how close a straight move comes to a triangle.
 #pragma once
 
+#include <limits>
 #include <type_traits>
 
 #include "host/reference/mesh_triangle.h"
@@ -20,7 +21,8 @@ template <typename T> struct Skin {
     static constexpr T kTangent = kWidth * T(1.015625); /* up to here a rounded edge's own plane holds the proxy */
     static constexpr T kNear = kWidth * T(2);           /* what is further is forgotten */
     static constexpr T kCorner = kWidth * T(8);         /* what is this near may share a corner */
-    static constexpr T kRest = kWidth * T(0.015625);    /* moves shorter than this are none */
+    static constexpr T kPlace = std::numeric_limits<T>::epsilon() * T(32); /* what rounding makes of a place */
+    static constexpr T kRest = kWidth * T(0.015625);                       /* moves shorter than this are none */
 };
 
 template <typename T> struct Triangle {
@@ -94,6 +96,59 @@ bool beyond_an_edge(const Triangle<T>& triangle, const Vector<T>& begin, const V
     return false;
 }
 
+/// The part of an offset that is square to an edge, to the last bit: along the edge a move may be long.
+template <typename T> Vector<T> square_to(const Vector<T>& edge, const Vector<T>& offset) noexcept {
+    return offset - (dot(offset, edge) / dot(edge, edge)) * edge;
+}
+
+/// Whether two points this far apart may be one, by what rounding makes of a place.
+template <typename T> bool is_one_place(const Vector<T>& apart) noexcept {
+    return dot(apart, apart) <= Skin<T>::kPlace * Skin<T>::kPlace;
+}
+
+/// The rate of approach, times the distance, to an edge that begins at a corner, if a move that is at the corner goes
+/// on over it and this is more than `approach`.
+template <typename T>
+void approach_edge(const Vector<T>& edge, const Vector<T>& to_corner, const Vector<T>& way, T& approach) noexcept {
+    const Vector<T> offset = square_to(edge, to_corner);
+    const T rate = dot(offset, way);
+    if (dot(edge, way) > T(0) && rate > approach && is_one_place(Vector<T>(to_corner - offset)))
+        approach = rate;
+}
+
+/// How fast a move from `place` approaches a triangle, times the distance. Where rounding may have told a corner for an
+/// edge, or either for the face, the feature over which the move goes on counts as well, and the fastest of them: a
+/// slow approach along the triangle must not be taken for a retreat.
+template <typename T>
+T approach_of(const TrianglePoint<T>& nearest, const Triangle<T>& triangle, const Vector<T>& place,
+              const Vector<T>& way) noexcept {
+    if (nearest.feature == layout::kMeshFace)
+        return dot(nearest.offset, way);
+    Vector<T> edges[3];
+    for (layout::uint i = 0; i < 3; ++i)
+        edges[i] = triangle.corners[(i + 1) % 3] - triangle.corners[i];
+    const auto leads_inwards = [&](layout::uint edge) { return dot(cross(triangle.normal, edges[edge]), way) > T(0); };
+    const bool on_edge = nearest.feature < layout::kMeshCorner;
+    const layout::uint told = nearest.feature - (on_edge ? layout::kMeshEdge : layout::kMeshCorner);
+    T approach = dot(on_edge ? square_to(edges[told], nearest.offset) : nearest.offset, way);
+    bool inwards = !on_edge || leads_inwards(told);
+    for (layout::uint i = 0; i < 3; ++i) {
+        const layout::uint before = (i + 2) % 3;
+        const Vector<T> to_corner = triangle.corners[i] - place;
+        const bool at_corner =
+            on_edge ? (i == told || before == told) && is_one_place(Vector<T>(to_corner - nearest.offset)) : i == told;
+        if (!at_corner)
+            continue;
+        approach_edge(edges[i], to_corner, way, approach);
+        approach_edge(Vector<T>(-edges[before]), to_corner, way, approach);
+        inwards = inwards && leads_inwards(i) && leads_inwards(before);
+    }
+    const T height = dot(triangle.normal, nearest.offset);
+    const T rate = height * dot(triangle.normal, way);
+    const bool over_face = inwards && is_one_place(Vector<T>(nearest.offset - height * triangle.normal));
+    return over_face && rate > approach ? rate : approach;
+}
+
 /// The time within the move at which it comes within kImpact of the triangle, approaching; above `move.until` if it
 /// never does. The distance is convex along the move: Newton's steps from the left never overshoot.
 template <typename T> T impact_time(const Triangle<T>& triangle, const Move<T>& move) noexcept {
@@ -111,9 +166,10 @@ template <typename T> T impact_time(const Triangle<T>& triangle, const Move<T>& 
         until = stretch.end;
     }
     for (int i = 0; i < kSteps; ++i) {
-        const TrianglePoint<T> nearest = nearest_on_triangle(move.at(t), triangle);
+        const Vector<T> place = move.at(t);
+        const TrianglePoint<T> nearest = nearest_on_triangle(place, triangle);
         const T distance = std::sqrt(nearest.square);
-        const T approach = dot(nearest.offset, move.way); // times the distance
+        const T approach = approach_of(nearest, triangle, place, move.way); // times the distance
         if (!(approach > T(0)))
             return never;
         const T excess = distance - Skin<T>::kImpact;

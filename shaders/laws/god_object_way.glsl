@@ -131,14 +131,16 @@ void find_way(real3 proxy, real3 probe) {
     resting = found;
 }
 
-// Whether a move keeps to the half-space of a triangle in the pool, so that it cannot cross it.
+// Whether a move keeps to the half-space of a triangle in the pool, so that it cannot cross it. The plane of a rounded
+// edge or corner tells that of short moves alone, unless it holds the move.
 bool keeps_off(uint triangle, real3 way) {
     uint place = place_of(triangle);
     Touch touch = touch_at(place == POOL ? 0u : place);
     uint hold = hold_of(touch, way);
     HalfSpace space = half_space(touch, hold, place);
     precise real least = space.slack - pool_tolerance;
-    bool off = hold != kHoldNone && product(space.normal, way) >= least;
+    bool tells = hold == kHoldFace || (hold == kHoldRounded && largest_of(way) <= kWidth);
+    bool off = tells && product(space.normal, way) >= least;
     return place != POOL && (holds(resting, place) || off);
 }
 

@@ -12,6 +12,7 @@ const real kCulled = kWidth * real(0.9375LF);
 const real kTangent = kWidth * real(1.015625LF);
 const real kNear = kWidth * real(2.0LF);
 const real kCorner = kWidth * real(8.0LF);
+const real kPlace = EPSILON * real(32.0LF);
 const real kRest = kWidth * real(0.015625LF);
 const uint kNewtonSteps = 40u;
 
@@ -70,6 +71,69 @@ bool beyond_an_edge(Triangle triangle, real3 begin, real3 end) {
            beyond_edge(triangle.c, triangle.a, triangle.normal, begin, end);
 }
 
+// The part of an offset that is square to an edge.
+real3 square_to(real3 edge, real3 offset) {
+    precise real share = product(offset, edge) / product(edge, edge);
+    return difference(offset, scaled(share, edge));
+}
+
+// Whether two points this far apart may be one, by what rounding makes of a place.
+bool is_one_place(real3 apart) {
+    return product(apart, apart) <= kPlace * kPlace;
+}
+
+// The rate of approach, times the distance, to an edge that begins at a corner, if a move that is at the corner goes on
+// over it and this is more than `approach`.
+void approach_edge(real3 edge, real3 to_corner, real3 way, inout real approach) {
+    real3 offset = square_to(edge, to_corner);
+    real rate = product(offset, way);
+    if (product(edge, way) > ZERO && rate > approach && is_one_place(difference(to_corner, offset)))
+        approach = rate;
+}
+
+// Counts the edges from a corner, and whether the move leads inwards over both, if the nearest point is at that corner.
+void approach_at_corner(bool at_corner, real3 to_corner, real3 edge, real3 edge_before, real3 normal, real3 way,
+                        inout real approach, inout bool inwards) {
+    if (at_corner) {
+        approach_edge(edge, to_corner, way, approach);
+        approach_edge(-edge_before, to_corner, way, approach);
+        inwards = inwards && product(cross_product(normal, edge), way) > ZERO &&
+                  product(cross_product(normal, edge_before), way) > ZERO;
+    }
+}
+
+// How fast a move from `place` approaches a triangle, times the distance: by the fastest of the features over which it
+// may go on.
+real approach_of(TrianglePoint nearest, Triangle triangle, real3 place, real3 way) {
+    real approach = product(nearest.offset, way);
+    if (nearest.feature == kMeshFace)
+        return approach;
+    real3 edge_0 = difference(triangle.b, triangle.a);
+    real3 edge_1 = difference(triangle.c, triangle.b);
+    real3 edge_2 = difference(triangle.a, triangle.c);
+    bool on_edge = nearest.feature < kMeshCorner;
+    uint told = nearest.feature - (on_edge ? kMeshEdge : kMeshCorner);
+    real3 edge = told == 0u ? edge_0 : told == 1u ? edge_1 : edge_2;
+    bool inwards = true;
+    if (on_edge) {
+        approach = product(square_to(edge, nearest.offset), way);
+        inwards = product(cross_product(triangle.normal, edge), way) > ZERO;
+    }
+    real3 to_a = difference(triangle.a, place);
+    real3 to_b = difference(triangle.b, place);
+    real3 to_c = difference(triangle.c, place);
+    bool at_a = on_edge ? told != 1u && is_one_place(difference(to_a, nearest.offset)) : told == 0u;
+    bool at_b = on_edge ? told != 2u && is_one_place(difference(to_b, nearest.offset)) : told == 1u;
+    bool at_c = on_edge ? told != 0u && is_one_place(difference(to_c, nearest.offset)) : told == 2u;
+    approach_at_corner(at_a, to_a, edge_0, edge_2, triangle.normal, way, approach, inwards);
+    approach_at_corner(at_b, to_b, edge_1, edge_0, triangle.normal, way, approach, inwards);
+    approach_at_corner(at_c, to_c, edge_2, edge_1, triangle.normal, way, approach, inwards);
+    real height = product(triangle.normal, nearest.offset);
+    precise real rate = height * product(triangle.normal, way);
+    bool over_face = inwards && is_one_place(difference(nearest.offset, scaled(height, triangle.normal)));
+    return over_face && rate > approach ? rate : approach;
+}
+
 // The time within the move at which it comes within kImpact of the triangle, approaching; above `move.until` if it
 // never does.
 real impact_time(Triangle triangle, Move move) {
@@ -87,9 +151,10 @@ real impact_time(Triangle triangle, Move move) {
     real time = meets ? t : never;
     uint left = meets ? kNewtonSteps : 0u;
     [[dont_unroll]] do {
-        TrianglePoint nearest = nearest_on_triangle(place_at(move, t), triangle);
+        real3 place = place_at(move, t);
+        TrianglePoint nearest = nearest_on_triangle(place, triangle);
         precise real size = sqrt(nearest.square);
-        real approach = product(nearest.offset, move.way); // times the distance
+        real approach = approach_of(nearest, triangle, place, move.way); // times the distance
         precise real excess = size - kImpact;
         precise real next = t + excess * size / approach;
         bool leaves = !(approach > ZERO);

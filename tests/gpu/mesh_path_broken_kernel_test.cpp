@@ -25,7 +25,8 @@ template <typename T> std::uint64_t differing(Break broken) {
         shape.features.channels = test::kAllPathChannels;
         shape.paths = 24;
         shape.steps = 40;
-        test::MeshPathCase<T> one(build_structure(shapes::mesh_of(terrain.polygons)), shape, true, terrain.focus);
+        test::MeshPathCase<T> one(build_structure(shapes::mesh_of(terrain.polygons)), shape, test::Probes::wandering,
+                                  terrain.focus);
         one.law.features.shading = layout::kShadingBarycentric;
         test::MeshPathRunner runner{kernel};
         const test::PathComparison comparison =

@@ -1,9 +1,11 @@
 // Exploration paths over a mesh, drawn at random, for the device and for the oracle.
 #pragma once
 
+#include <memory>
 #include <optional>
 
 #include "compute/mesh_path_kernel.h"
+#include "host/brute/god_object_referee.h"
 #include "host/reference/god_object_start.h"
 #include "host/reference/mesh_updates.h"
 #include "host/reference/path_step.h"
@@ -13,17 +15,24 @@
 
 namespace forceshade::test {
 
-/// The paths of a PathCase over a mesh; or, of recorded ones with a terrain's focus or none, paths that wander about
-/// it.
+/// Where the probes of recorded paths come from: a PathCase, or walks about the mesh.
+enum class Probes { of_case, wandering, aimed };
+
+/// The paths of a PathCase over a mesh; or recorded ones that wander about it, with a terrain's focus or none, or that
+/// aim at its corners and edges.
 template <typename T> class MeshPathCase final : public layout::PathSource<T> {
 public:
-    MeshPathCase(const MeshStructure& structure, const PathShape& shape, bool wanders = false,
+    MeshPathCase(const MeshStructure& structure, const PathShape& shape, Probes probes = Probes::of_case,
                  std::optional<glm::dvec3> focus = {})
         : tables_(make_mesh_tables<T>(structure, 1000.0)), paths_(bump(kRadii[0], 1), shape), shape_(shape) {
         law.features.surface = layout::kSurfaceMesh;
         law.mesh = tables_.view();
-        if (wanders)
-            wander(structure, focus);
+        if (probes == Probes::wandering)
+            wander(structure, [&](std::uint64_t seed) { return walks::Wanderer(structure, seed, focus); });
+        if (probes == Probes::aimed) {
+            walks::Aimer aimer(structure, shape.seed);
+            wander(structure, [&](std::uint64_t) -> walks::Aimer& { return aimer; });
+        }
     }
 
     layout::PathInput<T> input() {
@@ -73,16 +82,16 @@ public:
     layout::Law<T> law{};
 
 private:
-    void wander(const MeshStructure& structure, const std::optional<glm::dvec3>& focus) {
+    template <typename WalkerOf> void wander(const MeshStructure& structure, const WalkerOf& walker_of) {
         wandered_.resize(3 * shape_.paths * shape_.steps);
         for (std::size_t path = 0; path < shape_.paths; ++path) {
-            walks::Wanderer wanderer(structure, shape_.seed * 1000 + path, focus);
-            glm::dvec3 at = wanderer.begin();
+            auto&& walker = walker_of(shape_.seed * 1000 + path);
+            glm::dvec3 at = walker.begin();
             for (std::size_t step = 0; step < shape_.steps; ++step) {
                 const glm::dvec3 world = structure.centre + structure.scale * at;
                 for (int axis = 0; axis < 3; ++axis)
                     wandered_[3 * (step * shape_.paths + path) + static_cast<std::size_t>(axis)] = T(world[axis]);
-                at = wanderer.step(at);
+                at = walker.step(at);
             }
         }
     }
@@ -95,6 +104,31 @@ private:
     std::vector<T> wandered_, window_;
     std::size_t first_ = 0, count_ = 0;
 };
+
+/// How many recorded paths cross the mesh on the oracle's way along them: every piece is checked in exact arithmetic.
+template <typename T> std::uint64_t crossings(MeshPathCase<T>& one, std::size_t paths, std::size_t steps) {
+    const layout::MeshView<T>& mesh = one.law.mesh;
+    const brute::Triangles triangles = brute::Triangles::of(mesh.vertices, mesh.triangle_corners);
+    const brute::TriangleGrid grid(triangles);
+    const auto wide = [](const reference::Vector<T>& v) { return glm::dvec3(v); };
+    const layout::PathBatch<T> batch = one.batch(0, paths);
+    const std::span<const T> positions = one.positions(0, steps);
+    auto around = std::make_unique<reference::Neighbourhood<T>>();
+    std::uint64_t count = 0;
+    for (std::size_t path = 0; path < paths; ++path) {
+        reference::GodObject<T> state = reference::begun(batch.proxies[path]);
+        bool crossed = false;
+        const auto watch = [&](const reference::Vector<T>& from, const reference::Vector<T>& to) {
+            crossed = crossed || grid.touches(wide(from), wide(to));
+        };
+        for (std::size_t step = 0; step < steps; ++step)
+            reference::update(
+                mesh, state, *around,
+                reference::to_mesh_frame(mesh.params, reference::vector_at(positions, step * paths + path)), watch);
+        count += crossed;
+    }
+    return count;
+}
 
 /// Lets a kernel of paths on meshes take a run, corners and edges done by the oracle.
 struct MeshPathRunner {

@@ -33,9 +33,9 @@ protected:
     }
 
     template <typename T>
-    static test::PathComparison hold(const MeshStructure& structure, const PathShape& shape, bool wanders) {
+    static test::PathComparison hold(const MeshStructure& structure, const PathShape& shape, test::Probes probes) {
         static compute::MeshPathKernel kernel(device());
-        MeshPathCase<T> one(structure, shape, wanders);
+        MeshPathCase<T> one(structure, shape, probes);
         one.law.features.shading = layout::kShadingBarycentric;
         test::MeshPathRunner runner{kernel};
         const test::PathComparison comparison =
@@ -55,7 +55,8 @@ protected:
                                         : slice % 3 == 1 ? layout::kMotionCircle
                                                          : layout::kMotionRandomWalk;
             const layout::uint loop = slice % 2 == 0 ? layout::kLoopOpen : layout::kLoopClosed;
-            const test::PathComparison one = hold<T>(structure, shape_of(motion, loop, steps, slice + 1), false);
+            const test::PathComparison one =
+                hold<T>(structure, shape_of(motion, loop, steps, slice + 1), test::Probes::of_case);
             samples += one.samples;
             touching += one.touching;
         }
@@ -74,8 +75,8 @@ TEST_F(MeshPathLong, WanderingOverSpot) {
         build_structure(shapes::mesh_of(read_polygons(FORCESHADE_DATA "/spot.obj").polygons));
     for (std::uint64_t seed = 1; seed <= 2; ++seed) {
         const PathShape shape = shape_of(layout::kMotionRecorded, layout::kLoopOpen, 500, seed);
-        EXPECT_GT(hold<float>(structure, shape, true).touching, 10000u);
-        EXPECT_GT(hold<double>(structure, shape, true).touching, 10000u);
+        EXPECT_GT(hold<float>(structure, shape, test::Probes::wandering).touching, 10000u);
+        EXPECT_GT(hold<double>(structure, shape, test::Probes::wandering).touching, 10000u);
     }
 }
 

@@ -1,6 +1,7 @@
 // Exploration paths over meshes, open and closed loop: samples and metrics have the oracle's bits.
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <numbers>
 
 #include <gtest/gtest.h>
@@ -63,8 +64,8 @@ protected:
     static compute::MeshPathTimes wander(const walks::Terrain& terrain, compute::MeshPathKernel& on = kernel(),
                                          std::size_t steps = 60) {
         const MeshStructure structure = build_structure(shapes::mesh_of(terrain.polygons));
-        MeshPathCase<T> one(structure, shape_of(layout::kMotionRecorded, layout::kLoopOpen, 24, steps), true,
-                            terrain.focus);
+        MeshPathCase<T> one(structure, shape_of(layout::kMotionRecorded, layout::kLoopOpen, 24, steps),
+                            test::Probes::wandering, terrain.focus);
         test::MeshPathRunner runner{on};
         EXPECT_TRUE(is_equal(held(runner, one))) << terrain.name << ", f" << 8 * sizeof(T);
         return runner.times;
@@ -104,6 +105,27 @@ TEST_F(MeshPath, WanderingOverEveryTerrain) {
             }
     EXPECT_GT(settled[0], 400u);
     EXPECT_GT(settled[1], 150u);
+}
+
+// Moves that aim at corners and edges: the oracle's bits, and no piece of the oracle's walks crosses anything.
+TEST_F(MeshPath, AimedAtCornersAndEdges) {
+    const std::size_t paths = std::getenv("FORCESHADE_LONG") ? 1000000 : 20000;
+    const auto hold_and_watch = [&]<typename T>(const walks::Terrain& terrain, T) {
+        const MeshStructure structure = build_structure(shapes::mesh_of(terrain.polygons));
+        constexpr std::size_t kSlice = 5000; // paths held in memory at once
+        for (std::size_t first = 0; first < paths; first += kSlice) {
+            PathShape shape = shape_of(layout::kMotionRecorded, layout::kLoopOpen, kSlice, walks::Aimer::kSteps);
+            shape.seed = 1 + first / kSlice;
+            MeshPathCase<T> one(structure, shape, test::Probes::aimed);
+            EXPECT_GT(hold(one, terrain.name).touching, kSlice / 4);
+            EXPECT_EQ(test::crossings(one, kSlice, walks::Aimer::kSteps), 0u) << terrain.name;
+        }
+    };
+    for (const auto& terrains : {walks::solids(), walks::meshes({FORCESHADE_DATA "/spot.obj"})})
+        for (const walks::Terrain& terrain : terrains) {
+            hold_and_watch(terrain, float());
+            hold_and_watch(terrain, double());
+        }
 }
 
 // Strokes through a model of edges that fold either way.
@@ -174,7 +196,8 @@ TEST_F(MeshPath, ShadingsTiltsAndTextures) {
     for (const layout::uint shading : {layout::kShadingNone, layout::kShadingMorgenbesser, layout::kShadingBarycentric,
                                        layout::kShadingMeanValue, layout::kShadingTwoPass})
         for (const bool maps : {false, true}) {
-            MeshPathCase<float> one(structure, shape_of(layout::kMotionRecorded, layout::kLoopOpen, 48, 80), true);
+            MeshPathCase<float> one(structure, shape_of(layout::kMotionRecorded, layout::kLoopOpen, 48, 80),
+                                    test::Probes::wandering);
             one.law.features.shading = shading;
             if (maps) {
                 one.law.features.map = layout::kMapSine;
@@ -197,7 +220,8 @@ TEST_F(MeshPath, UploadsWhatIsReadAlone) {
     compute::MeshPathKernel plain(device(), options);
     constexpr std::size_t kPaths = 8, kSteps = 5;
     const auto uploaded = [&](compute::MeshPathKernel& on, layout::uint shading, std::size_t paths) {
-        MeshPathCase<float> one(structure, shape_of(layout::kMotionRecorded, layout::kLoopOpen, paths, kSteps), true);
+        MeshPathCase<float> one(structure, shape_of(layout::kMotionRecorded, layout::kLoopOpen, paths, kSteps),
+                                test::Probes::wandering);
         one.law.features.shading = shading;
         test::MeshPathRunner runner{on};
         EXPECT_TRUE(is_equal(held(runner, one)));
@@ -228,7 +252,7 @@ TEST_F(MeshPath, InPiecesAsOnceThrough) {
     compute::MeshPathKernel pieces(device(), options);
     for (const layout::uint motion : {layout::kMotionRecorded, layout::kMotionStrokes}) {
         MeshPathCase<float> one(structure, shape_of(motion, layout::kLoopOpen, 40, 50),
-                                motion == layout::kMotionRecorded);
+                                motion == layout::kMotionRecorded ? test::Probes::wandering : test::Probes::of_case);
         hold(one, "pieces", pieces);
     }
 }
@@ -241,7 +265,8 @@ TEST_F(MeshPath, FewLoops) {
     options.limit = 6;
     options.limit_alone = 9;
     compute::MeshPathKernel few(device(), options);
-    MeshPathCase<float> one(structure, shape_of(layout::kMotionRecorded, layout::kLoopOpen, 24, 60), true);
+    MeshPathCase<float> one(structure, shape_of(layout::kMotionRecorded, layout::kLoopOpen, 24, 60),
+                            test::Probes::wandering);
     test::MeshPathRunner runner{few};
     EXPECT_TRUE(is_equal(held(runner, one)));
     EXPECT_GT(runner.times.host_updates, 100u);

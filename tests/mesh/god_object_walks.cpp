@@ -3,9 +3,11 @@
 #include <cmath>
 
 #include <fmt/format.h>
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <glm/vec2.hpp>
 
+#include "host/mesh_file/mesh_file.h"
 #include "host/surface/facet_vertices.h"
 
 namespace forceshade::walks {
@@ -157,6 +159,163 @@ glm::dvec3 Wanderer::step(const glm::dvec3& from) {
     if (far < length)
         return random(0, 1) < 0.5 ? goal_ : from + length * direction() * 0.1;
     return from + (length / far) * (way + 0.3 * far * direction());
+}
+
+namespace {
+
+/// A solid of integer corners from the facets around it, each given by its corners.
+PolygonSoup solid(std::vector<glm::dvec3> vertices, const std::vector<std::vector<std::uint32_t>>& facets) {
+    PolygonSoup soup;
+    soup.vertices = std::move(vertices);
+    for (const std::vector<std::uint32_t>& facet : facets) {
+        soup.corners.insert(soup.corners.end(), facet.begin(), facet.end());
+        soup.begins.push_back(static_cast<std::uint32_t>(soup.corners.size()));
+    }
+    return soup;
+}
+
+} // namespace
+
+std::vector<Terrain> solids() {
+    const std::vector<std::vector<std::uint32_t>> octahedron = {{0, 2, 4}, {2, 1, 4}, {1, 3, 4}, {3, 0, 4},
+                                                                {2, 0, 5}, {1, 2, 5}, {3, 1, 5}, {0, 3, 5}};
+    const std::vector<std::vector<std::uint32_t>> box = {{0, 3, 2, 1}, {4, 5, 6, 7}, {0, 1, 5, 4},
+                                                         {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}};
+    PolygonSoup l_shape = solid({{0, 0, 0},
+                                 {4, 0, 0},
+                                 {4, 2, 0},
+                                 {2, 2, 0},
+                                 {2, 4, 0},
+                                 {0, 4, 0},
+                                 {0, 0, 2},
+                                 {4, 0, 2},
+                                 {4, 2, 2},
+                                 {2, 2, 2},
+                                 {2, 4, 2},
+                                 {0, 4, 2}},
+                                {{5, 4, 3, 2, 1, 0},
+                                 {6, 7, 8, 9, 10, 11},
+                                 {0, 1, 7, 6},
+                                 {1, 2, 8, 7},
+                                 {2, 3, 9, 8},
+                                 {3, 4, 10, 9},
+                                 {4, 5, 11, 10},
+                                 {5, 0, 6, 11}});
+    return {
+        {"tetrahedron",
+         solid({{2, 2, 2}, {-2, -2, 2}, {-2, 2, -2}, {2, -2, -2}}, {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}})},
+        {"box",
+         solid({{-4, -2, -1}, {4, -2, -1}, {4, 2, -1}, {-4, 2, -1}, {-4, -2, 1}, {4, -2, 1}, {4, 2, 1}, {-4, 2, 1}},
+               box)},
+        {"octahedron", solid({{4, 0, 0}, {-4, 0, 0}, {0, 4, 0}, {0, -4, 0}, {0, 0, 4}, {0, 0, -4}}, octahedron)},
+        {"flat octahedron", solid({{4, 0, 0}, {-4, 0, 0}, {0, 4, 0}, {0, -4, 0}, {0, 0, 1}, {0, 0, -1}}, octahedron)},
+        {"spindle", solid({{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 8}, {0, 0, -8}}, octahedron)},
+        {"pyramid", solid({{2, 2, 0}, {-2, 2, 0}, {-2, -2, 0}, {2, -2, 0}, {0, 0, 2}},
+                          {{0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}, {3, 2, 1, 0}})},
+        {"prism", solid({{0, 0, 0}, {4, 0, 0}, {0, 4, 0}, {0, 0, 4}, {4, 0, 4}, {0, 4, 4}},
+                        {{0, 2, 1}, {3, 4, 5}, {0, 1, 4, 3}, {1, 2, 5, 4}, {2, 0, 3, 5}})},
+        {"frustum",
+         solid({{-4, -4, 0}, {4, -4, 0}, {4, 4, 0}, {-4, 4, 0}, {-2, -2, 2}, {2, -2, 2}, {2, 2, 2}, {-2, 2, 2}}, box)},
+        {"L", std::move(l_shape)},
+        {"icosahedron", shapes::icosphere(0)}};
+}
+
+std::vector<Terrain> meshes(const std::vector<std::string>& files) {
+    const auto saddle = [](double x, double y) { return x * x - y * y; };
+    const auto waves = [](double x, double y) { return 0.1 * std::sin(9 * x) * std::sin(8 * y); };
+    std::vector<Terrain> result = {{"sphere 80", shapes::icosphere(1)},
+                                   {"sphere 1280", shapes::icosphere(3)},
+                                   {"saddle", shapes::patch(shapes::Cells::triangles, 10, saddle)},
+                                   {"waves", shapes::patch(shapes::Cells::hexagons, 12, waves)},
+                                   {"wedge 5 degrees", wedge(0.0873)},
+                                   {"wedge 60 degrees", wedge(1.047)},
+                                   {"plate", shapes::plate(5e-4)},
+                                   {"near folds", touching_folds(6, 1e-6)},
+                                   {"bump", bump(16, 6)},
+                                   {"pit 8", pit(8, 0.3), 8},
+                                   {"pit 40", pit(40, 0.05), 40},
+                                   {"polyhedra", shapes::random_polyhedra(20, 7)},
+                                   {"needle", shapes::needle_fan(12, 3.0), 12},
+                                   {"prism of 17", shapes::many_gon_prism(17)}};
+    for (const std::string& file : files)
+        result.push_back({file, read_polygons(file).polygons});
+    return result;
+}
+
+Aimer::Aimer(const MeshStructure& structure, std::uint64_t seed)
+    : structure_(structure), random_(seed), around_(structure.reals->vertices.size() / 3) {
+    const auto& corners = structure.parts->triangle_corners;
+    for (std::size_t i = 0; i < corners.size(); ++i)
+        around_[corners[i]].push_back(static_cast<std::uint32_t>(i / 3));
+}
+
+glm::dvec3 Aimer::direction() {
+    std::normal_distribution<double> normal;
+    return glm::normalize(glm::dvec3(normal(random_), normal(random_), normal(random_)));
+}
+
+/// Nothing, or 1e-12 to 1e-4 sizes in any direction.
+glm::dvec3 Aimer::beside() {
+    return random(0, 1) < 0.3 ? glm::dvec3(0) : length(1e-12, 1e-4) * direction();
+}
+
+glm::dvec3 Aimer::corner(std::size_t triangle, std::size_t i) const {
+    const std::size_t v = 3 * std::size_t(structure_.parts->triangle_corners[3 * triangle + i]);
+    const auto& vertices = structure_.reals->vertices;
+    return {vertices[v], vertices[v + 1], vertices[v + 2]};
+}
+
+/// Along an edge to its other end, in another of the triangles there.
+void Aimer::go_on() {
+    corner_ = (corner_ + 1 + random_() % 2) % 3;
+    const std::uint32_t vertex = structure_.parts->triangle_corners[3 * triangle_ + corner_];
+    triangle_ = around_[vertex][random_() % around_[vertex].size()];
+    for (corner_ = 0; structure_.parts->triangle_corners[3 * triangle_ + corner_] != vertex;)
+        ++corner_;
+}
+
+glm::dvec3 Aimer::begin() {
+    triangle_ = random_() % structure_.triangles();
+    corner_ = random_() % 3;
+    offset_ = beside();
+    const glm::dvec3 at = corner(triangle_, corner_);
+    return random(0, 1) < 0.5 ? 1.5 * at + offset_ : 1.5 * direction();
+}
+
+glm::dvec3 Aimer::step(const glm::dvec3& from) {
+    const glm::dvec3 here = corner(triangle_, corner_), along = corner(triangle_, (corner_ + 1) % 3) - here;
+    const glm::dvec3 other = corner(triangle_, (corner_ + 2) % 3) - here;
+    const glm::dvec3 normal = glm::normalize(glm::cross(along, other));
+    if (random(0, 1) < 0.3)
+        offset_ = beside();
+    switch (random_() % 12) {
+    case 0:
+    case 1:
+        return here + offset_; // with the next of these, from corner to corner along an edge
+    case 2:
+    case 3:
+        go_on();
+        return corner(triangle_, corner_) + offset_;
+    case 4:
+        return here + 0.5 * along + offset_;
+    case 5:
+        return from + 2.0 * (here + 0.5 * along - from) + offset_; // through the middle of an edge
+    case 6:
+        return from + (random(0, 1) < 0.5 ? 1.0 : -1.0) * length(1e-12, 10) * glm::normalize(along);
+    case 7:
+        return from + length(1e-12, 10) * glm::normalize(random(-1, 1) * along + random(-1, 1) * other);
+    case 8:
+        return from - length(1e-12, 1) * normal;
+    case 9:
+        return 0.5 * here + offset_; // deep inside, most likely
+    case 10: {
+        const double cells = std::ldexp(1.0, static_cast<int>(random_() % 5));
+        return glm::round(cells * glm::dvec3(random(-1.5, 1.5), random(-1.5, 1.5), random(-1.5, 1.5))) / cells;
+    }
+    default:
+        triangle_ = random_() % structure_.triangles();
+        return random(0, 1) < 0.5 ? corner(triangle_, corner_) + offset_ : from + length(1e-12, 10) * direction();
+    }
 }
 
 } // namespace forceshade::walks

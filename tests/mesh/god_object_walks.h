@@ -1,6 +1,7 @@
 // Random paths over meshes of every kind, for the tests of the god-object.
 #pragma once
 
+#include <cmath>
 #include <optional>
 #include <random>
 #include <string>
@@ -49,6 +50,37 @@ private:
     std::optional<glm::dvec3> focus_; /* in the mesh's frame */
     double facet_;
     glm::dvec3 goal_{0};
+};
+
+/// Closed solids whose corners are integers, so that probes lie exactly on faces, edges and corners.
+std::vector<Terrain> solids();
+/// Closed and open meshes of other kinds, the given files among them.
+std::vector<Terrain> meshes(const std::vector<std::string>& files);
+
+/// Probe positions in the mesh's frame that aim at what a god-object may fall through: from corner to corner within
+/// 0 to 1e-4 sizes of the edge, through the middles of edges, along edges and parallel to facets with steps of 1e-12 to
+/// 10 sizes, between the places of a lattice, and inwards. A walk is kSteps positions, the first in the open.
+class Aimer {
+public:
+    static constexpr unsigned kSteps = 8;
+
+    Aimer(const MeshStructure& structure, std::uint64_t seed);
+    glm::dvec3 begin();
+    glm::dvec3 step(const glm::dvec3& from);
+
+private:
+    double random(double low, double high) { return std::uniform_real_distribution<double>(low, high)(random_); }
+    double length(double least, double most) { return std::pow(10.0, random(std::log10(least), std::log10(most))); }
+    glm::dvec3 direction();
+    glm::dvec3 beside();
+    glm::dvec3 corner(std::size_t triangle, std::size_t i) const;
+    void go_on();
+
+    const MeshStructure& structure_;
+    std::mt19937_64 random_;
+    std::vector<std::vector<std::uint32_t>> around_; /* triangles at each vertex */
+    std::size_t triangle_ = 0, corner_ = 0;          /* where the walk is */
+    glm::dvec3 offset_{0};                           /* of the probe from the features it aims at */
 };
 
 } // namespace forceshade::walks
