@@ -110,7 +110,7 @@ const char* cause_in_words(int cause) {
         return "another program switched the device's forces off";
     case DhdCalls::dead_man:
         return "the device's dead-man switch is released";
-    default:
+    default: // none told, or one that cannot be while we talk to it
         return "the device's forces are off, and it does not say why: press its button";
     }
 }
@@ -204,7 +204,7 @@ private:
     Clock::time_point asked_{};   // when the status was told last
     bool on_ = false;             // forces are, by that status
     bool enable_ = false;         // they are off, and we are the ones to switch them on
-    bool begun_ = false;          // we have once
+    bool begun_ = false;          // they were on when we wrote one
     Door door_;
     std::atomic<const char*> withheld_ = nullptr;
     std::atomic<bool> halted_ = false;
@@ -324,7 +324,6 @@ bool Dhd::ask(Clock::time_point now) noexcept {
 bool Dhd::enable() noexcept {
     enable_ = false;
     on_ = display(glm::dvec3(0)) && done(calls_.enable_force(1, id_));
-    begun_ = begun_ || on_;
     withheld_ = nullptr;
     if (!on_)
         asked_ = {};
@@ -337,6 +336,7 @@ bool Dhd::write(const glm::dvec3& force) noexcept {
     const Clock::time_point now = Clock::now();
     const bool told = !halted_ && ask_when_due(now);
     const bool on = told && (enable_ ? enable() : on_);
+    begun_ = begun_ || on;
     const bool shown = display(on ? force : glm::dvec3(0));
     const bool taken = shown && (on || (told && withheld_ != nullptr && force == glm::dvec3(0)));
     if (halted_) // perhaps while the force was on its way, and could not come in

@@ -51,7 +51,7 @@ public:
             return false;
         exchange_.force.put(force);
         exchange_.wake();
-        return exchange_.there;
+        return exchange_.there && (exchange_.withheld == nullptr || force == glm::dvec3(0));
     }
 
     void halt() noexcept override { exchange_.stop(); }

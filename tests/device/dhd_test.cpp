@@ -241,6 +241,18 @@ TEST_F(Dhd, switches_on_only_what_nobody_else_switched_off) {
         expect_words(device->withheld(), {words});
         EXPECT_EQ(stub_.calls("dhdEnableForce"), 1) << words;
     }
+    stub_.call<void()>("stub_reset")();
+    stub_.call<void()>("stub_press")(); // before we began
+    const auto device = open_dhd("");
+    EXPECT_TRUE(device->write({0, 0, 1}));
+    switch_off(4);
+    std::this_thread::sleep_for(std::chrono::milliseconds(60));
+    EXPECT_FALSE(device->write({0, 0, 1}));
+    EXPECT_EQ(stub_.calls("dhdEnableForce"), 0);
+}
+
+TEST_F(Dhd, switches_forces_on_at_the_start_unless_a_hand_switched_them_off) {
+    const auto switch_off = stub_.call<void(int)>("stub_switch_off");
     for (const auto& [cause, enabled] : {std::pair{0, true}, {2, true}, {3, true}, {4, true}, {1, false}, {6, false}}) {
         stub_.call<void()>("stub_reset")();
         switch_off(cause); // before we began

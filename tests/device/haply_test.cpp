@@ -180,6 +180,8 @@ TEST(Haply, DisplaysNoForceUntilTheDeviceIsReadyAndSaysWhy) {
             return reading.answer == Answer::fresh && service.received().size() > 50;
         }));
         EXPECT_TRUE(withheld());
+        EXPECT_FALSE(device->write(kPush)) << "it is not displayed";
+        EXPECT_TRUE(device->write(glm::dvec3(0)));
         for (const Received& each : service.received())
             ASSERT_EQ(each.force, glm::dvec3(0));
         service.set(Fault::none);
