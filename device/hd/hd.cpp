@@ -193,7 +193,7 @@ std::string Hd::uncalibrated(DeviceFacts& facts) const {
     unsigned state = calls.check_calibration();
     std::string error = library_.error();
     if (error.empty() && state == HdValue::calibration_needs_update) {
-        int styles = 0, chosen = 0; // the device states a set of them, and takes one
+        int styles = 0, chosen = 0; // the device states a set of them and takes one: the last that it has
         calls.get_integerv(HdValue::calibration_style, &styles);
         for (const int style :
              {HdValue::calibrate_by_reset, HdValue::calibrate_in_inkwell, HdValue::calibrate_by_itself})
