@@ -15,12 +15,15 @@ inline constexpr double kUnknown = std::numeric_limits<double>::infinity();
 /// What a device is and can do. In the world of every back end x points to the user's right, y away from the user and
 /// z up, whatever the vendor's axes are.
 struct DeviceFacts {
-    std::string name;            // "Inverse3 04BA": as the user would tell it from another
-    std::string software;        // "Inverse Service 3.5.1": through what it is driven, with its version
-    double max_force = kUnknown; /* N: the largest force that it displays */
-    glm::dvec3 low{-kUnknown};   /* m: the workspace */
-    glm::dvec3 high{kUnknown};   /* m */
-    bool simulated = false;      // each read() is one sample later than the one before, whatever the clock says
+    std::string name;                // "Inverse3 04BA": as the user would tell it from another
+    std::string software;            // "Inverse Service 3.5.1": through what it is driven, with its version
+    double max_force = kUnknown;     /* N: the largest force that it displays */
+    double lasting_force = kUnknown; /* N: the largest force that its motors bear for any time */
+    glm::dvec3 low{-kUnknown};       /* m: the workspace */
+    glm::dvec3 high{kUnknown};       /* m */
+    bool simulated = false;          // each read() is one sample later than the one before, whatever the clock says
+    bool has_watchdog = true;        // a process that is killed leaves no force
+    std::string remark;              // what else the user should know; empty: nothing
 };
 
 /// What became of a question for the position.
@@ -49,8 +52,12 @@ public:
     /// The newest position.
     virtual Reading read() noexcept = 0;
 
-    /// Displays a force, N, finite, until the next one; false: the device refused it or is not there.
+    /// Displays a force, N, finite, until the next one; false: this force is not displayed.
     virtual bool write(const glm::dvec3& force) noexcept = 0;
+
+    /// Why the device, which is there, displays no force: not calibrated, switched off by the user. Null: it does.
+    /// Lives as long as the program; from any thread.
+    virtual const char* withheld() const noexcept { return nullptr; }
 
     /// No force from now on, whatever is written. From any thread while others are at work, from a signal's handler
     /// too; more than once. Best effort: what the device allows.

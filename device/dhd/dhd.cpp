@@ -19,9 +19,11 @@ using Clock = std::chrono::steady_clock;
 
 constexpr unsigned char kWatchdog = 255;                        // in 125 us: 32 ms, the longest there is
 constexpr Clock::duration kGap = std::chrono::milliseconds(30); // after such a pause the watchdog may have bitten
+constexpr Clock::duration kAsk = std::chrono::milliseconds(20); // between questions for the status
 constexpr int kDoorPatience = 20;                               /* ms */
 constexpr int kDisplayTime = 2;                                 /* ms: until a force that was written is displayed */
 constexpr double kFarthest = 3;                                 /* m: no device reaches further */
+constexpr double kUnknownReach = 0.5;                           /* m: of a type that is not known */
 
 glm::dvec3 to_world(double x, double y, double z) {
     return {y, -x, z};
@@ -50,6 +52,66 @@ double stated_force(int type) {
         return 20;
     default:
         return kUnknown;
+    }
+}
+
+// m: from the middle of the workspace, further than which no arm of a type reaches: what the maker states (omega 160 mm
+// wide, delta 400 mm, sigma 190 mm, lambda 240 mm, Falcon 102 mm) and half of it more, for devices stand as they stand.
+double reach(int type) {
+    switch (type) {
+    case 33:
+    case 34:
+    case 36:
+    case 35:
+    case 37:
+        return 0.12;
+    case 60:
+        return 0.08;
+    case 63:
+    case 64:
+        return 0.3;
+    case 104:
+    case 105:
+    case 106:
+    case 107:
+        return 0.15;
+    case 108: // lambda.7, right and left
+    case 109:
+        return 0.18;
+    default:
+        return kUnknownReach;
+    }
+}
+
+// Why a device in this state is not to display forces; null: it may, once they are enabled.
+const char* objection(const DhdCalls::Status& status) {
+    using Status = DhdCalls::Status;
+    if (status[Status::reset])
+        return "the device is not calibrated: put its calibration pole into the pit, or run the SDK's HapticInit";
+    if (!status[Status::power])
+        return "the device has no power";
+    if (!status[Status::connected] || !status[Status::started])
+        return "the device's controller is not ready";
+    if (status[Status::error])
+        return "the device reports an error: switch it off and on again";
+    return nullptr;
+}
+
+// Why forces are off, where nothing else is wrong.
+const char* cause_in_words(int cause) {
+    switch (cause) {
+    case DhdCalls::button:
+        return "forces were switched off by the device's button: press it again";
+    case DhdCalls::velocity:
+        return "the device switched its forces off, for it was moved too fast: press its button";
+    case DhdCalls::watchdog:
+        return "the device's watchdog switched its forces off";
+    case DhdCalls::software:
+        return "another program switched the device's forces off";
+    case DhdCalls::dead_man:
+        return "the device's dead-man switch is released";
+    default: // none told, or one that cannot be while we talk to it
+        return "the device's forces are off, and it does not say why: press its button";
     }
 }
 
@@ -103,6 +165,7 @@ class Dhd final : public BackEnd {
 public:
     explicit Dhd(std::string_view index) : session_(library_, index), id_(session_.id()) {
         learn();
+        check_status();
         check_position();
         set_watchdog();
     }
@@ -116,14 +179,19 @@ public:
     bool write(const glm::dvec3& force) noexcept override;
     void halt() noexcept override;
     void rest() noexcept override;
+    const char* withheld() const noexcept override { return withheld_.load(); }
     const char* complaint() const noexcept override { return complaint_.load(); }
 
 private:
     void learn();
+    void check_status();
     void check_position();
     void set_watchdog();
+    bool accepts_watchdog();
     bool display(const glm::dvec3& force) noexcept;
-    bool enable_after_pause(Clock::time_point now) noexcept;
+    bool ask_when_due(Clock::time_point now) noexcept;
+    bool ask(Clock::time_point now) noexcept;
+    bool enable() noexcept;
     bool done(int answer) noexcept;
 
     DhdLibrary library_;
@@ -133,7 +201,12 @@ private:
     DeviceFacts facts_;
     glm::dvec3 position_{0};
     Clock::time_point written_{}; // when a force was taken last
+    Clock::time_point asked_{};   // when the status was told last
+    bool on_ = false;             // forces are, by that status
+    bool enable_ = false;         // they are off, and we are the ones to switch them on
+    bool begun_ = false;          // they were on when we wrote one
     Door door_;
+    std::atomic<const char*> withheld_ = nullptr;
     std::atomic<bool> halted_ = false;
     std::atomic<const char*> complaint_ = nullptr;
 };
@@ -145,8 +218,10 @@ void Dhd::learn() {
     if (calls_.get_serial_number && calls_.get_serial_number(&serial, id_) >= 0)
         facts_.name += fmt::format(" (serial number {})", serial);
     facts_.software = library_.software();
-    if (calls_.get_system_type)
-        facts_.max_force = stated_force(calls_.get_system_type(id_));
+    const int type = calls_.get_system_type ? calls_.get_system_type(id_) : -1;
+    facts_.max_force = stated_force(type);
+    facts_.low = glm::dvec3(-reach(type));
+    facts_.high = glm::dvec3(reach(type));
     const double limit = calls_.get_max_force ? calls_.get_max_force(id_) : -1;
     if (limit < 0)
         return;
@@ -168,14 +243,26 @@ void Dhd::check_position() {
                         facts_.name, x, y, z, kFarthest));
 }
 
+// What it is not ready for now it may be later: the session goes on without force until then.
+void Dhd::check_status() {
+    if (!ask(Clock::now()))
+        throw DeviceAbsent(fmt::format("{} does not tell its status: {}", facts_.name, library_.error()));
+}
+
+bool Dhd::accepts_watchdog() {
+    if (!calls_.enable_expert_mode || !calls_.disable_expert_mode || !calls_.set_watchdog ||
+        calls_.enable_expert_mode() < 0)
+        return false;
+    const bool accepted = calls_.set_watchdog(kWatchdog, id_) >= 0;
+    calls_.disable_expert_mode();
+    return accepted;
+}
+
 // The loop writes forces all the time; should the process stop, the device lets go by itself.
 void Dhd::set_watchdog() {
-    if (!calls_.enable_expert_mode || !calls_.disable_expert_mode || !calls_.set_watchdog)
-        return;
-    if (calls_.enable_expert_mode() < 0)
-        return;
-    calls_.set_watchdog(kWatchdog, id_); // devices without one refuse
-    calls_.disable_expert_mode();
+    facts_.has_watchdog = accepts_watchdog();
+    if (!facts_.has_watchdog)
+        facts_.remark = facts_.name + " refuses its watchdog: the last force of a process that is killed stays on";
 }
 
 bool Dhd::done(int answer) noexcept {
@@ -188,8 +275,9 @@ Reading Dhd::read() noexcept {
     if (!door_.enter())
         return {Answer::held, position_, false}; // another thread takes the force away just now
     double x = NAN, y = NAN, z = NAN;
+    const bool asked = ask_when_due(Clock::now());
     const int answer = calls_.get_position(&x, &y, &z, id_);
-    const bool told = done(answer);
+    const bool told = done(answer) && asked;
     door_.leave();
     if (!told)
         return {Answer::failed, position_, false};
@@ -206,23 +294,59 @@ bool Dhd::display(const glm::dvec3& force) noexcept {
     return done(calls_.set_force(-force.y, force.x, force.z, id_));
 }
 
-// The device takes no force before it is enabled, nor after its watchdog bit. Only a pause of our own is mended: a
-// force that the user switched off at the device stays off.
-bool Dhd::enable_after_pause(Clock::time_point now) noexcept {
-    return now - written_ <= kGap || done(calls_.enable_force(1, id_));
+// False: the status is due and not told. Then it is due again.
+bool Dhd::ask_when_due(Clock::time_point now) noexcept {
+    return (now - asked_ <= kAsk && now - written_ <= kGap) || ask(now);
+}
+
+// Forces that are off are switched on where nobody has yet, and where the device's own watchdog took them after a pause
+// of ours. What the user, the device or another program switched off stays off.
+bool Dhd::ask(Clock::time_point now) noexcept {
+    DhdCalls::Status status;
+    on_ = enable_ = false;
+    asked_ = {};
+    if (!done(calls_.get_status(status.values.data(), id_)))
+        return false;
+    asked_ = now;
+    const int cause = status[DhdCalls::Status::force_off_cause];
+    const char* why = objection(status);
+    if (!why) {
+        on_ = status[DhdCalls::Status::force] != 0;
+        enable_ = !on_ && (cause == DhdCalls::watchdog ||
+                           (!begun_ && cause != DhdCalls::button && cause != DhdCalls::dead_man));
+        why = on_ || (enable_ && !begun_) ? nullptr : cause_in_words(cause);
+    }
+    withheld_ = why;
+    return true;
+}
+
+// From zero: the device may still hold the force of before the pause.
+bool Dhd::enable() noexcept {
+    enable_ = false;
+    on_ = display(glm::dvec3(0)) && done(calls_.enable_force(1, id_));
+    withheld_ = nullptr;
+    if (!on_)
+        asked_ = {};
+    return on_;
 }
 
 bool Dhd::write(const glm::dvec3& force) noexcept {
     if (!door_.enter())
         return false;
     const Clock::time_point now = Clock::now();
-    bool taken = halted_ ? display(glm::dvec3(0)) : enable_after_pause(now) && display(force);
+    const bool told = !halted_ && ask_when_due(now);
+    const bool on = told && (enable_ ? enable() : on_);
+    begun_ = begun_ || on;
+    const bool shown = display(on ? force : glm::dvec3(0));
+    const bool taken = shown && (on || (told && withheld_ != nullptr && force == glm::dvec3(0)));
     if (halted_) // perhaps while the force was on its way, and could not come in
-        taken = display(glm::dvec3(0)) && taken;
-    if (taken)
+        display(glm::dvec3(0));
+    if (shown)
         written_ = now;
+    else
+        asked_ = {}; // forces may have been switched off meanwhile
     door_.leave();
-    return taken;
+    return taken && !halted_;
 }
 
 // Where the door stays shut, the thread inside takes the force away itself: the one in write() as its last deed, the

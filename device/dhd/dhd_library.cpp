@@ -22,6 +22,7 @@ DhdLibrary::DhdLibrary() : library_(sought()) {
     library_.load(calls_.close, "dhdClose");
     library_.load(calls_.stop, "dhdStop");
     library_.load(calls_.enable_force, "dhdEnableForce");
+    library_.load(calls_.get_status, "dhdGetStatus");
     library_.load(calls_.get_position, "dhdGetPosition");
     library_.load(calls_.set_force, "dhdSetForce");
     library_.load(calls_.error_get_last_str, "dhdErrorGetLastStr");

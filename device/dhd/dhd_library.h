@@ -2,6 +2,8 @@
 // Lengths in m, forces in N, x towards the user, y to the user's right, z up.
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <string>
 
 #include "device/library/shared_library.h"
@@ -13,12 +15,22 @@ namespace forceshade::device {
 struct DhdCalls {
     static constexpr int kTimeGuard = 1; // dhdGetPosition: asked too soon, this is the position of before
 
+    /// What dhdGetStatus tells, by index: 1 or 0, but for the cause. Versions of the SDK have 15 to 17 of them.
+    struct Status {
+        static constexpr std::size_t power = 0, connected = 1, started = 2, reset = 3, force = 5, error = 9,
+                                     force_off_cause = 14;
+        std::array<int, 64> values{};
+        int operator[](std::size_t index) const { return values[index]; }
+    };
+    enum ForceOffCause : int { none, button, velocity, watchdog, software, disconnected, dead_man };
+
     int (*get_device_count)();
     int (*open)();
     int (*open_id)(char index);
     int (*close)(char id);
     int (*stop)(char id); // no force, brakes on
     int (*enable_force)(unsigned char on, char id);
+    int (*get_status)(int* status, char id);
     int (*get_position)(double* x, double* y, double* z, char id);
     int (*set_force)(double x, double y, double z, char id);
     const char* (*error_get_last_str)(); // of the calling thread; static

@@ -34,6 +34,7 @@ public:
     std::atomic<bool> stopping{false}; // no force any more; set once
     std::atomic<bool> resting{false};  // no force until the next one
     std::atomic<const char*> complaint{nullptr};
+    std::atomic<const char*> withheld{nullptr}; // why the device is not ready for a force; null: it is
 
     /// Lets the other thread look at what is new. Safe in a signal's handler, like stop().
     void wake() const noexcept;

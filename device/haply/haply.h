@@ -34,6 +34,7 @@ struct HaplyDevice {
     std::string type;   // "inverse3", as the service calls it
     std::string status; // "ready, not calibrated": whatever the service says of it
     std::string basis;  // "XYZ": the axes in which the service speaks of it (axes.h)
+    unsigned unmet = 0; // of what a force needs (protocol.h), by its status
 };
 
 /// What answers at an address.

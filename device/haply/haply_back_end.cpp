@@ -12,9 +12,12 @@
 namespace forceshade::device {
 namespace {
 
-/// N: what the Inverse3's data sheet promises over 80 % of its workspace (at its peak 10 N). Its workspace, 460 mm
-/// wide, 510 mm high and 230 mm deep, is no box, and where it lies depends on how the device is mounted: left unknown.
+/// N: what the Inverse3's data sheet promises over 80 % of its workspace (at its peak 10 N).
 constexpr double kInverse3Force = 4;
+
+/// m: from the device's origin, further than which its arm does not reach, however it is mounted. Its workspace, 460 mm
+/// wide, 510 mm high and 230 mm deep, is no box.
+constexpr double kReach = 0.6;
 
 constexpr std::string_view kHowToGet =
     "Install and start it (Haply Hub or the Inverse Service package, docs.haply.co; on Linux: "
@@ -48,7 +51,7 @@ public:
             return false;
         exchange_.force.put(force);
         exchange_.wake();
-        return exchange_.there;
+        return exchange_.there && (exchange_.withheld == nullptr || force == glm::dvec3(0));
     }
 
     void halt() noexcept override { exchange_.stop(); }
@@ -57,6 +60,8 @@ public:
         exchange_.resting = true;
         exchange_.wake();
     }
+
+    const char* withheld() const noexcept override { return exchange_.withheld; }
 
     const char* complaint() const noexcept override { return exchange_.complaint; }
 
@@ -107,6 +112,8 @@ DeviceFacts facts_of(const HaplyFinding& finding, const HaplyDevice& device) {
     std::string type = device.type.empty() ? "inverse3" : device.type;
     if (type == "inverse3")
         facts.max_force = kInverse3Force;
+    facts.low = glm::dvec3(-kReach);
+    facts.high = glm::dvec3(kReach);
     type.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(type.front())));
     facts.name = fmt::format("{} {}", type, device.id);
     facts.software = service_of(finding);

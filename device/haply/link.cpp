@@ -132,6 +132,8 @@ private:
         if (!axes)
             return lose(kStrange);
         axes_ = *axes;
+        unmet_ = device->unmet; // whatever was before the connection broke
+        exchange_.withheld = objection(unmet_);
         limit_.cancel();
         phase_ = Phase::running;
         exchange_.lend_line(line->descriptor());
@@ -151,7 +153,7 @@ private:
 
     void send(glm::dvec3 force) {
         const bool finite = std::isfinite(force.x) && std::isfinite(force.y) && std::isfinite(force.z);
-        if (!finite || exchange_.stopping)
+        if (!finite || exchange_.stopping || unmet_ != 0)
             force = glm::dvec3(0);
         const LinePointer line = line_;
         write_command(line->command, options_.dialect, options_.device_id, axes_.to_service(force));
@@ -200,6 +202,8 @@ private:
         answer_.cancel();
         late_ = false;
         const State state = read_state(text, options_.device_id);
+        unmet_ = (unmet_ & ~state.readiness.told) | state.readiness.unmet;
+        exchange_.withheld = objection(unmet_);
         if (state.fault == nullptr) {
             exchange_.sighting.put({true, steady_now(), axes_.to_world(state.position)});
             pause_ = kFirstPause;
@@ -272,6 +276,7 @@ private:
     Axes axes_;
     Phase phase_ = Phase::connecting;
     glm::dvec3 wish_{0}; /* N, in the world's axes */
+    unsigned unmet_ = 0; // of the conditions for a force
     bool pending_ = false, late_ = false, said_ = false;
     milliseconds pause_ = kFirstPause;
 };

@@ -45,6 +45,28 @@ std::string status_of(const Json* status) {
     return text;
 }
 
+struct Condition {
+    const char* name; // in the status
+    const char* objection;
+};
+constexpr std::array kConditions{
+    Condition{"power_supply", "the Inverse3 has no power supply: plug it in"},
+    Condition{"started", "the Inverse3 is not started: switch it on (Haply Hub shows it)"},
+    Condition{"calibrated", "the Inverse3 is not calibrated: calibrate it (Haply Hub shows how)"},
+    Condition{"ready", "the Inverse3 is not ready (Haply Hub shows why)"},
+};
+
+// What is told and is not `true` is not met.
+Readiness readiness_of(const Json* status) {
+    Readiness readiness;
+    for (std::size_t i = 0; status != nullptr && i < kConditions.size(); ++i)
+        if (const Json* value = member(*status, kConditions[i].name)) {
+            readiness.told |= 1u << i;
+            readiness.unmet |= *value == true ? 0u : 1u << i;
+        }
+    return readiness;
+}
+
 std::optional<glm::dvec3> position_of(const Json* value) {
     if (value == nullptr)
         return std::nullopt;
@@ -106,6 +128,7 @@ std::optional<std::vector<HaplyDevice>> read_inventory(std::string_view message)
                 device.basis = text_of(member(*basis, "permutation"));
         }
         device.status = status_of(member(entry, "status"));
+        device.unmet = readiness_of(member(entry, "status")).unmet;
         devices.push_back(std::move(device));
     }
     return devices;
@@ -140,24 +163,33 @@ std::string frame(std::string_view message) {
 State read_state(std::string_view message, std::string_view device_id) {
     const Json json = parse(message);
     if (json.is_discarded())
-        return {"the Inverse Service answered with what is no JSON", {}};
+        return {"the Inverse Service answered with what is no JSON", {}, {}};
     if (member(json, "error") != nullptr)
         return {"the Inverse Service refused a command: does it speak another dialect? (?dialect=values or vector)",
+                {},
                 {}};
     const Json* list = member(json, "inverse3");
     if (list == nullptr || !list->is_array())
-        return {"the Inverse Service answered without a list of devices", {}};
+        return {"the Inverse Service answered without a list of devices", {}, {}};
     for (const Json& entry : *list) {
         if (text_of(member(entry, "device_id")) != device_id)
             continue;
+        const Readiness readiness = readiness_of(member(entry, "status"));
         const Json* state = member(entry, "state");
         const std::optional<glm::dvec3> position =
             state != nullptr ? position_of(member(*state, "cursor_position")) : std::nullopt;
         if (!position)
-            return {"the Inverse Service answered without a position of the device", {}};
-        return {nullptr, *position};
+            return {"the Inverse Service answered without a position of the device", {}, readiness};
+        return {nullptr, *position, readiness};
     }
-    return {"the Inverse Service does not list the device any more", {}};
+    return {"the Inverse Service does not list the device any more", {}, {}};
+}
+
+const char* objection(unsigned unmet) {
+    for (std::size_t i = 0; i < kConditions.size(); ++i)
+        if (unmet >> i & 1u)
+            return kConditions[i].objection;
+    return nullptr;
 }
 
 } // namespace forceshade::device

@@ -30,10 +30,21 @@ void write_command(std::string& message, HaplyOptions::Dialect dialect, std::str
 /// A command as a WebSocket frame, ready to be sent.
 std::string frame(std::string_view message);
 
+/// What a device's status says of the conditions for a force, one bit each: calibrated, power_supply, ready, started.
+/// A status need not name all of them.
+struct Readiness {
+    unsigned told = 0;
+    unsigned unmet = 0; // of those told
+};
+
+/// In words, the first of the conditions that are not met; null: none.
+const char* objection(unsigned unmet);
+
 /// An answer of the service.
 struct State {
     const char* fault = nullptr; // in words, what is wrong with it; null: it has a position
     glm::dvec3 position{0};      /* m, in the service's axes */
+    Readiness readiness;         // of the device; with a fault, too
 };
 
 /// Of one device; others are passed over.

@@ -11,11 +11,12 @@
 namespace forceshade::device {
 namespace {
 
-constexpr int kFramePatience = 20;   /* ms: for a frame of 1 ms */
-constexpr int kEndPatience = 200;    /* ms */
-constexpr int kStartPatience = 2000; /* ms: for the first position */
-constexpr int kMostFailures = 100;   // frames without a position at the start
-constexpr double kFarthest = 3;      /* m: no device reaches further */
+constexpr int kFramePatience = 20;    /* ms: for a frame of 1 ms */
+constexpr int kEndPatience = 200;     /* ms */
+constexpr int kStartPatience = 2000;  /* ms: for the first position */
+constexpr int kMostFailures = 100;    // frames without a position at the start
+constexpr double kFarthest = 3;       /* m: no device reaches further */
+constexpr double kUnknownReach = 0.5; /* m: of a device that states no workspace */
 
 // An open device: closed on every way out.
 class Session {
@@ -124,7 +125,8 @@ private:
     DeviceFacts learn() const;
     void learn_force(DeviceFacts& facts) const;
     void learn_workspace(DeviceFacts& facts) const;
-    void check_calibration(const std::string& name) const;
+    std::string uncalibrated(DeviceFacts& facts) const;
+    void calibrate(DeviceFacts& facts) const;
     void await_position();
 
     const HdLibrary library_;
@@ -142,7 +144,7 @@ DeviceFacts Hd::learn() const {
     facts.software = software_of(library_);
     learn_force(facts);
     learn_workspace(facts);
-    check_calibration(facts.name);
+    calibrate(facts);
     return facts;
 }
 
@@ -155,9 +157,20 @@ void Hd::learn_force(DeviceFacts& facts) const {
         throw DeviceAbsent(
             fmt::format("{} states a largest force of {} N: between 0.5 N and 200 N is plausible", facts.name, most));
     facts.max_force = most;
+    double lasting = NAN;
+    library_.calls().get_doublev(HdValue::nominal_max_continuous_force, &lasting);
+    if (!library_.error().empty())
+        return;
+    if (!(lasting >= 0.1 && lasting <= most))
+        throw DeviceAbsent(fmt::format("{} states a continuous force of {} N: between 0.1 N and its largest, {} N, is "
+                                       "plausible",
+                                       facts.name, lasting, most));
+    facts.lasting_force = lasting;
 }
 
 void Hd::learn_workspace(DeviceFacts& facts) const {
+    facts.low = glm::dvec3(-kUnknownReach);
+    facts.high = glm::dvec3(kUnknownReach);
     double box[6]{NAN, NAN, NAN, NAN, NAN, NAN}; /* mm */
     library_.calls().get_doublev(HdValue::max_workspace_dimensions, box);
     if (!library_.error().empty())
@@ -174,21 +187,42 @@ void Hd::learn_workspace(DeviceFacts& facts) const {
     facts.high = 1e-3 * glm::dvec3(box[3], -box[2], box[4]);
 }
 
-void Hd::check_calibration(const std::string& name) const {
+// In words, why not; empty: it is calibrated.
+std::string Hd::uncalibrated(DeviceFacts& facts) const {
     const HdCalls& calls = library_.calls();
-    if (!calls.check_calibration)
-        return;
     unsigned state = calls.check_calibration();
-    if (state == HdValue::calibration_needs_update && calls.update_calibration && calls.get_integerv) {
-        int style = 0;
-        calls.get_integerv(HdValue::calibration_style, &style);
-        calls.update_calibration(static_cast<unsigned>(style));
+    std::string error = library_.error();
+    if (error.empty() && state == HdValue::calibration_needs_update) {
+        int styles = 0, chosen = 0; // the device states a set of them and takes one: the last that it has
+        calls.get_integerv(HdValue::calibration_style, &styles);
+        for (const int style :
+             {HdValue::calibrate_by_reset, HdValue::calibrate_in_inkwell, HdValue::calibrate_by_itself})
+            if (styles & style)
+                chosen = style;
+        if (error = library_.error(); !error.empty() || chosen == 0)
+            return "it does not state how: " + error;
+        calls.update_calibration(static_cast<unsigned>(chosen));
+        error = library_.error();
         state = calls.check_calibration();
+        if (const std::string further = library_.error(); error.empty())
+            error = further;
+        if (chosen == HdValue::calibrate_by_reset)
+            facts.remark = facts.name + " took the place where it stood for its reset position: start again with it "
+                                        "there if it was elsewhere";
     }
-    library_.error(); // not every device knows of calibration
-    if (state == HdValue::calibration_needs_manual_input)
-        throw DeviceAbsent(name + " is not calibrated: put its stylus into the inkwell, or run the vendor's "
-                                  "Touch_Diagnostic, and try again");
+    if (!error.empty())
+        return error;
+    return state == HdValue::calibration_ok                   ? ""
+           : state == HdValue::calibration_needs_manual_input ? "it waits to be placed"
+                                                              : "it says so after an update, too";
+}
+
+// Before forces are enabled.
+void Hd::calibrate(DeviceFacts& facts) const {
+    if (const std::string why = uncalibrated(facts); !why.empty())
+        throw DeviceAbsent(fmt::format("{} is not calibrated ({}): put its stylus into the inkwell (an arm without one "
+                                       "into its reset position), or run the vendor's Touch_Diagnostic, and try again",
+                                       facts.name, why));
 }
 
 void Hd::await_position() {

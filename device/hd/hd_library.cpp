@@ -32,9 +32,9 @@ HdLibrary::HdLibrary() : library_(sought()) {
     library_.load(calls_.unschedule, "hdUnschedule");
     library_.load(calls_.start_scheduler, "hdStartScheduler");
     library_.load(calls_.stop_scheduler, "hdStopScheduler");
-    library_.load_if_there(calls_.get_integerv, "hdGetIntegerv");
-    library_.load_if_there(calls_.check_calibration, "hdCheckCalibration");
-    library_.load_if_there(calls_.update_calibration, "hdUpdateCalibration");
+    library_.load(calls_.get_integerv, "hdGetIntegerv");
+    library_.load(calls_.check_calibration, "hdCheckCalibration");
+    library_.load(calls_.update_calibration, "hdUpdateCalibration");
 }
 
 std::string HdLibrary::error() const {

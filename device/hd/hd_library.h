@@ -23,9 +23,11 @@ struct HdValue {
     static constexpr unsigned version = 0x2500, device_model_type = 0x2501, device_driver_version = 0x2502,
                               device_serial_number = 0x2504;
     static constexpr unsigned max_workspace_dimensions = 0x2550, calibration_style = 0x2555;
-    static constexpr unsigned nominal_max_force = 0x2603;
+    static constexpr unsigned nominal_max_force = 0x2603, nominal_max_continuous_force = 0x2604;
     static constexpr unsigned force_output = 0x4000;
-    static constexpr unsigned calibration_needs_update = 0x5001, calibration_needs_manual_input = 0x5002;
+    static constexpr unsigned calibration_ok = 0x5000, calibration_needs_update = 0x5001,
+                              calibration_needs_manual_input = 0x5002;
+    static constexpr int calibrate_by_reset = 1, calibrate_by_itself = 2, calibrate_in_inkwell = 4; // styles, as bits
     static constexpr unsigned short default_priority = 0x7FFF;
 };
 
@@ -47,8 +49,6 @@ struct HdCalls {
     void (*unschedule)(unsigned long callback);
     void (*start_scheduler)();
     void (*stop_scheduler)();
-
-    // Null where a version does not have them.
     void (*get_integerv)(unsigned what, int* values);
     unsigned (*check_calibration)();
     void (*update_calibration)(unsigned style);

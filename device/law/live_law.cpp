@@ -1,10 +1,12 @@
 #include "device/law/live_law.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <utility>
 
 #include "host/explore/mesh_probe.h"
+#include "host/io/hash.h"
 
 namespace forceshade::device {
 namespace {
@@ -80,12 +82,20 @@ template <typename T> std::unique_ptr<LiveLaw> make(PreparedCase prepared) {
     return std::make_unique<SurfaceLaw<T>>(std::move(prepared));
 }
 
+std::uint64_t first_bits(const std::string& hex) {
+    std::uint64_t bits = 0;
+    std::from_chars(hex.data(), hex.data() + 16, bits, 16);
+    return bits;
+}
+
 } // namespace
 
 std::unique_ptr<LiveLaw> make_live_law(PreparedCase prepared) {
-    if (prepared.one.scene.precision == Precision::f32)
-        return make<float>(std::move(prepared));
-    return make<double>(std::move(prepared));
+    const std::uint64_t scene = first_bits(sha256_of(prepared.scene));
+    std::unique_ptr<LiveLaw> law = prepared.one.scene.precision == Precision::f32 ? make<float>(std::move(prepared))
+                                                                                  : make<double>(std::move(prepared));
+    law->scene = scene;
+    return law;
 }
 
 } // namespace forceshade::device

@@ -26,6 +26,9 @@ class LiveLaw {
 public:
     virtual ~LiveLaw() = default;
 
+    /// The first 64 bits of the SHA-256 of its scene's resolved TOML: which scene a sample was felt in.
+    std::uint64_t scene = 0;
+
     /// Whether the law has a meaning there: finite, and within the reach of the precision.
     virtual bool reaches(const glm::dvec3& probe) const noexcept = 0;
 

@@ -3,8 +3,11 @@
 #include <cerrno>
 #include <charconv>
 #include <chrono>
+#include <iterator>
+
 #include <fcntl.h>
 #include <poll.h>
+#include <sys/file.h>
 #include <unistd.h>
 
 #include <fmt/format.h>
@@ -22,13 +25,28 @@ constexpr auto kPause = std::chrono::milliseconds(5); // between looks at an emp
 
 constexpr auto kPatience = std::chrono::seconds(2); // with a reader of a pipe that takes nothing, at the end
 
+// Empty, and nobody else's until it is closed. File systems that know no locks are none of our business.
+void make_ours(int descriptor, const std::filesystem::path& file) {
+    if (::flock(descriptor, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+        ::close(descriptor);
+        throw UsageError(fmt::format("--log {}: another run writes it now; choose another name", file.string()));
+    }
+    if (::ftruncate(descriptor, 0) != 0) {
+        const int error = errno;
+        ::close(descriptor);
+        throw file_error("write", file, error);
+    }
+}
+
 // A device such as /dev/null or a pipe has nothing that could be replaced. Nobody waits for a pipe's reader.
 int create(const std::filesystem::path& file, bool replace) {
     std::error_code ignored;
     const std::filesystem::file_status status = std::filesystem::status(file, ignored);
     const bool special = std::filesystem::is_fifo(status) || std::filesystem::is_character_file(status);
-    const int flags = O_WRONLY | O_CLOEXEC | (special ? O_NONBLOCK : O_CREAT | (replace ? O_TRUNC : O_EXCL));
+    const int flags = O_WRONLY | O_CLOEXEC | (special ? O_NONBLOCK : O_CREAT | (replace ? 0 : O_EXCL));
     const int descriptor = ::open(file.c_str(), flags, 0666);
+    if (descriptor >= 0 && !special)
+        make_ours(descriptor, file);
     if (descriptor >= 0)
         return descriptor;
     if (errno == EEXIST)
@@ -45,7 +63,7 @@ int create(const std::filesystem::path& file, bool replace) {
 LiveLog::LiveLog(const std::filesystem::path& file, SampleRing& ring, Precision precision, bool replace)
     : path_(file), ring_(ring), single_(precision == Precision::f32), descriptor_(create(file, replace)),
       text_("path,t,x,y,z,gx,gy,gz,fx,fy,fz,depth,facet,cx,cy,cz,energy,tick,late_ns,read_ns,compute_ns,write_ns,"
-            "happened\n") {
+            "happened,scene\n") {
     write_out();
     if (!failure_.empty()) {
         ::close(descriptor_);
@@ -140,7 +158,7 @@ void LiveLog::add(const LiveSample& sample) {
             text_ += kHappenings[bit];
             first = false;
         }
-    text_ += '\n';
+    fmt::format_to(std::back_inserter(text_), ",{:016x}\n", sample.scene);
 }
 
 void LiveLog::write_out() {

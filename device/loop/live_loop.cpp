@@ -119,11 +119,18 @@ void LiveLoop::await(Turn& turn) noexcept {
     woken_ = turn.begin;
 }
 
+void LiveLoop::begin_path(Turn& turn) noexcept {
+    if (!begun_)
+        return;
+    ++path_;
+    turn.sample.happened |= kNewPath;
+}
+
 // False: there has been no position yet.
 bool LiveLoop::take_position(Turn& turn) noexcept {
     if (laws_.take()) {
         laws_.present().begin_path();
-        path_ += begun_ ? 1 : 0;
+        begin_path(turn);
         status_.law_path.store(path_, std::memory_order_relaxed);
         status_.laws.fetch_add(1, std::memory_order_release);
         safety_.come_up_anew(); // its surface may lie high above the probe
@@ -133,6 +140,7 @@ bool LiveLoop::take_position(Turn& turn) noexcept {
     turn.sample.reading = short_time(read - turn.begin);
     turn.now.time = settings_.real_time ? seconds(read - start_) : static_cast<double>(tick_) / settings_.rate;
     turn.now.answer = reading.answer;
+    turn.now.withheld = back_end_.withheld() != nullptr;
     if (reading.answer == Answer::ended) {
         end_.store(LoopEnd::recording_over, std::memory_order_release);
         return false;
@@ -143,7 +151,7 @@ bool LiveLoop::take_position(Turn& turn) noexcept {
         turn.now.begins_path = reading.begins_path;
         if (reading.begins_path && begun_) {
             laws_.present().begin_path();
-            ++path_;
+            begin_path(turn);
         }
         probe_ = reading.position;
         begun_ = true;
@@ -179,14 +187,16 @@ void LiveLoop::feel(Turn& turn) noexcept {
     sample.force = felt.force;
     sample.depth = felt.depth;
     sample.facet = felt.facet;
-    sample.commanded = force;
+    sample.scene = law.scene;
     sample.energy = safety_.energy();
     writes_ = back_end_.write(force);
-    if (!writes_) {
-        sample.happened |= kFailed;
-        safety_.refused();
-    }
     turn.end = now();
+    sample.commanded = writes_ ? force : glm::dvec3(0);
+    sample.happened |= writes_ ? 0u : kFailed;
+    const bool late = settings_.real_time && seconds(turn.end - turn.due) > settings_.limits.late * period_;
+    sample.happened |= late ? kTooLate : 0u; // the watchdog has let the device rest meanwhile
+    if (!writes_ || late)
+        safety_.refused();
     sample.writing = short_time(turn.end - end);
 }
 

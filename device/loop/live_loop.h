@@ -76,6 +76,7 @@ private:
     void turn() noexcept;
     void wait(const Turn& turn) noexcept;
     void await(Turn& turn) noexcept;
+    void begin_path(Turn& turn) noexcept;
     bool take_position(Turn& turn) noexcept;
     void feel(Turn& turn) noexcept;
     void keep(Turn& turn) noexcept;

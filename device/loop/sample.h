@@ -20,20 +20,24 @@ enum Happening : std::uint32_t {
     kStale = 1u << 6,       // there was no new one for too long: likewise
     kOutside = 1u << 7,     // it lay outside of the workspace: likewise
     kTooFast = 1u << 8,     // the probe moved faster than allowed: likewise
-    kTooLate = 1u << 9,     // the sample came later than the watchdog allows: likewise
+    kTooLate = 1u << 9,     // the sample came later than the watchdog allows: likewise; or the device took the force
+                            // so late that the next one starts from none
     kFailed = 1u << 10,     // the device did not take or give what it should
     kUnfinished = 1u << 11, // the proxy could not come to rest
     kOverrun = 1u << 12,    // the sample ended after the next one was due
     kOwnOverrun = 1u << 13, // and would have, had it begun in time and never been interrupted
+    kWithheld = 1u << 14,   // the device displays no force: it is not calibrated, switched off, ...: likewise
+    kLasting = 1u << 15,    // the force was larger than the motors bear for so long
+    kNewPath = 1u << 16,    // a path begins in mid-run: the force of the one before was dropped
 };
 
-inline constexpr std::array<std::string_view, 14> kHappenings{
-    "clamped", "slewed",   "ramping",  "damped", "no_number",  "bad_position", "stale",
-    "outside", "too_fast", "too_late", "failed", "unfinished", "overrun",      "own_overrun"};
+inline constexpr std::array<std::string_view, 17> kHappenings{
+    "clamped",  "slewed", "ramping",    "damped",  "no_number",   "bad_position", "stale",   "outside", "too_fast",
+    "too_late", "failed", "unfinished", "overrun", "own_overrun", "withheld",     "lasting", "new_path"};
 
 /// Those with which no force is displayed.
 inline constexpr std::uint32_t kForceless =
-    kNoNumber | kBadPosition | kStale | kOutside | kTooFast | kTooLate | kFailed;
+    kNoNumber | kBadPosition | kStale | kOutside | kTooFast | kTooLate | kFailed | kWithheld;
 
 struct LiveSample {
     std::uint64_t tick = 0;     // from 0 on, none left out
@@ -43,7 +47,7 @@ struct LiveSample {
     glm::dvec3 probe{0};        /* m: where the law was evaluated: the last position that was one */
     glm::dvec3 proxy{0};        /* m */
     glm::dvec3 force{0};        /* N: the law's */
-    glm::dvec3 commanded{0};    /* N: after safety */
+    glm::dvec3 commanded{0};    /* N: what was sent to the device; zero where it was not taken */
     double depth = 0;           /* m */
     double energy = 0;          /* J: given to the hand since the start */
     std::int64_t late = 0;      /* ns: the loop woke so long after the sample was due */
@@ -51,6 +55,7 @@ struct LiveSample {
     std::int32_t computing = 0; /* ns: law and safety */
     std::int32_t writing = 0;   /* ns */
     std::uint32_t facet = 0;    // layout::kNoFacet out of contact
+    std::uint64_t scene = 0;    // LiveLaw::scene
 };
 
 } // namespace forceshade::device

@@ -46,10 +46,18 @@ struct Permissions {
     std::vector<One> all;
 };
 
+/// A scene that was felt.
+struct FeltScene {
+    std::uint32_t path = 0; // that it began
+    std::string toml;       // resolved
+    std::string sha256;     // of that
+};
+
 struct LiveOutcome {
-    std::string scene;     // name of its file
-    std::string precision; // "f32" or "f64"
-    std::string device;    // as asked for: "sim", "haply:ws://..."
+    std::string scene;             // name of its file
+    std::vector<FeltScene> scenes; // what was in it, at the start and after each change
+    std::string precision;         // "f32" or "f64"
+    std::string device;            // as asked for: "sim", "haply:ws://..."
     DeviceFacts facts;
     double rate = 0;       /* Hz */
     bool real_time = true; // false: as fast as possible

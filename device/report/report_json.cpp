@@ -28,7 +28,8 @@ Json device_json(const LiveOutcome& outcome) {
     const DeviceFacts& facts = outcome.facts;
     return {{"asked_for", text(outcome.device)},      {"name", text(facts.name)},
             {"software", text(facts.software)},       {"simulated", facts.simulated},
-            {"max_force_N", number(facts.max_force)}, {"workspace_low_m", point(facts.low)},
+            {"max_force_N", number(facts.max_force)}, {"lasting_force_N", number(facts.lasting_force)},
+            {"has_watchdog", facts.has_watchdog},     {"workspace_low_m", point(facts.low)},
             {"workspace_high_m", point(facts.high)}};
 }
 
@@ -71,12 +72,20 @@ Json limits_json(const LiveOutcome& outcome) {
     return json;
 }
 
+Json scenes_json(const LiveOutcome& outcome) {
+    Json json = Json::array();
+    for (const FeltScene& scene : outcome.scenes)
+        json.push_back({{"path", scene.path}, {"sha256", scene.sha256}, {"toml", scene.toml}});
+    return json;
+}
+
 } // namespace
 
 nlohmann::ordered_json report_json(const LiveOutcome& outcome) {
     const LoopCounts& counts = outcome.counts;
     Json json{{"version", version()},
               {"scene", text(outcome.scene)},
+              {"scenes", scenes_json(outcome)},
               {"precision", text(outcome.precision)},
               {"device", device_json(outcome)},
               {"rate_Hz", number(outcome.rate)},

@@ -145,7 +145,8 @@ std::string energy_text(const LoopCounts& counts, std::string_view micro) {
 std::string report_text(const LiveOutcome& outcome) {
     const LoopCounts& counts = outcome.counts;
     WrappedLines lines;
-    lines.add("scene", fmt::format("{} ({})", outcome.scene, outcome.precision));
+    lines.add("scene", fmt::format("{} ({}){}", outcome.scene, outcome.precision,
+                                   outcome.scenes.empty() ? "" : ", SHA-256 " + outcome.scenes.front().sha256));
     lines.add("device", device_text(outcome));
     lines.add("run", pace_text(outcome));
     lines.add("ended", outcome.ended);

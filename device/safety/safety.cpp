@@ -11,6 +11,9 @@ namespace {
 constexpr double kSpeedTime =
     0.005; /* s: over which the speed is averaged, so that no jitter of a clock, no resolution looks fast */
 
+constexpr double kBearingTime = 0.5; /* s: ahead, so that the limit closes in smoothly on the lasting force */
+const double kKept = std::exp(-kBearingTime / kLastingTime); // of a mean square, over that time
+
 bool is_finite(const glm::dvec3& v) noexcept {
     return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
@@ -24,6 +27,7 @@ bool is_within(const glm::dvec3& v, const glm::dvec3& low, const glm::dvec3& hig
 void Safety::follow(const Situation& now) noexcept {
     step_ = begun_ ? std::clamp(now.time - last_time_, 0.0, period_) : period_;
     last_time_ = now.time;
+    heat_ += step_ / kLastingTime * (reference::dot(shown_, shown_) - heat_);
     if (!now.is_position || now.answer != Answer::fresh) {
         observer_.stay();
         return;
@@ -60,6 +64,8 @@ std::uint32_t Safety::judged(const Situation& now) noexcept {
         found |= kTooFast;
     if (!(now.late <= limits_.late))
         found |= kTooLate;
+    if (now.withheld)
+        found |= kWithheld;
     return found;
 }
 
@@ -86,12 +92,34 @@ void Safety::refused() noexcept {
     observer_.show(shown_);
 }
 
+// N: the force after which, held for kBearingTime, the mean square is that of the lasting force.
+double Safety::bearable() const noexcept {
+    const double lasting = limits_.lasting_force;
+    return std::isinf(lasting) ? lasting : std::sqrt(std::max(0.0, lasting * lasting - kKept * heat_) / (1 - kKept));
+}
+
 glm::dvec3 Safety::clamped(const glm::dvec3& force, std::uint32_t& happened) const noexcept {
-    const double size = magnitude(force);
-    if (size <= limits_.max_force)
+    const double size = magnitude(force), bearable = this->bearable();
+    const double most = std::min(limits_.max_force, bearable);
+    if (size <= most)
         return force;
-    happened |= kClamped;
-    return (limits_.max_force / size) * force;
+    happened |= bearable < limits_.max_force ? kLasting : kClamped;
+    return (most / size) * force;
+}
+
+// A force is given up at once and comes up slowly. What is kept of the one that is displayed is its share nearest to
+// the wanted one; from there it moves no further than it may. So it never is larger than the wanted one, nor against
+// it.
+glm::dvec3 Safety::slewed(const glm::dvec3& wanted, std::uint32_t& happened) const noexcept {
+    const double square = reference::dot(shown_, shown_);
+    const double share = square > 0 ? std::clamp(reference::dot(shown_, wanted) / square, 0.0, 1.0) : 0;
+    const glm::dvec3 kept = share * shown_;
+    const glm::dvec3 rise = wanted - kept;
+    const double most = std::isinf(limits_.slew) ? kUnknown : limits_.slew * step_, size = magnitude(rise);
+    if (size <= most)
+        return wanted;
+    happened |= kSlewed;
+    return kept + (most / size) * rise;
 }
 
 glm::dvec3 Safety::passed(const Situation& now, const glm::dvec3& law, bool contact, std::uint32_t& happened) noexcept {
@@ -116,12 +144,7 @@ glm::dvec3 Safety::passed(const Situation& now, const glm::dvec3& law, bool cont
         happened |= damping.energy > 0 ? kDamped : 0u;
         force = clamped(force, happened);
     }
-    const glm::dvec3 change = force - shown_;
-    const double most = std::isinf(limits_.slew) ? kUnknown : limits_.slew * step_, wanted = magnitude(change);
-    if (!(wanted <= most)) {
-        force = shown_ + (most / wanted) * change;
-        happened |= kSlewed;
-    }
+    force = slewed(force, happened);
     if (!is_finite(force)) { // squares of the largest numbers are none
         happened |= kNoNumber;
         force = glm::dvec3(0);

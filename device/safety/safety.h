@@ -14,6 +14,7 @@ struct Situation {
     glm::dvec3 probe{0};      /* m: the last position that was one, this sample's if there is one */
     bool is_position = false; // the device gave one, finite and within the law's reach
     bool begins_path = false; // it follows from none before
+    bool withheld = false;    // the device displays no force
     double time = 0;          /* s: when it was read */
     double late = 0;          // periods
 };
@@ -27,7 +28,7 @@ public:
     /// The force, N, to be displayed for the law's at a sample; what happened is added to `happened`.
     glm::dvec3 passed(const Situation& now, const glm::dvec3& force, bool contact, std::uint32_t& happened) noexcept;
 
-    /// From where it is now the force goes down, no faster than it may, and comes up as after the start.
+    /// The force comes up as after the start.
     void come_up_anew() noexcept;
     /// Nothing is displayed of the last force: it comes up anew.
     void refused() noexcept;
@@ -40,6 +41,8 @@ private:
     std::uint32_t judged(const Situation& now) noexcept;
     void follow(const Situation& now) noexcept;
     glm::dvec3 clamped(const glm::dvec3& force, std::uint32_t& happened) const noexcept;
+    glm::dvec3 slewed(const glm::dvec3& wanted, std::uint32_t& happened) const noexcept;
+    double bearable() const noexcept;
     double gain(bool contact) noexcept;
 
     const SafetyLimits limits_;
@@ -56,6 +59,7 @@ private:
     double contact_gain_ = 1;  // 0 to 1, since contact was made again
     double free_ = 0;          /* s: without contact */
     double damped_ = 0;        /* J */
+    double heat_ = 0;          /* N^2: mean square of what is displayed, over kLastingTime */
     bool begun_ = false;
 };
 

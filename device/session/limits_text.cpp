@@ -19,6 +19,7 @@ std::string time_text(double time) {
 std::vector<std::pair<std::string, std::string>> limits_as_text(const SafetyLimits& limits) {
     std::vector<std::pair<std::string, std::string>> texts{
         {"largest force", force_text(limits.max_force)},
+        {"lasting force", force_text(limits.lasting_force)},
         {"slew", std::isinf(limits.slew) ? "none" : fmt::format("{:.6g} N/s", limits.slew)},
         {"ramp", time_text(limits.ramp)},
         {"ramp at contact", time_text(limits.contact_ramp)},

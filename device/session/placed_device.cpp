@@ -29,6 +29,7 @@ public:
     bool write(const glm::dvec3& force) noexcept override { return device_->write(force); }
     void halt() noexcept override { device_->halt(); }
     void rest() noexcept override { device_->rest(); }
+    const char* withheld() const noexcept override { return device_->withheld(); }
     const char* complaint() const noexcept override { return device_->complaint(); }
 
 private:
@@ -44,12 +45,13 @@ glm::dvec3 first_position(BackEnd& device, double patience) {
         check_interrupt();
         const Reading reading = device.read();
         const glm::dvec3& p = reading.position;
-        if (reading.answer == Answer::fresh && std::isfinite(p.x + p.y + p.z))
+        if (reading.answer == Answer::fresh && std::isfinite(p.x + p.y + p.z) && device.withheld() == nullptr)
             return p;
         device.write(glm::dvec3(0)); // some devices answer only what they are told
         std::this_thread::sleep_for(std::chrono::milliseconds(1));
     } while (Clock::now() < end);
-    const char* const complaint = device.complaint();
+    const char* const withheld = device.withheld();
+    const char* const complaint = withheld != nullptr ? withheld : device.complaint();
     throw DeviceAbsent(fmt::format("{} tells no position{}{}", device.facts().name, complaint != nullptr ? ": " : "",
                                    complaint != nullptr ? complaint : ""));
 }

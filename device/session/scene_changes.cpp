@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "host/io/hash.h"
 #include "host/io/temporary_file.h"
 
 namespace forceshade::device {
@@ -20,13 +21,12 @@ std::optional<SceneChanges::Said> SceneChanges::look(LiveLoop& loop) {
     const std::optional<std::uint32_t> path = hand_over(loop, std::move(change.law));
     if (!path) // the loop has ended, or does not come round
         return std::nullopt;
-    ++taken_;
+    take(*path, std::move(change.scene));
     std::string said =
         fmt::format("{} was read again, path {} from {:.3f} s on", name_, *path, loop.status().seconds.load());
     if (change.moves_otherwise && has_hand_)
         said += "; [paths] and [hand] stay as they were at the start";
-    if (!beside_.empty())
-        said += keep(*path, change.scene);
+    said += keep(taken_.back());
     return Said{said, false};
 }
 
@@ -45,16 +45,28 @@ std::optional<std::uint32_t> SceneChanges::hand_over(LiveLoop& loop, std::unique
     return std::nullopt;
 }
 
-// Each path of the log can be felt again: the scene of the start is kept, too, once there is another.
-std::string SceneChanges::keep(std::uint32_t path, const std::string& scene) {
-    const auto file = [&](std::uint32_t number) -> std::filesystem::path {
-        return fmt::format("{}.scene-{}.toml", beside_.string(), number);
-    };
+void SceneChanges::take(std::uint32_t path, std::string toml) {
+    std::string sha256 = sha256_of(toml);
+    taken_.push_back({path, std::move(toml), std::move(sha256)});
+}
+
+std::filesystem::path SceneChanges::file_of(std::uint32_t path) const {
+    return fmt::format("{}.scene-{}.toml", beside_.string(), path);
+}
+
+void SceneChanges::write(const FeltScene& scene) const {
+    if (!beside_.empty())
+        write_file_atomically(file_of(scene.path), scene.toml);
+}
+
+void SceneChanges::keep_first() const {
+    write(taken_.front());
+}
+
+std::string SceneChanges::keep(const FeltScene& scene) const {
     try {
-        if (!std::exchange(first_kept_, true) && path > 0)
-            write_file_atomically(file(0), first_.scene);
-        write_file_atomically(file(path), scene);
-        return fmt::format("; kept as {}", file(path).filename().string());
+        write(scene);
+        return beside_.empty() ? "" : fmt::format("; kept as {}", file_of(scene.path).filename().string());
     } catch (const IoError& error) { // no reason to stop a loop
         return fmt::format("; {}", error.what());
     }

@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "device/loop/live_loop.h"
 #include "device/session/scene_watch.h"
@@ -15,36 +16,42 @@ namespace forceshade::device {
 
 class SceneChanges {
 public:
-    /// `first`: the case of the start, which must outlive it; `beside`: scenes are kept as BESIDE.scene-N.toml, N the
+    /// `first`: the case of the start; `beside`: scenes are kept as BESIDE.scene-N.toml, N the
     /// path that they begin, or nowhere if it is empty; `has_hand`: the first scene's hand moves the probe, and stays.
     SceneChanges(const std::filesystem::path& scene, const std::function<PreparedCase()>& read,
                  const PreparedCase& first, std::filesystem::path beside, bool has_hand)
-        : watch_(scene, read, first.one.scene), name_(scene.filename().string()), first_(first),
-          beside_(std::move(beside)), has_hand_(has_hand) {}
+        : watch_(scene, read, first.one.scene), name_(scene.filename().string()), beside_(std::move(beside)),
+          has_hand_(has_hand) {
+        take(0, first.scene);
+    }
 
     struct Said {
         std::string text;
         bool refused = false;
     };
 
+    /// The scene of the start. \throws IoError.
+    void keep_first() const;
+
     /// Now and then looks at the file, hands a change over to the loop and keeps it; what to say of it, if anything.
     std::optional<Said> look(LiveLoop& loop);
 
-    /// New scenes that the loop has taken.
-    std::uint32_t taken() const noexcept { return taken_; }
+    /// Scenes that the loop has taken, the first included.
+    const std::vector<FeltScene>& taken() const noexcept { return taken_; }
 
 private:
     static std::optional<std::uint32_t> hand_over(LiveLoop& loop, std::unique_ptr<LiveLaw> law);
-    std::string keep(std::uint32_t path, const std::string& scene);
+    void take(std::uint32_t path, std::string toml);
+    std::string keep(const FeltScene& scene) const;
+    void write(const FeltScene& scene) const;
+    std::filesystem::path file_of(std::uint32_t path) const;
 
     SceneWatch watch_;
     const std::string name_;
-    const PreparedCase& first_;
     const std::filesystem::path beside_;
     const bool has_hand_;
     int looks_ = 0;
-    std::uint32_t taken_ = 0;
-    bool first_kept_ = false;
+    std::vector<FeltScene> taken_;
 };
 
 } // namespace forceshade::device

@@ -56,8 +56,10 @@ std::optional<std::uint64_t> samples_in(std::optional<double> duration, double r
     return static_cast<std::uint64_t>(std::llround(*duration * rate));
 }
 
-// The present trouble, in a few words; empty: none.
-std::string state_of(const LoopStatus& status) {
+// The present trouble, in a few words; empty: none. `withheld`: why the device displays no force, or null.
+std::string state_of(const LoopStatus& status, const char* withheld) {
+    if (withheld != nullptr)
+        return fmt::format("no force: {}", withheld);
     if (status.samples == 0)
         return "waiting for the device";
     const std::uint32_t happened = status.happened;
@@ -73,8 +75,9 @@ public:
         : options_(checked(options)), line_(options.quiet), prepared_(options.read()), device_(opened()),
           back_end_(*device_.back_end),
           scenes_(options.scene, options.read, prepared_, kept_stem(), options.device == "sim") {
-        if (!device_.warning.empty())
-            remark(device_.warning);
+        for (const std::string& warning : {device_.warning, back_end_.facts().remark})
+            if (!warning.empty())
+                remark(warning);
         settings_.rate = checked_rate(options.rate.value_or(device_.rate));
         settings_.real_time = options.real_time;
         settings_.patience = options.patience;
@@ -85,6 +88,7 @@ public:
             const QuietSignals quiet;
             ring_.emplace(static_cast<std::size_t>(kBuffered * settings_.rate));
             log_.emplace(options.log, *ring_, prepared_.one.scene.precision, options.replace_log);
+            scenes_.keep_first();
         }
         loop_.emplace(back_end_, make_live_law(prepared_), settings_, ring_ ? &*ring_ : nullptr);
     }
@@ -142,14 +146,26 @@ private:
                                    "another limit",
                                    kCautiousForce));
         }
+        limits.lasting_force = options_.lasting_force.value_or(facts.lasting_force);
+        if (!facts.has_watchdog && !options_.without_watchdog && limits.max_force > kUnwatchedForce) {
+            limits.max_force = kUnwatchedForce;
+            remark(
+                fmt::format("{} N at most without the device's watchdog; --without-device-watchdog displays more all "
+                            "the same",
+                            kUnwatchedForce));
+        }
         limits.low = options_.workspace ? options_.workspace->first : facts.low;
         limits.high = options_.workspace ? options_.workspace->second : facts.high;
         return limits;
     }
 
-    // Empty: there is no log that scenes could be kept beside.
+    // Empty: there is no log that scenes could be kept beside; /dev/null and pipes have no place beside them.
     std::filesystem::path kept_stem() const {
-        return options_.log.empty() ? options_.log : options_.log.parent_path() / options_.log.stem();
+        std::error_code ignored;
+        if (options_.log.empty() || (std::filesystem::exists(options_.log, ignored) &&
+                                     !std::filesystem::is_regular_file(options_.log, ignored)))
+            return {};
+        return options_.log.parent_path() / options_.log.stem();
     }
 
     void remark(const std::string& text) {
@@ -167,6 +183,18 @@ private:
             remarks_.push_back(said->text);
             line_.say(said->text);
         }
+    }
+
+    // When the device began to display no force, and why, and when it displays one again.
+    void watch_readiness() {
+        constexpr std::size_t kMost = 20; // remarks
+        const char* const withheld = back_end_.withheld();
+        if (std::exchange(withheld_, withheld) == withheld || reasons_ == kMost)
+            return;
+        reasons_ += withheld != nullptr ? 1 : 0;
+        const double time = loop_->status().seconds.load();
+        remark(withheld != nullptr ? fmt::format("{:.3f} s: no force: {}", time, withheld)
+                                   : fmt::format("{:.3f} s: the device displays forces again", time));
     }
 
     // When the device went, and when it came back.
@@ -188,6 +216,7 @@ private:
     void show() {
         const LoopStatus& now = loop_->status();
         watch_device();
+        watch_readiness();
         LiveStatus status;
         status.seconds = std::chrono::duration<double>(Clock::now() - begun_).count();
         const double passed = status.seconds - shown_seconds_;
@@ -202,7 +231,7 @@ private:
         status.late = now.overruns;
         status.clamped = now.clamped;
         status.lost = now.lost + (log_ ? log_->lost() : 0);
-        status.state = state_of(now);
+        status.state = state_of(now, withheld_);
         line_.update(status);
     }
 
@@ -222,6 +251,7 @@ private:
             result.log_failure = log_->failure();
         }
         outcome.scene = options_.scene.filename().string();
+        outcome.scenes = scenes_.taken();
         outcome.precision = prepared_.one.scene.precision == Precision::f32 ? "f32" : "f64";
         outcome.device = options_.device;
         outcome.rate = settings_.rate;
@@ -229,7 +259,7 @@ private:
         outcome.limits = limits_as_text(settings_.limits);
         outcome.ended = ending(result);
         const std::uint64_t again =
-            outcome.counts.paths - std::min<std::uint64_t>(outcome.counts.paths, 1 + scenes_.taken());
+            outcome.counts.paths - std::min<std::uint64_t>(outcome.counts.paths, outcome.scenes.size());
         if (again > 0 && options_.device == "sim")
             remarks_.push_back(fmt::format("the simulated hand lost its path {} and began again: it left paths.bound, "
                                            "having fallen off the surface or been thrown off",
@@ -274,7 +304,8 @@ private:
     std::optional<LiveLog> log_;
     std::optional<LiveLoop> loop_; // before the log goes
     bool failed_ = false;
-    std::size_t failures_ = 0;
+    const char* withheld_ = nullptr; // why the device displays no force
+    std::size_t failures_ = 0, reasons_ = 0;
     Clock::time_point begun_ = Clock::now();
     double rate_ = 0, shown_seconds_ = 0; /* Hz, s */
     std::uint64_t shown_samples_ = 0;

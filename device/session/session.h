@@ -15,17 +15,19 @@
 namespace forceshade::device {
 
 struct SessionOptions {
-    std::filesystem::path scene;        // its file
-    std::function<PreparedCase()> read; // makes a case of it, in the precision of the run
-    std::string device = "sim";         // as open_device() takes it
-    Placement placement;                // of the scene in the device\'s space
-    std::optional<double> rate;         /* Hz */
-    std::optional<double> duration;     /* s; none: until the recording ends or somebody interrupts */
-    bool real_time = true;              // false: as fast as possible (sim and replay)
-    std::optional<int> cpu;             // that the loop runs on
-    double patience = 5;                /* s: as in LoopSettings */
-    std::optional<double> max_force;    /* N: none: what the device can, or kCautiousForce */
-    SafetyLimits limits;                // the others
+    std::filesystem::path scene;         // its file
+    std::function<PreparedCase()> read;  // makes a case of it, in the precision of the run
+    std::string device = "sim";          // as open_device() takes it
+    Placement placement;                 // of the scene in the device\'s space
+    std::optional<double> rate;          /* Hz */
+    std::optional<double> duration;      /* s; none: until the recording ends or somebody interrupts */
+    bool real_time = true;               // false: as fast as possible (sim and replay)
+    std::optional<int> cpu;              // that the loop runs on
+    double patience = 5;                 /* s: as in LoopSettings */
+    std::optional<double> lasting_force; /* N: none: the device's */
+    bool without_watchdog = false;       // a device's own, which may then display more than kUnwatchedForce
+    std::optional<double> max_force;     /* N: none: what the device can, or kCautiousForce */
+    SafetyLimits limits;                 // the others
     std::optional<std::pair<glm::dvec3, glm::dvec3>> workspace; /* m: none: the device's */
     std::filesystem::path log;                                  // empty: none
     bool replace_log = false;

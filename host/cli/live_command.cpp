@@ -32,10 +32,10 @@ constexpr std::string_view kNone = "none"; // for a limit that is to be switched
 struct LiveArguments {
     std::string scene, device = "sim", log, report;
     std::string rate, duration, patience;
-    std::string max_force, slew, ramp, contact_ramp, max_speed, stale, damping;
+    std::string max_force, lasting_force, slew, ramp, contact_ramp, max_speed, stale, damping;
     std::string workspace, origin, watchdog;
     std::optional<int> cpu;
-    bool fast = false, watch = false, overwrite = false, passivity = false;
+    bool fast = false, watch = false, overwrite = false, passivity = false, without_watchdog = false;
 };
 
 double parsed(const std::string& flag, const std::string& text, Dimension dimension) {
@@ -96,6 +96,8 @@ std::optional<int> allowed_cpu(std::optional<int> cpu) {
 void take_limits(const LiveArguments& arguments, device::SessionOptions& options) {
     device::SafetyLimits& limits = options.limits;
     options.max_force = quantity("--max-force", arguments.max_force, Dimension::force, true);
+    options.lasting_force = quantity("--lasting-force", arguments.lasting_force, Dimension::force, true);
+    options.without_watchdog = arguments.without_watchdog;
     limits.slew = quantity("--slew", arguments.slew, Dimension::force_rate, true).value_or(limits.slew);
     limits.ramp = ramp("--ramp", arguments.ramp).value_or(limits.ramp);
     limits.contact_ramp = ramp("--contact-ramp", arguments.contact_ramp).value_or(limits.contact_ramp);
@@ -233,7 +235,18 @@ void add_safety_options(CLI::App& command, LiveArguments& arguments) {
         .add_option("--max-force", arguments.max_force,
                     "largest force; larger ones keep their direction (default: the device's, or \"3 N\")")
         ->group(group);
-    command.add_option("--slew", arguments.slew, "how fast the force may change (default \"2 N/ms\")")->group(group);
+    command
+        .add_option("--lasting-force", arguments.lasting_force,
+                    "largest root mean square of the force over 10 s, for the motors' sake (default: the device's)")
+        ->group(group);
+    command
+        .add_flag("--without-device-watchdog", arguments.without_watchdog,
+                  "more than 0.5 N even where the device refuses its own watchdog: what a killed process displayed "
+                  "last then stays on")
+        ->group(group);
+    command
+        .add_option("--slew", arguments.slew, "how fast the force may come up (default \"2 N/ms\"); it falls at once")
+        ->group(group);
     command
         .add_option("--ramp", arguments.ramp,
                     "in which the force comes up after the start and after a fault (default \"200 ms\")")

@@ -88,12 +88,13 @@ TEST_F(Dhd, is_chosen_by_its_index) {
 TEST_F(Dhd, is_absent_when_what_it_needs_fails_at_opening) {
     const std::map<std::string, std::string> calls{{"dhdGetDeviceCount", "no driver found"},
                                                    {"dhdOpen", "device in use"},
+                                                   {"dhdGetStatus", "communication error"},
                                                    {"dhdGetPosition", "communication error"}};
     for (const auto& [call, words] : calls) {
         stub_.call<void()>("stub_reset")();
         stub_.fail(call.c_str());
         expect_words(refusal(), {words});
-        EXPECT_EQ(stub_.calls("dhdClose"), call == "dhdGetPosition" ? 1 : 0) << call;
+        EXPECT_EQ(stub_.calls("dhdClose"), call.starts_with("dhdGet") && call != "dhdGetDeviceCount" ? 1 : 0) << call;
         EXPECT_EQ(stub_.forces(), 0) << call;
     }
 }
@@ -172,6 +173,153 @@ TEST_F(Dhd, has_a_watchdog_and_comes_back_after_it_bit) {
     EXPECT_EQ(stub_.calls("dhdEnableForce"), 2);
 }
 
+// After a hang the device may still hold the force of before it.
+TEST_F(Dhd, writes_zero_before_it_enables_forces) {
+    const auto device = open_dhd("");
+    stub_.order();
+    EXPECT_TRUE(device->write({0, 0, 1}));
+    EXPECT_EQ(stub_.order(), "force 0 0 0;enable 1;force 0 0 1;");
+    EXPECT_TRUE(device->write({0, 0, 10}));
+    std::this_thread::sleep_for(std::chrono::milliseconds(300));
+    stub_.order();
+    EXPECT_TRUE(device->write({0, 0, 5}));
+    EXPECT_EQ(stub_.order(), "force 0 0 0;enable 1;force 0 0 5;");
+    EXPECT_EQ(device->withheld(), nullptr);
+}
+
+TEST_F(Dhd, tells_the_loop_of_a_bite_before_it_displays_a_force_again) {
+    const auto device = open_dhd("");
+    EXPECT_TRUE(device->write({0, 0, 1}));
+    std::this_thread::sleep_for(std::chrono::milliseconds(300));
+    EXPECT_EQ(device->read().answer, Answer::fresh);
+    ASSERT_NE(device->withheld(), nullptr) << "so that the force comes up as after a fault";
+    expect_words(device->withheld(), {"watchdog"});
+    EXPECT_TRUE(device->write({0, 0, 0}));
+    device->read();
+    EXPECT_EQ(device->withheld(), nullptr);
+    EXPECT_TRUE(device->write({0, 0, 1}));
+}
+
+TEST_F(Dhd, leaves_forces_off_that_the_user_switched_off) {
+    const auto device = open_dhd("");
+    const auto press = stub_.call<void()>("stub_press");
+    EXPECT_TRUE(device->write({0, 0, 1}));
+    press();
+    for (const int pause : {60, 300, 0}) { // ms: the watchdog bites, too
+        std::this_thread::sleep_for(std::chrono::milliseconds(pause));
+        device->read();
+        EXPECT_FALSE(device->write({0, 0, 1}));
+        EXPECT_EQ(stub_.force(), dvec3(0));
+        ASSERT_NE(device->withheld(), nullptr);
+        expect_words(device->withheld(), {"button"});
+        EXPECT_TRUE(device->write({0, 0, 0})) << "it is there, and takes what it can";
+    }
+    EXPECT_EQ(stub_.calls("dhdEnableForce"), 1);
+    press();
+    std::this_thread::sleep_for(std::chrono::milliseconds(25));
+    device->read();
+    EXPECT_EQ(device->withheld(), nullptr);
+    EXPECT_TRUE(device->write({0, 0, 1}));
+    EXPECT_EQ(stub_.calls("dhdEnableForce"), 1);
+}
+
+TEST_F(Dhd, switches_on_only_what_nobody_else_switched_off) {
+    const auto switch_off = stub_.call<void(int)>("stub_switch_off");
+    for (const auto& [cause, words] : {std::pair{1, "button"},
+                                       {2, "too fast"},
+                                       {4, "another program"},
+                                       {5, "forces are off"},
+                                       {6, "dead-man"},
+                                       {0, "does not say why"}}) {
+        stub_.call<void()>("stub_reset")();
+        const auto device = open_dhd("");
+        EXPECT_TRUE(device->write({0, 0, 1}));
+        switch_off(cause);
+        std::this_thread::sleep_for(std::chrono::milliseconds(60));
+        EXPECT_FALSE(device->write({0, 0, 1})) << words;
+        ASSERT_NE(device->withheld(), nullptr) << words;
+        expect_words(device->withheld(), {words});
+        EXPECT_EQ(stub_.calls("dhdEnableForce"), 1) << words;
+    }
+    stub_.call<void()>("stub_reset")();
+    stub_.call<void()>("stub_press")(); // before we began
+    const auto device = open_dhd("");
+    EXPECT_TRUE(device->write({0, 0, 1}));
+    switch_off(4);
+    std::this_thread::sleep_for(std::chrono::milliseconds(60));
+    EXPECT_FALSE(device->write({0, 0, 1}));
+    EXPECT_EQ(stub_.calls("dhdEnableForce"), 0);
+}
+
+TEST_F(Dhd, switches_forces_on_at_the_start_unless_a_hand_switched_them_off) {
+    const auto switch_off = stub_.call<void(int)>("stub_switch_off");
+    for (const auto& [cause, enabled] : {std::pair{0, true}, {2, true}, {3, true}, {4, true}, {1, false}, {6, false}}) {
+        stub_.call<void()>("stub_reset")();
+        switch_off(cause); // before we began
+        const auto device = open_dhd("");
+        EXPECT_EQ(device->write({0, 0, 1}), enabled) << cause;
+        EXPECT_EQ(stub_.calls("dhdEnableForce"), enabled) << cause;
+    }
+}
+
+TEST_F(Dhd, displays_no_force_until_it_is_ready) {
+    for (const auto& [state, words] : {std::pair{"uncalibrated", "not calibrated"},
+                                       {"no power", "no power"},
+                                       {"not started", "not ready"},
+                                       {"error", "error"}}) {
+        stub_.call<void()>("stub_reset")();
+        stub_.fail(state);
+        const auto device = open_dhd("");
+        EXPECT_EQ(device->read().answer, Answer::fresh) << state;
+        EXPECT_FALSE(device->write({0, 0, 1})) << state;
+        EXPECT_TRUE(device->write({0, 0, 0})) << state;
+        ASSERT_NE(device->withheld(), nullptr) << state;
+        expect_words(device->withheld(), {words});
+        EXPECT_EQ(stub_.calls("dhdEnableForce"), 0) << state;
+        EXPECT_EQ(stub_.force(), dvec3(0)) << state;
+        stub_.fail(state, 1, 0);
+        std::this_thread::sleep_for(std::chrono::milliseconds(25));
+        device->read();
+        EXPECT_EQ(device->withheld(), nullptr) << state;
+        EXPECT_TRUE(device->write({0, 0, 1})) << state;
+    }
+}
+
+TEST_F(Dhd, displays_no_force_while_its_status_is_not_told) {
+    const auto device = open_dhd("");
+    EXPECT_TRUE(device->write({0, 0, 1}));
+    stub_.fail("dhdGetStatus", 1, 3);
+    std::this_thread::sleep_for(std::chrono::milliseconds(25));
+    EXPECT_EQ(device->read().answer, Answer::failed);
+    EXPECT_FALSE(device->write({0, 0, 1}));
+    EXPECT_EQ(stub_.force(), dvec3(0));
+    EXPECT_FALSE(device->write({0, 0, 0}));
+    EXPECT_STREQ(device->complaint(), "communication error");
+    EXPECT_EQ(device->read().answer, Answer::fresh);
+    EXPECT_TRUE(device->write({0, 0, 1}));
+}
+
+TEST_F(Dhd, says_that_it_has_no_watchdog) {
+    EXPECT_TRUE(open_dhd("")->facts().has_watchdog);
+    EXPECT_EQ(open_dhd("")->facts().remark, "");
+    for (const char* call : {"dhdEnableExpertMode", "dhdSetWatchdog"}) {
+        stub_.call<void()>("stub_reset")();
+        stub_.fail(call);
+        const auto device = open_dhd("");
+        EXPECT_FALSE(device->facts().has_watchdog) << call;
+        expect_words(device->facts().remark, {"omega.3", "refuses its watchdog"});
+    }
+    const StubLibrary old("FORCESHADE_DHD_LIBRARY", DHD_STUB_OLD);
+    EXPECT_FALSE(open_dhd("")->facts().has_watchdog);
+}
+
+TEST_F(Dhd, has_the_workspace_of_its_type) {
+    EXPECT_EQ(open_dhd("")->facts().low, dvec3(-0.12));
+    EXPECT_EQ(open_dhd("")->facts().high, dvec3(0.12));
+    const StubLibrary old("FORCESHADE_DHD_LIBRARY", DHD_STUB_OLD);
+    EXPECT_EQ(open_dhd("")->facts().high, dvec3(0.5)) << "of a type that is not told";
+}
+
 TEST_F(Dhd, leaves_no_force) {
     {
         const auto device = open_dhd("");
@@ -199,7 +347,7 @@ TEST_F(Dhd, displays_nothing_once_halted) {
     device->halt();
     EXPECT_EQ(stub_.force(), dvec3(0));
     device->halt();
-    device->write({0, 0, 1});
+    EXPECT_FALSE(device->write({0, 0, 1})) << "what is not displayed is not taken";
     EXPECT_EQ(stub_.force(), dvec3(0));
 }
 

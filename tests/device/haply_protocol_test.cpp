@@ -1,4 +1,6 @@
 // The Inverse Service's messages, addresses and axes as text.
+#include <bit>
+
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
@@ -107,6 +109,31 @@ TEST(HaplyProtocol, TakesNothingElseForAPosition) {
         EXPECT_NE(read_state(bad, "04BA").fault, nullptr) << bad;
     EXPECT_NE(read_state(std::string(900'000, '['), "04BA").fault, nullptr);
     EXPECT_NE(read_state(std::string(400'000, '[') + std::string(400'000, ']'), "04BA").fault, nullptr);
+}
+
+TEST(HaplyProtocol, ReadsWhetherTheDeviceIsReadyForAForce) {
+    const auto of = [](const std::string& status) {
+        return read_state(R"({"inverse3":[{"device_id":"04BA","state":{"cursor_position":{"x":0,"y":0,"z":0}},)"
+                          R"("status":)" +
+                              status + "}]}",
+                          "04BA")
+            .readiness;
+    };
+    const auto why = [&](const std::string& status) { return std::string(objection(of(status).unmet)); };
+    const Readiness all = of(R"({"calibrated":true,"in_use":false,"power_supply":true,"ready":true,"started":true})");
+    EXPECT_EQ(all.unmet, 0u);
+    EXPECT_EQ(objection(all.unmet), nullptr);
+    EXPECT_EQ(std::popcount(all.told), 4);
+    EXPECT_NE(why(R"({"calibrated":false})").find("not calibrated"), std::string::npos);
+    EXPECT_NE(why(R"({"power_supply":false})").find("no power supply"), std::string::npos);
+    EXPECT_NE(why(R"({"ready":false})").find("not ready"), std::string::npos);
+    EXPECT_NE(why(R"({"started":false})").find("not started"), std::string::npos);
+    EXPECT_NE(why(R"({"calibrated":"yes"})").find("not calibrated"), std::string::npos) << "only true is true";
+    EXPECT_NE(why(R"({"calibrated":null})").find("not calibrated"), std::string::npos);
+    EXPECT_EQ(of("{}").told, 0u) << "what is not told stays as it was";
+    EXPECT_EQ(of("[]").told, 0u);
+    EXPECT_NE(objection((*read_inventory(R"({"inverse3":[{"device_id":"04BA","status":{"ready":false}}]})"))[0].unmet),
+              nullptr);
 }
 
 TEST(HaplyAxes, TheDevicesOwnAreTheWorlds) {

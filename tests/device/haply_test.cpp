@@ -14,6 +14,8 @@ TEST(Haply, ReadsPositionsAndDisplaysForces) {
     EXPECT_EQ(device->facts().name, "Inverse3 04BA");
     EXPECT_EQ(device->facts().software, "Inverse Service 3.5.0.0");
     EXPECT_EQ(device->facts().max_force, 4);
+    EXPECT_EQ(device->facts().low, glm::dvec3(-0.6));
+    EXPECT_EQ(device->facts().high, glm::dvec3(0.6));
     EXPECT_FALSE(device->facts().simulated);
     EXPECT_TRUE(runs_well(*device, service));
     glm::dvec3 low(1), high(-1);
@@ -103,7 +105,7 @@ TEST(Haply, LooksWithoutSendingAForce) {
     ASSERT_EQ(finding.devices.size(), 2u);
     EXPECT_EQ(finding.devices[1].id, "049D");
     EXPECT_EQ(finding.devices[1].type, "inverse3");
-    EXPECT_EQ(finding.devices[1].status, "calibrated, not in use, power supply, ready");
+    EXPECT_EQ(finding.devices[1].status, "calibrated, not in use, power supply, ready, started");
     EXPECT_TRUE(wait_until([&] { return service.farewells() == 1; }));
     EXPECT_TRUE(service.received().empty());
 }
@@ -158,6 +160,46 @@ TEST(Haply, HaltsFromASignalHandler) {
     EXPECT_TRUE(refused);
     EXPECT_TRUE(wait_until([&] { return service.open() == 0; }));
     EXPECT_TRUE(ends_without_force(service));
+}
+
+TEST(Haply, DisplaysNoForceUntilTheDeviceIsReadyAndSaysWhy) {
+    for (const auto& [fault, words] : {std::pair{Fault::uncalibrated, "not calibrated"},
+                                       {Fault::no_power, "no power supply"},
+                                       {Fault::not_ready, "not ready"},
+                                       {Fault::not_started, "not started"}}) {
+        SCOPED_TRACE(words);
+        ServiceScript script;
+        script.fault = fault;
+        SimulatedService service(script);
+        const auto device = open_haply(options_of(service));
+        const auto withheld = [&] {
+            const char* const reason = device->withheld();
+            return reason != nullptr && std::string(reason).find(words) != std::string::npos;
+        };
+        ASSERT_TRUE(loop_until(*device, [&](const Reading& reading, bool) {
+            return reading.answer == Answer::fresh && service.received().size() > 50;
+        }));
+        EXPECT_TRUE(withheld());
+        EXPECT_FALSE(device->write(kPush)) << "it is not displayed";
+        EXPECT_TRUE(device->write(glm::dvec3(0)));
+        for (const Received& each : service.received())
+            ASSERT_EQ(each.force, glm::dvec3(0));
+        service.set(Fault::none);
+        EXPECT_TRUE(runs_well(*device, service));
+        EXPECT_EQ(device->withheld(), nullptr);
+        service.set(fault);
+        ASSERT_TRUE(loop_until(*device, [&](const Reading&, bool) { return withheld(); }));
+        const std::size_t from = service.received().size() + 2;
+        ASSERT_TRUE(loop_until(*device, [&](const Reading&, bool) { return service.received().size() > from + 20; }));
+        const std::vector<Received> all = service.received();
+        for (std::size_t i = from; i < all.size(); ++i)
+            ASSERT_EQ(all[i].force, glm::dvec3(0));
+        service.go_away(); // and is ready when it comes back
+        service.set(Fault::none);
+        service.come_back();
+        EXPECT_TRUE(runs_well(*device, service));
+        EXPECT_EQ(device->withheld(), nullptr);
+    }
 }
 
 TEST(Haply, ALoopThatStopsLeavesNoForce) {

@@ -52,6 +52,7 @@ TEST_F(Hd, tells_what_it_is) {
     EXPECT_EQ(facts.name, "Touch (serial number 8042)");
     EXPECT_EQ(facts.software, "OpenHaptics HDAPI 3.40.0, driver 2022.4");
     EXPECT_EQ(facts.max_force, 3.3);
+    EXPECT_EQ(facts.lasting_force, 0.88);
     EXPECT_LT(glm::length(facts.low - dvec3(-0.21, -0.13, -0.11)), 1e-12);
     EXPECT_LT(glm::length(facts.high - dvec3(0.21, 0.085, 0.205)), 1e-12);
     EXPECT_EQ(device->complaint(), nullptr);
@@ -108,6 +109,12 @@ TEST_F(Hd, is_refused_where_units_cannot_be_millimetres_and_newtons) {
     stub_.most_force(1000);
     expect_words(refusal(), {"1000 N"});
     stub_.most_force(3.3);
+    const auto lasting_force = stub_.call<void(double)>("stub_lasting_force");
+    lasting_force(4);
+    expect_words(refusal(), {"continuous force of 4 N", "3.3 N"});
+    lasting_force(std::nan(""));
+    expect_words(refusal(), {"nan"});
+    lasting_force(0.88);
     stub_.place(10, 5000, 10);
     expect_words(refusal(), {"(10, 5000, 10) mm", "3 m"});
     stub_.place(5000, 10, 10);
@@ -116,7 +123,7 @@ TEST_F(Hd, is_refused_where_units_cannot_be_millimetres_and_newtons) {
     expect_words(refusal(), {"(10, 10, -5000) mm"});
     stub_.place(10, 20, std::nan(""));
     expect_words(refusal(), {"nan"});
-    EXPECT_EQ(stub_.calls("hdDisableDevice"), 8);
+    EXPECT_EQ(stub_.calls("hdDisableDevice"), 10);
     EXPECT_EQ(stub_.calls("hdStopScheduler"), 4);
 }
 
@@ -136,6 +143,38 @@ TEST_F(Hd, is_refused_uncalibrated) {
     EXPECT_EQ(stub_.calls("hdUpdateCalibration"), 1);
 }
 
+TEST_F(Hd, is_calibrated_by_one_style_before_it_displays_a_force) {
+    const std::vector<std::pair<long, std::string>> chosen{{1, "1"}, {2, "2"}, {3, "2"}, {4, "4"},
+                                                           {5, "4"}, {6, "2"}, {7, "2"}, {0x16, "2"}};
+    for (const auto& [styles, style] : chosen) {
+        stub_.call<void()>("stub_reset")();
+        stub_.call<void(long)>("stub_calibration")(0x5001);
+        stub_.call<void(long)>("stub_styles")(styles);
+        const auto device = open_hd("");
+        EXPECT_EQ(stub_.order(), "check;calibrate " + style + ";check;enable;") << styles;
+        EXPECT_EQ(device->facts().remark.find("reset position") != std::string::npos, style == "1") << styles;
+    }
+}
+
+TEST_F(Hd, displays_no_force_before_its_calibration_is_confirmed) {
+    const auto expect_refused = [&](long state, long styles, const char* call, const std::string& words) {
+        stub_.call<void()>("stub_reset")();
+        stub_.call<void(long)>("stub_calibration")(state);
+        stub_.call<void(long)>("stub_styles")(styles);
+        if (call)
+            stub_.fail(call);
+        expect_words(refusal(), {"Touch", "not calibrated", words});
+        EXPECT_EQ(stub_.calls("hdEnable"), 0) << words;
+        EXPECT_EQ(stub_.calls("hdDisableDevice"), 1) << words;
+    };
+    expect_refused(0x5002, 2, nullptr, "placed");
+    expect_refused(0x5001, 0, nullptr, "does not state how");
+    expect_refused(0x5001, 2, "hdGetIntegerv", "Communication error");
+    expect_refused(0x5001, 2, "hdUpdateCalibration", "Communication error");
+    expect_refused(0x5000, 2, "hdCheckCalibration", "Communication error");
+    expect_refused(0, 2, nullptr, "says so");
+}
+
 TEST_F(Hd, is_absent_when_what_it_needs_fails_at_opening) {
     const std::map<std::string, std::string> calls{{"hdInitDevice", "Device fault"},
                                                    {"hdEnable", "Force error"},
@@ -153,8 +192,8 @@ TEST_F(Hd, is_absent_when_what_it_needs_fails_at_opening) {
 }
 
 TEST_F(Hd, does_without_what_it_can_do_without) {
-    for (const char* call : {"hdMakeCurrentDevice", "hdGetString", "largest force", "workspace", "hdGetIntegerv",
-                             "hdCheckCalibration", "hdUnschedule", "hdStopScheduler", "hdDisableDevice", "hdDisable"}) {
+    for (const char* call : {"hdMakeCurrentDevice", "hdGetString", "largest force", "lasting force", "workspace",
+                             "hdGetIntegerv", "hdUnschedule", "hdStopScheduler", "hdDisableDevice", "hdDisable"}) {
         stub_.call<void()>("stub_reset")();
         stub_.fail(call);
         const auto device = open_hd("");
@@ -162,11 +201,11 @@ TEST_F(Hd, does_without_what_it_can_do_without) {
         if (std::string(call) == "largest force") {
             EXPECT_EQ(device->facts().max_force, kUnknown);
         }
+        if (std::string(call) == "workspace") {
+            EXPECT_EQ(device->facts().high, dvec3(0.5));
+        }
     }
     EXPECT_EQ(stub_.force(), dvec3(0));
-    const StubLibrary old("FORCESHADE_HD_LIBRARY", HD_STUB_OLD);
-    const auto device = open_hd("");
-    EXPECT_TRUE(displays(*device, old, {0, 0, 1}, {0, 1, 0}));
 }
 
 TEST_F(Hd, tells_of_calls_that_fail_in_mid_loop_and_goes_on_when_they_do) {

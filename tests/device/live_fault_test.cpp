@@ -110,8 +110,45 @@ TEST(LiveLoop, AForceThatTheDeviceRefusedComesUpAnew) {
     loop.start();
     loop.join();
     EXPECT_EQ(ring.look()[200].happened & kForceless, kFailed);
+    EXPECT_EQ(ring.look()[200].commanded, glm::dvec3(0)) << "what was not taken was not displayed";
     EXPECT_NEAR(deaf_once.forces[199].z, 1, 1e-9);
     EXPECT_LT(deaf_once.forces[201].z, 0.011);
+}
+
+TEST(LiveLoop, AForceThatIsWithheldIsNoneAndTheDeviceIsNotGone) {
+    ScriptedDevice* asked = nullptr;
+    ScriptedDevice device(
+        [&](std::uint64_t tick) {
+            asked->reason = tick >= 300 && tick < 9000 ? "switched off by its button" : nullptr;
+            return deep(tick);
+        },
+        20000);
+    asked = &device;
+    SafetyLimits limits;
+    limits.max_force = 3;
+    const LoopRun run = run_fast(device, prepared_scene(kPlane), 10000, limits);
+    EXPECT_EQ(run.end, LoopEnd::done) << "longer than the 5 s of patience with a device that is gone";
+    EXPECT_NEAR(device.forces[299].z, 1, 1e-9);
+    for (std::size_t i = 300; i < 9000; ++i) {
+        ASSERT_EQ(device.forces[i], glm::dvec3(0)) << i;
+        ASSERT_EQ(run.samples[i].happened & kForceless, kWithheld) << i;
+    }
+    EXPECT_LT(device.forces[9000].z, 0.011) << "it comes up slowly";
+    EXPECT_NEAR(device.forces[9999].z, 1, 1e-9);
+    EXPECT_EQ(run.counts.happened[14], 8700u);
+}
+
+TEST(LiveLoop, ASampleThatTheDeviceTookTooLateSaysSo) {
+    ScriptedDevice device(deep, 100000, false);
+    device.slow_write = 101;
+    LoopSettings settings = real_time(1000, 400);
+    settings.limits.late = 90;
+    settings.limits.ramp = 0.1;
+    const LoopRun run = run_through(device, settings);
+    const LiveSample& late = run.samples[100];
+    EXPECT_NE(late.happened & kTooLate, 0u);
+    EXPECT_GT(late.commanded.z, 0.5) << "what was sent";
+    EXPECT_LT(run.samples[101].commanded.z, 0.02) << "and what follows comes up anew";
 }
 
 TEST(LiveLoop, SuspendedItDisplaysNothing) {

@@ -59,6 +59,24 @@ TEST(LiveLoop, EndsWithTheRecording) {
     expect_forceless_end(device);
 }
 
+TEST(LiveLoop, APathThatBeginsMarksThatTheForceIsDropped) {
+    ScriptedDevice device(
+        [](std::uint64_t tick) {
+            return Reading{Answer::fresh, {0, 0, -1e-3}, tick == 0 || tick == 400};
+        },
+        1000);
+    SafetyLimits limits;
+    limits.max_force = 3;
+    const LoopRun run = run_fast(device, prepared_scene(kPlane), 800, limits);
+    EXPECT_NEAR(device.forces[399].z, 1, 1e-9);
+    EXPECT_LT(device.forces[400].z, 0.01);
+    for (std::size_t i = 0; i < 800; ++i) {
+        ASSERT_EQ((run.samples[i].happened & kNewPath) != 0, i == 400) << i;
+        ASSERT_EQ(run.samples[i].path, i < 400 ? 0u : 1u) << i;
+    }
+    EXPECT_EQ(kHappenings[16], "new_path");
+}
+
 TEST(LiveLoop, WaitsForTheFirstPosition) {
     ScriptedDevice device(
         [](std::uint64_t tick) {

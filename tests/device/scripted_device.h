@@ -2,8 +2,11 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
+#include <cstdint>
 #include <functional>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "device/loop/live_loop.h"
@@ -42,14 +45,19 @@ public:
     bool write(const glm::dvec3& force) noexcept override {
         if (forces.size() < forces.capacity())
             forces.push_back(force);
+        if (forces.size() == slow_write)
+            std::this_thread::sleep_for(std::chrono::milliseconds(100));
         return takes_forces;
     }
+    const char* withheld() const noexcept override { return reason; }
     void halt() noexcept override { halted = true; }
     void rest() noexcept override { ++rests; }
     const char* complaint() const noexcept override { return nullptr; }
 
     std::vector<glm::dvec3> forces; /* N */
     std::atomic<bool> halted = false, takes_forces = true;
+    std::atomic<const char*> reason = nullptr; // why forces are withheld
+    std::size_t slow_write = SIZE_MAX;         // which force takes 100 ms, counted from 1
     std::atomic<int> rests = 0;
 
 private:

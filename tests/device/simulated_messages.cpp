@@ -58,7 +58,12 @@ Json device(const ServiceScript& script, std::size_t index, double seconds, cons
               {"cursor_velocity", {{"x", 0.0}, {"y", 0.0}, {"z", 0.0}}},
               {"current_cursor_force", told_vector(script.basis, force)},
               {"control_mode", "idle"}}},
-            {"status", {{"calibrated", true}, {"in_use", false}, {"power_supply", true}, {"ready", true}}}};
+            {"status",
+             {{"calibrated", script.fault != Fault::uncalibrated},
+              {"in_use", false},
+              {"power_supply", script.fault != Fault::no_power},
+              {"ready", script.fault != Fault::not_ready},
+              {"started", script.fault != Fault::not_started}}}};
 }
 
 Json state(const ServiceScript& script, double seconds, const glm::dvec3& force) {
@@ -156,7 +161,7 @@ std::string unasked_state(const ServiceScript& script, double seconds) {
 }
 
 Fault fault_named(const std::string& name) {
-    constexpr std::array<std::pair<const char*, Fault>, 22> names{{
+    constexpr std::array<std::pair<const char*, Fault>, 26> names{{
         {"none", Fault::none},
         {"no_inventory", Fault::no_inventory},
         {"never_answers", Fault::never_answers},
@@ -179,6 +184,10 @@ Fault fault_named(const std::string& name) {
         {"no_websocket", Fault::no_websocket},
         {"no_http", Fault::no_http},
         {"closes", Fault::closes},
+        {"uncalibrated", Fault::uncalibrated},
+        {"no_power", Fault::no_power},
+        {"not_ready", Fault::not_ready},
+        {"not_started", Fault::not_started},
     }};
     for (const auto& [known, fault] : names)
         if (name == known)

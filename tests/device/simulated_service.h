@@ -34,6 +34,10 @@ enum class Fault {
     no_websocket,  // an HTTP server that is nothing else
     no_http,       // answers what is not even HTTP
     closes,        // closes each connection at its first command
+    uncalibrated,  // the device's status says: not calibrated, and so on
+    no_power,
+    not_ready,
+    not_started,
 };
 
 /// Throws std::invalid_argument for what is no name of one.

@@ -19,6 +19,7 @@
 #include <set>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include <fcntl.h>
 #include <unistd.h>
@@ -39,7 +40,11 @@ struct State {
     std::atomic<long> forces = 0; // displayed
     std::atomic<long> devices = 1;
     std::atomic<double> most_force = 8, scale = 1; // N; of the workspace
-    std::atomic<long> calibration = 0;
+    std::atomic<long> calibration = 0x5000;
+    std::atomic<long> styles = 2;             // of calibration
+    std::atomic<double> lasting_force = 0.88; // N
+    std::mutex order_mutex;
+    std::string order; // of the calls that matter to the hand
     std::atomic<int> record = -1;
 };
 
@@ -59,6 +64,13 @@ bool fails(const char* name) {
     Call& entry = call(name);
     const long number = ++entry.made;
     return number >= entry.first_failing && number < entry.end_failing;
+}
+
+/// Remembers that something was called.
+void note(const std::string& call) {
+    const std::lock_guard lock(state.order_mutex);
+    if (state.order.size() < 100'000)
+        state.order += call + ";";
 }
 
 void display(double x, double y, double z) {
@@ -164,6 +176,20 @@ void stub_scale(double scale) {
 }
 void stub_calibration(long answer) {
     stub::state.calibration = answer;
+}
+void stub_styles(long styles) {
+    stub::state.styles = styles;
+}
+void stub_lasting_force(double force) {
+    stub::state.lasting_force = force;
+}
+
+/// The calls since the last question, each followed by a semicolon: "force 0 0 1;enable 1;".
+const char* stub_order() {
+    const std::lock_guard lock(stub::state.order_mutex);
+    static std::string told;
+    told = std::exchange(stub::state.order, {});
+    return told.c_str();
 }
 void stub_record(const char* file) {
     stub::record_to(file);

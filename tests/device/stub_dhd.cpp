@@ -10,6 +10,7 @@ using Clock = std::chrono::steady_clock;
 
 std::atomic<bool> enabled = false;
 std::atomic<int> watchdog = 0; // in 125 us
+std::atomic<int> cause = 0;    // of forces being off: 1 the button, 3 the watchdog, 4 a program
 std::atomic<Clock::time_point> written{};
 std::atomic<const char*> last_error = "";
 [[maybe_unused]] bool expert = false;
@@ -21,11 +22,16 @@ int answer(const char* name, const char* error = "communication error") {
     return -1;
 }
 
+void switch_off(int why) {
+    if (enabled.exchange(false))
+        cause = why;
+}
+
 // What the device's own watchdog has done since the last force. Four times as patient as it was told, for a test's
 // thread may have to wait for a processor.
-[[maybe_unused]] void let_watchdog_bite() {
+void let_watchdog_bite() {
     if (watchdog > 0 && Clock::now() - written.load() > std::chrono::microseconds(500) * watchdog.load())
-        enabled = false;
+        switch_off(3);
 }
 
 } // namespace
@@ -41,8 +47,21 @@ void stub_reset() {
     stub_devices(1);
     stub_most_force(8);
     stub_record(nullptr);
+    stub_order();
     enabled = false;
-    watchdog = 0;
+    watchdog = cause = 0;
+}
+/// Somebody presses the device's button.
+void stub_press() {
+    if (enabled)
+        switch_off(1);
+    else
+        enabled = true;
+}
+/// Why forces are off; 6: the dead-man switch.
+void stub_switch_off(int why) {
+    enabled = false;
+    cause = why;
 }
 int stub_watchdog() {
     return watchdog;
@@ -61,14 +80,30 @@ int dhdClose(char) {
     return answer("dhdClose");
 }
 int dhdStop(char) {
-    enabled = false;
+    switch_off(4);
     return answer("dhdStop");
 }
 int dhdEnableForce(unsigned char on, char) {
     if (answer("dhdEnableForce", "force cannot be enabled") < 0)
         return -1;
+    stub::note(on ? "enable 1" : "enable 0");
     enabled = on != 0;
     written = Clock::now();
+    return 0;
+}
+int dhdGetStatus(int* status, char) {
+    if (answer("dhdGetStatus") < 0)
+        return -1;
+    let_watchdog_bite();
+    for (int i = 0; i < 17; ++i)
+        status[i] = 0;
+    status[0] = stub::fails("no power") ? 0 : 1;
+    status[1] = 1;
+    status[2] = stub::fails("not started") ? 0 : 1;
+    status[3] = stub::fails("uncalibrated") ? 1 : 0;
+    status[5] = enabled ? 1 : 0;
+    status[9] = stub::fails("error") ? 1 : 0;
+    status[14] = enabled ? 0 : cause.load();
     return 0;
 }
 int dhdGetPosition(double* x, double* y, double* z, char) {
@@ -93,6 +128,11 @@ int dhdSetForce(double x, double y, double z, char) {
     if (stub::fails("speed"))
         std::this_thread::sleep_for(std::chrono::milliseconds(60));
     let_watchdog_bite();
+    if (stub::fails("button"))
+        switch_off(1);
+    char text[96];
+    std::snprintf(text, sizeof text, "force %.9g %.9g %.9g", x + 0.0, y + 0.0, z + 0.0); // no -0
+    stub::note(text);
     if (!enabled && (x != 0 || y != 0 || z != 0)) {
         last_error = "force is not enabled";
         return -1;

@@ -75,6 +75,9 @@ void stub_reset() {
     stub_most_force(3.3);
     stub_scale(1);
     stub_calibration(0x5000);
+    stub_styles(2);
+    stub_lasting_force(0.88);
+    stub_order();
     stub_record(nullptr);
     frozen = enabled = false;
     const std::lock_guard lock(mutex);
@@ -112,6 +115,7 @@ void hdEndFrame(unsigned) {
         stub::display(wanted[0], wanted[1], wanted[2]);
 }
 void hdEnable(unsigned what) {
+    stub::note("enable");
     if (!failed("hdEnable", 0x0204) && what == 0x4000)
         enabled = true;
 }
@@ -125,6 +129,8 @@ void hdGetDoublev(unsigned what, double* values) {
             values[i] = stub::state.position[i];
     if (what == 0x2603 && !failed("largest force"))
         values[0] = stub::state.most_force;
+    if (what == 0x2604 && !failed("lasting force"))
+        values[0] = stub::state.lasting_force;
     const double box[6]{-210, -110, -85, 210, 205, 130};
     if (what == 0x2550 && !failed("workspace"))
         for (std::size_t i = 0; i < 6; ++i)
@@ -157,6 +163,8 @@ ErrorInfo hdGetError() {
 }
 const char* hdGetErrorString(unsigned code) {
     switch (code) {
+    case 0x0100:
+        return "Invalid enumeration";
     case 0x0201:
         return "Maximum force exceeded";
     case 0x0204:
@@ -198,20 +206,28 @@ void hdStopScheduler() {
     failed("hdStopScheduler");
     stop();
 }
-#ifndef STUB_OLD
-void hdGetIntegerv(unsigned, int* values) {
-    if (!failed("hdGetIntegerv"))
-        *values = 2;
+void hdGetIntegerv(unsigned what, int* values) {
+    if (!failed("hdGetIntegerv") && what == 0x2555)
+        *values = static_cast<int>(stub::state.styles);
 }
 unsigned hdCheckCalibration() {
     const long answer = stub::state.calibration;
+    stub::note("check");
     if (answer == 0x5001)
         stub::state.calibration = 0x5002; // unless it is updated
     return failed("hdCheckCalibration") ? 0 : static_cast<unsigned>(answer);
 }
+/// Of the styles that the device has, one.
 void hdUpdateCalibration(unsigned style) {
-    if (!failed("hdUpdateCalibration") && style == 2)
+    stub::note("calibrate " + std::to_string(style));
+    const bool is_one = (style == 1 || style == 2 || style == 4) && (style & stub::state.styles) != 0;
+    if (failed("hdUpdateCalibration"))
+        return;
+    if (is_one)
         stub::state.calibration = 0x5000;
+    else {
+        const std::lock_guard lock(mutex);
+        errors.push_back(0x0100);
+    }
 }
-#endif
 }

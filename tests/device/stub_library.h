@@ -54,6 +54,7 @@ public:
     long forces() const { return call<long()>("stub_forces")(); }
     void devices(long count) const { call<void(long)>("stub_devices")(count); }
     void most_force(double force) const { call<void(double)>("stub_most_force")(force); }
+    std::string order() const { return call<const char*()>("stub_order")(); }
     void record(const std::string& file) const { call<void(const char*)>("stub_record")(file.c_str()); }
 
 private:

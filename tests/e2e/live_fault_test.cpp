@@ -251,6 +251,68 @@ TEST_F(LiveFault, a_device_that_fails_for_a_while_comes_back_slowly) {
     }
 }
 
+// After the device's own watchdog forces come up again, from zero; after the user's button they stay off.
+TEST_F(LiveFault, forces_that_the_button_switched_off_stay_off) {
+    Outcome outcome;
+    pushed(felt({"--duration", "1 s", "--patience", "0.2 s", "--log", "log.csv"}, "button@300+1"), outcome,
+           [](Process&) {});
+    EXPECT_EQ(outcome.code, 0) << outcome.error;
+    EXPECT_NE(outcome.error.find("no force: forces were switched off by the device's button"), std::string::npos)
+        << outcome.error;
+    const Rows log = rows("log.csv");
+    ASSERT_EQ(log.size(), 1000u);
+    std::size_t withheld = 0;
+    for (std::size_t i = 310; i < log.size(); ++i) {
+        withheld += happened_in(log[i], "withheld");
+        ASSERT_EQ(size_in(log[i], "cx", "cy", "cz"), 0) << i;
+    }
+    EXPECT_GT(withheld, 680u);
+    EXPECT_NE(read_json("log.live.json")["remarks"].dump().find("button"), std::string::npos);
+}
+
+TEST_F(LiveFault, a_device_that_is_not_calibrated_has_no_force_until_it_is) {
+    Outcome outcome;
+    pushed(felt({"--duration", "2 s", "--log", "log.csv"}, "uncalibrated@1+30"), outcome, [](Process&) {});
+    EXPECT_EQ(outcome.code, 0) << outcome.error;
+    EXPECT_NE(outcome.error.find("no force: the device is not calibrated"), std::string::npos) << outcome.error;
+    EXPECT_NE(outcome.error.find("displays forces again"), std::string::npos) << outcome.error;
+    const Rows log = rows("log.csv");
+    EXPECT_TRUE(happened_in(log.front(), "withheld"));
+    EXPECT_FALSE(happened_in(log.back(), "withheld"));
+    EXPECT_EQ(run(felt({"--origin", "here", "--patience", "0.3 s"}, "uncalibrated")).code, 3);
+    EXPECT_NE(text("stderr").find("not calibrated"), std::string::npos) << "its position says nothing";
+}
+
+TEST_F(LiveFault, a_device_without_a_watchdog_displays_little_unless_the_user_insists) {
+    for (const auto& [flag, most] : {std::pair{"--quiet", 0.5}, {"--without-device-watchdog", 1.0}}) {
+        SCOPED_TRACE(flag);
+        const Outcome outcome =
+            run(felt({"--duration", "0.3 s", "--max-force", "3 N", "--json", flag}, "dhdSetWatchdog"));
+        EXPECT_EQ(outcome.code, 0) << outcome.error;
+        double largest = 0;
+        for (const Told& told : record())
+            largest = std::max(largest, told.size());
+        EXPECT_NEAR(largest, most, 1e-9);
+        const nlohmann::json said = nlohmann::json::parse(outcome.out);
+        EXPECT_EQ(said["device"]["has_watchdog"], false);
+        EXPECT_EQ(said["limits"]["largest force"], most < 1 ? "0.5 N" : "3 N");
+        const std::string remarks = said["remarks"].dump();
+        EXPECT_NE(remarks.find("omega.3 (serial number 417) refuses its watchdog"), std::string::npos) << remarks;
+        EXPECT_EQ(remarks.find("--without-device-watchdog") != std::string::npos, most < 1) << remarks;
+    }
+}
+
+TEST_F(LiveFault, outside_of_the_devices_workspace_there_is_no_force) {
+    Launch launch = felt({"--duration", "0.3 s", "--json"});
+    launch.environment["STUB_POSITION"] = "0,0,-0.2"; // an omega is 160 mm wide
+    Outcome outcome = run(launch);
+    EXPECT_EQ(nlohmann::json::parse(outcome.out)["happened"]["outside"], 300);
+    EXPECT_EQ(pushes_after(record(), 0), 0u);
+    launch.arguments.insert(launch.arguments.end(), {"--workspace", "none"});
+    EXPECT_EQ(nlohmann::json::parse(run(launch).out)["happened"]["outside"], 0);
+    EXPECT_GT(pushes_after(record(), 0), 0u);
+}
+
 TEST_F(LiveFault, a_device_that_is_not_there_or_makes_no_sense_is_refused) {
     for (const auto& [fail, words] : {std::pair{"dhdOpen", "device in use"},
                                       {"dhdGetDeviceCount", "no driver found"},

@@ -12,8 +12,9 @@ public:
         Launch launch = base;
         launch.program = HAPLY_SERVICE;
         // Through the plane of the scene, up to 2 mm deep.
-        launch.arguments = {"--center", "0",     "0",           "0", "--amplitude", "0.01",
-                            "0.01",     "0.002", "--frequency", "2", "--forces",    forces_.string()};
+        launch.arguments = {"--amplitude", "0.01", "0.01", "0.002", "--frequency", "2", "--forces", forces_.string()};
+        if (std::ranges::find(further, "--center") == further.end())
+            further.insert(further.begin(), {"--center", "0", "0", "0"});
         launch.arguments.insert(launch.arguments.end(), further.begin(), further.end());
         launch.out = port_file_;
         process_.emplace(launch);
@@ -103,6 +104,34 @@ TEST_F(LiveHaply, with_several_devices_wants_one_to_be_chosen) {
     expect_failure(2, felt(there, "log", {"--duration", "1 s"}), {"several devices: 04BA, 04BB", "?device=04BA"});
     EXPECT_FALSE(std::filesystem::exists(path("log.csv")));
     EXPECT_TRUE(there.finish().empty()) << "nobody felt a force";
+}
+
+TEST_F(LiveHaply, that_is_not_ready_has_no_force_and_the_report_says_why) {
+    for (const auto& [fault, words] : {std::pair{"uncalibrated", "the Inverse3 is not calibrated"},
+                                       {"no_power", "no power supply"},
+                                       {"not_ready", "not ready"},
+                                       {"not_started", "not started"}}) {
+        SCOPED_TRACE(fault);
+        Service there = service(fault, {"--fault", fault});
+        const Outcome outcome = run(felt(there, fault, {"--duration", "0.5 s"}));
+        EXPECT_EQ(outcome.code, 0) << outcome.error;
+        EXPECT_NE(outcome.error.find(std::string("no force: ")), std::string::npos) << outcome.error;
+        EXPECT_NE(outcome.error.find(words), std::string::npos) << outcome.error;
+        EXPECT_EQ(pushes(there.finish()), 0u);
+        const nlohmann::json said = read_json(std::string(fault) + ".live.json");
+        EXPECT_EQ(said["happened"]["withheld"], said["samples"]);
+        EXPECT_NE(said["remarks"].dump().find(words), std::string::npos);
+    }
+}
+
+TEST_F(LiveHaply, that_is_somewhere_far_off_has_no_force) {
+    Service there = service("far_off", {"--center", "0", "0", "-5"});
+    const Outcome outcome = run(felt(there, "far_off", {"--duration", "0.5 s"}));
+    EXPECT_EQ(outcome.code, 0) << outcome.error;
+    EXPECT_EQ(pushes(there.finish()), 0u);
+    const nlohmann::json said = read_json("far_off.live.json");
+    EXPECT_EQ(said["happened"]["outside"], said["samples"]);
+    EXPECT_EQ(said["limits"]["workspace"], "x -600 to 600 mm, y -600 to 600 mm, z -600 to 600 mm");
 }
 
 // All at once: they wait most of the time.

@@ -2,6 +2,7 @@
 #include <fcntl.h>
 #include <sys/stat.h>
 
+#include "host/io/hash.h"
 #include "tests/e2e/live_workplace.h"
 
 namespace forceshade::testing {
@@ -74,7 +75,59 @@ TEST_F(LiveLog, nowhere_takes_everything) {
         expect_success(live("bump.toml", {"--fast", "--duration", "1 s", "--log", "/dev/null", "--json", "--quiet"}));
     EXPECT_EQ(nlohmann::json::parse(outcome.out)["log"]["samples"], 1000);
     EXPECT_FALSE(std::filesystem::exists("/dev/null.live.txt"));
+    EXPECT_FALSE(std::filesystem::exists("/dev/null.scene-0.toml"));
     EXPECT_TRUE(std::filesystem::is_character_file("/dev/null"));
+}
+
+TEST_F(LiveLog, that_another_run_writes_is_refused_and_stays_whole) {
+    Process first(launch(by_the_clock("log.csv", {"--overwrite"})));
+    await(first, [&] { return text("log.csv").size() > 10'000; });
+    for (const char* const name : {"log.csv", "also.csv"}) {
+        std::error_code ignored;
+        std::filesystem::create_hard_link(path("log.csv"), path("also.csv"), ignored);
+        expect_failure(2, live("bump.toml", {"--fast", "--duration", "1 s", "--log", name, "--overwrite"}),
+                       {std::string("--log "), name, "another run writes it now"});
+    }
+    const Outcome outcome = first.wait();
+    EXPECT_EQ(outcome.code, 0) << outcome.error;
+    const Rows log = rows("log.csv");
+    ASSERT_EQ(log.size(), kRows);
+    for (std::size_t i = 0; i < log.size(); ++i)
+        ASSERT_EQ(log[i].at("tick"), std::to_string(i));
+    expect_success(live("bump.toml", {"--fast", "--duration", "1 s", "--log", "log.csv", "--overwrite"}));
+    EXPECT_EQ(rows("log.csv").size(), 1000u) << "once it is written it may be replaced";
+}
+
+TEST_F(LiveLog, holds_its_scene_and_the_scenes_hash) {
+    expect_success(live("bump.toml", {"--fast", "--duration", "1 s", "--log", "log.csv"}));
+    const nlohmann::json said = read_json("log.live.json");
+    ASSERT_EQ(said["scenes"].size(), 1u);
+    EXPECT_EQ(said["scenes"][0]["path"], 0);
+    const std::string scene = text("log.scene-0.toml"), hash = said["scenes"][0]["sha256"];
+    EXPECT_EQ(said["scenes"][0]["toml"], scene);
+    EXPECT_NE(scene.find("facets = 3"), std::string::npos) << scene;
+    EXPECT_EQ(hash, sha256_of(scene));
+    for (const auto& row : rows("log.csv"))
+        ASSERT_EQ(row.at("scene"), hash.substr(0, 16));
+    EXPECT_NE(text("log.live.txt").find(hash), std::string::npos);
+    expect_success(replayed("log.scene-0.toml", "log.csv", "out.csv", "cpu", "f64"));
+    EXPECT_TRUE(felt_in(text("log.csv")) == text("out.csv"));
+    expect_success(live("bump.toml", {"--fast", "--duration", "1 s", "--report", "said"}));
+    EXPECT_EQ(read_json("said.json")["scenes"], said["scenes"]) << "without a log, too";
+}
+
+TEST_F(LiveLog, marks_a_change_of_path_of_a_recording) {
+    std::string table = "path,t,x,y,z\n";
+    for (int i = 0; i < 1000; ++i)
+        table += fmt::format("{},{},0,0,-0.001\n", i / 500, 1e-3 * (i % 500));
+    write("two.csv", table);
+    expect_success(live("plane.toml", {"--device", "replay:two.csv", "--fast", "--log", "log.csv"}));
+    const Rows log = rows("log.csv");
+    ASSERT_EQ(log.size(), 1000u);
+    EXPECT_EQ(size_in(log[499], "cx", "cy", "cz"), 1);
+    EXPECT_LT(size_in(log[500], "cx", "cy", "cz"), 0.01);
+    for (std::size_t i = 0; i < log.size(); ++i)
+        ASSERT_EQ(happened_in(log[i], "new_path"), i == 500) << i;
 }
 
 class LivePipe : public LiveLog {

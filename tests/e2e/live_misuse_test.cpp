@@ -71,9 +71,9 @@ TEST_F(LiveMisuse, a_recording_that_may_be_cut_off_is_warned_of) {
 
 TEST_F(LiveMisuse, of_quantities) {
     const std::vector<std::pair<const char*, const char*>> flags{
-        {"--rate", "1 kHz"},       {"--duration", "1 s"},    {"--patience", "1 s"},
-        {"--max-force", "1 N"},    {"--slew", "1 N/s"},      {"--ramp", "1 s"},
-        {"--contact-ramp", "1 s"}, {"--max-speed", "1 m/s"}, {"--stale", "1 s"}};
+        {"--rate", "1 kHz"},      {"--duration", "1 s"}, {"--patience", "1 s"}, {"--lasting-force", "1 N"},
+        {"--max-force", "1 N"},   {"--slew", "1 N/s"},   {"--ramp", "1 s"},     {"--contact-ramp", "1 s"},
+        {"--max-speed", "1 m/s"}, {"--stale", "1 s"}};
     for (const auto& [flag, fine] : flags) {
         const std::string unit = std::string(fine).substr(1);
         for (const std::string& wrong : {std::string("1"), "-1" + unit, "nan" + unit, "inf" + unit, std::string("1 kg"),
@@ -98,8 +98,8 @@ TEST_F(LiveMisuse, of_quantities) {
 }
 
 TEST_F(LiveMisuse, every_limit_can_be_switched_off) {
-    for (const char* const flag : {"--max-force", "--slew", "--ramp", "--contact-ramp", "--max-speed", "--stale",
-                                   "--watchdog", "--workspace", "--patience"})
+    for (const char* const flag : {"--max-force", "--lasting-force", "--slew", "--ramp", "--contact-ramp",
+                                   "--max-speed", "--stale", "--watchdog", "--workspace", "--patience"})
         expect_success(live("bump.toml", {"--fast", "--duration", "0.1 s", flag, "none"}));
 }
 

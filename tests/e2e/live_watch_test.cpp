@@ -57,9 +57,15 @@ TEST_F(LiveWatch, a_change_is_a_new_path_that_its_kept_scene_replays) {
     EXPECT_EQ(record().back().size(), 0);
     EXPECT_EQ(read_json("log.live.json")["paths"], 3);
     EXPECT_EQ(read_json("log.live.json")["remarks"].size(), 8u);
+    const nlohmann::json scenes = read_json("log.live.json")["scenes"];
+    ASSERT_EQ(scenes.size(), 3u);
     for (const char* const number : {"0", "1", "2"}) {
         write("path.csv", rows_of("log.csv", number));
         EXPECT_GT(rows("path.csv").size(), 0u);
+        const nlohmann::json& scene = scenes[std::stoul(number)];
+        EXPECT_EQ(scene["toml"], text(fmt::format("log.scene-{}.toml", number)));
+        for (const auto& row : rows("path.csv"))
+            ASSERT_EQ(row.at("scene"), std::string(scene["sha256"]).substr(0, 16)) << number;
         expect_success(replayed(fmt::format("log.scene-{}.toml", number), "path.csv", "out.csv", "cpu", "f64"));
         EXPECT_TRUE(felt_in(text("path.csv")) == text("out.csv")) << number;
         EXPECT_NEAR(number_in(rows("path.csv").front(), "fz"), std::pow(0.5, std::stoi(number)), 1e-12);
