@@ -10,8 +10,9 @@ namespace forceshade::reference {
 /// The skin rounds edges and corners, and there a proxy may stop where the law would let it slide on. A proxy is at
 /// rest where one or two faces right below hold it; elsewhere, if neither of these takes its contact closer to the
 /// probe: the steepest ways from the corner or place it is at, over the faces and along the edges around, with strides
-/// of several lengths, straight or from a place above the corner; and a walk begun anew. What is tried depends on the
-/// rest and the probe alone, so the same probe given again finds the same.
+/// of several lengths, straight or over the corner; and a walk begun anew. What is tried depends on the rest and the
+/// probe alone, so the same probe given again finds the same. Between spikes a way over the corner may not be found:
+/// then it rests where it could go on (shaders/README.md tells how often).
 template <typename T, typename Walk> class Settler {
 public:
     Settler(const layout::MeshView<T>& mesh, Neighbourhood<T>& around, const Vector<T>& probe, Walk& walk) noexcept
@@ -36,6 +37,7 @@ public:
     bool finished() const noexcept { return walk_.finished() && rounds_ < kRounds; }
 
 private:
+    enum class Route { straight, lifted, over };
     static constexpr int kRounds = 1000;
     static constexpr int kWays = 4; /* the steepest */
     // Up to where a fold is wider than the skin.
@@ -101,20 +103,17 @@ private:
     bool goes_on_from(const Crossing<T>& from, const Rest<T>& before, Rest<T>& rest) noexcept {
         const Vector<T> pull = probe_ - from.place;
         const T least = least_of_ways(pull);
-        const bool has_out = dot(from.out, from.out) > T(0);
         Way<T> way;
         for (int i = 0; i < kWays && next_way(mesh_, around_, from, probe_, least, way); ++i) {
             const Vector<T> normal = vector_at(mesh_.triangle_normals, way.triangle);
-            const bool front = is_in_front(mesh_, before);
+            const Vector<T> side = is_in_front(mesh_, before) ? normal : -normal;
             T length = kStride<T>;
             for (int j = 0; j < kStrides && (j == 0 || length < way.gain); ++j, length *= kLengthen) {
                 const T stride = length < way.gain ? length : way.gain;
-                const Vector<T> there = place_along(mesh_, from, way, stride, front ? normal : -normal);
-                for (const bool lifted : {false, true}) {
+                const Vector<T> there = place_along(mesh_, from, way, stride, side);
+                for (const Route route : {Route::straight, Route::lifted, Route::over}) {
                     walk_.put_back(before);
-                    if (lifted && !(has_out && walk_.jump(from.place + stride * from.out)))
-                        continue;
-                    if (!walk_.jump(there))
+                    if (!takes(route, from, way.direction + side, stride, there))
                         continue;
                     walk_.run();
                     if (accepts(before, rest))
@@ -123,6 +122,21 @@ private:
             }
         }
         return false;
+    }
+
+    /// Whether the proxy gets to a place a stride from a corner: straight; from a place out of the corner; or by walks
+    /// out and then above that place (`above` leads there from the corner), round spikes and ridges between it and the
+    /// sector of the corner where the proxy is.
+    bool takes(Route route, const Crossing<T>& from, const Vector<T>& above, T stride,
+               const Vector<T>& there) noexcept {
+        const Vector<T> out = from.place + stride * from.out;
+        if (route == Route::over) {
+            walk_.walk_to(out);
+            walk_.walk_to(from.place + stride * normalised(above));
+            return walk_.walk_to(there);
+        }
+        const bool has_out = dot(from.out, from.out) > T(0);
+        return (route == Route::straight || (has_out && walk_.jump(out))) && walk_.jump(there);
     }
 
     /// Whether the walk ended where the contact is closer to the probe.

@@ -93,6 +93,17 @@ public:
         return true;
     }
 
+    /// Walks towards a place as if the probe were there. Whether it gets there, but for its skin.
+    bool walk_to(const Vector<T>& there) noexcept {
+        const Vector<T> probe = probe_;
+        probe_ = there;
+        run();
+        probe_ = probe;
+        pool_.forget_all();
+        const Vector<T> off = there - proxy_;
+        return dot(off, off) <= Skin<T>::kCorner * Skin<T>::kCorner;
+    }
+
     /// Begins anew from a rest.
     template <typename Rest> void put_back(const Rest& rest) noexcept {
         proxy_ = rest.proxy;

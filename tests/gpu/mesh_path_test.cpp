@@ -109,7 +109,7 @@ TEST_F(MeshPath, WanderingOverEveryTerrain) {
 
 // Moves that aim at corners and edges: the oracle's bits, and no piece of the oracle's walks crosses anything.
 TEST_F(MeshPath, AimedAtCornersAndEdges) {
-    const std::size_t paths = std::getenv("FORCESHADE_LONG") ? 1000000 : 20000;
+    const std::size_t paths = std::getenv("FORCESHADE_LONG") ? 1000000 : 10000;
     const auto hold_and_watch = [&]<typename T>(const walks::Terrain& terrain, T) {
         const MeshStructure structure = build_structure(shapes::mesh_of(terrain.polygons));
         constexpr std::size_t kSlice = 5000; // paths held in memory at once

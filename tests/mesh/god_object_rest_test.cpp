@@ -143,6 +143,37 @@ template <typename T> void rest_in_pits() {
     }
 }
 
+/// Patches whose nodes stand at random heights, up to `relief` cells off the plane: crumpled, or spikes of 83 degrees.
+walks::Terrain rough(unsigned cells, double relief, unsigned seed) {
+    std::mt19937 random(seed);
+    const auto height = [&](double, double) {
+        return relief / cells * (2 * double(random()) / double(std::mt19937::max()) - 1);
+    };
+    return {fmt::format("rough {}", relief), shapes::patch(shapes::Cells::triangles, cells, height)};
+}
+
+/// At a corner a proxy finds a way into every sector that is free, but for a few rests in ten thousand between spikes.
+template <typename T> void rest_on_rough_terrain() {
+    for (const double relief : {1.0, 3.0, 8.0}) {
+        Tally tally;
+        for (unsigned seed = 1; seed <= (is_long() ? 100 : 6); ++seed)
+            Path<T>(rough(16, relief, seed), seed).wander(3000, tally);
+        fmt::print("rough {} f{}: {} steps, {} contacts: {} crossed, {} again, {} stuck, {} elsewhere\n", relief,
+                   8 * sizeof(T), tally.steps, tally.contacts, tally.crossed, tally.again, tally.stuck,
+                   tally.elsewhere);
+        EXPECT_EQ(tally.crossed, 0u) << relief;
+        const bool exact = std::is_same_v<T, double>;
+        EXPECT_LE(tally.stuck, exact && relief < 8 ? 0 : tally.contacts / (exact ? 5000 : 2000)) << relief;
+        EXPECT_LE(tally.again, tally.contacts / 5000) << relief;
+    }
+}
+
+TEST(GodObjectRest, OnRoughTerrainDouble) {
+    rest_on_rough_terrain<double>();
+}
+TEST(GodObjectRest, OnRoughTerrainFloat) {
+    rest_on_rough_terrain<float>();
+}
 TEST(GodObjectRest, OnStarsDouble) {
     rest_on_stars<double>();
 }
