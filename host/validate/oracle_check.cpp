@@ -7,6 +7,7 @@
 
 #include "host/norm.h"
 #include "host/reference/contact.h"
+#include "host/validate/excuse.h"
 
 namespace forceshade {
 namespace {
@@ -48,6 +49,25 @@ bool OracleCheck::is_beyond(const Triple& force, double off, const Triple& probe
     return !(off <= 2 * bound_->at(x, y, z).force);
 }
 
+// Whether the probe was rounded to the other side of an edge of a surface that is no mesh.
+bool OracleCheck::crosses_edge(const Triple& force, const Triple& truth, const Triple& exact_probe,
+                               const Triple& probe) {
+    constexpr double kSurely = 0x1p-18; // of the force: an error of less is no jump worth the look
+    const auto apart = [](const Triple& a, const Triple& b) { return norm(a[0] - b[0], a[1] - b[1], a[2] - b[2]); };
+    if (exact_.features.surface == layout::kSurfaceMesh || probe == exact_probe ||
+        !(apart(force, truth) > kSurely * norm(truth[0], truth[1], truth[2])))
+        return false;
+    if (!bound_)
+        bound_.emplace(prepared_, prepared_.one.scene.precision);
+    const auto force_at = [law = exact_.law()](const Triple& place) {
+        const auto there = reference::evaluate(law, {place[0], place[1], place[2]}).force;
+        return Triple{there.x, there.y, there.z};
+    };
+    const double allowed = bound_->at(probe[0], probe[1], probe[2]).force;
+    return apart(force, truth) > allowed && apart(force, force_at(probe)) <= allowed &&
+           jumps_between(exact_probe, probe, force_at);
+}
+
 MeshBound& OracleCheck::mesh_bound() {
     if (!mesh_bound_)
         mesh_bound_.emplace(prepared_, prepared_.one.scene.precision);
@@ -83,6 +103,10 @@ template <typename T> void OracleCheck::compare(const layout::FieldChunk<T>& chu
             if (exact_.features.surface == layout::kSurfaceMesh &&
                 (contact.facet != exact_contact.facet ||
                  mesh_bound().parts(computed, {probe[0], probe[1], probe[2]}, {truth.x, truth.y, truth.z}))) {
+                ++error_.on_edge;
+                continue;
+            }
+            if (crosses_edge(computed, {truth.x, truth.y, truth.z}, {exact_.x[x], exact_.y[y], exact_.z[z]}, probe)) {
                 ++error_.on_edge;
                 continue;
             }

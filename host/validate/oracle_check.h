@@ -24,6 +24,7 @@ public:
 private:
     template <typename T> void compare(const layout::FieldChunk<T>& chunk, const FieldTables<T>& same);
     bool is_beyond(const Triple& force, double off, const Triple& probe);
+    bool crosses_edge(const Triple& force, const Triple& truth, const Triple& exact_probe, const Triple& probe);
     MeshBound& mesh_bound();
 
     const PreparedCase& prepared_;
