@@ -247,10 +247,10 @@ TEST(Extremes, MixedMagnitudesArePreparedOrRefused) {
     std::mt19937 random(11);
     const auto coordinate = [&] {
         const double size = std::pow(10, 200 * uniform(random) - 120);
-        return random() % 3 == 0 ? 0.0 : std::copysign(size < 1e99 ? size : 1e99, uniform(random));
+        return random() % 3 != 0 ? 0.0 : std::copysign(size < 1e99 ? size : 1e99, uniform(random));
     };
     int prepared = 0;
-    for (int i = 0; i < 3000; ++i) {
+    for (int i = 0; i < 6000; ++i) {
         PolygonSoup soup;
         for (auto vertices = 3 + random() % 6; vertices > 0; --vertices)
             soup.vertices.push_back({coordinate(), coordinate(), coordinate()});

@@ -167,7 +167,7 @@ TEST_F(ProxySides, are_not_guessed_on_the_surface_nor_in_narrow_corners) {
 }
 
 TEST_F(ProxySides, stand_in_the_table_of_validate) {
-    const PreparedCase one = prepared(shapes::icosphere(3), "[paths]\ncount = 20\nsteps = 300\ndepth = \"300 mm\"\n");
+    const PreparedCase one = prepared(shapes::icosphere(2), "[paths]\ncount = 20\nsteps = 300\ndepth = \"300 mm\"\n");
     EngineOptions options;
     options.cpu = true;
     const auto engine = make_engine(options);
