@@ -33,6 +33,7 @@ private:
     FieldTables<double> exact_;
     std::optional<FieldTables<float>> single_; // the oracle in single precision, where the run is
     std::optional<RoundingBound> bound_;       // made when first asked for
+    std::optional<FieldTables<double>> held_;  // of the scene as single precision holds it; likewise
     std::optional<MeshBound> mesh_bound_;      // likewise
     std::uint64_t every_;                      // rows: one in so many is compared
     OracleError error_;

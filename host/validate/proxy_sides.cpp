@@ -15,8 +15,8 @@
 namespace forceshade {
 namespace {
 
-constexpr std::uint64_t kSamples = std::uint64_t(1) << 17; // looked at, about: a second's work
-constexpr std::uint64_t kBudget = 4'000'000;               // triangles that loops may look at: some seconds
+constexpr std::uint64_t kSamples = std::uint64_t(1) << 14; // looked at, about: half a second
+constexpr std::uint64_t kBudget = 1'000'000;               // triangles that loops may look at: some seconds
 constexpr double kFurther = 8;  // how far from a proxy in contact its side is told, in tolerances
 constexpr double kWhole = 1e-2; // how far a winding number may be from a whole one: the tree's are good to 1e-4
 
