@@ -84,9 +84,13 @@ int run(const FieldArguments& arguments, const CommonOptions& common) {
                arguments.out, record.voxels, record.evaluated, record.engine.device, record.largest_force,
                record.error.relative(),
                record.error.on_edge
-                   ? fmt::format(", {} voxels that rounding gives to another facet not counted", record.error.on_edge)
+                   ? fmt::format(", {} voxels that rounding takes across an edge not counted", record.error.on_edge)
                    : "");
-    if (!common.quiet && record.largest_force == 0)
+    if (!common.quiet && record.largest_force == 0 && record.error.largest_force > 0)
+        remark("warning: the forces, up to {:.3g} N, are too small for the numbers of an EXR volume, which holds 0 "
+               "everywhere; with --precision f64, --also npy keeps them\n",
+               record.error.largest_force);
+    else if (!common.quiet && record.largest_force == 0)
         remark("warning: no voxel of the grid is in contact, so the force is 0 everywhere\n");
     if (common.json)
         print_data(record_json(record) + "\n");

@@ -23,7 +23,7 @@ template <typename T> void PathWriter::add(const PathSample& sample, const refer
     number(sample.path, ',');
     number(sample.time, ',');
     for (int i = 0; i < 3; ++i)
-        number(sample.probe[i], ',');
+        number(static_cast<T>(sample.probe[i]), ','); // where the law was evaluated
     for (const reference::Vector<T>& vector : {contact.proxy, contact.force})
         for (int i = 0; i < 3; ++i)
             number(vector[i], ',');

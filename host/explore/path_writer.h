@@ -11,8 +11,8 @@
 namespace forceshade {
 
 /// Columns path,t,x,y,z,gx,gy,gz,fx,fy,fz,depth,facet (s, m, N); g is the proxy, facet -1 out of contact. Every number
-/// is the shortest that reads back as the same double (path to z) or T. Nothing stands under the final name until
-/// publish().
+/// is the shortest that reads back as the same double (t) or T; x, y, z are where the law was evaluated. Nothing stands
+/// under the final name until publish().
 class PathWriter {
 public:
     /// \throws IoError, as do the others.

@@ -78,7 +78,8 @@ GridSpec fitted_grid(std::uint64_t samples, const Mesh& mesh) {
     for (std::size_t i = 0; i < 3; ++i) {
         const double covered = box.high[i] - box.low[i] + kMargin * longest;
         // A side as long as the longest one has as many samples, whatever the division rounds to.
-        grid.size[i] = std::min(samples, static_cast<std::uint64_t>(std::ceil(covered / spacing - 1e-9)) + 1);
+        const double count = std::ceil(covered / spacing - 1e-9) + 1; // infinite where the spacing underflows
+        grid.size[i] = count < static_cast<double>(samples) ? static_cast<std::uint64_t>(count) : samples;
         grid.spacing[i] = spacing;
         const double half = spacing * static_cast<double>(grid.size[i] - 1) / 2;
         grid.origin[i] = box.low[i] + (box.high[i] - box.low[i]) / 2 - half;

@@ -3,8 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <set>
 #include <unordered_map>
 
+#include <fmt/format.h>
+
+#include "host/error.h"
 #include "host/mesh/weld.h"
 
 namespace forceshade {
@@ -60,11 +64,13 @@ private:
     double inverse_;       // 1/m: of the frame's scale
 };
 
-/// Cuts triangles where caps say that a vertex lies on an edge.
+/// Cuts triangles where caps say that a vertex lies on an edge. Caps that rounding has made contradict each other, so
+/// that cutting would go in circles: nothing is looked at twice.
 class Closing {
 public:
-    explicit Closing(const PolygonSoup& polygons)
-        : polygons_(polygons), places_(weld(polygons)), ends_(places_.size()) {}
+    Closing(const PolygonSoup& polygons, std::size_t triangles)
+        : polygons_(polygons), places_(weld(polygons)), ends_(places_.size()),
+          most_steps_(kMostSteps + kStepsPerTriangle * triangles) {}
 
     void note(const Corners& cap, std::size_t name) {
         std::vector<Corners> waiting{cap};
@@ -73,6 +79,9 @@ public:
             waiting.pop_back();
             if (same(corners[0], corners[1]) || same(corners[1], corners[2]) || same(corners[2], corners[0]))
                 continue;
+            if (!noted_.insert(key(corners)).second)
+                continue;
+            count_step();
             const auto [start, middle, end] = along(corners);
             const auto [hint, is_new] = hints_.try_emplace(edge(start, end), Hint{middle, name, false});
             const std::uint32_t other = hint->second.vertex;
@@ -90,21 +99,20 @@ public:
             use(triangle); // as most
             return;
         }
-        // Vertices that rounding has moved might, in theory, be cut off again and again.
-        std::size_t left = 64 + 16 * hints_.size();
+        std::set<Corners> seen;
         std::vector<Corners> waiting{triangle};
         while (!waiting.empty()) {
             const Corners corners = waiting.back();
             waiting.pop_back();
             std::size_t side = 0;
             const Hint* hint = nullptr;
-            for (; left > 0 && side < 3 && hint == nullptr; ++side)
+            for (; side < 3 && hint == nullptr; ++side)
                 hint = on_side(corners, side);
-            if (hint == nullptr) {
+            if (hint == nullptr || !seen.insert(key(corners)).second) {
                 use(corners);
                 continue;
             }
-            --left;
+            count_step();
             const std::uint32_t start = corners[side - 1], end = corners[side % 3], tip = corners[(side + 1) % 3];
             waiting.push_back({hint->vertex, end, tip});
             waiting.push_back({start, hint->vertex, tip});
@@ -132,6 +140,22 @@ private:
         std::size_t name;     // of the cap that says so
         bool used;
     };
+
+    static constexpr std::size_t kMostSteps = std::size_t(1) << 20, kStepsPerTriangle = 64;
+
+    void count_step() {
+        if (++steps_ > most_steps_)
+            throw UsageError(fmt::format("facets without area lie on each other and cut the mesh's other facets into "
+                                         "more than {} pieces; remove the facets without area",
+                                         most_steps_));
+    }
+
+    /// The places of the corners in ascending order.
+    Corners key(const Corners& corners) const {
+        Corners result{places_[corners[0]], places_[corners[1]], places_[corners[2]]};
+        std::ranges::sort(result);
+        return result;
+    }
 
     bool same(std::uint32_t one, std::uint32_t other) const { return places_[one] == places_[other]; }
 
@@ -166,6 +190,8 @@ private:
     std::vector<std::uint32_t> places_;
     std::vector<bool> ends_;                        // by place: of edges with hints
     std::unordered_map<std::uint64_t, Hint> hints_; // by edge
+    std::set<Corners> noted_;                       // keys of caps
+    std::size_t most_steps_, steps_ = 0;
 };
 
 class Making {
@@ -216,7 +242,7 @@ private:
     }
 
     void close() {
-        Closing closing(mesh_.polygons);
+        Closing closing(mesh_.polygons, mesh_.triangles.size());
         for (const std::size_t cap : caps_)
             closing.note(mesh_.triangles[cap], cap);
         for (const std::size_t triangle : kept_)

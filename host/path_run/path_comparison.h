@@ -1,4 +1,5 @@
-// An engine's paths held against the oracle in the same precision, every sample of a scene's.
+// An engine's paths held against the oracle in the same precision, every sample of a scene's, and on a closed mesh
+// against the winding number.
 #pragma once
 
 #include <string>
@@ -7,6 +8,7 @@
 #include "host/engine/engine.h"
 #include "host/field/prepared_case.h"
 #include "host/validate/path_oracle.h"
+#include "host/validate/proxy_sides.h"
 
 namespace forceshade {
 
@@ -14,6 +16,7 @@ struct PathComparison {
     std::string name;
     Precision precision = Precision::f32;
     PathError error;
+    SideCount sides;
     bool passed = false;
 };
 

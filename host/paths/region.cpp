@@ -104,8 +104,7 @@ float single_stretch(const PathRegion& region) {
 
 double farthest_coordinate(const PathsSpec& paths, const PathRegion& region) {
     constexpr double kPeak = 6; // of a sum of harmonics, in root mean squares, and more
-    const bool walks = paths.kind == PathKind::random_walk;
-    const double reach = (walks ? kPeak / 2 : 0.5) * (region.length + region.width);
+    const double reach = 0.5 * (region.length + region.width);
     const double shaken = kPeak * largest(paths.tremor_amplitude);
     const double depth = std::max(largest(paths.depth), paths.depth_back ? largest(*paths.depth_back) : 0);
     const double across =

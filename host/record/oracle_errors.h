@@ -11,10 +11,10 @@ struct OracleError {
     std::uint64_t compared = 0;  /* voxels */
     std::uint64_t differing = 0; /* voxels whose bits are not the oracle's in the same precision */
     std::uint64_t beyond = 0;    /* of them, those further from it than rounding allows: on a software device all */
-    std::uint64_t on_edge = 0;   /* voxels of a mesh as near to another facet, or to the surface, as rounding reaches:
-                                    their error says nothing and is not counted */
-    double largest = 0;          /* N: largest |F - F_oracle|, the oracle in double */
-    double largest_force = 0;    /* N: largest |F_oracle| among the voxels compared */
+    std::uint64_t on_edge = 0; /* voxels as near to another facet of a mesh, or to its surface, as rounding reaches, or
+                                  rounded to the other side of an edge: their error says nothing and is not counted */
+    double largest = 0;        /* N: largest |F - F_oracle|, the oracle in double */
+    double largest_force = 0;  /* N: largest |F_oracle| among the voxels compared */
 
     /// The largest error over the largest force; 0 for a field without force.
     double relative() const { return largest_force > 0 ? largest / largest_force : 0; }

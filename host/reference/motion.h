@@ -115,6 +115,14 @@ Vector<T> harmonics_at(const layout::PathBatch<T>& batch, std::size_t path, layo
     return sum;
 }
 
+/// A random walk turns round where it comes to the edge of its region, half a side, m, from the middle: its harmonics
+/// come to 4 half sides at most.
+template <typename T> T turned_round(T place, T half) noexcept {
+    for (int i = 0; i < 2; ++i)
+        place = place > half ? T(2) * half - place : place < -half ? T(-2) * half - place : place;
+    return place;
+}
+
 /// The nominal surface, m, from which a motion that follows it measures its depth.
 template <typename T> T nominal_height(const layout::Law<T>& law, T x) noexcept {
     if (law.features.surface == layout::kSurfaceBump)
@@ -141,8 +149,12 @@ template <typename T>
 Vector<T> motion_at(const layout::Law<T>& law, const layout::PathFeatures& features, const layout::PathBatch<T>& batch,
                     std::size_t path, layout::uint step) noexcept {
     const layout::MotionParams<T>& motion = batch.motions[path];
-    return in_world(law, features, motion, place_at(features.motion, motion, step),
-                    harmonics_at(batch, path, features.harmonics, step));
+    Vector<T> more = harmonics_at(batch, path, features.harmonics, step);
+    if (features.motion == layout::kMotionRandomWalk) {
+        more.x = turned_round(more.x, motion.reach);
+        more.y = turned_round(more.y, motion.across);
+    }
+    return in_world(law, features, motion, place_at(features.motion, motion, step), more);
 }
 
 /// Where rounds begin and end, tremor left out, m.

@@ -177,7 +177,10 @@ private:
     void read_file(const TomlNode& node, Value& value) {
         if (node.type != Type::string)
             refuse(node, fmt::format("{} is the name of a file, in quotes; got {}", key_.name, describe(node)));
-        if (node.text.find('\0') != std::string::npos || base_name(node.text).empty() || base_name(node.text) == "..")
+        const std::string name = base_name(node.text);
+        if (!node.text.empty() && (name.empty() || name == "." || name == ".."))
+            refuse(node, fmt::format("{} is a folder; {} is the name of a file", describe(node), key_.name));
+        if (name.empty() || node.text.find('\0') != std::string::npos)
             refuse(node, fmt::format("{} names no file", describe(node)));
         value.path =
             (std::filesystem::absolute(folder_.empty() ? "." : folder_) / node.text).lexically_normal().string();

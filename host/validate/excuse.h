@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "host/norm.h"
 #include "host/validate/reading.h"
 
 namespace forceshade {
@@ -31,6 +32,24 @@ struct ClosedFormReferee {
     Reading at(const brute::Column& column, double z) const { return reading_of(referee.at(column, z)); }
     static layout::uint facet(const brute::Column& column) { return column.facet; }
 };
+
+/// Whether force(place) jumps between two places a rounding apart: however often the way is halved, one half of it
+/// keeps most of the difference.
+template <typename Force> bool jumps_between(Triple from, Triple to, const Force& force) {
+    const auto apart = [](const Triple& a, const Triple& b) { return norm(a[0] - b[0], a[1] - b[1], a[2] - b[2]); };
+    Triple at_from = force(from), at_to = force(to);
+    const double whole = apart(at_from, at_to);
+    for (int i = 0; i < 8; ++i) {
+        Triple middle;
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            middle[axis] = from[axis] + (to[axis] - from[axis]) / 2;
+        const Triple at_middle = force(middle);
+        const bool in_first = apart(at_from, at_middle) > apart(at_middle, at_to);
+        (in_first ? to : from) = middle;
+        (in_first ? at_to : at_from) = at_middle;
+    }
+    return apart(at_from, at_to) > whole / 2;
+}
 
 /// The number that many steps of T beyond `value`.
 template <typename T> double stepped(double value, int steps) {

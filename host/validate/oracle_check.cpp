@@ -7,6 +7,8 @@
 
 #include "host/norm.h"
 #include "host/reference/contact.h"
+#include "host/validate/excuse.h"
+#include "host/validate/held_scene.h"
 
 namespace forceshade {
 namespace {
@@ -48,6 +50,33 @@ bool OracleCheck::is_beyond(const Triple& force, double off, const Triple& probe
     return !(off <= 2 * bound_->at(x, y, z).force);
 }
 
+// Whether single precision rounded the probe, or the edge, so that it is on the other side of an edge of a surface that
+// is no mesh.
+bool OracleCheck::crosses_edge(const Triple& force, const Triple& truth, const Triple& exact_probe,
+                               const Triple& probe) {
+    constexpr double kSurely = 0x1p-18; // of the force: an error of less is no jump worth the look
+    const auto apart = [](const Triple& a, const Triple& b) { return norm(a[0] - b[0], a[1] - b[1], a[2] - b[2]); };
+    if (exact_.features.surface == layout::kSurfaceMesh || !single_ ||
+        !(apart(force, truth) > kSurely * norm(truth[0], truth[1], truth[2])))
+        return false;
+    if (!bound_)
+        bound_.emplace(prepared_, prepared_.one.scene.precision);
+    if (!held_)
+        held_ = make_tables<double>(held_scene<float>(prepared_.one.scene), prepared_.images, Extent::what_varies);
+    const auto force_at = [law = exact_.law()](const Triple& place) {
+        const auto there = reference::evaluate(law, {place[0], place[1], place[2]}).force;
+        return Triple{there.x, there.y, there.z};
+    };
+    const double allowed = bound_->at(probe[0], probe[1], probe[2]).force;
+    if (apart(force, truth) <= allowed)
+        return false;
+    if (apart(force, force_at(probe)) <= allowed)
+        return jumps_between(exact_probe, probe, force_at);
+    Reading computed;
+    computed.force = force;
+    return is_on_edge<float>(computed, probe, OracleReferee<double>{held_->law()}, *bound_, 1, layout::kChannelForce);
+}
+
 MeshBound& OracleCheck::mesh_bound() {
     if (!mesh_bound_)
         mesh_bound_.emplace(prepared_, prepared_.one.scene.precision);
@@ -83,6 +112,10 @@ template <typename T> void OracleCheck::compare(const layout::FieldChunk<T>& chu
             if (exact_.features.surface == layout::kSurfaceMesh &&
                 (contact.facet != exact_contact.facet ||
                  mesh_bound().parts(computed, {probe[0], probe[1], probe[2]}, {truth.x, truth.y, truth.z}))) {
+                ++error_.on_edge;
+                continue;
+            }
+            if (crosses_edge(computed, {truth.x, truth.y, truth.z}, {exact_.x[x], exact_.y[y], exact_.z[z]}, probe)) {
                 ++error_.on_edge;
                 continue;
             }

@@ -24,6 +24,7 @@ public:
 private:
     template <typename T> void compare(const layout::FieldChunk<T>& chunk, const FieldTables<T>& same);
     bool is_beyond(const Triple& force, double off, const Triple& probe);
+    bool crosses_edge(const Triple& force, const Triple& truth, const Triple& exact_probe, const Triple& probe);
     MeshBound& mesh_bound();
 
     const PreparedCase& prepared_;
@@ -32,6 +33,7 @@ private:
     FieldTables<double> exact_;
     std::optional<FieldTables<float>> single_; // the oracle in single precision, where the run is
     std::optional<RoundingBound> bound_;       // made when first asked for
+    std::optional<FieldTables<double>> held_;  // of the scene as single precision holds it; likewise
     std::optional<MeshBound> mesh_bound_;      // likewise
     std::uint64_t every_;                      // rows: one in so many is compared
     OracleError error_;

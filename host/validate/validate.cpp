@@ -96,20 +96,28 @@ private:
     template <typename Referee>
     void judge(const Reading& computed, Voxel at, const Reading& truth, const Referee& exact, const Referee& held,
                Comparison& partial, Distance& result, const char* who) const {
-        const double off = force_error(computed, truth);
-        if (off > result.largest || std::isnan(off))
-            result.largest = off;
         const Triple probe = probe_at(at);
         const auto [x, y, z] = probe;
         const Bound allowed = bound_.at(x, y, z);
         const layout::uint misfit = first_misfit(computed, truth, allowed, channels_);
-        // The error counts against the true position; the bound holds at the position that was rounded to T.
-        if (!misfit || !first_misfit(computed, exact.at(exact.column(x, y), z), allowed, channels_))
-            return;
-        if (is_on_edge<T>(computed, probe, held, bound_, 1, channels_)) {
+        // The error counts against the true position; the bound holds at the position that was rounded to T, which may
+        // lie on the other side of an edge.
+        const bool fits = !misfit || !first_misfit(computed, exact.at(exact.column(x, y), z), allowed, channels_);
+        const bool on_edge =
+            misfit && (fits ? jumps_between({exact_.x[at.x], exact_.y[at.y], exact_.z[at.z]}, probe,
+                                            [&](const Triple& place) {
+                                                return exact.at(exact.column(place[0], place[1]), place[2]).force;
+                                            })
+                            : is_on_edge<T>(computed, probe, held, bound_, 1, channels_));
+        if (on_edge) {
             ++result.boundary;
             return;
         }
+        const double off = force_error(computed, truth);
+        if (off > result.largest || std::isnan(off))
+            result.largest = off;
+        if (fits)
+            return;
         ++result.unexplained;
         note_failure(partial, at, computed, truth, misfit, who);
     }

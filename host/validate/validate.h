@@ -12,9 +12,9 @@ namespace forceshade {
 
 /// How far a field is from one referee.
 struct Distance {
-    double largest = 0;            /* N: largest |F - F_referee| */
+    double largest = 0;            /* N: largest |F - F_referee| of all others */
     std::uint64_t boundary = 0;    /* voxels with a channel beyond the bound, but equal to the referee a few ULP away:
-                                      they fell to the other side of an edge */
+                                      they fell to the other side of an edge, and their error says nothing */
     std::uint64_t unexplained = 0; /* voxels beyond the bound without that excuse */
 };
 

@@ -172,6 +172,15 @@ real3 harmonics_at(uint path, uint paths, uint step) {
     return sum;
 }
 
+// A random walk turns round where it comes to the edge of its region, half a side, m, from the middle: its harmonics
+// come to 4 half sides at most.
+real turned_round(real place, real half_side) {
+    precise real turned = place;
+    for (int i = 0; i < 2; ++i)
+        turned = turned > half_side ? real(2.0LF) * half_side - turned : turned < -half_side ? real(-2.0LF) * half_side - turned : turned;
+    return turned;
+}
+
 // A place in the world, m, and so much beside it; one that follows the surface lies the nominal height above it.
 real3 in_world(MotionParams motion, Place place, real3 more) {
     precise real x = motion.centre_x + (place.along * motion.heading_x - place.across * motion.heading_y) + more.x;
@@ -183,7 +192,10 @@ real3 in_world(MotionParams motion, Place place, real3 more) {
 // The intended place of the probe at a step, m.
 real3 motion_at(MotionParams motion, uint path, uint paths, uint step) {
     Place place = place_at(motion, step);
-    return in_world(motion, place, harmonics_at(path, paths, step));
+    real3 more = harmonics_at(path, paths, step);
+    if (MOTION == kMotionRandomWalk)
+        more = real3(turned_round(more.x, motion.reach), turned_round(more.y, motion.across), more.z);
+    return in_world(motion, place, more);
 }
 
 real3 round_end;     // m: where rounds begin and end, tremor left out

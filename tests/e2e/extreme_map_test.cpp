@@ -104,6 +104,31 @@ TEST_F(ExtremeMap, data_windows_that_are_cropped_shifted_or_larger_than_the_pict
     }
 }
 
+TEST_F(ExtremeMap, samples_that_rounding_takes_across_the_rim_are_counted) {
+    write_bowl("bowl.exr", "Y", Imf::FLOAT);
+    // The outermost samples lie 1e-10 mm beyond the rim, which single precision does not tell from the rim itself.
+    const std::string beyond = "[surface]\nkind = \"height_map\"\nfile = \"bowl.exr\"\nsize = [\"8 mm\", \"6 mm\"]\n"
+                               "height = \"1 mm\"\n[force]\nshading = \"height_map\"\n[grid]\nsize = [9, 7, 3]\n"
+                               "origin = [\"-4.0000000001 mm\", \"-3 mm\", \"-1 mm\"]\nspacing = \"1 mm\"\n";
+    write("rim.toml", beyond);
+    for (const std::vector<std::string>& engine : {std::vector<std::string>{}, {"--engine", "cpu"}}) {
+        std::vector<std::string> arguments{"validate", "rim.toml", "--json", "--quiet"};
+        arguments.insert(arguments.end(), engine.begin(), engine.end());
+        const nlohmann::json json = nlohmann::json::parse(expect_success(arguments).out);
+        const nlohmann::json& single = json.at("cases").at(0);
+        EXPECT_EQ(single.at("precision"), "f32");
+        for (const char* referee : {"oracle_f64", "closed_form"}) {
+            EXPECT_EQ(single.at(referee).at("boundary_voxels"), 7);
+            EXPECT_LT(single.at(referee).at("relative_error"), 1e-6);
+            EXPECT_EQ(json.at("cases").at(1).at(referee).at("boundary_voxels"), 0);
+        }
+    }
+    const auto record =
+        nlohmann::json::parse(expect_success({"field", "rim.toml", "--out", "rim.exr", "--json", "--quiet"}).out);
+    EXPECT_EQ(record.at("oracle").at("voxels_on_edge"), 7);
+    EXPECT_LT(record.at("oracle").at("largest_error_N"), 1e-6);
+}
+
 TEST_F(ExtremeMap, shifting_a_picture_in_its_file_changes_no_force) {
     const auto at = [](int x, int y) {
         const Imath::Box2i box({x, y}, {x + 3, y + 2});

@@ -1,5 +1,6 @@
 // Scenes at the edge of what can be asked: each has a finite right answer, on every voxel and in both precisions.
 #include <cmath>
+#include <random>
 
 #include <fmt/format.h>
 
@@ -179,6 +180,59 @@ TEST_F(Extreme, voxels_exactly_on_the_plane_and_on_facet_boundaries) {
     EXPECT_EQ(std::vector<float>(facets.begin(), facets.begin() + 4), (std::vector<float>{0, 1, 2, 3}));
     // Out of contact by no more than nothing: z = 0 beside the bump, F = 0.
     EXPECT_EQ(force_at(grid("[1, 1, 1]", "[\"20 mm\", \"0 m\", \"0 m\"]", "\"1 mm\"")), (std::array<float, 3>{}));
+}
+
+TEST_F(Extreme, forces_too_small_for_a_volume_are_told) {
+    write("cube.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
+    write("tiny.toml", "[surface]\nkind = \"mesh\"\nfile = \"cube.obj\"\ntransform = { scale = 1e-150 }\n[force]\n"
+                       "stiffness = \"100 N/m\"\n[grid]\nsamples = 9\n");
+    const Outcome tiny =
+        expect_success({"field", "tiny.toml", "--out", "tiny.exr", "--precision", "f64", "--engine", "cpu"});
+    EXPECT_NE(tiny.error.find("e-149 N, are too small"), std::string::npos) << tiny.error;
+    EXPECT_EQ(tiny.error.find("in contact"), std::string::npos) << tiny.error;
+    write("above.toml", grid("[2, 2, 2]", "[\"0 m\", \"0 m\", \"1 m\"]", "\"1 mm\""));
+    const Outcome above = expect_success({"field", "above.toml", "--out", "above.exr", "--engine", "cpu"});
+    EXPECT_NE(above.error.find("no voxel of the grid is in contact"), std::string::npos) << above.error;
+}
+
+TEST_F(Extreme, meshes_of_wildly_mixed_magnitudes_are_taken_or_refused) {
+    std::mt19937 random(7);
+    const auto unit = [&] { return (double(random()) + 0.5) / 4294967296.0; };
+    const auto coordinate = [&] {
+        return random() % 3 == 0 ? 0
+                                 : (unit() < 0.5 ? -1 : 1) * std::pow(10, unit() * (random() % 8 ? 420 : 620) - 320);
+    };
+    write("scene.toml", "[surface]\nkind = \"mesh\"\nfile = \"mesh.obj\"\n[force]\nstiffness = \"1 N/m\"\n"
+                        "[grid]\nsamples = 4\n[paths]\ncount = 2\nsteps = 10\n");
+    write("path.csv", "path,t,x,y,z\n0,0,0,0,1e3\n0,1,0,0,-1e-9\n0,2,1e-200,1e80,-1e90\n");
+    for (int i = 0; i < 6; ++i) {
+        std::string mesh;
+        const auto vertices = 3 + random() % 6;
+        for (std::uint32_t k = 0; k < vertices; ++k)
+            mesh += fmt::format("v {} {} {}\n", coordinate(), coordinate(), coordinate());
+        for (auto facets = 1 + random() % 16; facets > 0; --facets) {
+            mesh += "f";
+            for (auto corners = 3 + random() % 4; corners > 0; --corners)
+                mesh += fmt::format(" {}", 1 + random() % vertices);
+            mesh += "\n";
+        }
+        SCOPED_TRACE(mesh);
+        write("mesh.obj", mesh);
+        const std::vector<std::vector<std::string>> commands{
+            {"mesh", "mesh.obj"},
+            {"field", "scene.toml", "--out", "field.exr", "--engine", "cpu"},
+            {"explore", "scene.toml", "--paths", "path.csv", "--out", "felt.csv", "--engine", "cpu"},
+            {"explore", "scene.toml", "--out", "paths.exr", "--engine", "cpu", "--precision", "f64"},
+            {"validate", "scene.toml", "--engine", "cpu"}};
+        for (const auto& command : commands) {
+            Launch start = launch(command);
+            start.timeout = 20;
+            const Outcome outcome = run(start);
+            // 1: what comes out is no number that a volume can hold, or referees differ on so odd a mesh.
+            EXPECT_LE(outcome.code, 2) << command[0] << ": " << outcome.error;
+            EXPECT_EQ(outcome.code != 0 && outcome.error.empty(), false) << command[0];
+        }
+    }
 }
 
 TEST_F(Extreme, all_channels_and_kinds_of_pixels) {

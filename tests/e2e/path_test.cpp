@@ -155,7 +155,7 @@ TEST_F(Paths, recorded_in_a_file_are_felt_alike_however_they_are_taken) {
     for (int i = 0; i < 200; ++i)
         for (const int p : {30, 10, 20})
             if (p != 10 || i < 50)
-                rows += fmt::format("{},{:.6g},{:.6g},{:.6g},0.003\n", p, i * 0.002, (i - 100) * 1.5e-4, p * 1e-4);
+                rows += fmt::format("{},{:.6g},{},{:.6g},0.003\n", p, i * 0.002, (i - 100) * 1.5e-4, p * 1e-4);
     write("in.csv", rows);
     write("plain.toml", "[surface]\nfacets = 3\n[force]\nshading = \"reference\"\n");
     const auto sorted = [&](const char* name) {

@@ -65,7 +65,7 @@ protected:
             EXPECT_EQ(rows[i][0], std::to_string(i % 5));
             EXPECT_TRUE(same_bits(number_in<double>(rows[i][1]), double(i) * 1e-3));
             for (int k = 0; k < 3; ++k)
-                EXPECT_TRUE(same_bits(number_in<double>(rows[i][std::size_t(2 + k)]), p[k])) << "echoed as read";
+                EXPECT_TRUE(same_bits(number_in<T>(rows[i][std::size_t(2 + k)]), T(p[k]))) << "where it was evaluated";
             const auto direct = reference::evaluate(tables.law(), {T(p.x), T(p.y), T(p.z)});
             const T expected[7] = {direct.proxy.x, direct.proxy.y, direct.proxy.z, direct.force.x,
                                    direct.force.y, direct.force.z, direct.depth};
@@ -207,7 +207,7 @@ template <typename T, typename Bits> void expect_round_trip(const Folder& folder
     ASSERT_EQ(rows.size(), values.size());
     for (std::size_t i = 0; i < rows.size(); ++i) {
         EXPECT_TRUE(same_bits(number_in<double>(rows[i][1]), double(values[i])));
-        EXPECT_TRUE(same_bits(number_in<double>(rows[i][2]), double(values[i])));
+        EXPECT_TRUE(same_bits(number_in<T>(rows[i][2]), values[i]));
         for (std::size_t k = 5; k < 12; ++k)
             EXPECT_TRUE(same_bits(number_in<T>(rows[i][k]), values[i]));
     }

@@ -150,6 +150,35 @@ TEST_F(MeshField, EqualsTheOracleInsideByWinding) {
             hold_both(shape.polygons, kGrids[0], shading, shape.name, layout::kInsideWinding);
 }
 
+TEST_F(MeshField, IsInsideWhereTheWindingNumberIsAboveOneHalf) {
+    // Within a cube without its top that is so up to where the top was, and nowhere else.
+    StructureOptions options;
+    options.winding = true;
+    const MeshStructure structure = build_structure(shapes::mesh_of(shapes::open_cube()), options);
+    MeshCase<float> cube(structure, {{50, 51, 52}, glm::dvec3(-1.3), glm::dvec3(1.3)});
+    cube.features.inside = layout::kInsideWinding;
+    hold(cube, "cube without top");
+    const layout::FieldInput<float> input = cube.input();
+    const BlockPlanner<float> planner(input.law.mesh, input.x, input.y, input.z, input.law.features.inside, 0);
+    BlockPlan plan;
+    const auto planned = [&](std::size_t z_first, std::size_t z_count) {
+        plan = planner.plan(z_first, z_count);
+        return plan.view();
+    };
+    const auto expect_cube = [&](const layout::FieldChunk<float>& chunk) {
+        for (std::size_t z = 0; z < chunk.z_count; ++z)
+            for (std::size_t y = 0; y < chunk.y_count; ++y)
+                for (std::size_t x = 0; x < chunk.x_count; ++x) {
+                    const float at[3] = {input.x[x], input.y[chunk.y_first + y], input.z[chunk.z_first + z]};
+                    const bool inside = std::abs(at[0]) < 1 && std::abs(at[1]) < 1 && std::abs(at[2]) < 1;
+                    ASSERT_EQ(chunk.facet[(z * chunk.y_count + y) * chunk.x_pitch + x] != layout::kNoFacet, inside)
+                        << at[0] << ' ' << at[1] << ' ' << at[2];
+                }
+    };
+    kernel().evaluate<float>(input, expect_cube, planned);
+    reference::evaluate_field<float>(input, {}, expect_cube);
+}
+
 TEST_F(MeshField, UploadsWhatTheLawReadsAlone) {
     const PolygonSoup wall =
         shapes::merged(shapes::cube(true), shapes::moved(shapes::cube(true), glm::dvec3(1), {2, 0, 0}));

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "host/brute/mesh_referee.h"
+#include "host/error.h"
 #include "host/mesh/structure.h"
 #include "host/reference/contact.h"
 #include "tests/mesh/shapes.h"
@@ -223,6 +224,63 @@ TEST(Extremes, NestedShells) {
 TEST(Extremes, ThinPlate) {
     hold(shapes::plate(1e-5));
     hold(shapes::plate(1e-12));
+}
+
+TEST(Extremes, CapsThatContradictEachOtherAreCutOnce) {
+    // Coordinates so far apart that all lie on one line but for rounding: each facet says that a corner of its own lies
+    // on its longest side, and which that is depends on the axis.
+    PolygonSoup soup;
+    soup.vertices = {{0, 0, -3.6966219001423567e-159},
+                     {0, 0, 1.6188018890408547e-316},
+                     {0, 0, 0},
+                     {0, 0, 0},
+                     {1.3535544878853416e+82, 7.0428167507783998e-310, 0},
+                     {0, 5.5626846462680035e-309, 0}};
+    shapes::add_facet(soup, {4, 1, 2, 1});
+    shapes::add_facet(soup, {2, 1, 4, 5, 5, 3});
+    shapes::add_facet(soup, {4, 0, 2});
+    const MeshStructure structure = build_structure(shapes::mesh_of(soup));
+    EXPECT_GT(structure.triangles(), 0u);
+}
+
+TEST(Extremes, MixedMagnitudesArePreparedOrRefused) {
+    std::mt19937 random(11);
+    const auto coordinate = [&] {
+        const double size = std::pow(10, 200 * uniform(random) - 120);
+        return random() % 3 != 0 ? 0.0 : std::copysign(size < 1e99 ? size : 1e99, uniform(random));
+    };
+    int prepared = 0;
+    for (int i = 0; i < 6000; ++i) {
+        PolygonSoup soup;
+        for (auto vertices = 3 + random() % 6; vertices > 0; --vertices)
+            soup.vertices.push_back({coordinate(), coordinate(), coordinate()});
+        for (auto facets = 1 + random() % 16; facets > 0; --facets) {
+            for (auto corners = 3 + random() % 4; corners > 0; --corners)
+                soup.corners.push_back(std::uint32_t(random() % soup.vertices.size()));
+            soup.begins.push_back(std::uint32_t(soup.corners.size()));
+        }
+        try {
+            prepared += build_structure(shapes::mesh_of(soup)).triangles() > 0;
+        } catch (const UsageError&) { // nothing with an area
+        }
+    }
+    EXPECT_GT(prepared, 1000);
+}
+
+TEST(Extremes, FacetsThatAreCutTooOftenAreRefused) {
+    // The pages of a book whose spine is cut by facets without area, thousands by thousands.
+    constexpr std::uint32_t kPages = 1500;
+    PolygonSoup book;
+    for (std::uint32_t i = 0; i <= kPages; ++i)
+        book.vertices.push_back({0, 0, double(i)});
+    for (std::uint32_t i = 0; i < kPages; ++i) {
+        book.vertices.push_back({std::cos(i * 1e-3), std::sin(i * 1e-3), 0});
+        shapes::add_facet(book, {0, kPages, kPages + 1 + i});
+        if (i + 1 < kPages)
+            shapes::add_facet(book, {i, i + 1, kPages});
+    }
+    const Mesh mesh = shapes::mesh_of(book);
+    EXPECT_THROW(build_structure(mesh), UsageError);
 }
 
 TEST(Extremes, ReentrantEdgesSharperThanARightAngle) {

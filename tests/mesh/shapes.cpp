@@ -94,6 +94,19 @@ PolygonSoup cube(bool triangles) {
     return result;
 }
 
+PolygonSoup open_cube() {
+    const PolygonSoup closed = cube();
+    PolygonSoup open;
+    open.vertices = closed.vertices;
+    for (std::size_t facet = 0; facet < closed.facets(); ++facet) {
+        const std::uint32_t* corners = &closed.corners[closed.begins[facet]];
+        const auto is_up = [&](int i) { return closed.vertices[corners[i]].z == 1; };
+        if (!(is_up(0) && is_up(1) && is_up(2)))
+            add_facet(open, {corners[0], corners[1], corners[2], corners[3]});
+    }
+    return open;
+}
+
 PolygonSoup tetrahedron(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c, const glm::dvec3& d) {
     const glm::dvec3 u = b - a, v = c - a, w = d - a;
     const double volume = u.x * (v.y * w.z - v.z * w.y) + u.y * (v.z * w.x - v.x * w.z) + u.z * (v.x * w.y - v.y * w.x);

@@ -15,6 +15,8 @@ Mesh mesh_of(PolygonSoup polygons, VertexNormals normals = VertexNormals::plain)
 PolygonSoup icosphere(unsigned levels);
 /// [-1, 1]^3 of six quads, or of twelve triangles.
 PolygonSoup cube(bool triangles = false);
+/// [-1, 1]^3 without the facet at z = 1.
+PolygonSoup open_cube();
 PolygonSoup tetrahedron(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c, const glm::dvec3& d);
 
 using study::Cells;

@@ -111,6 +111,21 @@ TEST(Winding, OpenBowlHoldsWhatIsBelowItsRim) {
     EXPECT_EQ(depth({0, 0, -1.2}), 0);
 }
 
+TEST(Winding, InsideBeginsAtOneHalf) {
+    // A cube without its top: from within, the winding number falls to one half where the top was.
+    const Scene scene(shapes::open_cube());
+    int doubtful = 0;
+    for (double z = -0.95; z < 1.6; z += 0.01)
+        for (const double x : {0.0, 0.3, -0.7}) {
+            if (std::abs(z - 1) < 1e-3)
+                continue;
+            const Vector<double> probe = to_mesh_frame(scene.structure, {x, 0.2, z});
+            EXPECT_EQ(reference::inside_by_winding(scene.view, probe), z < 1) << x << ' ' << z;
+            doubtful += std::abs(scene.winding({x, 0.2, z}) - 0.5) < 0.15;
+        }
+    EXPECT_GT(doubtful, 100);
+}
+
 TEST(Winding, SingleTablesTellTheSame) {
     const Scene scene(spot());
     const MeshTables<float> tables = make_mesh_tables<float>(scene.structure, 1);

@@ -44,21 +44,32 @@ TEST(Motion, SpeedIsTheScenes) {
     EXPECT_NEAR(speed("kind = \"minimum_jerk\"\nlength = \"30 mm\""), 0.15, 0.03);
 }
 
-TEST(Motion, RandomWalkHasItsSizeAndSpeed) {
+TEST(Motion, RandomWalkStaysInItsRegionAndHasItsSpeed) {
     const auto result = paths_of<double>("kind = \"random_walk\"\ncount = 200\nsteps = 4000\nlength = \"40 mm\"\n"
                                          "width = \"20 mm\"\nspeed = \"100 mm/s\"\n");
-    double x = 0, y = 0, speed = 0;
+    double x = 0, y = 0, speed = 0, along = 0, across = 0;
     for (std::size_t step = 0; step + 1 < result.steps; ++step)
         for (std::size_t path = 0; path < result.paths; ++path) {
             const auto& here = result.place(step, path);
             x += here.x * here.x;
             y += here.y * here.y;
+            along = std::max(along, std::abs(here.x));
+            across = std::max(across, std::abs(here.y));
             speed += std::pow(1000 * distance(result.place(step + 1, path), here), 2);
         }
     const double samples = 3999 * 200;
-    EXPECT_NEAR(std::sqrt(x / samples), 0.04 / std::sqrt(8), 3e-4);
-    EXPECT_NEAR(std::sqrt(y / samples), 0.02 / std::sqrt(8), 3e-4);
+    EXPECT_LE(along, 0.02);
+    EXPECT_LE(across, 0.01);
+    EXPECT_NEAR(along, 0.02, 1e-5) << "up to the edge";
+    EXPECT_NEAR(across, 0.01, 1e-5);
+    // Of a sum of 16 harmonics turned round at the edges, by simulation: 0.5499 of half a side.
+    EXPECT_NEAR(std::sqrt(x / samples), 0.02 * 0.5499, 3e-4);
+    EXPECT_NEAR(std::sqrt(y / samples), 0.01 * 0.5499, 3e-4);
     EXPECT_NEAR(std::sqrt(speed / samples), 0.1, 2e-3);
+    const auto single = paths_of<float>("kind = \"random_walk\"\ncount = 200\nsteps = 4000\nlength = \"40 mm\"\n"
+                                        "width = \"20 mm\"\nspeed = \"100 mm/s\"\n");
+    for (const auto& place : single.position)
+        ASSERT_TRUE(std::abs(place.x) <= 0.02f && std::abs(place.y) <= 0.01f) << place.x << ' ' << place.y;
 }
 
 TEST(Motion, StrokesBeginAtTheirEndAndGoThere) {

@@ -82,7 +82,11 @@ TEST(Document, Structure) {
     EXPECT_EQ(study_error("[surface]\nkind = \"height_map\"\nfunction = \"dip\"\nfile = \"u.png\"\n"),
               "f.toml:4:1: give \"function\" or \"file\", not both");
     EXPECT_EQ(study_error("[surface]\nkind = \"height_map\"\nfile = \"maps/\"\n"),
-              "f.toml:3:8: \"maps/\" names no file");
+              "f.toml:3:8: \"maps/\" is a folder; file is the name of a file");
+    for (const std::string folder : {".", "..", "maps/.", "./"})
+        EXPECT_EQ(study_error("[surface]\nkind = \"mesh\"\nfile = \"" + folder + "\"\n"),
+                  "f.toml:3:8: \"" + folder + "\" is a folder; file is the name of a file");
+    EXPECT_EQ(study_error("[surface]\nkind = \"mesh\"\nfile = \"\"\n"), "f.toml:3:8: \"\" names no file");
     EXPECT_EQ(study_error("[surface]\nkind = \"height_map\"\nfile = \"u.png\"\nsha256 = \"12\"\n").substr(0, 12),
               "f.toml:4:10:");
 }
