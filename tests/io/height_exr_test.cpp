@@ -131,6 +131,9 @@ TEST(HeightExr, that_announces_too_much_is_refused_before_it_is_read) {
     write_exr(folder / "u.exr", {{"Y", channel}}, {.display = {{0, 0}, {1 << 20, 1 << 10}}});
     EXPECT_NE(message_of<UsageError>([&] { read_height_image(folder / "u.exr"); }).find("cannot be used"),
               std::string::npos);
+    write_exr(folder / "u.exr", {{"Y", channel}}, {.display = {{0, 0}, {16383, 16383}}, .data = {{0, 0}, {0, 0}}});
+    EXPECT_NE(message_of<UsageError>([&] { read_height_image(folder / "u.exr"); }).find("needs about 8.0 GiB"),
+              std::string::npos);
 }
 
 // Less than a block should hold would be read from what the memory held before: run with MALLOC_PERTURB_ to see it.
