@@ -218,6 +218,19 @@ TEST_F(BadInput, a_height_map_that_needs_more_memory_than_allowed_is_refused) {
     expect_failure(2, {"field", "scene.toml", "--out", "field.exr", "--max-memory", "100 B"}, {"--max-memory 100 B"});
 }
 
+// libpng would allocate what a text says it is, and only then find that the file has ended.
+TEST_F(BadInput, a_height_map_with_a_chunk_longer_than_the_file_takes_no_memory) {
+    write_png(path("map.png"), 2, {{9, 51}});
+    std::string bytes = read_text(path("map.png"));
+    bytes.insert(33, std::string("\x40\0\0\0tEXt", 8)); // behind the header: 1 GiB
+    write("map.png", bytes);
+    write("scene.toml", "[surface]\nkind = \"height_map\"\nfile = \"map.png\"\nsize = [\"9 mm\", \"9 mm\"]\n"
+                        "[force]\nshading = \"height_map\"\n[grid]\nsize = [4, 4, 4]\n");
+    const Outcome outcome = forceshade({"field", "scene.toml", "--out", "field.exr"});
+    EXPECT_EQ(outcome.code, 4);
+    EXPECT_LT(outcome.peak_memory, std::uint64_t{256} << 20);
+}
+
 TEST_F(BadInput, nothing_is_written_through_a_link_in_the_results) {
     std::filesystem::create_directories(path("others/steps.d"));
     write("others/.a.fs0123456789abcdef.tmp", "as if left by a run that was killed");
