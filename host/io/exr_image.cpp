@@ -83,23 +83,29 @@ public:
 private:
     exr_const_context_t handle() const { return image_.context_->handle; }
     void reset() {
-        if (part_ >= 0)
+        if (begun_)
             exr_decoding_destroy(handle(), &pipeline_);
         pipeline_ = {};
-        part_ = -1;
+        begun_ = false;
     }
     void require(exr_result_t result) const {
-        if (result != EXR_ERR_SUCCESS)
-            refuse(image_.context_->complaint);
+        if (result == EXR_ERR_SUCCESS)
+            return;
+        const std::lock_guard lock(image_.context_->mutex); // another thread's block may be damaged, too
+        refuse(image_.context_->complaint);
     }
     [[noreturn]] void refuse(const std::string& why) const {
-        image_.damaged(fmt::format("the block at row {} is damaged: {}", row_, why));
+        const bool tiled = image_.layers_[static_cast<std::size_t>(part_)].tiled;
+        const std::string place =
+            tiled ? fmt::format("tile ({}, {})", column_, row_) : fmt::format("block at row {}", row_);
+        image_.damaged(fmt::format("the {} is damaged: {}", place, why));
     }
     void check_size(const exr_chunk_info_t& block) const;
 
     const Image& image_;
     exr_decode_pipeline_t pipeline_{};
-    int part_ = -1; // of the pipeline
+    int part_ = -1;      // of the pipeline
+    bool begun_ = false; // it is to be destroyed
     std::int32_t column_ = 0, row_ = 0;
     bool whole_ = false; // the block is there
     Line line_;
@@ -120,15 +126,17 @@ void Image::Decoder::read(int part, std::int32_t column, std::int32_t row) {
     column_ = column;
     row_ = row;
     const bool tiled = image_.layers_[static_cast<std::size_t>(part)].tiled;
+    if (part != part_)
+        reset();
+    part_ = part;
     exr_chunk_info_t block{};
     require(tiled ? exr_read_tile_chunk_info(handle(), part, column, row, 0, 0, &block)
                   : exr_read_scanline_chunk_info(handle(), part, row, &block));
-    if (part == part_) {
+    if (begun_) {
         require(exr_decoding_update(handle(), part, &block, &pipeline_));
     } else {
-        reset();
-        part_ = part; // also of a pipeline that was begun and failed
         require(exr_decoding_initialize(handle(), part, &block, &pipeline_));
+        begun_ = true;
         require(exr_decoding_choose_default_routines(handle(), part, &pipeline_));
         pipeline_.unpack_and_convert_fn = nullptr; // give() takes the bytes as they are
     }
