@@ -14,6 +14,7 @@
 #include "host/cli/command.h"
 #include "host/error.h"
 #include "host/interrupt.h"
+#include "host/io/memory_limit.h"
 #include "host/remark.h"
 #include "host/scene/nearest.h"
 #include "host/version.h"
@@ -23,8 +24,9 @@ namespace {
 using namespace forceshade;
 
 constexpr const char* kFooter =
-    "Every command takes --gpu NAME|UUID|INDEX, --engine gpu|cpu, --precision f32|f64, --json, --quiet and "
-    "--vulkan-validation.\nExit codes: 0 ok, 1 a case failed or a bound was exceeded, 2 usage or configuration, 3 no "
+    "Every command takes --gpu NAME|UUID|INDEX, --engine gpu|cpu, --precision f32|f64, --max-memory SIZE, --json, "
+    "--quiet and --vulkan-validation.\nExit codes: 0 ok, 1 a case failed or a bound was exceeded, 2 usage or "
+    "configuration, 3 no "
     "such device, 4 files, "
     "130 interrupted.\nStart with: forceshade sweep --out results/paper";
 
@@ -37,6 +39,9 @@ void add_common_options(CLI::App& program, CommonOptions& common) {
         ->check(CLI::IsMember({"gpu", "cpu"}));
     program.add_option("--precision", common.precision, "f32 or f64; default: as the scene says")
         ->check(CLI::IsMember({"f32", "f64"}));
+    program.add_option_function<std::string>(
+        "--max-memory", [](const std::string& text) { set_memory_limit(parse_memory(text)); },
+        "most that a file's contents may take, from what its header announces; default: 4 GiB");
     program.add_flag("--json", common.json, "machine-readable results on stdout");
     program.add_flag("--quiet", common.quiet, "no progress and no remarks on stderr, errors only");
     program.add_flag("--vulkan-validation", common.validation_layers,

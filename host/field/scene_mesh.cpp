@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "host/error.h"
+#include "host/io/memory_limit.h"
 #include "host/mesh/prepare_mesh.h"
 #include "host/mesh_file/mesh_file.h"
 #include "host/scene/limits.h"
@@ -32,6 +33,12 @@ MeshBox bounding_box(const PolygonSoup& polygons) {
 
 std::shared_ptr<const SceneMesh> read_scene_mesh(const MeshSpec& spec) {
     PolygonFile file = read_polygons(spec.path);
+    constexpr double kTriangleBytes =
+        1100; // measured: of the structure, its tables in both precisions and on the device
+    const std::size_t triangles =
+        file.polygons.corners.size() - std::min(file.polygons.corners.size(), 2 * file.polygons.facets());
+    require_memory(spec.path, fmt::format("a mesh of {} triangles", triangles),
+                   kTriangleBytes * static_cast<double>(triangles));
     auto mesh = std::make_shared<SceneMesh>();
     mesh->sha256 = file.sha256;
     mesh->findings = inspect(file.polygons);

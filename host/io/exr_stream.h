@@ -1,4 +1,4 @@
-// OpenEXR's streams over our files, so that what goes wrong is known exactly; only for .cpp files that use OpenEXR.
+// OpenEXR's stream into our file, so that what goes wrong is known exactly; only for .cpp files that use OpenEXR.
 #pragma once
 
 #include <cstdint>
@@ -6,12 +6,10 @@
 #include <new>
 #include <optional>
 #include <string>
-#include <vector>
 
 #include <ImfIO.h>
 
 #include "host/error.h"
-#include "host/io/readable_file.h"
 #include "host/io/temporary_file.h"
 
 namespace forceshade::exr {
@@ -27,26 +25,6 @@ public:
 
 private:
     TemporaryFile& file_;
-    std::optional<IoError> failure_;
-};
-
-class ReadStream final : public Imf::IStream {
-public:
-    /// `name` is what messages call the file.
-    ReadStream(const ReadableFile& file, const std::filesystem::path& name);
-    bool read(char bytes[], int count) override;
-    std::uint64_t tellg() override { return position_; }
-    void seekg(std::uint64_t position) override { position_ = position; }
-    const std::optional<IoError>& failure() const noexcept { return failure_; }
-
-private:
-    void fill();
-    [[noreturn]] void fail(const IoError& error);
-
-    const ReadableFile& file_;
-    std::uint64_t position_ = 0;
-    std::uint64_t buffer_position_ = 0; /* where in the file the buffer begins */
-    std::vector<std::byte> buffer_;
     std::optional<IoError> failure_;
 };
 

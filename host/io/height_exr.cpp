@@ -1,18 +1,16 @@
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstring>
 #include <span>
 #include <string>
 #include <vector>
 
-#include <ImfChannelList.h>
-#include <ImfFrameBuffer.h>
-#include <ImfHeader.h>
-#include <ImfInputFile.h>
 #include <fmt/core.h>
+#include <half.h>
 
 #include "host/error.h"
-#include "host/io/exr_scan.h"
-#include "host/io/exr_stream.h"
+#include "host/io/exr_image.h"
 #include "host/io/height_formats.h"
 
 namespace forceshade {
@@ -21,122 +19,107 @@ namespace {
 constexpr double kFullScale = 4294967295.0; // of an integer pixel
 
 /// The channels to read: one, or three that must be alike.
-std::vector<std::string> choose_channels(const ReadableFile& file, const Imf::ChannelList& list) {
-    std::vector<std::string> names;
-    std::string all;
-    for (auto channel = list.begin(); channel != list.end(); ++channel) {
-        names.emplace_back(channel.name());
-        all += all.empty() ? "" : ", ";
-        all += channel.name();
-    }
-    std::vector<std::string> chosen;
-    if (list.findChannel("Y"))
-        chosen = {"Y"};
-    else if (names.size() == 1)
-        chosen = names;
-    else if (list.findChannel("R") && list.findChannel("G") && list.findChannel("B"))
-        chosen = {"R", "G", "B"};
-    else if (list.findChannel("R") && !list.findChannel("G") && !list.findChannel("B"))
-        chosen = {"R"};
-    else
+std::vector<std::size_t> choose_channels(const ReadableFile& file, const exr::Layer& layer) {
+    const auto y = layer.find("Y"), red = layer.find("R"), green = layer.find("G"), blue = layer.find("B");
+    std::vector<std::size_t> chosen;
+    if (y)
+        chosen = {*y};
+    else if (layer.channels.size() == 1)
+        chosen = {0};
+    else if (red && green && blue)
+        chosen = {*red, *green, *blue};
+    else if (red && !green && !blue)
+        chosen = {*red};
+    else {
+        std::string all;
+        for (const exr::Channel& channel : layer.channels)
+            all += (all.empty() ? "" : ", ") + channel.name;
         throw UsageError(
             fmt::format("{}: none of its channels ({}) is a height map's: it needs Y, a single channel, or "
                         "R, G and B alike",
                         file.path().string(), all));
-    for (const std::string& name : chosen)
-        if (const Imf::Channel& channel = list[name.c_str()]; channel.xSampling != 1 || channel.ySampling != 1)
+    }
+    for (const std::size_t c : chosen)
+        if (const exr::Channel& channel = layer.channels[c]; channel.x_sampling != 1 || channel.y_sampling != 1)
             throw UsageError(fmt::format("{}: channel {} is sub-sampled: a height map needs every pixel",
-                                         file.path().string(), name));
+                                         file.path().string(), channel.name));
     return chosen;
 }
 
-/// One row of the data window, each chosen channel as float or, where the file has integers, as integers.
-class RowReader {
+/// Floats as they are, integers as fractions of full scale.
+double value_of(exr_pixel_type_t type, std::span<const std::byte> values, std::size_t index) {
+    if (type == EXR_PIXEL_HALF) {
+        std::uint16_t bits = 0;
+        std::memcpy(&bits, values.data() + index * sizeof bits, sizeof bits);
+        return static_cast<double>(static_cast<float>(Imath::half(Imath::half::FromBits, bits)));
+    }
+    std::uint32_t bits = 0;
+    std::memcpy(&bits, values.data() + index * sizeof bits, sizeof bits);
+    return type == EXR_PIXEL_UINT ? bits / kFullScale : static_cast<double>(std::bit_cast<float>(bits));
+}
+
+/// Lines of pixels on their way into a height map.
+class HeightLines {
 public:
-    RowReader(Imf::InputFile& input, const std::vector<std::string>& channels) : input_(input), names_(channels) {
-        window_ = input.header().dataWindow();
-        width_ = static_cast<std::size_t>(std::int64_t{window_.max.x} - window_.min.x + 1);
-        for (const std::string& name : names_) {
-            integer_.push_back(input.header().channels()[name.c_str()].type == Imf::UINT);
-            rows_.emplace_back(width_);
+    HeightLines(const ReadableFile& file, const exr::Layer& layer, HeightImage& image)
+        : file_(file), layer_(layer), chosen_(choose_channels(file, layer)), image_(image) {}
+
+    void take(const exr::Line& line) const {
+        const std::size_t row = exr::Layer::extent(layer_.display.min.y, line.y) - 1;
+        const std::size_t width =
+            line.values[chosen_.front()].size() / layer_.channels[chosen_.front()].bytes(); // not sub-sampled
+        for (std::size_t i = 0; i < width; ++i) {
+            const std::int64_t x = line.x + static_cast<std::int64_t>(i);
+            if (x < layer_.display.min.x || x > layer_.display.max.x)
+                continue;
+            const auto column = static_cast<std::size_t>(x - layer_.display.min.x);
+            image_.samples[row * image_.columns + column] = height(line, i, row, column);
         }
-    }
-
-    void read(int y) {
-        Imf::FrameBuffer frame;
-        for (std::size_t c = 0; c < names_.size(); ++c)
-            frame.insert(names_[c],
-                         Imf::Slice::Make(integer_[c] ? Imf::UINT : Imf::FLOAT, rows_[c].data(),
-                                          Imath::V2i(window_.min.x, y), static_cast<std::int64_t>(width_), 1));
-        input_.setFrameBuffer(frame);
-        input_.readPixels(y);
-    }
-
-    std::size_t channels() const { return names_.size(); }
-    double value(std::size_t channel, int x) const {
-        const std::uint32_t bits = rows_[channel][static_cast<std::size_t>(std::int64_t{x} - window_.min.x)];
-        return integer_[channel] ? bits / kFullScale : static_cast<double>(std::bit_cast<float>(bits));
     }
 
 private:
-    Imf::InputFile& input_;
-    std::vector<std::string> names_;
-    std::vector<bool> integer_;
-    std::vector<std::vector<std::uint32_t>> rows_;
-    Imath::Box2i window_;
-    std::size_t width_ = 0;
-};
-
-/// The value of a pixel, if it can be a height.
-double require_height(const ReadableFile& file, const RowReader& rows, int x, std::size_t row, std::size_t column) {
-    const double value = rows.value(0, x);
-    for (std::size_t c = 0; c < rows.channels(); ++c) {
-        if (!std::isfinite(rows.value(c, x)))
-            throw UsageError(fmt::format("{}: the pixel in row {}, column {} is {}: a height must be finite",
-                                         file.path().string(), row, column, rows.value(c, x)));
-        if (rows.value(c, x) != value)
-            throw UsageError(
-                fmt::format("{}: the pixel in row {}, column {} is coloured: a height map must be grey (R, G "
-                            "and B alike)",
-                            file.path().string(), row, column));
-    }
-    return value;
-}
-
-std::uint64_t extent(int first, int last) {
-    return static_cast<std::uint64_t>(std::int64_t{last} - first + 1);
-}
-
-HeightImage decode(const ReadableFile& file, Imf::InputFile& input) {
-    const Imath::Box2i display = input.header().displayWindow(), data = input.header().dataWindow();
-    HeightImage image;
-    image.columns = extent(display.min.x, display.max.x);
-    image.rows = extent(display.min.y, display.max.y);
-    require_height_size(file, image.columns, image.rows);
-    require_height_size(file, extent(data.min.x, data.max.x), extent(data.min.y, data.max.y));
-    RowReader rows(input, choose_channels(file, input.header().channels()));
-    image.samples.assign(image.columns * image.rows, 0.0);
-    const int first = std::max(display.min.x, data.min.x), last = std::min(display.max.x, data.max.x);
-    for (int y = std::max(display.min.y, data.min.y); y <= std::min(display.max.y, data.max.y); ++y) {
-        rows.read(y);
-        const std::size_t row = extent(display.min.y, y) - 1;
-        for (int x = first; x <= last; ++x) {
-            const std::size_t column = extent(display.min.x, x) - 1;
-            image.samples[row * image.columns + column] = require_height(file, rows, x, row, column);
+    /// The value of a pixel, if it can be a height.
+    double height(const exr::Line& line, std::size_t index, std::size_t row, std::size_t column) const {
+        const auto value = [&](std::size_t c) { return value_of(layer_.channels[c].type, line.values[c], index); };
+        const double first = value(chosen_.front());
+        for (const std::size_t c : chosen_) {
+            if (!std::isfinite(value(c)))
+                throw UsageError(fmt::format("{}: the pixel in row {}, column {} is {}: a height must be finite",
+                                             file_.path().string(), row, column, value(c)));
+            if (value(c) != first)
+                throw UsageError(
+                    fmt::format("{}: the pixel in row {}, column {} is coloured: a height map must be grey (R, G "
+                                "and B alike)",
+                                file_.path().string(), row, column));
         }
+        return first;
     }
-    return image;
-}
+
+    const ReadableFile& file_;
+    const exr::Layer& layer_;
+    std::vector<std::size_t> chosen_;
+    HeightImage& image_;
+};
 
 } // namespace
 
 HeightImage read_height_exr(const ReadableFile& file) {
-    exr::require_plausible(file, file.path());
-    exr::ReadStream stream(file, file.path());
-    return exr::guarded(stream, "read", file.path(), [&] {
-        Imf::InputFile input(stream, 0);
-        return decode(file, input);
-    });
+    exr::Image source(file, file.path());
+    const exr::Layer& layer = source.layers().front();
+    if (!layer.is_supported())
+        throw UsageError(fmt::format("{}: {}", file.path().string(), exr::kUnsupported));
+    HeightImage image;
+    image.columns = exr::Layer::extent(layer.display.min.x, layer.display.max.x);
+    image.rows = exr::Layer::extent(layer.display.min.y, layer.display.max.y);
+    require_height_size(file, image.columns, image.rows);
+    require_height_size(file, layer.columns(), layer.rows());
+    const HeightLines lines(file, layer, image);
+    image.samples.assign(image.columns * image.rows, 0.0);
+    const std::int32_t first = std::max(layer.display.min.y, layer.data.min.y);
+    const std::int32_t last = std::min(layer.display.max.y, layer.data.max.y);
+    if (first <= last)
+        source.read(0, first, last, 1, [&](const exr::Line& line) { lines.take(line); });
+    return image;
 }
 
 } // namespace forceshade

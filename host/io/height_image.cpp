@@ -8,6 +8,7 @@
 #include "host/error.h"
 #include "host/io/hash.h"
 #include "host/io/height_formats.h"
+#include "host/io/memory_limit.h"
 
 namespace forceshade {
 
@@ -16,6 +17,9 @@ void require_height_size(const ReadableFile& file, std::uint64_t columns, std::u
         throw UsageError(fmt::format("{}: a height map of {} x {} samples cannot be used: between 1 and {} samples are "
                                      "possible",
                                      file.path().string(), columns, rows, kMostHeightSamples));
+    constexpr double kSampleBytes = 32; // measured: the sample, its gradients in both precisions, and the device's copy
+    require_memory(file.path(), fmt::format("a height map of {} x {} samples", columns, rows),
+                   kSampleBytes * static_cast<double>(columns * rows));
 }
 
 HeightImage read_height_image(const std::filesystem::path& path) {

@@ -27,6 +27,8 @@ public:
         png_set_read_fn(png_, this, on_read);
         png_set_user_limits(png_, PNG_UINT_31_MAX,
                             PNG_UINT_31_MAX); // the product is limited before anything is allocated
+        // Texts, colour profiles and the like are skipped: libpng would allocate what they say they are, or unpack to.
+        png_set_keep_unknown_chunks(png_, PNG_HANDLE_CHUNK_NEVER, nullptr, -1);
     }
     ~PngDecoder() { png_destroy_read_struct(&png_, &info_, nullptr); }
     PngDecoder(const PngDecoder&) = delete;

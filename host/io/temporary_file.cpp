@@ -194,6 +194,18 @@ std::size_t clear_stale_temporaries(const std::filesystem::path& folder) {
     return removed;
 }
 
+void make_subfolder(const std::filesystem::path& folder, const std::string& name) {
+    const std::filesystem::path subfolder = folder / name;
+    std::error_code error;
+    if (std::filesystem::is_symlink(subfolder, error))
+        throw IoError(fmt::format("cannot write into {}: it is a symbolic link, and what it leads to may be another's; "
+                                  "remove the link, or choose another folder for the results",
+                                  subfolder.string()));
+    std::filesystem::create_directories(subfolder, error);
+    if (error)
+        throw IoError(fmt::format("cannot make the folder {}: {}", subfolder.string(), error.message()));
+}
+
 void write_file_atomically(const std::filesystem::path& path, std::span<const std::byte> bytes) {
     TemporaryFile file(path);
     file.write(bytes);

@@ -59,6 +59,10 @@ private:
 /// else alone, does not descend, and a folder that is missing or cannot be read counts as empty.
 std::size_t clear_stale_temporaries(const std::filesystem::path& folder);
 
+/// Makes a folder of the program's own in one that it writes results into, which is made if need be. \throws IoError if
+/// it cannot be, or is a symbolic link: what that leads to is not the program's to change.
+void make_subfolder(const std::filesystem::path& folder, const std::string& name);
+
 /// The old file or the whole new one, never a part. Throws IoError.
 void write_file_atomically(const std::filesystem::path& path, std::span<const std::byte> bytes);
 void write_file_atomically(const std::filesystem::path& path, std::string_view text);

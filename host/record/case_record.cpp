@@ -1,17 +1,12 @@
 #include "host/record/case_record.h"
 
-#include <fstream>
-#include <sstream>
-
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
+#include "host/io/json_file.h"
 #include "host/io/temporary_file.h"
 
 namespace forceshade {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 Json times_of(const EngineTimes& engine, const VolumeTimings& volume) {
     return {{"plan", engine.plan},     {"compile", engine.compile},     {"upload", engine.upload},
@@ -164,18 +159,17 @@ void write_record(const std::filesystem::path& folder, const CaseRecord& record)
 }
 
 std::optional<CaseRecord> read_record(const std::filesystem::path& folder, const std::string& name) {
-    std::ifstream file(record_path(folder, name), std::ios::binary);
-    if (!file)
+    try {
+        std::optional<CaseRecord> record = record_of(read_json(record_path(folder, name)));
+        return record && record->name == name ? record : std::nullopt;
+    } catch (const Error&) {
         return std::nullopt;
-    std::ostringstream text;
-    text << file.rdbuf();
-    std::optional<CaseRecord> record = parse_record(text.str());
-    return record && record->name == name ? record : std::nullopt;
+    }
 }
 
-std::optional<CaseRecord> parse_record(const std::string& json) {
+std::optional<CaseRecord> record_of(const nlohmann::ordered_json& json) {
     try {
-        CaseRecord record = from_json(Json::parse(json));
+        CaseRecord record = from_json(json);
         if (!record.files.empty())
             return record;
     } catch (const Json::exception&) {

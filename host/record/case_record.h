@@ -9,6 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include <nlohmann/json_fwd.hpp>
+
 #include "host/record/path_record.h"
 
 namespace forceshade {
@@ -48,8 +50,8 @@ void write_record(const std::filesystem::path& folder, const CaseRecord& record)
 /// Nothing if there is none or it cannot be understood.
 std::optional<CaseRecord> read_record(const std::filesystem::path& folder, const std::string& name);
 
-/// Of one record's text. Nothing if it cannot be understood.
-std::optional<CaseRecord> parse_record(const std::string& json);
+/// Of one record. Nothing if it cannot be understood.
+std::optional<CaseRecord> record_of(const nlohmann::ordered_json& json);
 
 /// The record as JSON text, one object.
 std::string record_json(const CaseRecord& record);

@@ -1,16 +1,14 @@
 #include "host/report/contents.h"
 
 #include <algorithm>
-#include <fstream>
 #include <optional>
 #include <set>
-#include <sstream>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "host/error.h"
 #include "host/io/hash.h"
+#include "host/io/json_file.h"
 #include "host/io/plain_name.h"
 #include "host/report/sweep_findings.h"
 #include "host/study/data/data_files.h"
@@ -19,16 +17,7 @@
 namespace forceshade::report {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 constexpr std::uint64_t kMostHashed = 64u << 20; /* bytes; of larger files only the size is compared */
-
-std::optional<std::string> text_of(const std::filesystem::path& path) {
-    std::ifstream file(path, std::ios::binary);
-    std::ostringstream text;
-    text << file.rdbuf();
-    return file ? std::optional(text.str()) : std::nullopt;
-}
 
 // Nothing is there that may not be looked at.
 bool is_there(const std::filesystem::path& path) {
@@ -58,7 +47,7 @@ struct Reading {
     void check_case(Sweep& sweep, const CaseRecord& record);
     void check_loose(const std::string& folder);
     std::vector<std::string> records_beside(const std::string& folder);
-    void take_cases(Sweep& sweep, const std::vector<std::pair<std::string, std::string>>& records);
+    void take_case(Sweep& sweep, const std::string& where, const Json& json);
     void read_manifest(const std::string& folder);
     void read_study(const std::string& folder);
 };
@@ -128,16 +117,12 @@ std::vector<std::string> Reading::records_beside(const std::string& folder) {
     return names;
 }
 
-// Records by where they stand and their text.
-void Reading::take_cases(Sweep& sweep, const std::vector<std::pair<std::string, std::string>>& records) {
-    for (const auto& [where, text] : records) {
-        std::optional<CaseRecord> record = parse_record(text);
-        if (!record) {
-            trouble(where, "this case cannot be understood, it may be of another version of the program");
-            continue;
-        }
+void Reading::take_case(Sweep& sweep, const std::string& where, const Json& json) {
+    if (std::optional<CaseRecord> record = record_of(json)) {
         check_case(sweep, *record);
         sweep.cases.push_back(std::move(*record));
+    } else {
+        trouble(where, "this case cannot be understood, it may be of another version of the program");
     }
 }
 
@@ -162,14 +147,20 @@ void take_account(Sweep& sweep, const Json& manifest) {
 
 void Reading::read_manifest(const std::string& folder) {
     const std::string name = below(folder, "manifest.json");
-    const std::optional<std::string> text = text_of(root / name);
     const std::vector<std::string> beside = records_beside(folder);
-    if (!text && beside.empty() && !is_there(root / name))
+    if (beside.empty() && !is_there(root / name))
         return;
     Sweep sweep;
     sweep.folder = folder;
-    const Json manifest = Json::parse(text.value_or(""), nullptr, false);
-    std::vector<std::pair<std::string, std::string>> records;
+    Json manifest;
+    std::string wrong = "it is no account of a sweep";
+    try {
+        manifest = read_json(root / name);
+        if (manifest.is_discarded())
+            wrong = "it is damaged";
+    } catch (const Error& error) {
+        wrong = error.what();
+    }
     if (manifest.is_object() && manifest.contains("cases") && manifest["cases"].is_array()) {
         const Json format = manifest.value("format", Json());
         if (format != kManifestFormat)
@@ -178,18 +169,18 @@ void Reading::read_manifest(const std::string& folder) {
                     "with this program brings it up to date",
                     format.is_null() ? "an older one" : format.dump(), kManifestFormat);
         take_account(sweep, manifest);
+        std::size_t number = 0;
         for (const Json& one : manifest["cases"])
-            records.emplace_back(fmt::format("{}, case {}", name, records.size() + 1), one.dump());
+            take_case(sweep, fmt::format("{}, case {}", name, ++number), one);
     } else {
-        trouble(name, "{}{}",
-                !text                     ? "it cannot be read"
-                : manifest.is_discarded() ? "it is damaged"
-                                          : "it is no account of a sweep",
-                beside.empty() ? "" : "; the cases are taken from manifest.d");
+        trouble(name, "{}{}", wrong, beside.empty() ? "" : "; the cases are taken from manifest.d");
         for (const std::string& record : beside)
-            records.emplace_back(below(folder, record), text_of(root / below(folder, record)).value_or(""));
+            try {
+                take_case(sweep, below(folder, record), read_json(root / below(folder, record)));
+            } catch (const Error& error) {
+                trouble(below(folder, record), "{}", error.what());
+            }
     }
-    take_cases(sweep, records);
     sweep.cases_of_study = std::max(sweep.cases_of_study, sweep.cases.size());
     if (sweep.cases.empty())
         trouble(name, "it holds no case");

@@ -1,10 +1,12 @@
 #include "host/report/page.h"
 
-#include <fstream>
+#include <span>
 
 #include <fmt/format.h>
 
+#include "host/error.h"
 #include "host/io/hash.h"
+#include "host/io/readable_file.h"
 #include "host/plot/plot.h"
 #include "host/plot/xml_text.h"
 #include "host/report/base64.h"
@@ -35,11 +37,13 @@ std::string digest(const std::string& text) {
 } // namespace
 
 bool is_page(const std::filesystem::path& path) {
-    std::ifstream file(path, std::ios::binary);
-    std::string beginning(4096, '\0');
-    file.read(beginning.data(), static_cast<std::streamsize>(beginning.size()));
-    beginning.resize(static_cast<std::size_t>(file.gcount()));
-    return beginning.find(kGenerator) != std::string::npos;
+    try {
+        std::string beginning(4096, '\0');
+        beginning.resize(ReadableFile(path).read_some(0, std::as_writable_bytes(std::span(beginning))));
+        return beginning.find(kGenerator) != std::string::npos;
+    } catch (const IoError&) {
+        return false;
+    }
 }
 
 std::string page(const std::string& title, const std::string& body) {

@@ -5,11 +5,11 @@
 #include "host/scene/check.h"
 #include "host/scene/document.h"
 #include "host/scene/selection.h"
+#include "host/scene/toml_tree.h"
 
 #include <algorithm>
 #include <cerrno>
 #include <fstream>
-#include <iterator>
 #include <map>
 #include <system_error>
 #include <unordered_set>
@@ -26,7 +26,10 @@ std::string read_text(const std::filesystem::path& path) {
         throw IoError(fmt::format("cannot read {}: it is a folder, and a TOML file is wanted", path.string()));
     errno = 0;
     std::ifstream file(path, std::ios::binary);
-    std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+    std::string text, piece(std::size_t{1} << 16, '\0');
+    // Not to the end of what has none, as /dev/zero: parse_toml says that it is too much.
+    while (text.size() <= kLargestToml && (file.read(piece.data(), std::ssize(piece)) || file.gcount() > 0))
+        text.append(piece, 0, static_cast<std::size_t>(file.gcount()));
     if (!file.is_open() || file.bad())
         throw IoError(fmt::format("cannot read {}: {}", path.string(), std::generic_category().message(errno)));
     return text;

@@ -11,7 +11,6 @@ namespace forceshade {
 
 namespace {
 
-constexpr std::size_t kLargestText = std::size_t{16} << 20; // bytes; a study is a page or two
 constexpr int kMostKeyDots = 32;
 constexpr int kDeepest = 16;
 
@@ -19,26 +18,52 @@ Location location(const toml::source_position& position) {
     return {position.line, position.column};
 }
 
+// Behind the last quote of the quoted text that begins at `at`, or where it breaks off.
+std::size_t end_of_quoted(std::string_view text, std::size_t at) {
+    const std::string quotes(3, text[at]);
+    const bool multi_line = text.substr(at, 3) == quotes;
+    const std::size_t width = multi_line ? 3 : 1;
+    for (std::size_t i = at + width; i < text.size(); ++i) {
+        if (text[i] == '\n' && !multi_line)
+            return i;
+        if (text[i] == '\\' && text[at] == '"') {
+            ++i;
+        } else if (text.substr(i, width) == quotes.substr(0, width)) {
+            for (i += width; multi_line && text.substr(i, 1) == quotes.substr(0, 1);) // up to two belong to the text
+                ++i;
+            return i;
+        }
+    }
+    return text.size();
+}
+
+Location location_in(std::string_view text, std::size_t at) {
+    const std::string_view before = text.substr(0, at), line = text.substr(before.rfind('\n') + 1);
+    const auto begins_character = [](char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; };
+    const std::size_t length = at - (text.size() - line.size());
+    return {static_cast<std::uint32_t>(1 + std::ranges::count(before, '\n')),
+            static_cast<std::uint32_t>(1 + std::ranges::count_if(line.substr(0, length), begins_character))};
+}
+
 // The TOML library recurses once a level when it frees a table, so a key of a hundred thousand dots would end the
-// stack. Dots count while they may belong to one dotted key; two in a row never do.
+// stack. Dots count while they may belong to one dotted key; what stands in quotes or in a comment ends none.
 void refuse_deep_keys(std::string_view text, const std::string& source) {
-    Location at{1, 0};
     int dots = 0;
-    char previous = '\n';
-    bool comment = false;
-    for (const char c : text) {
-        at.column += (static_cast<unsigned char>(c) & 0xC0) != 0x80;
-        if (c == '\n')
-            at = {at.line + 1, 0};
-        comment = (comment && c != '\n') || (c == '#' && previous == '\n');
-        if (c == '.')
-            dots = previous == '.' ? 0 : dots + 1;
-        else if (c == '\n' || c == ',' || c == '=' || c == '{' || c == '[')
+    for (std::size_t at = 0; at < text.size();) {
+        const char c = text[at];
+        if (c == '"' || c == '\'') {
+            at = end_of_quoted(text, at);
+            continue;
+        }
+        if (c == '#') {
+            at = std::min(text.find('\n', at), text.size());
+            continue;
+        }
+        if (c == '\n' || c == ',' || c == '=')
             dots = 0;
-        if (!comment && dots > kMostKeyDots)
-            fail(source, at, "a key of so many dots is none of this schema's");
-        if (c != ' ' && c != '\t')
-            previous = c;
+        if (c == '.' && ++dots > kMostKeyDots)
+            fail(source, location_in(text, at), "a key of so many dots is none of this schema's");
+        ++at;
     }
 }
 
@@ -101,9 +126,8 @@ std::string describe(const TomlNode& node) {
 }
 
 TomlNode parse_toml(std::string_view text, const std::string& source) {
-    if (text.size() > kLargestText)
-        fail(source, {},
-             fmt::format("{} bytes are too many for a scene or study; the limit is {}", text.size(), kLargestText));
+    if (text.size() > kLargestToml)
+        fail(source, {}, fmt::format("it is no scene or study: it has more than {} bytes", kLargestToml));
     if (text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF"))
         fail(source, {1, 1}, "the text is UTF-16; save it as UTF-8");
     refuse_deep_keys(text, source);

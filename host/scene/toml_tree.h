@@ -10,6 +10,8 @@
 
 namespace forceshade {
 
+inline constexpr std::size_t kLargestToml = std::size_t{16} << 20; /* bytes; a study is a page or two */
+
 struct TomlMember;
 
 struct TomlNode {

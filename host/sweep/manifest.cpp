@@ -1,14 +1,12 @@
 #include "host/sweep/manifest.h"
 
 #include <algorithm>
-#include <fstream>
 #include <set>
-#include <sstream>
 #include <thread>
 
-#include <nlohmann/json.hpp>
-
+#include "host/error.h"
 #include "host/io/csv.h"
+#include "host/io/json_file.h"
 #include "host/io/temporary_file.h"
 #include "host/record/case_record.h"
 #include "host/sweep/machine.h"
@@ -16,8 +14,6 @@
 
 namespace forceshade {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 std::vector<CaseRecord> records_of(const std::filesystem::path& folder, const Study& study,
                                    const Fingerprints& fingerprints) {
@@ -47,11 +43,12 @@ Json account(const RunAccount& run) {
 }
 
 Json last_account(const std::filesystem::path& path) {
-    std::ifstream file(path, std::ios::binary);
-    std::ostringstream text;
-    text << file.rdbuf();
-    const Json json = Json::parse(text.str(), nullptr, false);
-    return json.is_object() && json.contains("last_run") ? json["last_run"] : Json(nullptr);
+    try {
+        const Json json = read_json(path);
+        return json.is_object() && json.contains("last_run") ? json["last_run"] : Json(nullptr);
+    } catch (const Error&) {
+        return nullptr; // there is none that could be read
+    }
 }
 
 constexpr const char* kPathColumns[] = {"paths",

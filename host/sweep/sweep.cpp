@@ -109,10 +109,7 @@ Prepared prepare(const Study& study, const std::vector<const Case*>& chosen, Cas
 }
 
 void prepare_folder(const Study& study, const std::filesystem::path& folder) {
-    std::error_code error;
-    std::filesystem::create_directories(folder / "manifest.d", error);
-    if (error)
-        throw IoError(fmt::format("cannot make the folder {}: {}", (folder / "manifest.d").string(), error.message()));
+    make_subfolder(folder, "manifest.d");
     clear_stale_temporaries(folder);
     clear_stale_temporaries(folder / "manifest.d");
     write_file_atomically(folder / "study.toml", resolved_toml(study));

@@ -1,9 +1,13 @@
 // Input that is missing, unreadable or wrong: one clear message, the exit code that belongs to it, and no file.
+#include <thread>
 #include <tuple>
+
+#include <sys/stat.h>
 
 #include <fmt/format.h>
 
 #include "tests/e2e/workplace.h"
+#include "tests/io/picture.h"
 
 namespace forceshade::testing {
 namespace {
@@ -182,6 +186,74 @@ TEST_F(BadInput, a_case_that_fails_does_not_stop_the_others) {
         EXPECT_EQ(temporaries_in(path("out")), std::vector<std::string>{});
     }
     EXPECT_EQ(read_json("out/manifest.json")["cases"].size(), 3u);
+}
+
+TEST_F(BadInput, a_scene_may_come_from_a_pipe_but_not_without_end) {
+    ASSERT_EQ(::mkfifo(path("pipe.toml").c_str(), 0600), 0);
+    const std::jthread writer([&] { write("pipe.toml", kOneCase); });
+    expect_success({"field", "pipe.toml", "--out", "field.exr", "--quiet"});
+    const Outcome outcome = forceshade({"validate", "/dev/zero"});
+    EXPECT_EQ(outcome.code, 2);
+    EXPECT_NE(outcome.error.find("/dev/zero: it is no scene or study"), std::string::npos) << outcome.error;
+    EXPECT_LT(outcome.peak_memory, std::uint64_t{256} << 20);
+}
+
+TEST_F(BadInput, a_height_map_that_needs_more_memory_than_allowed_is_refused) {
+    write_exr(path("map.exr"), {{"Y", {Imf::FLOAT, [](int, int) { return 0.5; }}}},
+              {.display = {{0, 0}, {16383, 16383}}, .data = {{0, 0}, {0, 0}}});
+    write("scene.toml", "[surface]\nkind = \"height_map\"\nfile = \"map.exr\"\nsize = [\"9 mm\", \"9 mm\"]\n"
+                        "[force]\nshading = \"height_map\"\n[grid]\nsize = [4, 4, 4]\n");
+    const Outcome outcome = forceshade({"field", "scene.toml", "--out", "field.exr"});
+    EXPECT_EQ(outcome.code, 2);
+    EXPECT_NE(
+        outcome.error.find("map.exr: a height map of 16384 x 16384 samples needs about 8.0 GiB of memory, more than "
+                           "the 4.0 GiB that are allowed: make it smaller, or say --max-memory \"8.0 GiB\""),
+        std::string::npos)
+        << outcome.error;
+    EXPECT_LT(outcome.peak_memory, std::uint64_t{256} << 20);
+    write_exr(path("map.exr"), {{"Y", {Imf::FLOAT, [](int, int) { return 0.5; }}}});
+    expect_failure(2, {"field", "scene.toml", "--out", "field.exr", "--max-memory", "100 kilo"},
+                   {"--max-memory 100 kilo"});
+    expect_success({"field", "scene.toml", "--out", "field.exr", "--max-memory", "1 MB"});
+    expect_failure(2, {"field", "scene.toml", "--out", "field.exr", "--max-memory", "100 B"}, {"--max-memory 100 B"});
+}
+
+// libpng would allocate what a text says it is, and only then find that the file has ended.
+TEST_F(BadInput, a_height_map_with_a_chunk_longer_than_the_file_takes_no_memory) {
+    write_png(path("map.png"), 2, {{9, 51}});
+    std::string bytes = read_text(path("map.png"));
+    bytes.insert(33, std::string("\x40\0\0\0tEXt", 8)); // behind the header: 1 GiB
+    write("map.png", bytes);
+    write("scene.toml", "[surface]\nkind = \"height_map\"\nfile = \"map.png\"\nsize = [\"9 mm\", \"9 mm\"]\n"
+                        "[force]\nshading = \"height_map\"\n[grid]\nsize = [4, 4, 4]\n");
+    const Outcome outcome = forceshade({"field", "scene.toml", "--out", "field.exr"});
+    EXPECT_EQ(outcome.code, 4);
+    EXPECT_LT(outcome.peak_memory, std::uint64_t{256} << 20);
+}
+
+TEST_F(BadInput, nothing_is_written_through_a_link_in_the_results) {
+    std::filesystem::create_directories(path("others/steps.d"));
+    write("others/.a.fs0123456789abcdef.tmp", "as if left by a run that was killed");
+    write("others/study.json", "{}");
+    const Tree before = tree_of(path("others"));
+    write("scene.toml", kOneCase);
+    std::filesystem::create_directory(path("out"));
+    std::filesystem::create_directory_symlink(path("others"), path("out/manifest.d"));
+    std::filesystem::create_directory_symlink(path("others"), path("out/omission"));
+    expect_failure(4, {"sweep", "scene.toml", "--out", "out"}, {"manifest.d", "symbolic link"});
+    expect_failure(4, {"study", "omission", "scene.toml", "--out", "out", "--quick"}, {"omission", "symbolic link"});
+    std::filesystem::remove(path("out/omission"));
+    std::filesystem::create_directory(path("out/omission"));
+    std::filesystem::create_directory_symlink(path("others"), path("out/omission/quick-steps.d"));
+    expect_failure(4, {"study", "omission", "scene.toml", "--out", "out", "--quick"},
+                   {"quick-steps.d", "symbolic link"});
+    EXPECT_EQ(tree_of(path("others")), before);
+    // Links of files are replaced, not followed.
+    std::filesystem::remove(path("out/manifest.d"));
+    for (const char* name : {"manifest.json", "summary.csv", "study.toml", "report.html"})
+        std::filesystem::create_symlink(path("others/study.json"), path("out") / name);
+    expect_success({"sweep", "scene.toml", "--out", "out"});
+    EXPECT_EQ(tree_of(path("others")), before);
 }
 
 } // namespace

@@ -1,12 +1,16 @@
 #include <cmath>
 #include <limits>
 
+#include <fmt/core.h>
 #include <gtest/gtest.h>
 
 #include "host/error.h"
 #include "host/io/height_image.h"
+#include "host/io/readable_file.h"
+#include "host/io/temporary_file.h"
 #include "tests/io/folder.h"
 #include "tests/io/picture.h"
+#include "tests/io/short_block.h"
 
 namespace forceshade {
 namespace {
@@ -37,7 +41,8 @@ TEST(HeightExr, takes_floats_and_halves_as_they_are) {
     for (const Imf::PixelType type : {Imf::FLOAT, Imf::HALF})
         for (const bool tiled : {false, true})
             for (const Imf::Compression compression :
-                 {Imf::NO_COMPRESSION, Imf::RLE_COMPRESSION, Imf::ZIP_COMPRESSION, Imf::PIZ_COMPRESSION}) {
+                 {Imf::NO_COMPRESSION, Imf::RLE_COMPRESSION, Imf::ZIPS_COMPRESSION, Imf::ZIP_COMPRESSION,
+                  Imf::PIZ_COMPRESSION, Imf::PXR24_COMPRESSION}) {
                 write_exr(folder / "u.exr", {{"Y", {type, ramp}}}, {.compression = compression, .tiled = tiled});
                 const HeightImage image = read_height_image(folder / "u.exr");
                 EXPECT_EQ(image.columns, 4u);
@@ -126,6 +131,53 @@ TEST(HeightExr, that_announces_too_much_is_refused_before_it_is_read) {
     write_exr(folder / "u.exr", {{"Y", channel}}, {.display = {{0, 0}, {1 << 20, 1 << 10}}});
     EXPECT_NE(message_of<UsageError>([&] { read_height_image(folder / "u.exr"); }).find("cannot be used"),
               std::string::npos);
+    write_exr(folder / "u.exr", {{"Y", channel}}, {.display = {{0, 0}, {16383, 16383}}, .data = {{0, 0}, {0, 0}}});
+    EXPECT_NE(message_of<UsageError>([&] { read_height_image(folder / "u.exr"); }).find("needs about 8.0 GiB"),
+              std::string::npos);
+}
+
+// Less than a block should hold would be read from what the memory held before: run with MALLOC_PERTURB_ to see it.
+TEST(HeightExr, with_a_block_that_is_too_short_is_damaged) {
+    const Folder folder;
+    const auto path = folder / "u.exr";
+    for (const testing::Packing packing : {testing::Packing::none, testing::Packing::rle, testing::Packing::zips,
+                                           testing::Packing::zip, testing::Packing::pxr24})
+        for (const Imf::PixelType type : {Imf::FLOAT, Imf::HALF, Imf::UINT})
+            for (const bool tiled : {false, true}) {
+                SCOPED_TRACE(fmt::format("compression {}, type {}, tiled {}", static_cast<int>(packing),
+                                         static_cast<int>(type), tiled));
+                const Imath::Box2i window{{0, 0}, tiled ? Imath::V2i(1, 1) : Imath::V2i(63, 0)}; // of one block
+                write_exr(path, {{"Y", {type, ramp}}}, {window, window, static_cast<Imf::Compression>(packing), tiled});
+                const std::size_t pixels = tiled ? 4 : 64;
+                const std::size_t whole = pixels * (type == Imf::HALF                                          ? 2
+                                                    : packing == testing::Packing::pxr24 && type == Imf::FLOAT ? 3
+                                                                                                               : 4);
+                const std::string file = read_file(path);
+                const auto rewrite = [&](std::size_t size) {
+                    write_file_atomically(path, testing::with_block(file, testing::packed_zeros(packing, size), tiled));
+                };
+                if (!tiled || packing == testing::Packing::none) { // else it is no smaller packed
+                    rewrite(whole);
+                    EXPECT_EQ(read_height_image(path).samples, std::vector(pixels, 0.0));
+                }
+                for (const std::size_t size : {whole - 1, whole / 2, std::size_t{1}, std::size_t{0}}) {
+                    rewrite(size);
+                    const std::string message = message_of<IoError>([&] { read_height_image(path); });
+                    EXPECT_NE(message.find(tiled ? "the tile (0, 0) is damaged" : "the block at row 0 is damaged"),
+                              std::string::npos)
+                        << size << message;
+                }
+            }
+}
+
+TEST(HeightExr, with_a_compression_that_is_not_read_says_so) {
+    const Folder folder;
+    for (const Imf::Compression compression :
+         {Imf::B44_COMPRESSION, Imf::B44A_COMPRESSION, Imf::DWAA_COMPRESSION, Imf::DWAB_COMPRESSION}) {
+        write_exr(folder / "u.exr", {{"Y", {Imf::FLOAT, ramp}}}, {.compression = compression});
+        const std::string message = message_of<UsageError>([&] { read_height_image(folder / "u.exr"); });
+        EXPECT_NE(message.find("save it with ZIP"), std::string::npos) << message;
+    }
 }
 
 } // namespace

@@ -3,6 +3,7 @@
 #include "host/error.h"
 #include "host/io/hash.h"
 #include "host/io/height_image.h"
+#include "host/io/memory_limit.h"
 #include "host/io/readable_file.h"
 #include "host/io/temporary_file.h"
 #include "tests/io/folder.h"
@@ -127,6 +128,13 @@ TEST(HeightPng, that_announces_too_much_is_refused_before_it_is_read) {
     const auto read = [&] { read_height_image(folder / "u.png"); };
     announce(1u << 20, 1u << 10);
     EXPECT_NE(message_of<UsageError>(read).find("1048576 x 1024 samples cannot be used"), std::string::npos);
+    announce(16384, 16384);
+    EXPECT_NE(message_of<UsageError>(read).find("a height map of 16384 x 16384 samples needs about 8.0 GiB of memory, "
+                                                "more than the 4.0 GiB that are allowed"),
+              std::string::npos);
+    set_memory_limit(parse_memory("8 GiB"));
+    EXPECT_NE(message_of<IoError>(read).find("it is too short for 16384 x 16384 samples"), std::string::npos);
+    set_memory_limit(kDefaultMemory);
     announce(0x7fffffffu, 0x7fffffffu);
     EXPECT_THROW(read(), Error);
     announce(1u << 14, 1u << 13); // allowed, but not in a file this short

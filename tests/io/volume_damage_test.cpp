@@ -11,6 +11,7 @@
 #include "host/io/temporary_file.h"
 #include "tests/io/folder.h"
 #include "tests/io/sample_field.h"
+#include "tests/io/short_block.h"
 
 namespace forceshade {
 namespace {
@@ -70,8 +71,7 @@ TEST(DamagedVolume, is_refused_before_it_costs_memory) {
         return testing::message_of<IoError>([&] { read_all(sound.path); });
     };
     using namespace std::string_literals;
-    EXPECT_NE(refusal_of("forceshade.scene\0string\0"s, 0, 0x7fffffff).find("an attribute is larger than the file"),
-              std::string::npos);
+    EXPECT_NE(refusal_of("forceshade.scene\0string\0"s, 0, 0x7fffffff).find("no valid EXR file"), std::string::npos);
     EXPECT_NE(refusal_of("dataWindow\0box2i\0"s, 4 + 12, 0x3ffffff0).find("too short for the pixels"),
               std::string::npos);
     EXPECT_NE(refusal_of("dataWindow\0box2i\0"s, 4 + 8, 0x3ffffff0).find("more than 1 GiB"), std::string::npos);
@@ -97,6 +97,40 @@ TEST(DamagedVolume, never_does_more_than_throw_io_errors) {
             EXPECT_EQ(file_is_intact(sound.path, sound.sha256), bytes == sound.bytes);
         }
     }
+}
+
+TEST(DamagedVolume, whose_block_is_too_short_is_noticed) {
+    const Folder folder;
+    constexpr std::array<std::uint64_t, 3> kOneBlock{64, 1, 1};
+    for (const auto& [compression, packing] : {std::pair(Compression::none, testing::Packing::none),
+                                               {Compression::zip1, testing::Packing::zips},
+                                               {Compression::zip, testing::Packing::zip},
+                                               {Compression::pxr24, testing::Packing::pxr24}})
+        for (const PixelType pixel : {PixelType::float32, PixelType::half})
+            for (const int threads : {0, 2}) {
+                SCOPED_TRACE(static_cast<int>(packing));
+                VolumeHeader header = sample_header(kOneBlock, layout::kChannelForce);
+                header.compression = compression;
+                header.pixel = pixel;
+                VolumeWriter writer(folder / "a.exr", header);
+                SampleField(kOneBlock).write_to(writer);
+                writer.finish();
+                const std::string file = read_file(folder / "a.exr");
+                const std::size_t whole = 64 * 3 *
+                                          (pixel == PixelType::half            ? 2
+                                           : compression == Compression::pxr24 ? 3
+                                                                               : 4);
+                const auto values_with = [&](std::size_t size) {
+                    write_file_atomically(folder / "a.exr",
+                                          testing::with_block(file, testing::packed_zeros(packing, size)));
+                    std::vector<float> values;
+                    VolumeReader(folder / "a.exr", threads).read(layout::kChannelForce, 0, 1, values);
+                    return values;
+                };
+                EXPECT_EQ(values_with(whole), std::vector<float>(64 * 3, 0.0f));
+                for (const std::size_t size : {whole - 1, whole / 2, std::size_t{1}, std::size_t{0}})
+                    EXPECT_THROW(values_with(size), IoError) << size;
+            }
 }
 
 /// Changes a byte in the middle of a file.

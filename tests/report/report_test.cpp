@@ -1,6 +1,9 @@
 // report.html: one file that needs nothing else, whatever lies in the folder.
+#include <algorithm>
 #include <filesystem>
 #include <regex>
+
+#include <sys/stat.h>
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -157,6 +160,37 @@ TEST_F(Report, TellsOfManifestsThatAreNone) {
     expect_trouble("manifest.json: it is no account of a sweep");
     write_sample_manifest(path(), {});
     expect_trouble("manifest.json: it holds no case");
+}
+
+// The report would copy and print them a level a call, until the stack ends.
+TEST_F(Report, TellsOfAccountsThatAreNestedDeeply) {
+    const std::string deep = std::string(300000, '[') + std::string(300000, ']');
+    for (const std::string& text : {"{\"cases\":[" + deep + "]}", "{\"format\":" + deep + ",\"cases\":[]}",
+                                    "{\"last_run\":" + deep + ",\"cases\":[]}"}) {
+        put_text(path("manifest.json"), text);
+        expect_trouble("manifest.json: it is damaged");
+    }
+    std::filesystem::create_directory(path("manifest.d"));
+    put_text(path("manifest.d/a.json"), deep);
+    expect_trouble("manifest.d/a.json: this case cannot be understood");
+    for (const std::string& text :
+         {"{\"study\":\"energy\",\"format\":" + deep + "}", "{\"study\":" + deep + ",\"format\":1}"}) {
+        put_text(path("study.json"), text);
+        expect_trouble("study.json: it is damaged");
+    }
+}
+
+TEST_F(Report, WaitsForNoPipe) {
+    std::filesystem::create_directory(path("manifest.d"));
+    for (const char* name : {"manifest.json", "manifest.d/a.json", "study.json", "report.html"})
+        ASSERT_EQ(::mkfifo(path(name).c_str(), 0600), 0);
+    const ReportResult written = write_report(path());
+    EXPECT_EQ(written.file.filename(), "forceshade-report.html") << "what is no page is left alone";
+    for (const char* name : {"manifest.json", "manifest.d/a.json", "study.json"})
+        EXPECT_TRUE(std::ranges::any_of(written.troubles, [&](const std::string& trouble) {
+            return trouble.starts_with(std::string(name) + ": ") &&
+                   trouble.find("not a regular file") != std::string::npos;
+        })) << name;
 }
 
 TEST_F(Report, OfAnOldManifestShowsWhatCanBeUnderstood) {

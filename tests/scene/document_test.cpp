@@ -123,6 +123,26 @@ TEST(Document, Encoding) {
     EXPECT_NE(study_error("a = " + std::string(100000, '[')), "(no error)");
 }
 
+// The TOML library would end the stack in freeing what it made of such keys, whatever stands in their quotes.
+TEST(Document, KeysOfManyDotsAreRefusedWhateverTheyQuote) {
+    const auto key_of = [](const std::string& part) {
+        std::string key;
+        for (int i = 0; i < 20000; ++i)
+            key += part + ".";
+        return key + "a";
+    };
+    for (const char* quoted :
+         {"'['", "\"{\"", "'='", "','", "\"#\"", "'\"'", "\"'\"", R"("\"")", R"("\\")", "''", "\"\""}) {
+        const std::string key = key_of(quoted);
+        const std::string line = key + " = 1\n";
+        for (const std::string& text : {line, "[" + key + "]\n", "a = { " + key + " = 1 }\n", "# don't\n" + line,
+                                        "a = \"\"\"\n ' \"\" \\\"\"\"\"\"\n" + line, "a = { b = '''\n\" ''''', " + line,
+                                        "a = [\"b\", # \"\n1]\n" + line})
+            EXPECT_NE(study_error(text).find("a key of so many dots"), std::string::npos) << text.substr(0, 40);
+    }
+    EXPECT_EQ(study_error("# isn't it. \n[surface] # " + key_of("'") + "\nfacets = 3 # \"\n"), "(no error)");
+}
+
 TEST(Document, Overrides) {
     const std::vector<Override> f64{{"run.precision", "f64"}, {"surface.facets", "3"}, {"grid.size", "[2, 3, 4]"}};
     const Scene scene = parse_study("[surface]\nfacets = [1, 2]\n", "f.toml", {}, f64).cases.at(0).scene;

@@ -1,15 +1,13 @@
 #include "host/study/data/data_files.h"
 
 #include <algorithm>
-#include <fstream>
-#include <optional>
 #include <set>
-#include <sstream>
 
 #include <fmt/format.h>
 
 #include "host/io/csv.h"
 #include "host/io/hash.h"
+#include "host/io/json_file.h"
 #include "host/io/plain_name.h"
 #include "host/io/temporary_file.h"
 
@@ -18,12 +16,13 @@ namespace {
 
 const char* const kAccount = "study.json";
 
-// Nothing if there is none or it cannot be read.
-std::optional<std::string> account_in(const std::filesystem::path& folder) {
-    std::ifstream file(folder / kAccount, std::ios::binary);
-    std::ostringstream text;
-    text << file.rdbuf();
-    return file ? std::optional(text.str()) : std::nullopt;
+// What the account of the run before names; nothing if there is none that could be read.
+std::vector<FileRecord> files_of_former(const std::filesystem::path& folder, const std::string& study) {
+    try {
+        return files_named_by(read_json(folder / kAccount), study);
+    } catch (const Error&) {
+        return {};
+    }
 }
 
 FileRecord written(const std::filesystem::path& folder, const TextFile& file) {
@@ -97,16 +96,14 @@ std::vector<std::string> write_data(const std::filesystem::path& folder, StudyDa
     TemporaryFile account(folder / kAccount);
     account.write(data_json(data));
     account.flush_to_disk();
-    const std::vector<FileRecord> former = files_named_by(account_in(folder).value_or(""), data.study);
+    const std::vector<FileRecord> former = files_of_former(folder, data.study);
     std::vector<std::string> changed = remove_intact(folder, left_over(folder, former, data));
     account.publish();
     return changed;
 }
 
 StudyData read_data(const std::filesystem::path& folder) {
-    if (const auto account = account_in(folder))
-        return parse_data(*account);
-    throw IoError(fmt::format("cannot read {}", (folder / kAccount).string()));
+    return data_from(read_json(folder / kAccount));
 }
 
 } // namespace forceshade::study

@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include <nlohmann/json_fwd.hpp>
+
 #include "host/study/data/study_data.h"
 
 namespace forceshade::study {
@@ -19,6 +21,7 @@ std::string data_json(const StudyData& data);
 
 /// \throws DataError that says what is missing, damaged or of another format.
 StudyData parse_data(const std::string& json);
+StudyData data_from(const nlohmann::ordered_json& json);
 
 /// A header of column names, then a line a row; numbers read back exactly, nothing is empty.
 std::string table_csv(const Table& table);
@@ -28,7 +31,7 @@ std::string cell_text(const Cell& cell);
 
 /// What the account of a study's run, of whatever format, names as written beside it: tables, figures and volumes.
 /// Nothing if it is of another study or cannot be understood.
-std::vector<FileRecord> files_named_by(const std::string& json, const std::string& study);
+std::vector<FileRecord> files_named_by(const nlohmann::ordered_json& json, const std::string& study);
 
 /// A file beside study.json.
 struct TextFile {

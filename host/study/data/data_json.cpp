@@ -1,14 +1,12 @@
 #include "host/study/data/data_files.h"
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
+#include "host/io/json_file.h"
 #include "host/study/data/data_error.h"
 
 namespace forceshade::study {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 constexpr const char* kKinds[] = {"scatter", "map", "bars"};
 
@@ -209,8 +207,13 @@ std::string data_json(const StudyData& data) {
 }
 
 StudyData parse_data(const std::string& text) {
+    return data_from(parse_json(text));
+}
+
+StudyData data_from(const Json& json) {
+    if (json.is_discarded())
+        throw DataError("it is damaged");
     try {
-        const Json json = Json::parse(text);
         if (!json.is_object() || !json.contains("format") || !json.contains("study"))
             throw DataError("it is no account of a study");
         if (json.at("format") != kDataFormat)
@@ -223,8 +226,7 @@ StudyData parse_data(const std::string& text) {
 }
 
 // Of any format: an account that cannot be understood names nothing.
-std::vector<FileRecord> files_named_by(const std::string& text, const std::string& study) {
-    const Json json = Json::parse(text, nullptr, false);
+std::vector<FileRecord> files_named_by(const Json& json, const std::string& study) {
     if (!json.is_object() || !json.contains("study") || json["study"] != study)
         return {};
     std::vector<FileRecord> all;

@@ -1,14 +1,13 @@
 #include "host/study/run/study_run.h"
 
 #include <chrono>
-#include <fstream>
-#include <sstream>
 #include <thread>
 
 #include <fmt/format.h>
 
 #include "host/interrupt.h"
 #include "host/io/hash.h"
+#include "host/io/json_file.h"
 #include "host/io/temporary_file.h"
 #include "host/study/data/data_files.h"
 #include "host/sweep/machine.h"
@@ -18,7 +17,6 @@
 namespace forceshade::study {
 namespace {
 
-using Json = nlohmann::ordered_json;
 using Clock = std::chrono::steady_clock;
 
 std::filesystem::path steps_folder(const StudyOptions& options) {
@@ -27,10 +25,8 @@ std::filesystem::path steps_folder(const StudyOptions& options) {
 
 void make_folders(const StudyOptions& options) {
     const std::filesystem::path steps = steps_folder(options);
-    std::error_code error;
-    std::filesystem::create_directories(steps, error);
-    if (error)
-        throw IoError(fmt::format("cannot make the folder {}: {}", steps.string(), error.message()));
+    make_subfolder(options.folder.parent_path(), options.folder.filename().string());
+    make_subfolder(options.folder, steps.filename().string());
     clear_stale_temporaries(options.folder);
     clear_stale_temporaries(steps);
 }
@@ -54,10 +50,12 @@ std::filesystem::path StudyRun::step_path(const Step& step) const {
 
 // Nothing where the file is missing, damaged or of another run.
 std::optional<Json> StudyRun::kept(const Step& step) const {
-    std::ifstream file(step_path(step), std::ios::binary);
-    std::ostringstream text;
-    text << file.rdbuf();
-    const Json json = Json::parse(text.str(), nullptr, false);
+    Json json;
+    try {
+        json = read_json(step_path(step));
+    } catch (const Error&) {
+        return std::nullopt;
+    }
     if (!json.is_object() || !json.contains("result") || !json.contains("seconds") || !json["seconds"].is_number())
         return std::nullopt;
     const auto says = [&](const char* key, const std::string& expected) {
