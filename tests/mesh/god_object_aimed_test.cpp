@@ -110,6 +110,24 @@ TEST(GodObjectAimed, SolidsFloat) {
 TEST(GodObjectAimed, MeshesDouble) {
     walk_on<double>(walks::meshes(files()), walks_a_mesh());
 }
+/// Triangles that cut each other everywhere: a few walks on each of many soups.
+template <typename T> void walk_on_soups() {
+    const unsigned soups = std::getenv("FORCESHADE_LONG") ? 20000 : 1000;
+    Tally tally;
+    for (unsigned seed = 1; seed <= soups; ++seed)
+        walk<T>(fmt::format("soup {}", seed), build_structure(shapes::mesh_of(walks::soup(seed))), 10, seed, tally);
+    fmt::print("{} soups f{}: {} walks {} contacts: {} crossed, {} unfinished\n", soups, 8 * sizeof(T), tally.walks,
+               tally.contacts, tally.crossed, tally.unfinished);
+    EXPECT_EQ(tally.crossed, 0u);
+    EXPECT_EQ(tally.unfinished, 0u);
+}
+
+TEST(GodObjectAimed, SoupsDouble) {
+    walk_on_soups<double>();
+}
+TEST(GodObjectAimed, SoupsFloat) {
+    walk_on_soups<float>();
+}
 TEST(GodObjectAimed, MeshesFloat) {
     walk_on<float>(walks::meshes(files()), walks_a_mesh());
 }

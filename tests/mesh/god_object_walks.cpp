@@ -229,6 +229,7 @@ std::vector<Terrain> meshes(const std::vector<std::string>& files) {
                                    {"waves", shapes::patch(shapes::Cells::hexagons, 12, waves)},
                                    {"wedge 5 degrees", wedge(0.0873)},
                                    {"wedge 60 degrees", wedge(1.047)},
+                                   {"wedge 0.01 degrees", wedge(1.745e-4)},
                                    {"plate", shapes::plate(5e-4)},
                                    {"near folds", touching_folds(6, 1e-6)},
                                    {"bump", bump(16, 6)},
@@ -240,6 +241,19 @@ std::vector<Terrain> meshes(const std::vector<std::string>& files) {
     for (const std::string& file : files)
         result.push_back({file, read_polygons(file).polygons});
     return result;
+}
+
+PolygonSoup soup(unsigned seed) {
+    std::mt19937_64 random(seed);
+    std::uniform_real_distribution<double> place(-1, 1);
+    PolygonSoup soup;
+    const auto count = static_cast<std::uint32_t>(2 + random() % 12);
+    for (std::uint32_t i = 0; i < count; ++i) {
+        for (int corner = 0; corner < 3; ++corner)
+            soup.vertices.push_back({place(random), place(random), place(random)});
+        add_facet(soup, {3 * i, 3 * i + 1, 3 * i + 2});
+    }
+    return soup;
 }
 
 Aimer::Aimer(const MeshStructure& structure, std::uint64_t seed)

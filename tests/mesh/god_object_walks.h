@@ -56,6 +56,8 @@ private:
 std::vector<Terrain> solids();
 /// Closed and open meshes of other kinds, the given files among them.
 std::vector<Terrain> meshes(const std::vector<std::string>& files);
+/// A few triangles anywhere, through each other.
+PolygonSoup soup(unsigned seed);
 
 /// Probe positions in the mesh's frame that aim at what a god-object may fall through: from corner to corner within
 /// 0 to 1e-4 sizes of the edge, through the middles of edges, along edges and parallel to facets with steps of 1e-12 to
