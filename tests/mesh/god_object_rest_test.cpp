@@ -143,7 +143,7 @@ template <typename T> void rest_in_pits() {
     }
 }
 
-/// Patches whose nodes stand at random heights, up to `relief` cells off the plane: crumpled, or spikes of 83 degrees.
+/// Patches whose nodes stand at random heights, up to `relief` cells off the plane: crumpled, or spikes.
 walks::Terrain rough(unsigned cells, double relief, unsigned seed) {
     std::mt19937 random(seed);
     const auto height = [&](double, double) {
