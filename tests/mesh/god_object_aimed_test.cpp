@@ -18,7 +18,7 @@ template <typename T> glm::dvec3 wide(const glm::vec<3, T>& v) {
 }
 
 /// A move ends 7/8 of a skin from a triangle; what is far below that has lost its skin and meets nothing any more.
-constexpr double kLeastGap = 0.8;
+constexpr double kLeastGap = 0.86;
 
 struct Tally {
     std::uint64_t walks = 0, steps = 0, contacts = 0, pieces = 0, crossed = 0, unfinished = 0;
