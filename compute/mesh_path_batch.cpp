@@ -27,10 +27,6 @@ std::size_t list_of(uint phase) {
         return 1;
     case layout::kPhaseAlone:
         return 2;
-    case layout::kPhaseSettle:
-        return 3;
-    case layout::kPhaseSettleAlone:
-        return 4;
     default:
         return 0;
     }
@@ -90,24 +86,20 @@ WaitingPaths MeshPathBatch::waiting(std::uint32_t step_end) const {
         const uint step = word(layout::kWalkWordStep, path), phase = word(layout::kWalkWordPhase, path);
         if (step >= std::min(step_end, word(layout::kWalkWordSteps, path)) || phase == layout::kPhaseHost)
             continue;
-        const bool alone = phase == layout::kPhaseAlone || phase == layout::kPhaseSettleAlone;
-        std::vector<uint>& list = waiting.lists[list_of(phase)];
+        std::vector<uint>& list = waiting[list_of(phase)];
         list.push_back(static_cast<uint>(path));
-        if (alone)
+        if (phase == layout::kPhaseAlone)
             list.resize(list.size() + kApart - 1, layout::kNoPath);
-        const bool begins = word(layout::kWalkWordStage, path) != layout::kStageSettle;
-        waiting.settling += phase == layout::kPhaseSettle && begins ? 1 : 0;
     }
     return waiting;
 }
 
-template <typename T> HostUpdates<T> MeshPathBatch::host_updates(bool settles) const {
+template <typename T> HostUpdates<T> MeshPathBatch::host_updates() const {
     visible_to_host(device_, words_);
     visible_to_host(device_, reals_);
     HostUpdates<T> waiting;
     for (std::size_t path = 0; path < paths_; ++path) {
-        const uint phase = word(layout::kWalkWordPhase, path);
-        if (phase != layout::kPhaseHost && (settles || phase != layout::kPhaseSettle))
+        if (word(layout::kWalkWordPhase, path) != layout::kPhaseHost)
             continue;
         layout::MeshUpdate<T> update{};
         for (uint i = 0; i < 3; ++i) {
@@ -150,8 +142,8 @@ std::array<std::uint32_t, kMeshPathLists> MeshPathBatch::put_lists(const Waiting
     std::uint32_t at = 0;
     for (std::size_t i = 0; i < kMeshPathLists; ++i) {
         begins[i] = at;
-        std::ranges::copy(waiting.lists[i], to + at);
-        at += static_cast<std::uint32_t>(waiting.lists[i].size());
+        std::ranges::copy(waiting[i], to + at);
+        at += static_cast<std::uint32_t>(waiting[i].size());
     }
     flush_to_device(device_, words_);
     return begins;
@@ -211,8 +203,8 @@ vk::Buffer MeshPathBatch::buffer(uint binding) const {
 
 template void MeshPathBatch::begin<float>(const layout::PathBatch<float>&, std::size_t, uint, std::size_t, bool);
 template void MeshPathBatch::begin<double>(const layout::PathBatch<double>&, std::size_t, uint, std::size_t, bool);
-template HostUpdates<float> MeshPathBatch::host_updates<float>(bool) const;
-template HostUpdates<double> MeshPathBatch::host_updates<double>(bool) const;
+template HostUpdates<float> MeshPathBatch::host_updates<float>() const;
+template HostUpdates<double> MeshPathBatch::host_updates<double>() const;
 template void MeshPathBatch::put<float>(const HostUpdates<float>&);
 template void MeshPathBatch::put<double>(const HostUpdates<double>&);
 template void MeshPathBatch::put_positions<float>(std::span<const float>);

@@ -10,12 +10,9 @@
 
 namespace forceshade::compute {
 
-/// Paths that wait for a kernel: the hot one, the rare one, likewise without neighbours, the settling one, likewise.
-constexpr std::size_t kMeshPathLists = 5;
-struct WaitingPaths {
-    std::array<std::vector<layout::uint>, kMeshPathLists> lists;
-    std::size_t settling = 0; /* paths whose settling begins */
-};
+/// Paths that wait for a kernel: the hot one, the rare one, likewise without neighbours.
+constexpr std::size_t kMeshPathLists = 3;
+using WaitingPaths = std::array<std::vector<layout::uint>, kMeshPathLists>;
 
 /// Updates that are the host's, and the paths that wait for them.
 template <typename T> struct HostUpdates {
@@ -39,8 +36,8 @@ public:
 
     /// What the paths wait for that have not come to `step_end` or their end.
     WaitingPaths waiting(std::uint32_t step_end) const;
-    /// What is left to the host; rests at edges and corners too unless the device `settles` them.
-    template <typename T> HostUpdates<T> host_updates(bool settles) const;
+    /// What is left to the host.
+    template <typename T> HostUpdates<T> host_updates() const;
     template <typename T> void put(const HostUpdates<T>& done);
     /// Writes lists, one after the other; gives where each begins.
     std::array<std::uint32_t, kMeshPathLists> put_lists(const WaitingPaths& lists);

@@ -18,7 +18,7 @@ template <typename Value> std::span<const std::byte> bytes_of(const std::vector<
 
 } // namespace
 
-template <typename T> void MeshPathInputs::upload_triangles(const layout::Law<T>& law, bool settles) {
+template <typename T> void MeshPathInputs::upload_triangles(const layout::Law<T>& law) {
     const layout::MeshView<T>& mesh = law.mesh;
     const std::size_t triangles = mesh.triangle_facets.size();
     const MeshObstacles obstacles = find_obstacles(mesh);
@@ -29,38 +29,28 @@ template <typename T> void MeshPathInputs::upload_triangles(const layout::Law<T>
     }
     const auto first = static_cast<uint>(indices.size());
     indices.insert(indices.end(), obstacles.triangles.begin(), obstacles.triangles.end());
-    // What is across an edge with a pseudonormal of its own leads to that in the vectors.
-    const std::size_t vectors = vertices_ + vertex_vectors_ * (mesh.vertices.size() / 3);
-    const auto found = [&](uint across) {
-        const bool many = across != layout::kMeshBorder && (across & layout::kMeshManyBit) != 0;
-        return many ? across + static_cast<uint>(vectors) : across;
-    };
-    std::vector<uint> words((settles ? 12 : 8) * triangles);
+    std::vector<uint> words(8 * triangles);
     for (std::size_t t = 0; t < triangles; ++t) {
         uint* const to = &words[8 * t];
         to[0] = mesh.triangle_facets[t];
-        std::ranges::transform(mesh.triangle_neighbours.subspan(3 * t, 3), to + 1, found);
+        std::ranges::copy(mesh.triangle_neighbours.subspan(3 * t, 3), to + 1);
         to[4] = first + obstacles.front[t];
         to[5] = first + obstacles.back[t];
         to[6] = first + obstacles.front[t + 1];
         to[7] = obstacles.crowded[t] ? layout::kTriangleCrowded : 0;
-        if (settles)
-            std::ranges::copy(mesh.triangle_corners.subspan(3 * t, 3), &words[8 * triangles + 4 * t]);
     }
     buffers_.upload(layout::kMeshPathBindTriangles, bytes_of(words));
     buffers_.upload(layout::kMeshPathBindIndices, bytes_of(indices));
 }
 
-template <typename T> void MeshPathInputs::upload_vectors(const layout::Law<T>& law, bool settles) {
+template <typename T> void MeshPathInputs::upload_vectors(const layout::Law<T>& law) {
     const layout::MeshView<T>& mesh = law.mesh;
-    const bool corners = reads_corners(law.features);
-    const std::size_t triangles = mesh.triangle_facets.size(), vertices = mesh.vertices.size() / 3;
+    const std::size_t triangles = mesh.triangle_facets.size();
+    const std::size_t vertices = reads_corners(law.features) ? mesh.vertices.size() / 3 : 0;
     const std::size_t facets = reads_facet_normals(law.features) ? mesh.facet_normals.size() / 3 : 0;
-    const std::size_t edges = mesh.edge_pseudonormals.size() / 3;
     vertices_ = static_cast<uint>(3 * triangles + facets);
-    vertex_vectors_ = (corners || settles ? 1 : 0) + (corners ? 1 : 0) + (settles ? 1 : 0);
     std::vector<T> table;
-    table.reserve(4 * (vertices_ + vertex_vectors_ * vertices + edges));
+    table.reserve(4 * (vertices_ + 2 * vertices));
     const auto add = [&](std::span<const T> from, std::size_t i, T beside) {
         table.insert(table.end(), {from[3 * i], from[3 * i + 1], from[3 * i + 2], beside});
     };
@@ -70,26 +60,20 @@ template <typename T> void MeshPathInputs::upload_vectors(const layout::Law<T>& 
     for (std::size_t f = 0; f < facets; ++f)
         add(mesh.facet_normals, f, T(0));
     for (std::size_t v = 0; v < vertices; ++v) {
-        if (corners || settles)
-            add(mesh.vertices, v, T(0));
-        if (corners)
-            add(mesh.vertex_normals, v, T(0));
-        if (settles)
-            add(mesh.vertex_pseudonormals, v, T(0));
+        add(mesh.vertices, v, T(0));
+        add(mesh.vertex_normals, v, T(0));
     }
-    for (std::size_t e = 0; e < edges; ++e)
-        add(mesh.edge_pseudonormals, e, T(0));
     buffers_.upload(layout::kMeshPathBindVectors, bytes_of(table));
 }
 
-template <typename T> void MeshPathInputs::upload(const layout::Law<T>& law, bool settles) {
+template <typename T> void MeshPathInputs::upload(const layout::Law<T>& law) {
     const layout::MeshLawParams<T> params{law.params, law.mesh.params};
     buffers_.upload(layout::kMeshPathBindLaw, std::as_bytes(std::span(&params, 1)));
     buffers_.upload(layout::kMeshPathBindMapGradients, std::as_bytes(law.map_gradients));
     buffers_.upload(layout::kMeshPathBindTextureGradients, std::as_bytes(law.texture_gradients));
     buffers_.upload(layout::kMeshPathBindNodes, std::as_bytes(law.mesh.nodes));
-    upload_vectors(law, settles);
-    upload_triangles(law, settles);
+    upload_vectors(law);
+    upload_triangles(law);
 }
 
 template <typename T>
@@ -99,8 +83,8 @@ void MeshPathInputs::upload(const layout::PathInput<T>& input, const layout::Pat
     buffers_.upload(layout::kMeshPathBindHands, std::as_bytes(hands_of(input, batch)));
 }
 
-template void MeshPathInputs::upload<float>(const layout::Law<float>&, bool);
-template void MeshPathInputs::upload<double>(const layout::Law<double>&, bool);
+template void MeshPathInputs::upload<float>(const layout::Law<float>&);
+template void MeshPathInputs::upload<double>(const layout::Law<double>&);
 template void MeshPathInputs::upload<float>(const layout::PathInput<float>&, const layout::PathBatch<float>&);
 template void MeshPathInputs::upload<double>(const layout::PathInput<double>&, const layout::PathBatch<double>&);
 

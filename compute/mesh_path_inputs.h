@@ -10,9 +10,8 @@ class MeshPathInputs {
 public:
     explicit MeshPathInputs(Device::Implementation& device) : buffers_(device, layout::kMeshPathBindRecorded) {}
 
-    /// Uploads what the law reads, and what settling does where the device `settles`. \throws DeviceError:
-    /// out_of_memory for a table beyond the device's range.
-    template <typename T> void upload(const layout::Law<T>& law, bool settles);
+    /// Uploads what the law reads. \throws DeviceError: out_of_memory for a table beyond the device's range.
+    template <typename T> void upload(const layout::Law<T>& law);
 
     /// Uploads what a batch of paths moves by.
     template <typename T> void upload(const layout::PathInput<T>& input, const layout::PathBatch<T>& batch);
@@ -20,19 +19,18 @@ public:
     /// The buffer of a binding below layout::kMeshPathBindRecorded; a small one where the scene has none.
     vk::Buffer buffer(layout::uint binding) const { return buffers_.buffer(binding); }
 
-    /// Where the vertices begin in the vectors, and how many vectors there are of each.
+    /// Where the vertices begin in the vectors.
     layout::uint vertices() const { return vertices_; }
-    layout::uint vertex_vectors() const { return vertex_vectors_; }
 
     /// Bytes copied so far.
     std::uint64_t uploaded() const { return buffers_.uploaded(); }
 
 private:
-    template <typename T> void upload_triangles(const layout::Law<T>& law, bool settles);
-    template <typename T> void upload_vectors(const layout::Law<T>& law, bool settles);
+    template <typename T> void upload_triangles(const layout::Law<T>& law);
+    template <typename T> void upload_vectors(const layout::Law<T>& law);
 
     InputBuffers buffers_;
-    layout::uint vertices_ = 0, vertex_vectors_ = 0;
+    layout::uint vertices_ = 0;
 };
 
 } // namespace forceshade::compute

@@ -49,7 +49,6 @@ std::array<std::uint32_t, layout::kMeshPathSpecCount> constants_of(const layout:
 struct MeshPathKernel::Implementation {
     Device::Implementation& device;
     MeshPathOptions options;
-    bool settles;
     Pipelines pipelines;
     MeshPathInputs inputs;
     MeshPathBatch batch;
@@ -59,9 +58,8 @@ struct MeshPathKernel::Implementation {
     vk::raii::Fence fence;
 
     Implementation(Device::Implementation& on, const MeshPathOptions& wanted)
-        : device(on), options(wanted), settles(wanted.settles.value_or(!on.report.software)),
-          pipelines(on, layout::kMeshPathBindCount, sizeof(layout::MeshPathChunkParams)), inputs(on), batch(on),
-          commands(make_commands(on)), fence(on.device.createFence({})) {
+        : device(on), options(wanted), pipelines(on, layout::kMeshPathBindCount, sizeof(layout::MeshPathChunkParams)),
+          inputs(on), batch(on), commands(make_commands(on)), fence(on.device.createFence({})) {
         const vk::DescriptorPoolSize size(vk::DescriptorType::eStorageBuffer, layout::kMeshPathBindCount);
         sets = device.device.createDescriptorPool({vk::DescriptorPoolCreateFlagBits::eFreeDescriptorSet, 1, size});
         set = std::move(device.device.allocateDescriptorSets({*sets, *pipelines.set_layout()}).front());
@@ -88,7 +86,7 @@ template <typename T> struct MeshPathKernel::Implementation::Run {
     const layout::PathInput<T>& input;
     const FinishUpdates<T>& finish;
     MeshPathTimes& times;
-    vk::Pipeline hot, rare, settling;
+    vk::Pipeline hot, rare;
 
     void dispatch(const WaitingPaths& waiting, layout::MeshPathChunkParams chunk);
     bool round(layout::MeshPathChunkParams chunk);
@@ -99,18 +97,17 @@ template <typename T> struct MeshPathKernel::Implementation::Run {
 // Lists are of different paths, so the dispatches need not wait for each other.
 template <typename T>
 void MeshPathKernel::Implementation::Run<T>::dispatch(const WaitingPaths& waiting, layout::MeshPathChunkParams chunk) {
-    const std::array<vk::Pipeline, kMeshPathLists> kernels{hot, rare, rare, settling, settling};
+    const std::array<vk::Pipeline, kMeshPathLists> kernels{hot, rare, rare};
     const auto begins = self.batch.put_lists(waiting);
     const vk::raii::CommandBuffer& commands = self.commands;
     commands.bindDescriptorSets(vk::PipelineBindPoint::eCompute, *self.pipelines.layout(), 0, *self.set, {});
     for (std::size_t i = 0; i < kMeshPathLists; ++i) {
-        if (waiting.lists[i].empty())
+        if (waiting[i].empty())
             continue;
-        const bool alone = i == 2 || i == 4;
         chunk.first = begins[i];
-        chunk.listed = static_cast<std::uint32_t>(waiting.lists[i].size());
+        chunk.listed = static_cast<std::uint32_t>(waiting[i].size());
         chunk.pause = i == 0 ? self.options.pause : self.options.rare_pause;
-        chunk.limit = alone ? self.options.limit_alone : self.options.limit;
+        chunk.limit = i == 2 ? self.options.limit_alone : self.options.limit;
         commands.bindPipeline(vk::PipelineBindPoint::eCompute, kernels[i]);
         commands.pushConstants<layout::MeshPathChunkParams>(*self.pipelines.layout(), vk::ShaderStageFlagBits::eCompute,
                                                             0, chunk);
@@ -122,11 +119,10 @@ void MeshPathKernel::Implementation::Run<T>::dispatch(const WaitingPaths& waitin
 template <typename T> bool MeshPathKernel::Implementation::Run<T>::round(layout::MeshPathChunkParams chunk) {
     using Stage = vk::PipelineStageFlagBits;
     const WaitingPaths waiting = self.batch.waiting(chunk.step_end);
-    if (std::ranges::all_of(waiting.lists, [](const auto& list) { return list.empty(); }))
+    if (std::ranges::all_of(waiting, [](const auto& list) { return list.empty(); }))
         return false;
     ++times.dispatches;
-    times.rare_updates += waiting.lists[1].size();
-    times.settled_updates += waiting.settling;
+    times.rare_updates += waiting[1].size();
     self.commands.reset();
     self.commands.begin({vk::CommandBufferUsageFlagBits::eOneTimeSubmit});
     dispatch(waiting, chunk);
@@ -144,7 +140,7 @@ template <typename T> bool MeshPathKernel::Implementation::Run<T>::round(layout:
 }
 
 template <typename T> void MeshPathKernel::Implementation::Run<T>::finish_waiting() {
-    HostUpdates<T> waiting = self.batch.host_updates<T>(self.settles);
+    HostUpdates<T> waiting = self.batch.host_updates<T>();
     if (waiting.paths.empty())
         return;
     const Clock::time_point start = Clock::now();
@@ -164,7 +160,6 @@ void MeshPathKernel::Implementation::Run<T>::chunk(std::size_t step_first, std::
     chunk.own_hands = input.hands.size() > 1;
     chunk.stretch = input.stretch;
     chunk.vertices = self.inputs.vertices();
-    chunk.vertex_vectors = self.inputs.vertex_vectors();
     while (round(chunk)) {
     }
 }
@@ -189,7 +184,7 @@ MeshPathTimes MeshPathKernel::explore(const layout::PathInput<T>& input, const F
         const FacetLoops loops = facet_loops(input.law.features, input.law.mesh.facet_begins);
         Clock::time_point start = Clock::now();
         const std::uint64_t before = self.inputs.uploaded();
-        self.inputs.upload(input.law, self.settles);
+        self.inputs.upload(input.law);
         times.upload = seconds_since(start);
         start = Clock::now();
         const auto constants = constants_of(input, loops.unroll);
@@ -200,10 +195,7 @@ MeshPathTimes MeshPathKernel::explore(const layout::PathInput<T>& input, const F
             times,
             self.pipelines.get(kDouble ? kernels::mesh_path_f64() : kernels::mesh_path_f32(), constants),
             self.pipelines.get(kDouble ? kernels::mesh_rest_f64() : kernels::mesh_rest_f32(),
-                               std::span(constants).first(1)),
-            self.settles ? self.pipelines.get(kDouble ? kernels::mesh_settle_f64() : kernels::mesh_settle_f32(),
-                                              std::span(constants).first(1))
-                         : vk::Pipeline{}};
+                               std::span(constants).first(1))};
         times.compile = seconds_since(start);
         const uint channels = input.features.channels;
         const bool recorded = input.features.motion == layout::kMotionRecorded;

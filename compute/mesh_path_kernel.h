@@ -3,7 +3,6 @@
 
 #include <functional>
 #include <memory>
-#include <optional>
 #include <span>
 
 #include "compute/path_kernel.h"
@@ -17,20 +16,17 @@ struct MeshPathOptions {
     std::uint32_t rare_pause = 600;                  /* likewise, no other piece of one update */
     std::uint32_t limit = 3600;        /* loops that an invocation may run: up to 16 together share a driver's limit */
     std::uint32_t limit_alone = 29000; /* likewise, of one that has its neighbours' share */
-    std::optional<bool> settles; /* whether rests at edges and corners are the device's; unset: unless it is software,
-                                    where the host is faster */
 };
 
 /// What a run took.
 struct MeshPathTimes : FieldTimes {
-    std::uint64_t rare_updates = 0;    /* of god-objects, left to the kernel of the rare cases */
-    std::uint64_t settled_updates = 0; /* likewise, to the kernel of rests at edges and corners */
-    std::uint64_t host_updates = 0;    /* left to the host: what takes more loops or triangles than a kernel may have */
-    double host = 0;                   /* s: in them */
+    std::uint64_t rare_updates = 0; /* of god-objects, left to the kernel of the rare cases */
+    std::uint64_t host_updates = 0; /* left to the host: rests at edges and corners, what takes too many loops */
+    double host = 0;                /* s: in them */
 };
 
-/// Does updates of L6 that kernels leave: what takes more than one may have; where the device does not settle rests at
-/// corners and edges, these too.
+/// Does the updates of L6 that the kernels leave: those that begin or end at edges and corners, and those that take
+/// more loops than an invocation may run.
 template <typename T> using FinishUpdates = std::function<void(std::span<layout::MeshUpdate<T>>)>;
 
 /// Takes paths through a law of surface kSurfaceMesh; keeps pipelines and buffers from one run to the next. Not for two

@@ -11,8 +11,6 @@ namespace words {
 #include "mesh_path_f64.spv.h"
 #include "mesh_rest_f32.spv.h"
 #include "mesh_rest_f64.spv.h"
-#include "mesh_settle_f32.spv.h"
-#include "mesh_settle_f64.spv.h"
 #include "path_f32.spv.h"
 #include "path_f64.spv.h"
 } // namespace words
@@ -59,14 +57,6 @@ std::span<const std::uint32_t> mesh_rest_f32() {
 
 std::span<const std::uint32_t> mesh_rest_f64() {
     return words::mesh_rest_f64;
-}
-
-std::span<const std::uint32_t> mesh_settle_f32() {
-    return words::mesh_settle_f32;
-}
-
-std::span<const std::uint32_t> mesh_settle_f64() {
-    return words::mesh_settle_f64;
 }
 
 } // namespace forceshade::kernels

@@ -26,8 +26,5 @@ std::span<const std::uint32_t> mesh_path_f64();
 /// shaders/mesh_rest.comp: the others. In either precision they need shaderFloat64.
 std::span<const std::uint32_t> mesh_rest_f32();
 std::span<const std::uint32_t> mesh_rest_f64();
-/// shaders/mesh_settle.comp: those that come to rest at edges and corners.
-std::span<const std::uint32_t> mesh_settle_f32();
-std::span<const std::uint32_t> mesh_settle_f64();
 
 } // namespace forceshade::kernels

@@ -1,6 +1,6 @@
 // Exploration paths on a mesh: an invocation takes one path through many steps. Here stands what most steps need: a proxy
 // that slides over faces, none in its way but those that the host listed, and rests on one or two of them. A step that
-// needs more is left, as it began, to the rare kernel (mesh_rest.comp), which finds its contact.
+// needs more is left, as it began, to the rare kernel (mesh_rest.comp) or the host, which find its contact.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
@@ -59,11 +59,11 @@ real3 facet_normal(uint facet) {
 }
 
 real3 vertex_position(uint vertex) {
-    return vectors[chunk.vertices + chunk.vertex_vectors * vertex].xyz;
+    return vectors[chunk.vertices + 2u * vertex].xyz;
 }
 
 real3 vertex_normal(uint vertex) {
-    return vectors[chunk.vertices + chunk.vertex_vectors * vertex + 1u].xyz;
+    return vectors[chunk.vertices + 2u * vertex + 1u].xyz;
 }
 
 #include "laws/mesh_shading.glsl"
@@ -117,11 +117,7 @@ real3 to_mesh(real3 world) {
     return divided(difference(world, real3(mesh.centre_x, mesh.centre_y, mesh.centre_z)), mesh.scale);
 }
 
-bool is_finite(real3 v) {
-    return largest_of(v) <= LARGEST;
-}
-
-// What a step begins with that only the rare kernel takes.
+// What a step begins with that only the rare kernel or the host takes.
 bool begins_rare(uint held, real3 probe) {
     return (held & kHeldCornered) != 0u || !is_finite(probe);
 }
@@ -219,7 +215,7 @@ void main() {
     if (going)
         atomicOr(status, kStatusUnfinished);
     bool begun = is_rare || (walk_substeps > 0u && !left);
-    uint phase = (held & kHeldCornered) != 0u ? kPhaseSettle : kPhaseRare;
+    uint phase = (held & kHeldCornered) != 0u ? kPhaseHost : kPhaseRare;
     put_walk_word(path, kWalkWordPhase, begun && state.step < end ? phase : kPhaseStep);
     put_walk_word(path, kWalkWordStep, state.step);
     put_walk_word(path, kWalkWordHeld, held);

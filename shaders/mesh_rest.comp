@@ -1,6 +1,7 @@
 // Updates of god-objects on a mesh, as far as the kernel of paths (mesh_path.comp) leaves them: moves that meet what the
 // host could not list, edges, corners, proxies far off. An invocation takes one path through its one update, or as far as
-// its loops may go: the rest comes with the next dispatch.
+// its loops may go: the rest comes with the next dispatch. An update that ends at an edge or a corner is left, as it
+// began, to the host.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
@@ -25,7 +26,38 @@ layout(std430, set = 0, binding = kMeshPathBindNodes) readonly buffer NodeBuffer
 #include "laws/vector.glsl"
 #include "laws/mesh_triangle.glsl"
 #include "laws/god_object.glsl"
-#include "laws/mesh_path_walk.glsl"
+
+// What a walk that goes on with the next dispatch must know.
+void put_walk(uint path) {
+    put_walk_word(path, kWalkWordSubsteps, walk_substeps);
+    put_walk_word(path, kWalkWordTread, tread_substeps);
+    put_walk_word(path, kWalkWordPool, pool_count | pool_faceless << kPoolFaceless);
+    [[unroll]] for (uint i = 0u; i < POOL; ++i)
+        put_walk_word(path, kWalkWordPooled + i, pool_index[i]);
+    put_walk_real3(path, kWalkRealAt, walk_proxy);
+    put_walk_real3(path, kWalkRealTread, tread_place);
+}
+
+void take_walk(uint path) {
+    walk_proxy = walk_real3(path, kWalkRealAt);
+    walk_substeps = walk_word(path, kWalkWordSubsteps);
+    walk_corner = false;
+    walk_rests = false;
+    walk_runs = true;
+    tread_place = walk_real3(path, kWalkRealTread);
+    tread_substeps = walk_word(path, kWalkWordTread);
+    uint word = walk_word(path, kWalkWordPool);
+    forget_all();
+    uint count = word & kPoolCount;
+    [[dont_unroll]] do {
+        if (pool_count < count) {
+            uint triangle = walk_word(path, kWalkWordPooled + pool_count);
+            remember(triangle, triangle_at(triangle), POOL);
+        }
+        ++spent;
+    } while (pool_count < count);
+    pool_faceless = word >> kPoolFaceless;
+}
 
 void put_rest(uint path, Rest rest) {
     uint bits = (rest.count > 0u ? kHeldTouching : 0u) | (rest.back ? kHeldBack : 0u);
@@ -40,18 +72,6 @@ void put_rest(uint path, Rest rest) {
         put_walk_real3(path, kWalkRealFree, walk_proxy);
         walk_reals[kWalkRealReach * chunk.paths + path] = free_reach(walk_proxy);
     }
-}
-
-// A rest at a corner or an edge, from which the settling kernel goes on.
-void put_doubtful(uint path) {
-    put_walk_word(path, kWalkWordPhase, walk_substeps < kSubsteps ? kPhaseSettle : kPhaseHost);
-    put_walk_word(path, kWalkWordStage, kStageRest);
-    put_walk_word(path, kWalkWordSubsteps, walk_substeps);
-    put_walk_word(path, kWalkWordSettling, resting.count << kSettlingCount | (walk_corner ? 1u : 0u) << kSettlingHalted);
-    put_walk_word(path, kWalkWordBefore, index_at(resting.one.source));
-    put_walk_word(path, kWalkWordBefore + 1u, index_at(resting.two.source));
-    put_walk_word(path, kWalkWordBefore + 2u, index_at(resting.three.source));
-    put_walk_real3(path, kWalkRealAt, walk_proxy);
 }
 
 void main() {
@@ -88,7 +108,7 @@ void main() {
     // A driver that silently ends long loops leaves a lane going.
     if (going)
         atomicOr(walk_words[kWalkWordCount * chunk.paths], kStatusUnfinished);
-    // What does not come to rest on faces alone may go on.
+    // What does not come to rest on faces alone may go on, which the host finds out.
     bool ends = !walk_runs && !overrun;
     bool on_faces = ends && (resting.count == 0u || (walk_rests && !is_doubtful())) && walk_substeps < kSubsteps;
     Rest rest = out_of_contact(walk_probe);
@@ -97,13 +117,13 @@ void main() {
     if (on_faces && !overrun)
         put_rest(path, rest);
     else if (ends && !on_faces)
-        put_doubtful(path);
+        put_walk_word(path, kWalkWordPhase, kPhaseHost);
     else if (!overrun) {
         put_walk(path);
         put_walk_word(path, kWalkWordStage, kStageWalk);
     }
     if (overrun)
         put_walk_word(path, kWalkWordPhase, walk_word(path, kWalkWordPhase) == kPhaseAlone ? kPhaseHost : kPhaseAlone);
-    if (on_faces || overrun)
+    if (ends || overrun)
         put_walk_word(path, kWalkWordStage, kStageBegin);
 }

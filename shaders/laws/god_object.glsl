@@ -1,5 +1,5 @@
 // L6: the god-object on a mesh, in the order in which its parts build on each other. FS_RARE: all of its walk, with a pool
-// of eight, else what most steps need; FS_SETTLE: and its settling.
+// of eight, else what most steps need.
 #include "mesh_path_tables.glsl"
 #include "mesh_cast.glsl"
 #include "god_object_planes.glsl"
@@ -13,9 +13,3 @@
 #include "god_object_walk.glsl"
 #include "god_object_update.glsl"
 #include "god_object_rest.glsl"
-#ifdef FS_SETTLE
-#include "god_object_ways.glsl"
-#include "god_object_held.glsl"
-#include "god_object_settle.glsl"
-#include "god_object_look.glsl"
-#endif

@@ -35,6 +35,10 @@ real largest_of(real3 v) {
     return xy > z ? xy : z;
 }
 
+bool is_finite(real3 v) {
+    return largest_of(v) <= LARGEST;
+}
+
 Projection free_projection(real3 wish) {
     return Projection(wish, kNoHalfSpace, kNoHalfSpace, kNoHalfSpace, real3(ZERO), 0u);
 }

@@ -1,7 +1,10 @@
 // L6: where the walks of a god-object begin.
 
-// A walk begins where a god-object was left, with so many triangles.
-void put_back(real3 proxy, uint count, uvec3 triangles) {
+// A walk begins where a path's god-object was left, with the triangles that held it.
+void begin_update(real3 proxy, real3 probe, uint held, uvec3 triangles) {
+    uint count = held & kHeldCount;
+    walk_probe = probe;
+    walk_substeps = 0u;
     walk_proxy = proxy;
     forget_all();
     uint i = 0u;
@@ -13,13 +16,6 @@ void put_back(real3 proxy, uint count, uvec3 triangles) {
         ++spent;
     } while (i < count);
     begin_walk();
-}
-
-// Where a path's god-object was left, and where its pool begins.
-void begin_update(real3 proxy, real3 probe, uint held, uvec3 triangles) {
-    walk_probe = probe;
-    walk_substeps = 0u;
-    put_back(proxy, held & kHeldCount, triangles);
 }
 
 #ifndef FS_RARE

@@ -13,11 +13,6 @@ uint walk_substeps;
 bool walk_rests; // what held the proxy last is what holds it
 bool walk_corner; // halted where a line between two faces ended
 bool walk_runs; // has not come to an end
-#ifdef FS_SETTLE
-bool jumps; // the next substep is a jump there, which ends the walk if something is in the way
-real3 jump_goal;
-bool jump_blocked;
-#endif
 real3 tread_place; // where the proxy was
 uint tread_substeps; // so many substeps ago
 
@@ -150,12 +145,7 @@ real clipped(real from, real way, real until, real clip) {
 
 // A move that leaves the region ends in the open.
 Impact clipped_cast(Move move) {
-#ifdef FS_SETTLE
-    bool clips = !jumps;
-#else
-    const bool clips = true;
-#endif
-    if (clips && largest_of(place_at(move, move.until)) > kRegion) {
+    if (largest_of(place_at(move, move.until)) > kRegion) {
         real until = clipped(move.from.x, move.way.x, move.until, move.until);
         until = clipped(move.from.y, move.way.y, move.until, until);
         until = clipped(move.from.z, move.way.z, move.until, until);
@@ -186,12 +176,6 @@ void finish_substep(Move move, uint released, uint edge) {
     if (overrun || is_rare)
         return;
     bool was_hit = impact.time <= move.until;
-#ifdef FS_SETTLE
-    if (jumps) {
-        jump_blocked = was_hit;
-        return;
-    }
-#endif
     bool was_released = released != POOL;
     real time = was_hit ? impact.time : move.until;
     precise real size = time * largest_of(move.way);
@@ -234,10 +218,6 @@ void substep() {
     find_way(walk_proxy, walk_probe);
     real3 way = resting.vector;
     walk_rests = largest_of(way) <= pool_tolerance && resting.count > 0u;
-#ifdef FS_SETTLE
-    if (jumps)
-        way = difference(jump_goal, walk_proxy);
-#endif
     Release release = Release(ONE, 3u);
     uint released = POOL;
 #ifdef FS_RARE
@@ -262,10 +242,6 @@ void walk_on() {
     substep();
     if (overrun || is_rare)
         return;
-#ifdef FS_SETTLE
-    if (jumps)
-        return;
-#endif
     if (!walk_rests)
         ++walk_substeps;
     walk_runs = !walk_rests && !walk_corner && walk_substeps < kSubsteps;

@@ -14,7 +14,7 @@ real exact_zero;
 uint spent;
 uint spent_limit;
 bool overrun; // more loops would have been needed
-bool is_rare; // of the hot kernel: the other one must take over
+bool is_rare; // of the hot kernel: the other one or the host must take over
 
 Triangle triangle_at(uint triangle) {
     real4 a = vectors[3u * triangle];
@@ -22,32 +22,6 @@ Triangle triangle_at(uint triangle) {
     real4 c = vectors[3u * triangle + 2u];
     return Triangle(a.xyz, b.xyz, c.xyz, real3(a.w, b.w, c.w));
 }
-
-#ifdef FS_SETTLE
-uint corner_words; // where the triangles' corners begin
-uint vertex_begin; // where the vertices do
-uint vertex_vectors; // of each
-
-real3 triangle_normal(uint triangle) {
-    return real3(vectors[3u * triangle].w, vectors[3u * triangle + 1u].w, vectors[3u * triangle + 2u].w);
-}
-
-uvec3 triangle_corners(uint triangle) {
-    return triangle_words[corner_words + triangle].xyz;
-}
-
-uint vertex_at(uint vertex) {
-    return vertex_begin + vertex_vectors * vertex;
-}
-
-real3 vertex_place(uint vertex) {
-    return vectors[vertex_at(vertex)].xyz;
-}
-
-real3 vertex_pseudonormal(uint vertex) {
-    return vectors[vertex_at(vertex + 1u) - 1u].xyz;
-}
-#endif
 
 real3 walk_real3(uint path, uint field) {
     return real3(walk_reals[field * chunk.paths + path], walk_reals[(field + 1u) * chunk.paths + path],

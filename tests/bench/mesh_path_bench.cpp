@@ -1,10 +1,9 @@
 // Paths over a sphere of 25 mm radius and 100 820 triangles: circles 1 mm deep round it in every direction, 0.1 mm a
 // step, 10 000 paths of 1 000 steps, on the device and on the CPU engine in turn, so that the ratio holds while the
-// machine's speed drifts. And circles through the model spot, over edges and corners, where rests settle on the device
-// or on the host.
+// machine's speed drifts. And circles through the model spot, over edges and corners, where the host finishes the
+// updates.
 #include <cmath>
 #include <ctime>
-#include <optional>
 
 #include <benchmark/benchmark.h>
 
@@ -97,8 +96,7 @@ template <typename Work> double core_seconds(const Work& work) {
     return static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
 }
 
-template <typename T>
-void run(benchmark::State& state, const Course& course, layout::uint channels, std::optional<bool> settles) {
+template <typename T> void run(benchmark::State& state, const Course& course, layout::uint channels) {
     const MeshTables<T> tables = make_mesh_tables<T>(course.structure, 500.0);
     layout::PathInput<T> input{};
     input.law.features.surface = layout::kSurfaceMesh;
@@ -109,9 +107,7 @@ void run(benchmark::State& state, const Course& course, layout::uint channels, s
     Circles<T> source(input.law, course);
     input.source = &source;
     compute::Device device;
-    compute::MeshPathOptions options;
-    options.settles = settles;
-    compute::MeshPathKernel kernel(device, options);
+    compute::MeshPathKernel kernel(device);
     std::uint64_t touched = 0;
     const auto take = [](const layout::PathChunk<T>&) {};
     const auto take_metrics = [&](std::size_t, std::span<const layout::PathMetrics<T>> metrics) {
@@ -144,16 +140,15 @@ void run(benchmark::State& state, const Course& course, layout::uint channels, s
     state.counters["in_contact"] = static_cast<double>(touched) / steps / static_cast<double>(2 * gpu.size());
     state.counters["upload_s"] = times.upload;
     state.counters["rare_updates"] = static_cast<double>(times.rare_updates) / steps;
-    state.counters["settled_updates"] = static_cast<double>(times.settled_updates) / steps;
     state.counters["host_updates"] = static_cast<double>(times.host_updates) / steps;
 }
 
 template <typename T> void circles(benchmark::State& state, layout::uint channels) {
-    run<T>(state, {ball(), kRadius - kDepth, kStep, kPaths, kSteps}, channels, {});
+    run<T>(state, {ball(), kRadius - kDepth, kStep, kPaths, kSteps}, channels);
 }
 
-template <typename T> void through_spot(benchmark::State& state, bool settles) {
-    run<T>(state, {spot(), 0.4, 0.005, kPaths, 300}, 0, settles);
+template <typename T> void through_spot(benchmark::State& state, layout::uint channels) {
+    run<T>(state, {spot(), 0.4, 0.005, kPaths, 300}, channels);
 }
 
 const auto f32 = circles<float>;
@@ -163,10 +158,8 @@ BENCHMARK_CAPTURE(f32, force, layout::kChannelForce)->UseManualTime()->Iteration
 BENCHMARK_CAPTURE(f64, metrics, 0)->UseManualTime()->Iterations(3);
 const auto spot_f32 = through_spot<float>;
 const auto spot_f64 = through_spot<double>;
-BENCHMARK_CAPTURE(spot_f32, settled_by_device, true)->UseManualTime()->Iterations(3);
-BENCHMARK_CAPTURE(spot_f32, settled_by_host, false)->UseManualTime()->Iterations(3);
-BENCHMARK_CAPTURE(spot_f64, settled_by_device, true)->UseManualTime()->Iterations(3);
-BENCHMARK_CAPTURE(spot_f64, settled_by_host, false)->UseManualTime()->Iterations(3);
+BENCHMARK_CAPTURE(spot_f32, metrics, 0)->UseManualTime()->Iterations(3);
+BENCHMARK_CAPTURE(spot_f64, metrics, 0)->UseManualTime()->Iterations(3);
 
 } // namespace
 } // namespace forceshade::bench

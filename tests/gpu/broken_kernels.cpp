@@ -16,8 +16,6 @@ namespace words {
 #include "behind_mesh_path_f64.spv.h"
 #include "behind_mesh_rest_f32.spv.h"
 #include "behind_mesh_rest_f64.spv.h"
-#include "behind_mesh_settle_f32.spv.h"
-#include "behind_mesh_settle_f64.spv.h"
 #include "channel_f32.spv.h"
 #include "channel_f32_packed.spv.h"
 #include "channel_f64.spv.h"
@@ -36,8 +34,6 @@ namespace words {
 #include "creep_mesh_path_f64.spv.h"
 #include "creep_mesh_rest_f32.spv.h"
 #include "creep_mesh_rest_f64.spv.h"
-#include "creep_mesh_settle_f32.spv.h"
-#include "creep_mesh_settle_f64.spv.h"
 #include "edge_f32.spv.h"
 #include "edge_f32_packed.spv.h"
 #include "edge_f64.spv.h"
@@ -68,8 +64,6 @@ namespace words {
 #include "imprecise_mesh_path_f64.spv.h"
 #include "imprecise_mesh_rest_f32.spv.h"
 #include "imprecise_mesh_rest_f64.spv.h"
-#include "imprecise_mesh_settle_f32.spv.h"
-#include "imprecise_mesh_settle_f64.spv.h"
 #include "imprecise_path_f32.spv.h"
 #include "imprecise_path_f64.spv.h"
 #include "kahan_f32.spv.h"
@@ -102,8 +96,6 @@ namespace words {
 #include "none_mesh_path_f64.spv.h"
 #include "none_mesh_rest_f32.spv.h"
 #include "none_mesh_rest_f64.spv.h"
-#include "none_mesh_settle_f32.spv.h"
-#include "none_mesh_settle_f64.spv.h"
 #include "none_path_f32.spv.h"
 #include "none_path_f64.spv.h"
 #include "outward_f32.spv.h"
@@ -113,12 +105,6 @@ namespace words {
 #include "outward_mesh_f64.spv.h"
 #include "outward_path_f32.spv.h"
 #include "outward_path_f64.spv.h"
-#include "settled_mesh_path_f32.spv.h"
-#include "settled_mesh_path_f64.spv.h"
-#include "settled_mesh_rest_f32.spv.h"
-#include "settled_mesh_rest_f64.spv.h"
-#include "settled_mesh_settle_f32.spv.h"
-#include "settled_mesh_settle_f64.spv.h"
 #include "sign_f32.spv.h"
 #include "sign_f32_packed.spv.h"
 #include "sign_f64.spv.h"
@@ -130,8 +116,6 @@ namespace words {
 #include "slip_mesh_path_f64.spv.h"
 #include "slip_mesh_rest_f32.spv.h"
 #include "slip_mesh_rest_f64.spv.h"
-#include "slip_mesh_settle_f32.spv.h"
-#include "slip_mesh_settle_f64.spv.h"
 #include "tangent_f32.spv.h"
 #include "tangent_f32_packed.spv.h"
 #include "tangent_f64.spv.h"
@@ -150,8 +134,6 @@ namespace words {
 #include "tunnel_mesh_path_f64.spv.h"
 #include "tunnel_mesh_rest_f32.spv.h"
 #include "tunnel_mesh_rest_f64.spv.h"
-#include "tunnel_mesh_settle_f32.spv.h"
-#include "tunnel_mesh_settle_f64.spv.h"
 #include "undeclared_f32.spv.h"
 #include "undeclared_f32_packed.spv.h"
 #include "undeclared_f64.spv.h"
@@ -168,7 +150,7 @@ struct Kernels {
 };
 
 struct MeshPathKernels {
-    Words path_f32, path_f64, rest_f32, rest_f64, settle_f32, settle_f64;
+    Words path_f32, path_f64, rest_f32, rest_f64;
 };
 
 #define FS_KERNELS(name)                                                                                               \
@@ -219,7 +201,7 @@ Kernels kernels_of(test::Break which) {
 #define FS_MESH_PATH_KERNELS(name)                                                                                     \
     {                                                                                                                  \
         words::name##_mesh_path_f32, words::name##_mesh_path_f64, words::name##_mesh_rest_f32,                         \
-            words::name##_mesh_rest_f64, words::name##_mesh_settle_f32, words::name##_mesh_settle_f64                  \
+            words::name##_mesh_rest_f64                                                                                \
     }
 
 MeshPathKernels mesh_path_kernels_of(test::Break which) {
@@ -234,8 +216,6 @@ MeshPathKernels mesh_path_kernels_of(test::Break which) {
         return MeshPathKernels FS_MESH_PATH_KERNELS(slip);
     case test::Break::behind:
         return MeshPathKernels FS_MESH_PATH_KERNELS(behind);
-    case test::Break::settled:
-        return MeshPathKernels FS_MESH_PATH_KERNELS(settled);
     case test::Break::imprecise:
         return MeshPathKernels FS_MESH_PATH_KERNELS(imprecise);
     default:
@@ -300,14 +280,6 @@ Words mesh_rest_f32() {
 
 Words mesh_rest_f64() {
     return mesh_path_kernels_of(chosen_break).rest_f64;
-}
-
-Words mesh_settle_f32() {
-    return mesh_path_kernels_of(chosen_break).settle_f32;
-}
-
-Words mesh_settle_f64() {
-    return mesh_path_kernels_of(chosen_break).settle_f64;
 }
 
 } // namespace kernels

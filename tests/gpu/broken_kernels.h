@@ -24,7 +24,6 @@ enum class Break {
     tunnel,     /* likewise: a move goes past what it hits */
     slip,       /* likewise: a triangle is left before its edge */
     behind,     /* likewise: what is held from behind is shaded as if from the front */
-    settled,    /* likewise: a rest goes on where it comes no closer */
     imprecise,  /* no `precise`: compilers reassociate */
 };
 

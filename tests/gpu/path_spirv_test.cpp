@@ -12,8 +12,6 @@ namespace broken {
 #include "imprecise_mesh_path_f64.spv.h"
 #include "imprecise_mesh_rest_f32.spv.h"
 #include "imprecise_mesh_rest_f64.spv.h"
-#include "imprecise_mesh_settle_f32.spv.h"
-#include "imprecise_mesh_settle_f64.spv.h"
 #include "imprecise_path_f32.spv.h"
 #include "imprecise_path_f64.spv.h"
 } // namespace broken
@@ -33,10 +31,10 @@ const std::vector<Kernel>& paths() {
 }
 
 const std::vector<Kernel>& mesh_paths() {
-    static const std::vector<Kernel> all{
-        {"mesh_path f32", kernels::mesh_path_f32(), false},     {"mesh_path f64", kernels::mesh_path_f64(), true},
-        {"mesh_rest f32", kernels::mesh_rest_f32(), false},     {"mesh_rest f64", kernels::mesh_rest_f64(), true},
-        {"mesh_settle f32", kernels::mesh_settle_f32(), false}, {"mesh_settle f64", kernels::mesh_settle_f64(), true}};
+    static const std::vector<Kernel> all{{"mesh_path f32", kernels::mesh_path_f32(), false},
+                                         {"mesh_path f64", kernels::mesh_path_f64(), true},
+                                         {"mesh_rest f32", kernels::mesh_rest_f32(), false},
+                                         {"mesh_rest f64", kernels::mesh_rest_f64(), true}};
     return all;
 }
 
@@ -85,7 +83,7 @@ TEST(PathSpirv, BindingsAndConstantsAreThoseOfTheLayout) {
         EXPECT_EQ(SpirvModule(kernel.words).bindings(), numbers(layout::kPathBindCount));
         EXPECT_EQ(SpirvModule(kernel.words).specialization_ids(), numbers(layout::kPathSpecCount));
     }
-    // The three on meshes share one set, of which each takes what it needs.
+    // The two on meshes share one set, of which each takes what it needs.
     std::set<std::uint32_t> bindings, constants;
     for (const Kernel& kernel : mesh_paths()) {
         const SpirvModule module(kernel.words);
@@ -100,7 +98,7 @@ TEST(PathSpirv, CapabilitiesAreTheFewest) {
     const std::set<std::uint32_t> plain{spv::CapabilityShader}, both{spv::CapabilityShader, spv::CapabilityFloat64};
     EXPECT_EQ(SpirvModule(kernels::path_f32()).capabilities(), plain);
     EXPECT_EQ(SpirvModule(kernels::path_f64()).capabilities(), both);
-    // A probe from far off enters the region in double in either precision, which the hot kernel leaves to the others.
+    // A probe from far off enters the region in double in either precision, which the hot kernel leaves to the other.
     for (const Kernel& kernel : mesh_paths())
         EXPECT_EQ(SpirvModule(kernel.words).capabilities(), kernel.name == std::string("mesh_path f32") ? plain : both)
             << kernel.name;
@@ -117,15 +115,12 @@ TEST(PathSpirv, EveryOperationRoundsAsWritten) {
 }
 
 TEST(PathSpirv, TheCheckSeesWhatIsNotPrecise) {
-    for (const std::span<const std::uint32_t> words :
-         {std::span<const std::uint32_t>(broken::imprecise_path_f32),
-          std::span<const std::uint32_t>(broken::imprecise_path_f64),
-          std::span<const std::uint32_t>(broken::imprecise_mesh_path_f32),
-          std::span<const std::uint32_t>(broken::imprecise_mesh_path_f64),
-          std::span<const std::uint32_t>(broken::imprecise_mesh_rest_f32),
-          std::span<const std::uint32_t>(broken::imprecise_mesh_rest_f64),
-          std::span<const std::uint32_t>(broken::imprecise_mesh_settle_f32),
-          std::span<const std::uint32_t>(broken::imprecise_mesh_settle_f64)})
+    for (const std::span<const std::uint32_t> words : {std::span<const std::uint32_t>(broken::imprecise_path_f32),
+                                                       std::span<const std::uint32_t>(broken::imprecise_path_f64),
+                                                       std::span<const std::uint32_t>(broken::imprecise_mesh_path_f32),
+                                                       std::span<const std::uint32_t>(broken::imprecise_mesh_path_f64),
+                                                       std::span<const std::uint32_t>(broken::imprecise_mesh_rest_f32),
+                                                       std::span<const std::uint32_t>(broken::imprecise_mesh_rest_f64)})
         EXPECT_GT(SpirvModule(words).inexact().size(), 100u);
 }
 

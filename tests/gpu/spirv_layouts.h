@@ -103,10 +103,10 @@ inline std::vector<Expected> path_chunk_members() {
 
 inline std::vector<Expected> mesh_path_chunk_members() {
     using Chunk = layout::MeshPathChunkParams;
-    return {FS_MEMBER(Chunk, first),     FS_MEMBER(Chunk, listed),   FS_MEMBER(Chunk, paths),
-            FS_MEMBER(Chunk, row_first), FS_MEMBER(Chunk, rows),     FS_MEMBER(Chunk, step_end),
-            FS_MEMBER(Chunk, own_hands), FS_MEMBER(Chunk, pause),    FS_MEMBER(Chunk, limit),
-            FS_MEMBER(Chunk, stretch),   FS_MEMBER(Chunk, vertices), FS_MEMBER(Chunk, vertex_vectors)};
+    return {FS_MEMBER(Chunk, first),     FS_MEMBER(Chunk, listed),  FS_MEMBER(Chunk, paths),
+            FS_MEMBER(Chunk, row_first), FS_MEMBER(Chunk, rows),    FS_MEMBER(Chunk, step_end),
+            FS_MEMBER(Chunk, own_hands), FS_MEMBER(Chunk, pause),   FS_MEMBER(Chunk, limit),
+            FS_MEMBER(Chunk, stretch),   FS_MEMBER(Chunk, vertices)};
 }
 
 template <typename real> std::vector<Expected> motion_members() {
