@@ -22,6 +22,7 @@ struct DeviceFacts {
     glm::dvec3 low{-kUnknown};       /* m: the workspace */
     glm::dvec3 high{kUnknown};       /* m */
     bool simulated = false;          // each read() is one sample later than the one before, whatever the clock says
+    double silence = kUnknown;       /* s: after such a pause between forces it may have taken the last one away */
     bool has_watchdog = true;        // a process that is killed leaves no force
     std::string remark;              // what else the user should know; empty: nothing
 };

@@ -19,6 +19,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr unsigned char kWatchdog = 255;                        // in 125 us: 32 ms, the longest there is
 constexpr Clock::duration kGap = std::chrono::milliseconds(30); // after such a pause the watchdog may have bitten
+constexpr double kSilence = 0.025;                              /* s: the same for the loop, which looks sooner */
 constexpr Clock::duration kAsk = std::chrono::milliseconds(20); // between questions for the status
 constexpr int kDoorPatience = 20;                               /* ms */
 constexpr int kDisplayTime = 2;                                 /* ms: until a force that was written is displayed */
@@ -220,6 +221,7 @@ void Dhd::learn() {
     facts_.software = library_.software();
     const int type = calls_.get_system_type ? calls_.get_system_type(id_) : -1;
     facts_.max_force = stated_force(type);
+    facts_.silence = kSilence;
     facts_.low = glm::dvec3(-reach(type));
     facts_.high = glm::dvec3(reach(type));
     const double limit = calls_.get_max_force ? calls_.get_max_force(id_) : -1;
@@ -312,8 +314,8 @@ bool Dhd::ask(Clock::time_point now) noexcept {
     const char* why = objection(status);
     if (!why) {
         on_ = status[DhdCalls::Status::force] != 0;
-        enable_ = !on_ && (cause == DhdCalls::watchdog ||
-                           (!begun_ && cause != DhdCalls::button && cause != DhdCalls::dead_man));
+        enable_ = !on_ && (cause == DhdCalls::watchdog || (!begun_ && cause != DhdCalls::button &&
+                                                           cause != DhdCalls::dead_man && cause != DhdCalls::velocity));
         why = on_ || (enable_ && !begun_) ? nullptr : cause_in_words(cause);
     }
     withheld_ = why;
@@ -335,10 +337,12 @@ bool Dhd::write(const glm::dvec3& force) noexcept {
         return false;
     const Clock::time_point now = Clock::now();
     const bool told = !halted_ && ask_when_due(now);
+    const bool again = begun_ && enable_; // the device let go meanwhile: the force is to come up from zero
     const bool on = told && (enable_ ? enable() : on_);
     begun_ = begun_ || on;
-    const bool shown = display(on ? force : glm::dvec3(0));
-    const bool taken = shown && (on || (told && withheld_ != nullptr && force == glm::dvec3(0)));
+    const glm::dvec3 wanted = on && !again ? force : glm::dvec3(0);
+    const bool shown = display(wanted);
+    const bool taken = shown && told && (on || withheld_ != nullptr) && wanted == force;
     if (halted_) // perhaps while the force was on its way, and could not come in
         display(glm::dvec3(0));
     if (shown)

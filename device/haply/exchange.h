@@ -34,7 +34,8 @@ public:
     std::atomic<bool> stopping{false}; // no force any more; set once
     std::atomic<bool> resting{false};  // no force until the next one
     std::atomic<const char*> complaint{nullptr};
-    std::atomic<const char*> withheld{nullptr}; // why the device is not ready for a force; null: it is
+    std::atomic<const char*> withheld{nullptr};        // why the device is not ready for a force; null: it is
+    std::atomic<const char*> lately_withheld{nullptr}; // the same until the live loop has asked for no force
 
     /// Lets the other thread look at what is new. Safe in a signal's handler, like stop().
     void wake() const noexcept;

@@ -18,6 +18,7 @@ constexpr double kInverse3Force = 4;
 /// m: from the device's origin, further than which its arm does not reach, however it is mounted. Its workspace, 460 mm
 /// wide, 510 mm high and 230 mm deep, is no box.
 constexpr double kReach = 0.6;
+constexpr double kSilence = 0.045; /* s: a little less than the other thread waits for a force (link.cpp) */
 
 constexpr std::string_view kHowToGet =
     "Install and start it (Haply Hub or the Inverse Service package, docs.haply.co; on Linux: "
@@ -51,7 +52,9 @@ public:
             return false;
         exchange_.force.put(force);
         exchange_.wake();
-        return exchange_.there && (exchange_.withheld == nullptr || force == glm::dvec3(0));
+        if (force == glm::dvec3(0) && exchange_.withheld == nullptr)
+            exchange_.lately_withheld = nullptr;
+        return exchange_.there && (withheld() == nullptr || force == glm::dvec3(0));
     }
 
     void halt() noexcept override { exchange_.stop(); }
@@ -61,7 +64,10 @@ public:
         exchange_.wake();
     }
 
-    const char* withheld() const noexcept override { return exchange_.withheld; }
+    const char* withheld() const noexcept override {
+        const char* now = exchange_.withheld;
+        return now != nullptr ? now : exchange_.lately_withheld.load();
+    }
 
     const char* complaint() const noexcept override { return exchange_.complaint; }
 
@@ -112,6 +118,7 @@ DeviceFacts facts_of(const HaplyFinding& finding, const HaplyDevice& device) {
     std::string type = device.type.empty() ? "inverse3" : device.type;
     if (type == "inverse3")
         facts.max_force = kInverse3Force;
+    facts.silence = kSilence;
     facts.low = glm::dvec3(-kReach);
     facts.high = glm::dvec3(kReach);
     type.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(type.front())));

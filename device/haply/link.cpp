@@ -108,6 +108,14 @@ private:
         });
     }
 
+    // A short objection would else be over before the loop looks, and the full force come back at once.
+    void tell_withheld() {
+        const char* why = objection(unmet_);
+        if (why != nullptr)
+            exchange_.lately_withheld = why;
+        exchange_.withheld = why;
+    }
+
     // ---- from nothing to a connection
 
     void connect() {
@@ -133,7 +141,7 @@ private:
             return lose(kStrange);
         axes_ = *axes;
         unmet_ = device->unmet; // whatever was before the connection broke
-        exchange_.withheld = objection(unmet_);
+        tell_withheld();
         limit_.cancel();
         phase_ = Phase::running;
         exchange_.lend_line(line->descriptor());
@@ -203,7 +211,7 @@ private:
         late_ = false;
         const State state = read_state(text, options_.device_id);
         unmet_ = (unmet_ & ~state.readiness.told) | state.readiness.unmet;
-        exchange_.withheld = objection(unmet_);
+        tell_withheld();
         if (state.fault == nullptr) {
             exchange_.sighting.put({true, steady_now(), axes_.to_world(state.position)});
             pause_ = kFirstPause;

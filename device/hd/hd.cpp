@@ -142,6 +142,7 @@ DeviceFacts Hd::learn() const {
     DeviceFacts facts;
     facts.name = name_of(library_);
     facts.software = software_of(library_);
+    facts.silence = 0.9e-9 * static_cast<double>(kSilence); // the loop's clock and the servo's are read apart
     learn_force(facts);
     learn_workspace(facts);
     calibrate(facts);

@@ -147,9 +147,10 @@ bool LiveLoop::take_position(Turn& turn) noexcept {
     }
     const bool given = reading.answer == Answer::fresh || (reading.answer == Answer::held && begun_);
     turn.now.is_position = given && laws_.present().reaches(reading.position);
+    path_begins_ = path_begins_ || reading.begins_path; // with the next position, if this is none
     if (turn.now.is_position) {
-        turn.now.begins_path = reading.begins_path;
-        if (reading.begins_path && begun_) {
+        turn.now.begins_path = std::exchange(path_begins_, false);
+        if (turn.now.begins_path && begun_) {
             laws_.present().begin_path();
             begin_path(turn);
         }
@@ -165,6 +166,13 @@ bool LiveLoop::take_position(Turn& turn) noexcept {
     return begun_;
 }
 
+// Whether a sample is later than it may be, or the device has heard of no force for so long that it took the last one
+// away: the next one comes up from zero.
+bool LiveLoop::is_held_up(const Turn& turn, std::int64_t time) const noexcept {
+    return settings_.real_time && (seconds(time - turn.due) > settings_.limits.late * period_ ||
+                                   (written_ != 0 && seconds(time - written_) > back_end_.facts().silence));
+}
+
 void LiveLoop::feel(Turn& turn) noexcept {
     LiveSample& sample = turn.sample;
     const std::int64_t begin = now();
@@ -176,7 +184,7 @@ void LiveLoop::feel(Turn& turn) noexcept {
     const bool contact = felt.facet != layout::kNoFacet;
     glm::dvec3 force = safety_.passed(turn.now, felt.force, contact, sample.happened);
     const std::int64_t end = now();
-    if (settings_.real_time && seconds(end - turn.due) > settings_.limits.late * period_) { // held up since it woke
+    if (is_held_up(turn, end)) { // since it woke, or the device has let go meanwhile
         sample.happened |= kTooLate;
         safety_.refused();
         force = glm::dvec3(0);
@@ -190,7 +198,7 @@ void LiveLoop::feel(Turn& turn) noexcept {
     sample.scene = law.scene;
     sample.energy = safety_.energy();
     writes_ = back_end_.write(force);
-    turn.end = now();
+    turn.end = written_ = now();
     sample.commanded = writes_ ? force : glm::dvec3(0);
     sample.happened |= writes_ ? 0u : kFailed;
     const bool late = settings_.real_time && seconds(turn.end - turn.due) > settings_.limits.late * period_;
@@ -215,6 +223,7 @@ void LiveLoop::turn() noexcept {
 
 void LiveLoop::wait(const Turn& turn) noexcept {
     back_end_.write(glm::dvec3(0));
+    written_ = now();
     computed_ = computed_so_far();
     if (turn.now.answer == Answer::ended)
         return;

@@ -78,6 +78,7 @@ private:
     void await(Turn& turn) noexcept;
     void begin_path(Turn& turn) noexcept;
     bool take_position(Turn& turn) noexcept;
+    bool is_held_up(const Turn& turn, std::int64_t time) const noexcept;
     void feel(Turn& turn) noexcept;
     void keep(Turn& turn) noexcept;
     void count(const LiveSample& sample) noexcept;
@@ -101,13 +102,14 @@ private:
 
     // The loop's own.
     std::int64_t first_due_ = 0; /* ns: when sample 0 was due, and so much later as the process stood still */
-    std::int64_t start_ = 0, woken_ = 0, computed_ = 0; /* ns */
+    std::int64_t start_ = 0, woken_ = 0, computed_ = 0, written_ = 0; /* ns */
     std::uint64_t tick_ = 0;
-    double last_time_ = 0; /* s: of the last sample */
-    double gone_ = 0;      /* s: since the device last answered as it should */
-    glm::dvec3 probe_{0};  /* m: the last one that was a position */
-    bool begun_ = false;   // there was one
-    bool writes_ = true;   // the device took the last force
+    double last_time_ = 0;     /* s: of the last sample */
+    double gone_ = 0;          /* s: since the device last answered as it should */
+    glm::dvec3 probe_{0};      /* m: the last one that was a position */
+    bool begun_ = false;       // there was one
+    bool path_begins_ = false; // one whose first position has not come yet
+    bool writes_ = true;       // the device took the last force
     std::uint32_t path_ = 0;
 };
 

@@ -25,9 +25,10 @@ bool is_within(const glm::dvec3& v, const glm::dvec3& low, const glm::dvec3& hig
 } // namespace
 
 void Safety::follow(const Situation& now) noexcept {
-    step_ = begun_ ? std::clamp(now.time - last_time_, 0.0, period_) : period_;
+    const double passed = begun_ ? std::max(now.time - last_time_, 0.0) : period_; // the motors bear all of it
+    step_ = std::min(passed, period_);
     last_time_ = now.time;
-    heat_ += step_ / kLastingTime * (reference::dot(shown_, shown_) - heat_);
+    heat_ += (1 - std::exp(-passed / kLastingTime)) * (reference::dot(shown_, shown_) - heat_);
     if (!now.is_position || now.answer != Answer::fresh) {
         observer_.stay();
         return;

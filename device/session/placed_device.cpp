@@ -51,7 +51,9 @@ glm::dvec3 first_position(BackEnd& device, double patience) {
         std::this_thread::sleep_for(std::chrono::milliseconds(1));
     } while (Clock::now() < end);
     const char* const withheld = device.withheld();
-    const char* const complaint = withheld != nullptr ? withheld : device.complaint();
+    if (withheld != nullptr)
+        throw DeviceAbsent(fmt::format("{} displays no force: {}", device.facts().name, withheld));
+    const char* const complaint = device.complaint();
     throw DeviceAbsent(fmt::format("{} tells no position{}{}", device.facts().name, complaint != nullptr ? ": " : "",
                                    complaint != nullptr ? complaint : ""));
 }

@@ -25,8 +25,10 @@ constexpr std::array<std::pair<std::string_view, double>, 8> kUnits{{{"kB", 1e3}
                                                                      {"GiB", 0x1p30},
                                                                      {"TiB", 0x1p40}}};
 
-std::string gibibytes(double bytes) {
-    return fmt::format("{:.1f} GiB", std::ceil(bytes / 0x1p30 * 10) / 10);
+/// Rounded to whole MiB or tenths of a GiB: what is needed up, what is allowed down, so that they differ.
+std::string in_words(double bytes, double (*rounded)(double)) {
+    return bytes < 0x1p30 ? fmt::format("{:.0f} MiB", rounded(bytes / 0x1p20))
+                          : fmt::format("{:.1f} GiB", rounded(bytes / 0x1p30 * 10) / 10);
 }
 
 } // namespace
@@ -54,7 +56,8 @@ void require_memory(const std::filesystem::path& file, const std::string& what, 
     if (const auto most = static_cast<double>(limit.load()); bytes > most)
         throw UsageError(fmt::format("{}: {} needs about {} of memory, more than the {} that are allowed: make it "
                                      "smaller, or say --max-memory \"{}\"",
-                                     file.string(), what, gibibytes(bytes), gibibytes(most), gibibytes(bytes)));
+                                     file.string(), what, in_words(bytes, std::ceil), in_words(most, std::floor),
+                                     in_words(bytes, std::ceil)));
 }
 
 } // namespace forceshade

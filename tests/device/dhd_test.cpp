@@ -169,6 +169,8 @@ TEST_F(Dhd, has_a_watchdog_and_comes_back_after_it_bit) {
     EXPECT_TRUE(device->write({0, 0, 1}));
     EXPECT_EQ(stub_.calls("dhdEnableForce"), 1);
     std::this_thread::sleep_for(std::chrono::milliseconds(300));
+    EXPECT_FALSE(device->write({0, 0, 1})) << "it comes up from zero";
+    EXPECT_EQ(stub_.force(), dvec3(0));
     EXPECT_TRUE(device->write({0, 0, 1}));
     EXPECT_EQ(stub_.calls("dhdEnableForce"), 2);
 }
@@ -182,8 +184,8 @@ TEST_F(Dhd, writes_zero_before_it_enables_forces) {
     EXPECT_TRUE(device->write({0, 0, 10}));
     std::this_thread::sleep_for(std::chrono::milliseconds(300));
     stub_.order();
-    EXPECT_TRUE(device->write({0, 0, 5}));
-    EXPECT_EQ(stub_.order(), "force 0 0 0;enable 1;force 0 0 5;");
+    EXPECT_FALSE(device->write({0, 0, 5})) << "it comes up from zero";
+    EXPECT_EQ(stub_.order(), "force 0 0 0;enable 1;force 0 0 0;");
     EXPECT_EQ(device->withheld(), nullptr);
 }
 
@@ -253,7 +255,8 @@ TEST_F(Dhd, switches_on_only_what_nobody_else_switched_off) {
 
 TEST_F(Dhd, switches_forces_on_at_the_start_unless_a_hand_switched_them_off) {
     const auto switch_off = stub_.call<void(int)>("stub_switch_off");
-    for (const auto& [cause, enabled] : {std::pair{0, true}, {2, true}, {3, true}, {4, true}, {1, false}, {6, false}}) {
+    for (const auto& [cause, enabled] :
+         {std::pair{0, true}, {2, false}, {3, true}, {4, true}, {1, false}, {6, false}}) {
         stub_.call<void()>("stub_reset")();
         switch_off(cause); // before we began
         const auto device = open_dhd("");

@@ -151,6 +151,40 @@ TEST(LiveLoop, ASampleThatTheDeviceTookTooLateSaysSo) {
     EXPECT_LT(run.samples[101].commanded.z, 0.02) << "and what follows comes up anew";
 }
 
+TEST(LiveLoop, APathThatBeginsWithoutAPositionBeginsWithTheNext) {
+    ScriptedDevice device(
+        [](std::uint64_t question) {
+            Reading reading = at(question == 50 ? NAN : 0, 0, -1e-3);
+            reading.begins_path = question == 50;
+            return reading;
+        },
+        1000);
+    const LoopRun run = run_fast(device, prepared_scene(kPlane), 100, no_limits());
+    EXPECT_EQ(run.samples[50].path, 0u);
+    EXPECT_EQ(run.samples[51].path, 1u);
+    EXPECT_NE(run.samples[51].happened & kNewPath, 0u);
+    EXPECT_EQ(run.samples[99].path, 1u);
+}
+
+TEST(LiveLoop, AForceThatTheDeviceLetGoOfComesUpFromZero) {
+    // At 100 Hz a sample may be 200 ms late; the device lets go of its force after 50 ms.
+    ScriptedDevice device(
+        [](std::uint64_t question) {
+            if (question == 100)
+                std::this_thread::sleep_for(std::chrono::milliseconds(100));
+            return at(0, 0, -1e-3);
+        },
+        1000, false);
+    device.lets_go_after(0.05);
+    LoopSettings settings = real_time(100, 120);
+    settings.limits.late = 20;
+    settings.limits.ramp = 0.5;
+    const LoopRun run = run_through(device, settings);
+    EXPECT_NE(run.samples[100].happened & kTooLate, 0u);
+    EXPECT_EQ(run.samples[100].commanded, glm::dvec3(0));
+    EXPECT_LT(run.samples[101].commanded.z, 0.1 * run.samples[101].force.z);
+}
+
 TEST(LiveLoop, SuspendedItDisplaysNothing) {
     ScriptedDevice device(deep, 100000, false);
     LoopSettings settings = real_time(1000);

@@ -161,6 +161,21 @@ TEST(Safety, AForceThatLastsComesDownToWhatTheMotorsBear) {
     EXPECT_EQ(held.show({0, 0, 3.3}).z, 3.3) << "it has cooled down";
 }
 
+TEST(Safety, AForceLastsWhileTheLoopIsHeldUp) {
+    SafetyLimits limits = quick();
+    limits.max_force = 3.3;
+    limits.lasting_force = 0.88;
+    Held held(limits);
+    double square = 0; /* N^2 s */
+    for (int burst = 0; burst < 6000; ++burst)
+        for (int i = 0; i < 10; ++i) {
+            const double pause = i == 0 ? 9.991e-3 : 1e-6, shown = held.show({0, 0, 9}).z;
+            held.time += pause - kPeriod;
+            square += shown * shown * pause;
+        }
+    EXPECT_LT(square, 0.88 * 0.88 * (60 + 1.05 * kLastingTime));
+}
+
 TEST(Safety, TwoSamplesAtOneTimeAreNoFault) {
     Held held(quick());
     held.show({0, 0, 1});

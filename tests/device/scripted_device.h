@@ -53,6 +53,8 @@ public:
     void halt() noexcept override { halted = true; }
     void rest() noexcept override { ++rests; }
     const char* complaint() const noexcept override { return nullptr; }
+    /// s: lets go of a force after such a pause.
+    void lets_go_after(double silence) { facts_.silence = silence; }
 
     std::vector<glm::dvec3> forces; /* N */
     std::atomic<bool> halted = false, takes_forces = true;
