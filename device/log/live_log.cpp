@@ -31,7 +31,7 @@ void make_ours(int descriptor, const std::filesystem::path& file) {
         ::close(descriptor);
         throw UsageError(fmt::format("--log {}: another run writes it now; choose another name", file.string()));
     }
-    if (::ftruncate(descriptor, 0) != 0) {
+    if (::ftruncate(descriptor, 0) != 0 && errno != EINVAL) { // a pipe has no length
         const int error = errno;
         ::close(descriptor);
         throw file_error("write", file, error);
@@ -45,7 +45,7 @@ int create(const std::filesystem::path& file, bool replace) {
     const bool special = std::filesystem::is_fifo(status) || std::filesystem::is_character_file(status);
     const int flags = O_WRONLY | O_CLOEXEC | (special ? O_NONBLOCK : O_CREAT | (replace ? 0 : O_EXCL));
     const int descriptor = ::open(file.c_str(), flags, 0666);
-    if (descriptor >= 0 && !special)
+    if (descriptor >= 0 && !std::filesystem::is_character_file(status))
         make_ours(descriptor, file);
     if (descriptor >= 0)
         return descriptor;

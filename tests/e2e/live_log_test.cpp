@@ -1,6 +1,10 @@
 // Disks and pipes that do not take a live loop's log: the loop goes on, and what is lost is counted and told.
+#include <array>
+#include <csignal>
+
 #include <fcntl.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include "host/io/hash.h"
 #include "tests/e2e/live_workplace.h"
@@ -96,6 +100,20 @@ TEST_F(LiveLog, that_another_run_writes_is_refused_and_stays_whole) {
         ASSERT_EQ(log[i].at("tick"), std::to_string(i));
     expect_success(live("bump.toml", {"--fast", "--duration", "1 s", "--log", "log.csv", "--overwrite"}));
     EXPECT_EQ(rows("log.csv").size(), 1000u) << "once it is written it may be replaced";
+}
+
+TEST_F(LiveLog, that_another_run_writes_to_a_pipe_is_refused) {
+    ASSERT_EQ(::mkfifo(path("log.fifo").c_str(), 0600), 0);
+    const int reader = ::open(path("log.fifo").c_str(), O_RDWR | O_NONBLOCK); // also holds the pipe open
+    ASSERT_GE(reader, 0);
+    Process first(launch(by_the_clock("log.fifo", {})));
+    std::array<char, 64> bytes;
+    await(first, [&] { return ::read(reader, bytes.data(), bytes.size()) > 0; });
+    expect_failure(2, live("bump.toml", {"--fast", "--duration", "1 s", "--log", "log.fifo"}),
+                   {"--log ", "log.fifo", "another run writes it now"});
+    first.send(SIGINT);
+    first.wait();
+    ::close(reader);
 }
 
 TEST_F(LiveLog, holds_its_scene_and_the_scenes_hash) {
