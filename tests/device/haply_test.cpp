@@ -176,6 +176,13 @@ TEST(Haply, DisplaysNoForceUntilTheDeviceIsReadyAndSaysWhy) {
             const char* const reason = device->withheld();
             return reason != nullptr && std::string(reason).find(words) != std::string::npos;
         };
+        const auto comes_up = [&] { // from zero
+            return wait_until([&] {
+                device->read();
+                device->write(glm::dvec3(0));
+                return device->withheld() == nullptr;
+            });
+        };
         ASSERT_TRUE(loop_until(*device, [&](const Reading& reading, bool) {
             return reading.answer == Answer::fresh && service.received().size() > 50;
         }));
@@ -185,6 +192,10 @@ TEST(Haply, DisplaysNoForceUntilTheDeviceIsReadyAndSaysWhy) {
         for (const Received& each : service.received())
             ASSERT_EQ(each.force, glm::dvec3(0));
         service.set(Fault::none);
+        const std::size_t ready = service.received().size();
+        ASSERT_TRUE(loop_until(*device, [&](const Reading&, bool) { return service.received().size() > ready + 50; }));
+        EXPECT_TRUE(withheld()) << "a loop that has not asked for no force has not seen it";
+        EXPECT_TRUE(comes_up());
         EXPECT_TRUE(runs_well(*device, service));
         EXPECT_EQ(device->withheld(), nullptr);
         service.set(fault);
@@ -197,6 +208,7 @@ TEST(Haply, DisplaysNoForceUntilTheDeviceIsReadyAndSaysWhy) {
         service.go_away(); // and is ready when it comes back
         service.set(Fault::none);
         service.come_back();
+        EXPECT_TRUE(comes_up());
         EXPECT_TRUE(runs_well(*device, service));
         EXPECT_EQ(device->withheld(), nullptr);
     }
