@@ -132,7 +132,7 @@ void LiveLog::add(const LiveSample& sample) {
     number(sample.path);
     number(sample.time);
     for (int i = 0; i < 3; ++i)
-        number(sample.probe[i]);
+        real(sample.probe[i]); // where the law was evaluated
     for (int i = 0; i < 3; ++i)
         real(sample.proxy[i]);
     for (int i = 0; i < 3; ++i)
