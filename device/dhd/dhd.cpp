@@ -19,7 +19,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr unsigned char kWatchdog = 255;                        // in 125 us: 32 ms, the longest there is
 constexpr Clock::duration kGap = std::chrono::milliseconds(30); // after such a pause the watchdog may have bitten
-constexpr double kSilence = 0.025;                              /* s: the same for the loop, which looks sooner */
+constexpr double kSilence = 0.025; /* s: likewise, for the loop, which is to notice first */
 constexpr Clock::duration kAsk = std::chrono::milliseconds(20); // between questions for the status
 constexpr int kDoorPatience = 20;                               /* ms */
 constexpr int kDisplayTime = 2;                                 /* ms: until a force that was written is displayed */

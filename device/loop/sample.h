@@ -20,8 +20,8 @@ enum Happening : std::uint32_t {
     kStale = 1u << 6,       // there was no new one for too long: likewise
     kOutside = 1u << 7,     // it lay outside of the workspace: likewise
     kTooFast = 1u << 8,     // the probe moved faster than allowed: likewise
-    kTooLate = 1u << 9,     // the sample came later than the watchdog allows: likewise; or the device took the force
-                            // so late that the next one starts from none
+    kTooLate = 1u << 9,     // the sample came later than the watchdog allows: likewise; or the pause was so
+                            // long that the device has let go; the next force starts from none
     kFailed = 1u << 10,     // the device did not take or give what it should
     kUnfinished = 1u << 11, // the proxy could not come to rest
     kOverrun = 1u << 12,    // the sample ended after the next one was due

@@ -10,9 +10,9 @@ namespace forceshade::reference {
 /// The skin rounds edges and corners, and there a proxy may stop where the law would let it slide on. A proxy is at
 /// rest where one or two faces right below hold it; elsewhere, if neither of these takes its contact closer to the
 /// probe: the steepest ways from the corner or place it is at, over the faces and along the edges around, with strides
-/// of several lengths, straight or over the corner; and a walk begun anew. What is tried depends on the rest and the
-/// probe alone, so the same probe given again finds the same. Between spikes a way over the corner may not be found:
-/// then it rests where it could go on (shaders/README.md tells how often).
+/// of several lengths, straight or, of the shortest, by walks over the corner; and a walk begun anew. What is tried
+/// depends on the rest and the probe alone, so the same probe given again finds the same. Between spikes a way over the
+/// corner may not be found: then it rests where it could go on (shaders/README.md tells how often).
 template <typename T, typename Walk> class Settler {
 public:
     Settler(const layout::MeshView<T>& mesh, Neighbourhood<T>& around, const Vector<T>& probe, Walk& walk) noexcept
@@ -112,6 +112,8 @@ private:
                 const T stride = length < way.gain ? length : way.gain;
                 const Vector<T> there = place_along(mesh_, from, way, stride, side);
                 for (const Route route : {Route::straight, Route::lifted, Route::over}) {
+                    if (route == Route::over && j > 0)
+                        break; // three walks take long at corners of many triangles
                     walk_.put_back(before);
                     if (!takes(route, from, way.direction + side, stride, there))
                         continue;
