@@ -1,18 +1,39 @@
-// The live loop: read the position, ask the law, let safety judge, write the force, at a steady rate.
+// Takes the force away while the live loop does not come round.
 #pragma once
 
 #include <atomic>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <thread>
 
-#include "device/loop/law_exchange.h"
-#include "device/loop/sample_ring.h"
-#include "device/loop/watchdog.h"
-#include "device/report/outcome.h"
-#include "device/safety/safety.h"
+#include "device/backends/back_end.h"
+#include "device/loop/live_law.h"
+#include "device/loop/outcome.h"
+#include "device/loop/safety.h"
+#include "device/loop/sample.h"
 
 namespace forceshade::device {
+
+/// A thread of its own, before the loop's if the system allows it: lets a device rest whose loop does not come round.
+class Watchdog {
+public:
+    /// `patience`, ns: the longest time between two calls of feed().
+    Watchdog(BackEnd& back_end, std::int64_t patience);
+    ~Watchdog();
+
+    void feed(std::int64_t now) noexcept { fed_.store(now, std::memory_order_relaxed); }
+
+private:
+    void run(const std::stop_token& stop) noexcept;
+
+    BackEnd& back_end_;
+    const std::int64_t patience_; /* ns */
+    std::atomic<std::int64_t> fed_;
+    std::jthread thread_;
+};
+
+// The live loop: read the position, ask the law, let safety judge, write the force, at a steady rate.
 
 inline constexpr double kSlowestRate = 100, kFastestRate = 10000; /* Hz */
 

@@ -5,14 +5,14 @@
 #include <sched.h>
 #include <sys/mman.h>
 #include <sys/prctl.h>
-
 #include <system_error>
 
 #include <fmt/format.h>
 
-#include "device/priority.h"
+#include "device/backends/back_end.h"
 
 namespace forceshade::device {
+
 namespace {
 
 std::string reason(int number) {

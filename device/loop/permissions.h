@@ -3,7 +3,7 @@
 
 #include <optional>
 
-#include "device/report/outcome.h"
+#include "device/loop/outcome.h"
 
 namespace forceshade::device {
 

@@ -1,13 +1,106 @@
-// What is remembered of one sample of the live loop.
+// The time that the live loop goes by: the monotonic clock, which nobody sets.
 #pragma once
 
 #include <array>
+#include <atomic>
+#include <bit>
+#include <cerrno>
+#include <cstddef>
 #include <cstdint>
+#include <ctime>
+#include <span>
 #include <string_view>
+#include <vector>
 
 #include <glm/vec3.hpp>
 
 namespace forceshade::device {
+
+inline constexpr std::int64_t kSecond = 1'000'000'000; /* ns */
+
+inline std::int64_t now_of(clockid_t clock) noexcept {
+    timespec time{};
+    ::clock_gettime(clock, &time);
+    return std::int64_t(time.tv_sec) * kSecond + time.tv_nsec;
+}
+
+/// ns, from an arbitrary beginning.
+inline std::int64_t now() noexcept {
+    return now_of(CLOCK_MONOTONIC);
+}
+
+/// ns that this thread has computed.
+inline std::int64_t computed_so_far() noexcept {
+    return now_of(CLOCK_THREAD_CPUTIME_ID);
+}
+
+/// Returns at a time of now(), or at once if it is over.
+inline void sleep_until(std::int64_t time) noexcept {
+    const timespec until{time / kSecond, static_cast<long>(time % kSecond)};
+    while (::clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, nullptr) == EINTR) {
+    }
+}
+
+// How often a time occurred, counted as it passes: bins at most a thirty-second of their own value wide.
+
+/// Of times in ns, from 0 on. Adding neither allocates nor fails; 15 KiB.
+class Histogram {
+public:
+    static constexpr unsigned kFine = 5; // bits below the leading one that a bin tells apart
+    static constexpr std::size_t kBins = (64 - kFine + 1) << kFine;
+
+    void add(std::int64_t time) noexcept {
+        const std::uint64_t value = time > 0 ? static_cast<std::uint64_t>(time) : 0;
+        ++bins_[bin_of(value)];
+        ++count_;
+        sum_ += static_cast<double>(value);
+        largest_ = value > largest_ ? value : largest_;
+    }
+
+    std::uint64_t count() const noexcept { return count_; }
+    std::uint64_t largest() const noexcept { return largest_; }                                  /* ns */
+    double mean() const noexcept { return count_ > 0 ? sum_ / static_cast<double>(count_) : 0; } /* ns */
+
+    /// The least upper end of a bin, ns, that this share of the times does not exceed; never more than the largest.
+    double quantile(double share) const noexcept {
+        const double wanted = share * static_cast<double>(count_);
+        std::uint64_t seen = 0;
+        for (std::size_t bin = 0; bin < kBins; ++bin) {
+            seen += bins_[bin];
+            if (bins_[bin] > 0 && static_cast<double>(seen) >= wanted) {
+                const auto end = static_cast<double>(begin_of(bin + 1));
+                return end < static_cast<double>(largest_) ? end : static_cast<double>(largest_);
+            }
+        }
+        return 0;
+    }
+
+    std::uint64_t bin(std::size_t index) const noexcept { return bins_[index]; }
+
+    /// The least value, ns, of a bin, of which the last one's end is 2^64.
+    static constexpr std::uint64_t begin_of(std::size_t bin) noexcept {
+        if (bin < (std::size_t(2) << kFine))
+            return bin;
+        const std::size_t power = (bin >> kFine) - 1;
+        if (power >= 64 - kFine)
+            return ~std::uint64_t(0);
+        return ((std::uint64_t(1) << kFine) + (bin & ((std::size_t(1) << kFine) - 1))) << power;
+    }
+
+    static constexpr std::size_t bin_of(std::uint64_t value) noexcept {
+        if (value < (std::uint64_t(1) << kFine))
+            return static_cast<std::size_t>(value);
+        const auto power = static_cast<unsigned>(std::bit_width(value)) - 1 - kFine;
+        return (std::size_t(power + 1) << kFine) + ((value >> power) & ((std::uint64_t(1) << kFine) - 1));
+    }
+
+private:
+    std::array<std::uint64_t, kBins> bins_{};
+    std::uint64_t count_ = 0, largest_ = 0;
+    double sum_ = 0;
+};
+
+// What is remembered of one sample of the live loop.
 
 /// What happened to a sample, as bits.
 enum Happening : std::uint32_t {
@@ -56,6 +149,43 @@ struct LiveSample {
     std::int32_t writing = 0;   /* ns */
     std::uint32_t facet = 0;    // layout::kNoFacet out of contact
     std::uint64_t scene = 0;    // LiveLaw::scene
+};
+
+// Samples on their way from the live loop to whoever writes them down: one thread puts, one takes, none waits.
+
+class SampleRing {
+public:
+    /// Room for so many samples at least; the memory is touched here, so that the loop never waits for a page.
+    explicit SampleRing(std::size_t samples) : slots_(std::bit_ceil(samples)), mask_(slots_.size() - 1) {}
+
+    std::size_t capacity() const noexcept { return slots_.size(); }
+
+    /// False if there is no room: the sample is lost.
+    bool put(const LiveSample& sample) noexcept {
+        const std::size_t at = put_.load(std::memory_order_relaxed);
+        if (at - taken_.load(std::memory_order_acquire) == slots_.size())
+            return false;
+        slots_[at & mask_] = sample;
+        put_.store(at + 1, std::memory_order_release);
+        return true;
+    }
+
+    /// The oldest samples that lie in a row; leave() gives their room back.
+    std::span<const LiveSample> look() const noexcept {
+        const std::size_t from = taken_.load(std::memory_order_relaxed);
+        const std::size_t count = put_.load(std::memory_order_acquire) - from;
+        const std::size_t first = from & mask_;
+        return {slots_.data() + first, std::min(count, slots_.size() - first)};
+    }
+    void leave(std::size_t count) noexcept {
+        taken_.store(taken_.load(std::memory_order_relaxed) + count, std::memory_order_release);
+    }
+
+private:
+    std::vector<LiveSample> slots_;
+    const std::size_t mask_;
+    alignas(64) std::atomic<std::size_t> put_ = 0;
+    alignas(64) std::atomic<std::size_t> taken_ = 0;
 };
 
 } // namespace forceshade::device

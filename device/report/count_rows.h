@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "device/loop/histogram.h"
+#include "device/loop/sample.h"
 
 namespace forceshade::device {
 

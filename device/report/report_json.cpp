@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/picture/canvas.h"
-#include "host/version.h"
+#include "host/program.h"
 
 namespace forceshade::device {
 namespace {

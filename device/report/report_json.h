@@ -3,7 +3,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-#include "device/report/outcome.h"
+#include "device/loop/outcome.h"
 
 namespace forceshade::device {
 

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "device/report/outcome.h"
+#include "device/loop/outcome.h"
 
 namespace forceshade::device {
 

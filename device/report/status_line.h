@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <string>
 
-#include "device/report/status.h"
+#include "device/loop/outcome.h"
 
 namespace forceshade::device {
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "device/loop/histogram.h"
+#include "device/loop/sample.h"
 #include "host/picture/ticks.h"
 
 namespace forceshade::device {

@@ -7,7 +7,7 @@
 #include "device/report/live_picture.h"
 #include "device/report/report_json.h"
 #include "device/report/report_text.h"
-#include "host/io/temporary_file.h"
+#include "host/output/files.h"
 
 namespace forceshade::device {
 

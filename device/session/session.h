@@ -1,18 +1,25 @@
-// A run of the live loop from the scene's file to the report: the loop, its log, a person at the terminal.
+// Safety's limits as a person reads them.
 #pragma once
 
 #include <filesystem>
 #include <functional>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "device/loop/live_loop.h"
-#include "device/report/outcome.h"
-#include "device/session/placed_device.h"
-#include "host/field/prepared_case.h"
+#include "device/loop/outcome.h"
+#include "device/loop/safety.h"
+#include "device/session/open_device.h"
+#include "host/prepare/prepared_case.h"
 
 namespace forceshade::device {
+
+/// By name, with units; "none" for a limit that is switched off.
+std::vector<std::pair<std::string, std::string>> limits_as_text(const SafetyLimits& limits);
+
+// A run of the live loop from the scene's file to the report: the loop, its log, a person at the terminal.
 
 struct SessionOptions {
     std::filesystem::path scene;         // its file

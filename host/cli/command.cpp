@@ -5,7 +5,7 @@
 #include <cstdio>
 
 #include "host/error.h"
-#include "host/remark.h"
+#include "host/program.h"
 
 namespace forceshade {
 

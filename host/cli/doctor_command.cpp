@@ -5,15 +5,18 @@
 #include <nlohmann/json.hpp>
 
 #include "compute/device.h"
+#include "device/backends/devices.h"
 #include "device/loop/permissions.h"
 #include "host/cli/command.h"
 #include "host/error.h"
-#include "host/io/temporary_file.h"
-#include "host/sweep/machine.h"
-#include "host/validate/validate.h"
-#include "host/version.h"
+#include "host/output/files.h"
+#include "host/program.h"
+#include "host/referee/validate.h"
+#include "host/scene/schema.h"
+#include "host/sweep/manifest.h"
 
 namespace forceshade {
+
 namespace {
 
 struct Finding {
@@ -114,7 +117,7 @@ std::vector<Finding> examine_all(const CommonOptions& common) {
     return findings;
 }
 
-int run(const CommonOptions& common) {
+int diagnose(const CommonOptions& common) {
     const std::vector<Finding> findings = examine_all(common);
     bool good = true;
     std::string text;
@@ -140,7 +143,123 @@ int run(const CommonOptions& common) {
 void add_doctor_command(CLI::App& program, const CommonOptions& common, Command& chosen) {
     CLI::App* command =
         program.add_subcommand("doctor", "Say what is installed, what works, and what to do about the rest");
-    command->callback([&] { chosen = [&] { return run(common); }; });
+    command->callback([&] { chosen = [&] { return diagnose(common); }; });
+}
+
+namespace {
+
+std::string as_json(const std::vector<compute::DeviceReport>& devices) {
+    nlohmann::ordered_json json = nlohmann::ordered_json::array();
+    for (const compute::DeviceReport& device : devices)
+        json.push_back({{"index", device.index},
+                        {"name", device.name},
+                        {"uuid", device.uuid},
+                        {"type", device.type},
+                        {"driver", device.driver},
+                        {"vulkan", device.api},
+                        {"f64", device.f64},
+                        {"int64", device.int64},
+                        {"memory_bytes", device.memory},
+                        {"storage_buffer_bytes", device.buffer_range},
+                        {"subgroup", device.subgroup},
+                        {"refused", device.refusals}});
+    return json.dump(2) + "\n";
+}
+
+std::string as_text(const std::vector<compute::DeviceReport>& devices) {
+    std::string text;
+    for (const compute::DeviceReport& device : devices) {
+        text += fmt::format(
+            "{}  {}\n   {}, {}, Vulkan {}\n   UUID {}\n   {:.1f} GiB, storage buffers to {:.0f} MiB, {}\n",
+            device.index, device.name, device.type, device.driver, device.api, device.uuid,
+            static_cast<double>(device.memory) / (1 << 30), static_cast<double>(device.buffer_range) / (1 << 20),
+            device.f64 ? "double precision" : "no double precision");
+        text +=
+            device.refusals.empty() ? "   usable\n" : fmt::format("   refused: {}\n", fmt::join(device.refusals, "; "));
+    }
+    return text;
+}
+
+int list_gpus(const CommonOptions& common) {
+    const auto devices = compute::list_devices();
+    print_data(common.json ? as_json(devices) : as_text(devices));
+    // Without any flag this is the device that a run would take; it throws where there is none.
+    const compute::DeviceReport& chosen = compute::choose_device(devices, common.gpu, common.precision == "f64");
+    if (!common.quiet)
+        remark("a run {} takes {} ({})\n", common.gpu.empty() ? "without --gpu" : "with this --gpu", chosen.index,
+               chosen.name);
+    return 0;
+}
+
+} // namespace
+
+void add_gpus_command(CLI::App& program, const CommonOptions& common, Command& chosen) {
+    CLI::App* command = program.add_subcommand("gpus", "List the Vulkan devices and why one would be refused");
+    command->callback([&] { chosen = [&] { return list_gpus(common); }; });
+}
+
+namespace {
+
+using device::DeviceKind;
+
+std::string as_json(const std::vector<DeviceKind>& kinds) {
+    nlohmann::ordered_json json = nlohmann::ordered_json::array();
+    for (const DeviceKind& kind : kinds)
+        json.push_back({{"option", kind.option},
+                        {"what", kind.what},
+                        {"devices", kind.devices},
+                        {"name", kind.name},
+                        {"software", kind.software},
+                        {"place", kind.place},
+                        {"problem", kind.problem}});
+    return json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n"; // names are the vendors'
+}
+
+std::string as_text(const std::vector<DeviceKind>& kinds) {
+    std::string text;
+    for (const DeviceKind& kind : kinds) {
+        text += fmt::format("{:<12} {}\n", kind.option, kind.what);
+        if (!kind.place.empty())
+            text += fmt::format("   {}{}{}\n", kind.software, kind.software.empty() ? "" : ", ", kind.place);
+        if (!kind.devices.empty())
+            text += fmt::format("   there: --device {}{}\n", fmt::join(kind.devices, ", "),
+                                kind.name.empty() ? "" : ", " + kind.name);
+        if (!kind.problem.empty())
+            text += fmt::format("   not there: {}\n", kind.problem);
+    }
+    return text;
+}
+
+int list_devices(const CommonOptions& common) {
+    const std::vector<DeviceKind> kinds = device::list_devices();
+    print_data(common.json ? as_json(kinds) : as_text(kinds));
+    return 0;
+}
+
+} // namespace
+
+void add_devices_command(CLI::App& program, const CommonOptions& common, Command& chosen) {
+    CLI::App* command =
+        program.add_subcommand("devices", "List the haptic devices that live could drive here, and why not the others");
+    command->footer("FORCESHADE_DHD_LIBRARY and FORCESHADE_HD_LIBRARY name the file of Force Dimension's and of 3D "
+                    "Systems' library where the dynamic linker would not find it.\n" +
+                    program.get_footer());
+    command->callback([&] { chosen = [&] { return list_devices(common); }; });
+}
+
+void add_schema_command(CLI::App& program, const CommonOptions& common, Command& chosen) {
+    const auto paper = std::make_shared<bool>(false);
+    CLI::App* command =
+        program.add_subcommand("schema", "Print every key of a scene or study, its unit, default and meaning");
+    command->add_flag("--default-study", *paper, "print the built-in study of the paper instead, to start from");
+    command->callback([=, &common, &chosen] {
+        chosen = [=, &common] {
+            if (*paper && common.json)
+                throw UsageError("--default-study prints TOML: leave out --json");
+            print_data(*paper ? std::string(default_study_toml()) : common.json ? schema_json() : schema_text());
+            return 0;
+        };
+    });
 }
 
 } // namespace forceshade

@@ -9,14 +9,14 @@
 
 #include "host/cli/command.h"
 #include "host/error.h"
-#include "host/explore/explore.h"
-#include "host/field/scene_mesh.h"
-#include "host/io/temporary_file.h"
-#include "host/path_run/path_run.h"
-#include "host/paths/recorded_paths.h"
+#include "host/output/files.h"
+#include "host/paths/explore.h"
+#include "host/paths/path_run.h"
+#include "host/paths/recorded.h"
 #include "host/paths/region.h"
-#include "host/remark.h"
-#include "host/sweep/progress.h"
+#include "host/prepare/prepared_case.h"
+#include "host/program.h"
+#include "host/sweep/sweep.h"
 
 namespace forceshade {
 namespace {

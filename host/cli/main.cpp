@@ -13,11 +13,9 @@
 #include "compute/device.h"
 #include "host/cli/command.h"
 #include "host/error.h"
-#include "host/interrupt.h"
-#include "host/io/memory_limit.h"
-#include "host/remark.h"
-#include "host/scene/nearest.h"
-#include "host/version.h"
+#include "host/output/reading.h"
+#include "host/program.h"
+#include "host/scene/value.h"
 
 namespace {
 

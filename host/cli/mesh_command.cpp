@@ -4,8 +4,8 @@
 
 #include "host/cli/command.h"
 #include "host/mesh/findings.h"
-#include "host/mesh_file/mesh_file.h"
-#include "host/remark.h"
+#include "host/mesh/mesh_file.h"
+#include "host/program.h"
 #include "host/scene/quantity.h"
 
 namespace forceshade {

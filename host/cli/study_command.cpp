@@ -3,23 +3,24 @@
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "host/cli/command.h"
 #include "host/error.h"
-#include "host/interrupt.h"
 #include "host/plot/plot.h"
-#include "host/remark.h"
+#include "host/program.h"
 #include "host/report/report.h"
-#include "host/scene/nearest.h"
+#include "host/scene/value.h"
 #include "host/study/data/data_files.h"
 #include "host/study/energy/energy.h"
 #include "host/study/error_time/error_time.h"
 #include "host/study/findings/findings.h"
 #include "host/study/omission/omission.h"
 #include "host/study/stability/stability.h"
-#include "host/sweep/progress.h"
+#include "host/sweep/sweep.h"
 
 namespace forceshade {
+
 namespace {
 
 struct KnownStudy {
@@ -146,6 +147,34 @@ void add_study_command(CLI::App& program, const CommonOptions& common, Command& 
     command->add_flag("--quick", arguments->quick, "coarse, within a minute");
     command->add_flag("--fresh", arguments->fresh, "compute anew what is there already");
     command->callback([=, &common, &chosen] { chosen = [=, &common] { return run(*arguments, common); }; });
+}
+
+namespace {
+
+int run(const std::string& folder, const CommonOptions& common) {
+    const report::ReportResult written = report::write_report(folder);
+    const std::filesystem::path file = std::filesystem::absolute(written.file).lexically_normal();
+    if (!common.quiet) {
+        for (const std::string& trouble : written.troubles)
+            remark("warning: {}\n", trouble);
+        remark("look at {}\n", file.string());
+    }
+    if (common.json)
+        print_data(nlohmann::ordered_json{
+                       {"report", file.string()}, {"findings", written.findings}, {"troubles", written.troubles}}
+                       .dump(2) +
+                   "\n");
+    return written.troubles.empty() ? 0 : static_cast<int>(ExitCode::io);
+}
+
+} // namespace
+
+void add_report_command(CLI::App& program, const CommonOptions& common, Command& chosen) {
+    const auto folder = std::make_shared<std::string>();
+    CLI::App* command = program.add_subcommand(
+        "report", "Write report.html of a folder of results: sweeps and studies, in one file that opens offline");
+    command->add_option("DIR", *folder, "folder that sweep or study wrote")->required();
+    command->callback([=, &common, &chosen] { chosen = [=, &common] { return run(*folder, common); }; });
 }
 
 } // namespace forceshade

@@ -1,17 +1,33 @@
-// What evaluates fields: a Vulkan device or the CPU oracle, behind one face.
+// Compiled kernels kept on disk between runs, one file a device. A damaged or foreign file is ignored.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <span>
 #include <string>
+#include <vector>
 
-#include "host/record/engine_account.h"
+#include "host/output/record.h"
 #include "host/reference/paths.h"
 #include "shaders/shared/layout.h"
 
 namespace forceshade {
+
+/// The bytes kept for a device, or none if there is no intact file. `device` tells devices and drivers apart. Never
+/// throws for the file's sake.
+std::vector<std::byte> read_pipeline_cache(const std::filesystem::path& folder, const std::string& device);
+
+/// Keeps the bytes; a folder that cannot be written is no error.
+void write_pipeline_cache(const std::filesystem::path& folder, const std::string& device,
+                          std::span<const std::byte> bytes);
+
+/// Where they are kept.
+std::filesystem::path pipeline_cache_path(const std::filesystem::path& folder, const std::string& device);
+
+// What evaluates fields: a Vulkan device or the CPU oracle, behind one face.
 
 class Engine {
 public:

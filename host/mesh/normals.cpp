@@ -4,8 +4,8 @@
 #include <array>
 #include <cmath>
 
-#include "host/mesh/exact_cross.h"
-#include "host/mesh/twofold.h"
+#include "host/mesh/exact.h"
+#include "host/mesh/structure.h"
 
 namespace forceshade {
 namespace {

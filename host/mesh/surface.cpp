@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 
 #include "host/error.h"
-#include "host/mesh/weld.h"
+#include "host/mesh/triangulate.h"
 
 namespace forceshade {
 namespace {

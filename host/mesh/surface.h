@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "host/mesh/mesh.h"
-#include "host/mesh/mesh_frame.h"
+#include "host/mesh/prepare_mesh.h"
 
 namespace forceshade {
 

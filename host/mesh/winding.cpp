@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "host/mesh/structure_edges.h"
-#include "host/mesh/weld.h"
-#include "host/reference/length.h"
+#include "host/mesh/structure.h"
+#include "host/mesh/triangulate.h"
+#include "host/reference/elementary.h"
 
 namespace forceshade {
 namespace {

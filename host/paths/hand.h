@@ -11,4 +11,17 @@ namespace forceshade {
 /// \throws UsageError if a value leaves the range of T.
 template <typename T> layout::HandParams<T> hand_params(const HandSpec& hand, const PathsSpec& paths, double bound);
 
+// Mass, damping and spring over one sample, exactly (laws: sampled stability).
+
+/// One axis: mass x'' + damping x' + stiffness (x - target) = force.
+struct Axis {
+    double mass = 0;      /* kg, positive */
+    double damping = 0;   /* N s/m, not negative */
+    double stiffness = 0; /* N/m, not negative */
+};
+
+/// Its exact map over `period` seconds during which target and force are held (zero-order hold): under-, over- and
+/// critically damped, and without damping or spring. No coefficient loses digits where it is small beside others.
+layout::AxisMap<double> axis_map(const Axis& axis, double period);
+
 } // namespace forceshade

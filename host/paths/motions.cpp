@@ -4,7 +4,140 @@
 #include <cmath>
 #include <numbers>
 
+#include "host/reference/motion.h"
+
 namespace forceshade {
+
+namespace {
+
+constexpr std::uint32_t low(std::uint64_t word) {
+    return static_cast<std::uint32_t>(word);
+}
+constexpr std::uint32_t high(std::uint64_t word) {
+    return static_cast<std::uint32_t>(word >> 32);
+}
+
+// 53 bits, in the middle of their interval.
+double between(std::uint32_t one, std::uint32_t other) {
+    const std::uint64_t bits = (std::uint64_t(one) << 20) ^ (other >> 12);
+    return (static_cast<double>(bits) + 0.5) * 0x1p-52;
+}
+
+} // namespace
+
+PathDraws::PathDraws(std::uint64_t seed, std::uint64_t path) {
+    const auto words = reference::philox({low(path), high(path), 0, 0}, {low(seed), high(seed)});
+    key_ = {words[0], words[1]};
+}
+
+std::array<std::uint32_t, 4> PathDraws::words(Draw draw, std::uint32_t index) const {
+    return reference::philox({index, static_cast<std::uint32_t>(draw), 0, 0}, key_);
+}
+
+std::uint32_t PathDraws::word(Draw draw, std::uint32_t index) const {
+    return words(draw, index)[0];
+}
+
+double PathDraws::uniform(Draw draw, std::uint32_t index) const {
+    const auto drawn = words(draw, index);
+    return between(drawn[0], drawn[1]);
+}
+
+double PathDraws::value(const Spread& spread, Draw draw, bool positive) const {
+    constexpr std::uint32_t kTries = 1000;
+    for (std::uint32_t i = 0; i < kTries; ++i) {
+        const auto drawn = words(draw, i);
+        const double share = between(drawn[0], drawn[1]);
+        double value = spread.value;
+        if (spread.shape == Spread::Shape::uniform)
+            value = spread.low + share * (spread.high - spread.low);
+        if (spread.shape == Spread::Shape::normal) // Box & Muller 1958
+            value += spread.sd * std::sqrt(-2 * std::log(share)) *
+                     std::cos(2 * std::numbers::pi * between(drawn[2], drawn[3]));
+        if (!positive || value > 0)
+            return value;
+    }
+    return 0;
+}
+
+namespace {
+
+constexpr std::uint32_t kWalk = 16, kTremor = 4;
+constexpr double kSpread = 0.2; // of the tremor's frequency, either way
+
+bool trembles(const Spread& amplitude) {
+    if (amplitude.shape == Spread::Shape::uniform)
+        return amplitude.high > 0;
+    return amplitude.value > 0 || amplitude.sd > 0;
+}
+
+// A random walk's band: root mean squares, m, frequencies as shares of the edge, and the edge.
+struct Band {
+    std::array<double, 2> sizes{};
+    std::array<std::array<double, kWalk>, 2> shares{};
+    double edge = 0; /* turns a sample */
+};
+
+// The shares are drawn first; the edge is where the speed comes out.
+Band walk_band(const PathsSpec& paths, const PathRegion& region, const PathDraws& draws) {
+    Band band;
+    band.sizes = {region.length / std::sqrt(8.0), region.width / std::sqrt(8.0)};
+    const double speed = draws.value(paths.speed, Draw::speed, true);
+    double square = 0; /* m^2: of the speed over the edge's angular frequency */
+    for (std::uint32_t i = 0; i < kWalk; ++i)
+        for (std::uint32_t axis = 0; axis < 2; ++axis) {
+            band.shares[axis][i] = (i + draws.uniform(Draw::walk_frequency, 2 * i + axis)) / kWalk;
+            square += std::pow(band.sizes[axis] * band.shares[axis][i], 2) / kWalk;
+        }
+    band.edge = square > 0 ? speed / (2 * std::numbers::pi * std::sqrt(square) * paths.rate) : 0;
+    return band;
+}
+
+Harmonics random_walk(const PathsSpec& paths, const PathRegion& region, const PathDraws& draws) {
+    const Band band = walk_band(paths, region, draws);
+    Harmonics harmonics(kWalk);
+    for (std::uint32_t i = 0; i < kWalk; ++i)
+        for (std::uint32_t axis = 0; axis < 2; ++axis)
+            harmonics[i][axis] = {band.sizes[axis] * std::sqrt(2.0 / kWalk), draws.word(Draw::walk_phase, 2 * i + axis),
+                                  phase_of_turns(band.edge * band.shares[axis][i])};
+    return harmonics;
+}
+
+Harmonics tremor(const PathsSpec& paths, const PathDraws& draws) {
+    const double size = draws.value(paths.tremor_amplitude, Draw::tremor_amplitude, true); /* m, rms */
+    Harmonics harmonics(kTremor);
+    for (std::uint32_t i = 0; i < kTremor; ++i)
+        for (std::uint32_t axis = 0; axis < 3; ++axis) {
+            const double share = (i + draws.uniform(Draw::tremor_frequency, 3 * i + axis)) / kTremor;
+            const double frequency = paths.tremor_frequency * (1 + kSpread * (2 * share - 1));
+            harmonics[i][axis] = {size * std::sqrt(2.0 / kTremor), draws.word(Draw::tremor_phase, 3 * i + axis),
+                                  phase_of_turns(frequency / paths.rate)};
+        }
+    return harmonics;
+}
+
+} // namespace
+
+std::uint32_t harmonic_count(const PathsSpec& paths) {
+    if (paths.kind == PathKind::random_walk)
+        return kWalk;
+    return paths.kind != PathKind::recorded && trembles(paths.tremor_amplitude) ? kTremor : 0;
+}
+
+double highest_tremor(const PathsSpec& paths) {
+    return (1 + kSpread) * paths.tremor_frequency;
+}
+
+double walk_edge(const PathsSpec& paths, const PathRegion& region, const PathDraws& draws) {
+    return walk_band(paths, region, draws).edge;
+}
+
+Harmonics path_harmonics(const PathsSpec& paths, const PathRegion& region, const PathDraws& draws) {
+    if (paths.kind == PathKind::random_walk)
+        return random_walk(paths, region, draws);
+    return harmonic_count(paths) > 0 ? tremor(paths, draws) : Harmonics{};
+}
+
 namespace {
 
 constexpr double kMostRun = 1e9; // samples: as a whole number it is still one in 32 bits

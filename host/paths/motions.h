@@ -1,11 +1,79 @@
-// The intended motion of a path from its number: speeds, depths and directions drawn, phases counted.
+// The random numbers of a path: they follow from the seed and the path's number alone.
 #pragma once
 
-#include "host/paths/draws.h"
+#include <array>
+#include <cstdint>
+#include <vector>
+
 #include "host/paths/region.h"
+#include "host/scene/scene.h"
 #include "shaders/shared/layout.h"
 
 namespace forceshade {
+
+/// What a random number is for. A motion's points on the way (reference::via_point) have number 1.
+enum class Draw : std::uint32_t {
+    speed = 16,
+    depth,
+    depth_back,
+    heading,
+    offset,
+    tremor_amplitude,
+    tremor_frequency,
+    tremor_phase,
+    walk_frequency,
+    walk_phase,
+};
+
+class PathDraws {
+public:
+    PathDraws(std::uint64_t seed, std::uint64_t path);
+
+    /// The key of the path's own random numbers.
+    std::array<std::uint32_t, 2> key() const { return key_; }
+
+    std::uint32_t word(Draw draw, std::uint32_t index) const;
+    /// Uniform between 0 and 1, neither of which it is.
+    double uniform(Draw draw, std::uint32_t index) const;
+
+    /// A value of a quantity that may differ from path to path; `positive`: values that are not are drawn again, and
+    /// what is never positive is 0.
+    double value(const Spread& spread, Draw draw, bool positive = false) const;
+
+private:
+    std::array<std::uint32_t, 4> words(Draw draw, std::uint32_t index) const;
+
+    std::array<std::uint32_t, 2> key_;
+};
+
+// Sums of harmonics: the whole of a random walk, the tremor of other paths.
+
+struct Harmonic {
+    double amplitude = 0;         /* m */
+    std::uint32_t phase = 0;      /* at step 0 */
+    std::uint32_t phase_step = 0; /* a sample */
+};
+
+/// Of x, y and z.
+using Harmonics = std::vector<std::array<Harmonic, 3>>;
+
+/// How many harmonics each axis of a scene's paths has.
+std::uint32_t harmonic_count(const PathsSpec& paths);
+
+/// Those of a path. A random walk has 16 of equal size on x and y, their frequencies anywhere in 16 equal bands from 0
+/// to an edge, so that its root mean square is length / sqrt(8) along x, width / sqrt(8) along y, and its speed's is
+/// the path's speed; where that leaves the region, the walk turns round (reference::turned_round), which leaves its
+/// speed, and 0.275 of length and width. Tremor has 4 of equal size on each axis, their frequencies anywhere in 4 equal
+/// bands within 20 % of its own.
+Harmonics path_harmonics(const PathsSpec& paths, const PathRegion& region, const PathDraws& draws);
+
+/// Above every frequency of a scene's tremor, Hz.
+double highest_tremor(const PathsSpec& paths);
+
+/// The edge of a random walk's band, turns a sample: above every frequency of it.
+double walk_edge(const PathsSpec& paths, const PathRegion& region, const PathDraws& draws);
+
+// The intended motion of a path from its number: speeds, depths and directions drawn, phases counted.
 
 /// Turns as a phase, 2^-32 turns, whole turns left out; 0 for what is no number.
 std::uint32_t phase_of_turns(double turns);

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "host/error.h"
-#include "host/field/scene_mesh.h"
+#include "host/prepare/prepared_case.h"
 
 namespace forceshade {
 namespace {

@@ -4,10 +4,11 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <string>
 #include <vector>
 
-#include "host/field/prepared_case.h"
 #include "host/paths/region.h"
+#include "host/prepare/prepared_case.h"
 #include "shaders/shared/layout.h"
 
 namespace forceshade {
@@ -81,5 +82,13 @@ read_recorded<float>(const PreparedCase&, const std::filesystem::path&,
 extern template std::shared_ptr<const RecordedFile>
 read_recorded<double>(const PreparedCase&, const std::filesystem::path&,
                       const std::function<void(std::uint64_t, std::uint64_t)>&);
+
+// Generated paths that cannot be what the scene says at its rate.
+
+/// Which key, how many paths, and what would be right: paths that go half a round a sample or more, so that they seem
+/// to go slower or back; paths so slow that whole phases of 2^-32 rounds (of a spiral also of its way out and back) a
+/// sample miss their speed by more than a hundredth; frequencies of half the rate or more. Of more than 65 536 paths
+/// the first so many are looked at.
+std::vector<std::string> pace_warnings(const PathsSpec& paths, const PathRegion& region);
 
 } // namespace forceshade

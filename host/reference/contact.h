@@ -3,9 +3,8 @@
 
 #include <limits>
 
-#include "host/reference/column.h"
-#include "host/reference/contact_result.h"
 #include "host/reference/mesh_contact.h"
+#include "host/reference/surfaces.h"
 
 namespace forceshade::reference {
 

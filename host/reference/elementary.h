@@ -1,11 +1,64 @@
-// cos and exp out of + - * and exact steps only, step for step as shaders/laws/elementary.glsl.
+// Vectors of the oracle. Products are written out from left to right, as the kernels have them: GLM's dot and
+// normalize round otherwise.
 #pragma once
 
 #include <array>
 #include <cmath>
+#include <cstddef>
+#include <span>
 #include <type_traits>
 
+#include <glm/vec3.hpp>
+
 namespace forceshade::reference {
+
+template <typename T> using Vector = glm::vec<3, T>;
+
+template <typename T> T dot(const Vector<T>& u, const Vector<T>& v) noexcept {
+    return u.x * v.x + u.y * v.y + u.z * v.z;
+}
+
+template <typename T> Vector<T> cross(const Vector<T>& u, const Vector<T>& v) noexcept {
+    return {u.y * v.z - u.z * v.y, u.z * v.x - u.x * v.z, u.x * v.y - u.y * v.x};
+}
+
+/// v / |v|; 0 where v.v is not above 0.
+template <typename T> Vector<T> normalised(const Vector<T>& v) noexcept {
+    const T square = dot(v, v);
+    if (!(square > T(0)))
+        return Vector<T>(T(0));
+    const T length = std::sqrt(square);
+    return {v.x / length, v.y / length, v.z / length};
+}
+
+/// The vector that stands at `index` in a table of three numbers each.
+template <typename T> Vector<T> vector_at(std::span<const T> table, std::size_t index) noexcept {
+    return {table[3 * index], table[3 * index + 1], table[3 * index + 2]};
+}
+
+// How long a vector is, rounded as the kernels do it.
+
+/// sqrt(v . v): overflows where v . v does.
+template <typename T> T length(const Vector<T>& v) noexcept {
+    return std::sqrt(dot(v, v));
+}
+
+// G1: the reference cylinder, step for step as shaders/laws/circle.glsl.
+
+/// sqrt(R^2 - x^2), m: how far the circle stands above its axis at x, |x| <= R.
+template <typename T> T circle_rise(T radius, T x) noexcept {
+    return std::sqrt((radius - x) * (radius + x));
+}
+
+/// G1: U(x), m, the cylinder above the nominal plane; 0 for |x| >= a. `centre_depth` is sqrt((R-a)(R+a)), m.
+template <typename T> T cylinder_height(T half_width, T radius, T centre_depth, T x) noexcept {
+    const T product = (half_width - x) * (half_width + x);
+    if (!(product > T(0)))
+        return T(0);
+    return product / (circle_rise(radius, x) + centre_depth);
+}
+
+// cos and exp out of + - * and exact steps only, step for step as shaders/laws/elementary.glsl.
 
 /// cos(2 pi turns), within a few ULP of 1. The argument is reduced to a quarter turn exactly.
 template <typename T> T cosine_of_turns(T turns) noexcept {

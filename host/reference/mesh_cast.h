@@ -4,7 +4,7 @@
 #include <limits>
 #include <type_traits>
 
-#include "host/reference/mesh_triangle.h"
+#include "host/reference/mesh_nearest.h"
 
 namespace forceshade::reference {
 

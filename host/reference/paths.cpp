@@ -6,8 +6,7 @@
 #include <vector>
 
 #include "host/reference/contact.h"
-#include "host/reference/god_object_contact.h"
-#include "host/reference/god_object_start.h"
+#include "host/reference/god_object.h"
 #include "host/reference/path_step.h"
 
 namespace forceshade::reference {

@@ -7,9 +7,9 @@
 #include <fmt/format.h>
 
 #include "host/error.h"
-#include "host/io/hash.h"
-#include "host/io/json_file.h"
-#include "host/io/plain_name.h"
+#include "host/output/files.h"
+#include "host/output/hash.h"
+#include "host/output/reading.h"
 #include "host/report/sweep_findings.h"
 #include "host/study/data/data_files.h"
 #include "host/study/findings/findings.h"

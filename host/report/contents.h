@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "host/record/case_record.h"
+#include "host/output/record.h"
 #include "host/study/data/study_data.h"
 
 namespace forceshade::report {

@@ -5,8 +5,8 @@
 #include <fmt/format.h>
 
 #include "host/error.h"
-#include "host/io/hash.h"
-#include "host/io/readable_file.h"
+#include "host/output/hash.h"
+#include "host/output/reading.h"
 #include "host/plot/plot.h"
 #include "host/plot/xml_text.h"
 #include "host/report/base64.h"

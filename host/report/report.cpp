@@ -4,14 +4,14 @@
 
 #include <fmt/format.h>
 
-#include "host/io/temporary_file.h"
+#include "host/output/files.h"
 #include "host/plot/xml_text.h"
+#include "host/program.h"
 #include "host/report/contents.h"
 #include "host/report/page.h"
 #include "host/report/sections.h"
 #include "host/report/viewer_section.h"
 #include "host/report/words.h"
-#include "host/version.h"
 
 namespace forceshade::report {
 namespace {

@@ -8,8 +8,8 @@
 #include <zlib.h>
 
 #include "host/error.h"
-#include "host/field/tables.h"
-#include "host/io/exr_volume.h"
+#include "host/output/exr_volume.h"
+#include "host/prepare/tables.h"
 #include "host/scene/study.h"
 
 namespace forceshade::report {

@@ -2,7 +2,7 @@
 #include <fmt/format.h>
 
 #include "host/error.h"
-#include "host/io/plain_name.h"
+#include "host/output/files.h"
 #include "host/plot/plot.h"
 #include "host/plot/xml_text.h"
 #include "host/report/sections.h"

@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "host/io/plain_name.h"
+#include "host/output/files.h"
 #include "host/plot/scale.h"
 #include "host/plot/xml_text.h"
 #include "host/report/sections.h"

@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/error.h"
-#include "host/io/plain_name.h"
+#include "host/output/files.h"
 #include "host/plot/colour_scale.h"
 #include "host/plot/xml_text.h"
 #include "host/report/base64.h"

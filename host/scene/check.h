@@ -2,15 +2,20 @@
 // grid.
 #pragma once
 
-#include "host/scene/selection.h"
-
 #include <string>
 #include <vector>
+
+#include "host/scene/cases.h"
 
 namespace forceshade {
 
 /// Throws UsageError at the offending key's place. Adds warnings that are not there yet.
 void check_scene(const Scene& scene, const Selection& selection, const std::string& source,
                  std::vector<std::string>& warnings);
+
+// Checks of [paths] and [hand] that no single key can make.
+
+/// Throws UsageError at the offending key's place.
+void check_paths(const Scene& scene, const Selection& selection, const std::string& source);
 
 } // namespace forceshade

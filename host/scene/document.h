@@ -2,14 +2,15 @@
 // schema.
 #pragma once
 
-#include "host/scene/value.h"
-
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
+
+#include "host/scene/value.h"
 
 namespace forceshade {
 
@@ -53,5 +54,38 @@ const std::vector<Entry>& default_entries();
 
 /// True for two keys of a table that each replace the other, such as `function` and `file`.
 bool replaces(std::size_t key, std::size_t other);
+
+// TOML text to a plain tree in file order, each node with its location. The TOML library is known to the .cpp alone.
+
+inline constexpr std::size_t kLargestToml = std::size_t{16} << 20; /* bytes; a study is a page or two */
+
+struct TomlMember;
+
+struct TomlNode {
+    enum class Type { string, integer, real, boolean, date, array, table };
+    Type type = Type::table;
+    Location where;
+    std::string text; // of a string
+    std::int64_t integer = 0;
+    double real = 0;
+    std::vector<TomlNode> items;     // of an array
+    std::vector<TomlMember> members; // of a table, in file order
+};
+
+struct TomlMember {
+    std::string key;
+    Location where; // of the key
+    TomlNode value;
+};
+
+/// "a table", "a boolean", `"text"`, `0.2`: how messages name what was found.
+std::string describe(const TomlNode& node);
+
+/// Parses a whole TOML document (UTF-8, with or without a byte order mark).
+/// Throws UsageError `source:line:column: message` for a syntax error, a key given twice, or text that is not UTF-8.
+TomlNode parse_toml(std::string_view text, const std::string& source);
+
+/// `text` as a TOML basic string, quotes included.
+std::string toml_string(std::string_view text);
 
 } // namespace forceshade

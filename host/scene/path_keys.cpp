@@ -1,7 +1,8 @@
+#include "host/scene/path_keys.h"
+
 #include "host/scene/scene.h"
 #include "host/scene/schema_keys.h"
-#include "host/scene/setters.h"
-#include "host/scene/spread_keys.h"
+#include "host/scene/value.h"
 
 namespace forceshade {
 
@@ -232,6 +233,230 @@ void add_path_keys(std::vector<Key>& keys) {
     add_drive(keys);
     add_variety(keys);
     add_path_place_keys(keys);
+}
+
+namespace {
+
+constexpr std::array<std::string_view, 2> kFollows{"plane", "surface"};
+
+void add_centre(std::vector<Key>& keys) {
+    keys.push_back({.table = "paths",
+                    .name = "centre",
+                    .kind = ValueKind::quantity,
+                    .default_text = "",
+                    .doc = "x and y of the paths' middle; left out: the origin, of a mesh the middle of its box",
+                    .set = [](Scene& s, const Value& v) { s.paths->centre = components<2>(v); },
+                    .subject = Subject::paths,
+                    .forms = kMade,
+                    .count = 2,
+                    .example = "[\"0 m\", \"0 m\"]"});
+    keys.push_back({.table = "paths",
+                    .name = "height",
+                    .kind = ValueKind::quantity,
+                    .default_text = "",
+                    .doc = "z of the plane that depth is measured from; left out: 0, of a mesh the top of its box",
+                    .set = [](Scene& s, const Value& v) { s.paths->height = v.numbers.at(0); },
+                    .subject = Subject::paths,
+                    .forms = kMade,
+                    .example = "\"0 m\""});
+    keys.push_back({.table = "paths",
+                    .name = "follow",
+                    .kind = ValueKind::choice,
+                    .default_text = "\"plane\"",
+                    .doc = "whether depth is measured from that plane, or from the nominal surface of a bump or "
+                           "cylinder_bump raised by that height",
+                    .set = [](Scene& s, const Value& v) { s.paths->follow = choice<PathFollow>(v); },
+                    .subject = Subject::paths,
+                    .forms = kMade,
+                    .choices = kFollows});
+}
+
+void add_extent(std::vector<Key>& keys) {
+    keys.push_back(
+        {.table = "paths",
+         .name = "length",
+         .kind = ValueKind::quantity,
+         .default_text = "",
+         .doc = "of a stroke or line from end to end, of a region along the heading, of a circle or spiral "
+                "the largest diameter; left out: 1.2 times the feature's width along x, of a mesh its box's, but "
+                "half of that box where a hand presses, which would fall off its rim",
+         .set = [](Scene& s, const Value& v) { s.paths->length = v.numbers.at(0); },
+         .subject = Subject::paths,
+         .forms = kMade & ~bit(PathKind::taps),
+         .sign = Sign::not_negative,
+         .example = "\"30 mm\""});
+    keys.push_back(
+        {.table = "paths",
+         .name = "width",
+         .kind = ValueKind::quantity,
+         .default_text = "",
+         .doc =
+             "of a region across the heading; left out: the length, of a mesh 1.2 times its box's along y, or half of "
+             "it where a hand presses",
+         .set = [](Scene& s, const Value& v) { s.paths->width = v.numbers.at(0); },
+         .subject = Subject::paths,
+         .forms = bit(PathKind::raster) | bit(PathKind::random_walk) | bit(PathKind::minimum_jerk),
+         .sign = Sign::not_negative,
+         .example = "\"30 mm\""});
+    keys.push_back({.table = "paths",
+                    .name = "lines",
+                    .kind = ValueKind::integer,
+                    .default_text = "16",
+                    .doc = "of a raster; of a spiral the rounds from its smallest radius to its largest",
+                    .set = [](Scene& s, const Value& v) { s.paths->lines = v.integers.at(0); },
+                    .subject = Subject::paths,
+                    .forms = bit(PathKind::raster) | bit(PathKind::spiral),
+                    .largest = 1000000});
+    keys.push_back({.table = "paths",
+                    .name = "inner",
+                    .kind = ValueKind::quantity,
+                    .default_text = "",
+                    .doc = "the smallest radius of a spiral; left out: a twentieth of the length",
+                    .set = [](Scene& s, const Value& v) { s.paths->inner = v.numbers.at(0); },
+                    .subject = Subject::paths,
+                    .forms = bit(PathKind::spiral),
+                    .sign = Sign::not_negative,
+                    .example = "\"1.5 mm\""});
+    keys.push_back({.table = "paths",
+                    .name = "lift",
+                    .kind = ValueKind::quantity,
+                    .default_text = "",
+                    .doc = "of taps, how far above the surface they turn round; left out: each path's depth",
+                    .set = [](Scene& s, const Value& v) { s.paths->lift = v.numbers.at(0); },
+                    .subject = Subject::paths,
+                    .forms = bit(PathKind::taps),
+                    .sign = Sign::not_negative,
+                    .example = "\"1 mm\""});
+}
+
+} // namespace
+
+void add_path_place_keys(std::vector<Key>& keys) {
+    add_centre(keys);
+    add_extent(keys);
+    keys.push_back({.table = "paths",
+                    .name = "start_depth",
+                    .kind = ValueKind::quantity,
+                    .default_text = "\"0 m\"",
+                    .doc = "how far below its path the probe begins, at rest",
+                    .set = [](Scene& s, const Value& v) { s.paths->start_depth = v.numbers.at(0); },
+                    .subject = Subject::paths,
+                    .forms = kAll,
+                    .closed_loop = true});
+    keys.push_back({.table = "paths",
+                    .name = "bound",
+                    .kind = ValueKind::quantity,
+                    .default_text = "",
+                    .doc = "a probe further than this from its path has left: the loop is unstable there, and the path "
+                           "ends; left out: 10 times the length and at least 0.1 m",
+                    .set = [](Scene& s, const Value& v) { s.paths->bound = v.numbers.at(0); },
+                    .subject = Subject::paths,
+                    .forms = kAll,
+                    .sign = Sign::positive,
+                    .example = "\"0.3 m\"",
+                    .closed_loop = true});
+    keys.push_back({.table = "paths",
+                    .name = "stretch",
+                    .kind = ValueKind::quantity,
+                    .default_text = "",
+                    .doc = "the way over which the steepest turn of the force is taken; left out: a thousandth of the "
+                           "length",
+                    .set = [](Scene& s, const Value& v) { s.paths->stretch = v.numbers.at(0); },
+                    .subject = Subject::paths,
+                    .forms = kAll,
+                    .sign = Sign::positive,
+                    .example = "\"0.03 mm\""});
+}
+
+namespace {
+
+// The device's defaults are those of the Phantom that the paper used, the grip's those of a relaxed hand.
+void add_inertia(std::vector<Key>& keys) {
+    keys.push_back({.table = "hand",
+                    .name = "mass",
+                    .kind = ValueKind::quantity,
+                    .default_text = "\"0.1 kg\"",
+                    .doc = "that the hand moves at the device's tip (Massie & Salisbury 1994: the Phantom's apparent "
+                           "mass is below 0.1 kg)",
+                    .set = [](Scene& s, const Value& v) { s.hand.mass = v.numbers.at(0); },
+                    .subject = Subject::hand,
+                    .dimension = Dimension::mass,
+                    .sign = Sign::positive});
+    keys.push_back({.table = "hand",
+                    .name = "damping",
+                    .kind = ValueKind::quantity,
+                    .default_text = "\"1 N s/m\"",
+                    .doc = "of the device, against the world: a round value at which a wall of 2 N/mm is just stable "
+                           "at 1 kHz by itself",
+                    .set = [](Scene& s, const Value& v) { s.hand.damping = v.numbers.at(0); },
+                    .subject = Subject::hand,
+                    .dimension = Dimension::damping,
+                    .sign = Sign::not_negative});
+    keys.push_back({.table = "hand",
+                    .name = "grip_stiffness",
+                    .kind = ValueKind::quantity,
+                    .default_text = "\"500 N/m\"",
+                    .doc = "of the spring that pulls the probe to its path; along z none with press or push. A round "
+                           "value, of the size that is measured at fingertips (Hajian & Howe 1997)",
+                    .set = [](Scene& s, const Value& v) { s.hand.grip_stiffness = v.numbers.at(0); },
+                    .subject = Subject::hand,
+                    .dimension = Dimension::stiffness,
+                    .sign = Sign::not_negative});
+    keys.push_back({.table = "hand",
+                    .name = "grip_damping",
+                    .kind = ValueKind::quantity,
+                    .default_text = "\"2 N s/m\"",
+                    .doc = "of the grip, against its path's speed: likewise",
+                    .set = [](Scene& s, const Value& v) { s.hand.grip_damping = v.numbers.at(0); },
+                    .subject = Subject::hand,
+                    .dimension = Dimension::damping,
+                    .sign = Sign::not_negative});
+}
+
+void add_device(std::vector<Key>& keys) {
+    keys.push_back({.table = "hand",
+                    .name = "delay_samples",
+                    .kind = ValueKind::integer,
+                    .default_text = "0",
+                    .doc = "from a position measured to its force displayed",
+                    .set = [](Scene& s, const Value& v) { s.hand.delay_samples = v.integers.at(0); },
+                    .subject = Subject::hand,
+                    .largest = 1,
+                    .smallest = 0});
+    keys.push_back({.table = "hand",
+                    .name = "quantisation",
+                    .kind = ValueKind::quantity,
+                    .default_text = "\"0 m\"",
+                    .doc = "step of the measured positions, 0 for none (a Phantom Premium's is nominally 0.03 mm)",
+                    .set = [](Scene& s, const Value& v) { s.hand.quantisation = v.numbers.at(0); },
+                    .subject = Subject::hand,
+                    .sign = Sign::not_negative});
+    keys.push_back({.table = "hand",
+                    .name = "coulomb",
+                    .kind = ValueKind::quantity,
+                    .default_text = "\"0 N\"",
+                    .doc = "dry friction of the device on each axis (Massie & Salisbury 1994: below 0.1 N)",
+                    .set = [](Scene& s, const Value& v) { s.hand.coulomb = v.numbers.at(0); },
+                    .subject = Subject::hand,
+                    .dimension = Dimension::force,
+                    .sign = Sign::not_negative});
+    keys.push_back({.table = "hand",
+                    .name = "max_force",
+                    .kind = ValueKind::quantity,
+                    .default_text = "\"8.5 N\"",
+                    .doc = "the largest force that the device displays; larger ones keep their direction (a Phantom "
+                           "Premium 1.5 has 8.5 N)",
+                    .set = [](Scene& s, const Value& v) { s.hand.max_force = v.numbers.at(0); },
+                    .subject = Subject::hand,
+                    .dimension = Dimension::force,
+                    .sign = Sign::positive});
+}
+
+} // namespace
+
+void add_hand_keys(std::vector<Key>& keys) {
+    add_inertia(keys);
+    add_device(keys);
 }
 
 } // namespace forceshade

@@ -1,4 +1,4 @@
-// A scene: one case of a study, resolved, in SI units (m, N, N/m, rad). What is evaluated, where, and what is written.
+// What a scene may ask for: what an EXR image can hold, and slopes whose squares are still numbers.
 #pragma once
 
 #include <array>
@@ -8,6 +8,17 @@
 #include <vector>
 
 namespace forceshade {
+
+/// Most samples along x: OpenEXR holds a block of 16 rows of three floats in half of 2^31 bytes.
+inline constexpr std::uint64_t kMostColumns = (2147483647u / 2) / (16 * 3 * sizeof(float));
+/// Most rows, y times z: OpenEXR refuses images that are higher.
+inline constexpr std::uint64_t kMostRows = 2147483647u / 2 - 1;
+
+/// The steepest gradient of a height map in f32 and in f64.
+inline constexpr double kSteepestF32 = 1e15;
+inline constexpr double kSteepestF64 = 1e150;
+
+// A scene: one case of a study, resolved, in SI units (m, N, N/m, rad). What is evaluated, where, and what is written.
 
 enum class SurfaceKind { bump, cylinder_bump, height_map, mesh };
 enum class FacetSpacing { equal_arc, equal_x };

@@ -1,13 +1,13 @@
 // The schema: every key of a scene or study in one table, from which parsing, checks, resolved text and help are made.
 #pragma once
 
-#include "host/scene/quantity.h"
-
 #include <cstdint>
 #include <optional>
 #include <span>
 #include <string>
 #include <string_view>
+
+#include "host/scene/quantity.h"
 
 namespace forceshade {
 

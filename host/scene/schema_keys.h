@@ -1,11 +1,11 @@
 // The rows of the schema's table, and the names that choose which of them apply.
 #pragma once
 
-#include "host/scene/schema.h"
-
 #include <array>
 #include <string_view>
 #include <vector>
+
+#include "host/scene/schema.h"
 
 namespace forceshade {
 

@@ -1,8 +1,6 @@
 // Studies: TOML text to a checked list of resolved cases.
 #pragma once
 
-#include "host/scene/scene.h"
-
 #include <filesystem>
 #include <memory>
 #include <span>
@@ -10,6 +8,8 @@
 #include <string_view>
 #include <utility>
 #include <vector>
+
+#include "host/scene/scene.h"
 
 namespace forceshade {
 

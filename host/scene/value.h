@@ -1,13 +1,43 @@
-// One value of one key, as read: its meaning in SI units or as an index, the user's text, and where it stands.
+// Where in a configuration something stands, and errors that say so.
 #pragma once
 
-#include "host/scene/location.h"
-
+#include <array>
+#include <compare>
+#include <cstddef>
 #include <cstdint>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace forceshade {
+
+/// Counted from 1, in characters. Line 0: no place in a file, but a default or an override.
+struct Location {
+    std::uint32_t line = 0;
+    std::uint32_t column = 0;
+    friend auto operator<=>(const Location&, const Location&) = default;
+};
+
+/// `bump.toml:12:5: `, or `bump.toml: ` for line 0.
+std::string location_prefix(std::string_view source, Location location);
+
+/// Throws UsageError `bump.toml:12:5: message`.
+[[noreturn]] void fail(std::string_view source, Location location, const std::string& message);
+
+// Finds the word that somebody meant who misspelt one.
+
+/// Damerau-Levenshtein distance (optimal string alignment): insertions, deletions, changes and swaps of neighbours, in
+/// bytes.
+std::size_t edit_distance(std::string_view first, std::string_view second);
+
+/// The candidate nearest to `word`, upper and lower case counting least; empty if none is near enough to be meant.
+std::string_view nearest(std::string_view word, std::span<const std::string> candidates);
+
+/// `; did you mean "stiffness"?`, or an empty text if nothing is near.
+std::string did_you_mean(std::string_view word, std::span<const std::string> candidates);
+
+// One value of one key, as read: its meaning in SI units or as an index, the user's text, and where it stands.
 
 struct Key;
 struct TomlNode;
@@ -36,5 +66,18 @@ std::string plain_text(const Value& value, char separator);
 /// empty). Throws UsageError `source:line:column: message` if it is of a wrong type, unit, length or range.
 std::vector<Value> read_values(const Key& key, const TomlNode& node, const std::string& source,
                                const std::string& folder);
+
+// What the setters of the schema's keys have in common: a value's content as a member of a scene.
+
+template <typename Enum> Enum choice(const Value& value) {
+    return static_cast<Enum>(value.integers.at(0));
+}
+
+template <std::size_t n> std::array<double, n> components(const Value& value) {
+    std::array<double, n> result;
+    for (std::size_t i = 0; i < n; ++i)
+        result[i] = value.numbers.at(i);
+    return result;
+}
 
 } // namespace forceshade

@@ -3,14 +3,13 @@
 #include <fmt/format.h>
 
 #include "host/error.h"
-#include "host/io/exr_volume.h"
-#include "host/io/hash.h"
-#include "host/io/npy.h"
-#include "host/io/temporary_file.h"
-#include "host/io/vti.h"
-#include "host/outline/surface_lines.h"
+#include "host/output/exr_volume.h"
+#include "host/output/files.h"
+#include "host/output/hash.h"
+#include "host/output/raw_formats.h"
 #include "host/picture/picture.h"
-#include "host/version.h"
+#include "host/picture/surface_lines.h"
+#include "host/program.h"
 
 namespace forceshade {
 namespace {

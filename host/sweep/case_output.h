@@ -6,12 +6,12 @@
 #include <string>
 #include <vector>
 
-#include "host/field/prepared_case.h"
-#include "host/io/chunk_sink.h"
-#include "host/path_run/path_run.h"
+#include "host/output/record.h"
+#include "host/output/rows.h"
+#include "host/paths/path_run.h"
 #include "host/picture/slice_collector.h"
-#include "host/record/case_record.h"
-#include "host/validate/oracle_check.h"
+#include "host/prepare/prepared_case.h"
+#include "host/referee/oracle_check.h"
 
 namespace forceshade {
 

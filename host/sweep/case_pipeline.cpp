@@ -7,10 +7,10 @@
 #include <optional>
 #include <thread>
 
-#include "host/interrupt.h"
-#include "host/sweep/chunk_queue.h"
+#include "host/program.h"
 
 namespace forceshade {
+
 namespace {
 
 constexpr std::size_t kWaitingCases = 4;

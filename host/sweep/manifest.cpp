@@ -1,18 +1,93 @@
 #include "host/sweep/manifest.h"
 
 #include <algorithm>
+#include <charconv>
+#include <cstdlib>
+#include <fstream>
 #include <set>
+#include <string_view>
+#include <sys/resource.h>
 #include <thread>
 
+#include <fmt/format.h>
+
 #include "host/error.h"
-#include "host/io/csv.h"
-#include "host/io/json_file.h"
-#include "host/io/temporary_file.h"
-#include "host/record/case_record.h"
-#include "host/sweep/machine.h"
-#include "host/version.h"
+#include "host/output/files.h"
+#include "host/output/raw_formats.h"
+#include "host/output/reading.h"
+#include "host/output/record.h"
+#include "host/program.h"
 
 namespace forceshade {
+
+std::string cpu_name() {
+    std::ifstream file("/proc/cpuinfo");
+    for (std::string line; std::getline(file, line);)
+        if (line.rfind("model name", 0) == 0)
+            if (const auto colon = line.find(": "); colon != std::string::npos)
+                return line.substr(colon + 2);
+    return "unknown";
+}
+
+double cpu_seconds() {
+    rusage usage{};
+    getrusage(RUSAGE_SELF, &usage);
+    const auto seconds = [](const timeval& time) {
+        return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
+    };
+    return seconds(usage.ru_utime) + seconds(usage.ru_stime);
+}
+
+std::uint64_t peak_memory() {
+    rusage usage{};
+    getrusage(RUSAGE_SELF, &usage);
+    return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
+}
+
+namespace {
+
+std::optional<std::size_t> whole_number(std::string_view text) {
+    std::size_t value = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (error != std::errc() || end != text.data() + text.size())
+        return std::nullopt;
+    return value;
+}
+
+std::size_t slurm_number(const char* name, std::optional<std::size_t> otherwise = std::nullopt) {
+    const char* text = std::getenv(name);
+    const std::optional<std::size_t> value = text ? whole_number(text) : otherwise;
+    if (!value)
+        throw UsageError(fmt::format("this is a task of a Slurm array, and {} is {}: say --shard I/N (1/1: everything)",
+                                     name, text ? fmt::format("\"{}\"", text) : "not set"));
+    return *value;
+}
+
+} // namespace
+
+Shard parse_shard(const std::string& text) {
+    const std::size_t slash = text.find('/');
+    if (slash != std::string::npos) {
+        const auto index = whole_number(std::string_view(text).substr(0, slash));
+        const auto total = whole_number(std::string_view(text).substr(slash + 1));
+        if (index && total && *index >= 1 && *index <= *total)
+            return {*index, *total};
+    }
+    throw UsageError(fmt::format("--shard {}: it is I/N with 1 <= I <= N, for example 3/8", text));
+}
+
+std::optional<Shard> slurm_shard() {
+    if (!std::getenv("SLURM_ARRAY_TASK_ID"))
+        return std::nullopt;
+    const std::size_t id = slurm_number("SLURM_ARRAY_TASK_ID"), total = slurm_number("SLURM_ARRAY_TASK_COUNT");
+    const std::size_t first = slurm_number("SLURM_ARRAY_TASK_MIN", 0), step = slurm_number("SLURM_ARRAY_TASK_STEP", 1);
+    if (id < first || step == 0 || (id - first) / step >= total)
+        throw UsageError(fmt::format("this is task {} of a Slurm array of {} tasks from {} by {}, which cannot be: say "
+                                     "--shard I/N (1/1: everything)",
+                                     id, total, first, step));
+    return Shard{(id - first) / step + 1, total};
+}
+
 namespace {
 
 std::vector<CaseRecord> records_of(const std::filesystem::path& folder, const Study& study,

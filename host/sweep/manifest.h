@@ -1,14 +1,39 @@
-// The account of a sweep's folder: manifest.json and summary.csv, made of the records of its cases.
+// What this process and its machine are, for accounts of runs.
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <set>
 #include <string>
 
 #include "host/scene/study.h"
 
 namespace forceshade {
+
+/// The processor's name, "unknown" where the system does not tell.
+std::string cpu_name();
+/// Seconds of processor time that this process took, all threads.
+double cpu_seconds();
+/// Most bytes that this process had resident.
+std::uint64_t peak_memory();
+
+// Which part of a study this process does.
+
+struct Shard {
+    std::size_t index = 1, count = 1; /* 1-based: "3/8" */
+};
+
+/// \throws UsageError unless the text is I/N with 1 <= I <= N.
+Shard parse_shard(const std::string& text);
+
+/// The shard that Slurm's array variables name, if they are set. \throws UsageError if they make no sense: a task that
+/// then took the whole study would do the others' work too.
+std::optional<Shard> slurm_shard();
+
+// The account of a sweep's folder: manifest.json and summary.csv, made of the records of its cases.
 
 /// What a run of the program cost; stands in the manifest only.
 struct RunAccount {

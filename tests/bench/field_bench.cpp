@@ -6,7 +6,7 @@
 #include <benchmark/benchmark.h>
 
 #include "compute/field_kernel.h"
-#include "host/field/tables.h"
+#include "host/prepare/tables.h"
 #include "tests/bench/measure.h"
 
 namespace forceshade::bench {

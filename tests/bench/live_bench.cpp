@@ -9,10 +9,10 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include "device/law/live_law.h"
-#include "device/loop/clock.h"
+#include "device/backends/sim.h"
+#include "device/loop/live_law.h"
+#include "device/loop/sample.h"
 #include "device/session/session.h"
-#include "device/sim/sim.h"
 #include "host/scene/study.h"
 #include "tests/bench/geodesic.h"
 

@@ -4,8 +4,8 @@
 
 #include <benchmark/benchmark.h>
 
+#include "host/mesh/mesh_file.h"
 #include "host/mesh/structure.h"
-#include "host/mesh_file/mesh_file.h"
 #include "host/reference/mesh_nearest.h"
 #include "tests/bench/measure.h"
 #include "tests/mesh/shapes.h"

@@ -7,11 +7,11 @@
 #include <benchmark/benchmark.h>
 
 #include "compute/mesh_kernel.h"
-#include "host/field/scene_mesh.h"
 #include "host/mesh/block_plan.h"
 #include "host/mesh/findings.h"
+#include "host/mesh/mesh_file.h"
 #include "host/mesh/prepare_mesh.h"
-#include "host/mesh_file/mesh_file.h"
+#include "host/prepare/prepared_case.h"
 #include "host/reference/mesh_nearest.h"
 #include "tests/bench/measure.h"
 #include "tests/mesh/shapes.h"

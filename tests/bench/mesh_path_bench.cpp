@@ -8,10 +8,9 @@
 #include <benchmark/benchmark.h>
 
 #include "compute/mesh_path_kernel.h"
+#include "host/mesh/mesh_file.h"
 #include "host/mesh/structure.h"
-#include "host/mesh_file/mesh_file.h"
-#include "host/reference/god_object_start.h"
-#include "host/reference/mesh_updates.h"
+#include "host/reference/god_object.h"
 #include "host/reference/path_step.h"
 #include "host/reference/paths.h"
 #include "tests/bench/geodesic.h"

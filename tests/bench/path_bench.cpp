@@ -6,7 +6,7 @@
 #include <benchmark/benchmark.h>
 
 #include "compute/path_kernel.h"
-#include "host/field/tables.h"
+#include "host/prepare/tables.h"
 #include "host/reference/paths.h"
 #include "tests/bench/measure.h"
 

@@ -7,8 +7,7 @@
 #include <unistd.h>
 
 #include "host/sweep/case_pipeline.h"
-#include "host/sweep/chunk_queue.h"
-#include "host/sweep/machine.h"
+#include "host/sweep/manifest.h"
 #include "host/sweep/sweep.h"
 #include "tests/bench/measure.h"
 

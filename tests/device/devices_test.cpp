@@ -1,5 +1,5 @@
 // What the list of devices says of stubs of the vendors' libraries, and of none.
-#include "device/list/devices.h"
+#include "device/backends/devices.h"
 #include "tests/device/simulated_service.h"
 #include "tests/device/stub_library.h"
 

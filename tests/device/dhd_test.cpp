@@ -1,7 +1,7 @@
 // Force Dimension's devices, by a stub of their library: axes, units, every call failing in turn, no force at the end.
 #include <thread>
 
-#include "device/dhd/dhd.h"
+#include "device/backends/dhd.h"
 #include "tests/device/stub_library.h"
 
 namespace forceshade::device::testing {

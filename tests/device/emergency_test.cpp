@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include "device/safety/emergency.h"
+#include "device/loop/emergency.h"
 
 namespace forceshade::device {
 namespace {

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "device/haply/haply.h"
+#include "device/backends/haply.h"
 #include "tests/device/simulated_service.h"
 
 namespace forceshade::device::test {

@@ -4,10 +4,8 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "device/haply/address.h"
-#include "device/haply/axes.h"
-#include "device/haply/lock_step.h"
-#include "device/haply/protocol.h"
+#include "device/backends/haply.h"
+#include "device/backends/haply_protocol.h"
 
 namespace forceshade::device {
 namespace {

@@ -6,7 +6,7 @@
 
 #include <glm/geometric.hpp>
 
-#include "device/hd/hd.h"
+#include "device/backends/hd.h"
 #include "tests/device/stub_library.h"
 
 namespace forceshade::device::testing {

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "device/loop/histogram.h"
+#include "device/loop/sample.h"
 
 namespace forceshade::device {
 namespace {

@@ -1,9 +1,9 @@
 // A library that is not there, is none, or lacks what is needed: said with what was tried and how to install it.
 #include <fstream>
 
-#include "device/dhd/dhd.h"
-#include "device/hd/hd.h"
-#include "device/library/shared_library.h"
+#include "device/backends/dhd.h"
+#include "device/backends/hd.h"
+#include "device/backends/shared_library.h"
 #include "tests/device/stub_library.h"
 
 namespace forceshade::device::testing {

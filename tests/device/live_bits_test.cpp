@@ -3,11 +3,11 @@
 
 #include <gtest/gtest.h>
 
-#include "device/sim/sim.h"
-#include "host/explore/path_law.h"
+#include "device/backends/sim.h"
 #include "host/paths/scene_paths.h"
+#include "host/prepare/probe.h"
+#include "host/reference/elementary.h"
 #include "host/reference/paths.h"
-#include "host/reference/vector.h"
 #include "tests/device/scripted_device.h"
 
 namespace forceshade::device {

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "device/loop/clock.h"
+#include "device/loop/sample.h"
 #include "tests/device/loop_runs.h"
 
 namespace forceshade::device {

@@ -14,7 +14,7 @@
 
 #include <gtest/gtest.h>
 
-#include "device/sim/sim.h"
+#include "device/backends/sim.h"
 #include "tests/device/scripted_device.h"
 
 namespace {

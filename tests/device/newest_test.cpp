@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "device/newest.h"
+#include "device/backends/back_end.h"
 
 namespace forceshade::device::testing {
 namespace {

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "device/report/outcome.h"
+#include "device/loop/outcome.h"
 
 namespace forceshade::device::test {
 

@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "device/report/report_json.h"
-#include "host/version.h"
+#include "host/program.h"
 #include "tests/device/report_cases.h"
 
 namespace forceshade::device::test {

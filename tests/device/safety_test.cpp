@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 #include <rapidcheck.h>
 
-#include "device/safety/safety.h"
+#include "device/loop/safety.h"
 
 namespace forceshade::device {
 namespace {

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "device/loop/live_loop.h"
-#include "host/field/prepared_case.h"
+#include "host/prepare/prepared_case.h"
 #include "host/scene/study.h"
 
 namespace forceshade::device::testing {

@@ -16,7 +16,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "device/back_end.h"
+#include "device/backends/back_end.h"
 #include "tests/io/folder.h"
 
 namespace forceshade::device::testing {

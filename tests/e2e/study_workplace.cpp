@@ -2,7 +2,7 @@
 
 #include <charconv>
 
-#include "host/io/hash.h"
+#include "host/output/hash.h"
 
 namespace forceshade::testing {
 namespace {

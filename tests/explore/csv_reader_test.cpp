@@ -1,7 +1,7 @@
 // CSV as the world writes it: quotes, line ends, marks, places, and lines that never end.
 #include <random>
 
-#include "host/explore/csv_reader.h"
+#include "host/paths/path_reader.h"
 #include "tests/explore/path_workplace.h"
 
 namespace forceshade::testing {

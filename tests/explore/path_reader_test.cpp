@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "host/explore/path_reader.h"
+#include "host/paths/path_reader.h"
 #include "tests/explore/path_workplace.h"
 
 namespace forceshade::testing {

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "host/explore/path_writer.h"
+#include "host/paths/explore.h"
 #include "tests/explore/path_workplace.h"
 #include "tests/io/picture.h"
 

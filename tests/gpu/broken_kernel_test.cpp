@@ -2,7 +2,7 @@
 // nothing.
 #include <gtest/gtest.h>
 
-#include "host/validate/validate.h"
+#include "host/referee/validate.h"
 #include "tests/gpu/broken_kernels.h"
 #include "tests/gpu/software_device.h"
 

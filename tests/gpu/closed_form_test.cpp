@@ -2,7 +2,7 @@
 // extended precision, and the oracle in double; within the bound derived for each law.
 #include <gtest/gtest.h>
 
-#include "host/validate/validate.h"
+#include "host/referee/validate.h"
 #include "tests/gpu/random_scene.h"
 #include "tests/gpu/software_device.h"
 

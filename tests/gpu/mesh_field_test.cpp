@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "host/mesh/block_plan.h"
-#include "host/mesh_file/mesh_file.h"
+#include "host/mesh/mesh_file.h"
 #include "tests/gpu/mesh_case.h"
 #include "tests/mesh/damage.h"
 

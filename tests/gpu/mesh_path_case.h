@@ -5,9 +5,8 @@
 #include <optional>
 
 #include "compute/mesh_path_kernel.h"
-#include "host/brute/god_object_referee.h"
-#include "host/reference/god_object_start.h"
-#include "host/reference/mesh_updates.h"
+#include "host/referee/god_object_referee.h"
+#include "host/reference/god_object.h"
 #include "host/reference/path_step.h"
 #include "tests/gpu/path_case.h"
 #include "tests/mesh/god_object_walks.h"

@@ -2,7 +2,7 @@
 // that wander over another with edges and folds: every sample and every metric has the oracle's bits.
 #include <gtest/gtest.h>
 
-#include "host/mesh_file/mesh_file.h"
+#include "host/mesh/mesh_file.h"
 #include "tests/gpu/mesh_path_case.h"
 #include "tests/gpu/software_device.h"
 

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "host/mesh_file/mesh_file.h"
+#include "host/mesh/mesh_file.h"
 #include "tests/gpu/mesh_path_case.h"
 #include "tests/gpu/software_device.h"
 

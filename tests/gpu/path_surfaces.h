@@ -5,7 +5,7 @@
 #include <memory>
 #include <vector>
 
-#include "host/io/height_image.h"
+#include "host/output/height_image.h"
 #include "tests/unit/laws.h"
 
 namespace forceshade::test {

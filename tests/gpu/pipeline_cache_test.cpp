@@ -6,7 +6,6 @@
 #include <spdlog/spdlog.h>
 
 #include "host/engine/engine.h"
-#include "host/engine/pipeline_cache_file.h"
 #include "tests/gpu/software_device.h"
 #include "tests/io/folder.h"
 

@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "host/io/height_image.h"
+#include "host/output/height_image.h"
 
 namespace forceshade::test {
 namespace {

@@ -1,4 +1,4 @@
-#include "host/io/csv.h"
+#include "host/output/raw_formats.h"
 
 #include <clocale>
 

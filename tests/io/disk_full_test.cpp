@@ -7,9 +7,8 @@
 #include <sys/resource.h>
 
 #include "host/error.h"
-#include "host/io/exr_volume.h"
-#include "host/io/npy.h"
-#include "host/io/vti.h"
+#include "host/output/exr_volume.h"
+#include "host/output/raw_formats.h"
 #include "tests/io/folder.h"
 #include "tests/io/sample_field.h"
 

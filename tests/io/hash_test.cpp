@@ -1,8 +1,8 @@
-#include "host/io/hash.h"
+#include "host/output/hash.h"
 
 #include <gtest/gtest.h>
 
-#include "host/io/temporary_file.h"
+#include "host/output/files.h"
 #include "tests/io/folder.h"
 
 namespace forceshade {

@@ -1,11 +1,10 @@
 #include <gtest/gtest.h>
 
 #include "host/error.h"
-#include "host/io/hash.h"
-#include "host/io/height_image.h"
-#include "host/io/memory_limit.h"
-#include "host/io/readable_file.h"
-#include "host/io/temporary_file.h"
+#include "host/output/files.h"
+#include "host/output/hash.h"
+#include "host/output/height_image.h"
+#include "host/output/reading.h"
 #include "tests/io/folder.h"
 #include "tests/io/picture.h"
 

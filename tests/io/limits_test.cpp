@@ -5,9 +5,8 @@
 #include <gtest/gtest.h>
 
 #include "host/error.h"
-#include "host/io/json_file.h"
-#include "host/io/memory_limit.h"
-#include "host/io/temporary_file.h"
+#include "host/output/files.h"
+#include "host/output/reading.h"
 #include "tests/io/folder.h"
 
 namespace forceshade {

@@ -1,4 +1,4 @@
-#include "host/io/pixel_rows.h"
+#include "host/output/rows.h"
 
 #include <bit>
 #include <cmath>

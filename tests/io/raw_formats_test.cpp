@@ -3,10 +3,9 @@
 
 #include <gtest/gtest.h>
 
-#include "host/io/hash.h"
-#include "host/io/npy.h"
-#include "host/io/readable_file.h"
-#include "host/io/vti.h"
+#include "host/output/hash.h"
+#include "host/output/raw_formats.h"
+#include "host/output/reading.h"
 #include "tests/io/folder.h"
 #include "tests/io/sample_field.h"
 

@@ -7,8 +7,8 @@
 #include <limits>
 #include <vector>
 
-#include "host/io/chunk_sink.h"
-#include "host/io/exr_volume.h"
+#include "host/output/exr_volume.h"
+#include "host/output/rows.h"
 #include "shaders/shared/layout.h"
 
 namespace forceshade::testing {

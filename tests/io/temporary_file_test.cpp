@@ -1,4 +1,4 @@
-#include "host/io/temporary_file.h"
+#include "host/output/files.h"
 
 #include <csignal>
 #include <fstream>
@@ -8,7 +8,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "host/io/readable_file.h"
+#include "host/output/reading.h"
 #include "tests/io/folder.h"
 
 namespace forceshade {

@@ -5,10 +5,10 @@
 #include <gtest/gtest.h>
 
 #include "host/error.h"
-#include "host/io/exr_volume.h"
-#include "host/io/hash.h"
-#include "host/io/readable_file.h"
-#include "host/io/temporary_file.h"
+#include "host/output/exr_volume.h"
+#include "host/output/files.h"
+#include "host/output/hash.h"
+#include "host/output/reading.h"
 #include "tests/io/folder.h"
 #include "tests/io/sample_field.h"
 #include "tests/io/short_block.h"

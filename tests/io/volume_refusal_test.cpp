@@ -4,9 +4,9 @@
 #include <gtest/gtest.h>
 
 #include "host/error.h"
-#include "host/io/exr_volume.h"
-#include "host/io/hash.h"
-#include "host/io/readable_file.h"
+#include "host/output/exr_volume.h"
+#include "host/output/hash.h"
+#include "host/output/reading.h"
 #include "tests/io/folder.h"
 #include "tests/io/sample_field.h"
 

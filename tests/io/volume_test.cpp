@@ -1,4 +1,4 @@
-#include "host/io/exr_volume.h"
+#include "host/output/exr_volume.h"
 
 #include <bit>
 #include <cstring>
@@ -7,9 +7,9 @@
 #include <gtest/gtest.h>
 
 #include "host/error.h"
-#include "host/io/hash.h"
-#include "host/io/pixel_rows.h"
-#include "host/io/readable_file.h"
+#include "host/output/hash.h"
+#include "host/output/reading.h"
+#include "host/output/rows.h"
 #include "tests/io/folder.h"
 #include "tests/io/sample_field.h"
 

@@ -10,7 +10,7 @@
 
 #include <gtest/gtest.h>
 
-#include "host/mesh_file/mesh_file.h"
+#include "host/mesh/mesh_file.h"
 #include "tests/io/folder.h"
 #include "tests/mesh/shapes.h"
 #include "tests/mesh/written_files.h"

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "host/reference/mesh_close.h"
+#include "host/reference/mesh_around.h"
 
 namespace forceshade {
 namespace {

@@ -6,11 +6,11 @@
 
 #include <gtest/gtest.h>
 
-#include "host/brute/mesh_referee.h"
 #include "host/mesh/prepare_mesh.h"
 #include "host/mesh/structure.h"
+#include "host/referee/mesh_referee.h"
+#include "host/reference/mesh_contact.h"
 #include "host/reference/mesh_nearest.h"
-#include "host/reference/mesh_winding.h"
 #include "tests/mesh/damage.h"
 #include "tests/mesh/shapes.h"
 

@@ -5,9 +5,9 @@
 
 #include <gtest/gtest.h>
 
-#include "host/brute/mesh_referee.h"
 #include "host/error.h"
 #include "host/mesh/structure.h"
+#include "host/referee/mesh_referee.h"
 #include "host/reference/contact.h"
 #include "tests/mesh/shapes.h"
 

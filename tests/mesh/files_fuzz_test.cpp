@@ -1,5 +1,5 @@
 // Small valid files of all formats, cut off and damaged at random: read or refused, never anything else.
-#include "host/mesh_file/mesh_file.h"
+#include "host/mesh/mesh_file.h"
 
 #include <algorithm>
 #include <cmath>

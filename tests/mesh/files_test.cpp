@@ -1,5 +1,5 @@
 // Polygon files of every format and flavour, and those that are refused.
-#include "host/mesh_file/mesh_file.h"
+#include "host/mesh/mesh_file.h"
 
 #include <clocale>
 #include <fstream>

@@ -8,7 +8,7 @@
 
 #include "host/error.h"
 #include "host/mesh/connectivity.h"
-#include "host/mesh_file/mesh_file.h"
+#include "host/mesh/mesh_file.h"
 #include "tests/mesh/damage.h"
 #include "tests/mesh/shapes.h"
 

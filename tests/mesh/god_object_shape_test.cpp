@@ -5,7 +5,7 @@
 #include <glm/geometric.hpp>
 #include <gtest/gtest.h>
 
-#include "host/reference/god_object_contact.h"
+#include "host/reference/god_object.h"
 #include "tests/mesh/god_object_walks.h"
 
 namespace forceshade {

@@ -4,11 +4,11 @@
 
 #include <gtest/gtest.h>
 
-#include "host/brute/mesh_referee.h"
+#include "host/mesh/mesh_file.h"
 #include "host/mesh/structure.h"
-#include "host/mesh_file/mesh_file.h"
+#include "host/referee/mesh_referee.h"
 #include "host/reference/contact.h"
-#include "host/reference/length.h"
+#include "host/reference/elementary.h"
 #include "tests/mesh/shapes.h"
 
 namespace forceshade {

@@ -4,9 +4,9 @@
 
 #include <gtest/gtest.h>
 
-#include "host/brute/mesh_referee.h"
 #include "host/mesh/structure.h"
-#include "host/reference/mesh_shading.h"
+#include "host/referee/mesh_referee.h"
+#include "host/reference/mesh_contact.h"
 #include "tests/mesh/shapes.h"
 
 namespace forceshade {

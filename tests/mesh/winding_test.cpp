@@ -5,9 +5,9 @@
 
 #include <gtest/gtest.h>
 
-#include "host/brute/mesh_referee.h"
+#include "host/mesh/mesh_file.h"
 #include "host/mesh/structure.h"
-#include "host/mesh_file/mesh_file.h"
+#include "host/referee/mesh_referee.h"
 #include "host/reference/mesh_contact.h"
 #include "tests/mesh/shapes.h"
 

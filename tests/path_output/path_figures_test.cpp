@@ -5,10 +5,10 @@
 
 #include <gtest/gtest.h>
 
-#include "host/path_output/contact_time.h"
-#include "host/path_output/path_figures.h"
-#include "host/path_output/path_summary.h"
-#include "host/reference/path_metrics.h"
+#include "host/paths/explore.h"
+#include "host/paths/path_figures.h"
+#include "host/paths/path_files.h"
+#include "host/reference/path_step.h"
 #include "tests/io/folder.h"
 
 namespace forceshade::testing {

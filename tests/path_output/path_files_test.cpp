@@ -14,9 +14,8 @@
 #include <gtest/gtest.h>
 
 #include "host/error.h"
-#include "host/io/exr_paths.h"
-#include "host/path_output/path_csv.h"
-#include "host/path_output/path_npy.h"
+#include "host/output/exr_paths.h"
+#include "host/paths/path_files.h"
 #include "tests/io/folder.h"
 #include "tests/path_output/sample_paths.h"
 

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "host/path_output/path_picture.h"
+#include "host/paths/path_figures.h"
 
 namespace forceshade::testing {
 namespace {

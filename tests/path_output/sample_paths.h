@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "host/path_output/row_gatherer.h"
+#include "host/output/path_rows.h"
 
 namespace forceshade::testing {
 

@@ -6,8 +6,8 @@
 #include <gtest/gtest.h>
 
 #include "host/error.h"
-#include "host/path_run/path_comparison.h"
-#include "host/path_run/path_run.h"
+#include "host/paths/path_comparison.h"
+#include "host/paths/path_run.h"
 #include "tests/io/folder.h"
 
 namespace forceshade::testing {

@@ -1,13 +1,13 @@
 // The referee of sides sees a proxy that came through a closed mesh, whichever way it is written, and no other.
-#include "host/validate/proxy_sides.h"
+#include "host/referee/proxy_sides.h"
 
 #include <fstream>
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "host/field/scene_mesh.h"
-#include "host/path_run/path_comparison.h"
+#include "host/paths/path_comparison.h"
+#include "host/prepare/prepared_case.h"
 #include "tests/io/folder.h"
 #include "tests/mesh/shapes.h"
 

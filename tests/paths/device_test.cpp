@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "host/paths/hand.h"
-#include "host/reference/hand.h"
+#include "host/reference/path_step.h"
 #include "tests/paths/explored.h"
 
 namespace forceshade {

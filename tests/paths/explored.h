@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "host/paths/scene_paths.h"
+#include "host/reference/elementary.h"
 #include "host/reference/paths.h"
-#include "host/reference/vector.h"
 #include "host/scene/study.h"
 
 namespace forceshade {

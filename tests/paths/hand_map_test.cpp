@@ -1,5 +1,5 @@
 // The exact map of mass, damping and spring against a Taylor series of its matrix in two hundred digits.
-#include "host/paths/hand_map.h"
+#include "host/paths/hand.h"
 
 #include <array>
 #include <cmath>

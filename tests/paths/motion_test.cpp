@@ -8,7 +8,6 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "host/paths/harmonics.h"
 #include "tests/paths/explored.h"
 
 namespace forceshade {

@@ -1,5 +1,5 @@
 // Recorded paths: read whole or piece by piece, they are the file's.
-#include "host/paths/recorded_paths.h"
+#include "host/paths/recorded.h"
 
 #include <algorithm>
 #include <chrono>

@@ -7,8 +7,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "host/io/exr_volume.h"
-#include "host/io/temporary_file.h"
+#include "host/output/exr_volume.h"
+#include "host/output/files.h"
 #include "host/plot/plot.h"
 #include "host/study/data/data_files.h"
 #include "tests/report/samples.h"

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "host/record/case_record.h"
+#include "host/output/record.h"
 
 namespace forceshade::testing {
 

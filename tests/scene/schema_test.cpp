@@ -1,8 +1,8 @@
 #include "host/scene/schema.h"
 
-#include "host/scene/nearest.h"
 #include "host/scene/scene.h"
 #include "host/scene/study.h"
+#include "host/scene/value.h"
 
 #include <set>
 

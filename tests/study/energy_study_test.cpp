@@ -9,8 +9,8 @@
 #include <gtest/gtest.h>
 
 #include "host/error.h"
-#include "host/interrupt.h"
-#include "host/io/hash.h"
+#include "host/output/hash.h"
+#include "host/program.h"
 #include "host/study/energy/closed_forms.h"
 #include "host/study/energy/curl_maps.h"
 #include "host/study/energy/energy.h"

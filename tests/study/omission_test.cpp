@@ -6,7 +6,7 @@
 
 #include "host/engine/engine.h"
 #include "host/error.h"
-#include "host/field/scene_mesh.h"
+#include "host/prepare/prepared_case.h"
 #include "host/study/omission/measurement.h"
 #include "host/study/omission/omission.h"
 #include "host/study/omission/tables.h"

@@ -6,9 +6,8 @@
 
 #include <gtest/gtest.h>
 
-#include "host/interrupt.h"
+#include "host/program.h"
 #include "host/study/run/study_run.h"
-#include "host/version.h"
 #include "tests/io/folder.h"
 
 namespace forceshade::study {

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "host/norm.h"
-#include "host/validate/rounding_bound.h"
+#include "host/referee/rounding_bound.h"
 #include "tests/unit/laws.h"
 
 namespace forceshade::test {

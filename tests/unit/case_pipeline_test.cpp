@@ -5,9 +5,8 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include "host/interrupt.h"
+#include "host/program.h"
 #include "host/sweep/case_pipeline.h"
-#include "host/sweep/chunk_queue.h"
 #include "host/sweep/sweep.h"
 
 namespace forceshade::test {

@@ -6,8 +6,8 @@
 
 #include <gtest/gtest.h>
 
+#include "host/referee/rounding_bound.h"
 #include "host/reference/elementary.h"
-#include "host/validate/ulp.h"
 
 namespace forceshade::test {
 namespace {

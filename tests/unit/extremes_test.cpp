@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "host/brute/referee.h"
+#include "host/referee/referee.h"
 #include "tests/unit/laws.h"
 
 namespace forceshade::test {

@@ -4,9 +4,9 @@
 
 #include <gtest/gtest.h>
 
-#include "host/reference/circle.h"
-#include "host/reference/faceted_bump.h"
-#include "host/surface/facet_vertices.h"
+#include "host/prepare/tables.h"
+#include "host/reference/elementary.h"
+#include "host/reference/surfaces.h"
 #include "tests/unit/laws.h"
 
 namespace forceshade::test {

@@ -6,8 +6,8 @@
 
 #include <gtest/gtest.h>
 
-#include "host/io/height_image.h"
-#include "host/validate/validate.h"
+#include "host/output/height_image.h"
+#include "host/referee/validate.h"
 #include "tests/unit/laws.h"
 
 namespace forceshade::test {

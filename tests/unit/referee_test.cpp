@@ -4,9 +4,9 @@
 
 #include <gtest/gtest.h>
 
-#include "host/brute/referee.h"
-#include "host/io/height_image.h"
 #include "host/norm.h"
+#include "host/output/height_image.h"
+#include "host/referee/referee.h"
 #include "tests/unit/laws.h"
 
 namespace forceshade::test {

@@ -5,11 +5,10 @@
 
 #include <fmt/format.h>
 
-#include "host/io/csv.h"
-#include "host/io/hash.h"
-#include "host/io/json_file.h"
-#include "host/io/plain_name.h"
-#include "host/io/temporary_file.h"
+#include "host/output/files.h"
+#include "host/output/hash.h"
+#include "host/output/raw_formats.h"
+#include "host/output/reading.h"
 
 namespace forceshade::study {
 namespace {

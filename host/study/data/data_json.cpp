@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "host/io/json_file.h"
+#include "host/output/reading.h"
 #include "host/study/data/data_error.h"
 
 namespace forceshade::study {

@@ -11,7 +11,7 @@
 #include <variant>
 #include <vector>
 
-#include "host/io/file_record.h"
+#include "host/output/hash.h"
 
 namespace forceshade::study {
 

@@ -5,7 +5,7 @@
 #include <functional>
 
 #include "host/mesh/prepare_mesh.h"
-#include "host/reference/circle.h"
+#include "host/reference/elementary.h"
 
 namespace forceshade::study {
 namespace {

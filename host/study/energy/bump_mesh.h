@@ -3,7 +3,7 @@
 
 #include <memory>
 
-#include "host/field/scene_mesh.h"
+#include "host/prepare/prepared_case.h"
 
 namespace forceshade::study {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "host/reference/circle.h"
+#include "host/reference/elementary.h"
 
 namespace forceshade::study {
 namespace {

@@ -7,9 +7,9 @@
 
 #include <fmt/ranges.h>
 
-#include "host/io/exr_volume.h"
-#include "host/io/hash.h"
-#include "host/version.h"
+#include "host/output/exr_volume.h"
+#include "host/output/hash.h"
+#include "host/program.h"
 
 namespace forceshade::study {
 namespace {

@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/engine/engine.h"
-#include "host/field/prepared_case.h"
+#include "host/prepare/prepared_case.h"
 
 namespace forceshade::study {
 

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "host/interrupt.h"
+#include "host/program.h"
 #include "host/study/energy/curl_maps.h"
 #include "host/study/energy/loop_cases.h"
 #include "host/study/energy/notes.h"

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "host/reference/contact.h"
-#include "host/reference/god_object_start.h"
+#include "host/reference/god_object.h"
 #include "host/study/energy/loop_paths.h"
 #include "host/study/energy/scenes.h"
 #include "host/study/error_time/angle.h"

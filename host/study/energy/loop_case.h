@@ -8,8 +8,8 @@
 #include <nlohmann/json.hpp>
 
 #include "host/engine/engine.h"
-#include "host/field/prepared_case.h"
-#include "host/reference/contact_result.h"
+#include "host/prepare/prepared_case.h"
+#include "host/reference/surfaces.h"
 #include "host/study/energy/loop_work.h"
 
 namespace forceshade::study {

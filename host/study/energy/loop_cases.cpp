@@ -5,10 +5,10 @@
 
 #include <fmt/format.h>
 
-#include "host/reference/circle.h"
+#include "host/prepare/tables.h"
+#include "host/reference/elementary.h"
 #include "host/study/energy/closed_forms.h"
 #include "host/study/energy/scenes.h"
-#include "host/surface/facet_vertices.h"
 
 namespace forceshade::study {
 namespace {

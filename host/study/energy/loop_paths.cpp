@@ -4,7 +4,7 @@
 #include <limits>
 #include <thread>
 
-#include "host/reference/god_object_start.h"
+#include "host/reference/god_object.h"
 #include "host/reference/paths.h"
 
 namespace forceshade::study {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "host/engine/engine.h"
-#include "host/field/prepared_case.h"
+#include "host/prepare/prepared_case.h"
 #include "host/study/energy/loop_work.h"
 
 namespace forceshade::study {

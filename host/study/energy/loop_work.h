@@ -4,7 +4,7 @@
 #include <functional>
 #include <vector>
 
-#include "host/reference/vector.h"
+#include "host/reference/elementary.h"
 
 namespace forceshade::study {
 

@@ -6,9 +6,9 @@
 #include <fmt/format.h>
 
 #include "host/error.h"
-#include "host/field/scene_mesh.h"
 #include "host/paths/region.h"
-#include "host/reference/circle.h"
+#include "host/prepare/prepared_case.h"
+#include "host/reference/elementary.h"
 #include "host/study/energy/scene_section.h"
 #include "host/study/energy/scenes.h"
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "host/field/scene_mesh.h"
+#include "host/prepare/prepared_case.h"
 #include "host/reference/motion.h"
 
 namespace forceshade::study {

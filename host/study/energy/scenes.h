@@ -4,8 +4,7 @@
 #include <memory>
 #include <string>
 
-#include "host/field/prepared_case.h"
-#include "host/field/scene_mesh.h"
+#include "host/prepare/prepared_case.h"
 
 namespace forceshade::study {
 

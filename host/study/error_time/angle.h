@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "host/reference/length.h"
+#include "host/reference/elementary.h"
 
 namespace forceshade::study {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <vector>
 
-#include "host/reference/length.h"
+#include "host/reference/elementary.h"
 #include "host/study/error_time/angle.h"
 
 namespace forceshade::study::error_time {

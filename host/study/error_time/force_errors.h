@@ -8,7 +8,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "host/reference/vector.h"
+#include "host/reference/elementary.h"
 
 namespace forceshade::study::error_time {
 

@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "host/field/tables.h"
+#include "host/prepare/tables.h"
 #include "host/reference/field.h"
 #include "host/study/error_time/contender.h"
 #include "host/study/error_time/half_forces.h"

@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "host/io/pixel_rows.h"
+#include "host/output/rows.h"
 #include "host/study/error_time/volume.h"
 
 namespace forceshade::study::error_time {

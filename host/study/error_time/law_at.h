@@ -4,8 +4,8 @@
 #include <span>
 #include <vector>
 
-#include "host/explore/mesh_probe.h"
-#include "host/field/prepared_case.h"
+#include "host/prepare/prepared_case.h"
+#include "host/prepare/probe.h"
 
 namespace forceshade::study::error_time {
 

@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "host/reference/length.h"
+#include "host/reference/elementary.h"
 #include "host/study/error_time/angle.h"
 #include "host/study/error_time/law_at.h"
 #include "host/study/error_time/lookup_volume.h"

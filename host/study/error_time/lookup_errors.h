@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "host/field/prepared_case.h"
+#include "host/prepare/prepared_case.h"
 #include "host/study/error_time/subject.h"
 
 namespace forceshade::study::error_time {

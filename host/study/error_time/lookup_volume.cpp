@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "host/field/tables.h"
+#include "host/prepare/tables.h"
 #include "host/reference/field.h"
 
 namespace forceshade::study::error_time {

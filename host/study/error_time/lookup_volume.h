@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "host/field/prepared_case.h"
+#include "host/prepare/prepared_case.h"
 #include "host/study/error_time/volume.h"
 
 namespace forceshade::study::error_time {

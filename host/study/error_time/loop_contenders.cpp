@@ -3,8 +3,8 @@
 #include <type_traits>
 
 #include "host/paths/scene_paths.h"
+#include "host/reference/elementary.h"
 #include "host/reference/paths.h"
-#include "host/reference/vector.h"
 #include "host/study/error_time/contender.h"
 
 namespace forceshade::study::error_time {

@@ -3,10 +3,9 @@
 
 #include <fmt/format.h>
 
-#include "host/field/scene_mesh.h"
 #include "host/mesh/prepare_mesh.h"
-#include "host/reference/length.h"
-#include "host/reference/vector.h"
+#include "host/prepare/prepared_case.h"
+#include "host/reference/elementary.h"
 #include "host/study/error_time/lookup_errors.h"
 #include "host/study/error_time/patch.h"
 #include "host/study/error_time/subject.h"

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "host/mesh/prepare_mesh.h"
-#include "host/reference/mesh_shading.h"
+#include "host/reference/mesh_contact.h"
 #include "host/study/error_time/angle.h"
 
 namespace forceshade::study {

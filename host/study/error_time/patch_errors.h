@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "host/mesh/structure.h"
-#include "host/reference/vector.h"
+#include "host/reference/elementary.h"
 #include "host/study/error_time/patch.h"
 
 namespace forceshade::study {

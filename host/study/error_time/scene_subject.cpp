@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 
 #include "host/error.h"
-#include "host/field/scene_mesh.h"
+#include "host/prepare/prepared_case.h"
 #include "host/study/error_time/law_at.h"
 #include "host/study/error_time/subject.h"
 

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "host/reference/circle.h"
+#include "host/reference/elementary.h"
 
 namespace forceshade::study::error_time {
 

@@ -10,7 +10,7 @@
 #include <type_traits>
 #include <vector>
 
-#include "host/reference/vector.h"
+#include "host/reference/elementary.h"
 
 namespace forceshade::study::error_time {
 

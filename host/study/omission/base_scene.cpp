@@ -7,8 +7,8 @@
 #include <fmt/format.h>
 
 #include "host/error.h"
-#include "host/field/scene_mesh.h"
 #include "host/mesh/prepare_mesh.h"
+#include "host/prepare/prepared_case.h"
 
 namespace forceshade::study {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "host/field/scene_mesh.h"
+#include "host/prepare/prepared_case.h"
 #include "host/study/omission/usual_features.h"
 
 namespace forceshade::study {

@@ -2,7 +2,7 @@
 
 #include <chrono>
 
-#include "host/validate/oracle_check.h"
+#include "host/referee/oracle_check.h"
 
 namespace forceshade::study {
 namespace {

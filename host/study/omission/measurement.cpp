@@ -4,10 +4,9 @@
 #include <random>
 #include <utility>
 
-#include "host/interrupt.h"
-#include "host/io/exr_volume.h"
+#include "host/output/exr_volume.h"
+#include "host/program.h"
 #include "host/study/omission/unchanged.h"
-#include "host/version.h"
 
 namespace forceshade::study {
 namespace {

@@ -1,7 +1,7 @@
 // The rows of a mesh's grid as paths: a probe that remembers goes where the static field is sampled.
 #pragma once
 
-#include "host/field/tables.h"
+#include "host/prepare/tables.h"
 
 namespace forceshade::study {
 

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "host/field/scene_mesh.h"
-#include "host/io/height_image.h"
+#include "host/output/height_image.h"
+#include "host/prepare/prepared_case.h"
 
 namespace forceshade::study {
 namespace {

@@ -5,14 +5,13 @@
 
 #include <fmt/format.h>
 
-#include "host/interrupt.h"
-#include "host/io/hash.h"
-#include "host/io/json_file.h"
-#include "host/io/temporary_file.h"
+#include "host/output/files.h"
+#include "host/output/hash.h"
+#include "host/output/reading.h"
+#include "host/program.h"
 #include "host/study/data/data_files.h"
-#include "host/sweep/machine.h"
-#include "host/sweep/progress.h"
-#include "host/version.h"
+#include "host/sweep/manifest.h"
+#include "host/sweep/sweep.h"
 
 namespace forceshade::study {
 namespace {

@@ -11,7 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/engine/engine.h"
-#include "host/field/prepared_case.h"
+#include "host/prepare/prepared_case.h"
 #include "host/study/data/study_data.h"
 
 namespace forceshade::study {

@@ -5,9 +5,9 @@
 #include <cmath>
 #include <limits>
 
-#include "host/explore/path_law.h"
 #include "host/paths/hand.h"
 #include "host/paths/scene_paths.h"
+#include "host/prepare/probe.h"
 
 namespace forceshade::study {
 namespace {

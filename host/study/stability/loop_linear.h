@@ -6,7 +6,7 @@
 
 #include <glm/mat3x3.hpp>
 
-#include "host/paths/hand_map.h"
+#include "host/paths/hand.h"
 
 namespace forceshade::study {
 

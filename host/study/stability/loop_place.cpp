@@ -7,9 +7,9 @@
 #include <glm/geometric.hpp>
 
 #include "host/error.h"
-#include "host/explore/path_law.h"
-#include "host/field/scene_mesh.h"
 #include "host/mesh/prepare_mesh.h"
+#include "host/prepare/prepared_case.h"
+#include "host/prepare/probe.h"
 
 namespace forceshade::study {
 namespace {

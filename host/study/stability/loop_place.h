@@ -8,7 +8,7 @@
 #include <glm/vec3.hpp>
 #include <nlohmann/json.hpp>
 
-#include "host/field/prepared_case.h"
+#include "host/prepare/prepared_case.h"
 #include "host/study/stability/loop_linear.h"
 
 namespace forceshade::study {

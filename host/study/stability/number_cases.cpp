@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "host/reference/circle.h"
 #include "host/reference/contact.h"
+#include "host/reference/elementary.h"
 #include "host/study/energy/bump_mesh.h"
 
 namespace forceshade::study {

@@ -5,15 +5,15 @@
 #include <functional>
 #include <limits>
 
-#include "host/brute/mesh_referee.h"
-#include "host/brute/referee.h"
 #include "host/error.h"
-#include "host/field/scene_mesh.h"
+#include "host/prepare/prepared_case.h"
+#include "host/referee/mesh_referee.h"
+#include "host/referee/referee.h"
+#include "host/referee/rounding_bound.h"
 #include "host/reference/contact.h"
-#include "host/reference/god_object_start.h"
+#include "host/reference/god_object.h"
 #include "host/study/error_time/angle.h"
 #include "host/study/stability/number_terms.h"
-#include "host/validate/rounding_bound.h"
 
 namespace forceshade::study {
 namespace {

@@ -5,9 +5,9 @@
 #include <limits>
 #include <numbers>
 
-#include "host/field/scene_mesh.h"
+#include "host/prepare/prepared_case.h"
 #include "host/reference/contact.h"
-#include "host/reference/god_object_start.h"
+#include "host/reference/god_object.h"
 
 namespace forceshade::study {
 namespace {

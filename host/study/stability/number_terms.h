@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "host/field/prepared_case.h"
+#include "host/prepare/prepared_case.h"
 #include "host/study/energy/loop_work.h"
 
 namespace forceshade::study {

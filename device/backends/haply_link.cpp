@@ -1,0 +1,357 @@
+#include "device/backends/haply_link.h"
+
+#include <cerrno>
+#include <chrono>
+#include <cmath>
+#include <cstring>
+#include <fcntl.h>
+#include <optional>
+#include <sys/eventfd.h>
+#include <sys/socket.h>
+#include <type_traits>
+#include <unistd.h>
+
+#include <boost/asio/posix/stream_descriptor.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <fmt/format.h>
+
+#include "device/backends/haply_http.h"
+#include "device/backends/haply_protocol.h"
+#include "host/error.h"
+
+namespace forceshade::device {
+
+Exchange::Exchange(std::string zero_frame) : zero_frame_(std::move(zero_frame)) {
+    wake_ = ::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC);
+    nothing_ = ::open("/dev/null", O_WRONLY | O_CLOEXEC); // no socket: sending to it fails, which is what it is for
+    line_ = nothing_ < 0 ? -1 : ::fcntl(nothing_, F_DUPFD_CLOEXEC, 0);
+    if (wake_ < 0 || line_ < 0) {
+        const int error = errno;
+        for (const int descriptor : {wake_, nothing_, line_})
+            if (descriptor >= 0)
+                ::close(descriptor);
+        throw Error(ExitCode::io, fmt::format("haply: no descriptor to be had: {}", std::strerror(error)));
+    }
+}
+
+Exchange::~Exchange() {
+    for (const int descriptor : {wake_, nothing_, line_})
+        ::close(descriptor);
+}
+
+void Exchange::wake() const noexcept {
+    const int error = errno;
+    const std::uint64_t one = 1;
+    [[maybe_unused]] const auto written = ::write(wake_, &one, sizeof one); // full: it is awake
+    errno = error;
+}
+
+void Exchange::stop() noexcept {
+    const int error = errno;
+    if (!stopping.exchange(true)) {
+        [[maybe_unused]] const auto sent =
+            ::send(line_, zero_frame_.data(), zero_frame_.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
+    }
+    wake();
+    errno = error;
+}
+
+void Exchange::lend_line(int socket) noexcept {
+    ::dup3(socket < 0 ? nothing_ : socket, line_, O_CLOEXEC);
+}
+
+std::int64_t steady_now() noexcept {
+    using namespace std::chrono;
+    return duration_cast<nanoseconds>(steady_clock::now().time_since_epoch()).count();
+}
+
+namespace {
+
+namespace asio = boost::asio;
+namespace websocket = boost::beast::websocket;
+using ErrorCode = boost::system::error_code;
+using std::chrono::milliseconds;
+using std::chrono::steady_clock;
+
+constexpr milliseconds kSilence{50};   // without a word of the live loop: it is taken for dead
+constexpr milliseconds kGiveUp{1000};  // for a late answer, before the connection is taken for dead
+constexpr milliseconds kFarewell{200}; // from `stopping` to the end of the thread
+constexpr milliseconds kFirstPause{20}, kLongestPause{1000}; // before connecting anew
+
+constexpr const char* kAway = "the Inverse Service is not there";
+constexpr const char* kMute = "the Inverse Service takes up no connection";
+constexpr const char* kClosed = "the connection to the Inverse Service broke; connecting anew";
+constexpr const char* kLate = "the Inverse Service does not answer in time";
+constexpr const char* kDead = "the Inverse Service does not answer any more; connecting anew";
+constexpr const char* kNotListed = "the Inverse Service does not list the device";
+constexpr const char* kStrange = "the Inverse Service names the device's axes in a way that is not known";
+constexpr const char* kUnasked = "the Inverse Service sent a state that was not asked for; it was dropped";
+constexpr const char* kBroken = "the thread that talks to the Inverse Service failed";
+
+class Link {
+public:
+    Link(Exchange& exchange, const LinkOptions& options) : exchange_(exchange), options_(options) {
+        wake_.assign(::dup(exchange.wake_descriptor()));
+    }
+
+    void run() {
+        listen();
+        watch();
+        connect();
+        io_.run();
+    }
+
+private:
+    enum class Phase { connecting, running, leaving, over };
+    using LinePointer = std::shared_ptr<Line>;
+
+    template <typename Act> void arm(asio::steady_timer& timer, milliseconds time, Act act) {
+        timer.expires_after(time);
+        timer.async_wait([&timer, act](const ErrorCode& error) {
+            if (!error && timer.expiry() <= steady_clock::now()) // neither cancelled nor set anew meanwhile
+                act();
+        });
+    }
+
+    /// A handler that goes on if all is well and the connection is still the one in use: with the results or without.
+    template <typename Next> auto on(const LinePointer& line, const char* complaint, Next next) {
+        return [this, line, complaint, next](const ErrorCode& error, auto&&... results) {
+            if (line != line_)
+                return;
+            if (error)
+                return lose(complaint);
+            if constexpr (std::is_invocable_v<Next, decltype(results)...>)
+                next(results...);
+            else if constexpr (std::is_invocable_v<Next>)
+                next();
+        };
+    }
+
+    // ---- the live loop's side
+
+    void listen() {
+        wake_.async_wait(asio::posix::stream_descriptor::wait_read, [this](const ErrorCode& error) {
+            if (error)
+                return;
+            std::uint64_t count = 0;
+            [[maybe_unused]] const auto size = ::read(wake_.native_handle(), &count, sizeof count);
+            if (exchange_.stopping)
+                return take_leave();
+            if (exchange_.force.take(wish_)) {
+                pending_ = true;
+                watch();
+            }
+            if (exchange_.resting.exchange(false)) { // after the newest force was taken: an older one does not win
+                wish_ = glm::dvec3(0);
+                pending_ = true;
+            }
+            pump();
+            listen();
+        });
+    }
+
+    /// The loop's own watchdog stops with the loop; this one does not. It also asks for positions while nobody writes.
+    void watch() {
+        arm(silence_, kSilence, [this] {
+            wish_ = glm::dvec3(0);
+            pending_ = true;
+            pump();
+            watch();
+        });
+    }
+
+    // A short objection would else be over before the loop looks, and the full force come back at once.
+    void tell_withheld() {
+        const char* why = objection(unmet_);
+        if (why != nullptr)
+            exchange_.lately_withheld = why;
+        exchange_.withheld = why;
+    }
+
+    // ---- from nothing to a connection
+
+    void connect() {
+        phase_ = Phase::connecting;
+        step_.reset();
+        late_ = false;
+        const LinePointer line = line_ = std::make_shared<Line>(io_);
+        arm(limit_, options_.wait, [this] { lose(kMute); });
+        line->dial(options_.address,
+                   on(line, kAway, [this, line](const std::string& inventory) { begin(line, inventory); }));
+    }
+
+    void begin(const LinePointer& line, const std::string& inventory) {
+        const HaplyDevice* device = nullptr;
+        const auto devices = read_inventory(inventory).value_or(std::vector<HaplyDevice>());
+        for (const HaplyDevice& each : devices)
+            if (each.id == options_.device_id)
+                device = &each;
+        if (device == nullptr)
+            return lose(kNotListed);
+        const std::optional<Axes> axes = parse_basis(device->basis);
+        if (!axes)
+            return lose(kStrange);
+        axes_ = *axes;
+        unmet_ = device->unmet; // whatever was before the connection broke
+        tell_withheld();
+        limit_.cancel();
+        phase_ = Phase::running;
+        exchange_.lend_line(line->descriptor());
+        exchange_.there = true;
+        hear(line);
+        send(glm::dvec3(0));
+    }
+
+    // ---- commands and answers
+
+    void pump() {
+        if (phase_ != Phase::running || !pending_ || line_->writing || step_.owed() > 0)
+            return;
+        pending_ = false;
+        send(wish_);
+    }
+
+    void send(glm::dvec3 force) {
+        const bool finite = std::isfinite(force.x) && std::isfinite(force.y) && std::isfinite(force.z);
+        if (!finite || exchange_.stopping || unmet_ != 0)
+            force = glm::dvec3(0);
+        const LinePointer line = line_;
+        write_command(line->command, options_.dialect, options_.device_id, axes_.to_service(force));
+        line->writing = true;
+        step_.sent();
+        if (phase_ == Phase::running)
+            arm(answer_, late_ ? kGiveUp : options_.patience, [this] { miss(); });
+        line->socket.async_write(asio::buffer(line->command), on(line, kClosed, [this, line] {
+                                     line->writing = false;
+                                     phase_ == Phase::leaving ? last_word() : pump();
+                                 }));
+    }
+
+    /// The answer did not come in time. What was under way may still be applied when the service wakes up: let it find
+    /// no force behind that.
+    void miss() {
+        if (step_.owed() == 0)
+            return;
+        exchange_.sighting.put({});
+        if (late_)
+            return lose(kDead);
+        exchange_.complaint = kLate;
+        late_ = true;
+        if (line_->writing)
+            arm(answer_, kGiveUp, [this] { miss(); });
+        else
+            send(glm::dvec3(0));
+    }
+
+    void hear(const LinePointer& line) {
+        line->socket.async_read(line->received, on(line, kClosed, [this, line] {
+                                    const std::string text = line->take_text();
+                                    const LockStep::Kind kind = step_.answered();
+                                    if (phase_ == Phase::leaving)
+                                        return said_ && step_.owed() == 0 ? hang_up() : hear(line);
+                                    if (kind == LockStep::Kind::current)
+                                        take_state(text);
+                                    else if (kind == LockStep::Kind::unasked)
+                                        exchange_.complaint = kUnasked;
+                                    hear(line);
+                                    pump();
+                                }));
+    }
+
+    void take_state(const std::string& text) {
+        answer_.cancel();
+        late_ = false;
+        const State state = read_state(text, options_.device_id);
+        unmet_ = (unmet_ & ~state.readiness.told) | state.readiness.unmet;
+        tell_withheld();
+        if (state.fault == nullptr) {
+            exchange_.sighting.put({true, steady_now(), axes_.to_world(state.position)});
+            pause_ = kFirstPause;
+        } else {
+            exchange_.complaint = state.fault;
+            exchange_.sighting.put({});
+        }
+    }
+
+    // ---- ends
+
+    void drop_line() {
+        exchange_.there = false;
+        exchange_.sighting.put({});
+        exchange_.lend_line(-1);
+        if (line_ == nullptr)
+            return;
+        line_->close();
+        line_.reset();
+    }
+
+    void lose(const char* complaint) {
+        if (phase_ == Phase::leaving || phase_ == Phase::over)
+            return finish();
+        exchange_.complaint = complaint;
+        drop_line();
+        limit_.cancel();
+        answer_.cancel();
+        phase_ = Phase::connecting;
+        arm(retry_, pause_, [this] { connect(); });
+        pause_ = std::min(2 * pause_, kLongestPause);
+    }
+
+    void take_leave() {
+        if (phase_ != Phase::running)
+            return finish();
+        phase_ = Phase::leaving;
+        silence_.cancel();
+        answer_.cancel();
+        arm(limit_, kFarewell, [this] { finish(); });
+        if (!line_->writing)
+            last_word();
+    }
+
+    /// A last command without force; the lock-step does not matter any more.
+    void last_word() {
+        if (!said_)
+            send(glm::dvec3(0));
+        said_ = true;
+    }
+
+    void hang_up() {
+        const LinePointer line = line_;
+        line->socket.async_close(websocket::close_code::normal, [this, line](const ErrorCode&) { finish(); });
+    }
+
+    void finish() {
+        phase_ = Phase::over;
+        drop_line();
+        io_.stop();
+    }
+
+    Exchange& exchange_;
+    const LinkOptions& options_;
+    asio::io_context io_{1};
+    asio::posix::stream_descriptor wake_{io_};
+    asio::steady_timer limit_{io_}, answer_{io_}, silence_{io_}, retry_{io_};
+    LinePointer line_;
+    LockStep step_;
+    Axes axes_;
+    Phase phase_ = Phase::connecting;
+    glm::dvec3 wish_{0}; /* N, in the world's axes */
+    unsigned unmet_ = 0; // of the conditions for a force
+    bool pending_ = false, late_ = false, said_ = false;
+    milliseconds pause_ = kFirstPause;
+};
+
+} // namespace
+
+void run_link(Exchange& exchange, const LinkOptions& options) noexcept {
+    try {
+        Link(exchange, options).run();
+    } catch (...) { // memory; the connection is gone with it, and the service applies nothing to what is silent
+        exchange.complaint = kBroken;
+    }
+    exchange.lend_line(-1);
+    exchange.there = false;
+    exchange.sighting.put({});
+}
+
+} // namespace forceshade::device

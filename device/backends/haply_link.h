@@ -1,0 +1,79 @@
+// What the live loop's thread and the one that talks to the service tell each other.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include <glm/vec3.hpp>
+
+#include "device/backends/back_end.h"
+#include "device/backends/haply.h"
+
+namespace forceshade::device {
+
+/// What the device's last answer came to.
+struct Sighting {
+    bool good = false;      // it has a position; false: it has none, came too late, or the service is gone
+    std::int64_t time = 0;  /* ns, of the steady clock: when it arrived */
+    glm::dvec3 position{0}; /* m, in the world's axes, finite */
+};
+
+/// Forces go one way, sightings the other, without either thread waiting for the other.
+class Exchange {
+public:
+    /// `zero_frame`: a command without force, as it goes over the line. Throws Error where the system has no more
+    /// descriptors.
+    explicit Exchange(std::string zero_frame);
+    ~Exchange();
+    Exchange(const Exchange&) = delete;
+    Exchange& operator=(const Exchange&) = delete;
+
+    Newest<glm::dvec3> force;          /* N: from the live loop */
+    Newest<Sighting> sighting;         // for the live loop
+    std::atomic<bool> there{false};    // the service answers and lists the device
+    std::atomic<bool> stopping{false}; // no force any more; set once
+    std::atomic<bool> resting{false};  // no force until the next one
+    std::atomic<const char*> complaint{nullptr};
+    std::atomic<const char*> withheld{nullptr};        // why the device is not ready for a force; null: it is
+    std::atomic<const char*> lately_withheld{nullptr}; // the same until the live loop has asked for no force
+
+    /// Lets the other thread look at what is new. Safe in a signal's handler, like stop().
+    void wake() const noexcept;
+
+    /// Sets `stopping` and, as what is left of this process may never come to it, sends the command without force at
+    /// once, past the thread that owns the line. A frame is one system call, so that the two do not mix; were the line
+    /// so jammed that they could, this one does not go out and the service, hearing nothing, applies nothing.
+    void stop() noexcept;
+
+    /// Readable after wake().
+    int wake_descriptor() const noexcept { return wake_; }
+
+    /// The socket over which stop() may send from now on; -1: none. Its number stays the same for good, so that no
+    /// moment exists in which stop() could write to a file that got the number of a socket just closed.
+    void lend_line(int socket) noexcept;
+
+private:
+    std::string zero_frame_;
+    int wake_ = -1, nothing_ = -1, line_ = -1;
+};
+
+/// ns, of the steady clock.
+std::int64_t steady_now() noexcept;
+
+// The thread that talks to the service: connects, keeps the lock-step of commands and answers, reconnects.
+
+struct LinkOptions {
+    Address address;
+    std::string device_id;
+    HaplyOptions::Dialect dialect = HaplyOptions::Dialect::vector; // not by_version
+    std::chrono::milliseconds wait{3000};                          // for the service to take up a connection
+    std::chrono::milliseconds patience{100};                       // for an answer, after which it counts as lost
+};
+
+/// Talks until `exchange.stopping`; then takes leave within 200 ms, with a last command without force. Throws nothing.
+void run_link(Exchange& exchange, const LinkOptions& options) noexcept;
+
+} // namespace forceshade::device

@@ -1,0 +1,230 @@
+#include "device/backends/haply_protocol.h"
+
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <iterator>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+namespace forceshade::device {
+
+std::optional<Axes> parse_basis(std::string_view permutation) {
+    if (permutation.empty())
+        return Axes{};
+    Axes axes;
+    std::size_t count = 0;
+    unsigned seen = 0;
+    double sign = 1;
+    bool signed_already = false;
+    for (const char letter : permutation) {
+        if (letter == '+' || letter == '-') {
+            if (signed_already || count == 3)
+                return std::nullopt;
+            sign = letter == '-' ? -1 : 1;
+            signed_already = true;
+            continue;
+        }
+        const int axis = letter == 'X' || letter == 'x'   ? 0
+                         : letter == 'Y' || letter == 'y' ? 1
+                         : letter == 'Z' || letter == 'z' ? 2
+                                                          : -1;
+        if (axis < 0 || count == 3 || (seen >> axis & 1u) != 0)
+            return std::nullopt;
+        seen |= 1u << axis;
+        axes.from[count] = axis;
+        axes.sign[static_cast<int>(count)] = sign;
+        ++count;
+        sign = 1;
+        signed_already = false;
+    }
+    if (count != 3)
+        return std::nullopt;
+    return axes;
+}
+
+namespace {
+
+using Json = nlohmann::json;
+using Dialect = HaplyOptions::Dialect;
+
+constexpr double kFarthest = 10; /* m: no hand-held device reaches so far: what says so is no position */
+
+Json parse(std::string_view text) {
+    return Json::parse(text.begin(), text.end(), nullptr, false);
+}
+
+const Json* member(const Json& object, const char* name) {
+    if (!object.is_object())
+        return nullptr;
+    const auto found = object.find(name);
+    return found == object.end() ? nullptr : &*found;
+}
+
+std::string text_of(const Json* value) {
+    return value != nullptr && value->is_string() ? value->get<std::string>() : std::string();
+}
+
+std::string status_of(const Json* status) {
+    std::string text;
+    if (status == nullptr || !status->is_object())
+        return text;
+    for (const auto& [name, value] : status->items()) {
+        if (!value.is_boolean())
+            continue;
+        text += fmt::format("{}{}{}", text.empty() ? "" : ", ", value.get<bool>() ? "" : "not ", name);
+    }
+    for (char& letter : text)
+        letter = letter == '_' ? ' ' : letter;
+    return text;
+}
+
+struct Condition {
+    const char* name; // in the status
+    const char* objection;
+};
+constexpr std::array kConditions{
+    Condition{"power_supply", "the Inverse3 has no power supply: plug it in"},
+    Condition{"started", "the Inverse3 is not started: switch it on (Haply Hub shows it)"},
+    Condition{"calibrated", "the Inverse3 is not calibrated: calibrate it (Haply Hub shows how)"},
+    Condition{"ready", "the Inverse3 is not ready (Haply Hub shows why)"},
+};
+
+// What is told and is not `true` is not met.
+Readiness readiness_of(const Json* status) {
+    Readiness readiness;
+    for (std::size_t i = 0; status != nullptr && i < kConditions.size(); ++i)
+        if (const Json* value = member(*status, kConditions[i].name)) {
+            readiness.told |= 1u << i;
+            readiness.unmet |= *value == true ? 0u : 1u << i;
+        }
+    return readiness;
+}
+
+std::optional<glm::dvec3> position_of(const Json* value) {
+    if (value == nullptr)
+        return std::nullopt;
+    glm::dvec3 position{0};
+    constexpr std::array names{"x", "y", "z"};
+    for (int i = 0; i < 3; ++i) {
+        const Json* coordinate = member(*value, names[static_cast<std::size_t>(i)]);
+        if (coordinate == nullptr || !coordinate->is_number())
+            return std::nullopt;
+        position[i] = coordinate->get<double>();
+        if (!(std::abs(position[i]) <= kFarthest))
+            return std::nullopt;
+    }
+    return position;
+}
+
+} // namespace
+
+HaplyOptions::Dialect dialect_of(std::string_view version) {
+    unsigned major = 0, minor = 0;
+    const char* const end = version.data() + version.size();
+    const auto first = std::from_chars(version.data(), end, major);
+    if (first.ec != std::errc() || first.ptr == end || *first.ptr != '.')
+        return Dialect::vector;
+    if (std::from_chars(first.ptr + 1, end, minor).ec != std::errc())
+        return Dialect::vector;
+    return major < 3 || (major == 3 && minor < 5) ? Dialect::values : Dialect::vector;
+}
+
+std::string read_version(std::string_view body) {
+    const Json json = parse(body);
+    const Json* data = member(json, "data"); // the envelope that routes of 3.5 may put around their answers
+    for (const Json* object : {static_cast<const Json*>(&json), data})
+        for (const char* name : {"git_tag", "project_version"})
+            if (object != nullptr)
+                if (std::string version = text_of(member(*object, name)); !version.empty() && version.size() <= 64)
+                    return version.front() == 'v' ? version.substr(1) : version;
+    return {};
+}
+
+std::optional<std::vector<HaplyDevice>> read_inventory(std::string_view message) {
+    const Json json = parse(message);
+    if (!json.is_object())
+        return std::nullopt;
+    std::vector<HaplyDevice> devices;
+    const Json* list = member(json, "inverse3");
+    if (list == nullptr)
+        return devices;
+    if (!list->is_array())
+        return std::nullopt;
+    for (const Json& entry : *list) {
+        HaplyDevice device;
+        device.id = text_of(member(entry, "device_id"));
+        if (device.id.empty())
+            return std::nullopt;
+        if (const Json* config = member(entry, "config")) {
+            device.type = text_of(member(*config, "type"));
+            if (const Json* basis = member(*config, "basis"))
+                device.basis = text_of(member(*basis, "permutation"));
+        }
+        device.status = status_of(member(entry, "status"));
+        device.unmet = readiness_of(member(entry, "status")).unmet;
+        devices.push_back(std::move(device));
+    }
+    return devices;
+}
+
+void write_command(std::string& message, Dialect dialect, std::string_view device_id, const glm::dvec3& force) {
+    message = R"({"inverse3":[{"device_id":)";
+    message += Json(device_id).dump(-1, ' ', true, Json::error_handler_t::replace);
+    fmt::format_to(std::back_inserter(message),
+                   R"(,"commands":{{"set_cursor_force":{{"{}":{{"x":{},"y":{},"z":{}}}}}}}}}]}})",
+                   dialect == Dialect::values ? "values" : "vector", force.x, force.y, force.z);
+}
+
+std::string frame(std::string_view message) {
+    constexpr std::array<unsigned char, 4> mask{0x5a, 0xc3, 0x96, 0x3c}; // a client has to; which one is its own matter
+    std::string bytes;
+    bytes += static_cast<char>(0x81); // the last piece, of text
+    if (message.size() < 126) {
+        bytes += static_cast<char>(0x80u | message.size());
+    } else { // at most 65535: a device id would have to be longer than a message may be
+        bytes += static_cast<char>(0x80u | 126u);
+        bytes += static_cast<char>(message.size() >> 8 & 0xffu);
+        bytes += static_cast<char>(message.size() & 0xffu);
+    }
+    for (const unsigned char key : mask)
+        bytes += static_cast<char>(key);
+    for (std::size_t i = 0; i < message.size(); ++i)
+        bytes += static_cast<char>(static_cast<unsigned char>(message[i]) ^ mask[i % 4]);
+    return bytes;
+}
+
+State read_state(std::string_view message, std::string_view device_id) {
+    const Json json = parse(message);
+    if (json.is_discarded())
+        return {"the Inverse Service answered with what is no JSON", {}, {}};
+    if (member(json, "error") != nullptr)
+        return {"the Inverse Service refused a command: does it speak another dialect? (?dialect=values or vector)",
+                {},
+                {}};
+    const Json* list = member(json, "inverse3");
+    if (list == nullptr || !list->is_array())
+        return {"the Inverse Service answered without a list of devices", {}, {}};
+    for (const Json& entry : *list) {
+        if (text_of(member(entry, "device_id")) != device_id)
+            continue;
+        const Readiness readiness = readiness_of(member(entry, "status"));
+        const Json* state = member(entry, "state");
+        const std::optional<glm::dvec3> position =
+            state != nullptr ? position_of(member(*state, "cursor_position")) : std::nullopt;
+        if (!position)
+            return {"the Inverse Service answered without a position of the device", {}, readiness};
+        return {nullptr, *position, readiness};
+    }
+    return {"the Inverse Service does not list the device any more", {}, {}};
+}
+
+const char* objection(unsigned unmet) {
+    for (std::size_t i = 0; i < kConditions.size(); ++i)
+        if (unmet >> i & 1u)
+            return kConditions[i].objection;
+    return nullptr;
+}
+
+} // namespace forceshade::device

@@ -1,0 +1,102 @@
+#include "device/loop/live_law.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <utility>
+
+#include "host/output/hash.h"
+#include "host/prepare/probe.h"
+
+namespace forceshade::device {
+
+namespace {
+
+template <typename T> LiveContact as_live(const PathContact<T>& felt) noexcept {
+    const reference::Contact<T>& contact = felt.contact;
+    return {glm::dvec3(contact.proxy), glm::dvec3(contact.force), double(contact.depth), contact.facet, felt.finished};
+}
+
+// What every law has in common: the case and its tables.
+template <typename T> class TabledLaw : public LiveLaw {
+public:
+    explicit TabledLaw(PreparedCase prepared)
+        : prepared_(std::move(prepared)),
+          tables_(make_tables<T>(prepared_.one.scene, prepared_.images, Extent::what_varies)), law_(tables_.law()) {}
+
+    bool reaches(const glm::dvec3& probe) const noexcept override {
+        return std::abs(probe.x) <= kLargestLength<T> && std::abs(probe.y) <= kLargestLength<T> &&
+               std::abs(probe.z) <= kLargestLength<T>;
+    }
+
+protected:
+    PreparedCase prepared_;
+    FieldTables<T> tables_;
+    layout::Law<T> law_; // points into the tables
+};
+
+// L1 to L5: no history.
+template <typename T> class SurfaceLaw final : public TabledLaw<T> {
+public:
+    using TabledLaw<T>::TabledLaw;
+
+    void begin_path() noexcept override {}
+
+    LiveContact at(const glm::dvec3& probe) noexcept override {
+        PathContact<T> felt;
+        felt.contact = reference::evaluate(this->law_, reference::Vector<T>(probe));
+        return as_live(felt);
+    }
+};
+
+// L6 to L9: the god-object.
+template <typename T> class MeshLaw final : public TabledLaw<T> {
+public:
+    using TabledLaw<T>::TabledLaw;
+
+    bool reaches(const glm::dvec3& probe) const noexcept override {
+        return TabledLaw<T>::reaches(probe) && is_within_reach(local(probe));
+    }
+
+    void begin_path() noexcept override { begun_ = false; }
+
+    LiveContact at(const glm::dvec3& probe) noexcept override {
+        const reference::Vector<T> place = local(probe);
+        if (!std::exchange(begun_, true))
+            begin_probe(this->law_, around_, proxy_, place);
+        return as_live(follow_probe(this->law_, around_, proxy_, probe, place));
+    }
+
+private:
+    reference::Vector<T> local(const glm::dvec3& probe) const noexcept {
+        return reference::to_mesh_frame(this->law_.mesh.params, reference::Vector<T>(probe));
+    }
+
+    reference::Neighbourhood<T> around_;
+    reference::GodObject<T> proxy_;
+    bool begun_ = false;
+};
+
+template <typename T> std::unique_ptr<LiveLaw> make(PreparedCase prepared) {
+    if (prepared.one.scene.surface.kind == SurfaceKind::mesh)
+        return std::make_unique<MeshLaw<T>>(std::move(prepared));
+    return std::make_unique<SurfaceLaw<T>>(std::move(prepared));
+}
+
+std::uint64_t first_bits(const std::string& hex) {
+    std::uint64_t bits = 0;
+    std::from_chars(hex.data(), hex.data() + 16, bits, 16);
+    return bits;
+}
+
+} // namespace
+
+std::unique_ptr<LiveLaw> make_live_law(PreparedCase prepared) {
+    const std::uint64_t scene = first_bits(sha256_of(prepared.scene));
+    std::unique_ptr<LiveLaw> law = prepared.one.scene.precision == Precision::f32 ? make<float>(std::move(prepared))
+                                                                                  : make<double>(std::move(prepared));
+    law->scene = scene;
+    return law;
+}
+
+} // namespace forceshade::device

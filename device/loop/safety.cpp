@@ -1,0 +1,158 @@
+#include "device/loop/safety.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace forceshade::device {
+
+namespace {
+
+constexpr double kSpeedTime =
+    0.005; /* s: over which the speed is averaged, so that no jitter of a clock, no resolution looks fast */
+
+constexpr double kBearingTime = 0.5; /* s: ahead, so that the limit closes in smoothly on the lasting force */
+const double kKept = std::exp(-kBearingTime / kLastingTime); // of a mean square, over that time
+
+bool is_finite(const glm::dvec3& v) noexcept {
+    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+
+bool is_within(const glm::dvec3& v, const glm::dvec3& low, const glm::dvec3& high) noexcept {
+    return v.x >= low.x && v.y >= low.y && v.z >= low.z && v.x <= high.x && v.y <= high.y && v.z <= high.z;
+}
+
+} // namespace
+
+void Safety::follow(const Situation& now) noexcept {
+    const double passed = begun_ ? std::max(now.time - last_time_, 0.0) : period_; // the motors bear all of it
+    step_ = std::min(passed, period_);
+    last_time_ = now.time;
+    heat_ += (1 - std::exp(-passed / kLastingTime)) * (reference::dot(shown_, shown_) - heat_);
+    if (!now.is_position || now.answer != Answer::fresh) {
+        observer_.stay();
+        return;
+    }
+    if (now.begins_path) {
+        refused(); // what was displayed belongs to another place
+        observer_.leap(now.probe);
+        speed_ = glm::dvec3(0);
+        speed_size_ = 0;
+    } else
+        observer_.find(now.probe);
+    if (begun_ && !now.begins_path) {
+        const double since = std::max(now.time - last_fresh_, 0.5 * period_);
+        const glm::dvec3 speed = (now.probe - last_probe_) / since;
+        speed_ += (since / (since + kSpeedTime)) * (speed - speed_);
+        speed_size_ = magnitude(speed_);
+    }
+    last_probe_ = now.probe;
+    last_fresh_ = now.time;
+    begun_ = true;
+}
+
+std::uint32_t Safety::judged(const Situation& now) noexcept {
+    std::uint32_t found = 0;
+    if (now.answer == Answer::failed)
+        found |= kFailed;
+    else if (!now.is_position)
+        found |= kBadPosition;
+    if (!(now.time - last_fresh_ <= limits_.stale))
+        found |= kStale;
+    if (!is_within(now.probe, limits_.low, limits_.high))
+        found |= kOutside;
+    if (!(speed_size_ <= limits_.max_speed))
+        found |= kTooFast;
+    if (!(now.late <= limits_.late))
+        found |= kTooLate;
+    if (now.withheld)
+        found |= kWithheld;
+    return found;
+}
+
+double Safety::gain(bool contact) noexcept {
+    gain_ = limits_.ramp > 0 ? std::min(1.0, gain_ + step_ / limits_.ramp) : 1;
+    if (!contact) {
+        free_ += step_;
+        return gain_;
+    }
+    if (free_ >= limits_.free_time)
+        contact_gain_ = 0;
+    free_ = 0;
+    contact_gain_ = limits_.contact_ramp > 0 ? std::min(1.0, contact_gain_ + step_ / limits_.contact_ramp) : 1;
+    return gain_ * contact_gain_;
+}
+
+void Safety::come_up_anew() noexcept {
+    gain_ = 0;
+}
+
+void Safety::refused() noexcept {
+    come_up_anew();
+    shown_ = glm::dvec3(0);
+    observer_.show(shown_);
+}
+
+// N: the force after which, held for kBearingTime, the mean square is that of the lasting force.
+double Safety::bearable() const noexcept {
+    const double lasting = limits_.lasting_force;
+    return std::isinf(lasting) ? lasting : std::sqrt(std::max(0.0, lasting * lasting - kKept * heat_) / (1 - kKept));
+}
+
+glm::dvec3 Safety::clamped(const glm::dvec3& force, std::uint32_t& happened) const noexcept {
+    const double size = magnitude(force), bearable = this->bearable();
+    const double most = std::min(limits_.max_force, bearable);
+    if (size <= most)
+        return force;
+    happened |= bearable < limits_.max_force ? kLasting : kClamped;
+    return (most / size) * force;
+}
+
+// A force is given up at once and comes up slowly. What is kept of the one that is displayed is its share nearest to
+// the wanted one; from there it moves no further than it may. So it never is larger than the wanted one, nor against
+// it.
+glm::dvec3 Safety::slewed(const glm::dvec3& wanted, std::uint32_t& happened) const noexcept {
+    const double square = reference::dot(shown_, shown_);
+    const double share = square > 0 ? std::clamp(reference::dot(shown_, wanted) / square, 0.0, 1.0) : 0;
+    const glm::dvec3 kept = share * shown_;
+    const glm::dvec3 rise = wanted - kept;
+    const double most = std::isinf(limits_.slew) ? kUnknown : limits_.slew * step_, size = magnitude(rise);
+    if (size <= most)
+        return wanted;
+    happened |= kSlewed;
+    return kept + (most / size) * rise;
+}
+
+glm::dvec3 Safety::passed(const Situation& now, const glm::dvec3& law, bool contact, std::uint32_t& happened) noexcept {
+    follow(now);
+    happened |= judged(now);
+    if (!is_finite(law))
+        happened |= kNoNumber;
+    if (happened & kForceless) {
+        refused();
+        return shown_;
+    }
+    glm::dvec3 force = clamped(law, happened);
+    const double share = gain(contact);
+    if (share < 1) { // of what may be displayed: a probe deep in the surface comes to it no sooner
+        force = share * force;
+        happened |= contact ? kRamping : 0u;
+    }
+    if (limits_.passivity) {
+        const Damping damping = passive_damping(observer_, speed_, period_, limits_.damping);
+        force += damping.force;
+        damped_ += damping.energy;
+        happened |= damping.energy > 0 ? kDamped : 0u;
+        force = clamped(force, happened);
+    }
+    force = slewed(force, happened);
+    if (!is_finite(force)) { // squares of the largest numbers are none
+        happened |= kNoNumber;
+        force = glm::dvec3(0);
+        gain_ = 0;
+    }
+    shown_ = force;
+    observer_.show(shown_);
+    return shown_;
+}
+
+} // namespace forceshade::device

@@ -1,0 +1,205 @@
+#include "device/session/live_log.h"
+
+#include <cerrno>
+#include <charconv>
+#include <chrono>
+#include <fcntl.h>
+#include <iterator>
+#include <poll.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <fmt/format.h>
+
+#include "host/error.h"
+#include "host/output/files.h"
+#include "shaders/shared/layout.h"
+
+namespace forceshade::device {
+
+namespace {
+
+constexpr std::size_t kText = std::size_t(1) << 18;   // bytes gathered before they are written
+constexpr std::size_t kAtOnce = 1024;                 // samples taken before their room is given back
+constexpr auto kPause = std::chrono::milliseconds(5); // between looks at an empty ring
+
+constexpr auto kPatience = std::chrono::seconds(2); // with a reader of a pipe that takes nothing, at the end
+
+// Empty, and nobody else's until it is closed. File systems that know no locks are none of our business.
+void make_ours(int descriptor, const std::filesystem::path& file) {
+    if (::flock(descriptor, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+        ::close(descriptor);
+        throw UsageError(fmt::format("--log {}: another run writes it now; choose another name", file.string()));
+    }
+    if (::ftruncate(descriptor, 0) != 0 && errno != EINVAL) { // a pipe has no length
+        const int error = errno;
+        ::close(descriptor);
+        throw file_error("write", file, error);
+    }
+}
+
+// A device such as /dev/null or a pipe has nothing that could be replaced. Nobody waits for a pipe's reader.
+int create(const std::filesystem::path& file, bool replace) {
+    std::error_code ignored;
+    const std::filesystem::file_status status = std::filesystem::status(file, ignored);
+    const bool special = std::filesystem::is_fifo(status) || std::filesystem::is_character_file(status);
+    const int flags = O_WRONLY | O_CLOEXEC | (special ? O_NONBLOCK : O_CREAT | (replace ? 0 : O_EXCL));
+    const int descriptor = ::open(file.c_str(), flags, 0666);
+    if (descriptor >= 0 && !std::filesystem::is_character_file(status))
+        make_ours(descriptor, file);
+    if (descriptor >= 0)
+        return descriptor;
+    if (errno == EEXIST)
+        throw UsageError(fmt::format("--log {}: is there already, and a recording is not replaced by accident; choose "
+                                     "another name, or say --overwrite",
+                                     file.string()));
+    if (errno == ENXIO && special)
+        throw IoError(fmt::format("cannot write {}: nobody reads this pipe; start its reader first", file.string()));
+    throw file_error("write", file, errno);
+}
+
+} // namespace
+
+LiveLog::LiveLog(const std::filesystem::path& file, SampleRing& ring, Precision precision, bool replace)
+    : path_(file), ring_(ring), single_(precision == Precision::f32), descriptor_(create(file, replace)),
+      text_("path,t,x,y,z,gx,gy,gz,fx,fy,fz,depth,facet,cx,cy,cz,energy,tick,late_ns,read_ns,compute_ns,write_ns,"
+            "happened,scene\n") {
+    write_out();
+    if (!failure_.empty()) {
+        ::close(descriptor_);
+        if (std::error_code ignored; std::filesystem::is_regular_file(file, ignored))
+            std::filesystem::remove(file, ignored);
+        throw IoError(failure_);
+    }
+    thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
+}
+
+LiveLog::~LiveLog() {
+    close();
+}
+
+void LiveLog::close() {
+    if (!thread_.joinable())
+        return;
+    thread_.request_stop();
+    thread_.join();
+    if (failure_.empty() && ::fsync(descriptor_) != 0 && errno != EINVAL) // a pipe has no disk
+        fail(errno);
+    if (::close(descriptor_) != 0 && failure_.empty())
+        fail(errno);
+}
+
+void LiveLog::run(const std::stop_token& stop) {
+    stop_ = stop;
+    while (true) {
+        const bool last = stop.stop_requested(); // before the look: nothing is put after it
+        const std::span<const LiveSample> samples = ring_.look();
+        if (!samples.empty()) {
+            take(samples.first(std::min(samples.size(), kAtOnce)));
+            continue;
+        }
+        write_out();
+        if (last)
+            return;
+        std::this_thread::sleep_for(kPause);
+    }
+}
+
+void LiveLog::take(std::span<const LiveSample> samples) {
+    for (const LiveSample& sample : samples)
+        add(sample);
+    pending_ += samples.size();
+    ring_.leave(samples.size());
+    if (text_.size() >= kText)
+        write_out();
+}
+
+template <typename Number> void LiveLog::number(Number value, char after) {
+    char digits[40]; // the shortest form of a double has 24 at most
+    const char* const end = std::to_chars(digits, digits + sizeof digits, value).ptr;
+    text_.append(digits, static_cast<std::size_t>(end - digits));
+    text_ += after;
+}
+
+void LiveLog::real(double value) {
+    if (single_)
+        number(static_cast<float>(value));
+    else
+        number(value);
+}
+
+void LiveLog::add(const LiveSample& sample) {
+    number(sample.path);
+    number(sample.time);
+    for (int i = 0; i < 3; ++i)
+        real(sample.probe[i]); // where the law was evaluated
+    for (int i = 0; i < 3; ++i)
+        real(sample.proxy[i]);
+    for (int i = 0; i < 3; ++i)
+        real(sample.force[i]);
+    real(sample.depth);
+    if (sample.facet == layout::kNoFacet)
+        text_ += "-1,";
+    else
+        number(sample.facet);
+    for (int i = 0; i < 3; ++i)
+        number(sample.commanded[i]);
+    number(sample.energy);
+    number(sample.tick);
+    number(sample.late);
+    number(sample.reading);
+    number(sample.computing);
+    number(sample.writing);
+    bool first = true;
+    for (std::size_t bit = 0; bit < kHappenings.size(); ++bit)
+        if (sample.happened >> bit & 1u) {
+            if (!first)
+                text_ += '+';
+            text_ += kHappenings[bit];
+            first = false;
+        }
+    fmt::format_to(std::back_inserter(text_), ",{:016x}\n", sample.scene);
+}
+
+void LiveLog::write_out() {
+    std::size_t done = 0;
+    while (failure_.empty() && done < text_.size()) {
+        const ::ssize_t count = ::write(descriptor_, text_.data() + done, text_.size() - done);
+        if (count >= 0)
+            done += static_cast<std::size_t>(count);
+        else if (errno == EAGAIN)
+            await_reader();
+        else if (errno != EINTR)
+            fail(errno);
+    }
+    if (failure_.empty()) {
+        bytes_ += text_.size();
+        written_.fetch_add(pending_, std::memory_order_relaxed);
+    } else
+        lost_.fetch_add(pending_, std::memory_order_relaxed);
+    pending_ = 0;
+    text_.clear();
+}
+
+// Of a pipe. While the loop runs it may take its time: the ring keeps what comes, as long as it has room.
+void LiveLog::await_reader() {
+    pollfd pipe{descriptor_, POLLOUT, 0};
+    constexpr int kLook = 20; /* ms */
+    if (::poll(&pipe, 1, kLook) > 0 || !stop_.stop_requested()) {
+        patient_until_ = Clock::now() + kPatience;
+        return;
+    }
+    if (Clock::now() > patient_until_)
+        fail(ETIMEDOUT);
+}
+
+// A line that was cut off goes: what stays is whole.
+void LiveLog::fail(int number) {
+    failure_ = file_error("write", path_, number).what();
+    if (::lseek(descriptor_, 0, SEEK_CUR) <= 0) // nothing stays that could be cut off: a pipe, a device
+        return;
+    if (::ftruncate(descriptor_, static_cast<::off_t>(bytes_)) != 0)
+        failure_ += "; its last line is not whole";
+}
+
+} // namespace forceshade::device

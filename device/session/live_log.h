@@ -1,0 +1,68 @@
+// What the live loop felt, as a CSV file that is written while it runs.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <thread>
+
+#include "device/loop/sample.h"
+#include "host/scene/scene.h"
+
+namespace forceshade::device {
+
+/// Columns path,t,x,y,z,gx,gy,gz,fx,fy,fz,depth,facet as host/explore's PathWriter has them, so that `explore` gives
+/// the same numbers for the same positions; then cx,cy,cz (N: what was sent to the device), energy (J: given to the
+/// hand so far), tick, late_ns, read_ns, compute_ns, write_ns, happened: names of kHappenings, joined by '+', and
+/// scene: the first 16 digits of the SHA-256 of the scene.
+///
+/// The file stands under its own name from the start, in whole lines, so that a process that dies leaves what it
+/// wrote. When the disk takes no more, what comes is taken off the ring and counted as lost. A pipe whose reader is
+/// slow is waited for until the end and 2 s more.
+class LiveLog {
+public:
+    /// Creates the file and starts a thread that writes until close(). \throws IoError; UsageError if it is there and
+    /// must not be replaced, or another run writes it.
+    LiveLog(const std::filesystem::path& file, SampleRing& ring, Precision precision, bool replace);
+    ~LiveLog();
+    LiveLog(const LiveLog&) = delete;
+    LiveLog& operator=(const LiveLog&) = delete;
+
+    /// When no more is put on the ring: writes what is left, to the disk.
+    void close();
+
+    std::uint64_t written() const noexcept { return written_.load(std::memory_order_relaxed); } // samples
+    std::uint64_t lost() const noexcept { return lost_.load(std::memory_order_relaxed); }       // likewise
+    /// Why the disk took no more; empty: it took all. After close().
+    const std::string& failure() const noexcept { return failure_; }
+
+private:
+    void run(const std::stop_token& stop);
+    void take(std::span<const LiveSample> samples);
+    void add(const LiveSample& sample);
+    void write_out();
+    void await_reader();
+    void fail(int number);
+
+    template <typename Number> void number(Number value, char after = ',');
+    void real(double value); // in the law's precision
+
+    using Clock = std::chrono::steady_clock;
+
+    std::filesystem::path path_;
+    SampleRing& ring_;
+    const bool single_;
+    int descriptor_ = -1;
+    std::uint64_t bytes_ = 0;   // whole lines on the disk
+    std::uint64_t pending_ = 0; // samples in text_
+    std::string text_;
+    std::string failure_;
+    std::stop_token stop_; // the thread's own
+    Clock::time_point patient_until_{};
+    std::atomic<std::uint64_t> written_ = 0, lost_ = 0;
+    std::jthread thread_;
+};
+
+} // namespace forceshade::device

@@ -1,0 +1,202 @@
+#include "host/mesh/exact.h"
+
+#include <algorithm>
+#include <array>
+#include <numeric>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include <CGAL/Bbox_3.h>
+#include <CGAL/Box_intersection_d/Box_with_info_d.h>
+#include <CGAL/Constrained_Delaunay_triangulation_2.h>
+#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include <CGAL/Exact_rational.h>
+#include <CGAL/Triangulation_face_base_with_info_2.h>
+#include <CGAL/Triangulation_vertex_base_with_info_2.h>
+#include <CGAL/box_intersection_d.h>
+#include <CGAL/intersections.h>
+
+namespace forceshade {
+
+namespace {
+
+using Rational = CGAL::Exact_rational;
+using RationalVector = std::array<Rational, 3>;
+
+RationalVector difference(const glm::dvec3& a, const glm::dvec3& b) {
+    return {Rational(a.x) - Rational(b.x), Rational(a.y) - Rational(b.y), Rational(a.z) - Rational(b.z)};
+}
+
+} // namespace
+
+glm::dvec3 exact_cross_direction(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
+    const RationalVector u = difference(b, a), v = difference(c, a);
+    RationalVector cross;
+    Rational largest(0);
+    for (std::size_t i = 0; i < 3; ++i) {
+        const std::size_t j = (i + 1) % 3, k = (i + 2) % 3;
+        cross[i] = u[j] * v[k] - u[k] * v[j];
+        const Rational size = CGAL::abs(cross[i]);
+        if (size > largest)
+            largest = size;
+    }
+    if (largest == 0)
+        return glm::dvec3(0);
+    return {CGAL::to_double(Rational(cross[0] / largest)), CGAL::to_double(Rational(cross[1] / largest)),
+            CGAL::to_double(Rational(cross[2] / largest))};
+}
+
+namespace {
+
+using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
+using Vertices = CGAL::Triangulation_vertex_base_with_info_2<std::uint32_t, Kernel>;
+using Faces =
+    CGAL::Triangulation_face_base_with_info_2<bool, Kernel, CGAL::Constrained_triangulation_face_base_2<Kernel>>;
+using Structure = CGAL::Triangulation_data_structure_2<Vertices, Faces>;
+using Delaunay = CGAL::Constrained_Delaunay_triangulation_2<Kernel, Structure, CGAL::No_constraint_intersection_tag>;
+
+// False where two corners coincide or two edges cross.
+bool insert_polygon(Delaunay& delaunay, std::span<const std::array<double, 2>> polygon) {
+    std::vector<std::pair<Delaunay::Point, std::uint32_t>> points;
+    points.reserve(polygon.size());
+    for (std::size_t i = 0; i < polygon.size(); ++i)
+        points.emplace_back(Delaunay::Point(polygon[i][0], polygon[i][1]), static_cast<std::uint32_t>(i));
+    delaunay.insert(points.begin(), points.end());
+    if (delaunay.number_of_vertices() != polygon.size() || delaunay.dimension() != 2)
+        return false;
+    std::vector<Delaunay::Vertex_handle> corners(polygon.size());
+    for (const auto vertex : delaunay.finite_vertex_handles())
+        corners[vertex->info()] = vertex;
+    try {
+        for (std::size_t i = 0; i < corners.size(); ++i)
+            delaunay.insert_constraint(corners[i], corners[(i + 1) % corners.size()]);
+    } catch (const Delaunay::Intersection_of_constraints_exception&) {
+        return false;
+    }
+    return true;
+}
+
+// Faces that are reached from outside without crossing the polygon are outside.
+void mark_outside(Delaunay& delaunay) {
+    for (const auto face : delaunay.all_face_handles())
+        face->info() = false;
+    std::vector<Delaunay::Face_handle> waiting{delaunay.infinite_face()};
+    delaunay.infinite_face()->info() = true;
+    while (!waiting.empty()) {
+        const Delaunay::Face_handle face = waiting.back();
+        waiting.pop_back();
+        for (int edge = 0; edge < 3; ++edge) {
+            const Delaunay::Face_handle across = face->neighbor(edge);
+            if (across->info() || face->is_constrained(edge))
+                continue;
+            across->info() = true;
+            waiting.push_back(across);
+        }
+    }
+}
+
+} // namespace
+
+bool planar_delaunay(std::span<const std::array<double, 2>> polygon,
+                     std::vector<std::array<std::uint32_t, 3>>& triangles) {
+    Delaunay delaunay;
+    if (!insert_polygon(delaunay, polygon))
+        return false;
+    mark_outside(delaunay);
+    const std::size_t before = triangles.size();
+    for (const auto face : delaunay.finite_face_handles()) {
+        if (face->info())
+            continue;
+        std::array<std::uint32_t, 3> triangle{face->vertex(0)->info(), face->vertex(1)->info(),
+                                              face->vertex(2)->info()};
+        std::ranges::rotate(triangle, std::ranges::min_element(triangle));
+        triangles.push_back(triangle);
+    }
+    if (triangles.size() - before != polygon.size() - 2) {
+        triangles.resize(before);
+        return false;
+    }
+    std::sort(triangles.begin() + static_cast<std::ptrdiff_t>(before), triangles.end());
+    return true;
+}
+
+namespace {
+
+using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
+using Box = CGAL::Box_intersection_d::Box_with_info_d<double, 3, std::uint32_t>;
+
+struct GivenUp {};
+
+// For each vertex the first one at the same place.
+std::vector<std::uint32_t> places(std::span<const glm::dvec3> vertices) {
+    const auto key = [&](std::uint32_t i) { return std::tuple(vertices[i].x, vertices[i].y, vertices[i].z); };
+    std::vector<std::uint32_t> order(vertices.size()), first(vertices.size());
+    std::iota(order.begin(), order.end(), 0u);
+    std::ranges::sort(order,
+                      [&](std::uint32_t a, std::uint32_t b) { return std::tuple(key(a), a) < std::tuple(key(b), b); });
+    for (std::size_t i = 0; i < order.size(); ++i)
+        first[order[i]] = i > 0 && key(order[i]) == key(order[i - 1]) ? first[order[i - 1]] : order[i];
+    return first;
+}
+
+Kernel::Point_3 point(const glm::dvec3& v) {
+    return {v.x, v.y, v.z};
+}
+
+class PairTest {
+public:
+    PairTest(std::span<const glm::dvec3> vertices, std::span<const std::array<std::uint32_t, 3>> triangles,
+             std::size_t most_pairs)
+        : vertices_(vertices), triangles_(triangles), places_(places(vertices)), most_pairs_(most_pairs) {}
+
+    // Needles round a vertex of high valence all overlap in their boxes: pairs grow with the square of their number.
+    void test(std::uint32_t a, std::uint32_t b) {
+        if (++near_ > 20'000'000 + 50 * triangles_.size())
+            throw GivenUp();
+        for (const std::uint32_t i : triangles_[a])
+            for (const std::uint32_t j : triangles_[b])
+                if (places_[i] == places_[j])
+                    return;
+        found_ += CGAL::do_intersect(triangle(a), triangle(b));
+        if (found_ >= most_pairs_ || ++tested_ >= 50 * most_pairs_)
+            throw GivenUp();
+    }
+
+    std::size_t found() const { return found_; }
+
+private:
+    Kernel::Triangle_3 triangle(std::uint32_t i) const {
+        const auto& [a, b, c] = triangles_[i];
+        return {point(vertices_[a]), point(vertices_[b]), point(vertices_[c])};
+    }
+
+    std::span<const glm::dvec3> vertices_;
+    std::span<const std::array<std::uint32_t, 3>> triangles_;
+    std::vector<std::uint32_t> places_;
+    std::size_t most_pairs_, found_ = 0, tested_ = 0, near_ = 0;
+};
+
+} // namespace
+
+SelfIntersections count_self_intersections(std::span<const glm::dvec3> vertices,
+                                           std::span<const std::array<std::uint32_t, 3>> triangles,
+                                           std::span<const glm::dvec3> normals, std::size_t most_pairs) {
+    std::vector<Box> boxes;
+    boxes.reserve(triangles.size());
+    for (std::uint32_t i = 0; i < triangles.size(); ++i) {
+        const auto& [a, b, c] = triangles[i];
+        if (normals[i] != glm::dvec3(0))
+            boxes.emplace_back(point(vertices[a]).bbox() + point(vertices[b]).bbox() + point(vertices[c]).bbox(), i);
+    }
+    PairTest pairs(vertices, triangles, most_pairs);
+    try {
+        CGAL::box_self_intersection_d(boxes.begin(), boxes.end(),
+                                      [&](const Box& a, const Box& b) { pairs.test(a.info(), b.info()); });
+    } catch (const GivenUp&) {
+        return {pairs.found(), false};
+    }
+    return {pairs.found(), true};
+}
+
+} // namespace forceshade

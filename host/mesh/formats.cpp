@@ -1,0 +1,337 @@
+#include "host/mesh/formats.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <charconv>
+#include <string>
+#include <utility>
+
+#include <fmt/format.h>
+#include <locale.h>
+#include <stdlib.h>
+
+#include "host/error.h"
+
+namespace forceshade::mesh_file {
+
+namespace {
+
+bool is_blank(char c) {
+    return c == ' ' || c == '\t' || c == '\v' || c == '\f';
+}
+
+// std::from_chars leaves the value alone where it is beyond the range of double, on either side.
+double beyond_range(std::string_view word) {
+    static const locale_t classic = ::newlocale(LC_ALL_MASK, "C", nullptr);
+    return ::strtod_l(std::string(word).c_str(), nullptr, classic);
+}
+
+std::string_view without_plus(std::string_view word) {
+    if (word.size() > 1 && word[0] == '+' && word[1] != '-')
+        word.remove_prefix(1);
+    return word;
+}
+
+} // namespace
+
+TextLines::TextLines(std::string file, std::string_view text) : file_(std::move(file)), text_(text) {
+    if (text_.starts_with("\xEF\xBB\xBF"))
+        text_.remove_prefix(3);
+}
+
+bool TextLines::next(std::string_view& line) {
+    if (text_.empty())
+        return false;
+    ++number_;
+    const std::size_t end = text_.find_first_of("\n\r");
+    line = text_.substr(0, end);
+    if (end == std::string_view::npos) {
+        text_ = {};
+        return true;
+    }
+    const bool two = text_[end] == '\r' && end + 1 < text_.size() && text_[end + 1] == '\n';
+    text_.remove_prefix(end + (two ? 2 : 1));
+    return true;
+}
+
+bool TextLines::next_words(std::string_view& line) {
+    while (next(line)) {
+        line = line.substr(0, line.find('#'));
+        while (!line.empty() && is_blank(line.front()))
+            line.remove_prefix(1);
+        if (!line.empty())
+            return true;
+    }
+    return false;
+}
+
+void TextLines::damaged(std::string_view message) const {
+    throw IoError(fmt::format("{}:{}: {}", file_, number_, message));
+}
+
+std::string_view take_word(std::string_view& line) {
+    std::size_t begin = 0;
+    while (begin < line.size() && is_blank(line[begin]))
+        ++begin;
+    std::size_t end = begin;
+    while (end < line.size() && !is_blank(line[end]))
+        ++end;
+    const std::string_view word = line.substr(begin, end - begin);
+    line.remove_prefix(end);
+    return word;
+}
+
+std::string quoted(std::string_view word) {
+    constexpr std::size_t kMost = 24;
+    std::string text = "\"";
+    for (const char c : word.substr(0, kMost))
+        text += c < ' ' || c == '\x7F' ? '?' : c; // bytes beyond ASCII are negative: shown as ? too
+    return text + (word.size() > kMost ? "...\"" : "\"");
+}
+
+bool parse_number(std::string_view word, double& value) {
+    word = without_plus(word);
+    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+    if (end != word.data() + word.size() || error == std::errc::invalid_argument)
+        return false;
+    if (error == std::errc::result_out_of_range)
+        value = beyond_range(word);
+    return true;
+}
+
+bool parse_integer(std::string_view word, std::int64_t& value) {
+    word = without_plus(word);
+    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+    return error == std::errc() && end == word.data() + word.size();
+}
+
+// Wavefront OBJ: `v` and `f` statements; all others of the format have no bearing on the polygons.
+
+namespace {
+
+constexpr std::array kOtherStatements = std::to_array<std::string_view>(
+    {"vt",        "vn",     "vp",     "vc",    "g",    "o",      "s",   "mg",   "l",        "p",        "usemtl",
+     "usemap",    "mtllib", "maplib", "bevel", "lod",  "cstype", "deg", "bmat", "step",     "curv",     "curv2",
+     "surf",      "parm",   "trim",   "hole",  "scrv", "sp",     "end", "con",  "c_interp", "d_interp", "shadow_obj",
+     "trace_obj", "ctech",  "stech",  "call",  "csh",  "bsp",    "bzp", "cdc",  "cdp",      "res"});
+
+class ObjReader {
+public:
+    explicit ObjReader(const Source& source) : lines_(source.name, source.bytes) {}
+
+    PolygonSoup read() {
+        std::string_view line;
+        while (next_statement(line)) {
+            const std::string_view keyword = take_word(line);
+            if (keyword == "v")
+                read_vertex(line);
+            else if (keyword == "f")
+                read_facet(line);
+            else if (std::ranges::find(kOtherStatements, keyword) == kOtherStatements.end())
+                lines_.damaged(fmt::format("{} is no statement of an OBJ file", quoted(keyword)));
+        }
+        check_range();
+        return std::move(soup_);
+    }
+
+private:
+    // A backslash at the end of a line continues it.
+    bool next_statement(std::string_view& line) {
+        if (!lines_.next_words(line))
+            return false;
+        if (line.back() != '\\')
+            return true;
+        joined_.clear();
+        while (!line.empty() && line.back() == '\\') {
+            joined_.append(line.substr(0, line.size() - 1)).push_back(' ');
+            if (!lines_.next(line))
+                lines_.damaged("the file ends in a line that is to be continued");
+            line = line.substr(0, line.find('#'));
+        }
+        joined_.append(line);
+        line = joined_;
+        return true;
+    }
+
+    void read_vertex(std::string_view line) {
+        glm::dvec3 vertex;
+        for (int axis = 0; axis < 3; ++axis) {
+            const std::string_view word = take_word(line);
+            if (word.empty())
+                lines_.damaged("a vertex has three coordinates; the file is damaged or breaks off here");
+            if (!parse_number(word, vertex[axis]))
+                lines_.damaged(fmt::format("{} is no coordinate", quoted(word)));
+        }
+        soup_.vertices.push_back(vertex);
+    }
+
+    void read_facet(std::string_view line) {
+        std::size_t count = 0;
+        for (std::string_view word = take_word(line); !word.empty(); word = take_word(line), ++count)
+            soup_.corners.push_back(corner(word));
+        if (count < 3)
+            lines_.damaged(fmt::format("a facet has three corners or more, got {}; the file is damaged or breaks off "
+                                       "here",
+                                       count));
+        soup_.begins.push_back(static_cast<std::uint32_t>(soup_.corners.size()));
+    }
+
+    // `7`, `7/1`, `7//3`, `7/1/3`; -1 is the last vertex so far. Vertices may follow the facets that use them.
+    std::uint32_t corner(std::string_view word) {
+        std::int64_t index = 0;
+        const auto known = static_cast<std::int64_t>(soup_.vertices.size());
+        const std::size_t slash = word.find('/');
+        if (!parse_integer(word.substr(0, slash), index) ||
+            (slash != std::string_view::npos && !is_reference(word.substr(slash + 1))))
+            lines_.damaged(fmt::format("{} is no corner of a facet", quoted(word)));
+        if (index == 0 || index < -known || index > std::int64_t{0xFFFFFFFF})
+            lines_.damaged(fmt::format("no vertex {}; there are {} so far, and the first is 1", index, known));
+        if (index > highest_) {
+            highest_ = index;
+            highest_line_ = lines_.line_number();
+        }
+        return static_cast<std::uint32_t>(index < 0 ? known + index : index - 1);
+    }
+
+    static bool is_reference(std::string_view text) {
+        return std::ranges::count(text, '/') <= 1 &&
+               std::ranges::all_of(text, [](char c) { return c == '/' || c == '-' || (c >= '0' && c <= '9'); });
+    }
+
+    void check_range() const {
+        if (highest_ > static_cast<std::int64_t>(soup_.vertices.size()))
+            lines_.damaged(fmt::format("the facet in line {} has vertex {}, but there are {}", highest_line_, highest_,
+                                       soup_.vertices.size()));
+    }
+
+    TextLines lines_;
+    PolygonSoup soup_;
+    std::string joined_;
+    std::int64_t highest_ = 0;
+    std::size_t highest_line_ = 0;
+};
+
+} // namespace
+
+PolygonSoup read_obj(const Source& source) {
+    return ObjReader(source).read();
+}
+
+// OFF, the Object File Format of Geomview, as text: OFF, COFF, NOFF, STOFF and their combinations.
+
+namespace {
+
+class OffReader {
+public:
+    explicit OffReader(const Source& source) : name_(source.name), lines_(source.name, source.bytes) {}
+
+    PolygonSoup read() {
+        read_header();
+        soup_.vertices.reserve(vertices_);
+        soup_.begins.reserve(facets_ + 1);
+        for (std::size_t vertex = 0; vertex < vertices_; ++vertex)
+            read_vertex();
+        for (std::size_t facet = 0; facet < facets_; ++facet)
+            read_facet();
+        if (lines_.next_words(line_))
+            lines_.damaged(fmt::format("the file goes on behind the {} vertices and {} facets that it announces",
+                                       vertices_, facets_));
+        return std::move(soup_);
+    }
+
+private:
+    void read_header() {
+        next_line("its keyword OFF");
+        check_keyword(take_word(line_));
+        std::string_view word = take_word(line_);
+        if (word == "BINARY")
+            throw UsageError(fmt::format("{}: binary OFF is not read; save it as text, or as PLY", name_));
+        if (word.empty()) {
+            next_line("its numbers of vertices and facets");
+            word = take_word(line_);
+        }
+        vertices_ = announced(word, "vertices");
+        facets_ = announced(take_word(line_), "facets");
+        const std::size_t left = lines_.rest().size();
+        // `0 0 0` and `3 0 1 2` with their line ends are the shortest lines, but for the last one's end.
+        if (vertices_ > left / 6 + 1 || facets_ > left / 8 + 1 || vertices_ * 6 + facets_ * 8 > left + 1)
+            lines_.damaged(fmt::format("{} vertices and {} facets are announced, which {} bytes cannot hold; the file "
+                                       "is damaged or truncated",
+                                       vertices_, facets_, left));
+    }
+
+    void check_keyword(std::string_view keyword) const {
+        const std::string_view prefix = keyword.substr(0, keyword.rfind("OFF"));
+        if (!keyword.ends_with("OFF") || prefix.find_first_not_of("STCN4n") != std::string_view::npos)
+            lines_.damaged(fmt::format("an OFF file begins with OFF, not with {}", quoted(keyword)));
+        if (prefix.find('4') != std::string_view::npos || prefix.find('n') != std::string_view::npos)
+            throw UsageError(
+                fmt::format("{}: {} has vertices of other than three coordinates", name_, quoted(keyword)));
+    }
+
+    std::size_t announced(std::string_view word, std::string_view what) const {
+        std::int64_t count = 0;
+        if (!parse_integer(word, count) || count < 0)
+            lines_.damaged(fmt::format("expected the number of {}, got {}", what, quoted(word)));
+        return static_cast<std::size_t>(count);
+    }
+
+    void next_line(std::string_view expected) {
+        if (!lines_.next_words(line_))
+            lines_.damaged(fmt::format("the file breaks off before {}", expected));
+    }
+
+    // What follows the coordinates in a line (a normal, a colour, a texture position) is left.
+    void read_vertex() {
+        next_line(fmt::format("vertex {} of {}", soup_.vertices.size(), vertices_));
+        glm::dvec3 vertex;
+        for (int axis = 0; axis < 3; ++axis) {
+            const std::string_view word = take_word(line_);
+            if (word.empty() || !parse_number(word, vertex[axis]))
+                lines_.damaged(fmt::format("{} is no coordinate of vertex {}", quoted(word), soup_.vertices.size()));
+        }
+        soup_.vertices.push_back(vertex);
+    }
+
+    void read_facet() {
+        next_line(fmt::format("facet {} of {}", soup_.facets(), facets_));
+        const std::size_t count = announced(take_word(line_), "corners of a facet");
+        if (count < 3 || count > line_.size() / 2 + lines_.rest().size() / 2)
+            lines_.damaged(fmt::format("a facet with {} corners; it has three or more, and no more than the file's "
+                                       "bytes can hold",
+                                       count));
+        for (std::size_t corner = 0; corner < count; ++corner)
+            soup_.corners.push_back(read_corner());
+        soup_.begins.push_back(static_cast<std::uint32_t>(soup_.corners.size()));
+    }
+
+    // A long facet may go on in the next line.
+    std::uint32_t read_corner() {
+        std::string_view word = take_word(line_);
+        if (word.empty()) {
+            next_line(fmt::format("all corners of facet {}", soup_.facets()));
+            word = take_word(line_);
+        }
+        std::int64_t index = 0;
+        if (!parse_integer(word, index))
+            lines_.damaged(fmt::format("{} is no vertex", quoted(word)));
+        if (index < 0 || index >= static_cast<std::int64_t>(vertices_))
+            lines_.damaged(fmt::format("no vertex {}; there are {}, and the first is 0", index, vertices_));
+        return static_cast<std::uint32_t>(index);
+    }
+
+    std::string name_;
+    TextLines lines_;
+    std::string_view line_;
+    PolygonSoup soup_;
+    std::size_t vertices_ = 0, facets_ = 0;
+};
+
+} // namespace
+
+PolygonSoup read_off(const Source& source) {
+    return OffReader(source).read();
+}
+
+} // namespace forceshade::mesh_file

@@ -1,0 +1,66 @@
+// The readers of the formats, each from the whole file in memory.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include "host/mesh/mesh.h"
+
+namespace forceshade::mesh_file {
+
+/// A file that has been read: its name for messages, and its bytes.
+struct Source {
+    std::string name;
+    std::string_view bytes;
+};
+
+PolygonSoup read_obj(const Source& source);
+PolygonSoup read_off(const Source& source);
+PolygonSoup read_ply(const Source& source);
+PolygonSoup read_stl(const Source& source);
+
+/// True if the bytes have exactly the length that a binary STL file announces.
+bool is_binary_stl(std::string_view bytes);
+
+/// "PLY (text)", "PLY (binary, little endian)" or "PLY (binary, big endian)".
+std::string ply_flavour(const Source& source);
+
+// Text files taken line by line and word by word, in no locale, with errors that name file and line.
+
+/// The lines of a text, ended by LF, CR LF or CR; a byte order mark is skipped.
+class TextLines {
+public:
+    TextLines(std::string file, std::string_view text);
+
+    /// The next line without its end, or false.
+    bool next(std::string_view& line);
+
+    /// The next line that has words once a comment (from `#` on) is cut off, or false.
+    bool next_words(std::string_view& line);
+
+    std::size_t line_number() const noexcept { return number_; } /* of the line last taken, from 1 */
+    std::string_view rest() const noexcept { return text_; }
+
+    /// Throws IoError: `bump.off:12: message`.
+    [[noreturn]] void damaged(std::string_view message) const;
+
+private:
+    std::string file_;
+    std::string_view text_;
+    std::size_t number_ = 0;
+};
+
+/// Takes the next word (up to a space or a tab) off the front of a line; empty at its end.
+std::string_view take_word(std::string_view& line);
+
+/// A word for a message: in quotes, shortened, without control characters.
+std::string quoted(std::string_view word);
+
+/// True if the whole word is a number. Values beyond a double's range become infinite or 0, "nan" and "inf" are read.
+bool parse_number(std::string_view word, double& value);
+
+/// True if the whole word is an integer of 64 bits.
+bool parse_integer(std::string_view word, std::int64_t& value);
+
+} // namespace forceshade::mesh_file

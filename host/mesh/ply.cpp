@@ -1,0 +1,400 @@
+#include "host/mesh/ply.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstring>
+#include <optional>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "host/error.h"
+#include "host/mesh/formats.h"
+
+namespace forceshade::mesh_file {
+
+namespace {
+
+struct TypeName {
+    std::string_view name, other_name;
+    PlyType type;
+};
+
+constexpr std::array kTypes{
+    TypeName{"char", "int8", PlyType::int8},        TypeName{"uchar", "uint8", PlyType::uint8},
+    TypeName{"short", "int16", PlyType::int16},     TypeName{"ushort", "uint16", PlyType::uint16},
+    TypeName{"int", "int32", PlyType::int32},       TypeName{"uint", "uint32", PlyType::uint32},
+    TypeName{"float", "float32", PlyType::float32}, TypeName{"double", "float64", PlyType::float64}};
+
+PlyType parse_type(const TextLines& lines, std::string_view word) {
+    for (const TypeName& type : kTypes)
+        if (word == type.name || word == type.other_name)
+            return type.type;
+    lines.damaged(fmt::format("{} is no type of PLY", quoted(word)));
+}
+
+PlyEncoding parse_encoding(const TextLines& lines, std::string_view line) {
+    const std::string_view encoding = take_word(line);
+    if (encoding == "ascii")
+        return PlyEncoding::text;
+    if (encoding == "binary_little_endian")
+        return PlyEncoding::little;
+    if (encoding == "binary_big_endian")
+        return PlyEncoding::big;
+    lines.damaged(
+        fmt::format("no format {}; there are ascii, binary_little_endian and binary_big_endian", quoted(encoding)));
+}
+
+PlyElement parse_element(const TextLines& lines, std::string_view line) {
+    PlyElement element;
+    element.name = take_word(line);
+    std::int64_t count = 0;
+    const std::string_view word = take_word(line);
+    if (element.name.empty() || !parse_integer(word, count) || count < 0)
+        lines.damaged(fmt::format("expected an element and how many there are of it, got {} {}", quoted(element.name),
+                                  quoted(word)));
+    element.count = static_cast<std::uint64_t>(count);
+    return element;
+}
+
+PlyProperty parse_property(const TextLines& lines, std::string_view line) {
+    PlyProperty property{};
+    std::string_view word = take_word(line);
+    if (word == "list") {
+        property.list = true;
+        property.count_type = parse_type(lines, take_word(line));
+        if (!is_integer(property.count_type))
+            lines.damaged("the length of a list must be an integer");
+        word = take_word(line);
+    }
+    property.type = parse_type(lines, word);
+    property.name = take_word(line);
+    if (property.name.empty())
+        lines.damaged("a property without a name");
+    return property;
+}
+
+} // namespace
+
+int PlyElement::find(std::string_view property) const {
+    for (std::size_t i = 0; i < properties.size(); ++i)
+        if (properties[i].name == property)
+            return static_cast<int>(i);
+    return -1;
+}
+
+std::size_t size_of(PlyType type) {
+    constexpr std::array<std::size_t, 8> kSizes{1, 1, 2, 2, 4, 4, 4, 8};
+    return kSizes[static_cast<std::size_t>(type)];
+}
+
+bool is_integer(PlyType type) {
+    return type != PlyType::float32 && type != PlyType::float64;
+}
+
+PlyHeader read_ply_header(const std::string& file, std::string_view bytes) {
+    TextLines lines(file, bytes);
+    std::string_view line;
+    if (!lines.next(line) || take_word(line) != "ply")
+        lines.damaged("a PLY file begins with a line that says ply");
+    PlyHeader header;
+    std::optional<PlyEncoding> encoding;
+    while (lines.next(line)) {
+        const std::string_view keyword = take_word(line);
+        if (keyword == "format") {
+            encoding = parse_encoding(lines, line);
+        } else if (keyword == "element") {
+            header.elements.push_back(parse_element(lines, line));
+        } else if (keyword == "property") {
+            if (header.elements.empty())
+                lines.damaged("a property before the first element");
+            header.elements.back().properties.push_back(parse_property(lines, line));
+        } else if (keyword == "end_header") {
+            if (!encoding)
+                lines.damaged("the header has no line with the format");
+            header.encoding = *encoding;
+            header.bytes = bytes.size() - lines.rest().size();
+            header.lines = lines.line_number();
+            return header;
+        } else if (!keyword.empty() && keyword != "comment" && keyword != "obj_info") {
+            lines.damaged(fmt::format("{} does not belong into the header of a PLY file", quoted(keyword)));
+        }
+    }
+    lines.damaged("the file breaks off within its header");
+}
+
+// PLY, the Polygon File Format, as text and binary: the vertices' x, y, z and the faces' lists of vertices.
+
+namespace {
+
+// The values of a text file: an element a line.
+class TextValues {
+public:
+    TextValues(const Source& source, const PlyHeader& header)
+        : lines_(source.name, source.bytes.substr(header.bytes)), skipped_(header.lines), name_(source.name) {}
+
+    void begin_item(std::string_view what) {
+        do {
+            if (!lines_.next(line_))
+                fail(fmt::format("the file breaks off before {}", what));
+            std::string_view words = line_;
+            empty_ = take_word(words).empty();
+        } while (empty_);
+    }
+    void end_item() {
+        if (const std::string_view word = take_word(line_); !word.empty())
+            fail(fmt::format("{} behind the last property", quoted(word)));
+    }
+    double number(PlyType) {
+        double value = 0;
+        const std::string_view word = take_word(line_);
+        if (word.empty() || !parse_number(word, value))
+            fail(fmt::format("expected a number, got {}", quoted(word)));
+        return value;
+    }
+    std::int64_t integer(PlyType) {
+        std::int64_t value = 0;
+        const std::string_view word = take_word(line_);
+        if (!parse_integer(word, value))
+            fail(fmt::format("expected an integer, got {}", quoted(word)));
+        return value;
+    }
+    void skip(PlyType, std::uint64_t values) {
+        for (std::uint64_t i = 0; i < values; ++i)
+            if (take_word(line_).empty())
+                fail("fewer values than the header announces");
+    }
+    std::uint64_t bytes_left() const { return line_.size() + lines_.rest().size(); }
+    static std::uint64_t least_bytes(PlyType) { return 1; } // a digit; the blank behind it may be missing once
+    bool at_end() {
+        std::string_view line;
+        while (lines_.next(line))
+            if (!take_word(line).empty())
+                return false;
+        return true;
+    }
+    [[noreturn]] void fail(std::string_view message) const {
+        throw IoError(fmt::format("{}:{}: {}", name_, skipped_ + lines_.line_number(), message));
+    }
+
+private:
+    TextLines lines_;
+    std::string_view line_;
+    std::size_t skipped_;
+    std::string name_;
+    bool empty_ = false;
+};
+
+template <typename T> T reversed(T value) {
+    auto bytes = std::bit_cast<std::array<std::byte, sizeof(T)>>(value);
+    std::ranges::reverse(bytes);
+    return std::bit_cast<T>(bytes);
+}
+
+class BinaryValues {
+public:
+    BinaryValues(const Source& source, const PlyHeader& header)
+        : name_(source.name), bytes_(source.bytes), at_(header.bytes),
+          swap_((header.encoding == PlyEncoding::little) != (std::endian::native == std::endian::little)) {}
+
+    void begin_item(std::string_view) {}
+    void end_item() {}
+    double number(PlyType type) {
+        switch (type) {
+        case PlyType::float32:
+            return static_cast<double>(take<float>());
+        case PlyType::float64:
+            return take<double>();
+        default:
+            return static_cast<double>(integer(type));
+        }
+    }
+    std::int64_t integer(PlyType type) {
+        switch (type) {
+        case PlyType::int8:
+            return take<std::int8_t>();
+        case PlyType::uint8:
+            return take<std::uint8_t>();
+        case PlyType::int16:
+            return take<std::int16_t>();
+        case PlyType::uint16:
+            return take<std::uint16_t>();
+        case PlyType::int32:
+            return take<std::int32_t>();
+        default:
+            return take<std::uint32_t>();
+        }
+    }
+    void skip(PlyType type, std::uint64_t values) {
+        need(values <= bytes_left() / size_of(type));
+        at_ += static_cast<std::size_t>(values) * size_of(type);
+    }
+    std::uint64_t bytes_left() const { return bytes_.size() - at_; }
+    static std::uint64_t least_bytes(PlyType type) { return size_of(type); }
+    bool at_end() const { return bytes_.find_first_not_of(" \t\r\n", at_) == std::string_view::npos; }
+    [[noreturn]] void fail(std::string_view message) const {
+        throw IoError(fmt::format("{}: at byte {}: {}", name_, at_, message));
+    }
+
+private:
+    template <typename T> T take() {
+        need(sizeof(T) <= bytes_left());
+        T value;
+        std::memcpy(&value, bytes_.data() + at_, sizeof(T));
+        at_ += sizeof(T);
+        return swap_ ? reversed(value) : value;
+    }
+    void need(bool there) const {
+        if (!there)
+            fail("the file breaks off within its data");
+    }
+
+    std::string name_;
+    std::string_view bytes_;
+    std::size_t at_;
+    bool swap_;
+};
+
+template <typename Values> class PlyReader {
+public:
+    PlyReader(const Source& source, const PlyHeader& header) : header_(header), values_(source, header) {}
+
+    PolygonSoup read() {
+        check_announced();
+        for (const PlyElement& element : header_.elements) {
+            if (element.name == "vertex" || element.name == "vertices")
+                read_vertices(element);
+            else if (element.name == "face" || element.name == "faces")
+                read_facets(element);
+            else if (element.name == "tristrips")
+                values_.fail("triangle strips are not read; save the mesh with faces");
+            else if (!element.properties.empty())
+                for (std::uint64_t item = 0; item < element.count; ++item)
+                    skip_item(element);
+        }
+        if (!values_.at_end())
+            values_.fail("the file goes on behind the elements that it announces");
+        check_range();
+        return std::move(soup_);
+    }
+
+private:
+    void check_announced() const {
+        std::uint64_t left = values_.bytes_left() + 1; // the last line end of a text may be missing
+        for (const PlyElement& element : header_.elements) {
+            std::uint64_t item = 0;
+            for (const PlyProperty& property : element.properties)
+                item += Values::least_bytes(property.list ? property.count_type : property.type);
+            if (item > 0 && element.count > left / item)
+                values_.fail(fmt::format("{} of element {} are announced, which {} bytes cannot hold; the file is "
+                                         "damaged or truncated",
+                                         element.count, quoted(element.name), values_.bytes_left()));
+            left -= item * element.count;
+        }
+    }
+
+    void read_vertices(const PlyElement& element) {
+        const std::array<int, 3> places{element.find("x"), element.find("y"), element.find("z")};
+        for (const int place : places)
+            if (place < 0 || element.properties[static_cast<std::size_t>(place)].list)
+                values_.fail("the vertices have no x, y and z");
+        soup_.vertices.reserve(static_cast<std::size_t>(element.count));
+        for (std::uint64_t item = 0; item < element.count; ++item) {
+            values_.begin_item("all vertices");
+            glm::dvec3 vertex;
+            for (std::size_t i = 0; i < element.properties.size(); ++i) {
+                const auto axis = std::ranges::find(places, static_cast<int>(i)) - places.begin();
+                if (axis < 3)
+                    vertex[static_cast<int>(axis)] = values_.number(element.properties[i].type);
+                else
+                    skip(element.properties[i]);
+            }
+            values_.end_item();
+            soup_.vertices.push_back(vertex);
+        }
+    }
+
+    void read_facets(const PlyElement& element) {
+        int list = element.find("vertex_indices");
+        if (list < 0)
+            list = element.find("vertex_index");
+        const PlyProperty* indices = list < 0 ? nullptr : &element.properties[static_cast<std::size_t>(list)];
+        if (!indices || !indices->list || !is_integer(indices->type))
+            values_.fail("the faces have no list of integers vertex_indices or vertex_index");
+        soup_.begins.reserve(static_cast<std::size_t>(element.count) + soup_.begins.size());
+        for (std::uint64_t item = 0; item < element.count; ++item) {
+            values_.begin_item("all faces");
+            for (const PlyProperty& property : element.properties)
+                if (&property == indices)
+                    read_corners(property);
+                else
+                    skip(property);
+            values_.end_item();
+        }
+    }
+
+    std::uint64_t list_length(const PlyProperty& property) {
+        const std::int64_t length = values_.integer(property.count_type);
+        if (length < 0 ||
+            static_cast<std::uint64_t>(length) > values_.bytes_left() / Values::least_bytes(property.type))
+            values_.fail(fmt::format("a list of {} values, which the rest of the file cannot hold", length));
+        return static_cast<std::uint64_t>(length);
+    }
+
+    void read_corners(const PlyProperty& property) {
+        const std::uint64_t count = list_length(property);
+        if (count < 3)
+            values_.fail(fmt::format("a facet has three corners or more, got {}", count));
+        for (std::uint64_t corner = 0; corner < count; ++corner) {
+            const std::int64_t index = values_.integer(property.type);
+            if (index < 0 || index > std::int64_t{0xFFFFFFFF})
+                values_.fail(fmt::format("facet {} has vertex {}; the first is 0", soup_.facets(), index));
+            highest_ = std::max(highest_, index);
+            soup_.corners.push_back(static_cast<std::uint32_t>(index));
+        }
+        soup_.begins.push_back(static_cast<std::uint32_t>(soup_.corners.size()));
+    }
+
+    void skip(const PlyProperty& property) { values_.skip(property.type, property.list ? list_length(property) : 1); }
+
+    void skip_item(const PlyElement& element) {
+        values_.begin_item(element.name);
+        for (const PlyProperty& property : element.properties)
+            skip(property);
+        values_.end_item();
+    }
+
+    // At the end, since faces may stand before vertices.
+    void check_range() const {
+        if (highest_ >= static_cast<std::int64_t>(soup_.vertices.size()))
+            values_.fail(fmt::format("a facet has vertex {}, but there are {}, and the first is 0", highest_,
+                                     soup_.vertices.size()));
+    }
+
+    const PlyHeader& header_;
+    Values values_;
+    PolygonSoup soup_;
+    std::int64_t highest_ = -1;
+};
+
+} // namespace
+
+PolygonSoup read_ply(const Source& source) {
+    const PlyHeader header = read_ply_header(source.name, source.bytes);
+    return header.encoding == PlyEncoding::text ? PlyReader<TextValues>(source, header).read()
+                                                : PlyReader<BinaryValues>(source, header).read();
+}
+
+std::string ply_flavour(const Source& source) {
+    switch (read_ply_header(source.name, source.bytes).encoding) {
+    case PlyEncoding::text:
+        return "PLY (text)";
+    case PlyEncoding::little:
+        return "PLY (binary, little endian)";
+    default:
+        return "PLY (binary, big endian)";
+    }
+}
+
+} // namespace forceshade::mesh_file

@@ -1,0 +1,332 @@
+#include "host/output/exr_image.h"
+
+#include <algorithm>
+#include <atomic>
+#include <exception>
+#include <mutex>
+#include <thread>
+
+#include <Iex.h>
+#include <fmt/core.h>
+
+#include "host/error.h"
+
+namespace forceshade::exr {
+
+void WriteStream::write(const char bytes[], int count) {
+    try {
+        file_.write(std::string_view(bytes, static_cast<std::size_t>(count)));
+    } catch (const IoError& error) {
+        failure_ = failure_ ? failure_ : error;
+        throw Iex::IoExc(error.what()); // OpenEXR cleans up only after its own kind
+    }
+}
+
+void WriteStream::seekp(std::uint64_t position) {
+    try {
+        file_.seek(position);
+    } catch (const IoError& error) {
+        failure_ = failure_ ? failure_ : error;
+        throw Iex::IoExc(error.what());
+    }
+}
+
+namespace {
+
+constexpr std::uint64_t kMostBlockBytes = 1ull << 30;
+constexpr std::uint64_t kBlockOverhead = 16; // bytes: its offset in the table, its first line and its size
+/// A byte of the file becomes at most so many: deflate makes 1032 of one, and PXR24 leaves out a quarter before.
+constexpr std::uint64_t kMostExpansion = 1400;
+
+} // namespace
+
+std::optional<std::size_t> Layer::find(const std::string& channel) const {
+    const auto found = std::ranges::find(channels, channel, &Channel::name);
+    return found == channels.end() ? std::nullopt : std::optional<std::size_t>(found - channels.begin());
+}
+
+// What OpenEXRCore is given to read from, and what it and the file had to complain about first.
+struct Image::Context {
+    explicit Context(const ReadableFile& from) : file(from) {}
+    ~Context() {
+        if (handle)
+            exr_finish(&handle);
+    }
+    Context(const Context&) = delete;
+    Context& operator=(const Context&) = delete;
+
+    static std::int64_t size(exr_const_context_t, void* self) {
+        return static_cast<std::int64_t>(static_cast<Context*>(self)->file.size());
+    }
+    // No exception may cross the library's frames.
+    static std::int64_t read(exr_const_context_t, void* self, void* bytes, std::uint64_t count, std::uint64_t offset,
+                             exr_stream_error_func_ptr_t) {
+        auto& context = *static_cast<Context*>(self);
+        try {
+            return static_cast<std::int64_t>(
+                context.file.read_some(offset, {static_cast<std::byte*>(bytes), static_cast<std::size_t>(count)}));
+        } catch (const IoError& error) {
+            const std::lock_guard lock(context.mutex);
+            context.failure = context.failure ? context.failure : error;
+            return -1;
+        }
+    }
+    static void complain(exr_const_context_t handle, exr_result_t, const char* message) {
+        void* self = nullptr;
+        if (!handle || exr_get_user_data(handle, &self) != EXR_ERR_SUCCESS || !self)
+            return;
+        auto& context = *static_cast<Context*>(self);
+        const std::lock_guard lock(context.mutex);
+        if (context.complaint.empty())
+            context.complaint = message;
+    }
+
+    const ReadableFile& file;
+    exr_context_t handle = nullptr;
+    std::mutex mutex;
+    std::optional<IoError> failure; // of the file itself
+    std::string complaint;
+};
+
+// The pixels of one block.
+class Image::Decoder {
+public:
+    explicit Decoder(const Image& image) : image_(image) {}
+    ~Decoder() { reset(); }
+    Decoder(const Decoder&) = delete;
+    Decoder& operator=(const Decoder&) = delete;
+
+    /// `column` and `row` of a tile, or the first row of a block of rows.
+    void read(int part, std::int32_t column, std::int32_t row);
+    void give(std::int32_t first, std::int32_t last, const std::function<void(const Line&)>& take);
+
+private:
+    exr_const_context_t handle() const { return image_.context_->handle; }
+    void reset() {
+        if (begun_)
+            exr_decoding_destroy(handle(), &pipeline_);
+        pipeline_ = {};
+        begun_ = false;
+    }
+    void require(exr_result_t result) const {
+        if (result == EXR_ERR_SUCCESS)
+            return;
+        const std::lock_guard lock(image_.context_->mutex); // another thread's block may be damaged, too
+        refuse(image_.context_->complaint);
+    }
+    [[noreturn]] void refuse(const std::string& why) const {
+        const bool tiled = image_.layers_[static_cast<std::size_t>(part_)].tiled;
+        const std::string place =
+            tiled ? fmt::format("tile ({}, {})", column_, row_) : fmt::format("block at row {}", row_);
+        image_.damaged(fmt::format("the {} is damaged: {}", place, why));
+    }
+    void check_size(const exr_chunk_info_t& block) const;
+
+    const Image& image_;
+    exr_decode_pipeline_t pipeline_{};
+    int part_ = -1;      // of the pipeline
+    bool begun_ = false; // it is to be destroyed
+    std::int32_t column_ = 0, row_ = 0;
+    bool whole_ = false; // the block is there
+    Line line_;
+};
+
+// OpenEXRCore itself takes an uncompressed block of any size, and an empty one of any compression.
+void Image::Decoder::check_size(const exr_chunk_info_t& block) const {
+    const bool plain = image_.layers_[static_cast<std::size_t>(part_)].compression == EXR_COMPRESSION_NONE;
+    if (block.packed_size == 0 || block.packed_size > block.unpacked_size ||
+        (plain && block.packed_size != block.unpacked_size) || block.unpacked_size / kMostExpansion > block.packed_size)
+        refuse(fmt::format("{} bytes cannot hold its pixels, which are {}", block.packed_size, block.unpacked_size));
+}
+
+void Image::Decoder::read(int part, std::int32_t column, std::int32_t row) {
+    if (whole_ && part == part_ && column == column_ && row == row_)
+        return;
+    whole_ = false;
+    column_ = column;
+    row_ = row;
+    const bool tiled = image_.layers_[static_cast<std::size_t>(part)].tiled;
+    if (part != part_)
+        reset();
+    part_ = part;
+    exr_chunk_info_t block{};
+    require(tiled ? exr_read_tile_chunk_info(handle(), part, column, row, 0, 0, &block)
+                  : exr_read_scanline_chunk_info(handle(), part, row, &block));
+    if (begun_) {
+        require(exr_decoding_update(handle(), part, &block, &pipeline_));
+    } else {
+        require(exr_decoding_initialize(handle(), part, &block, &pipeline_));
+        begun_ = true;
+        require(exr_decoding_choose_default_routines(handle(), part, &pipeline_));
+        pipeline_.unpack_and_convert_fn = nullptr; // give() takes the bytes as they are
+    }
+    check_size(block);
+    require(exr_decoding_run(handle(), part, &pipeline_));
+    whole_ = true;
+}
+
+void Image::Decoder::give(std::int32_t first, std::int32_t last, const std::function<void(const Line&)>& take) {
+    const Layer& layer = image_.layers_[static_cast<std::size_t>(part_)];
+    const exr_chunk_info_t& block = pipeline_.chunk;
+    std::int32_t tile_width = 0, tile_height = 0;
+    if (layer.tiled)
+        require(exr_get_tile_sizes(handle(), part_, 0, 0, &tile_width, &tile_height));
+    line_.x = layer.data.min.x + (layer.tiled ? column_ * tile_width : 0);
+    const std::int64_t top = layer.tiled ? std::int64_t{layer.data.min.y} + row_ * tile_height : row_;
+    const void* bytes = pipeline_.unpacked_buffer ? pipeline_.unpacked_buffer : pipeline_.packed_buffer;
+    std::span left(static_cast<const std::byte*>(bytes), static_cast<std::size_t>(block.unpacked_size));
+    line_.values.resize(layer.channels.size());
+    for (std::int64_t y = top; y < top + block.height; ++y) {
+        line_.y = static_cast<std::int32_t>(y);
+        for (std::size_t c = 0; c < layer.channels.size(); ++c) {
+            const Channel& channel = layer.channels[c];
+            const bool there = line_.y % channel.y_sampling == 0;
+            const std::size_t size =
+                there ? static_cast<std::size_t>(pipeline_.channels[c].width) * channel.bytes() : 0;
+            if (size > left.size())
+                refuse("its pixels are more than it holds");
+            line_.values[c] = left.first(size);
+            left = left.subspan(size);
+        }
+        if (line_.y >= first && line_.y <= last)
+            take(line_);
+    }
+}
+
+Image::Image(const ReadableFile& file, std::filesystem::path name, const char* verb)
+    : file_(file), name_(std::move(name)), verb_(verb), context_(std::make_unique<Context>(file)) {
+    exr_context_initializer_t start = EXR_DEFAULT_CONTEXT_INITIALIZER;
+    start.error_handler_fn = Context::complain;
+    start.user_data = context_.get();
+    start.read_fn = Context::read;
+    start.size_fn = Context::size;
+    start.flags = EXR_CONTEXT_FLAG_DISABLE_CHUNK_RECONSTRUCTION;
+    int parts = 0;
+    const bool opened = exr_start_read(&context_->handle, name_.c_str(), &start) == EXR_ERR_SUCCESS &&
+                        exr_get_count(context_->handle, &parts) == EXR_ERR_SUCCESS;
+    if (!opened || parts < 1 || !context_->complaint.empty()) // it goes on after some damage
+        damaged("no valid EXR file, " + context_->complaint);
+    for (int part = 0; part < parts; ++part) {
+        layers_.push_back(layer_of(part));
+        check_blocks(part, layers_.back());
+    }
+}
+
+Image::~Image() = default;
+
+void Image::damaged(const std::string& what) const {
+    if (context_->failure)
+        throw IoError(*context_->failure);
+    throw IoError(fmt::format("cannot {} {}: {}", verb_, name_.string(), what));
+}
+
+Layer Image::layer_of(int part) const {
+    const exr_const_context_t handle = context_->handle;
+    Layer layer;
+    exr_storage_t storage = EXR_STORAGE_SCANLINE;
+    const exr_attr_chlist_t* channels = nullptr;
+    if (exr_get_storage(handle, part, &storage) || exr_get_compression(handle, part, &layer.compression) ||
+        exr_get_data_window(handle, part, &layer.data) || exr_get_display_window(handle, part, &layer.display) ||
+        exr_get_channels(handle, part, &channels))
+        damaged("no valid EXR file, " + context_->complaint);
+    if (storage != EXR_STORAGE_SCANLINE && storage != EXR_STORAGE_TILED)
+        damaged("it is a deep image, which is not supported: flatten it");
+    layer.tiled = storage == EXR_STORAGE_TILED;
+    if (const char* name = nullptr; exr_get_name(handle, part, &name) == EXR_ERR_SUCCESS && name)
+        layer.name = name;
+    for (int c = 0; c < channels->num_channels; ++c) {
+        const exr_attr_chlist_entry_t& entry = channels->entries[c];
+        if (entry.x_sampling < 1 || entry.y_sampling < 1 || entry.pixel_type >= EXR_PIXEL_LAST_TYPE)
+            damaged(fmt::format("no valid EXR file, its channel {} cannot be", entry.name.str));
+        layer.channels.push_back({entry.name.str, entry.pixel_type, entry.x_sampling, entry.y_sampling});
+    }
+    context_->complaint.clear(); // that there is no name
+    return layer;
+}
+
+// Before anything as large as the header says is allocated.
+void Image::check_blocks(int part, const Layer& layer) const {
+    std::uint64_t bytes = 0;
+    std::int32_t blocks = 0;
+    if (exr_get_chunk_unpacked_size(context_->handle, part, &bytes) ||
+        exr_get_chunk_count(context_->handle, part, &blocks))
+        damaged("no valid EXR file, " + context_->complaint);
+    if (layer.data.max.x < layer.data.min.x || layer.data.max.y < layer.data.min.y || layer.channels.empty())
+        damaged("no valid EXR file, its data window or its channels are missing or empty");
+    if (bytes > kMostBlockBytes)
+        damaged("a block of pixels would take more than 1 GiB");
+    if (blocks < 1 || static_cast<std::uint64_t>(blocks) > file_.size() / kBlockOverhead)
+        damaged("it is too short for the pixels that it announces");
+}
+
+std::optional<std::string> Image::text(const char* name) const {
+    std::int32_t length = 0;
+    const char* bytes = nullptr;
+    const bool there = exr_attr_get_string(context_->handle, 0, name, &length, &bytes) == EXR_ERR_SUCCESS;
+    context_->complaint.clear();
+    if (!there || length < 0 || !bytes)
+        return std::nullopt;
+    return std::string(bytes, static_cast<std::size_t>(length));
+}
+
+std::optional<exr_attr_v3d_t> Image::vector(const char* name) const {
+    exr_attr_v3d_t value{};
+    const bool there = exr_attr_get_v3d(context_->handle, 0, name, &value) == EXR_ERR_SUCCESS;
+    context_->complaint.clear();
+    return there ? std::optional(value) : std::nullopt;
+}
+
+std::optional<exr_attr_v3i_t> Image::integers(const char* name) const {
+    exr_attr_v3i_t value{};
+    const bool there = exr_attr_get_v3i(context_->handle, 0, name, &value) == EXR_ERR_SUCCESS;
+    context_->complaint.clear();
+    return there ? std::optional(value) : std::nullopt;
+}
+
+void Image::read(std::size_t which, std::int32_t first, std::int32_t last, int threads,
+                 const std::function<void(const Line&)>& take) {
+    const Layer& layer = layers_[which];
+    if (!layer.is_supported())
+        damaged(kUnsupported);
+    const int part = static_cast<int>(which);
+    std::int32_t width = 1, height = 1; // of a block; of one of rows the width does not matter
+    if (layer.tiled ? exr_get_tile_sizes(context_->handle, part, 0, 0, &width, &height)
+                    : exr_get_scanlines_per_chunk(context_->handle, part, &height))
+        damaged("no valid EXR file, " + context_->complaint);
+    const auto block_row = [&](std::int32_t y) { return (std::int64_t{y} - layer.data.min.y) / height; };
+    const std::int64_t columns = layer.tiled ? static_cast<std::int64_t>((layer.columns() - 1) / width + 1) : 1;
+    const std::int64_t begin = block_row(first) * columns, end = (block_row(last) + 1) * columns;
+    std::atomic<std::int64_t> next = begin;
+    const auto work = [&](Decoder& decoder) {
+        for (std::int64_t block = next++; block < end; block = next++) {
+            const auto column = static_cast<std::int32_t>(block % columns);
+            const auto row = static_cast<std::int32_t>(block / columns);
+            decoder.read(part, column, layer.tiled ? row : layer.data.min.y + row * height);
+            decoder.give(first, last, take);
+        }
+    };
+    const auto workers = static_cast<std::size_t>(std::clamp<std::int64_t>(threads, 1, end - begin));
+    while (decoders_.size() < workers)
+        decoders_.push_back(std::make_unique<Decoder>(*this));
+    if (workers == 1)
+        return work(*decoders_.front());
+    std::mutex mutex;
+    std::exception_ptr error;
+    {
+        std::vector<std::jthread> running;
+        for (std::size_t i = 0; i < workers; ++i)
+            running.emplace_back([&, i] {
+                try {
+                    work(*decoders_[i]);
+                } catch (...) {
+                    const std::lock_guard lock(mutex);
+                    error = error ? error : std::current_exception();
+                    next = end;
+                }
+            });
+    }
+    if (error)
+        std::rethrow_exception(error);
+}
+
+} // namespace forceshade::exr

@@ -1,0 +1,130 @@
+// OpenEXR's stream into our file, so that what goes wrong is known exactly; only for .cpp files that use OpenEXR.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <new>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <ImfIO.h>
+#include <openexr.h>
+
+#include "host/error.h"
+#include "host/output/files.h"
+#include "host/output/reading.h"
+
+namespace forceshade::exr {
+
+/// OpenEXR retells some exceptions and swallows those in its destructors, so the first failure is kept here.
+class WriteStream final : public Imf::OStream {
+public:
+    explicit WriteStream(TemporaryFile& file) : Imf::OStream(file.path().c_str()), file_(file) {}
+    void write(const char bytes[], int count) override;
+    std::uint64_t tellp() override { return file_.tell(); }
+    void seekp(std::uint64_t position) override;
+    const std::optional<IoError>& failure() const noexcept { return failure_; }
+
+private:
+    TemporaryFile& file_;
+    std::optional<IoError> failure_;
+};
+
+/// Runs `work` and turns what OpenEXR throws into an IoError: the stream's own failure if there is one, else
+/// `cannot VERB PATH: what OpenEXR says`. Our own errors pass.
+template <typename Stream, typename Work>
+decltype(auto) guarded(const Stream& stream, const char* verb, const std::filesystem::path& path, Work&& work) {
+    try {
+        return work();
+    } catch (const Error&) {
+        throw;
+    } catch (const std::bad_alloc&) {
+        throw IoError(std::string("cannot ") + verb + " " + path.string() + ": out of memory");
+    } catch (const std::exception& error) {
+        if (stream.failure())
+            throw IoError(*stream.failure());
+        throw IoError(std::string("cannot ") + verb + " " + path.string() + ": " + error.what());
+    }
+}
+
+// An EXR file read block by block through OpenEXRCore, every block checked against what the header says it holds; only
+// for .cpp files that use OpenEXR.
+
+struct Channel {
+    std::string name;
+    exr_pixel_type_t type = EXR_PIXEL_FLOAT;
+    std::int32_t x_sampling = 1, y_sampling = 1; /* every how many pixels there is a value */
+
+    std::size_t bytes() const { return type == EXR_PIXEL_HALF ? 2 : 4; } /* of a value */
+};
+
+/// A part as its header announces it.
+struct Layer {
+    std::string name; /* empty where it has none */
+    bool tiled = false;
+    exr_compression_t compression = EXR_COMPRESSION_NONE;
+    exr_attr_box2i_t data{}, display{}; /* windows: the first and the last pixel */
+    std::vector<Channel> channels;      /* as in the file */
+
+    std::uint64_t columns() const { return extent(data.min.x, data.max.x); } /* of the data window */
+    std::uint64_t rows() const { return extent(data.min.y, data.max.y); }
+    static std::uint64_t extent(std::int32_t first, std::int32_t last) {
+        return static_cast<std::uint64_t>(std::int64_t{last} - first + 1);
+    }
+    std::optional<std::size_t> find(const std::string& channel) const;
+    /// OpenEXRCore 3.1 reads B44 wrongly and DWA not at all.
+    bool is_supported() const { return compression <= EXR_COMPRESSION_PXR24; }
+};
+
+inline constexpr const char* kUnsupported = "its compression is B44 or DWA, which are not read: save it with ZIP";
+
+/// The values of a row of a block, channel by channel in the layer's order; none of a channel that sub-sampling leaves
+/// out of this row.
+struct Line {
+    std::int32_t x = 0, y = 0; /* of its first pixel */
+    std::vector<std::span<const std::byte>> values;
+};
+
+/// Every method throws IoError `cannot read NAME: ...` for a file that is cut off, damaged or no EXR; a block that
+/// holds less than it should is damaged. Memory is that of one block a thread, and a file of few bytes has no large
+/// blocks.
+class Image {
+public:
+    /// `name` is what messages call the file, "cannot `verb` NAME". Deep images are refused.
+    Image(const ReadableFile& file, std::filesystem::path name, const char* verb = "read");
+    ~Image();
+
+    const std::vector<Layer>& layers() const noexcept { return layers_; }
+    /// Attributes of the first part; nothing where it lacks one of that name and type.
+    std::optional<std::string> text(const char* name) const;
+    std::optional<exr_attr_v3d_t> vector(const char* name) const;
+    std::optional<exr_attr_v3i_t> integers(const char* name) const;
+
+    /// Hands over the lines from row `first` to row `last` of a layer, and others of the same blocks; with more than
+    /// one thread several at once. The block that was read last is kept, so that rows may be read one by one.
+    void read(std::size_t layer, std::int32_t first, std::int32_t last, int threads,
+              const std::function<void(const Line&)>& take);
+
+    [[noreturn]] void damaged(const std::string& what) const;
+
+private:
+    class Decoder;
+    struct Context;
+
+    Layer layer_of(int part) const;
+    void check_blocks(int part, const Layer& layer) const;
+
+    const ReadableFile& file_;
+    std::filesystem::path name_;
+    const char* verb_;
+    std::unique_ptr<Context> context_;
+    std::vector<Layer> layers_;
+    std::vector<std::unique_ptr<Decoder>> decoders_; // one a thread
+};
+
+} // namespace forceshade::exr

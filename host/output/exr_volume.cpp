@@ -1,0 +1,379 @@
+#include "host/output/exr_volume.h"
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <mutex>
+#include <span>
+
+#include <ImfChannelList.h>
+#include <ImfPartType.h>
+#include <ImfStringAttribute.h>
+#include <ImfThreading.h>
+#include <ImfVecAttribute.h>
+#include <fmt/core.h>
+#include <half.h>
+
+#include "host/error.h"
+#include "host/output/exr_image.h"
+#include "host/output/exr_writer.h"
+#include "host/output/hash.h"
+#include "host/output/rows.h"
+#include "host/scene/scene.h"
+
+namespace forceshade {
+namespace exr {
+namespace {
+
+constexpr std::array kChannels{layout::kChannelForce, layout::kChannelDepth, layout::kChannelFacet,
+                               layout::kChannelProxy, layout::kChannelUnshaded};
+constexpr std::uint64_t kBlockRows = 16; // of ZIP and PXR24; the others have fewer
+
+const char* unit_of(std::uint32_t channel) {
+    if (channel == layout::kChannelFacet)
+        return "1";
+    return channel == layout::kChannelForce || channel == layout::kChannelUnshaded ? "N" : "m";
+}
+
+PixelFormat format_of(std::uint32_t channel, const VolumeHeader& header) {
+    if (channel == layout::kChannelFacet)
+        return PixelFormat::id;
+    if (header.pixel == PixelType::half)
+        return PixelFormat::half;
+    return header.compression == Compression::pxr24 ? PixelFormat::float24 : PixelFormat::float32;
+}
+
+Imf::Compression compression_of(Compression compression) {
+    switch (compression) {
+    case Compression::none:
+        return Imf::NO_COMPRESSION;
+    case Compression::zip1:
+        return Imf::ZIPS_COMPRESSION;
+    case Compression::pxr24:
+        return Imf::PXR24_COMPRESSION;
+    case Compression::zip:
+        break;
+    }
+    return Imf::ZIP_COMPRESSION;
+}
+
+Imf::PixelType pixel_of(PixelFormat format) {
+    if (format == PixelFormat::id)
+        return Imf::UINT;
+    return format == PixelFormat::half ? Imf::HALF : Imf::FLOAT;
+}
+
+} // namespace
+
+std::vector<Part> parts_of(const VolumeHeader& header) {
+    std::vector<Part> parts;
+    for (const std::uint32_t channel : kChannels) {
+        if (channel != layout::kChannelForce && !(header.channels & channel))
+            continue;
+        std::vector<const char*> names{"R", "G", "B"};
+        if (components_of(channel) == 1)
+            names = {channel == layout::kChannelFacet ? "id" : "Z"};
+        parts.push_back({channel, std::move(names), unit_of(channel), format_of(channel, header)});
+    }
+    return parts;
+}
+
+void require_possible(const VolumeHeader& header) {
+    const auto [nx, ny, nz] = header.size;
+    if (nx == 0 || ny == 0 || nz == 0)
+        throw UsageError(
+            fmt::format("a grid of {} x {} x {} samples is empty: every size must be 1 or more", nx, ny, nz));
+    if (ny > kMostRows / nz)
+        throw UsageError(fmt::format("a grid of {} x {} x {} samples has more than the {} rows (y times z) that an EXR "
+                                     "holds: make it smaller",
+                                     nx, ny, nz, kMostRows));
+    if (nx > kMostColumns)
+        throw UsageError(fmt::format(
+            "a grid of {} samples along x is wider than the {} that an EXR holds: make it smaller", nx, kMostColumns));
+}
+
+Imf::Header make_image_header(const Part& part, std::uint64_t width, std::uint64_t rows, Compression compression) {
+    Imf::Header header(static_cast<int>(width), static_cast<int>(rows), 1.0f, Imath::V2f(0, 0), 1.0f, Imf::INCREASING_Y,
+                       compression_of(compression));
+    header.setName(name_of_channel(part.channel));
+    header.setType(Imf::SCANLINEIMAGE);
+    for (const char* name : part.channels)
+        header.channels().insert(name, Imf::Channel(pixel_of(part.format)));
+    return header;
+}
+
+void insert_text(Imf::Header& header, const Part& part, const std::string& scene, const std::string& version,
+                 const std::string& omitted) {
+    header.insert("forceshade.units", Imf::StringAttribute(std::string("m ") + part.unit));
+    header.insert("forceshade.scene", Imf::StringAttribute(scene));
+    header.insert("forceshade.version", Imf::StringAttribute(version));
+    header.insert("forceshade.omitted", Imf::StringAttribute(omitted));
+}
+
+Imf::Header make_header(const Part& part, const VolumeHeader& volume) {
+    Imf::Header header = make_image_header(part, volume.size[0], volume.size[1] * volume.size[2], volume.compression);
+    const auto vector_of = [](const std::array<double, 3>& v) { return Imf::V3dAttribute({v[0], v[1], v[2]}); };
+    const auto size_of = [&](int axis) { return static_cast<int>(volume.size[static_cast<std::size_t>(axis)]); };
+    header.insert("forceshade.grid", Imf::V3iAttribute({size_of(0), size_of(1), size_of(2)}));
+    header.insert("forceshade.origin", vector_of(volume.origin));
+    header.insert("forceshade.spacing", vector_of(volume.spacing));
+    insert_text(header, part, volume.scene, volume.version, volume.omitted);
+    return header;
+}
+
+Imf::FrameBuffer frame_of(const Part& part, std::uint64_t width, std::uint64_t first, std::uint64_t count,
+                          const std::byte* bytes) {
+    Imf::FrameBuffer frame;
+    const Imath::V2i corner(0, static_cast<int>(first));
+    for (std::size_t c = 0; c < part.channels.size(); ++c)
+        frame.insert(part.channels[c],
+                     Imf::Slice::Make(pixel_of(part.format), bytes + c * bytes_of(part.format), corner,
+                                      static_cast<std::int64_t>(width), static_cast<std::int64_t>(count),
+                                      part.sample_bytes(), part.sample_bytes() * width));
+    return frame;
+}
+
+std::uint64_t rows_per_group(std::uint64_t width, std::uint64_t rows) {
+    constexpr std::uint64_t kGroupBytes = 4 << 20;
+    const std::uint64_t most = kGroupBytes / (width * 3 * sizeof(float));
+    return std::min(std::max(most / kBlockRows, std::uint64_t{1}) * kBlockRows,
+                    (rows + kBlockRows - 1) / kBlockRows * kBlockRows);
+}
+
+void require_workers(int threads) {
+    static std::mutex mutex;
+    const std::lock_guard lock(mutex);
+    if (Imf::globalThreadCount() < threads)
+        Imf::setGlobalThreadCount(threads);
+}
+
+} // namespace exr
+
+} // namespace forceshade
+
+namespace forceshade {
+namespace exr {
+namespace {
+
+exr_pixel_type_t type_of(PixelFormat format) {
+    if (format == PixelFormat::id)
+        return EXR_PIXEL_UINT;
+    return format == PixelFormat::half ? EXR_PIXEL_HALF : EXR_PIXEL_FLOAT;
+}
+
+bool is_alike(const Layer& layer, const Part& part, std::uint64_t width, std::uint64_t rows) {
+    if (layer.tiled || layer.data.min.x != 0 || layer.data.min.y != 0 || layer.columns() != width ||
+        layer.rows() != rows || layer.channels.size() != part.channels.size())
+        return false;
+    return std::ranges::all_of(part.channels, [&](const char* name) {
+        const auto found = layer.find(name);
+        return found && layer.channels[*found].type == type_of(part.format) && layer.channels[*found].x_sampling == 1 &&
+               layer.channels[*found].y_sampling == 1;
+    });
+}
+
+/// Every `stride` bytes of the target one value of the line.
+template <typename Value, typename From>
+void spread(std::span<const std::byte> values, std::size_t stride, std::byte* target, const From& from) {
+    for (std::size_t at = 0; at < values.size(); at += sizeof(Value), target += stride) {
+        Value value;
+        std::memcpy(&value, values.data() + at, sizeof value);
+        const auto converted = from(value);
+        std::memcpy(target, &converted, sizeof converted);
+    }
+}
+
+/// Rows of a part as they stand in memory: samples interleaved by component; halves as they are, or `widened` to
+/// floats.
+void read_rows(Image& image, std::size_t layer, const Part& part, std::uint64_t first, std::uint64_t count,
+               bool widened, int threads, std::byte* target) {
+    std::vector<std::size_t> places; // of the components in the file
+    for (const char* name : part.channels)
+        places.push_back(*image.layers()[layer].find(name));
+    const bool half = part.format == PixelFormat::half;
+    const std::size_t bytes = half && !widened ? 2 : 4, stride = part.channels.size() * bytes;
+    const std::size_t row_bytes = static_cast<std::size_t>(image.layers()[layer].columns()) * stride;
+    const auto take = [&](const Line& line) {
+        std::byte* row = target + (static_cast<std::uint64_t>(line.y) - first) * row_bytes;
+        for (std::size_t c = 0; c < places.size(); ++c, row += bytes) {
+            const std::span<const std::byte> values = line.values[places[c]];
+            const auto as_it_is = [](auto value) { return value; };
+            if (!half)
+                spread<std::uint32_t>(values, stride, row, as_it_is);
+            else if (!widened)
+                spread<std::uint16_t>(values, stride, row, as_it_is);
+            else
+                spread<std::uint16_t>(values, stride, row, [](std::uint16_t bits) {
+                    return static_cast<float>(Imath::half(Imath::half::FromBits, bits));
+                });
+        }
+    };
+    image.read(layer, static_cast<std::int32_t>(first), static_cast<std::int32_t>(first + count - 1), threads, take);
+}
+
+} // namespace
+
+std::vector<std::uint64_t> checksums_of(const std::filesystem::path& file, const std::filesystem::path& path,
+                                        const Sheet& sheet) {
+    const ReadableFile source(file);
+    Image image(source, path, "read back");
+    const std::uint64_t group = rows_per_group(sheet.width, sheet.rows);
+    std::vector<std::uint64_t> checksums;
+    for (std::size_t i = 0; i < sheet.parts.size(); ++i) {
+        const Part& part = sheet.parts[i];
+        if (i >= image.layers().size() || !is_alike(image.layers()[i], part, sheet.width, sheet.rows))
+            image.damaged(fmt::format("its part {} is laid out in another way than it was written",
+                                      name_of_channel(part.channel)));
+        const std::size_t row_bytes = sheet.width * part.sample_bytes();
+        std::vector<std::byte> rows(std::min(group, sheet.rows) * row_bytes);
+        PixelChecksum checksum;
+        for (std::uint64_t first = 0; first < sheet.rows; first += group) {
+            const std::uint64_t count = std::min(group, sheet.rows - first);
+            read_rows(image, i, part, first, count, false, sheet.threads, rows.data());
+            checksum.update(std::span(rows).first(count * row_bytes));
+        }
+        checksums.push_back(checksum.value());
+    }
+    return checksums;
+}
+
+} // namespace exr
+
+struct VolumeReader::State {
+    State(const std::filesystem::path& path_, int threads);
+
+    VolumeHeader read_header(int threads) const;
+    void require_alike(const exr::Layer& found, const exr::Part& part) const;
+    [[noreturn]] void foreign(const std::string& what) const;
+    void read(std::uint32_t channel, std::uint64_t first, std::uint64_t count, std::byte* target);
+
+    std::filesystem::path path;
+    ReadableFile file;
+    exr::Image image;
+    VolumeHeader header;
+    std::vector<exr::Part> parts;
+};
+
+namespace {
+
+std::optional<Compression> compression_from(exr_compression_t compression) {
+    switch (compression) {
+    case EXR_COMPRESSION_NONE:
+        return Compression::none;
+    case EXR_COMPRESSION_ZIPS:
+        return Compression::zip1;
+    case EXR_COMPRESSION_ZIP:
+        return Compression::zip;
+    case EXR_COMPRESSION_PXR24:
+        return Compression::pxr24;
+    default:
+        return std::nullopt;
+    }
+}
+
+std::uint32_t channel_named(const std::string& name) {
+    for (const std::uint32_t channel : {layout::kChannelForce, layout::kChannelDepth, layout::kChannelFacet,
+                                        layout::kChannelProxy, layout::kChannelUnshaded})
+        if (name == name_of_channel(channel))
+            return channel;
+    return 0;
+}
+
+} // namespace
+
+void VolumeReader::State::foreign(const std::string& what) const {
+    throw IoError(fmt::format("cannot read {}: it is no volume of this program, {}", path.string(), what));
+}
+
+VolumeReader::State::State(const std::filesystem::path& path_, int threads)
+    : path(path_), file(path_), image(file, path_), header(read_header(threads)), parts(exr::parts_of(header)) {
+    for (std::size_t i = 0; i < parts.size(); ++i)
+        require_alike(image.layers()[i], parts[i]);
+}
+
+VolumeHeader VolumeReader::State::read_header(int threads) const {
+    VolumeHeader found;
+    const exr::Layer& first = image.layers().front();
+    const auto text = [&](const char* name) {
+        const auto value = image.text(name);
+        if (!value)
+            foreign(fmt::format("it lacks {}", name));
+        return *value;
+    };
+    const auto vector = [&](const char* name) {
+        const auto value = image.vector(name);
+        if (!value)
+            foreign(fmt::format("it lacks {}", name));
+        return std::array{value->x, value->y, value->z};
+    };
+    const auto grid = image.integers("forceshade.grid");
+    if (!grid || grid->x < 1 || grid->y < 1 || grid->z < 1)
+        foreign("it lacks forceshade.grid");
+    found.size = {static_cast<std::uint64_t>(grid->x), static_cast<std::uint64_t>(grid->y),
+                  static_cast<std::uint64_t>(grid->z)};
+    found.origin = vector("forceshade.origin");
+    found.spacing = vector("forceshade.spacing");
+    found.scene = text("forceshade.scene");
+    found.version = text("forceshade.version");
+    found.omitted = text("forceshade.omitted");
+    found.threads = threads;
+    const auto compression = compression_from(first.compression);
+    if (!compression)
+        foreign("its compression is another");
+    found.compression = *compression;
+    const auto red = first.find("R");
+    found.pixel = red && first.channels[*red].type == EXR_PIXEL_HALF ? PixelType::half : PixelType::float32;
+    found.channels = 0;
+    for (const exr::Layer& layer : image.layers())
+        found.channels |= channel_named(layer.name);
+    if (!(found.channels & layout::kChannelForce) || exr::parts_of(found).size() != image.layers().size())
+        foreign("its parts are others");
+    try {
+        exr::require_possible(found);
+    } catch (const UsageError& error) {
+        foreign(error.what());
+    }
+    return found;
+}
+
+void VolumeReader::State::require_alike(const exr::Layer& found, const exr::Part& part) const {
+    if (!exr::is_alike(found, part, header.size[0], header.size[1] * header.size[2]) ||
+        compression_from(found.compression) != header.compression || found.name != name_of_channel(part.channel))
+        foreign(fmt::format("its part {} is laid out in another way", name_of_channel(part.channel)));
+}
+
+void VolumeReader::State::read(std::uint32_t channel, std::uint64_t first, std::uint64_t count, std::byte* target) {
+    const auto found = std::ranges::find(parts, channel, &exr::Part::channel);
+    exr::read_rows(image, static_cast<std::size_t>(found - parts.begin()), *found, first, count, true, header.threads,
+                   target);
+}
+
+VolumeReader::VolumeReader(const std::filesystem::path& path, int threads)
+    : state_(std::make_unique<State>(path, threads)) {}
+VolumeReader::~VolumeReader() = default;
+
+const VolumeHeader& VolumeReader::header() const noexcept {
+    return state_->header;
+}
+std::uint64_t VolumeReader::rows() const noexcept {
+    return state_->header.size[1] * state_->header.size[2];
+}
+
+void VolumeReader::read(std::uint32_t channel, std::uint64_t first, std::uint64_t count, std::vector<float>& values) {
+    const bool there = (state_->header.channels & channel) && channel != layout::kChannelFacet;
+    if (!there || count > rows() || first > rows() - count)
+        state_->foreign(fmt::format("it lacks {} in rows {} to {}", name_of_channel(channel), first, first + count));
+    values.resize(count * state_->header.size[0] * components_of(channel));
+    if (count > 0)
+        state_->read(channel, first, count, std::as_writable_bytes(std::span(values)).data());
+}
+
+void VolumeReader::read_ids(std::uint64_t first, std::uint64_t count, std::vector<std::uint32_t>& ids) {
+    if (!(state_->header.channels & layout::kChannelFacet) || count > rows() || first > rows() - count)
+        state_->foreign(fmt::format("it lacks facet in rows {} to {}", first, first + count));
+    ids.resize(count * state_->header.size[0]);
+    if (count > 0)
+        state_->read(layout::kChannelFacet, first, count, std::as_writable_bytes(std::span(ids)).data());
+}
+
+} // namespace forceshade

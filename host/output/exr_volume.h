@@ -1,0 +1,76 @@
+// A field over a grid as an OpenEXR file: written in a stream, read back before it gets its name, and read in a stream.
+// Width nx, height ny * nz, row = z * ny + y; parts `force` (R, G, B), `depth` (Z), `facet` (id), `proxy`, `unshaded`.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "host/output/rows.h"
+#include "host/scene/scene.h"
+#include "shaders/shared/layout.h"
+
+namespace forceshade {
+
+struct VolumeHeader {
+    std::array<std::uint64_t, 3> size{};            /* samples along x, y, z */
+    std::array<double, 3> origin{};                 /* m: voxel (i, j, k) samples origin + spacing * (i, j, k) */
+    std::array<double, 3> spacing{};                /* m */
+    std::uint32_t channels = layout::kChannelForce; /* layout::kChannel... bits; force is always among them */
+    Compression compression = Compression::zip;
+    PixelType pixel = PixelType::float32; /* of all channels but the facet ids */
+    std::string scene;                    /* the resolved TOML */
+    std::string version;                  /* of the program */
+    std::string omitted;                  /* what the scene did not need */
+    int threads = 0;                      /* that compress this file; 0: it asks for no parallel work */
+    bool allow_non_finite = false;        /* else NaN and infinity are refused */
+};
+
+/// Peak memory is about 20 MiB plus a few rows, whatever the grid. The bytes of the file depend on the header and the
+/// values alone: not on how the rows are cut into chunks, nor on the number of threads.
+class VolumeWriter final : public ChunkSink {
+public:
+    /// Throws UsageError for a grid that an EXR cannot hold, IoError if the folder cannot be written.
+    VolumeWriter(const std::filesystem::path& path, const VolumeHeader& header);
+    ~VolumeWriter() override;
+
+    void write(const layout::FieldChunk<float>& chunk, std::size_t repeat_y) override;
+    /// Values are rounded to float.
+    void write(const layout::FieldChunk<double>& chunk, std::size_t repeat_y) override;
+
+    /// Flushes to disk, reads back and compares, hashes, renames. Nothing of that name is touched before the last step.
+    /// Throws Error (exit 1) for NaN or infinite values, UsageError for values that a half cannot hold (both name the
+    /// voxel), IoError if the disk is full or holds something else than was written.
+    VolumeResult finish() override;
+
+private:
+    struct State;
+    std::unique_ptr<State> state_;
+};
+
+/// Reads what VolumeWriter wrote. Every method throws IoError for a file that is missing, truncated, corrupted or
+/// foreign.
+class VolumeReader {
+public:
+    explicit VolumeReader(const std::filesystem::path& path, int threads = 0);
+    ~VolumeReader();
+
+    /// As it was written; `threads` as given here.
+    const VolumeHeader& header() const noexcept;
+    std::uint64_t rows() const noexcept; /* ny * nz */
+
+    /// Rows [first, first + count) of a real channel into `values`: count x nx x components (3 for vectors, 1 for
+    /// depth).
+    void read(std::uint32_t channel, std::uint64_t first, std::uint64_t count, std::vector<float>& values);
+    /// Likewise the facet ids, count x nx.
+    void read_ids(std::uint64_t first, std::uint64_t count, std::vector<std::uint32_t>& ids);
+
+private:
+    struct State;
+    std::unique_ptr<State> state_;
+};
+
+} // namespace forceshade

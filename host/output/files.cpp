@@ -1,0 +1,261 @@
+#include "host/output/files.h"
+
+#include <algorithm>
+#include <cctype>
+#include <cerrno>
+#include <cstring>
+#include <fcntl.h>
+#include <random>
+#include <string_view>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+#include <utility>
+
+#include <fmt/core.h>
+
+namespace forceshade {
+
+namespace {
+
+const char* advice(bool writing, int number) {
+    switch (number) {
+    case ENOSPC:
+    case EDQUOT:
+        return "; free space there or choose another folder";
+    case EFBIG:
+        return "; the file system or a limit of this process (ulimit -f) forbids a file of that size";
+    case EROFS:
+        return "; choose a folder on a disk that can be written";
+    case EACCES:
+    case EPERM:
+        return writing ? "; make the folder writable or choose another" : "; make the file readable";
+    case ENOENT:
+        return writing ? "; create its folder first" : "; check the name, relative to where it is written";
+    case ENOTDIR:
+        return "; a part of its path is a file, not a folder";
+    case EISDIR:
+        return "; a folder has that name";
+    case ENAMETOOLONG:
+        return "; choose a shorter name";
+    case EIO:
+        return "; the disk reports an error: check it, or choose another";
+    case EMFILE:
+    case ENFILE:
+        return "; too many files are open (ulimit -n)";
+    default:
+        return "";
+    }
+}
+
+} // namespace
+
+IoError file_error(const char* verb, const std::filesystem::path& path, int number) {
+    const char* reason = ::strerrordesc_np(number);
+    const bool writing = std::string_view(verb) == "write";
+    return IoError(fmt::format("cannot {} {}: {}{}", verb, path.string(), reason ? reason : "unknown error",
+                               advice(writing, number)));
+}
+
+namespace {
+
+constexpr std::size_t kBufferBytes = 1 << 20;
+constexpr std::size_t kLongestName = 200; /* bytes of NAME kept in a temporary's name: file systems allow 255 in all */
+constexpr std::size_t kUniqueDigits = 16;
+constexpr std::string_view kMark = ".fs";
+constexpr std::string_view kEnding = ".tmp";
+
+std::string temporary_name(const std::filesystem::path& path) {
+    std::random_device source;
+    const std::uint64_t unique = (std::uint64_t{source()} << 32) | source();
+    return fmt::format(".{}{}{:016x}{}", path.filename().string().substr(0, kLongestName), kMark, unique, kEnding);
+}
+
+bool is_temporary_name(std::string_view name) {
+    if (name.size() < 1 + kMark.size() + kUniqueDigits + kEnding.size() || name.front() != '.' ||
+        !name.ends_with(kEnding))
+        return false;
+    name.remove_suffix(kEnding.size());
+    const std::string_view digits = name.substr(name.size() - kUniqueDigits);
+    name.remove_suffix(kUniqueDigits);
+    const auto is_digit = [](char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f'); };
+    return std::ranges::all_of(digits, is_digit) && name.ends_with(kMark);
+}
+
+std::filesystem::path folder_of(const std::filesystem::path& path) {
+    return path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");
+}
+
+/// Waits for the lock if `wait`. False if another holds it; true too where the file system knows no locks and `wait`.
+bool lock(int descriptor, bool wait) {
+    int result = 0;
+    do
+        result = ::flock(descriptor, LOCK_EX | (wait ? 0 : LOCK_NB));
+    while (result != 0 && errno == EINTR);
+    return result == 0 || wait;
+}
+
+/// 0, or the errno. File systems that cannot flush a folder say EINVAL: then there is nothing to be done.
+int flush_folder(const std::filesystem::path& folder) {
+    const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (descriptor < 0)
+        return errno == EACCES ? 0 : errno; // a folder may be writable and not readable
+    const int number = ::fsync(descriptor) == 0 ? 0 : errno;
+    ::close(descriptor);
+    return number == EINVAL || number == ENOTSUP ? 0 : number;
+}
+
+} // namespace
+
+TemporaryFile::TemporaryFile(std::filesystem::path final_path) : path_(std::move(final_path)) {
+    const std::string name = path_.filename().string();
+    struct stat status {};
+    if (name.empty() || name == "." || name == ".." || (::stat(path_.c_str(), &status) == 0 && S_ISDIR(status.st_mode)))
+        throw file_error("write", path_, EISDIR); // now rather than after an hour of computing
+    buffer_.reserve(kBufferBytes);
+    while (descriptor_ < 0) {
+        open_unique();
+        lock_or_discard();
+    }
+}
+
+void TemporaryFile::open_unique() {
+    do {
+        temporary_path_ = folder_of(path_) / temporary_name(path_);
+        descriptor_ = ::open(temporary_path_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    } while (descriptor_ < 0 && (errno == EEXIST || errno == EINTR));
+    if (descriptor_ < 0)
+        throw file_error("write", path_, errno);
+}
+
+// Between open and lock another process may take the file for a stale one and remove it: then start over.
+void TemporaryFile::lock_or_discard() {
+    lock(descriptor_, true);
+    struct stat status {};
+    if (::fstat(descriptor_, &status) == 0 && status.st_nlink == 0) {
+        ::close(descriptor_);
+        descriptor_ = -1;
+    }
+}
+
+TemporaryFile::~TemporaryFile() {
+    if (!published_)
+        ::unlink(temporary_path_.c_str());
+    ::close(descriptor_);
+}
+
+void TemporaryFile::fail(int number) {
+    failure_ = file_error("write", path_, number);
+    throw *failure_;
+}
+
+void TemporaryFile::throw_if_failed() const {
+    if (failure_)
+        throw *failure_;
+}
+
+void TemporaryFile::flush_buffer() {
+    std::size_t done = 0;
+    while (done < buffer_.size()) {
+        const ssize_t put = ::pwrite(descriptor_, buffer_.data() + done, buffer_.size() - done,
+                                     static_cast<off_t>(buffer_position_ + done));
+        if (put < 0 && errno == EINTR)
+            continue;
+        if (put <= 0)
+            fail(put < 0 ? errno : ENOSPC);
+        done += static_cast<std::size_t>(put);
+    }
+    buffer_position_ += done;
+    buffer_.clear();
+}
+
+void TemporaryFile::write(std::span<const std::byte> bytes) {
+    throw_if_failed();
+    on_disk_ = false;
+    while (!bytes.empty()) {
+        const std::size_t part = std::min(bytes.size(), kBufferBytes - buffer_.size());
+        buffer_.insert(buffer_.end(), bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(part));
+        bytes = bytes.subspan(part);
+        if (buffer_.size() == kBufferBytes)
+            flush_buffer();
+    }
+}
+
+void TemporaryFile::write(std::string_view text) {
+    write(std::as_bytes(std::span(text)));
+}
+
+void TemporaryFile::seek(std::uint64_t position) {
+    throw_if_failed();
+    if (position == tell())
+        return;
+    flush_buffer();
+    buffer_position_ = position;
+}
+
+void TemporaryFile::flush_to_disk() {
+    throw_if_failed();
+    flush_buffer();
+    int result = 0;
+    do
+        result = ::fsync(descriptor_);
+    while (result != 0 && errno == EINTR);
+    if (result != 0)
+        fail(errno);
+    ::posix_fadvise(descriptor_, 0, 0, POSIX_FADV_DONTNEED);
+    on_disk_ = true;
+}
+
+void TemporaryFile::publish() {
+    throw_if_failed();
+    if (!on_disk_)
+        flush_to_disk();
+    if (::rename(temporary_path_.c_str(), path_.c_str()) != 0)
+        fail(errno);
+    published_ = true;
+    if (const int number = flush_folder(folder_of(path_)); number != 0)
+        fail(number);
+}
+
+std::size_t clear_stale_temporaries(const std::filesystem::path& folder) {
+    std::size_t removed = 0;
+    std::error_code error;
+    for (std::filesystem::directory_iterator entry(folder, error), end; !error && entry != end;
+         entry.increment(error)) {
+        const std::filesystem::path& path = entry->path();
+        if (!is_temporary_name(path.filename().string()))
+            continue;
+        const int descriptor = ::open(path.c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
+        struct stat status {};
+        if (descriptor < 0)
+            continue;
+        if (::fstat(descriptor, &status) == 0 && S_ISREG(status.st_mode) && lock(descriptor, false))
+            removed += ::unlink(path.c_str()) == 0;
+        ::close(descriptor);
+    }
+    return removed;
+}
+
+void make_subfolder(const std::filesystem::path& folder, const std::string& name) {
+    const std::filesystem::path subfolder = folder / name;
+    std::error_code error;
+    if (std::filesystem::is_symlink(subfolder, error))
+        throw IoError(fmt::format("cannot write into {}: it is a symbolic link, and what it leads to may be another's; "
+                                  "remove the link, or choose another folder for the results",
+                                  subfolder.string()));
+    std::filesystem::create_directories(subfolder, error);
+    if (error)
+        throw IoError(fmt::format("cannot make the folder {}: {}", subfolder.string(), error.message()));
+}
+
+void write_file_atomically(const std::filesystem::path& path, std::span<const std::byte> bytes) {
+    TemporaryFile file(path);
+    file.write(bytes);
+    file.publish();
+}
+
+void write_file_atomically(const std::filesystem::path& path, std::string_view text) {
+    write_file_atomically(path, std::as_bytes(std::span(text)));
+}
+
+} // namespace forceshade

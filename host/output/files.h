@@ -1,0 +1,83 @@
+// What the operating system said about a file, as an error that names the file, the reason and what to do.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "host/error.h"
+
+namespace forceshade {
+
+/// `cannot write results/a.exr: No space left on device; free space there or choose another folder`.
+/// `verb` is "write" or "read" (it decides the advice), `number` an errno. English in every locale.
+IoError file_error(const char* verb, const std::filesystem::path& path, int number);
+
+// Names of files as accounts tell them, which may be anybody's.
+
+/// True for the name of a file right in its folder; another is foreign and not followed.
+inline bool is_plain_name(const std::string& name) {
+    return !name.empty() && name.front() != '.' && name.find_first_of(std::string("/\\\0", 3)) == std::string::npos;
+}
+
+// A file that appears under its own name only when it is complete and on disk.
+
+/// Written as `.NAME.fs<16 hex digits>.tmp` beside NAME and locked while alive, so that what a killed process left can
+/// be told from what a live one is writing. Several processes may write the same NAME at once: the last rename stands.
+/// Every failure is an IoError that names NAME, and once one occurred nothing can be published.
+class TemporaryFile {
+public:
+    explicit TemporaryFile(std::filesystem::path final_path);
+    /// Removes the temporary unless it was published.
+    ~TemporaryFile();
+    TemporaryFile(const TemporaryFile&) = delete;
+    TemporaryFile& operator=(const TemporaryFile&) = delete;
+
+    void write(std::span<const std::byte> bytes);
+    void write(std::string_view text);
+    void seek(std::uint64_t position); /* bytes from the start */
+    std::uint64_t tell() const noexcept { return buffer_position_ + buffer_.size(); }
+
+    /// Everything written so far is on the disk, and the kernel forgets its copy, so that reading reads the disk.
+    void flush_to_disk();
+    /// flush_to_disk() if that is still due, then renames to the final name and makes the rename durable.
+    void publish();
+
+    const std::filesystem::path& path() const noexcept { return path_; }
+    const std::filesystem::path& temporary_path() const noexcept { return temporary_path_; }
+
+private:
+    void open_unique();
+    void lock_or_discard();
+    void flush_buffer();
+    [[noreturn]] void fail(int number);
+    void throw_if_failed() const;
+
+    std::filesystem::path path_;
+    std::filesystem::path temporary_path_;
+    int descriptor_ = -1;
+    std::uint64_t buffer_position_ = 0; /* where in the file the buffer belongs */
+    std::vector<std::byte> buffer_;
+    bool on_disk_ = false;
+    bool published_ = false;
+    std::optional<IoError> failure_;
+};
+
+/// Removes the temporaries of TemporaryFile in `folder` that no live process holds; returns how many. Leaves everything
+/// else alone, does not descend, and a folder that is missing or cannot be read counts as empty.
+std::size_t clear_stale_temporaries(const std::filesystem::path& folder);
+
+/// Makes a folder of the program's own in one that it writes results into, which is made if need be. \throws IoError if
+/// it cannot be, or is a symbolic link: what that leads to is not the program's to change.
+void make_subfolder(const std::filesystem::path& folder, const std::string& name);
+
+/// The old file or the whole new one, never a part. Throws IoError.
+void write_file_atomically(const std::filesystem::path& path, std::span<const std::byte> bytes);
+void write_file_atomically(const std::filesystem::path& path, std::string_view text);
+
+} // namespace forceshade

@@ -1,0 +1,323 @@
+#include "host/output/height_image.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <csetjmp>
+#include <cstring>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <fmt/core.h>
+#include <half.h>
+#include <png.h>
+
+#include "host/error.h"
+#include "host/output/exr_image.h"
+#include "host/output/hash.h"
+#include "host/output/reading.h"
+
+namespace forceshade {
+
+void require_height_size(const ReadableFile& file, std::uint64_t columns, std::uint64_t rows) {
+    if (columns == 0 || rows == 0 || columns > kMostHeightSamples / rows)
+        throw UsageError(fmt::format("{}: a height map of {} x {} samples cannot be used: between 1 and {} samples are "
+                                     "possible",
+                                     file.path().string(), columns, rows, kMostHeightSamples));
+    constexpr double kSampleBytes = 32; // measured: the sample, its gradients in both precisions, and the device's copy
+    require_memory(file.path(), fmt::format("a height map of {} x {} samples", columns, rows),
+                   kSampleBytes * static_cast<double>(columns * rows));
+}
+
+HeightImage read_height_image(const std::filesystem::path& path) {
+    const ReadableFile file(path);
+    constexpr std::array<unsigned char, 8> kPng{0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
+    constexpr std::array<unsigned char, 4> kExr{0x76, 0x2f, 0x31, 0x01};
+    std::array<std::byte, 8> magic{};
+    if (file.read_some(0, magic) == 0)
+        throw IoError(fmt::format("cannot read {}: it is empty", path.string()));
+    HeightImage image;
+    if (std::memcmp(magic.data(), kPng.data(), kPng.size()) == 0)
+        image = read_height_png(file);
+    else if (std::memcmp(magic.data(), kExr.data(), kExr.size()) == 0)
+        image = read_height_exr(file);
+    else
+        throw UsageError(fmt::format("{}: neither a PNG nor an OpenEXR image: convert the height map to one of them",
+                                     path.string()));
+    image.sha256 = sha256_of_file(path);
+    return image;
+}
+
+namespace {
+
+constexpr double kFullScale = 4294967295.0; // of an integer pixel
+
+/// The channels to read: one, or three that must be alike.
+std::vector<std::size_t> choose_channels(const ReadableFile& file, const exr::Layer& layer) {
+    const auto y = layer.find("Y"), red = layer.find("R"), green = layer.find("G"), blue = layer.find("B");
+    std::vector<std::size_t> chosen;
+    if (y)
+        chosen = {*y};
+    else if (layer.channels.size() == 1)
+        chosen = {0};
+    else if (red && green && blue)
+        chosen = {*red, *green, *blue};
+    else if (red && !green && !blue)
+        chosen = {*red};
+    else {
+        std::string all;
+        for (const exr::Channel& channel : layer.channels)
+            all += (all.empty() ? "" : ", ") + channel.name;
+        throw UsageError(
+            fmt::format("{}: none of its channels ({}) is a height map's: it needs Y, a single channel, or "
+                        "R, G and B alike",
+                        file.path().string(), all));
+    }
+    for (const std::size_t c : chosen)
+        if (const exr::Channel& channel = layer.channels[c]; channel.x_sampling != 1 || channel.y_sampling != 1)
+            throw UsageError(fmt::format("{}: channel {} is sub-sampled: a height map needs every pixel",
+                                         file.path().string(), channel.name));
+    return chosen;
+}
+
+/// Floats as they are, integers as fractions of full scale.
+double value_of(exr_pixel_type_t type, std::span<const std::byte> values, std::size_t index) {
+    if (type == EXR_PIXEL_HALF) {
+        std::uint16_t bits = 0;
+        std::memcpy(&bits, values.data() + index * sizeof bits, sizeof bits);
+        return static_cast<double>(static_cast<float>(Imath::half(Imath::half::FromBits, bits)));
+    }
+    std::uint32_t bits = 0;
+    std::memcpy(&bits, values.data() + index * sizeof bits, sizeof bits);
+    return type == EXR_PIXEL_UINT ? bits / kFullScale : static_cast<double>(std::bit_cast<float>(bits));
+}
+
+/// Lines of pixels on their way into a height map.
+class HeightLines {
+public:
+    HeightLines(const ReadableFile& file, const exr::Layer& layer, HeightImage& image)
+        : file_(file), layer_(layer), chosen_(choose_channels(file, layer)), image_(image) {}
+
+    void take(const exr::Line& line) const {
+        const std::size_t row = exr::Layer::extent(layer_.display.min.y, line.y) - 1;
+        const std::size_t width =
+            line.values[chosen_.front()].size() / layer_.channels[chosen_.front()].bytes(); // not sub-sampled
+        for (std::size_t i = 0; i < width; ++i) {
+            const std::int64_t x = line.x + static_cast<std::int64_t>(i);
+            if (x < layer_.display.min.x || x > layer_.display.max.x)
+                continue;
+            const auto column = static_cast<std::size_t>(x - layer_.display.min.x);
+            image_.samples[row * image_.columns + column] = height(line, i, row, column);
+        }
+    }
+
+private:
+    /// The value of a pixel, if it can be a height.
+    double height(const exr::Line& line, std::size_t index, std::size_t row, std::size_t column) const {
+        const auto value = [&](std::size_t c) { return value_of(layer_.channels[c].type, line.values[c], index); };
+        const double first = value(chosen_.front());
+        for (const std::size_t c : chosen_) {
+            if (!std::isfinite(value(c)))
+                throw UsageError(fmt::format("{}: the pixel in row {}, column {} is {}: a height must be finite",
+                                             file_.path().string(), row, column, value(c)));
+            if (value(c) != first)
+                throw UsageError(
+                    fmt::format("{}: the pixel in row {}, column {} is coloured: a height map must be grey (R, G "
+                                "and B alike)",
+                                file_.path().string(), row, column));
+        }
+        return first;
+    }
+
+    const ReadableFile& file_;
+    const exr::Layer& layer_;
+    std::vector<std::size_t> chosen_;
+    HeightImage& image_;
+};
+
+} // namespace
+
+HeightImage read_height_exr(const ReadableFile& file) {
+    exr::Image source(file, file.path());
+    const exr::Layer& layer = source.layers().front();
+    if (!layer.is_supported())
+        throw UsageError(fmt::format("{}: {}", file.path().string(), exr::kUnsupported));
+    HeightImage image;
+    image.columns = exr::Layer::extent(layer.display.min.x, layer.display.max.x);
+    image.rows = exr::Layer::extent(layer.display.min.y, layer.display.max.y);
+    require_height_size(file, image.columns, image.rows);
+    require_height_size(file, layer.columns(), layer.rows());
+    const HeightLines lines(file, layer, image);
+    image.samples.assign(image.columns * image.rows, 0.0);
+    const std::int32_t first = std::max(layer.display.min.y, layer.data.min.y);
+    const std::int32_t last = std::min(layer.display.max.y, layer.data.max.y);
+    if (first <= last)
+        source.read(0, first, last, 1, [&](const exr::Line& line) { lines.take(line); });
+    return image;
+}
+
+namespace {
+
+/// libpng reports errors by a long jump. It only ever jumps back into one of the methods marked below, which hold
+/// nothing that would have to be destroyed; all memory belongs to this object.
+class PngDecoder {
+public:
+    explicit PngDecoder(const ReadableFile& file) : file_(file) {
+        png_ = png_create_read_struct(PNG_LIBPNG_VER_STRING, this, on_error, on_warning);
+        info_ = png_ ? png_create_info_struct(png_) : nullptr;
+        if (!info_) {
+            png_destroy_read_struct(&png_, nullptr, nullptr);
+            throw std::bad_alloc();
+        }
+        png_set_read_fn(png_, this, on_read);
+        png_set_user_limits(png_, PNG_UINT_31_MAX,
+                            PNG_UINT_31_MAX); // the product is limited before anything is allocated
+        // Texts, colour profiles and the like are skipped: libpng would allocate what they say they are, or unpack to.
+        png_set_keep_unknown_chunks(png_, PNG_HANDLE_CHUNK_NEVER, nullptr, -1);
+    }
+    ~PngDecoder() { png_destroy_read_struct(&png_, &info_, nullptr); }
+    PngDecoder(const PngDecoder&) = delete;
+    PngDecoder& operator=(const PngDecoder&) = delete;
+
+    HeightImage decode();
+
+private:
+    bool read_header();                                                     // jump target
+    bool start();                                                           // jump target
+    bool read_rows(png_bytep first, std::size_t stride, png_uint_32 count); // jump target
+    bool read_end(); // jump target: so that a file whose end is missing is noticed
+    void check(bool succeeded) const {
+        if (!succeeded)
+            throw IoError(fmt::format("cannot read {}: no valid PNG file, {}", file_.path().string(), message_));
+    }
+    void convert_row(std::span<const png_byte> row, std::size_t y, std::span<double> samples) const;
+    double component(std::span<const png_byte> row, std::size_t index) const;
+
+    [[noreturn]] static void on_error(png_structp png, png_const_charp message) {
+        auto* self = static_cast<PngDecoder*>(png_get_error_ptr(png));
+        std::strncpy(self->message_, message, sizeof self->message_ - 1);
+        png_longjmp(png, 1);
+    }
+    static void on_warning(png_structp, png_const_charp) {}
+    static void on_read(png_structp png, png_bytep bytes, std::size_t count);
+    std::size_t try_read(png_bytep bytes, std::size_t count) noexcept;
+
+    const ReadableFile& file_;
+    std::uint64_t position_ = 0;
+    png_structp png_ = nullptr;
+    png_infop info_ = nullptr;
+    png_uint_32 width_ = 0, height_ = 0;
+    int depth_ = 0, passes_ = 1;
+    std::size_t components_ = 1;
+    char message_[160] = {};
+};
+
+std::size_t PngDecoder::try_read(png_bytep bytes, std::size_t count) noexcept {
+    try {
+        const std::size_t got = file_.read_some(position_, std::as_writable_bytes(std::span(bytes, count)));
+        position_ += got;
+        return got;
+    } catch (const IoError&) { // no exception may cross libpng's frames
+        return 0;
+    }
+}
+
+void PngDecoder::on_read(png_structp png, png_bytep bytes, std::size_t count) {
+    if (static_cast<PngDecoder*>(png_get_io_ptr(png))->try_read(bytes, count) != count)
+        png_error(png, "it ends too soon or cannot be read");
+}
+
+bool PngDecoder::read_header() {
+    if (setjmp(png_jmpbuf(png_)) != 0)
+        return false;
+    png_read_info(png_, info_);
+    width_ = png_get_image_width(png_, info_);
+    height_ = png_get_image_height(png_, info_);
+    return true;
+}
+
+// Nothing here asks for gamma: samples stay the fractions of full scale that they are.
+bool PngDecoder::start() {
+    if (setjmp(png_jmpbuf(png_)) != 0)
+        return false;
+    const int colour = png_get_color_type(png_, info_);
+    if (colour == PNG_COLOR_TYPE_PALETTE)
+        png_set_palette_to_rgb(png_);
+    else if (colour == PNG_COLOR_TYPE_GRAY && png_get_bit_depth(png_, info_) < 8)
+        png_set_expand_gray_1_2_4_to_8(png_); // times 255, 85 or 17: exact fractions
+    if (colour & PNG_COLOR_MASK_ALPHA)
+        png_set_strip_alpha(png_);
+    passes_ = png_set_interlace_handling(png_);
+    png_read_update_info(png_, info_);
+    components_ = png_get_channels(png_, info_);
+    depth_ = png_get_bit_depth(png_, info_);
+    return true;
+}
+
+bool PngDecoder::read_rows(png_bytep first, std::size_t stride, png_uint_32 count) {
+    if (setjmp(png_jmpbuf(png_)) != 0)
+        return false;
+    for (png_uint_32 row = 0; row < count; ++row)
+        png_read_row(png_, first + row * stride, nullptr);
+    return true;
+}
+
+bool PngDecoder::read_end() {
+    if (setjmp(png_jmpbuf(png_)) != 0)
+        return false;
+    png_read_end(png_, nullptr);
+    return true;
+}
+
+double PngDecoder::component(std::span<const png_byte> row, std::size_t index) const {
+    if (depth_ == 16)
+        return (row[2 * index] * 256 + row[2 * index + 1]) / 65535.0;
+    return row[index] / 255.0;
+}
+
+void PngDecoder::convert_row(std::span<const png_byte> row, std::size_t y, std::span<double> samples) const {
+    for (std::size_t x = 0; x < samples.size(); ++x) {
+        samples[x] = component(row, x * components_);
+        for (std::size_t c = 1; c < components_; ++c)
+            if (component(row, x * components_ + c) != samples[x])
+                throw UsageError(
+                    fmt::format("{}: the pixel in row {}, column {} is coloured: a height map must be grey "
+                                "(red, green and blue alike)",
+                                file_.path().string(), y, x));
+    }
+}
+
+HeightImage PngDecoder::decode() {
+    check(read_header());
+    require_height_size(file_, width_, height_);
+    constexpr std::uint64_t kMostDeflation = 1040; // deflate shrinks by 1032 at most
+    if (std::uint64_t{width_} * height_ / 8 > file_.size() * kMostDeflation)
+        throw IoError(
+            fmt::format("cannot read {}: it is too short for {} x {} samples", file_.path().string(), width_, height_));
+    check(start());
+    HeightImage image;
+    image.columns = width_;
+    image.rows = height_;
+    const std::size_t stride = png_get_rowbytes(png_, info_);
+    std::vector<png_byte> bytes(stride * (passes_ > 1 ? height_ : 1));
+    for (int pass = 0; pass + 1 < passes_; ++pass) // an interlaced image grows in memory, pass by pass
+        check(read_rows(bytes.data(), stride, height_));
+    image.samples.resize(image.columns * image.rows);
+    for (std::size_t y = 0; y < image.rows; ++y) {
+        png_bytep row = bytes.data() + (passes_ > 1 ? y * stride : 0);
+        check(read_rows(row, stride, 1));
+        convert_row({row, stride}, y, std::span(image.samples).subspan(y * image.columns, image.columns));
+    }
+    check(read_end());
+    return image;
+}
+
+} // namespace
+
+HeightImage read_height_png(const ReadableFile& file) {
+    return PngDecoder(file).decode();
+}
+
+} // namespace forceshade

@@ -1,0 +1,139 @@
+// What an engine tells of itself and of its work.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "host/output/hash.h"
+#include "host/output/rows.h"
+
+namespace forceshade {
+
+/// Where the time of a field went, s.
+struct EngineTimes {
+    double compile = 0, upload = 0, kernel = 0, read_back = 0;
+    double plan = 0;                    /* of a mesh: where there is force, and what is near */
+    std::uint64_t voxels_evaluated = 0; /* of a mesh; the others were found free as whole blocks */
+    std::uint64_t uploaded = 0;         /* bytes copied to a device: tables, plans, recorded positions */
+};
+
+struct EngineReport {
+    std::string engine; /* "gpu" or "cpu" */
+    std::string device; /* name */
+    std::string uuid;   /* of a Vulkan device */
+    std::string driver;
+    bool software = true; /* results must equal the oracle's bit for bit */
+    bool f64 = true;      /* evaluates in double precision */
+};
+
+// How far what was evaluated lies from the oracle.
+
+/// Of a field.
+struct OracleError {
+    std::uint64_t compared = 0;  /* voxels */
+    std::uint64_t differing = 0; /* voxels whose bits are not the oracle's in the same precision */
+    std::uint64_t beyond = 0;    /* of them, those further from it than rounding allows: on a software device all */
+    std::uint64_t on_edge = 0; /* voxels as near to another facet of a mesh, or to its surface, as rounding reaches, or
+                                  rounded to the other side of an edge: their error says nothing and is not counted */
+    double largest = 0;        /* N: largest |F - F_oracle|, the oracle in double */
+    double largest_force = 0;  /* N: largest |F_oracle| among the voxels compared */
+
+    /// The largest error over the largest force; 0 for a field without force.
+    double relative() const { return largest_force > 0 ? largest / largest_force : 0; }
+};
+
+/// Of paths.
+struct PathError {
+    std::uint64_t paths = 0;     /* compared */
+    std::uint64_t samples = 0;   /* compared */
+    std::uint64_t differing = 0; /* samples any of whose channels differs in a bit */
+    std::uint64_t beyond = 0;    /* samples further from the oracle than rounding allows: on a software device all that
+                                    differ */
+    std::uint64_t metrics = 0;   /* paths whose metrics differ: on a software device in a bit, else beyond rounding */
+    double largest = 0;          /* N: largest |F - F_oracle| */
+    double largest_force = 0;    /* N: of the oracle */
+    std::string first;           /* where and what, for the first sample or path that is beyond */
+
+    bool passed() const { return beyond == 0 && metrics == 0; }
+};
+
+// What is known of paths that were taken through an engine.
+
+/// What became of paths.
+struct PathRecord {
+    std::uint64_t paths = 0;
+    std::uint64_t steps = 0; /* of the longest */
+    std::uint64_t samples = 0, in_contact = 0;
+    double stretch = 0;                           /* m: the way that turns of the force are counted over */
+    std::uint64_t unstable = 0, began_inside = 0; /* paths */
+    std::uint64_t fell = 0;                       /* of the unstable ones */
+    std::uint64_t unfinished = 0;                 /* samples */
+    double largest_force = 0;                     /* N */
+    double work = 0, effort = 0;                  /* J: sums over the paths */
+    double depth_deviation = 0;                   /* m: root mean square of depth about its mean, in contact */
+    double mean_depth = 0;                        /* m */
+    PathError error;
+    std::vector<FileRecord> files; /* the samples first, if there are any */
+    EngineTimes engine_times;
+    VolumeTimings volume_times;
+    std::vector<std::string> warnings;
+
+    double steps_per_second() const; /* of the engine */
+};
+
+/// What is wrong with a run whose paths are further from the oracle than rounding allows, or hold samples whose proxy
+/// never rested; empty where nothing is.
+std::string complaint(const PathRecord& record, const std::string& name, const std::string& device);
+
+// What is known of a finished case: kept beside the volumes, one small JSON file a case, and merged into the manifest.
+
+/// Of the layout of manifest.json.
+inline constexpr int kManifestFormat = 1;
+
+struct CaseRecord {
+    std::string name;
+    std::string fingerprint; /* of everything that decides the bytes: scene, images, program, engine */
+    std::vector<std::pair<std::string, std::string>> parameters; /* what varies */
+    std::vector<FileRecord> inputs;                              /* files that the scene names; bytes are not told */
+    std::string precision;
+    EngineReport engine;
+    std::vector<FileRecord> files; /* the volume first, the paths' last */
+    std::vector<std::string> omitted;
+    std::uint64_t voxels = 0;    /* of the grid */
+    std::uint64_t evaluated = 0; /* by the engine */
+    double largest_force = 0;    /* N */
+    std::array<std::uint64_t, 3> largest_voxel{};
+    OracleError error;               /* against the oracle */
+    std::optional<PathRecord> paths; /* without files, which stand above, and warnings */
+    EngineTimes engine_times;
+    VolumeTimings volume_times;
+};
+
+/// What is wrong with a case whose field or paths are further from the oracle than rounding allows; empty where nothing
+/// is.
+std::string complaint(const CaseRecord& record);
+
+/// `FOLDER/manifest.d/CASE.json`
+std::filesystem::path record_path(const std::filesystem::path& folder, const std::string& name);
+
+/// \throws IoError.
+void write_record(const std::filesystem::path& folder, const CaseRecord& record);
+
+/// Nothing if there is none or it cannot be understood.
+std::optional<CaseRecord> read_record(const std::filesystem::path& folder, const std::string& name);
+
+/// Of one record. Nothing if it cannot be understood.
+std::optional<CaseRecord> record_of(const nlohmann::ordered_json& json);
+
+/// The record as JSON text, one object.
+std::string record_json(const CaseRecord& record);
+
+} // namespace forceshade

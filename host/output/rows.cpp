@@ -1,0 +1,192 @@
+#include "host/output/rows.h"
+
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <stdexcept>
+
+#include <fmt/core.h>
+#include <half.h>
+
+namespace forceshade {
+
+namespace {
+
+template <typename T, typename real>
+std::span<const T> require_samples(std::span<const T> samples, const layout::FieldChunk<real>& chunk,
+                                   std::uint32_t channel) {
+    const std::size_t rows = chunk.y_count * chunk.z_count;
+    if (rows > 0 && samples.size() < ((rows - 1) * chunk.x_pitch + chunk.x_count) * components_of(channel))
+        throw std::logic_error(fmt::format("chunk lacks samples of channel {}", name_of_channel(channel)));
+    return samples;
+}
+
+} // namespace
+
+const char* name_of_channel(std::uint32_t channel) {
+    switch (channel) {
+    case layout::kChannelForce:
+        return "force";
+    case layout::kChannelDepth:
+        return "depth";
+    case layout::kChannelFacet:
+        return "facet";
+    case layout::kChannelProxy:
+        return "proxy";
+    case layout::kChannelUnshaded:
+        return "unshaded";
+    case layout::kChannelPosition:
+        return "position";
+    default:
+        throw std::logic_error(fmt::format("no channel {}", channel));
+    }
+}
+
+template <typename real> void RowOrder::accept(const layout::FieldChunk<real>& chunk, std::size_t repeat_y) {
+    const auto [nx, ny, nz] = size_;
+    const bool repeated = repeat_y > 1;
+    const bool whole_layers = chunk.y_first == 0 && (repeated ? chunk.y_count == 1 : chunk.y_count == ny);
+    const bool in_order = chunk.z_first * ny + chunk.y_first == next_row_;
+    const bool inside = chunk.x_count == nx && chunk.x_pitch >= nx && chunk.y_first + chunk.y_count <= ny &&
+                        chunk.z_first + chunk.z_count <= nz;
+    if (!in_order || !inside || !(whole_layers || (chunk.z_count == 1 && !repeated)) || (repeated && repeat_y != ny))
+        throw std::logic_error(fmt::format("chunk of y {}+{}, z {}+{} is not what follows row {} of {} x {} x {}",
+                                           chunk.y_first, chunk.y_count, chunk.z_first, chunk.z_count, next_row_, nx,
+                                           ny, nz));
+    next_row_ += chunk.z_count * chunk.y_count * (repeated ? repeat_y : 1);
+}
+
+void RowOrder::require_complete() const {
+    if (next_row_ != size_[1] * size_[2])
+        throw std::logic_error(fmt::format("only {} of {} rows were written", next_row_, size_[1] * size_[2]));
+}
+
+template <typename real> std::span<const real> values_of(const layout::FieldChunk<real>& chunk, std::uint32_t channel) {
+    switch (channel) {
+    case layout::kChannelForce:
+        return require_samples(chunk.force, chunk, channel);
+    case layout::kChannelDepth:
+        return require_samples(chunk.depth, chunk, channel);
+    case layout::kChannelProxy:
+        return require_samples(chunk.proxy, chunk, channel);
+    case layout::kChannelUnshaded:
+        return require_samples(chunk.unshaded, chunk, channel);
+    default:
+        throw std::logic_error(fmt::format("channel {} holds no reals", channel));
+    }
+}
+
+template <typename real> std::span<const layout::uint> ids_of(const layout::FieldChunk<real>& chunk) {
+    return require_samples(chunk.facet, chunk, layout::kChannelFacet);
+}
+
+template void RowOrder::accept(const layout::FieldChunk<float>&, std::size_t);
+template void RowOrder::accept(const layout::FieldChunk<double>&, std::size_t);
+template std::span<const float> values_of(const layout::FieldChunk<float>&, std::uint32_t);
+template std::span<const double> values_of(const layout::FieldChunk<double>&, std::uint32_t);
+template std::span<const layout::uint> ids_of(const layout::FieldChunk<float>&);
+template std::span<const layout::uint> ids_of(const layout::FieldChunk<double>&);
+
+namespace {
+
+constexpr std::uint32_t kMagnitude = 0x7fffffffu;
+constexpr std::uint32_t kInfinity = 0x7f800000u;
+
+/// Bits of the largest magnitude: integers compare as the floats do, NaN above infinity above all numbers, and
+/// vectorise.
+std::int32_t largest_magnitude(std::span<const float> values) {
+    std::int32_t largest = 0;
+    for (const float value : values) {
+        const auto bits = static_cast<std::int32_t>(std::bit_cast<std::uint32_t>(value) & kMagnitude);
+        largest = bits > largest ? bits : largest;
+    }
+    return largest;
+}
+
+} // namespace
+
+float round_to_float24(float value) noexcept {
+    const auto bits = std::bit_cast<std::uint32_t>(value);
+    const std::uint32_t sign = bits & ~kMagnitude;
+    const std::uint32_t magnitude = bits & kMagnitude;
+    std::uint32_t rounded = 0;
+    if (magnitude > kInfinity) // a NaN must keep a bit of its payload to stay one
+        rounded = (magnitude & 0x007fff00u) == 0 ? kInfinity | 0x100u : magnitude & ~0xffu;
+    else
+        rounded = (magnitude + (magnitude & 0x80u)) & ~0xffu;
+    if (magnitude < kInfinity && rounded >= kInfinity)
+        rounded = magnitude & ~0xffu;
+    return std::bit_cast<float>(sign | rounded);
+}
+
+bool overflows_half(float value) noexcept {
+    return std::isfinite(value) && Imath::half(value).isInfinity();
+}
+
+void encode_row(std::span<const float> values, PixelFormat format, std::byte* bytes) {
+    if (format == PixelFormat::half) {
+        for (const float value : values) {
+            const std::uint16_t bits = Imath::half(value).bits();
+            std::memcpy(bytes, &bits, sizeof bits);
+            bytes += sizeof bits;
+        }
+    } else if (format == PixelFormat::float24) {
+        for (const float value : values) {
+            const float rounded = round_to_float24(value);
+            std::memcpy(bytes, &rounded, sizeof rounded);
+            bytes += sizeof rounded;
+        }
+    } else {
+        std::memcpy(bytes, values.data(), values.size_bytes());
+    }
+}
+
+void PixelWatch::add(std::span<const float> values, std::uint64_t y, std::uint64_t z, std::uint64_t repeat,
+                     std::uint64_t x) {
+    const Voxel first{x, y, z};
+    const std::int32_t largest = largest_magnitude(values);
+    if (largest >= static_cast<std::int32_t>(kInfinity))
+        add_non_finite(values, first, repeat);
+    const auto magnitude = static_cast<double>(std::bit_cast<float>(largest));
+    if (!largest_.found || !(magnitude <= std::abs(largest_.value)))
+        add_largest(values, first);
+    // No sample of this row is longer than sqrt(3) times its largest component.
+    if (!longest_.found || !(magnitude * 1.7320508075688775 <= longest_.value))
+        add_longest(values, first);
+}
+
+void PixelWatch::add_largest(std::span<const float> values, const Voxel& first) {
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        const auto value = static_cast<double>(values[i]);
+        if (std::isfinite(value) && (!largest_.found || std::abs(value) > std::abs(largest_.value)))
+            largest_ = {value, {first[0] + i / components_, first[1], first[2]}, true};
+    }
+}
+
+void PixelWatch::add_longest(std::span<const float> values, const Voxel& first) {
+    std::size_t where = values.size();
+    for (std::size_t i = 0; i < values.size(); i += components_) {
+        double squared = 0; // of floats, in double: cannot overflow
+        for (std::size_t c = 0; c < components_; ++c)
+            squared += static_cast<double>(values[i + c]) * static_cast<double>(values[i + c]);
+        if (squared > longest_squared_ && std::isfinite(squared)) {
+            longest_squared_ = squared;
+            where = i;
+        }
+    }
+    if (where < values.size())
+        longest_ = {std::sqrt(longest_squared_), {first[0] + where / components_, first[1], first[2]}, true};
+}
+
+void PixelWatch::add_non_finite(std::span<const float> values, const Voxel& first, std::uint64_t repeat) {
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        if (std::isfinite(values[i]))
+            continue;
+        non_finite_ += repeat;
+        if (!first_non_finite_.found)
+            first_non_finite_ = {
+                static_cast<double>(values[i]), {first[0] + i / components_, first[1], first[2]}, true};
+    }
+}
+
+} // namespace forceshade

@@ -1,0 +1,209 @@
+#include "host/paths/path_figures.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "host/picture/quantity.h"
+
+namespace forceshade {
+
+namespace {
+
+constexpr double kDegrees = 180 / std::numbers::pi;
+
+// A sum whose second term keeps what rounding took from the first.
+template <typename T> double whole(T sum, T rest) {
+    return double(sum) - double(rest);
+}
+
+// From the square of the chord between two unit vectors.
+double angle_of(double square) {
+    return 2 * std::asin(std::min(std::sqrt(square) / 2, 1.0)) * kDegrees;
+}
+
+template <typename T> void add_depths(PathFigures& figures, const layout::PathMetrics<T>& metrics) {
+    if (metrics.contact_samples == 0)
+        return;
+    const double samples = metrics.contact_samples;
+    const double mean = whole(metrics.depth, metrics.depth_rest) / samples;
+    const double square = whole(metrics.depth_square, metrics.depth_square_rest) / samples;
+    figures.least_depth = double(metrics.least_depth);
+    figures.mean_depth = mean;
+    figures.largest_depth = double(metrics.largest_depth);
+    figures.depth_deviation = std::sqrt(std::max(square - mean * mean, 0.0));
+}
+
+// All rounds together have done the work up to where the next one began.
+template <typename T> void add_rounds(PathFigures& figures, const layout::PathMetrics<T>& metrics) {
+    figures.rounds = metrics.rounds;
+    if (metrics.rounds == 0)
+        return;
+    figures.least_round = double(metrics.least_round);
+    figures.mean_round = whole(metrics.round_begin, metrics.round_begin_rest) / double(metrics.rounds);
+    figures.largest_round = double(metrics.largest_round);
+}
+
+} // namespace
+
+template <typename T> PathFigures figures_of(const layout::PathMetrics<T>& metrics, const PathFacts& facts) {
+    constexpr double kMillimetres = 1000; // in a metre
+    const bool unstable = metrics.unstable_step != layout::kNever;
+    const std::uint64_t felt = unstable ? metrics.unstable_step : facts.steps;
+    PathFigures figures;
+    figures.steps = facts.steps;
+    figures.contact_time = facts.times ? facts.times->contact : double(metrics.contact_samples) / facts.rate;
+    figures.largest_force = double(metrics.largest_force);
+    if (felt > 0)
+        figures.rms_force =
+            std::sqrt(std::max(whole(metrics.force_square, metrics.force_square_rest), 0.0) / double(felt));
+    figures.largest_turn = angle_of(double(metrics.largest_turn));
+    figures.steepest_turn =
+        angle_of(double(metrics.steepest_turn)) / (std::sqrt(double(metrics.steepest_way)) * kMillimetres);
+    figures.work = whole(metrics.work, metrics.work_rest);
+    figures.effort = whole(metrics.effort, metrics.effort_rest);
+    if (figures.effort > 0)
+        figures.eta = figures.work / figures.effort;
+    add_rounds(figures, metrics);
+    add_depths(figures, metrics);
+    if (unstable)
+        figures.unstable_time = facts.times ? facts.times->unstable : double(metrics.unstable_step) / facts.rate;
+    figures.fell = metrics.fell != 0;
+    if (facts.closed && metrics.early_speed > 0)
+        figures.speed_ratio = double(metrics.late_speed) / double(metrics.early_speed);
+    figures.began_inside = facts.began_inside;
+    figures.unfinished = metrics.unfinished;
+    return figures;
+}
+
+template PathFigures figures_of<float>(const layout::PathMetrics<float>&, const PathFacts&);
+template PathFigures figures_of<double>(const layout::PathMetrics<double>&, const PathFacts&);
+
+namespace {
+
+constexpr std::uint64_t kDrawn = 5;          // paths
+constexpr std::uint64_t kDrawnSteps = 40000; // of each
+
+struct OnLine {
+    double height; /* m */
+    double angle;  /* deg: of the normal, from z towards x */
+};
+
+std::optional<OnLine> on_line(const std::vector<picture::LinePoint>& line, double x) {
+    const auto after = std::upper_bound(line.begin(), line.end(), x,
+                                        [](double at, const picture::LinePoint& point) { return at < point.x; });
+    if (after == line.begin() || after == line.end())
+        return std::nullopt;
+    const picture::LinePoint &from = *(after - 1), &to = *after;
+    const double share = (x - from.x) / (to.x - from.x);
+    return OnLine{std::lerp(from.z, to.z, share), std::atan2(from.z - to.z, to.x - from.x) * kDegrees};
+}
+
+std::string length_text(double metres) {
+    if (!(metres > 0))
+        return "0 m";
+    const picture::Unit unit = picture::choose_unit(metres, "m");
+    return picture::with_unit(picture::three_digits(picture::divide_by_power_of_ten(metres, unit.exponent)), unit);
+}
+
+std::string follows(const Following& f, const char* line) {
+    return fmt::format("{} from {} sunk by {}, the force {:.2f}° (median {:.2f}°) from its normal",
+                       length_text(f.distance), line, length_text(std::fabs(f.sunk)), f.angle, f.median_angle);
+}
+
+} // namespace
+
+PathCollector::PathCollector(std::uint64_t paths, std::uint64_t steps)
+    : count_(paths), every_(std::max<std::uint64_t>(1, (paths + kDrawn - 1) / kDrawn)),
+      stride_(std::max<std::uint64_t>(1, (steps + kDrawnSteps - 1) / kDrawnSteps)) {}
+
+template <typename T> void PathCollector::add(const PathRows<T>& rows) {
+    for (std::size_t path = 0; path < rows.path_count; ++path)
+        if ((rows.path_first + path) % every_ == 0)
+            add_path(rows, path);
+}
+template void PathCollector::add<float>(const PathRows<float>&);
+template void PathCollector::add<double>(const PathRows<double>&);
+
+template <typename T> void PathCollector::add_path(const PathRows<T>& rows, std::size_t path) {
+    if (rows.step_first == 0)
+        paths_.emplace_back().label = fmt::format("path {}", rows.path_first + path);
+    picture::DrawnPath& drawn = paths_.back();
+    const std::size_t end = rows.step_first + rows.samples(path);
+    for (std::size_t step = (rows.step_first + stride_ - 1) / stride_ * stride_; step < end; step += stride_) {
+        const std::size_t at = 3 * (path * rows.pitch + step - rows.step_first);
+        const double fx = double(rows.force[at]), fz = double(rows.force[at + 2]);
+        drawn.way.push_back({double(rows.position[at]), double(rows.position[at + 2])});
+        drawn.direction.push_back(fx == 0 && fz == 0 ? std::numeric_limits<double>::quiet_NaN()
+                                                     : std::atan2(fx, fz) * kDegrees);
+        y_sum_ += double(rows.position[at + 1]);
+        ++y_samples_;
+    }
+}
+
+PathCollector::Reach PathCollector::reach() const {
+    const picture::Breadth breadth = picture::drawn_breadth(paths_);
+    return {breadth.low, breadth.high, y_samples_ ? y_sum_ / double(y_samples_) : 0};
+}
+
+picture::Picture PathCollector::draw(const std::string& name, const picture::SurfaceLines& surface) const {
+    picture::PathDrawing drawing{name, {}, paths_, surface, is_graph(surface.nominal)};
+    std::string shown = fmt::format("{} of {} paths", paths_.size(), count_);
+    if (stride_ > 1)
+        shown += fmt::format(", every {}th sample", stride_);
+    drawing.notes.push_back(shown + " over the section of the surface at their mean y; below, the direction of the "
+                                    "force in the x-z plane, from z towards x");
+    std::string note;
+    if (const Following f = following(paths_, surface.nominal); f.samples > 0)
+        note = "in contact (root mean square): " + follows(f, "the surface");
+    if (const Following f = following(paths_, surface.smooth); f.samples > 0 && !note.empty())
+        note += "; " + follows(f, "the shape that the shading imitates");
+    if (!note.empty())
+        drawing.notes.push_back(note);
+    return picture::draw_paths(drawing);
+}
+
+bool is_graph(const std::vector<picture::LinePoint>& line) {
+    for (std::size_t i = 1; i < line.size(); ++i)
+        if (!(line[i].x > line[i - 1].x))
+            return false;
+    return !line.empty();
+}
+
+Following following(const std::vector<picture::DrawnPath>& paths, const std::vector<picture::LinePoint>& line) {
+    Following result;
+    if (!is_graph(line))
+        return result;
+    std::vector<double> below, turns;
+    double turned = 0;
+    for (const picture::DrawnPath& path : paths)
+        for (std::size_t i = 0; i < path.way.size(); ++i) {
+            const std::optional<OnLine> nearest = on_line(line, path.way[i].x);
+            if (!nearest || std::isnan(path.direction[i]))
+                continue;
+            below.push_back(nearest->height - path.way[i].z);
+            result.sunk += below.back();
+            turns.push_back(std::fabs(std::remainder(path.direction[i] - nearest->angle, 360)));
+            turned += turns.back() * turns.back();
+        }
+    result.samples = below.size();
+    if (below.empty())
+        return result;
+    const double samples = double(below.size());
+    result.sunk /= samples;
+    double square = 0;
+    for (const double depth : below)
+        square += (depth - result.sunk) * (depth - result.sunk);
+    result.distance = std::sqrt(square / samples);
+    result.angle = std::sqrt(turned / samples);
+    const auto middle = turns.begin() + static_cast<std::ptrdiff_t>(turns.size() / 2);
+    std::nth_element(turns.begin(), middle, turns.end());
+    result.median_angle = *middle;
+    return result;
+}
+
+} // namespace forceshade

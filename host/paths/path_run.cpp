@@ -1,0 +1,360 @@
+#include "host/paths/path_run.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <numeric>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "host/error.h"
+#include "host/output/exr_paths.h"
+#include "host/output/files.h"
+#include "host/output/hash.h"
+#include "host/output/rows.h"
+#include "host/paths/path_figures.h"
+#include "host/paths/path_files.h"
+#include "host/paths/recorded.h"
+#include "host/paths/scene_paths.h"
+#include "host/picture/surface_lines.h"
+#include "host/program.h"
+#include "host/referee/path_oracle.h"
+
+namespace forceshade {
+
+template <typename T> void RecordedTimes::take(const PathRows<T>& rows) {
+    first_ = rows.path_first;
+    step_first_ = rows.step_first;
+    if (rows.step_first == 0)
+        contact_.assign(rows.path_count, ContactTime{});
+    begins_.clear();
+    times_.clear();
+    for (std::size_t path = 0; path < rows.path_count; ++path) {
+        begins_.push_back(times_.size());
+        for (std::size_t i = 0; i < rows.samples(path); ++i) {
+            times_.push_back(cursor_.next().time);
+            contact_[path].add(times_.back(), rows.facet[path * rows.pitch + i] != layout::kNoFacet);
+        }
+    }
+}
+template void RecordedTimes::take<float>(const PathRows<float>&);
+template void RecordedTimes::take<double>(const PathRows<double>&);
+
+double RecordedTimes::at(std::uint64_t path, std::uint64_t step) const {
+    return times_[begins_[path - first_] + (step - step_first_)];
+}
+
+double RecordedTimes::later(std::uint64_t path, std::uint64_t step) {
+    for (; later_path_ < path; ++later_path_)
+        later_begin_ += file_->steps()[later_path_];
+    later_.go_to(later_begin_ + step);
+    return later_.next().time;
+}
+
+namespace {
+
+constexpr layout::uint kSampled = layout::kChannelForce | layout::kChannelPosition | layout::kChannelDepth |
+                                  layout::kChannelFacet | layout::kChannelProxy;
+constexpr layout::uint kAlways = layout::kChannelForce | layout::kChannelPosition;
+
+} // namespace
+
+bool is_csv(const std::filesystem::path& path) {
+    return path.extension() == ".csv";
+}
+
+layout::uint channels_for(const PathRunOptions& options, layout::uint asked) {
+    if (options.samples.empty())
+        return 0;
+    return is_csv(options.samples) ? kSampled : (asked & kSampled) | kAlways;
+}
+
+std::filesystem::path recorded_file(const Scene& scene, const PathRunOptions& options) {
+    if (options.recorded)
+        return *options.recorded;
+    if (scene.paths && scene.paths->kind == PathKind::recorded)
+        return scene.paths->path;
+    return {};
+}
+
+std::vector<std::string> path_file_names(const PathRunOptions& options, layout::uint channels) {
+    std::vector<std::string> names;
+    const std::string stem = options.stem.filename().string();
+    if (!options.samples.empty())
+        names.push_back(options.samples.filename().string());
+    names.push_back(stem + ".paths.csv");
+    if (options.npy)
+        for (const layout::uint channel : kPathChannels)
+            if (channels_for(options, channels) & channel)
+                names.push_back(fmt::format("{}{}.{}.npy", stem, options.label, name_of_channel(channel)));
+    if (options.png)
+        names.push_back(stem + ".paths.png");
+    return names;
+}
+
+namespace {
+
+double rate_of(const Scene& scene) {
+    return scene.paths ? scene.paths->rate : PathsSpec{}.rate;
+}
+
+// Null: the paths are generated.
+template <typename T>
+std::shared_ptr<const RecordedFile> read_paths(const PreparedCase& prepared, const PathRunOptions& options) {
+    const std::filesystem::path file = recorded_file(prepared.one.scene, options);
+    return file.empty() ? nullptr : read_recorded<T>(prepared, file, options.reading);
+}
+
+struct NamedSink {
+    std::string name;
+    std::unique_ptr<PathSink> sink;
+};
+
+template <typename T> class Run {
+public:
+    Run(Engine& engine, const PreparedCase& prepared, const PathRunOptions& options)
+        : engine_(engine), prepared_(prepared), options_(options), file_(read_paths<T>(prepared, options)),
+          paths_(prepared, file_), alike_(prepared, file_), input_(paths_.input()), rate_(rate_of(prepared.one.scene)),
+          written_(channels_for(options, prepared.one.scene.output.channels)) {
+        // How long a recorded path was in contact is known from its samples alone.
+        input_.features.channels = file_ ? written_ | layout::kChannelFacet : written_;
+        source_.emplace(paths_, input_.steps, paths_that_fit(input_));
+        input_.source = &*source_;
+        for (ScenePaths<T>* paths : {&paths_, &alike_})
+            paths->limit_batches(samples_that_fit(input_));
+        layout::PathInput<T> same = alike_.input();
+        same.features.channels = input_.features.channels;
+        oracle_.emplace(prepared, same, engine.report().software);
+        gatherer_.emplace(*source_, [this](const PathRows<T>& rows) { take(rows); });
+        if (file_)
+            times_.emplace(file_);
+        total_ = file_ ? file_->samples() : std::uint64_t(input_.paths) * input_.steps;
+        open_files();
+    }
+
+    PathRecord run() {
+        record_.paths = input_.paths;
+        record_.steps = input_.steps;
+        record_.stretch = paths_.stretch();
+        record_.engine_times = engine_.explore(
+            input_, [this](const layout::PathChunk<T>& chunk) { take(chunk); },
+            [this](std::size_t first, std::span<const layout::PathMetrics<T>> metrics) { take(first, metrics); });
+        finish();
+        return record_;
+    }
+
+private:
+    std::filesystem::path beside(const std::string& kind) const { return options_.stem.string() + kind; }
+
+    void open_files() {
+        const Scene& scene = prepared_.one.scene;
+        if (!options_.samples.empty())
+            add_sink(options_.samples,
+                     is_csv(options_.samples)
+                         ? std::unique_ptr<PathSink>(std::make_unique<PathCsvWriter>(options_.samples, labels()))
+                         : std::make_unique<PathVolumeWriter>(options_.samples, header()));
+        summary_.emplace(beside(".paths.csv"), scene.precision);
+        if (options_.npy)
+            for (const layout::uint channel : kPathChannels)
+                if (written_ & channel) {
+                    const std::filesystem::path file =
+                        beside(fmt::format("{}.{}.npy", options_.label, name_of_channel(channel)));
+                    add_sink(file, std::make_unique<PathNpyWriter>(file, input_.paths, input_.steps, channel,
+                                                                   scene.precision));
+                }
+        if (options_.png)
+            collector_.emplace(input_.paths, input_.steps);
+    }
+
+    void add_sink(const std::filesystem::path& file, std::unique_ptr<PathSink> sink) {
+        sinks_.push_back({file.filename().string(), std::move(sink)});
+    }
+
+    PathVolumeHeader header() const {
+        const Scene& scene = prepared_.one.scene;
+        PathVolumeHeader header;
+        header.steps = input_.steps;
+        header.paths = input_.paths;
+        header.rate = file_ && input_.features.loop == layout::kLoopOpen ? 0 : rate_;
+        header.channels = written_;
+        header.compression = scene.output.compression;
+        header.pixel = scene.output.pixel;
+        header.scene = prepared_.scene;
+        header.version = version();
+        Scene of_paths = scene;
+        of_paths.field = false;
+        header.omitted = fmt::format("{}", fmt::join(omissions(of_paths), "; "));
+        header.threads = options_.threads;
+        return header;
+    }
+
+    std::uint64_t id_of(std::uint64_t path) const { return file_ ? file_->ids()[path] : path; }
+    double time_of(std::uint64_t path, std::uint64_t step) const {
+        return times_ ? times_->at(path, step) : double(step) / rate_;
+    }
+
+    PathLabels labels() {
+        return {[this](std::uint64_t path) { return id_of(path); },
+                [this](std::uint64_t path, std::uint64_t step) { return time_of(path, step); }};
+    }
+
+    void take(const layout::PathChunk<T>& chunk) {
+        check_interrupt();
+        if (input_.features.channels != 0)
+            gatherer_->add(chunk);
+        progress(std::min(batch_samples(), chunk.path_count * (chunk.step_first + chunk.step_count)));
+    }
+
+    void take(const PathRows<T>& rows) {
+        if (times_)
+            times_->take(rows);
+        require_finite(rows);
+        oracle_->compare(rows);
+        for (NamedSink& sink : sinks_) {
+            check_interrupt();
+            sink.sink->write(rows);
+        }
+        if (collector_)
+            collector_->add(rows);
+    }
+
+    void require_finite(const PathRows<T>& rows) const {
+        if (rows.force.empty())
+            return;
+        for (std::size_t path = 0; path < rows.path_count; ++path)
+            for (std::size_t i = 3 * path * rows.pitch; i < 3 * (path * rows.pitch + rows.samples(path)); ++i)
+                if (!std::isfinite(rows.force[i]) || !std::isfinite(rows.position[i]))
+                    refuse(rows.path_first + path,
+                           fmt::format(" at step {}, at ({}, {}, {}) m,", rows.step_first + i / 3 - path * rows.pitch,
+                                       rows.position[i / 3 * 3], rows.position[i / 3 * 3 + 1],
+                                       rows.position[i / 3 * 3 + 2]));
+    }
+
+    [[noreturn]] void refuse(std::uint64_t path, const std::string& where) const {
+        throw Error(ExitCode::failed,
+                    fmt::format("{}: the force on path {}{} is no finite number of this precision; nothing was written",
+                                options_.stem.string(), id_of(path), where));
+    }
+
+    void take(std::size_t first, std::span<const layout::PathMetrics<T>> metrics) {
+        check_interrupt();
+        oracle_->compare(first, metrics);
+        const bool closed = input_.features.loop == layout::kLoopClosed;
+        for (std::size_t i = 0; i < metrics.size(); ++i) {
+            const bool inside = !source_->inside().empty() && source_->inside()[i];
+            const PathFigures figures =
+                figures_of(metrics[i], {source_->lengths()[i], rate_, closed, inside, times_of(first + i, metrics[i])});
+            if (!std::isfinite(figures.largest_force + figures.rms_force + figures.work + figures.steepest_turn))
+                refuse(first + i, "");
+            summary_->add(id_of(first + i), figures);
+            count(figures, metrics[i].contact_samples);
+        }
+        done_ += batch_samples();
+        progress(0);
+    }
+
+    std::optional<PathTimes> times_of(std::uint64_t path, const layout::PathMetrics<T>& metrics) {
+        if (!times_)
+            return std::nullopt;
+        const bool left = metrics.unstable_step != layout::kNever;
+        return PathTimes{times_->contact_time(path), left ? times_->later(path, metrics.unstable_step) : 0};
+    }
+
+    std::uint64_t batch_samples() const {
+        return std::accumulate(source_->lengths().begin(), source_->lengths().end(), std::uint64_t(0));
+    }
+
+    void count(const PathFigures& figures, std::uint64_t contact) {
+        record_.samples += figures.steps;
+        record_.in_contact += contact;
+        record_.unstable += figures.unstable_time.has_value();
+        record_.fell += figures.fell;
+        record_.began_inside += figures.began_inside;
+        record_.unfinished += figures.unfinished;
+        record_.largest_force = std::max(record_.largest_force, figures.largest_force);
+        record_.work += figures.work;
+        record_.effort += figures.effort;
+        if (contact == 0)
+            return;
+        depth_ += double(contact) * *figures.mean_depth;
+        depth_square_ += double(contact) * (*figures.mean_depth * *figures.mean_depth +
+                                            *figures.depth_deviation * *figures.depth_deviation);
+    }
+
+    // `done`: of the present batch.
+    void progress(std::uint64_t done) const {
+        if (options_.progress)
+            options_.progress(done_ + done, total_);
+    }
+
+    void add_file(const std::string& name, const VolumeResult& result) {
+        record_.files.push_back({name, result.sha256, result.bytes});
+        record_.volume_times.encode += result.timings.encode;
+        record_.volume_times.flush += result.timings.flush;
+        record_.volume_times.read_back += result.timings.read_back;
+        record_.volume_times.hash += result.timings.hash;
+    }
+
+    void finish() {
+        check_interrupt();
+        if (file_)
+            file_->require_unchanged();
+        record_.error = oracle_->error();
+        record_.warnings = paths_.warnings();
+        if (record_.in_contact > 0) {
+            const double samples = double(record_.in_contact);
+            record_.mean_depth = depth_ / samples;
+            record_.depth_deviation =
+                std::sqrt(std::max(depth_square_ / samples - record_.mean_depth * record_.mean_depth, 0.0));
+        }
+        // The samples come first: they refuse what must not be published.
+        if (!options_.samples.empty())
+            add_file(sinks_.front().name, sinks_.front().sink->finish());
+        add_file(beside(".paths.csv").filename().string(), summary_->finish());
+        for (std::size_t i = 1; i < sinks_.size(); ++i)
+            add_file(sinks_[i].name, sinks_[i].sink->finish());
+        if (collector_)
+            add_picture();
+    }
+
+    void add_picture() {
+        const PathCollector::Reach reach = collector_->reach();
+        const double border = std::max(0.05 * (reach.to - reach.from), 1e-9);
+        const picture::Picture drawn = collector_->draw(
+            prepared_.one.name, surface_lines(prepared_, {reach.from - border, reach.to + border, reach.y}));
+        const auto bytes = std::as_bytes(std::span(drawn.png));
+        const std::filesystem::path file = beside(".paths.png");
+        write_file_atomically(file, bytes);
+        record_.files.push_back({file.filename().string(), sha256_of(bytes), bytes.size()});
+    }
+
+    Engine& engine_;
+    const PreparedCase& prepared_;
+    const PathRunOptions& options_;
+    std::shared_ptr<const RecordedFile> file_; // null: the paths are generated
+    ScenePaths<T> paths_, alike_;              // the engine's, and the oracle's
+    layout::PathInput<T> input_;
+    double rate_;                        /* 1/s */
+    layout::uint written_;               // channels
+    std::uint64_t total_ = 0, done_ = 0; // samples: in all, and of the batches before
+    std::optional<BatchedSource<T>> source_;
+    std::optional<PathOracle<T>> oracle_;
+    std::optional<RowGatherer<T>> gatherer_;
+    std::optional<RecordedTimes> times_;
+    std::vector<NamedSink> sinks_; // the samples first, if there are any
+    std::optional<PathSummary> summary_;
+    std::optional<PathCollector> collector_;
+    double depth_ = 0, depth_square_ = 0; // m, m^2: sums over the samples in contact
+    PathRecord record_;
+};
+
+} // namespace
+
+PathRecord run_paths(Engine& engine, const PreparedCase& prepared, const PathRunOptions& options) {
+    if (prepared.one.scene.precision == Precision::f32)
+        return Run<float>(engine, prepared, options).run();
+    return Run<double>(engine, prepared, options).run();
+}
+
+} // namespace forceshade

@@ -1,0 +1,169 @@
+#include "host/prepare/prepared_case.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "host/error.h"
+#include "host/mesh/mesh_file.h"
+#include "host/mesh/prepare_mesh.h"
+#include "host/output/height_image.h"
+#include "host/output/reading.h"
+#include "host/scene/scene.h"
+
+namespace forceshade {
+
+namespace {
+
+constexpr double kMargin = 0.05; // of the box's longest side
+
+} // namespace
+
+MeshBox bounding_box(const PolygonSoup& polygons) {
+    constexpr double kFar = std::numeric_limits<double>::infinity();
+    MeshBox box{{kFar, kFar, kFar}, {-kFar, -kFar, -kFar}};
+    for (const std::uint32_t corner : polygons.corners)
+        for (int axis = 0; axis < 3; ++axis) {
+            const auto i = static_cast<std::size_t>(axis);
+            box.low[i] = std::min(box.low[i], polygons.vertices[corner][axis]);
+            box.high[i] = std::max(box.high[i], polygons.vertices[corner][axis]);
+        }
+    return box;
+}
+
+std::shared_ptr<const SceneMesh> read_scene_mesh(const MeshSpec& spec) {
+    PolygonFile file = read_polygons(spec.path);
+    constexpr double kTriangleBytes =
+        1100; // measured: of the structure, its tables in both precisions and on the device
+    const std::size_t triangles =
+        file.polygons.corners.size() - std::min(file.polygons.corners.size(), 2 * file.polygons.facets());
+    require_memory(spec.path, fmt::format("a mesh of {} triangles", triangles),
+                   kTriangleBytes * static_cast<double>(triangles));
+    auto mesh = std::make_shared<SceneMesh>();
+    mesh->sha256 = file.sha256;
+    mesh->findings = inspect(file.polygons);
+    refuse_if_meaningless(mesh->findings, spec.file);
+    MeshPlacement placement;
+    placement.unit = spec.unit;
+    placement.scale = spec.scale;
+    placement.rotate = spec.rotate;
+    placement.translate = spec.translate;
+    mesh->mesh = prepare_mesh(std::move(file.polygons), placement,
+                              spec.normals == NormalWeights::angle ? VertexNormals::angle : VertexNormals::plain);
+    StructureOptions options;
+    options.winding = spec.inside == InsideTest::winding;
+    options.solid = is_solid(mesh->findings);
+    mesh->structure = build_structure(mesh->mesh, options);
+    return mesh;
+}
+
+std::vector<std::string> warnings_of(const MeshSpec& spec, const SceneMesh& mesh, MeshUse use) {
+    std::vector<std::string> result;
+    for (const std::string& warning : warnings(mesh.findings, use))
+        result.push_back(fmt::format("{}: {}", spec.file, warning));
+    return result;
+}
+
+void check_mesh_fits(const Scene& scene, const SceneMesh& mesh) {
+    if (scene.force.shading != Shading::barycentric)
+        return;
+    const auto& begins = mesh.mesh.polygons.begins;
+    for (std::size_t facet = 0; facet + 1 < begins.size(); ++facet)
+        if (begins[facet + 1] - begins[facet] != 3)
+            throw UsageError(fmt::format("shading \"barycentric\" is for triangles, and facet {} of {} has {} corners: "
+                                         "use \"mean_value\", which is the same on triangles",
+                                         facet, scene.surface.mesh.file, begins[facet + 1] - begins[facet]));
+}
+
+GridSpec fitted_grid(std::uint64_t samples, const Mesh& mesh) {
+    const MeshBox box = bounding_box(mesh.polygons);
+    double longest = 0; /* m */
+    for (std::size_t i = 0; i < 3; ++i)
+        longest = std::max(longest, box.high[i] - box.low[i]);
+    GridSpec grid;
+    const double spacing = samples > 1 ? (1 + kMargin) * longest / static_cast<double>(samples - 1) : longest;
+    for (std::size_t i = 0; i < 3; ++i) {
+        const double covered = box.high[i] - box.low[i] + kMargin * longest;
+        // A side as long as the longest one has as many samples, whatever the division rounds to.
+        const double count = std::ceil(covered / spacing - 1e-9) + 1; // infinite where the spacing underflows
+        grid.size[i] = count < static_cast<double>(samples) ? static_cast<std::uint64_t>(count) : samples;
+        grid.spacing[i] = spacing;
+        const double half = spacing * static_cast<double>(grid.size[i] - 1) / 2;
+        grid.origin[i] = box.low[i] + (box.high[i] - box.low[i]) / 2 - half;
+    }
+    if (grid.size[1] * grid.size[2] > kMostRows)
+        throw UsageError(fmt::format("grid.samples = {} makes {} rows, y times z; an EXR holds up to {}", samples,
+                                     grid.size[1] * grid.size[2], kMostRows));
+    return grid;
+}
+
+namespace {
+
+// In memory between cases: a sweep over files must not keep them all.
+constexpr std::size_t kImages = 4;
+constexpr std::size_t kMeshes = 2;
+
+// The newest first; made by `read` unless it is there.
+template <typename Key, typename File, typename Read>
+std::shared_ptr<const File> kept(std::deque<std::pair<Key, std::shared_ptr<const File>>>& files, const Key& key,
+                                 std::size_t most, const Read& read) {
+    const auto known = std::find_if(files.begin(), files.end(), [&](const auto& one) { return one.first == key; });
+    if (known != files.end())
+        return known->second;
+    files.emplace_front(key, read());
+    if (files.size() > most)
+        files.pop_back();
+    return files.front().second;
+}
+
+void check_digest(const std::string& file, const std::string& expected, const std::string& found) {
+    if (!expected.empty() && expected != found)
+        throw UsageError(fmt::format("{} is not the file that the scene means: its SHA-256 is {}, the scene says {}",
+                                     file, found, expected));
+}
+
+} // namespace
+
+std::shared_ptr<const HeightImage> CasePreparation::image(HeightMapSpec& map) {
+    if (map.function != MapFunction::file)
+        return nullptr;
+    const auto image = kept(images_, map.path, kImages,
+                            [&] { return std::make_shared<const HeightImage>(read_height_image(map.path)); });
+    check_digest(map.file, map.sha256, image->sha256);
+    map.sha256 = image->sha256;
+    return image;
+}
+
+std::shared_ptr<const SceneMesh> CasePreparation::mesh(MeshSpec& spec) {
+    MeshSpec placed = spec;
+    placed.sha256.clear();
+    const auto mesh = kept(meshes_, placed, kMeshes, [&] { return read_scene_mesh(placed); });
+    check_digest(spec.file, spec.sha256, mesh->sha256);
+    spec.sha256 = mesh->sha256;
+    return mesh;
+}
+
+PreparedCase CasePreparation::prepare(const Case& one) {
+    PreparedCase prepared;
+    prepared.one = one;
+    Scene& scene = prepared.one.scene;
+    if (scene.surface.kind == SurfaceKind::height_map)
+        prepared.images.map = image(scene.surface.map);
+    if (scene.texture)
+        prepared.images.texture = image(scene.texture->map);
+    if (scene.surface.kind == SurfaceKind::mesh) {
+        prepared.images.mesh = mesh(scene.surface.mesh);
+        const bool winding = scene.surface.mesh.inside == InsideTest::winding;
+        prepared.warnings = warnings_of(scene.surface.mesh, *prepared.images.mesh,
+                                        winding ? MeshUse::winding_field : MeshUse::pseudonormal_field);
+        check_mesh_fits(scene, *prepared.images.mesh);
+        if (scene.grid.samples)
+            scene.grid = fitted_grid(scene.grid.samples, prepared.images.mesh->mesh);
+    }
+    prepared.scene = resolved_toml(prepared.one);
+    return prepared;
+}
+
+} // namespace forceshade

@@ -1,0 +1,59 @@
+// Which value each key has: layers merged, and one value chosen from each axis.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "host/scene/document.h"
+#include "host/scene/scene.h"
+#include "host/scene/schema.h"
+#include "host/scene/study.h"
+
+namespace forceshade {
+
+/// By key: the entry that holds after later layers have replaced earlier ones; null where the other of function and
+/// file holds.
+struct Merged {
+    std::vector<const Entry*> entries;
+    std::vector<int> ranks;                                          // of the layer that gave the entry; 0: a default
+    bool texture = false, paths = false, hand = false, grid = false; // has such a table
+};
+
+/// The defaults, then the layers in turn. Null layers are skipped. The layers must outlive the result.
+Merged merge(std::initializer_list<const Layer*> layers);
+
+/// Every outcome of the selectors (kind, function or file, shading) that a merged layer allows.
+std::vector<Forms> possible_forms(const Merged& merged);
+
+/// True if the key applies to at least one of them.
+bool applies_to_any(const Key& key, const std::vector<Forms>& forms);
+
+/// By key: the value, or null where the key does not apply.
+using Selection = std::vector<const Value*>;
+
+/// Takes away the values of keys that do not apply; `selection` is one choice of what the merged layers allow.
+void drop_inapplicable(Selection& selection, const Merged& merged);
+
+/// True if a mesh's grid is made from its box: `samples` was given no earlier than the grid's other keys.
+bool grid_fits_mesh(const Merged& merged);
+
+/// Equal text if and only if the selections give the same scene.
+std::string identity(const Selection& selection);
+
+Scene build_scene(const Selection& selection);
+
+// Case names: what varies over a study, in file order, safe as file names everywhere.
+
+/// Fills in `name` and `varied` of each case. `selections` are the cases' own, `order` the order of keys
+/// (Document::order). Names that would be equal, or equal but for upper and lower case, or too long, end in a hash of
+/// the case's values.
+void name_cases(std::vector<Case>& cases, const std::vector<Selection>& selections,
+                const std::vector<std::size_t>& order);
+
+// Cases of a study by a pattern of their names, as `--only` gives it.
+
+/// The cases whose name a shell pattern matches, in the study's order; they live as long as the study.
+/// \throws UsageError if there is none.
+std::vector<const Case*> cases_named(const Study& study, const std::string& pattern);
+
+} // namespace forceshade
