@@ -1,4 +1,4 @@
-// Every block of the README that is marked toml, sh or python works as it stands there, in order, in one folder.
+// Every block of a README that is marked toml, sh or python works as it stands there, in order, in a folder of its own.
 #include <regex>
 #include <sstream>
 
@@ -36,18 +36,15 @@ std::string without_set_up(const std::string& text) {
     return std::regex_replace(text, std::regex("(^|\n)\\./(host|tests)/run[^\n]*"), "$1");
 }
 
-class Readme : public Workplace {
+class Readme : public Workplace, public ::testing::WithParamInterface<const char*> {
 protected:
-    Readme() : blocks_(blocks_of(read_text(FORCESHADE_SOURCE "/README.md"))) {
+    Readme() : blocks_(blocks_of(read_text(page()))) {
         std::filesystem::create_directory(path("bin"));
         std::filesystem::create_symlink(FORCESHADE_PROGRAM, path("bin/forceshade"));
         std::filesystem::create_directory(path("work"));
         std::filesystem::create_directory_symlink(FORCESHADE_SOURCE "/tests", path("work/tests"));
     }
-    std::size_t count(const std::string& language) const {
-        return static_cast<std::size_t>(std::count_if(blocks_.begin(), blocks_.end(),
-                                                      [&](const Block& block) { return block.language == language; }));
-    }
+    static std::filesystem::path page() { return std::filesystem::path(FORCESHADE_SOURCE) / GetParam(); }
     Outcome run_in_work(const std::string& program, const std::vector<std::string>& arguments) const {
         Launch launch = this->launch(arguments);
         launch.program = program;
@@ -58,15 +55,12 @@ protected:
     std::vector<Block> blocks_;
 };
 
-TEST_F(Readme, has_examples) {
-    EXPECT_GE(count("toml"), 1u);
-    EXPECT_GE(count("sh"), 1u);
-    EXPECT_GE(count("python"), 1u);
+TEST_P(Readme, every_block_says_its_language) {
     for (const Block& block : blocks_)
         EXPECT_NE(block.language, "") << "line " << block.line << ": say what it is";
 }
 
-TEST_F(Readme, scenes_and_studies_are_accepted_and_run) {
+TEST_P(Readme, scenes_and_studies_are_accepted_and_run) {
     for (const Block& block : blocks_) {
         if (block.language != "toml")
             continue;
@@ -77,7 +71,7 @@ TEST_F(Readme, scenes_and_studies_are_accepted_and_run) {
     }
 }
 
-TEST_F(Readme, commands_and_scripts_work) {
+TEST_P(Readme, commands_and_scripts_work) {
     for (const Block& block : blocks_) {
         if (block.language != "sh" && block.language != "python")
             continue;
@@ -88,11 +82,24 @@ TEST_F(Readme, commands_and_scripts_work) {
     }
 }
 
-TEST_F(Readme, links_lead_somewhere) {
-    const std::string text = read_text(FORCESHADE_SOURCE "/README.md");
+TEST_P(Readme, links_lead_somewhere) {
+    const std::string text = read_text(page());
     const std::regex link("\\]\\(([^):#]+)\\)");
     for (auto found = std::sregex_iterator(text.begin(), text.end(), link); found != std::sregex_iterator(); ++found)
-        EXPECT_TRUE(std::filesystem::exists(std::string(FORCESHADE_SOURCE "/") + (*found)[1].str())) << (*found)[1];
+        EXPECT_TRUE(std::filesystem::exists(page().parent_path() / (*found)[1].str())) << (*found)[1];
+}
+
+INSTANTIATE_TEST_SUITE_P(Pages, Readme,
+                         ::testing::Values("README.md", "device/README.md", "host/README.md", "host/mesh/README.md",
+                                           "host/output/README.md", "host/paths/README.md", "host/referee/README.md",
+                                           "host/scene/README.md", "host/study/README.md", "host/sweep/README.md",
+                                           "shaders/README.md"));
+
+TEST(MainReadme, is_short_and_shows_how) {
+    const std::string text = read_text(FORCESHADE_SOURCE "/README.md");
+    EXPECT_LE(std::count(text.begin(), text.end(), '\n'), 150);
+    for (const char* language : {"sh", "python"})
+        EXPECT_NE(text.find(std::string("```") + language), std::string::npos) << language;
 }
 
 } // namespace
