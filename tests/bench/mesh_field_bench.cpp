@@ -10,7 +10,7 @@
 #include "host/mesh/block_plan.h"
 #include "host/mesh/findings.h"
 #include "host/mesh/mesh_file.h"
-#include "host/mesh/prepare_mesh.h"
+#include "host/mesh/mesh.h"
 #include "host/prepare/prepared_case.h"
 #include "host/reference/mesh_nearest.h"
 #include "tests/bench/measure.h"
