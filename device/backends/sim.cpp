@@ -59,7 +59,7 @@ public:
         const Vector<double> shown =
             halted_.load(std::memory_order_relaxed) ? Vector<double>(0) : Vector<double>(force);
         const reference::PathSampled<double> sampled{{}, shown, {}};
-        reference::carry(state_, hand_, sampled, target(state_.step), target(state_.step + 1), 0U);
+        reference::advance_probe(state_, hand_, sampled, target(state_.step), target(state_.step + 1), 0U);
         reference::keep_sample(state_, sampled);
         return true;
     }

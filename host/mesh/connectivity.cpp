@@ -1,9 +1,8 @@
 #include "host/mesh/connectivity.h"
 
 #include <algorithm>
-#include <cstdint>
+#include <numeric>
 #include <span>
-#include <vector>
 
 #include <OpenMesh/Core/Geometry/VectorT.hh>
 #include <OpenMesh/Core/Mesh/PolyMesh_ArrayKernelT.hh>
@@ -11,114 +10,44 @@
 
 namespace forceshade {
 
-namespace {
-
-// One facet's side along an edge: the corners (places in PolygonSoup::corners) where it begins and ends.
-struct Side {
-    std::uint64_t edge; // lesser vertex * 2^32 + greater vertex
-    std::uint32_t begin, end;
+class Connectivity::Structure {
+public:
+    virtual ~Structure() = default;
+    virtual ConnectivityCounts counts() const = 0;
+    virtual void outline(std::uint32_t facet, std::vector<std::uint32_t>& vertices) const = 0;
+    virtual void fan(std::uint32_t vertex, std::vector<FacetCorner>& corners) const = 0;
 };
 
-class EdgeMatching {
-public:
-    explicit EdgeMatching(const PolygonSoup& polygons)
-        : polygons_(polygons), fans_(polygons.corners.size()), pieces_(polygons.facets()),
-          facet_of_(polygons.corners.size()) {}
+namespace {
 
-    Connectivity run() {
-        collect_sides();
-        std::ranges::sort(sides_, {}, [](const Side& side) { return std::pair(side.edge, side.begin); });
-        for (std::size_t i = 0; i < sides_.size();) {
-            std::size_t end = i + 1;
-            while (end < sides_.size() && sides_[end].edge == sides_[i].edge)
-                ++end;
-            match(std::span(sides_).subspan(i, end - i));
-            i = end;
-        }
-        for (std::uint32_t facet = 0; facet < polygons_.facets(); ++facet)
-            found_.components += pieces_.find(facet) == facet;
-        count_fans();
-        count_holes();
-        return found_;
+/// Things joined into sets (union-find with path halving).
+class DisjointSets {
+public:
+    explicit DisjointSets(std::size_t count) : parents_(count) { std::iota(parents_.begin(), parents_.end(), 0u); }
+
+    /// The set's least member.
+    std::uint32_t find(std::uint32_t member) noexcept {
+        while (parents_[member] != member)
+            member = parents_[member] = parents_[parents_[member]];
+        return member;
+    }
+
+    void join(std::uint32_t a, std::uint32_t b) noexcept {
+        a = find(a);
+        b = find(b);
+        parents_[std::max(a, b)] = std::min(a, b);
+    }
+
+    std::size_t count() const noexcept {
+        std::size_t sets = 0;
+        for (std::size_t i = 0; i < parents_.size(); ++i)
+            sets += parents_[i] == i;
+        return sets;
     }
 
 private:
-    std::uint32_t vertex(std::uint32_t corner) const { return polygons_.corners[corner]; }
-
-    void collect_sides() {
-        sides_.reserve(polygons_.corners.size());
-        for (std::uint32_t facet = 0; facet < polygons_.facets(); ++facet) {
-            const std::uint32_t first = polygons_.begins[facet], last = polygons_.begins[facet + 1] - 1;
-            for (std::uint32_t begin = first; begin <= last; ++begin) {
-                const std::uint32_t end = begin == last ? first : begin + 1;
-                const std::uint64_t a = vertex(begin), b = vertex(end);
-                facet_of_[begin] = facet;
-                if (a == b)
-                    fans_.join(begin, end);
-                else
-                    sides_.push_back({std::min(a, b) << 32 | std::max(a, b), begin, end});
-            }
-        }
-    }
-
-    void match(std::span<const Side> sides) {
-        found_.non_manifold_edges += sides.size() > 2;
-        found_.odd_edges += sides.size() % 2;
-        found_.misoriented_edges += sides.size() == 2 && vertex(sides[0].begin) == vertex(sides[1].begin);
-        if (sides.size() == 1) {
-            ++found_.boundary_edges;
-            border_.push_back(sides[0]);
-        }
-        for (const Side& side : sides.subspan(1)) {
-            const bool same = vertex(side.begin) == vertex(sides[0].begin);
-            fans_.join(sides[0].begin, same ? side.begin : side.end);
-            fans_.join(sides[0].end, same ? side.end : side.begin);
-            pieces_.join(facet_of_[sides[0].begin], facet_of_[side.begin]);
-        }
-    }
-
-    void count_fans() {
-        std::vector<std::uint32_t> fans(polygons_.vertices.size(), 0);
-        for (std::uint32_t corner = 0; corner < polygons_.corners.size(); ++corner)
-            if (fans_.find(corner) == corner && ++fans[vertex(corner)] == 2)
-                ++found_.non_manifold_vertices;
-    }
-
-    // Boundary edges that end in the same fan belong to the same loop.
-    void count_holes() {
-        DisjointSets loops(polygons_.corners.size());
-        for (const Side& side : border_)
-            loops.join(fans_.find(side.begin), fans_.find(side.end));
-        std::vector<std::uint32_t> names;
-        names.reserve(border_.size());
-        for (const Side& side : border_)
-            names.push_back(loops.find(fans_.find(side.begin)));
-        std::ranges::sort(names);
-        const auto repeated = std::ranges::unique(names);
-        found_.holes = names.size() - repeated.size();
-    }
-
-    const PolygonSoup& polygons_;
-    DisjointSets fans_;   // corners of a vertex, joined across edges
-    DisjointSets pieces_; // facets
-    std::vector<std::uint32_t> facet_of_;
-    std::vector<Side> sides_, border_;
-    Connectivity found_;
+    std::vector<std::uint32_t> parents_;
 };
-
-} // namespace
-
-Connectivity connectivity_by_edges(const PolygonSoup& polygons) {
-    return EdgeMatching(polygons).run();
-}
-
-Connectivity connectivity(const PolygonSoup& polygons) {
-    if (const auto found = connectivity_by_half_edges(polygons))
-        return *found;
-    return connectivity_by_edges(polygons);
-}
-
-namespace {
 
 struct DoubleTraits : OpenMesh::DefaultTraits {
     using Point = OpenMesh::Vec3d;
@@ -127,95 +56,231 @@ struct DoubleTraits : OpenMesh::DefaultTraits {
     EdgeAttributes(0);
     FaceAttributes(0);
 };
-using HalfEdges = OpenMesh::PolyMesh_ArrayKernelT<DoubleTraits>;
+using Kernel = OpenMesh::PolyMesh_ArrayKernelT<DoubleTraits>;
 
-// Adding a facet searches all edges of its vertices.
-bool takes_long(const PolygonSoup& polygons) {
-    std::vector<std::uint32_t> facets_at(polygons.vertices.size(), 0);
-    for (const std::uint32_t vertex : polygons.corners)
-        ++facets_at[vertex];
-    double steps = 0;
-    for (const double facets : facets_at)
-        steps += facets * facets;
-    return steps > 100 * static_cast<double>(polygons.corners.size()) + 1e8;
+template <typename Handle> std::uint32_t number(Handle handle) {
+    return static_cast<std::uint32_t>(handle.idx());
 }
 
-bool repeats_a_corner(std::vector<HalfEdges::VertexHandle> corners) {
-    std::sort(corners.begin(), corners.end());
-    return std::adjacent_find(corners.begin(), corners.end()) != corners.end();
-}
+class HalfEdges final : public Connectivity::Structure {
+public:
+    /// Null if OpenMesh cannot hold the polygons.
+    static std::unique_ptr<const HalfEdges> build(const PolygonSoup& polygons) {
+        constexpr std::size_t kMost = 0x7FFFFFFF / 2; // handles are ints
+        if (polygons.vertices.size() > kMost || polygons.corners.size() > kMost || takes_long(polygons))
+            return nullptr;
+        auto result = std::make_unique<HalfEdges>();
+        return result->add(polygons) ? std::move(result) : nullptr;
+    }
 
-bool build(HalfEdges& half_edges, const PolygonSoup& polygons) {
-    half_edges.reserve(polygons.vertices.size(), polygons.corners.size(), polygons.facets());
-    for (const glm::dvec3& vertex : polygons.vertices)
-        half_edges.add_vertex({vertex.x, vertex.y, vertex.z});
-    std::vector<HalfEdges::VertexHandle> corners;
-    for (std::size_t facet = 0; facet < polygons.facets(); ++facet) {
+    ConnectivityCounts counts() const override {
+        ConnectivityCounts found;
+        DisjointSets pieces(mesh_.n_faces());
+        for (const auto edge : mesh_.edges()) {
+            const auto one = mesh_.face_handle(mesh_.halfedge_handle(edge, 0)),
+                       other = mesh_.face_handle(mesh_.halfedge_handle(edge, 1));
+            if (one.is_valid() && other.is_valid())
+                pieces.join(number(one), number(other));
+        }
+        found.components = pieces.count();
+        std::vector<bool> seen(mesh_.n_halfedges(), false);
+        for (const Kernel::HalfedgeHandle first : mesh_.halfedges()) {
+            if (!mesh_.is_boundary(first) || seen[number(first)])
+                continue;
+            ++found.holes;
+            for (auto edge = first; !seen[number(edge)]; edge = mesh_.next_halfedge_handle(edge)) {
+                seen[number(edge)] = true;
+                ++found.boundary_edges;
+            }
+        }
+        found.odd_edges = found.boundary_edges;
+        return found;
+    }
+
+    // A face's half-edge is the one that ends in its first corner.
+    void outline(std::uint32_t facet, std::vector<std::uint32_t>& vertices) const override {
+        vertices.clear();
+        for (const auto vertex : mesh_.fv_range(mesh_.face_handle(facet)))
+            vertices.push_back(number(vertex));
+    }
+
+    void fan(std::uint32_t vertex, std::vector<FacetCorner>& corners) const override {
         corners.clear();
-        for (std::uint32_t i = polygons.begins[facet]; i < polygons.begins[facet + 1]; ++i)
-            corners.emplace_back(static_cast<int>(polygons.corners[i]));
-        if (repeats_a_corner(corners) || !half_edges.add_face(corners).is_valid())
-            return false;
+        for (const auto edge : mesh_.voh_range(mesh_.vertex_handle(vertex)))
+            if (!mesh_.is_boundary(edge))
+                corners.push_back({number(mesh_.face_handle(edge)),
+                                   number(mesh_.from_vertex_handle(mesh_.prev_halfedge_handle(edge))), vertex,
+                                   number(mesh_.to_vertex_handle(edge))});
+        std::ranges::sort(corners, {}, &FacetCorner::facet); // OpenMesh begins anywhere
     }
-    return true;
-}
 
-std::size_t count_components(const HalfEdges& half_edges) {
-    std::vector<bool> seen(half_edges.n_faces(), false);
-    std::vector<HalfEdges::FaceHandle> waiting;
-    std::size_t components = 0;
-    const auto visit = [&](HalfEdges::FaceHandle face) {
-        if (!face.is_valid() || seen[static_cast<std::size_t>(face.idx())])
-            return false;
-        seen[static_cast<std::size_t>(face.idx())] = true;
-        waiting.push_back(face);
-        return true;
+private:
+    // Adding a facet searches all edges of its vertices.
+    static bool takes_long(const PolygonSoup& polygons) {
+        std::vector<std::uint32_t> facets_at(polygons.vertices.size(), 0);
+        for (const std::uint32_t vertex : polygons.corners)
+            ++facets_at[vertex];
+        double steps = 0;
+        for (const double facets : facets_at)
+            steps += facets * facets;
+        return steps > 100 * static_cast<double>(polygons.corners.size()) + 1e8;
+    }
+
+    bool add(const PolygonSoup& polygons) {
+        ::omerr().disable(); // it speaks of every facet that it refuses
+        mesh_.reserve(polygons.vertices.size(), polygons.corners.size(), polygons.facets());
+        for (const glm::dvec3& vertex : polygons.vertices)
+            mesh_.add_vertex({vertex.x, vertex.y, vertex.z});
+        std::vector<Kernel::VertexHandle> corners, sorted;
+        for (std::size_t facet = 0; facet < polygons.facets(); ++facet) {
+            corners.clear();
+            for (std::uint32_t i = polygons.begins[facet]; i < polygons.begins[facet + 1]; ++i)
+                corners.emplace_back(static_cast<int>(polygons.corners[i]));
+            sorted = corners;
+            std::sort(sorted.begin(), sorted.end());
+            if (corners.size() < 3 || std::adjacent_find(sorted.begin(), sorted.end()) != sorted.end() ||
+                !mesh_.add_face(corners).is_valid())
+                return false;
+        }
+        return std::ranges::all_of(mesh_.vertices(), [&](const auto vertex) {
+            return mesh_.is_isolated(vertex) || mesh_.is_manifold(vertex);
+        });
+    }
+
+    Kernel mesh_;
+};
+
+/// Of any polygons: facets' edges matched by their ends.
+class MatchedEdges final : public Connectivity::Structure {
+public:
+    explicit MatchedEdges(const PolygonSoup& polygons)
+        : polygons_(polygons), facet_of_(polygons.corners.size()), begins_(polygons.vertices.size() + 1, 0),
+          corners_(polygons.corners.size()) {
+        for (const std::uint32_t vertex : polygons.corners)
+            ++begins_[vertex + 1];
+        std::partial_sum(begins_.begin(), begins_.end(), begins_.begin());
+        std::vector<std::uint32_t> next(begins_.begin(), begins_.end() - 1);
+        for (std::uint32_t facet = 0; facet < polygons.facets(); ++facet)
+            for (std::uint32_t corner = polygons.begins[facet]; corner < polygons.begins[facet + 1]; ++corner) {
+                facet_of_[corner] = facet;
+                corners_[next[vertex(corner)]++] = corner;
+            }
+    }
+
+    ConnectivityCounts counts() const override {
+        ConnectivityCounts found;
+        DisjointSets fans(polygons_.corners.size()); // corners of a vertex, joined across edges
+        DisjointSets pieces(polygons_.facets());
+        std::vector<Side> sides = collect_sides(fans), border;
+        std::ranges::sort(sides, {}, [](const Side& side) { return std::pair(side.edge, side.begin); });
+        for (std::size_t i = 0, end = 0; i < sides.size(); i = end) {
+            while (end < sides.size() && sides[end].edge == sides[i].edge)
+                ++end;
+            const std::span<const Side> here = std::span(sides).subspan(i, end - i);
+            found.non_manifold_edges += here.size() > 2;
+            found.odd_edges += here.size() % 2;
+            found.misoriented_edges += here.size() == 2 && vertex(here[0].begin) == vertex(here[1].begin);
+            if (here.size() == 1)
+                border.push_back(here[0]);
+            for (const Side& side : here.subspan(1)) {
+                const bool same = vertex(side.begin) == vertex(here[0].begin);
+                fans.join(here[0].begin, same ? side.begin : side.end);
+                fans.join(here[0].end, same ? side.end : side.begin);
+                pieces.join(facet_of_[here[0].begin], facet_of_[side.begin]);
+            }
+        }
+        found.components = pieces.count();
+        found.boundary_edges = border.size();
+        found.non_manifold_vertices = count_shared_vertices(fans);
+        // Boundary edges that end in the same fan belong to the same loop.
+        DisjointSets loops(polygons_.corners.size());
+        for (const Side& side : border)
+            loops.join(fans.find(side.begin), fans.find(side.end));
+        std::vector<std::uint32_t> names;
+        for (const Side& side : border)
+            names.push_back(loops.find(fans.find(side.begin)));
+        std::ranges::sort(names);
+        found.holes = names.size() - std::ranges::unique(names).size();
+        return found;
+    }
+
+    void outline(std::uint32_t facet, std::vector<std::uint32_t>& vertices) const override {
+        vertices.assign(polygons_.corners.begin() + polygons_.begins[facet],
+                        polygons_.corners.begin() + polygons_.begins[facet + 1]);
+    }
+
+    void fan(std::uint32_t at, std::vector<FacetCorner>& corners) const override {
+        corners.clear();
+        for (std::uint32_t i = begins_[at]; i < begins_[at + 1]; ++i) {
+            const std::uint32_t corner = corners_[i], facet = facet_of_[corner];
+            const std::uint32_t first = polygons_.begins[facet], last = polygons_.begins[facet + 1] - 1;
+            corners.push_back({facet, vertex(corner == first ? last : corner - 1), at, vertex(after(corner))});
+        }
+    }
+
+private:
+    // One facet's side along an edge: the corners (places in PolygonSoup::corners) where it begins and ends.
+    struct Side {
+        std::uint64_t edge; // lesser vertex * 2^32 + greater vertex
+        std::uint32_t begin, end;
     };
-    for (const HalfEdges::FaceHandle first : half_edges.faces()) {
-        components += visit(first);
-        while (!waiting.empty()) {
-            const HalfEdges::FaceHandle face = waiting.back();
-            waiting.pop_back();
-            for (const HalfEdges::HalfedgeHandle half_edge : half_edges.fh_range(face))
-                visit(half_edges.face_handle(half_edges.opposite_halfedge_handle(half_edge)));
-        }
-    }
-    return components;
-}
 
-// Half-edges without a facet, and the loops that they form.
-void count_boundary(const HalfEdges& half_edges, Connectivity& found) {
-    std::vector<bool> seen(half_edges.n_halfedges(), false);
-    for (const HalfEdges::HalfedgeHandle first : half_edges.halfedges()) {
-        if (!half_edges.is_boundary(first) || seen[static_cast<std::size_t>(first.idx())])
-            continue;
-        ++found.holes;
-        for (HalfEdges::HalfedgeHandle half_edge = first; !seen[static_cast<std::size_t>(half_edge.idx())];
-             half_edge = half_edges.next_halfedge_handle(half_edge)) {
-            seen[static_cast<std::size_t>(half_edge.idx())] = true;
-            ++found.boundary_edges;
-        }
+    std::uint32_t vertex(std::uint32_t corner) const { return polygons_.corners[corner]; }
+
+    std::uint32_t after(std::uint32_t corner) const {
+        const std::uint32_t facet = facet_of_[corner];
+        return corner + 1 == polygons_.begins[facet + 1] ? polygons_.begins[facet] : corner + 1;
     }
-}
+
+    std::vector<Side> collect_sides(DisjointSets& fans) const {
+        std::vector<Side> sides;
+        sides.reserve(polygons_.corners.size());
+        for (std::uint32_t begin = 0; begin < polygons_.corners.size(); ++begin) {
+            const std::uint32_t end = after(begin);
+            const std::uint64_t a = vertex(begin), b = vertex(end);
+            if (a == b)
+                fans.join(begin, end);
+            else
+                sides.push_back({std::min(a, b) << 32 | std::max(a, b), begin, end});
+        }
+        return sides;
+    }
+
+    std::size_t count_shared_vertices(DisjointSets& fans) const {
+        std::size_t shared = 0;
+        std::vector<std::uint32_t> fans_at(polygons_.vertices.size(), 0);
+        for (std::uint32_t corner = 0; corner < polygons_.corners.size(); ++corner)
+            shared += fans.find(corner) == corner && ++fans_at[vertex(corner)] == 2;
+        return shared;
+    }
+
+    const PolygonSoup& polygons_;
+    std::vector<std::uint32_t> facet_of_;         // of each corner
+    std::vector<std::uint32_t> begins_, corners_; // of each vertex, its corners
+};
 
 } // namespace
 
-std::optional<Connectivity> connectivity_by_half_edges(const PolygonSoup& polygons) {
-    constexpr std::size_t kMost = 0x7FFFFFFF / 2; // handles are ints
-    if (polygons.vertices.size() > kMost || polygons.corners.size() > kMost || takes_long(polygons))
-        return std::nullopt;
-    ::omerr().disable(); // it speaks of every facet that it refuses
-    HalfEdges half_edges;
-    if (!build(half_edges, polygons))
-        return std::nullopt;
-    for (const HalfEdges::VertexHandle vertex : half_edges.vertices())
-        if (!half_edges.is_isolated(vertex) && !half_edges.is_manifold(vertex))
-            return std::nullopt;
-    Connectivity found;
-    found.components = count_components(half_edges);
-    count_boundary(half_edges, found);
-    found.odd_edges = found.boundary_edges;
-    return found;
+Connectivity::Connectivity(const PolygonSoup& polygons, Method method) : polygons_(polygons) {
+    if (method == Method::half_edges_if_manifold)
+        structure_ = HalfEdges::build(polygons);
+    has_half_edges_ = structure_ != nullptr;
+    if (!has_half_edges_)
+        structure_ = std::make_unique<MatchedEdges>(polygons);
+}
+
+Connectivity::~Connectivity() = default;
+
+ConnectivityCounts Connectivity::counts() const {
+    return structure_->counts();
+}
+
+void Connectivity::outline(std::uint32_t facet, std::vector<std::uint32_t>& vertices) const {
+    structure_->outline(facet, vertices);
+}
+
+void Connectivity::fan(std::uint32_t vertex, std::vector<FacetCorner>& corners) const {
+    structure_->fan(vertex, corners);
 }
 
 } // namespace forceshade

@@ -1,17 +1,16 @@
-// How the facets of a mesh hang together.
+// How the facets of a polygon mesh hang together.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
-#include <numeric>
-#include <optional>
+#include <memory>
 #include <vector>
 
 #include "host/mesh/mesh.h"
 
 namespace forceshade {
 
-struct Connectivity {
+struct ConnectivityCounts {
     std::size_t components = 0;            // pieces whose facets hang together by edges
     std::size_t boundary_edges = 0;        // of one facet
     std::size_t holes = 0;                 // loops of boundary edges
@@ -19,45 +18,41 @@ struct Connectivity {
     std::size_t odd_edges = 0;             // of an odd number of facets: the surface does not close there
     std::size_t non_manifold_vertices = 0; // of more than one fan of facets
     std::size_t misoriented_edges = 0;     // of two facets that run through it in the same direction
-    friend bool operator==(const Connectivity&, const Connectivity&) = default;
+    friend bool operator==(const ConnectivityCounts&, const ConnectivityCounts&) = default;
 };
 
-/// By matching the facets' edges: any polygons, manifold or not.
-Connectivity connectivity_by_edges(const PolygonSoup& polygons);
+/// A facet's corner, between the vertices before and after it along the facet.
+struct FacetCorner {
+    std::uint32_t facet, before, vertex, after;
+    friend bool operator==(const FacetCorner&, const FacetCorner&) = default;
+};
 
-/// By OpenMesh's half-edge structure, which can hold a mesh only if every edge has one or two facets that run through
-/// it in opposite directions. std::nullopt if it cannot, if the facets of a vertex are not one fan (then the loops that
-/// it links are arbitrary), if a facet comes to a vertex twice, or if vertices have so many edges that its search would
-/// take long.
-std::optional<Connectivity> connectivity_by_half_edges(const PolygonSoup& polygons);
-
-/// By half-edges where they can hold the mesh, else by edges; the same numbers.
-Connectivity connectivity(const PolygonSoup& polygons);
-
-// Things joined into sets (union-find with path halving).
-
-class DisjointSets {
+/// OpenMesh's half-edge mesh. Matched edges of our own stand in for it where it cannot hold the facets: an edge of more
+/// than two facets or of two that run through it in the same direction, a vertex of more than one fan (the loops that
+/// OpenMesh links there are arbitrary), a facet with a corner twice, and vertices of so many edges that OpenMesh's
+/// search among them would take long. Order is the file's in both.
+class Connectivity {
 public:
-    explicit DisjointSets(std::size_t count) : parents_(count) { std::iota(parents_.begin(), parents_.end(), 0u); }
+    enum class Method { half_edges_if_manifold, matched_edges };
 
-    /// The set's least member.
-    std::uint32_t find(std::uint32_t member) noexcept {
-        while (parents_[member] != member)
-            member = parents_[member] = parents_[parents_[member]];
-        return member;
-    }
+    /// Converts implicitly, so that functions of the connectivity take polygons. The polygons must outlive it.
+    Connectivity(const PolygonSoup& polygons, Method method = Method::half_edges_if_manifold);
+    ~Connectivity();
 
-    void join(std::uint32_t a, std::uint32_t b) noexcept {
-        a = find(a);
-        b = find(b);
-        if (a < b)
-            parents_[b] = a;
-        else
-            parents_[a] = b;
-    }
+    const PolygonSoup& polygons() const noexcept { return polygons_; }
+    bool has_half_edges() const noexcept { return has_half_edges_; }
+    ConnectivityCounts counts() const;
+    /// The vertices around a facet, from its first corner.
+    void outline(std::uint32_t facet, std::vector<std::uint32_t>& vertices) const;
+    /// The corners at a vertex, by facet and corner, so that sums over them have one order.
+    void fan(std::uint32_t vertex, std::vector<FacetCorner>& corners) const;
+
+    class Structure;
 
 private:
-    std::vector<std::uint32_t> parents_;
+    const PolygonSoup& polygons_;
+    std::unique_ptr<const Structure> structure_;
+    bool has_half_edges_;
 };
 
 } // namespace forceshade

@@ -1,4 +1,5 @@
-// The cross product of two edges in exact arithmetic, for the few triangles that defeat twice the precision of double.
+// Geometry with CGAL's exact arithmetic and predicates: for the few triangles that defeat twice the precision of
+// double, for polygons in the plane, and for triangles that meet.
 #pragma once
 
 #include <array>
@@ -14,24 +15,23 @@ namespace forceshade {
 /// 0 if and only if a, b, c are collinear. Microseconds a call.
 glm::dvec3 exact_cross_direction(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c);
 
-// The constrained Delaunay triangulation of a polygon in the plane, with exact predicates.
-
-/// Appends to `triangles` the K - 2 triangles (corner numbers, counterclockwise, by least corner) of a simple polygon
-/// of K corners that runs counterclockwise. The same input gives the same triangles, cocircular corners included.
-/// Returns false, with nothing appended, if the polygon crosses or touches itself.
+/// The constrained Delaunay triangulation: appends to `triangles` the K - 2 triangles (corner numbers,
+/// counterclockwise, by least corner) of a simple polygon of K corners that runs counterclockwise. The same input gives
+/// the same triangles, cocircular corners included. Returns false, with nothing appended, if the polygon crosses or
+/// touches itself.
 bool planar_delaunay(std::span<const std::array<double, 2>> polygon,
                      std::vector<std::array<std::uint32_t, 3>>& triangles);
 
-// Pairs of triangles that touch or cross without having a corner in common.
-
+/// Pairs of triangles that touch or cross without having a corner in common.
 struct SelfIntersections {
     std::size_t pairs = 0;
     bool complete = true; // false: given up after `most_pairs`, or because far too many pairs came near each other
 };
 
-/// With exact predicates, over the pairs whose bounding boxes overlap. Corners at the same place are the same corner;
-/// triangles without area are passed over. `normals`: of the triangles, 0 for those.
-SelfIntersections count_self_intersections(std::span<const glm::dvec3> vertices,
+/// With exact predicates, over the pairs whose bounding boxes overlap. Corners at the same place (`places`: of each
+/// vertex, as weld() tells) are the same corner; triangles without area are passed over. `normals`: of the triangles, 0
+/// for those.
+SelfIntersections count_self_intersections(std::span<const glm::dvec3> vertices, std::span<const std::uint32_t> places,
                                            std::span<const std::array<std::uint32_t, 3>> triangles,
                                            std::span<const glm::dvec3> normals, std::size_t most_pairs);
 

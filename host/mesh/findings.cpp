@@ -12,8 +12,7 @@
 #include "host/error.h"
 #include "host/mesh/connectivity.h"
 #include "host/mesh/exact.h"
-#include "host/mesh/normals.h"
-#include "host/mesh/triangulate.h"
+#include "host/mesh/surface.h"
 
 namespace forceshade {
 
@@ -82,7 +81,8 @@ void look_for_self_intersections(const PolygonSoup& polygons, const Triangles& t
     for (const auto& [a, b, c] : triangles.corners)
         normals.push_back(triangle_normal(polygons.vertices[a], polygons.vertices[b], polygons.vertices[c]));
     constexpr std::size_t kMostPairs = 100'000;
-    const SelfIntersections pairs = count_self_intersections(polygons.vertices, triangles.corners, normals, kMostPairs);
+    const SelfIntersections pairs =
+        count_self_intersections(polygons.vertices, weld(polygons), triangles.corners, normals, kMostPairs);
     found.self_intersections = pairs.pairs;
     found.more_self_intersections = !pairs.complete;
 }
@@ -94,7 +94,8 @@ MeshFindings inspect(const PolygonSoup& all, const InspectionLimits& limits) {
     count_kinds(all, found);
     measure_box(all, found);
     count_repeated_corners(all, found);
-    std::vector<glm::dvec3> normals = facet_normals(all);
+    std::optional<Connectivity> mesh(std::in_place, all);
+    std::vector<glm::dvec3> normals = facet_normals(*mesh);
     found.degenerate_facets = static_cast<std::size_t>(std::ranges::count(normals, glm::dvec3(0)));
     const CoincidentFacets coincident = find_coincident(all, normals);
     found.redundant_facets = coincident.redundant.size();
@@ -102,11 +103,11 @@ MeshFindings inspect(const PolygonSoup& all, const InspectionLimits& limits) {
     PolygonSoup rest;
     if (!coincident.redundant.empty()) {
         rest = without_facets(all, coincident.redundant);
-        normals = facet_normals(rest);
+        normals = facet_normals(mesh.emplace(rest));
     }
-    const PolygonSoup& polygons = coincident.redundant.empty() ? all : rest;
+    const PolygonSoup& polygons = mesh->polygons();
 
-    const Connectivity connected = connectivity(polygons);
+    const ConnectivityCounts connected = mesh->counts();
     found.components = connected.components;
     found.boundary_edges = connected.boundary_edges;
     found.holes = connected.holes;
@@ -419,7 +420,7 @@ PolygonSoup without_facets(const PolygonSoup& polygons, std::span<const std::uin
         }
         rest.corners.insert(rest.corners.end(), polygons.corners.begin() + polygons.begins[facet],
                             polygons.corners.begin() + polygons.begins[facet + 1]);
-        rest.begins.push_back(static_cast<std::uint32_t>(rest.corners.size()));
+        rest.end_facet();
     }
     return rest;
 }

@@ -26,7 +26,7 @@ struct MeshFindings {
     std::size_t non_manifold_vertices = 0;         // where facets do not make one fan, joined by edges
     std::size_t misoriented_edges = 0;             // that two facets run through in the same direction
     std::size_t degenerate_facets = 0;             // without area
-    std::size_t redundant_facets = 0;              // that coincide with others and count for nothing (coincident.h)
+    std::size_t redundant_facets = 0;              // that coincide with others and count for nothing
     std::size_t opposed_facets = 0;                // pairs that coincide, of opposite orientation, of which both count
     std::size_t repeated_corner_facets = 0;        // that come to a vertex twice
     std::optional<std::size_t> self_intersections; // pairs of triangles without a common corner that touch or cross

@@ -2,16 +2,15 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
+#include <bit>
 #include <charconv>
 #include <string>
 #include <utility>
 
-#include <fmt/format.h>
 #include <locale.h>
 #include <stdlib.h>
 
-#include "host/error.h"
+#include "host/mesh/surface.h"
 
 namespace forceshade::mesh_file {
 
@@ -35,7 +34,8 @@ std::string_view without_plus(std::string_view word) {
 
 } // namespace
 
-TextLines::TextLines(std::string file, std::string_view text) : file_(std::move(file)), text_(text) {
+TextLines::TextLines(std::string file, std::string_view text, std::size_t number)
+    : file_(std::move(file)), text_(text), number_(number) {
     if (text_.starts_with("\xEF\xBB\xBF"))
         text_.remove_prefix(3);
 }
@@ -64,10 +64,6 @@ bool TextLines::next_words(std::string_view& line) {
             return true;
     }
     return false;
-}
-
-void TextLines::damaged(std::string_view message) const {
-    throw IoError(fmt::format("{}:{}: {}", file_, number_, message));
 }
 
 std::string_view take_word(std::string_view& line) {
@@ -129,7 +125,7 @@ public:
             else if (keyword == "f")
                 read_facet(line);
             else if (std::ranges::find(kOtherStatements, keyword) == kOtherStatements.end())
-                lines_.damaged(fmt::format("{} is no statement of an OBJ file", quoted(keyword)));
+                lines_.damaged("{} is no statement of an OBJ file", quoted(keyword));
         }
         check_range();
         return std::move(soup_);
@@ -155,15 +151,12 @@ private:
     }
 
     void read_vertex(std::string_view line) {
-        glm::dvec3 vertex;
-        for (int axis = 0; axis < 3; ++axis) {
+        soup_.vertices.push_back(read_coordinates(lines_, "", [&] {
             const std::string_view word = take_word(line);
             if (word.empty())
                 lines_.damaged("a vertex has three coordinates; the file is damaged or breaks off here");
-            if (!parse_number(word, vertex[axis]))
-                lines_.damaged(fmt::format("{} is no coordinate", quoted(word)));
-        }
-        soup_.vertices.push_back(vertex);
+            return word;
+        }));
     }
 
     void read_facet(std::string_view line) {
@@ -171,10 +164,10 @@ private:
         for (std::string_view word = take_word(line); !word.empty(); word = take_word(line), ++count)
             soup_.corners.push_back(corner(word));
         if (count < 3)
-            lines_.damaged(fmt::format("a facet has three corners or more, got {}; the file is damaged or breaks off "
-                                       "here",
-                                       count));
-        soup_.begins.push_back(static_cast<std::uint32_t>(soup_.corners.size()));
+            lines_.damaged("a facet has three corners or more, got {}; the file is damaged or breaks off "
+                           "here",
+                           count);
+        soup_.end_facet();
     }
 
     // `7`, `7/1`, `7//3`, `7/1/3`; -1 is the last vertex so far. Vertices may follow the facets that use them.
@@ -184,9 +177,9 @@ private:
         const std::size_t slash = word.find('/');
         if (!parse_integer(word.substr(0, slash), index) ||
             (slash != std::string_view::npos && !is_reference(word.substr(slash + 1))))
-            lines_.damaged(fmt::format("{} is no corner of a facet", quoted(word)));
+            lines_.damaged("{} is no corner of a facet", quoted(word));
         if (index == 0 || index < -known || index > std::int64_t{0xFFFFFFFF})
-            lines_.damaged(fmt::format("no vertex {}; there are {} so far, and the first is 1", index, known));
+            lines_.damaged("no vertex {}; there are {} so far, and the first is 1", index, known);
         if (index > highest_) {
             highest_ = index;
             highest_line_ = lines_.line_number();
@@ -201,8 +194,8 @@ private:
 
     void check_range() const {
         if (highest_ > static_cast<std::int64_t>(soup_.vertices.size()))
-            lines_.damaged(fmt::format("the facet in line {} has vertex {}, but there are {}", highest_line_, highest_,
-                                       soup_.vertices.size()));
+            lines_.damaged("the facet in line {} has vertex {}, but there are {}", highest_line_, highest_,
+                           soup_.vertices.size());
     }
 
     TextLines lines_;
@@ -235,8 +228,8 @@ public:
         for (std::size_t facet = 0; facet < facets_; ++facet)
             read_facet();
         if (lines_.next_words(line_))
-            lines_.damaged(fmt::format("the file goes on behind the {} vertices and {} facets that it announces",
-                                       vertices_, facets_));
+            lines_.damaged("the file goes on behind the {} vertices and {} facets that it announces", vertices_,
+                           facets_);
         return std::move(soup_);
     }
 
@@ -256,15 +249,15 @@ private:
         const std::size_t left = lines_.rest().size();
         // `0 0 0` and `3 0 1 2` with their line ends are the shortest lines, but for the last one's end.
         if (vertices_ > left / 6 + 1 || facets_ > left / 8 + 1 || vertices_ * 6 + facets_ * 8 > left + 1)
-            lines_.damaged(fmt::format("{} vertices and {} facets are announced, which {} bytes cannot hold; the file "
-                                       "is damaged or truncated",
-                                       vertices_, facets_, left));
+            lines_.damaged("{} vertices and {} facets are announced, which {} bytes cannot hold; the file "
+                           "is damaged or truncated",
+                           vertices_, facets_, left);
     }
 
     void check_keyword(std::string_view keyword) const {
         const std::string_view prefix = keyword.substr(0, keyword.rfind("OFF"));
         if (!keyword.ends_with("OFF") || prefix.find_first_not_of("STCN4n") != std::string_view::npos)
-            lines_.damaged(fmt::format("an OFF file begins with OFF, not with {}", quoted(keyword)));
+            lines_.damaged("an OFF file begins with OFF, not with {}", quoted(keyword));
         if (prefix.find('4') != std::string_view::npos || prefix.find('n') != std::string_view::npos)
             throw UsageError(
                 fmt::format("{}: {} has vertices of other than three coordinates", name_, quoted(keyword)));
@@ -273,37 +266,32 @@ private:
     std::size_t announced(std::string_view word, std::string_view what) const {
         std::int64_t count = 0;
         if (!parse_integer(word, count) || count < 0)
-            lines_.damaged(fmt::format("expected the number of {}, got {}", what, quoted(word)));
+            lines_.damaged("expected the number of {}, got {}", what, quoted(word));
         return static_cast<std::size_t>(count);
     }
 
     void next_line(std::string_view expected) {
         if (!lines_.next_words(line_))
-            lines_.damaged(fmt::format("the file breaks off before {}", expected));
+            lines_.damaged("the file breaks off before {}", expected);
     }
 
     // What follows the coordinates in a line (a normal, a colour, a texture position) is left.
     void read_vertex() {
         next_line(fmt::format("vertex {} of {}", soup_.vertices.size(), vertices_));
-        glm::dvec3 vertex;
-        for (int axis = 0; axis < 3; ++axis) {
-            const std::string_view word = take_word(line_);
-            if (word.empty() || !parse_number(word, vertex[axis]))
-                lines_.damaged(fmt::format("{} is no coordinate of vertex {}", quoted(word), soup_.vertices.size()));
-        }
-        soup_.vertices.push_back(vertex);
+        const std::string whose = fmt::format(" of vertex {}", soup_.vertices.size());
+        soup_.vertices.push_back(read_coordinates(lines_, whose, [&] { return take_word(line_); }));
     }
 
     void read_facet() {
         next_line(fmt::format("facet {} of {}", soup_.facets(), facets_));
         const std::size_t count = announced(take_word(line_), "corners of a facet");
         if (count < 3 || count > line_.size() / 2 + lines_.rest().size() / 2)
-            lines_.damaged(fmt::format("a facet with {} corners; it has three or more, and no more than the file's "
-                                       "bytes can hold",
-                                       count));
+            lines_.damaged("a facet with {} corners; it has three or more, and no more than the file's "
+                           "bytes can hold",
+                           count);
         for (std::size_t corner = 0; corner < count; ++corner)
             soup_.corners.push_back(read_corner());
-        soup_.begins.push_back(static_cast<std::uint32_t>(soup_.corners.size()));
+        soup_.end_facet();
     }
 
     // A long facet may go on in the next line.
@@ -315,9 +303,9 @@ private:
         }
         std::int64_t index = 0;
         if (!parse_integer(word, index))
-            lines_.damaged(fmt::format("{} is no vertex", quoted(word)));
+            lines_.damaged("{} is no vertex", quoted(word));
         if (index < 0 || index >= static_cast<std::int64_t>(vertices_))
-            lines_.damaged(fmt::format("no vertex {}; there are {}, and the first is 0", index, vertices_));
+            lines_.damaged("no vertex {}; there are {}, and the first is 0", index, vertices_);
         return static_cast<std::uint32_t>(index);
     }
 
@@ -332,6 +320,149 @@ private:
 
 PolygonSoup read_off(const Source& source) {
     return OffReader(source).read();
+}
+
+// STL, text and binary: triangles without vertices of their own.
+
+namespace {
+
+constexpr std::size_t kHeader = 84, kTriangle = 50; // bytes
+
+std::uint32_t little_endian(const char* bytes) {
+    std::uint32_t value = 0;
+    for (int i = 3; i >= 0; --i)
+        value = value << 8 | static_cast<unsigned char>(bytes[i]);
+    return value;
+}
+
+// Triangles whose vertices are their corners in order: corners of the same coordinates become one vertex.
+PolygonSoup welded(PolygonSoup soup) {
+    for (glm::dvec3& corner : soup.vertices)
+        corner += 0.0; // -0 becomes 0
+    soup.corners = weld(soup);
+    std::uint32_t vertices = 0;
+    for (std::uint32_t corner = 0; corner < soup.corners.size(); ++corner) {
+        std::uint32_t& place = soup.corners[corner];
+        if (place == corner) {
+            soup.vertices[vertices] = soup.vertices[corner];
+            place = vertices++;
+        } else {
+            place = soup.corners[place];
+        }
+        if (corner % 3 == 2)
+            soup.begins.push_back(corner + 1);
+    }
+    soup.vertices.resize(vertices);
+    return soup;
+}
+
+PolygonSoup read_binary(const Source& source) {
+    if (!is_binary_stl(source.bytes)) {
+        const std::size_t size = source.bytes.size();
+        if (size < kHeader)
+            throw IoError(fmt::format("{}: {} bytes are too few for an STL file, and it is no text; it is damaged or "
+                                      "truncated",
+                                      source.name, size));
+        const std::uint64_t triangles = little_endian(source.bytes.data() + 80);
+        throw IoError(fmt::format("{}: a binary STL file that announces {} triangles has {} bytes, but this one has "
+                                  "{}; it is damaged or truncated",
+                                  source.name, triangles, kHeader + kTriangle * triangles, size));
+    }
+    PolygonSoup soup;
+    soup.vertices.reserve((source.bytes.size() - kHeader) / kTriangle * 3);
+    for (std::size_t begin = kHeader; begin < source.bytes.size(); begin += kTriangle)
+        for (int corner = 1; corner <= 3; ++corner) { // behind the normal
+            const char* const at = source.bytes.data() + begin + 12 * corner;
+            soup.vertices.emplace_back(std::bit_cast<float>(little_endian(at)),
+                                       std::bit_cast<float>(little_endian(at + 4)),
+                                       std::bit_cast<float>(little_endian(at + 8)));
+        }
+    return welded(std::move(soup));
+}
+
+bool is_keyword(std::string_view word, std::string_view keyword) {
+    return std::equal(word.begin(), word.end(), keyword.begin(), keyword.end(),
+                      [](char a, char b) { return (a >= 'A' && a <= 'Z' ? a - 'A' + 'a' : a) == b; });
+}
+
+class StlTextReader {
+public:
+    explicit StlTextReader(const Source& source) : lines_(source.name, source.bytes) {}
+
+    PolygonSoup read() {
+        while (next_word("solid", true)) {
+            line_ = {}; // the name
+            while (!is_keyword(peek("facet or endsolid"), "endsolid"))
+                read_facet();
+            line_ = {};
+        }
+        return welded(std::move(soup_));
+    }
+
+private:
+    void read_facet() {
+        next_word("facet");
+        next_word("normal");
+        for (int axis = 0; axis < 3; ++axis) // what it says has no bearing, and often it is nan
+            if (peek("a normal").empty() || take_word(line_).empty())
+                lines_.damaged("a normal has three coordinates");
+        next_word("outer");
+        next_word("loop");
+        for (int corner = 0; corner < 3; ++corner)
+            read_vertex();
+        next_word("endloop");
+        next_word("endfacet");
+    }
+
+    void read_vertex() {
+        next_word("vertex");
+        soup_.vertices.push_back(read_coordinates(lines_, "", [&] {
+            peek("a coordinate");
+            return take_word(line_);
+        }));
+    }
+
+    // The next word, left where it is; empty only at an end of the file that is allowed.
+    std::string_view peek(std::string_view expected, bool may_end = false) {
+        for (;;) {
+            std::string_view words = line_;
+            if (const std::string_view word = take_word(words); !word.empty())
+                return word;
+            if (!lines_.next(line_)) {
+                line_ = {};
+                if (may_end)
+                    return {};
+                lines_.damaged("the file breaks off before {}", expected);
+            }
+        }
+    }
+
+    bool next_word(std::string_view keyword, bool may_end = false) {
+        const std::string_view word = peek(keyword, may_end);
+        if (word.empty())
+            return false;
+        if (!is_keyword(word, keyword))
+            lines_.damaged("expected {}, got {}", keyword, quoted(word));
+        take_word(line_);
+        return true;
+    }
+
+    TextLines lines_;
+    std::string_view line_;
+    PolygonSoup soup_;
+};
+
+} // namespace
+
+bool is_binary_stl(std::string_view bytes) {
+    return bytes.size() >= kHeader &&
+           bytes.size() == kHeader + kTriangle * std::uint64_t{little_endian(bytes.data() + 80)};
+}
+
+PolygonSoup read_stl(const Source& source) {
+    const std::size_t begin = source.bytes.find_first_not_of(" \t\r\n");
+    const bool text = begin != std::string_view::npos && is_keyword(source.bytes.substr(begin, 5), "solid");
+    return text && !is_binary_stl(source.bytes) ? StlTextReader(source).read() : read_binary(source);
 }
 
 } // namespace forceshade::mesh_file

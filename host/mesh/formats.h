@@ -4,7 +4,11 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <utility>
 
+#include <fmt/format.h>
+
+#include "host/error.h"
 #include "host/mesh/mesh.h"
 
 namespace forceshade::mesh_file {
@@ -31,7 +35,8 @@ std::string ply_flavour(const Source& source);
 /// The lines of a text, ended by LF, CR LF or CR; a byte order mark is skipped.
 class TextLines {
 public:
-    TextLines(std::string file, std::string_view text);
+    /// `number`: of the line before the text.
+    TextLines(std::string file, std::string_view text, std::size_t number = 0);
 
     /// The next line without its end, or false.
     bool next(std::string_view& line);
@@ -43,12 +48,15 @@ public:
     std::string_view rest() const noexcept { return text_; }
 
     /// Throws IoError: `bump.off:12: message`.
-    [[noreturn]] void damaged(std::string_view message) const;
+    template <typename... Parts>
+    [[noreturn]] void damaged(fmt::format_string<Parts...> message, Parts&&... parts) const {
+        throw IoError(fmt::format("{}:{}: {}", file_, number_, fmt::format(message, std::forward<Parts>(parts)...)));
+    }
 
 private:
     std::string file_;
     std::string_view text_;
-    std::size_t number_ = 0;
+    std::size_t number_;
 };
 
 /// Takes the next word (up to a space or a tab) off the front of a line; empty at its end.
@@ -62,5 +70,15 @@ bool parse_number(std::string_view word, double& value);
 
 /// True if the whole word is an integer of 64 bits.
 bool parse_integer(std::string_view word, std::int64_t& value);
+
+/// Three numbers that next_word() gives; `whose` ends the message about a word that is none.
+template <typename NextWord>
+glm::dvec3 read_coordinates(const TextLines& lines, const std::string& whose, const NextWord& next_word) {
+    glm::dvec3 vertex;
+    for (int axis = 0; axis < 3; ++axis)
+        if (const std::string_view word = next_word(); !parse_number(word, vertex[axis]))
+            lines.damaged("{} is no coordinate{}", quoted(word), whose);
+    return vertex;
+}
 
 } // namespace forceshade::mesh_file

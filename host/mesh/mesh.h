@@ -1,13 +1,17 @@
-// A polygon mesh in double precision: facets as the file has them, and the triangles that the probe touches.
+// A polygon mesh in double precision: facets as the file has them, the normals of its parts, and the triangles that the
+// probe touches, placed in the world.
 #pragma once
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include <glm/vec3.hpp>
 
 namespace forceshade {
+
+class Connectivity;
 
 /// Polygons as a file has them, in the file's unit. Facet f has the vertices corners[begins[f]] to
 /// corners[begins[f + 1] - 1], counterclockwise seen from outside.
@@ -17,13 +21,35 @@ struct PolygonSoup {
     std::vector<std::uint32_t> corners;
 
     std::size_t facets() const { return begins.size() - 1; }
+    /// The corners added last are a facet.
+    void end_facet() { begins.push_back(static_cast<std::uint32_t>(corners.size())); }
 };
+
+/// How the normals of a vertex's facets are weighted in the vertex's own (L7).
+enum class VertexNormals {
+    plain, // alike, as in the paper
+    angle  // by the facet's angle at the vertex, which does not depend on how a face was cut into facets
+};
+
+/// The unit normal of a triangle, counterclockwise seen from where it points; good to a few units in the last place
+/// whatever the triangle's shape, place and size. 0 if and only if the corners are collinear.
+glm::dvec3 triangle_normal(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c);
+
+/// The unit Newell normal of each facet: that of the area vector, which is the plane's where the facet is plane. 0
+/// where the area vector is 0 to within the rounding of twice double's precision.
+std::vector<glm::dvec3> facet_normals(const Connectivity& mesh);
+
+/// The unit normal of each vertex (see VertexNormals). 0 where the facets' normals cancel to within 1e-12 of the sum of
+/// their weights, and where no facet with an area is. A facet that comes to a vertex twice counts once in `plain`, with
+/// the sum of its angles in `angle`; a reflex corner has an angle beyond pi. Facets in `left_out` (ascending) count for
+/// nothing.
+std::vector<glm::dvec3> vertex_normals(const Connectivity& mesh, std::span<const glm::dvec3> facet_normals,
+                                       VertexNormals weights, std::span<const std::uint32_t> left_out = {});
 
 /// A mesh prepared for the laws, in metres. Facets and vertices keep the order of the file.
 struct Mesh {
     PolygonSoup polygons;                                /* m */
-    std::vector<std::uint32_t> redundant_facets;         /* ascending: coincide with others, count for nothing
-                                                            (coincident.h) */
+    std::vector<std::uint32_t> redundant_facets;         /* ascending: coincide with others, count for nothing */
     std::vector<glm::dvec3> facet_normals;               /* 1: unit Newell normals; 0 where a facet has no area */
     std::vector<glm::dvec3> vertex_normals;              /* 1: unit, what L7 interpolates; 0 where they cancel */
     std::vector<std::array<std::uint32_t, 3>> triangles; /* vertices; by facet */
@@ -31,5 +57,31 @@ struct Mesh {
     std::vector<glm::dvec3> triangle_normals;            /* 1: unit, good to a few ULP whatever the triangle's shape; 0
                                                             where it has no area */
 };
+
+/// Where a mesh stands in the world: scaled by unit * scale about the file's origin, then rotated about the fixed axes
+/// x, y and z in this order, then moved.
+struct MeshPlacement {
+    double unit = 1;                   /* m: what a coordinate of 1 means */
+    double scale = 1;                  /* 1 */
+    std::array<double, 3> rotate{};    /* rad; quarter turns are exact */
+    std::array<double, 3> translate{}; /* m */
+};
+
+/// Facets and vertices keep their order and numbers. How facets are cut into triangles: surface.h. Corners must be in
+/// range. \throws UsageError if unit * scale is not positive, or a coordinate is beyond 1e100 m or not finite
+Mesh prepare_mesh(PolygonSoup polygons, const MeshPlacement& placement, VertexNormals vertex_normals);
+
+/// (world - centre) / scale: centre the middle of the bounding box, scale the least power of two that leaves no
+/// coordinate beyond 1.
+struct MeshFrame {
+    glm::dvec3 centre; /* m, world */
+    double scale;      /* m */
+
+    glm::dvec3 local(const glm::dvec3& world) const { return (world - centre) / scale; }
+};
+
+/// Of the corners of facets only: a vertex that none uses has no say.
+/// \throws UsageError if the box is no finite number of metres
+MeshFrame frame_of(const PolygonSoup& polygons);
 
 } // namespace forceshade

@@ -1,11 +1,13 @@
-#include "host/mesh/ply.h"
-
+// PLY, the Polygon File Format, as text and binary: the vertices' x, y, z and the faces' lists of vertices.
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cstdint>
 #include <cstring>
 #include <optional>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -15,6 +17,44 @@
 namespace forceshade::mesh_file {
 
 namespace {
+
+enum class PlyEncoding { text, little, big };
+enum class PlyType { int8, uint8, int16, uint16, int32, uint32, float32, float64 };
+
+struct PlyProperty {
+    std::string name;
+    PlyType type; // of the value, or of each item of a list
+    bool list = false;
+    PlyType count_type = PlyType::uint8; // of a list's length
+};
+
+struct PlyElement {
+    std::string name;
+    std::uint64_t count = 0;
+    std::vector<PlyProperty> properties;
+
+    /// The position of a property, or -1.
+    int find(std::string_view property) const {
+        const auto found = std::ranges::find(properties, property, &PlyProperty::name);
+        return found == properties.end() ? -1 : static_cast<int>(found - properties.begin());
+    }
+};
+
+struct PlyHeader {
+    PlyEncoding encoding = PlyEncoding::text;
+    std::vector<PlyElement> elements;
+    std::size_t bytes = 0; // where the data begin
+    std::size_t lines = 0;
+};
+
+std::size_t size_of(PlyType type) {
+    constexpr std::array<std::size_t, 8> kSizes{1, 1, 2, 2, 4, 4, 4, 8};
+    return kSizes[static_cast<std::size_t>(type)];
+}
+
+bool is_integer(PlyType type) {
+    return type != PlyType::float32 && type != PlyType::float64;
+}
 
 struct TypeName {
     std::string_view name, other_name;
@@ -31,7 +71,7 @@ PlyType parse_type(const TextLines& lines, std::string_view word) {
     for (const TypeName& type : kTypes)
         if (word == type.name || word == type.other_name)
             return type.type;
-    lines.damaged(fmt::format("{} is no type of PLY", quoted(word)));
+    lines.damaged("{} is no type of PLY", quoted(word));
 }
 
 PlyEncoding parse_encoding(const TextLines& lines, std::string_view line) {
@@ -42,8 +82,7 @@ PlyEncoding parse_encoding(const TextLines& lines, std::string_view line) {
         return PlyEncoding::little;
     if (encoding == "binary_big_endian")
         return PlyEncoding::big;
-    lines.damaged(
-        fmt::format("no format {}; there are ascii, binary_little_endian and binary_big_endian", quoted(encoding)));
+    lines.damaged("no format {}; there are ascii, binary_little_endian and binary_big_endian", quoted(encoding));
 }
 
 PlyElement parse_element(const TextLines& lines, std::string_view line) {
@@ -52,8 +91,8 @@ PlyElement parse_element(const TextLines& lines, std::string_view line) {
     std::int64_t count = 0;
     const std::string_view word = take_word(line);
     if (element.name.empty() || !parse_integer(word, count) || count < 0)
-        lines.damaged(fmt::format("expected an element and how many there are of it, got {} {}", quoted(element.name),
-                                  quoted(word)));
+        lines.damaged("expected an element and how many there are of it, got {} {}", quoted(element.name),
+                      quoted(word));
     element.count = static_cast<std::uint64_t>(count);
     return element;
 }
@@ -73,24 +112,6 @@ PlyProperty parse_property(const TextLines& lines, std::string_view line) {
     if (property.name.empty())
         lines.damaged("a property without a name");
     return property;
-}
-
-} // namespace
-
-int PlyElement::find(std::string_view property) const {
-    for (std::size_t i = 0; i < properties.size(); ++i)
-        if (properties[i].name == property)
-            return static_cast<int>(i);
-    return -1;
-}
-
-std::size_t size_of(PlyType type) {
-    constexpr std::array<std::size_t, 8> kSizes{1, 1, 2, 2, 4, 4, 4, 8};
-    return kSizes[static_cast<std::size_t>(type)];
-}
-
-bool is_integer(PlyType type) {
-    return type != PlyType::float32 && type != PlyType::float64;
 }
 
 PlyHeader read_ply_header(const std::string& file, std::string_view bytes) {
@@ -118,46 +139,42 @@ PlyHeader read_ply_header(const std::string& file, std::string_view bytes) {
             header.lines = lines.line_number();
             return header;
         } else if (!keyword.empty() && keyword != "comment" && keyword != "obj_info") {
-            lines.damaged(fmt::format("{} does not belong into the header of a PLY file", quoted(keyword)));
+            lines.damaged("{} does not belong into the header of a PLY file", quoted(keyword));
         }
     }
     lines.damaged("the file breaks off within its header");
 }
 
-// PLY, the Polygon File Format, as text and binary: the vertices' x, y, z and the faces' lists of vertices.
-
-namespace {
-
 // The values of a text file: an element a line.
 class TextValues {
 public:
     TextValues(const Source& source, const PlyHeader& header)
-        : lines_(source.name, source.bytes.substr(header.bytes)), skipped_(header.lines), name_(source.name) {}
+        : lines_(source.name, source.bytes.substr(header.bytes), header.lines) {}
 
     void begin_item(std::string_view what) {
         do {
             if (!lines_.next(line_))
-                fail(fmt::format("the file breaks off before {}", what));
+                fail("the file breaks off before {}", what);
             std::string_view words = line_;
             empty_ = take_word(words).empty();
         } while (empty_);
     }
     void end_item() {
         if (const std::string_view word = take_word(line_); !word.empty())
-            fail(fmt::format("{} behind the last property", quoted(word)));
+            fail("{} behind the last property", quoted(word));
     }
     double number(PlyType) {
         double value = 0;
         const std::string_view word = take_word(line_);
         if (word.empty() || !parse_number(word, value))
-            fail(fmt::format("expected a number, got {}", quoted(word)));
+            fail("expected a number, got {}", quoted(word));
         return value;
     }
     std::int64_t integer(PlyType) {
         std::int64_t value = 0;
         const std::string_view word = take_word(line_);
         if (!parse_integer(word, value))
-            fail(fmt::format("expected an integer, got {}", quoted(word)));
+            fail("expected an integer, got {}", quoted(word));
         return value;
     }
     void skip(PlyType, std::uint64_t values) {
@@ -174,15 +191,13 @@ public:
                 return false;
         return true;
     }
-    [[noreturn]] void fail(std::string_view message) const {
-        throw IoError(fmt::format("{}:{}: {}", name_, skipped_ + lines_.line_number(), message));
+    template <typename... Parts> [[noreturn]] void fail(fmt::format_string<Parts...> message, Parts&&... parts) const {
+        lines_.damaged(message, std::forward<Parts>(parts)...);
     }
 
 private:
     TextLines lines_;
     std::string_view line_;
-    std::size_t skipped_;
-    std::string name_;
     bool empty_ = false;
 };
 
@@ -233,8 +248,9 @@ public:
     std::uint64_t bytes_left() const { return bytes_.size() - at_; }
     static std::uint64_t least_bytes(PlyType type) { return size_of(type); }
     bool at_end() const { return bytes_.find_first_not_of(" \t\r\n", at_) == std::string_view::npos; }
-    [[noreturn]] void fail(std::string_view message) const {
-        throw IoError(fmt::format("{}: at byte {}: {}", name_, at_, message));
+    template <typename... Parts> [[noreturn]] void fail(fmt::format_string<Parts...> message, Parts&&... parts) const {
+        throw IoError(
+            fmt::format("{}: at byte {}: {}", name_, at_, fmt::format(message, std::forward<Parts>(parts)...)));
     }
 
 private:
@@ -287,9 +303,9 @@ private:
             for (const PlyProperty& property : element.properties)
                 item += Values::least_bytes(property.list ? property.count_type : property.type);
             if (item > 0 && element.count > left / item)
-                values_.fail(fmt::format("{} of element {} are announced, which {} bytes cannot hold; the file is "
-                                         "damaged or truncated",
-                                         element.count, quoted(element.name), values_.bytes_left()));
+                values_.fail("{} of element {} are announced, which {} bytes cannot hold; the file is "
+                             "damaged or truncated",
+                             element.count, quoted(element.name), values_.bytes_left());
             left -= item * element.count;
         }
     }
@@ -338,18 +354,18 @@ private:
         const std::int64_t length = values_.integer(property.count_type);
         if (length < 0 ||
             static_cast<std::uint64_t>(length) > values_.bytes_left() / Values::least_bytes(property.type))
-            values_.fail(fmt::format("a list of {} values, which the rest of the file cannot hold", length));
+            values_.fail("a list of {} values, which the rest of the file cannot hold", length);
         return static_cast<std::uint64_t>(length);
     }
 
     void read_corners(const PlyProperty& property) {
         const std::uint64_t count = list_length(property);
         if (count < 3)
-            values_.fail(fmt::format("a facet has three corners or more, got {}", count));
+            values_.fail("a facet has three corners or more, got {}", count);
         for (std::uint64_t corner = 0; corner < count; ++corner) {
             const std::int64_t index = values_.integer(property.type);
             if (index < 0 || index > std::int64_t{0xFFFFFFFF})
-                values_.fail(fmt::format("facet {} has vertex {}; the first is 0", soup_.facets(), index));
+                values_.fail("facet {} has vertex {}; the first is 0", soup_.facets(), index);
             highest_ = std::max(highest_, index);
             soup_.corners.push_back(static_cast<std::uint32_t>(index));
         }
@@ -368,8 +384,8 @@ private:
     // At the end, since faces may stand before vertices.
     void check_range() const {
         if (highest_ >= static_cast<std::int64_t>(soup_.vertices.size()))
-            values_.fail(fmt::format("a facet has vertex {}, but there are {}, and the first is 0", highest_,
-                                     soup_.vertices.size()));
+            values_.fail("a facet has vertex {}, but there are {}, and the first is 0", highest_,
+                         soup_.vertices.size());
     }
 
     const PlyHeader& header_;

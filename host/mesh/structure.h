@@ -1,8 +1,6 @@
-// Numbers as unevaluated sums of two doubles: differences and products of doubles without rounding (Dekker 1971, Knuth
-// TAOCP 2, 4.2.2). Needs a compiler that neither contracts nor reorders.
+// A mesh made ready for the laws: its own frame, the tree over its triangles, and what inside and outside are told by.
 #pragma once
 
-#include <cmath>
 #include <memory>
 #include <vector>
 
@@ -10,40 +8,6 @@
 #include "shaders/shared/layout.h"
 
 namespace forceshade {
-
-struct Twofold {
-    double high = 0, low = 0;
-};
-
-/// a + b, exactly.
-inline Twofold exact_sum(double a, double b) noexcept {
-    const double sum = a + b, b_part = sum - a;
-    return {sum, (a - (sum - b_part)) + (b - b_part)};
-}
-
-/// a - b, exactly.
-inline Twofold exact_difference(double a, double b) noexcept {
-    return exact_sum(a, -b);
-}
-
-/// a + b to about 2^-104 of |a| + |b|, its high part being the whole rounded to double.
-inline Twofold sum(const Twofold& a, const Twofold& b) noexcept {
-    const Twofold high = exact_sum(a.high, b.high);
-    return exact_sum(high.high, high.low + (a.low + b.low));
-}
-
-/// a * b to about 2^-104 of itself; exactly if both low parts are 0.
-inline Twofold product(const Twofold& a, const Twofold& b) noexcept {
-    const double high = a.high * b.high;
-    return {high, std::fma(a.high, b.high, -high) + (a.high * b.low + a.low * b.high)};
-}
-
-/// a - b to about 2^-104 of |a| + |b|; 0 if they are the same.
-inline Twofold difference(const Twofold& a, const Twofold& b) noexcept {
-    return sum(a, {-b.high, -b.low});
-}
-
-// A mesh made ready for the laws: its own frame, the tree over its triangles, and what inside and outside are told by.
 
 /// What has no coordinates; shared by all precisions.
 struct MeshParts {
@@ -121,19 +85,7 @@ inline glm::dvec3 to_mesh_frame(const MeshStructure& structure, const glm::dvec3
     return (world - structure.centre) / structure.scale;
 }
 
-// What lies across the edges of a structure's triangles, and the angle-weighted normals by which inside is told
-// (Baerentzen and Aanaes 2005).
-
-/// Fills parts.triangle_neighbours and reals.edge_pseudonormals. Edges are matched by the places of their ends.
-void connect_edges(MeshParts& parts, MeshReals<double>& reals, const std::vector<layout::uint>& places);
-
-/// Edges that triangles walk more often one way than the other, three numbers each: two vertices and by how often.
-std::vector<layout::uint> find_rims(const MeshParts& parts, const std::vector<layout::uint>& places);
-
-/// True if no edge's or vertex' pseudonormal is so short that rounding could turn what it says.
-bool has_firm_pseudonormals(const MeshParts& parts, const MeshReals<double>& reals);
-
-/// Fills reals.vertex_pseudonormals: for each place the sum of its triangles' normals, weighted by the angle there.
-void sum_pseudonormals(const MeshParts& parts, MeshReals<double>& reals, const std::vector<layout::uint>& places);
+/// For the generalized winding number: the moments of each node's triangles and the edges where the surface ends.
+std::shared_ptr<const MeshWinding> make_winding(const MeshStructure& structure);
 
 } // namespace forceshade

@@ -62,7 +62,7 @@ std::uint32_t harmonic_count(const PathsSpec& paths);
 
 /// Those of a path. A random walk has 16 of equal size on x and y, their frequencies anywhere in 16 equal bands from 0
 /// to an edge, so that its root mean square is length / sqrt(8) along x, width / sqrt(8) along y, and its speed's is
-/// the path's speed; where that leaves the region, the walk turns round (reference::turned_round), which leaves its
+/// the path's speed; where that leaves the region, the walk turns round (reference::reflected), which leaves its
 /// speed, and 0.275 of length and width. Tremor has 4 of equal size on each axis, their frequencies anywhere in 4 equal
 /// bands within 20 % of its own.
 Harmonics path_harmonics(const PathsSpec& paths, const PathRegion& region, const PathDraws& draws);

@@ -7,8 +7,8 @@
 #include <fmt/format.h>
 
 #include "host/error.h"
+#include "host/mesh/mesh.h"
 #include "host/mesh/mesh_file.h"
-#include "host/mesh/prepare_mesh.h"
 #include "host/output/height_image.h"
 #include "host/output/reading.h"
 #include "host/scene/scene.h"

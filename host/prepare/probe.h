@@ -55,7 +55,7 @@ template <typename T>
 bool begin_probe(const layout::Law<T>& law, reference::Neighbourhood<T>& around, reference::GodObject<T>& proxy,
                  const reference::Vector<T>& local) noexcept {
     const layout::ProxyStart<T> start = reference::proxy_start(law, around, local);
-    proxy = reference::begun(start);
+    proxy = reference::god_object_at(start);
     return start.inside != 0;
 }
 

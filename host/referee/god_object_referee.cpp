@@ -54,10 +54,10 @@ bool segment_touches_triangle(const glm::dvec3& from, const glm::dvec3& to, cons
     const Kernel::Triangle_3 face(point_of(triangle[0]), point_of(triangle[1]), point_of(triangle[2]));
     if (from == to)
         return !face.is_degenerate() && face.has_on(point_of(from));
-    const Kernel::Segment_3 way(point_of(from), point_of(to));
+    const Kernel::Segment_3 segment(point_of(from), point_of(to));
     if (face.is_degenerate())
         return false; // the structure leaves it out: its neighbours cover it
-    return CGAL::do_intersect(way, face);
+    return CGAL::do_intersect(segment, face);
 }
 
 TriangleGrid::TriangleGrid(const Triangles& triangles) : triangles_(triangles), low_(1e300), high_(-1e300) {
@@ -198,24 +198,24 @@ void SurfaceWalker::begin_on(std::uint32_t triangle, const glm::dvec3& proxy, bo
     settle_on({triangle}, flush);
 }
 
-void SurfaceWalker::offer(Way& best, Way way) {
-    if (!(way.gain > kRest))
+void SurfaceWalker::offer(Descent& best, Descent descent) {
+    if (!(descent.gain > kRest))
         return;
-    const Real ahead = way.gain - best.gain;
-    const Real scale = std::max(way.gain, best.gain);
+    const Real ahead = descent.gain - best.gain;
+    const Real scale = std::max(descent.gain, best.gain);
     const bool tied = std::abs(ahead) <= 1e-14L * scale;
-    if (best.facet != ~0U && way.on != best.on)
+    if (best.facet != ~0U && descent.on != best.on)
         margin_ = std::min(margin_, std::abs(ahead) / scale);
-    if ((!tied && ahead > 0) || (tied && way.facet < best.facet))
-        best = std::move(way);
+    if ((!tied && ahead > 0) || (tied && descent.facet < best.facet))
+        best = std::move(descent);
 }
 
 // Over a face, away from the edges that the proxy is on.
-void SurfaceWalker::offer_face(Way& best, std::uint32_t triangle, const Point& pull) {
+void SurfaceWalker::offer_face(Descent& best, std::uint32_t triangle, const Point& pull) {
     const Point n = normals_[triangle];
-    Point way = pull - glm::dot(pull, n) * n;
-    way -= glm::dot(way, n) * n;
-    const Real length = glm::length(way);
+    Point displacement = pull - glm::dot(pull, n) * n;
+    displacement -= glm::dot(displacement, n) * n;
+    const Real length = glm::length(displacement);
     if (!(length > kRest * glm::length(pull)))
         return;
     const auto& corners = triangles_[triangle];
@@ -223,14 +223,14 @@ void SurfaceWalker::offer_face(Way& best, std::uint32_t triangle, const Point& p
         const Point start = vertices_[corners[i]], edge = vertices_[corners[(i + 1) % 3]] - start;
         const Point inward = glm::normalize(glm::cross(n, edge));
         const bool on_edge = std::abs(glm::dot(inward, proxy_ - start)) <= kFlush;
-        if (corners_ < 3 && on_edge && !(glm::dot(inward, way) > 0))
+        if (corners_ < 3 && on_edge && !(glm::dot(inward, displacement) > 0))
             return;
     }
-    offer(best, {way / length, length, normal(triangle), facets_[triangle], {triangle}});
+    offer(best, {displacement / length, length, normal(triangle), facets_[triangle], {triangle}});
 }
 
-// Along an edge, either way.
-void SurfaceWalker::offer_edge(Way& best, const std::array<std::uint32_t, 2>& edge, const Point& pull) {
+// Along an edge, in either direction.
+void SurfaceWalker::offer_edge(Descent& best, const std::array<std::uint32_t, 2>& edge, const Point& pull) {
     const std::vector<std::uint32_t>& on = edges_.at(key(edge[0], edge[1]));
     Point together{0};
     std::uint32_t facet = ~0U;
@@ -246,8 +246,8 @@ void SurfaceWalker::offer_edge(Way& best, const std::array<std::uint32_t, 2>& ed
         offer(best, {along, gain, together, facet, on});
 }
 
-SurfaceWalker::Way SurfaceWalker::steepest(const Point& pull) {
-    Way best;
+SurfaceWalker::Descent SurfaceWalker::steepest(const Point& pull) {
+    Descent best;
     for (const std::uint32_t t : fan_)
         offer_face(best, t, pull);
     if (corners_ == 2)
@@ -260,7 +260,7 @@ SurfaceWalker::Way SurfaceWalker::steepest(const Point& pull) {
     return best;
 }
 
-// The angle-weighted normal of the feature: tells the side where no way leads towards the probe.
+// The angle-weighted normal of the feature: tells the side where no descent leads towards the probe.
 Point SurfaceWalker::rest_normal() const {
     Point sum{0};
     for (const std::uint32_t t : fan_) {
@@ -320,21 +320,21 @@ void SurfaceWalker::settle_on(const std::vector<std::uint32_t>& candidates, Real
         }
 }
 
-void SurfaceWalker::slide(const Way& way, const Point& probe) {
-    Real length = glm::dot(way.direction, probe - proxy_);
-    for (const std::uint32_t t : way.on)
+void SurfaceWalker::slide(const Descent& descent, const Point& probe) {
+    Real length = glm::dot(descent.direction, probe - proxy_);
+    for (const std::uint32_t t : descent.on)
         for (std::size_t i = 0; i < 3; ++i) {
             const Point start = vertices_[triangles_[t][i]], edge = vertices_[triangles_[t][(i + 1) % 3]] - start;
             const Point inward = glm::normalize(glm::cross(normals_[t], edge));
-            const Real rate = glm::dot(inward, way.direction), inside = glm::dot(inward, proxy_ - start);
+            const Real rate = glm::dot(inward, descent.direction), inside = glm::dot(inward, proxy_ - start);
             if (rate < -1e-17L && inside > kFlush)
                 length = std::min(length, inside / -rate);
         }
-    proxy_ += length * way.direction;
-    settle_on(way.on, kFlush);
+    proxy_ += length * descent.direction;
+    settle_on(descent.on, kFlush);
 }
 
-// Straight towards the probe; false if nothing is in the way.
+// Straight towards the probe; false if nothing stands between.
 bool SurfaceWalker::fly(const Point& probe) {
     const Point pull = probe - proxy_;
     Real first = 2;
@@ -375,11 +375,11 @@ bool SurfaceWalker::update(const glm::dvec3& position) {
         const bool rim = at_border();
         bool leaves = fan_.empty() || rim;
         if (rim && corners_ == 1)
-            margin_ = 0; // round a corner of the rim there is more than one way
-        Way way;
+            margin_ = 0; // round a corner of the rim there is more than one descent
+        Descent descent;
         if (!leaves) {
-            way = steepest(pull);
-            const Point front = way.gain > 0 ? way.normal : rest_normal();
+            descent = steepest(pull);
+            const Point front = descent.gain > 0 ? descent.normal : rest_normal();
             leaves = glm::dot(front, pull) > 0;
         }
         if (leaves) {
@@ -389,9 +389,9 @@ bool SurfaceWalker::update(const glm::dvec3& position) {
             fan_.clear();
             return true;
         }
-        if (!(way.gain > 0))
+        if (!(descent.gain > 0))
             return true;
-        slide(way, probe);
+        slide(descent, probe);
     }
     return false;
 }

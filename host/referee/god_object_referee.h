@@ -1,4 +1,4 @@
-// Referees of the god-object (L6): exact tests of what a proxy's way may not cross and of what may hold it, and a
+// Referees of the god-object (L6): exact tests of what a proxy may not cross and of what may constrain it, and a
 // solver derived differently. Plain loops; shares no code with the oracle.
 #pragma once
 
@@ -28,8 +28,8 @@ public:
     /// The triangles must outlive the grid.
     explicit TriangleGrid(const Triangles& triangles);
 
-    /// Whether the straight way from `from` to `to` touches a triangle: in exact arithmetic, so a way that ends on one
-    /// touches it.
+    /// Whether the straight line from `from` to `to` touches a triangle: in exact arithmetic, so a line that ends on
+    /// one touches it.
     bool touches(const glm::dvec3& from, const glm::dvec3& to) const;
 
 private:
@@ -50,8 +50,8 @@ bool segment_touches_triangle(const glm::dvec3& from, const glm::dvec3& to, cons
 double distance_from_cone(const glm::dvec3& pull, std::span<const glm::dvec3> normals);
 
 // A god-object (L6) derived differently, for meshes that do not touch themselves: no skin, no planes held, no tree. The
-// proxy walks on the surface itself from face to edge to corner, in extended precision, by the steepest way of all that
-// leave its feature; in the open it flies straight and is stopped by a loop over all triangles.
+// proxy walks on the surface itself from face to edge to corner, in extended precision, by the steepest descent of all
+// that leave its feature; in the open it flies straight and is stopped by a loop over all triangles.
 
 class SurfaceWalker {
 public:
@@ -71,11 +71,11 @@ public:
 
     glm::dvec3 proxy() const { return glm::dvec3(proxy_); }
     bool touching() const { return !fan_.empty(); }
-    /// Smallest margin by which a way was chosen during the last update, relative: near 0, rounding decides.
+    /// Smallest margin by which a descent was chosen during the last update, relative: near 0, rounding decides.
     Real margin() const { return margin_; }
 
 private:
-    struct Way {
+    struct Descent {
         Point direction{0};
         Real gain = 0;   /* of the unit direction */
         Point normal{0}; /* what the probe is in front of or behind */
@@ -84,13 +84,13 @@ private:
     };
 
     Point normal(std::uint32_t triangle) const;
-    Way steepest(const Point& pull);
-    void offer(Way& best, Way way);
-    void offer_face(Way& best, std::uint32_t triangle, const Point& pull);
-    void offer_edge(Way& best, const std::array<std::uint32_t, 2>& edge, const Point& pull);
+    Descent steepest(const Point& pull);
+    void offer(Descent& best, Descent descent);
+    void offer_face(Descent& best, std::uint32_t triangle, const Point& pull);
+    void offer_edge(Descent& best, const std::array<std::uint32_t, 2>& edge, const Point& pull);
     Point rest_normal() const;
     bool at_border() const;
-    void slide(const Way& way, const Point& probe);
+    void slide(const Descent& descent, const Point& probe);
     bool fly(const Point& probe);
     void settle_on(const std::vector<std::uint32_t>& candidates, Real flush);
 

@@ -44,7 +44,7 @@ bool OracleCheck::is_beyond(const Triple& force, double off, const Triple& probe
     if (exact_.features.surface == layout::kSurfaceMesh) {
         Reading computed;
         computed.force = force;
-        return mesh_bound().judge(computed, {x, y, z}, 1, layout::kChannelForce) == MeshBound::Verdict::beyond;
+        return mesh_bound().compare(computed, {x, y, z}, 1, layout::kChannelForce) == Verdict::beyond;
     }
     if (!bound_)
         bound_.emplace(prepared_, prepared_.one.scene.precision);
@@ -62,8 +62,9 @@ bool OracleCheck::crosses_edge(const Triple& force, const Triple& truth, const T
         return false;
     if (!bound_)
         bound_.emplace(prepared_, prepared_.one.scene.precision);
-    if (!held_)
-        held_ = make_tables<double>(held_scene<float>(prepared_.one.scene), prepared_.images, Extent::what_varies);
+    if (!rounded_)
+        rounded_ =
+            make_tables<double>(rounded_scene<float>(prepared_.one.scene), prepared_.images, Extent::what_varies);
     const auto force_at = [law = exact_.law()](const Triple& place) {
         const auto there = reference::evaluate(law, {place[0], place[1], place[2]}).force;
         return Triple{there.x, there.y, there.z};
@@ -75,7 +76,8 @@ bool OracleCheck::crosses_edge(const Triple& force, const Triple& truth, const T
         return jumps_between(exact_probe, probe, force_at);
     Reading computed;
     computed.force = force;
-    return is_on_edge<float>(computed, probe, OracleReferee<double>{held_->law()}, *bound_, 1, layout::kChannelForce);
+    return is_on_edge<float>(computed, probe, OracleReferee<double>{rounded_->law()}, *bound_, 1,
+                             layout::kChannelForce);
 }
 
 MeshBound& OracleCheck::mesh_bound() {
@@ -96,15 +98,15 @@ template <typename T> void OracleCheck::compare(const layout::FieldChunk<T>& chu
             const reference::Contact<T> contact = reference::evaluate(law, {same.x[x], same.y[y], same.z[z]});
             const reference::Contact<double> exact_contact =
                 reference::evaluate(exact, {exact_.x[x], exact_.y[y], exact_.z[z]});
-            const reference::Vector<T>& alike = contact.force;
+            const reference::Vector<T>& expected = contact.force;
             const reference::Vector<double>& truth = exact_contact.force;
             const Triple computed{double(force[0]), double(force[1]), double(force[2])};
             const Triple probe{double(same.x[x]), double(same.y[y]), double(same.z[z])};
-            const T bits[3] = {alike.x, alike.y, alike.z};
+            const T bits[3] = {expected.x, expected.y, expected.z};
             if (std::memcmp(force, bits, sizeof(bits)) != 0) {
                 ++error_.differing;
-                const double apart = norm(double(force[0]) - double(alike.x), double(force[1]) - double(alike.y),
-                                          double(force[2]) - double(alike.z));
+                const double apart = norm(double(force[0]) - double(expected.x), double(force[1]) - double(expected.y),
+                                          double(force[2]) - double(expected.z));
                 error_.beyond += is_beyond(computed, apart, probe);
             }
             const double off = norm(double(force[0]) - truth.x, double(force[1]) - truth.y, double(force[2]) - truth.z);
@@ -112,7 +114,7 @@ template <typename T> void OracleCheck::compare(const layout::FieldChunk<T>& chu
             error_.largest_force = std::max(error_.largest_force, norm(truth.x, truth.y, truth.z));
             if (exact_.features.surface == layout::kSurfaceMesh &&
                 (contact.facet != exact_contact.facet ||
-                 mesh_bound().parts(computed, {probe[0], probe[1], probe[2]}, {truth.x, truth.y, truth.z}))) {
+                 mesh_bound().is_ambiguous(computed, {probe[0], probe[1], probe[2]}, {truth.x, truth.y, truth.z}))) {
                 ++error_.on_edge;
                 continue;
             }

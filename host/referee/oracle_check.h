@@ -5,7 +5,6 @@
 
 #include "host/output/record.h"
 #include "host/prepare/prepared_case.h"
-#include "host/referee/mesh_judge.h"
 #include "host/referee/rounding_bound.h"
 #include "shaders/shared/layout.h"
 
@@ -31,11 +30,11 @@ private:
     bool exact_bits_;
 
     FieldTables<double> exact_;
-    std::optional<FieldTables<float>> single_; // the oracle in single precision, where the run is
-    std::optional<RoundingBound> bound_;       // made when first asked for
-    std::optional<FieldTables<double>> held_;  // of the scene as single precision holds it; likewise
-    std::optional<MeshBound> mesh_bound_;      // likewise
-    std::uint64_t every_;                      // rows: one in so many is compared
+    std::optional<FieldTables<float>> single_;   // the oracle in single precision, where the run is
+    std::optional<RoundingBound> bound_;         // made when first asked for
+    std::optional<FieldTables<double>> rounded_; // of the scene as single precision holds it; likewise
+    std::optional<MeshBound> mesh_bound_;        // likewise
+    std::uint64_t every_;                        // rows: one in so many is compared
     OracleError error_;
 };
 

@@ -24,7 +24,7 @@ namespace {
 template <typename T> constexpr double kRoundoff = double(std::numeric_limits<T>::epsilon()) / 2;
 
 /// The law, and what the device displays of it.
-template <typename T> struct FeltReferee {
+template <typename T> struct DisplayedReferee {
     OracleReferee<T> oracle;
     const layout::HandParams<T>* hand;
 
@@ -72,17 +72,17 @@ double PathBound<T>::place(const layout::PathFeatures& features, double size, co
 }
 
 template <typename T>
-bool PathBound<T>::allows(const layout::Law<T>& law, const layout::HandParams<T>* hand, const Reading& felt,
+bool PathBound<T>::allows(const layout::Law<T>& law, const layout::HandParams<T>* hand, const Reading& computed,
                           const Triple& probe, layout::uint channels) const {
-    const FeltReferee<T> referee{{law}, hand};
+    const DisplayedReferee<T> referee{{law}, hand};
     const auto [x, y, z] = probe;
     const Reading truth = referee.at(referee.column(x, y), z);
     Bound displayed;
     if (hand)
         displayed.force = displayed.magnitude =
             16 * kRoundoff<T> * norm(truth.force[0], truth.force[1], truth.force[2]);
-    return !first_misfit(felt, truth, 2 * bound_.at(x, y, z) + displayed, channels) ||
-           is_on_edge<T>(felt, probe, referee, bound_, 2, channels);
+    return !first_misfit(computed, truth, 2 * bound_.at(x, y, z) + displayed, channels) ||
+           is_on_edge<T>(computed, probe, referee, bound_, 2, channels);
 }
 
 template class PathBound<float>;
@@ -99,10 +99,10 @@ double apart(const Triple& a, const Triple& b) {
 }
 
 template <typename Value>
-bool same(std::span<const Value> computed, std::size_t at, std::span<const Value> alike, std::size_t other,
+bool same(std::span<const Value> computed, std::size_t at, std::span<const Value> oracle, std::size_t other,
           std::size_t components) {
     return computed.empty() ||
-           std::memcmp(&computed[components * at], &alike[components * other], components * sizeof(Value)) == 0;
+           std::memcmp(&computed[components * at], &oracle[components * other], components * sizeof(Value)) == 0;
 }
 
 } // namespace
@@ -191,9 +191,9 @@ template <typename T> void PathOracle<T>::compare(const PathRows<T>& rows) {
         return;
     const std::size_t end = std::min(rows.step_first + rows.pitch, batch_->walk.steps());
     while (batch_->step < end) {
-        const layout::PathChunk<T> alike = batch_->walk.walk(end - batch_->step);
-        compare(rows, alike);
-        batch_->step += alike.step_count;
+        const layout::PathChunk<T> oracle = batch_->walk.walk(end - batch_->step);
+        compare(rows, oracle);
+        batch_->step += oracle.step_count;
     }
     if (end == batch_->walk.steps())
         end_mesh_paths();
@@ -203,33 +203,33 @@ template <typename T> void PathOracle<T>::compare(const PathRows<T>& rows) {
                         &batch_->positions[3 * i]);
 }
 
-template <typename T> void PathOracle<T>::compare(const PathRows<T>& rows, const layout::PathChunk<T>& alike) {
+template <typename T> void PathOracle<T>::compare(const PathRows<T>& rows, const layout::PathChunk<T>& oracle) {
     for (std::size_t i = 0; i < batch_->chosen.size(); ++i) {
         const std::size_t path = batch_->chosen[i] - rows.path_first;
-        const std::size_t end = std::min<std::size_t>(alike.step_first + alike.step_count, rows.steps[path]);
-        for (std::size_t step = alike.step_first; step < end; ++step)
-            compare_sample(rows, alike,
+        const std::size_t end = std::min<std::size_t>(oracle.step_first + oracle.step_count, rows.steps[path]);
+        for (std::size_t step = oracle.step_first; step < end; ++step)
+            compare_sample(rows, oracle,
                            {i, batch_->chosen[i], step, path * rows.pitch + step - rows.step_first,
-                            (step - alike.step_first) * alike.pitch + i});
+                            (step - oracle.step_first) * oracle.pitch + i});
     }
 }
 
 template <typename T>
-void PathOracle<T>::compare_sample(const PathRows<T>& rows, const layout::PathChunk<T>& alike, const Sample& sample) {
+void PathOracle<T>::compare_sample(const PathRows<T>& rows, const layout::PathChunk<T>& oracle, const Sample& sample) {
     const auto [chosen, path, step, at, other] = sample;
     ++error_.samples;
-    const bool felt = !rows.force.empty(); // else the engine only told where there is contact
-    const Triple force = felt ? vector_of(rows.force, at) : Triple{};
-    const Triple expected = felt ? vector_of(alike.force, other) : Triple{};
+    const bool has_force = !rows.force.empty(); // else the engine only told where there is contact
+    const Triple force = has_force ? vector_of(rows.force, at) : Triple{};
+    const Triple expected = has_force ? vector_of(oracle.force, other) : Triple{};
     const double off = apart(force, expected);
     error_.largest = std::isnan(off) ? std::numeric_limits<double>::infinity() : std::max(error_.largest, off);
     error_.largest_force = std::max(error_.largest_force, norm(expected[0], expected[1], expected[2]));
-    if (same(rows.force, at, alike.force, other, 3) && same(rows.position, at, alike.position, other, 3) &&
-        same(rows.proxy, at, alike.proxy, other, 3) && same(rows.depth, at, alike.depth, other, 1) &&
-        same(rows.facet, at, alike.facet, other, 1))
+    if (same(rows.force, at, oracle.force, other, 3) && same(rows.position, at, oracle.position, other, 3) &&
+        same(rows.proxy, at, oracle.proxy, other, 3) && same(rows.depth, at, oracle.depth, other, 1) &&
+        same(rows.facet, at, oracle.facet, other, 1))
         return;
     ++error_.differing;
-    if (!exact_bits_ && !(felt && differs_beyond(rows, alike, sample, off)))
+    if (!exact_bits_ && !(has_force && differs_beyond(rows, oracle, sample, off)))
         return;
     ++error_.beyond;
     note(fmt::format("path {}, step {}: force ({:.9g}, {:.9g}, {:.9g}) N, the oracle says ({:.9g}, {:.9g}, {:.9g}) N",
@@ -238,9 +238,9 @@ void PathOracle<T>::compare_sample(const PathRows<T>& rows, const layout::PathCh
 
 // On hardware. `off`, N: |F - F_oracle|.
 template <typename T>
-bool PathOracle<T>::differs_beyond(const PathRows<T>& rows, const layout::PathChunk<T>& alike, const Sample& sample,
+bool PathOracle<T>::differs_beyond(const PathRows<T>& rows, const layout::PathChunk<T>& oracle, const Sample& sample,
                                    double off) {
-    const Triple meant = vector_of(alike.position, sample.other);
+    const Triple meant = vector_of(oracle.position, sample.other);
     const bool open = input_.features.loop == layout::kLoopOpen;
     const bool elsewhere = open && !(apart(vector_of(rows.position, sample.at), meant) <=
                                      bound_->place(input_.features, batch_->sizes[sample.chosen], meant));
@@ -263,24 +263,24 @@ template <typename T> void PathOracle<T>::end_mesh_paths() {
 // What was felt, held against the law at the very position where it was felt.
 template <typename T> bool PathOracle<T>::is_beyond(const PathRows<T>& rows, const Sample& sample) {
     const bool closed = input_.features.loop == layout::kLoopClosed;
-    Reading felt;
-    felt.force = vector_of(rows.force, sample.at);
+    Reading computed;
+    computed.force = vector_of(rows.force, sample.at);
     layout::uint channels = layout::kChannelForce;
     if (!rows.proxy.empty()) {
-        felt.proxy = vector_of(rows.proxy, sample.at);
+        computed.proxy = vector_of(rows.proxy, sample.at);
         channels |= layout::kChannelProxy;
     }
     if (!rows.depth.empty()) {
-        felt.depth = double(rows.depth[sample.at]);
+        computed.depth = double(rows.depth[sample.at]);
         channels |= layout::kChannelDepth;
     }
     if (!rows.facet.empty()) {
-        felt.facet = rows.facet[sample.at];
+        computed.facet = rows.facet[sample.at];
         channels |= layout::kChannelFacet;
     }
     const std::vector<layout::HandParams<T>>& hands = batch_->hands;
     const layout::HandParams<T>* const hand = closed ? &hands[hands.size() > 1 ? sample.chosen : 0] : nullptr;
-    return !bound_->allows(input_.law, hand, felt, vector_of(rows.position, sample.at), channels) &&
+    return !bound_->allows(input_.law, hand, computed, vector_of(rows.position, sample.at), channels) &&
            !(closed && has_left(rows, sample));
 }
 
@@ -294,13 +294,13 @@ template <typename T> bool PathOracle<T>::has_left(const PathRows<T>& rows, cons
 }
 
 template <typename T>
-bool PathOracle<T>::metrics_differ(const layout::PathMetrics<T>& computed, const layout::PathMetrics<T>& alike) const {
-    if (std::memcmp(&computed, &alike, sizeof computed) == 0)
+bool PathOracle<T>::metrics_differ(const layout::PathMetrics<T>& computed, const layout::PathMetrics<T>& oracle) const {
+    if (std::memcmp(&computed, &oracle, sizeof computed) == 0)
         return false;
     if (exact_bits_)
         return true;
     return input_.features.loop == layout::kLoopOpen &&
-           std::abs(double(computed.work) - double(alike.work)) > 1e-3 * double(alike.effort);
+           std::abs(double(computed.work) - double(oracle.work)) > 1e-3 * double(oracle.effort);
 }
 
 template <typename T> void PathOracle<T>::compare(std::size_t first, std::span<const layout::PathMetrics<T>> metrics) {
@@ -313,12 +313,12 @@ template <typename T> void PathOracle<T>::compare(std::size_t first, std::span<c
         return;
     for (; batch_->step < batch_->walk.steps(); check_interrupt())
         batch_->step += batch_->walk.walk(batch_->walk.steps()).step_count;
-    const std::vector<layout::PathMetrics<T>> alike = batch_->walk.metrics();
+    const std::vector<layout::PathMetrics<T>> oracle = batch_->walk.metrics();
     for (std::size_t i = 0; i < batch_->chosen.size(); ++i) {
         ++error_.paths;
         if (input_.features.channels == 0)
             error_.samples += batch_->source.lengths()[i];
-        if (!metrics_differ(metrics[batch_->chosen[i] - first], alike[i]))
+        if (!metrics_differ(metrics[batch_->chosen[i] - first], oracle[i]))
             continue;
         ++error_.metrics;
         note(fmt::format("path {}: its metrics differ", batch_->chosen[i]));

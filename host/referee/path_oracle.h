@@ -83,7 +83,8 @@ private:
 // How far rounding may take a sample of a path on hardware from the oracle's: derived a priori.
 
 /// Of an analytic surface. What is felt is held against the law at the very place where it was felt (RoundingBound,
-/// both sides round, edges excused as in excuse.h); what the device can display of it adds 16 u of its largest force.
+/// both sides round, edges excused as by is_on_edge()); what the device can display of it adds 16 u of its largest
+/// force.
 ///
 /// Where an open loop's probe is follows from numbers without rounding (phases, random words, steps) in one chain. With
 /// u the unit roundoff and S the sum of all lengths that a motion is made of (middle, half sides, depths, lift, every
@@ -104,8 +105,8 @@ public:
     double place(const layout::PathFeatures& features, double size, const Triple& at) const;
 
     /// Whether that is what the law gives at the probe, or may be taken for it. `hand`: of a closed loop, else null.
-    bool allows(const layout::Law<T>& law, const layout::HandParams<T>* hand, const Reading& felt, const Triple& probe,
-                layout::uint channels) const;
+    bool allows(const layout::Law<T>& law, const layout::HandParams<T>* hand, const Reading& computed,
+                const Triple& probe, layout::uint channels) const;
 
 private:
     RoundingBound bound_;
@@ -121,7 +122,7 @@ inline constexpr std::uint64_t kComparedSamples = std::uint64_t(1) << 20;
 
 /// Evaluates the chosen paths of each batch once more, by reference::evaluate_paths on all cores. On hardware, whose
 /// divisions and square roots may round otherwise, what is felt is held against the law at the very position where it
-/// was felt, and an open loop's positions against the oracle's, within derived bounds (path_bound.h). On a mesh, where
+/// was felt, and an open loop's positions against the oracle's, within derived bounds (PathBound). On a mesh, where
 /// a force follows from all before it, an open loop's may be off by 1e-3 of the largest in one sample of a hundred,
 /// since a probe on an edge may be given to either facet; and of an open loop's metrics the work may be off by 1e-3 of
 /// the effort: these two are chosen. A closed loop's course is not compared there: it follows from what it felt.
@@ -144,13 +145,13 @@ private:
     struct Batch;
     struct Sample;
     void begin(std::size_t first, std::size_t count);
-    void compare(const PathRows<T>& rows, const layout::PathChunk<T>& alike);
-    void compare_sample(const PathRows<T>& rows, const layout::PathChunk<T>& alike, const Sample& sample);
-    bool differs_beyond(const PathRows<T>& rows, const layout::PathChunk<T>& alike, const Sample& sample, double off);
+    void compare(const PathRows<T>& rows, const layout::PathChunk<T>& oracle);
+    void compare_sample(const PathRows<T>& rows, const layout::PathChunk<T>& oracle, const Sample& sample);
+    bool differs_beyond(const PathRows<T>& rows, const layout::PathChunk<T>& oracle, const Sample& sample, double off);
     void end_mesh_paths();
     bool is_beyond(const PathRows<T>& rows, const Sample& sample);
     bool has_left(const PathRows<T>& rows, const Sample& sample) const;
-    bool metrics_differ(const layout::PathMetrics<T>& computed, const layout::PathMetrics<T>& alike) const;
+    bool metrics_differ(const layout::PathMetrics<T>& computed, const layout::PathMetrics<T>& oracle) const;
     void note(const std::string& text);
 
     layout::PathInput<T> input_;

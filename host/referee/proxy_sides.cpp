@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "host/mesh/winding.h"
+#include "host/mesh/structure.h"
 #include "host/prepare/prepared_case.h"
 #include "host/program.h"
 #include "host/reference/god_object.h"
@@ -47,8 +47,9 @@ template <typename T> struct ProxySides<T>::Surface {
     double tolerance(const Point& local, const glm::dvec3& world) const {
         constexpr double kEpsilon = std::numeric_limits<T>::epsilon();
         const double written = std::max({std::abs(world.x), std::abs(world.y), std::abs(world.z)}) / structure.scale;
-        const double touch = 16 * kEpsilon * (1 + reference::largest_of(local));           // touch_tolerance()
-        const double placed = 4 * kEpsilon * (1 + reference::largest_of(local) + written); // probe, vertices, proxy
+        const double touch = 16 * kEpsilon * (1 + reference::largest_coordinate(local)); // touch_tolerance()
+        const double placed =
+            4 * kEpsilon * (1 + reference::largest_coordinate(local) + written); // probe, vertices, proxy
         return 2 * double(reference::Skin<T>::kWidth) + touch + placed;
     }
 

@@ -27,6 +27,16 @@ Reading reading_of(const brute::Answer& answer) {
     return {triple(answer.force), triple(answer.unshaded), triple(answer.proxy), double(answer.depth), answer.facet};
 }
 
+Bound operator+(const Bound& a, const Bound& b) {
+    return {a.force + b.force, a.magnitude + b.magnitude, a.unshaded + b.unshaded, a.depth + b.depth,
+            a.proxy + b.proxy};
+}
+
+Bound operator*(double factor, const Bound& bound) {
+    return {factor * bound.force, factor * bound.magnitude, factor * bound.unshaded, factor * bound.depth,
+            factor * bound.proxy};
+}
+
 double force_error(const Reading& computed, const Reading& truth) {
     return distance(computed.force, truth.force);
 }

@@ -1,45 +1,20 @@
-// Distances between floating-point numbers in units in the last place.
+// How far rounding may take a computed voxel from the exact one, derived a priori, law by law; and the edges where
+// another rounding may rightly say something else.
 #pragma once
 
-#include <bit>
-#include <cstdint>
-#include <cstdlib>
-#include <type_traits>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <vector>
 
+#include "host/norm.h"
 #include "host/prepare/prepared_case.h"
+#include "host/referee/reading.h"
 
 namespace forceshade {
 
-/// How many representable numbers lie between a and b, counting one end; +0 and -0 are one apart. NaN is far from
-/// everything, itself too.
-template <typename T> std::uint64_t ulp_distance(T a, T b) {
-    using Bits = std::conditional_t<sizeof(T) == 4, std::uint32_t, std::uint64_t>;
-    if (a != a || b != b)
-        return UINT64_MAX;
-    // Numbers in order, so that their places subtract: negative ones count down from the middle.
-    const auto place = [](T value) {
-        constexpr Bits kSign = Bits(1) << (8 * sizeof(T) - 1);
-        const Bits bits = std::bit_cast<Bits>(value);
-        return bits & kSign ? kSign - 1 - (bits & ~kSign) : bits + kSign;
-    };
-    const Bits first = place(a), second = place(b);
-    return first > second ? first - second : second - first;
-}
-
-// How far rounding may take a computed voxel from the exact one: derived a priori, law by law.
-
-/// How far each channel of a voxel may be off.
-struct Bound {
-    double force = 0;     /* N: |F - F_exact| */
-    double magnitude = 0; /* N: | |F| - |F_exact| |; says more than `force` where the direction is ill conditioned */
-    double unshaded = 0;  /* N */
-    double depth = 0;     /* m */
-    double proxy = 0;     /* m */
-};
-
-/// The sum of the bounds.
-Bound operator+(const Bound& a, const Bound& b);
-Bound operator*(double factor, const Bound& bound);
+/// Whether a computed voxel is a referee's, allowing for rounding; on an edge, rounding chooses between two answers.
+enum class Verdict { within, on_edge, beyond };
 
 /// First-order bounds by counting roundings along each law's formula. In single precision every operation may be off by
 /// as much as Vulkan lets a device be (+ - * half an ULP, / 2.5 ULP, sqrt about 3 ULP), so one bound serves hardware
@@ -78,6 +53,161 @@ private:
     double unit_; // 64 u
     double tiny_; // 4 m
     double steepest_map_ = 0, steepest_texture_ = 0;
+};
+
+/// A law as a referee in precision T.
+template <typename T> struct OracleReferee {
+    layout::Law<T> law;
+
+    reference::Column<T> column(double x, double y) const {
+        return reference::column_at(law, static_cast<T>(x), static_cast<T>(y));
+    }
+    Reading at(const reference::Column<T>& column, double z) const {
+        return reading_of(reference::contact_at(law, column, static_cast<T>(z)));
+    }
+    static layout::uint facet(const reference::Column<T>& column) { return column.facet.id; }
+};
+
+/// The closed form as a referee.
+struct ClosedFormReferee {
+    const brute::Referee& referee;
+
+    brute::Column column(double x, double y) const { return referee.column(x, y); }
+    Reading at(const brute::Column& column, double z) const { return reading_of(referee.at(column, z)); }
+    static layout::uint facet(const brute::Column& column) { return column.facet; }
+};
+
+/// Whether force(place) jumps between two places a rounding apart: however often the line is halved, one half of it
+/// keeps most of the difference.
+template <typename Force> bool jumps_between(Triple from, Triple to, const Force& force) {
+    const auto apart = [](const Triple& a, const Triple& b) { return norm(a[0] - b[0], a[1] - b[1], a[2] - b[2]); };
+    Triple at_from = force(from), at_to = force(to);
+    const double whole = apart(at_from, at_to);
+    for (int i = 0; i < 8; ++i) {
+        Triple middle;
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            middle[axis] = from[axis] + (to[axis] - from[axis]) / 2;
+        const Triple at_middle = force(middle);
+        const bool in_first = apart(at_from, at_middle) > apart(at_middle, at_to);
+        (in_first ? to : from) = middle;
+        (in_first ? at_to : at_from) = at_middle;
+    }
+    return apart(at_from, at_to) > whole / 2;
+}
+
+/// The number that many steps of T beyond `value`.
+template <typename T> double stepped(double value, int steps) {
+    const T towards = steps < 0 ? -std::numeric_limits<T>::infinity() : std::numeric_limits<T>::infinity();
+    T result = static_cast<T>(value);
+    for (int i = 0; i < std::abs(steps); ++i)
+        result = std::nextafter(result, towards);
+    return static_cast<double>(result);
+}
+
+/// L2: the other of two solids that are equally deep but for `tolerance`, m: which of them a voxel names is a matter of
+/// rounding, and its proxy lies on the one that it names.
+inline std::optional<Reading> other_solid(const Reading& reading, const layout::Law<double>& law, const Triple& probe,
+                                          double tolerance) {
+    if (law.features.surface != layout::kSurfaceCylinderBump || reading.facet == layout::kNoFacet)
+        return std::nullopt;
+    const layout::LawParams<double>& params = law.params;
+    const auto [x, y, z] = probe;
+    const reference::Radial<double> radial = reference::radial_at(params, x, z);
+    const double power = (params.half_width - x) * (params.half_width + x) - z * (z + 2 * params.centre_depth);
+    const double cylinder = power / (params.radius + radial.distance);
+    if (!(std::abs(cylinder + z) <= tolerance))
+        return std::nullopt;
+    Reading other = reading;
+    other.facet = 1 - reading.facet;
+    other.proxy = {x, y, 0};
+    if (other.facet == 0)
+        other.proxy = {x + cylinder * radial.direction.x, y, z + cylinder * radial.direction.z};
+    return other;
+}
+
+/// True if a bump's facets within a few steps of T of x include this one; vertices may coincide in T.
+template <typename T, typename Referee>
+bool is_facet_near(layout::uint facet, const layout::Law<double>& law, const Referee& referee, double x, double y) {
+    const layout::uint plane = law.params.facets;
+    const layout::uint low = referee.facet(referee.column(stepped<T>(x, -4), y));
+    const layout::uint high = referee.facet(referee.column(stepped<T>(x, 4), y));
+    if (facet == plane || (low == plane && high == plane))
+        return low == plane || high == plane;
+    return facet >= (low == plane ? 0 : low) && facet <= (high == plane ? plane - 1 : high);
+}
+
+/// True if the referee gives a reading at a point so near to the probe that rounding may have moved it there: a few
+/// steps of T away, or as far up or down as the depth may be off. `sides` is how many of the two round.
+template <typename T, typename Referee>
+bool is_on_edge(const Reading& computed, const Triple& probe, const Referee& referee, const RoundingBound& bound,
+                double sides, layout::uint channels) {
+    const auto [x, y, z] = probe;
+    const layout::Law<double> law = bound.law();
+    const Bound here = bound.at(x, y, z);
+    const double reach = 1.01 * sides * here.depth; /* m */
+    std::vector<double> across{stepped<T>(x, 0)};
+    for (const int steps : {-1, 1, -2, 2, -4, 4})
+        across.push_back(stepped<T>(x, steps));
+    if (std::abs(x) < static_cast<double>(std::numeric_limits<T>::min()))
+        across.push_back(0); // as hardware may read it
+    const bool near_facet = law.features.surface == layout::kSurfaceBump && channels & layout::kChannelFacet &&
+                            computed.facet != layout::kNoFacet && is_facet_near<T>(computed.facet, law, referee, x, y);
+    for (const double near_x : across)
+        for (const double near_y : {y, stepped<T>(y, -2), stepped<T>(y, 2)}) {
+            const auto column = referee.column(near_x, near_y);
+            for (const double near_z : {z, stepped<T>(z, -2), stepped<T>(z, 2), z - reach, z + reach}) {
+                Reading truth = referee.at(column, near_z);
+                if (near_facet && truth.facet != layout::kNoFacet)
+                    truth.facet = computed.facet;
+                const double moved = std::hypot(std::hypot(near_x - x, near_y - y), near_z - z); /* m */
+                const Bound allowed = sides * (here + bound.at(near_x, near_y, near_z)) + bound.over(moved);
+                if (!first_misfit(computed, truth, allowed, channels))
+                    return true;
+                const auto other = other_solid(truth, law, {near_x, near_y, near_z}, 2 * sides * here.depth + moved);
+                if (other && !first_misfit(computed, *other, allowed, channels))
+                    return true;
+            }
+        }
+    return false;
+}
+
+/// In the mesh's frame no coordinate exceeds 1, and with u the unit roundoff of the precision and P the probe's largest
+/// coordinate, or 1, every distance, offset and proxy is off by at most e = 64 u (1 + P): the longest chain is that of
+/// a face, 42 u (1 + P) (host/reference/mesh_nearest.h), and the mesh's vertices and centre are rounded too. Then:
+///  - any triangle within 2 e of the nearest may be taken for it, with its own facet, proxy and direction;
+///  - a probe within 2 e of the surface may be taken for inside or outside; so may one whose offset is so nearly in the
+///  plane of a triangle taken for the nearest that the exact law says otherwise there;
+///  - the interpolated normal moves with the proxy: by at most 8 e / (height of the facet) of the length it had before
+///  it was normalised, and that length is no less than the least component of a vertex normal along their sum;
+///  - a gradient of a height map is taken at a proxy that is off by e: what that changes is looked up on either side.
+class MeshBound {
+public:
+    /// The case must outlive the bound.
+    MeshBound(const PreparedCase& prepared, Precision precision);
+
+    /// Whether a reading is the law's at the probe (mesh frame), allowing for the rounding of so many `sides`.
+    Verdict compare(const Reading& computed, const reference::Vector<double>& probe, double sides,
+                    layout::uint channels) const;
+
+    /// True if rounding, of the probe's position too, decides which point of the mesh an exact force near `probe`
+    /// and one computed there belong to: the difference between them then says nothing.
+    bool is_ambiguous(const Triple& computed, const reference::Vector<double>& probe, const Triple& exact) const;
+
+    /// The bound where the law touches a given point of a facet.
+    Bound at(const reference::Vector<double>& probe, const reference::MeshTouch<double>& touch) const;
+
+    /// 1: e at a probe.
+    double reach(const reference::Vector<double>& probe) const;
+
+private:
+    double direction_error(const reference::MeshTouch<double>& touch, double reach) const;
+    double slope_error(layout::uint kind, const layout::MapParams<double>& map, std::span<const double> samples,
+                       const reference::Vector<double>& world, double reach) const;
+
+    FieldTables<double> tables_;
+    layout::Law<double> law_;
+    double unit_; // 64 u
+    double tiny_; // smallest normal number, four times
 };
 
 } // namespace forceshade

@@ -2,56 +2,60 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
+#include <optional>
+#include <thread>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "host/norm.h"
 #include "host/program.h"
-#include "host/referee/mesh_judge.h"
+#include "host/referee/mesh_referee.h"
 #include "host/referee/reading.h"
+#include "host/referee/rounding_bound.h"
 
 namespace forceshade {
 
 namespace {
 
 // The nearest T. Volatile, because g++ 12 at -O2 turns two of these side by side into vectors and drops the rounding.
-template <typename T> double held(double value) {
-    const volatile T rounded = static_cast<T>(value);
-    return static_cast<double>(rounded);
+template <typename T> double rounded_to(double value) {
+    const volatile T result = static_cast<T>(value);
+    return static_cast<double>(result);
 }
 
 // Half of a length is what a kernel is given, and twice a T is exact.
-template <typename T> void hold_extent(double& length) {
-    length = 2 * held<T>(length / 2);
+template <typename T> void round_extent(double& length) {
+    length = 2 * rounded_to<T>(length / 2);
 }
 
-template <typename T> void hold_map(HeightMapSpec& map) {
+template <typename T> void round_map(HeightMapSpec& map) {
     if (map.function == MapFunction::file) {
-        hold_extent<T>(map.size[0]);
-        hold_extent<T>(map.size[1]);
+        round_extent<T>(map.size[0]);
+        round_extent<T>(map.size[1]);
     }
     if (map.function == MapFunction::cylinder || map.function == MapFunction::dip) {
-        hold_extent<T>(map.width);
-        map.radius = held<T>(map.radius);
+        round_extent<T>(map.width);
+        map.radius = rounded_to<T>(map.radius);
     }
 }
 
 } // namespace
 
-template <typename T> Scene held_scene(const Scene& scene) {
+template <typename T> Scene rounded_scene(const Scene& scene) {
     Scene result = scene;
-    hold_extent<T>(result.surface.width);
-    result.surface.radius = held<T>(scene.surface.radius);
-    hold_map<T>(result.surface.map);
+    round_extent<T>(result.surface.width);
+    result.surface.radius = rounded_to<T>(scene.surface.radius);
+    round_map<T>(result.surface.map);
     if (result.texture)
-        hold_map<T>(result.texture->map);
+        round_map<T>(result.texture->map);
     return result;
 }
 
-template Scene held_scene<float>(const Scene&);
-template Scene held_scene<double>(const Scene&);
+template Scene rounded_scene<float>(const Scene&);
+template Scene rounded_scene<double>(const Scene&);
 
 namespace {
 
@@ -126,151 +130,278 @@ std::string comparison_json(const std::vector<Comparison>& comparisons, const En
 
 namespace {
 
-// Everything one case is compared with, and the tables that it takes.
-template <typename T> class Judge {
+struct VoxelIndex {
+    std::size_t x, y, z;
+};
+
+template <typename T> Triple probe_at(const FieldTables<T>& tables, VoxelIndex at) {
+    return {double(tables.x[at.x]), double(tables.y[at.y]), double(tables.z[at.z])};
+}
+
+template <typename T> constexpr Precision kPrecision = std::is_same_v<T, float> ? Precision::f32 : Precision::f64;
+
+// What a referee says of a computed voxel.
+struct Finding {
+    Verdict verdict;
+    Reading truth;
+    layout::uint channel = layout::kChannelForce; /* that is beyond the bound */
+};
+
+// Triangles near which the next search for the nearest one begins.
+struct Hints {
+    layout::uint same = 0, exact = 0;
+};
+
+// Everything a case of an analytic surface is compared with, and the tables that it takes.
+template <typename T> class SurfaceReferees {
 public:
-    Judge(const PreparedCase& prepared, bool exact_bits)
+    static constexpr bool kOracleTellsForce = false; // the closed form does
+    static constexpr const char* kClosedForm = "the closed form";
+
+    explicit SurfaceReferees(const PreparedCase& prepared)
         : tables_(make_tables<T>(prepared.one.scene, prepared.images, Extent::everything)),
           exact_(make_tables<double>(prepared.one.scene, prepared.images, Extent::everything)),
-          referee_(prepared.one.scene, prepared.images), held_(held_scene<T>(prepared.one.scene)),
-          held_tables_(make_tables<double>(held_, prepared.images, Extent::what_varies)),
-          held_referee_(held_, prepared.images),
-          bound_(prepared, std::is_same_v<T, float> ? Precision::f32 : Precision::f64), exact_bits_(exact_bits),
-          channels_(tables_.features.channels) {}
+          referee_(prepared.one.scene, prepared.images), rounded_(rounded_scene<T>(prepared.one.scene)),
+          rounded_tables_(make_tables<double>(rounded_, prepared.images, Extent::what_varies)),
+          rounded_referee_(rounded_, prepared.images), bound_(prepared, kPrecision<T>) {}
 
     const FieldTables<T>& tables() const { return tables_; }
 
-    // Compares one row of a chunk; `partial` belongs to the calling thread.
-    void compare_row(const layout::FieldChunk<T>& chunk, std::size_t row, Comparison& partial) const {
-        const std::size_t z = chunk.z_first + row / chunk.y_count, y = chunk.y_first + row % chunk.y_count;
-        for (std::size_t x = 0; x < chunk.x_count; ++x)
-            compare_voxel(chunk, row * chunk.x_pitch + x, {x, y, z}, partial);
-    }
-
     // The closed form's columns are dear where there are many facets: made once for each (x, y) of the rows to come.
-    void prepare_columns(std::size_t y_first, std::size_t y_count) {
-        const bool alike = !depends_on_y(tables_.features);
-        if (alike && !columns_.empty())
+    void begin_rows(std::size_t y_first, std::size_t y_count) {
+        const bool extruded = !depends_on_y(tables_.features);
+        if (extruded && !columns_.empty())
             return;
         columns_y_ = y_first;
         columns_.clear();
-        for (std::size_t y = 0; y < (alike ? 1 : y_count); ++y)
+        for (std::size_t y = 0; y < (extruded ? 1 : y_count); ++y)
             for (const double x : exact_.x)
                 columns_.push_back(referee_.column(x, exact_.y[y_first + y]));
-        alike_ = alike;
+        extruded_ = extruded;
+    }
+
+    reference::Contact<T> same_precision(VoxelIndex at, Hints&) const {
+        return reference::evaluate(tables_.law(), {tables_.x[at.x], tables_.y[at.y], tables_.z[at.z]});
+    }
+
+    // Both sides round.
+    Finding against_same_precision(const Reading& computed, const Reading& expected, VoxelIndex at) const {
+        const Triple probe = probe_at(tables_, at);
+        const Bound allowed = 2 * bound_.at(probe[0], probe[1], probe[2]);
+        const layout::uint misfit = first_misfit(computed, expected, allowed, channels());
+        if (!misfit)
+            return {Verdict::within, expected};
+        const OracleReferee<T> oracle{tables_.law()};
+        return {is_on_edge<T>(computed, probe, oracle, bound_, 2, channels()) ? Verdict::on_edge : Verdict::beyond,
+                expected, misfit};
+    }
+
+    Finding against_oracle(const Reading& computed, layout::uint, VoxelIndex at, Hints&) const {
+        const OracleReferee<double> exact{exact_.law()}, rounded{rounded_tables_.law()};
+        return against(computed, at, exact.column(exact_.x[at.x], exact_.y[at.y]), exact, rounded);
+    }
+
+    std::optional<Finding> against_closed_form(const Reading& computed, VoxelIndex at) const {
+        const ClosedFormReferee exact{referee_}, rounded{rounded_referee_};
+        const std::size_t row = extruded_ ? 0 : at.y - columns_y_;
+        return against(computed, at, columns_[row * exact_.x.size() + at.x], exact, rounded);
     }
 
 private:
-    void compare_voxel(const layout::FieldChunk<T>& chunk, std::size_t sample, VoxelIndex at,
-                       Comparison& partial) const {
-        const T x = tables_.x[at.x], y = tables_.y[at.y], z = tables_.z[at.z];
-        const reference::Contact<T> alike = reference::evaluate(tables_.law(), {x, y, z});
-        const Reading computed = reading_of(chunk, sample);
-        ++partial.voxels;
-        if (!same_bits(chunk, sample, alike)) {
-            count_difference(chunk, sample, alike, partial);
-            compare_with_alike(computed, reading_of(alike), at, partial);
-        }
-        compare_with_oracle(computed, at, partial);
-        compare_with_closed_form(computed, at, partial);
-    }
-
-    // Both sides round. Where the bits must be the oracle's, nothing else is said of them.
-    void compare_with_alike(const Reading& computed, const Reading& alike, VoxelIndex at, Comparison& partial) const {
-        const Triple probe = probe_at(at);
-        const Bound allowed = exact_bits_ ? Bound{} : 2 * bound_.at(probe[0], probe[1], probe[2]);
-        const layout::uint misfit = first_misfit(computed, alike, allowed, channels_);
-        if (!exact_bits_ && !misfit)
-            return;
-        if (!exact_bits_ && is_on_edge<T>(computed, probe, OracleReferee<T>{tables_.law()}, bound_, 2, channels_)) {
-            ++partial.boundary;
-            return;
-        }
-        ++partial.beyond;
-        note_failure(partial, at, computed, alike, misfit, "the oracle in the same precision");
-    }
-
-    void compare_with_oracle(const Reading& computed, VoxelIndex at, Comparison& partial) const {
-        const OracleReferee<double> exact{exact_.law()}, held{held_tables_.law()};
-        const auto column = exact.column(exact_.x[at.x], exact_.y[at.y]);
-        judge(computed, at, exact.at(column, exact_.z[at.z]), exact, held, partial, partial.oracle,
-              "the oracle in double precision");
-    }
-
-    void compare_with_closed_form(const Reading& computed, VoxelIndex at, Comparison& partial) const {
-        const ClosedFormReferee exact{referee_}, held{held_referee_};
-        const brute::Column& column = columns_[(alike_ ? 0 : at.y - columns_y_) * exact_.x.size() + at.x];
-        const Reading truth = exact.at(column, exact_.z[at.z]);
-        partial.largest_force = std::max(partial.largest_force, norm(truth.force[0], truth.force[1], truth.force[2]));
-        judge(computed, at, truth, exact, held, partial, partial.closed_form, "the closed form");
-    }
+    layout::uint channels() const { return tables_.features.channels; }
 
     // A voxel beyond the bound is excused only if the referee gives it within a few ULP, for the scene as T holds it.
-    template <typename Referee>
-    void judge(const Reading& computed, VoxelIndex at, const Reading& truth, const Referee& exact, const Referee& held,
-               Comparison& partial, Distance& result, const char* who) const {
-        const Triple probe = probe_at(at);
+    template <typename Referee, typename Column>
+    Finding against(const Reading& computed, VoxelIndex at, const Column& column, const Referee& exact,
+                    const Referee& rounded) const {
+        const Triple probe = probe_at(tables_, at);
         const auto [x, y, z] = probe;
+        const Reading truth = exact.at(column, exact_.z[at.z]);
         const Bound allowed = bound_.at(x, y, z);
-        const layout::uint misfit = first_misfit(computed, truth, allowed, channels_);
+        const layout::uint misfit = first_misfit(computed, truth, allowed, channels());
+        if (!misfit)
+            return {Verdict::within, truth};
         // The error counts against the true position; the bound holds at the position that was rounded to T, which may
         // lie on the other side of an edge.
-        const bool fits = !misfit || !first_misfit(computed, exact.at(exact.column(x, y), z), allowed, channels_);
-        const bool on_edge =
-            misfit && (fits ? jumps_between({exact_.x[at.x], exact_.y[at.y], exact_.z[at.z]}, probe,
-                                            [&](const Triple& place) {
-                                                return exact.at(exact.column(place[0], place[1]), place[2]).force;
-                                            })
-                            : is_on_edge<T>(computed, probe, held, bound_, 1, channels_));
-        if (on_edge) {
-            ++result.boundary;
-            return;
-        }
-        const double off = force_error(computed, truth);
-        if (off > result.largest || std::isnan(off))
-            result.largest = off;
-        if (fits)
-            return;
-        ++result.unexplained;
-        note_failure(partial, at, computed, truth, misfit, who);
-    }
-
-    Triple probe_at(VoxelIndex at) const {
-        return {double(tables_.x[at.x]), double(tables_.y[at.y]), double(tables_.z[at.z])};
+        const bool fits = !first_misfit(computed, exact.at(exact.column(x, y), z), allowed, channels());
+        const auto force_at = [&](const Triple& place) {
+            return exact.at(exact.column(place[0], place[1]), place[2]).force;
+        };
+        const bool on_edge = fits ? jumps_between(probe_at(exact_, at), probe, force_at)
+                                  : is_on_edge<T>(computed, probe, rounded, bound_, 1, channels());
+        return {on_edge ? Verdict::on_edge : fits ? Verdict::within : Verdict::beyond, truth, misfit};
     }
 
     FieldTables<T> tables_;
     FieldTables<double> exact_;
     brute::Referee referee_;
-    Scene held_;
-    FieldTables<double> held_tables_;
-    brute::Referee held_referee_;
+    Scene rounded_;
+    FieldTables<double> rounded_tables_;
+    brute::Referee rounded_referee_;
     RoundingBound bound_;
-    bool exact_bits_;
-    layout::uint channels_;
     std::vector<brute::Column> columns_;
     std::size_t columns_y_ = 0;
-    bool alike_ = false;
+    bool extruded_ = false;
 };
+
+constexpr double kDoubleRoundoff = 0x1p-53;
+constexpr std::uint64_t kBudget = 20'000'000; // triangles that the brute referee may look at: some seconds
+
+brute::MeshShading brute_shading(Shading shading) {
+    switch (shading) {
+    case Shading::morgenbesser:
+        return brute::MeshShading::morgenbesser;
+    case Shading::barycentric:
+        return brute::MeshShading::barycentric;
+    case Shading::mean_value:
+        return brute::MeshShading::mean_value;
+    case Shading::two_pass:
+        return brute::MeshShading::two_pass;
+    default:
+        return brute::MeshShading::none;
+    }
+}
+
+// The scene as plain loops see it. The case must outlive the law.
+brute::MeshLaw brute_law(const PreparedCase& prepared) {
+    const Scene& scene = prepared.one.scene;
+    brute::MeshLaw law;
+    law.stiffness = scene.force.stiffness;
+    law.shading = brute_shading(scene.force.shading);
+    if (scene.surface.mesh.inside == InsideTest::winding)
+        law.inside = brute::MeshInside::winding;
+    if (!scene.texture)
+        return law;
+    const auto slope = [map = &scene.texture->map, image = prepared.images.texture.get()](
+                           brute::Real x, brute::Real y) { return brute::map_slope(*map, image, x, y); };
+    if (scene.texture->effect == TextureEffect::normal) {
+        law.map = slope;
+    } else {
+        law.texture = slope;
+        law.texture_stiffness = scene.texture->stiffness;
+    }
+    return law;
+}
+
+// Likewise of a mesh. The closed form's place takes the brute referee, which loops over all triangles: on evenly chosen
+// voxels, so many that the loops stay within some seconds.
+template <typename T> class MeshReferees {
+public:
+    static constexpr bool kOracleTellsForce = true;
+    static constexpr const char* kClosedForm = "a loop over all triangles";
+
+    explicit MeshReferees(const PreparedCase& prepared)
+        : tables_(make_tables<T>(prepared.one.scene, prepared.images, Extent::everything)),
+          exact_(make_tables<double>(prepared.one.scene, prepared.images, Extent::everything)), law_(tables_.law()),
+          exact_law_(exact_.law()), referee_(prepared.images.mesh->mesh, brute_law(prepared)),
+          bound_(prepared, kPrecision<T>), channels_(tables_.features.channels) {
+        const std::uint64_t voxels = std::uint64_t(tables_.x.size()) * tables_.y.size() * tables_.z.size();
+        const std::uint64_t affordable = std::max<std::uint64_t>(1, kBudget / law_.mesh.params.triangles);
+        every_ = std::max<std::uint64_t>(1, voxels / affordable);
+    }
+
+    const FieldTables<T>& tables() const { return tables_; }
+    void begin_rows(std::size_t, std::size_t) {}
+
+    reference::Contact<T> same_precision(VoxelIndex at, Hints& hints) const {
+        const reference::Vector<T> probe(tables_.x[at.x], tables_.y[at.y], tables_.z[at.z]);
+        return reference::mesh_contact(law_, probe, hints.same);
+    }
+
+    Finding against_same_precision(const Reading& computed, const Reading& expected, VoxelIndex at) const {
+        return {bound_.compare(computed, point_at(tables_, at), 1, channels_), expected,
+                first_misfit(computed, expected, {}, channels_)};
+    }
+
+    // The error counts against the true position; the bound holds at the position that was rounded to T. Where rounding
+    // chose another facet, the difference says nothing of errors.
+    Finding against_oracle(const Reading& computed, layout::uint facet, VoxelIndex at, Hints& hints) const {
+        const Reading truth = reading_of(reference::mesh_contact(exact_law_, point_at(exact_, at), hints.exact));
+        const Point probe = point_at(tables_, at);
+        Verdict verdict = bound_.compare(computed, probe, 1, channels_);
+        if (verdict == Verdict::within &&
+            (facet != truth.facet || bound_.is_ambiguous(computed.force, probe, truth.force)))
+            verdict = Verdict::on_edge;
+        return {verdict, truth};
+    }
+
+    // Where rounding decides which facet is the nearest, the answer may be that of any of them.
+    std::optional<Finding> against_closed_form(const Reading& computed, VoxelIndex at) const {
+        if (((at.z * tables_.y.size() + at.y) * tables_.x.size() + at.x) % every_ != 0)
+            return std::nullopt;
+        const Point probe = point_at(tables_, at);
+        const Reading truth = reading_of(referee_.at(world_of(probe)));
+        if (fits_brute(computed, truth, probe))
+            return Finding{Verdict::within, truth};
+        const double tolerance = 2 * sides_of(probe) * bound_.reach(probe) * exact_law_.mesh.params.scale; /* m */
+        for (const brute::Answer& answer : referee_.all_at(world_of(probe), tolerance))
+            if (fits_brute(computed, reading_of(answer), probe))
+                return Finding{Verdict::on_edge, truth};
+        return Finding{Verdict::beyond, truth};
+    }
+
+private:
+    using Point = reference::Vector<double>;
+
+    template <typename U> static Point point_at(const FieldTables<U>& tables, VoxelIndex at) {
+        return {double(tables.x[at.x]), double(tables.y[at.y]), double(tables.z[at.z])};
+    }
+
+    bool fits_brute(const Reading& computed, const Reading& truth, const Point& probe) const {
+        const layout::MeshParams<double>& frame = exact_law_.mesh.params;
+        const Point proxy((truth.proxy[0] - frame.centre_x) / frame.scale,
+                          (truth.proxy[1] - frame.centre_y) / frame.scale,
+                          (truth.proxy[2] - frame.centre_z) / frame.scale);
+        const bool touching = truth.depth > 0;
+        const reference::MeshTouch<double> touch{touching ? truth.facet : 0, Point(proxy - probe), proxy,
+                                                 truth.depth / frame.scale};
+        Bound allowed = sides_of(probe) * bound_.at(probe, touch);
+        if (!touching)
+            allowed = {0, 0, 0, 0, allowed.proxy};
+        return !first_misfit(computed, truth, allowed, channels_);
+    }
+
+    // One, and as many as the rounding of the probe's place in the world comes to.
+    double sides_of(const Point& probe) const {
+        const layout::MeshParams<double>& frame = exact_law_.mesh.params;
+        const double placed = 2 * kDoubleRoundoff * norm(frame.centre_x, frame.centre_y, frame.centre_z) / frame.scale;
+        return 1 + placed / bound_.reach(probe);
+    }
+
+    glm::dvec3 world_of(const Point& probe) const {
+        const layout::MeshParams<double>& frame = exact_law_.mesh.params;
+        return {probe.x * frame.scale + frame.centre_x, probe.y * frame.scale + frame.centre_y,
+                probe.z * frame.scale + frame.centre_z};
+    }
+
+    FieldTables<T> tables_;
+    FieldTables<double> exact_;
+    layout::Law<T> law_;
+    layout::Law<double> exact_law_;
+    brute::MeshReferee referee_;
+    MeshBound bound_;
+    layout::uint channels_;
+    std::uint64_t every_; // voxels: one in so many goes to the brute referee
+};
+
+// True if every channel of the sample equals the contact's bit for bit.
+template <typename T>
+bool same_bits(const layout::FieldChunk<T>& chunk, std::size_t sample, const reference::Contact<T>& contact) {
+    const auto same = [&](std::span<const T> channel, const reference::Vector<T>& value) {
+        const T bits[3] = {value.x, value.y, value.z};
+        return channel.empty() || std::memcmp(&channel[3 * sample], bits, sizeof(bits)) == 0;
+    };
+    return same(chunk.force, contact.force) && same(chunk.proxy, contact.proxy) &&
+           same(chunk.unshaded, contact.unshaded) &&
+           (chunk.depth.empty() || std::memcmp(&chunk.depth[sample], &contact.depth, sizeof(T)) == 0) &&
+           (chunk.facet.empty() || chunk.facet[sample] == contact.facet);
+}
 
 void merge(Distance& into, const Distance& from) {
     into.largest = std::isnan(from.largest) ? from.largest : std::max(into.largest, from.largest);
     into.boundary += from.boundary;
     into.unexplained += from.unexplained;
 }
-
-template <typename T> void compare(Engine& engine, const PreparedCase& prepared, Comparison& result) {
-    if (prepared.images.mesh)
-        return compare_mesh<T>(engine, prepared, result);
-    Judge<T> judge(prepared, engine.report().software);
-    engine.evaluate(judge.tables().input(), [&](const layout::FieldChunk<T>& chunk) {
-        check_interrupt();
-        judge.prepare_columns(chunk.y_first, chunk.y_count);
-        compare_rows(judge, chunk, result);
-    });
-}
-
-} // namespace
 
 void merge(Comparison& into, const Comparison& from) {
     into.voxels += from.voxels;
@@ -285,14 +416,113 @@ void merge(Comparison& into, const Comparison& from) {
         into.first_difference = from.first_difference;
 }
 
+// Some voxels held against all referees of a case; one for each thread.
+template <typename T, typename Referees> struct VoxelComparison {
+    const Referees& referees;
+    bool exact_bits;
+    Comparison result;
+
+    void compare_row(const layout::FieldChunk<T>& chunk, std::size_t row) {
+        const std::size_t z = chunk.z_first + row / chunk.y_count, y = chunk.y_first + row % chunk.y_count;
+        Hints hints;
+        for (std::size_t x = 0; x < chunk.x_count; ++x)
+            compare_voxel(chunk, row * chunk.x_pitch + x, {x, y, z}, hints);
+    }
+
+private:
+    void compare_voxel(const layout::FieldChunk<T>& chunk, std::size_t sample, VoxelIndex at, Hints& hints) {
+        const reference::Contact<T> same = referees.same_precision(at, hints);
+        const Reading computed = reading_of(chunk, sample);
+        ++result.voxels;
+        if (!same_bits(chunk, sample, same))
+            compare_with_same_precision(chunk, sample, computed, same, at);
+        const Finding oracle = referees.against_oracle(computed, same.facet, at, hints);
+        add(oracle, computed, at, result.oracle, "the oracle in double precision");
+        const std::optional<Finding> closed_form = referees.against_closed_form(computed, at);
+        if (closed_form)
+            add(*closed_form, computed, at, result.closed_form, Referees::kClosedForm);
+        const Triple& force = (Referees::kOracleTellsForce ? oracle : *closed_form).truth.force;
+        result.largest_force = std::max(result.largest_force, norm(force[0], force[1], force[2]));
+    }
+
+    // Where the bits must be the oracle's, nothing else is said of them.
+    void compare_with_same_precision(const layout::FieldChunk<T>& chunk, std::size_t sample, const Reading& computed,
+                                     const reference::Contact<T>& same, VoxelIndex at) {
+        ++result.differing;
+        const T force[3] = {same.force.x, same.force.y, same.force.z};
+        for (std::size_t i = 0; i < 3; ++i)
+            result.largest_ulp = std::max(result.largest_ulp, ulp_distance(chunk.force[3 * sample + i], force[i]));
+        const Reading expected = reading_of(same);
+        const layout::uint channels = referees.tables().features.channels;
+        const Finding finding = exact_bits
+                                    ? Finding{Verdict::beyond, expected, first_misfit(computed, expected, {}, channels)}
+                                    : referees.against_same_precision(computed, expected, at);
+        result.boundary += finding.verdict == Verdict::on_edge;
+        if (finding.verdict != Verdict::beyond)
+            return;
+        ++result.beyond;
+        note_failure(finding, computed, at, "the oracle in the same precision");
+    }
+
+    void add(const Finding& finding, const Reading& computed, VoxelIndex at, Distance& distance, const char* who) {
+        if (finding.verdict == Verdict::on_edge) {
+            ++distance.boundary;
+            return;
+        }
+        const double off = force_error(computed, finding.truth);
+        if (off > distance.largest || std::isnan(off))
+            distance.largest = off;
+        if (finding.verdict == Verdict::within)
+            return;
+        ++distance.unexplained;
+        note_failure(finding, computed, at, who);
+    }
+
+    // Keeps the first failure in words.
+    void note_failure(const Finding& finding, const Reading& computed, VoxelIndex at, const char* who) {
+        if (result.first_difference.empty())
+            result.first_difference =
+                fmt::format("voxel ({}, {}, {}): {}, {} says {}", at.x, at.y, at.z, describe(computed, finding.channel),
+                            who, describe(finding.truth, finding.channel));
+    }
+};
+
+// A chunk's rows are shared out among all cores.
+template <typename T, typename Referees>
+void compare(Engine& engine, const PreparedCase& prepared, Comparison& result) {
+    Referees referees(prepared);
+    const bool exact_bits = engine.report().software;
+    engine.evaluate(referees.tables().input(), [&](const layout::FieldChunk<T>& chunk) {
+        check_interrupt();
+        referees.begin_rows(chunk.y_first, chunk.y_count);
+        const std::size_t rows = chunk.y_count * chunk.z_count;
+        const std::size_t threads = std::min<std::size_t>(rows, std::max(1u, std::thread::hardware_concurrency()));
+        std::vector<VoxelComparison<T, Referees>> parts(threads, {referees, exact_bits, {}});
+        std::vector<std::jthread> workers;
+        for (std::size_t worker = 0; worker < threads; ++worker)
+            workers.emplace_back([&, worker] {
+                for (std::size_t row = worker * rows / threads; row < (worker + 1) * rows / threads; ++row)
+                    parts[worker].compare_row(chunk, row);
+            });
+        workers.clear();
+        for (const auto& part : parts)
+            merge(result, part.result);
+    });
+}
+
+} // namespace
+
 Comparison compare_case(Engine& engine, const PreparedCase& prepared, Precision precision) {
+    const bool mesh = prepared.images.mesh != nullptr;
     Comparison result;
     result.name = prepared.one.name;
     result.precision = precision;
     if (precision == Precision::f32)
-        compare<float>(engine, prepared, result);
+        mesh ? compare<float, MeshReferees<float>>(engine, prepared, result)
+             : compare<float, SurfaceReferees<float>>(engine, prepared, result);
     else
-        compare<double>(engine, prepared, result);
+        mesh ? compare<double, MeshReferees<double>>(engine, prepared, result)
+             : compare<double, SurfaceReferees<double>>(engine, prepared, result);
     result.passed = result.beyond == 0 && result.oracle.unexplained == 0 && result.closed_form.unexplained == 0;
     return result;
 }

@@ -1,4 +1,5 @@
-// The scene as a run's precision holds it.
+// An engine held against the oracle in the same precision, the oracle in double, and the closed forms (of a mesh a loop
+// over all triangles), on every voxel of a case.
 #pragma once
 
 #include <string>
@@ -14,13 +15,10 @@ namespace forceshade {
 /// scene puts a voxel of rounded position on the same side of every edge as a kernel without error does. A voxel
 /// exactly on an edge in T has a force that need not occur anywhere in the scene as written: two edges that coincide,
 /// one closed and one open, or a half-open facet beside an open cylinder.
-template <typename T> Scene held_scene(const Scene& scene);
+template <typename T> Scene rounded_scene(const Scene& scene);
 
-extern template Scene held_scene<float>(const Scene&);
-extern template Scene held_scene<double>(const Scene&);
-
-// An engine held against the oracle in the same precision, the oracle in double, and the closed forms, on every voxel
-// of a case.
+extern template Scene rounded_scene<float>(const Scene&);
+extern template Scene rounded_scene<double>(const Scene&);
 
 /// How far a field is from one referee.
 struct Distance {

@@ -36,9 +36,17 @@ template <typename T> Vector<T> vector_at(std::span<const T> table, std::size_t 
     return {table[3 * index], table[3 * index + 1], table[3 * index + 2]};
 }
 
-// How long a vector is, rounded as the kernels do it.
+template <typename T> T largest_coordinate(const Vector<T>& v) noexcept {
+    const T x = std::abs(v.x), y = std::abs(v.y), z = std::abs(v.z);
+    const T xy = x > y ? x : y;
+    return xy > z ? xy : z;
+}
 
-/// sqrt(v . v): overflows where v . v does.
+template <typename T> bool is_finite(const Vector<T>& v) noexcept {
+    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+
+/// sqrt(v . v), rounded as the kernels do it: overflows where v . v does.
 template <typename T> T length(const Vector<T>& v) noexcept {
     return std::sqrt(dot(v, v));
 }

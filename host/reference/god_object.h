@@ -1,4 +1,5 @@
-// L6: when a god-object that came to rest goes on, and when it stays.
+// L6: the god-object (Zilles & Salisbury 1995) on a polygon mesh, converged fully in every update: when one that came
+// to rest continues and when it stays, how its path begins, and the force that it gives.
 #pragma once
 
 #include <algorithm>
@@ -6,7 +7,7 @@
 #include <thread>
 #include <vector>
 
-#include "host/reference/god_object_held.h"
+#include "host/reference/god_object_rest.h"
 #include "host/reference/god_object_walk.h"
 #include "host/reference/mesh_contact.h"
 #include "host/reference/mesh_nearest.h"
@@ -14,28 +15,29 @@
 namespace forceshade::reference {
 
 /// The skin rounds edges and corners, and there a proxy may stop where the law would let it slide on. A proxy is at
-/// rest where one or two faces right below hold it; elsewhere, if neither of these takes its contact closer to the
-/// probe: the steepest ways from the corner or place it is at, over the faces and along the edges around, with strides
-/// of several lengths, straight or, of the shortest, by walks over the corner; and a walk begun anew. What is tried
-/// depends on the rest and the probe alone, so the same probe given again finds the same. Between spikes a way over the
-/// corner may not be found: then it rests where it could go on (shaders/README.md tells how often).
-template <typename T, typename Walk> class Settler {
+/// rest where one or two faces right below constrain it; elsewhere, if neither of these takes its contact closer to the
+/// probe: the steepest descents from the corner or place it is at, over the faces and along the edges there, with
+/// strides of several lengths, straight or, of the shortest, by walks over the corner; and a walk begun anew. What is
+/// tried depends on the rest and the probe alone, so the same probe given again finds the same. Between spikes a
+/// descent over the corner may not be found: then it rests where it could go on (shaders/README.md tells how often).
+template <typename T, typename Walk> class RestSolver {
 public:
-    Settler(const layout::MeshView<T>& mesh, Neighbourhood<T>& around, const Vector<T>& probe, Walk& walk) noexcept
-        : mesh_(mesh), around_(around), probe_(probe), walk_(walk) {}
+    RestSolver(const layout::MeshView<T>& mesh, Neighbourhood<T>& neighbourhood, const Vector<T>& probe,
+               Walk& walk) noexcept
+        : mesh_(mesh), neighbourhood_(neighbourhood), probe_(probe), walk_(walk) {}
 
     /// From the rest of the last update to the next.
     GodObjectContact<T> run(Rest<T>& rest) noexcept {
         if (!rest.cornered) {
-            walk_.put_back(rest);
+            walk_.restore(rest);
             walk_.run();
             keep(rest);
             halted_ = walk_.at_corner();
         }
         if (!rest.cornered)
-            return contact_at_faces(mesh_, around_, walk_, probe_);
-        contact_ = contact_at_corner(mesh_, around_, rest, probe_);
-        while (finished() && goes_on(rest) && rest.cornered)
+            return contact_at_faces(mesh_, neighbourhood_, walk_, probe_);
+        contact_ = contact_at_corner(mesh_, neighbourhood_, rest, probe_);
+        while (finished() && continues(rest) && rest.cornered)
             ++rounds_;
         return contact_;
     }
@@ -45,7 +47,7 @@ public:
 private:
     enum class Route { straight, lifted, over };
     static constexpr int kRounds = 1000;
-    static constexpr int kWays = 4; /* the steepest */
+    static constexpr int kDescents = 4; /* the steepest */
     // Up to where a fold is wider than the skin.
     static constexpr int kStrides = Skin<T>::kDouble ? 6 : 3;
     static constexpr T kLengthen = T(8);
@@ -56,11 +58,11 @@ private:
         const Projection<T>& resting = walk_.resting();
         rest.proxy = walk_.proxy();
         rest.count = resting.count;
-        // Only one or two faces right below the proxy leave no other way.
+        // Only one or two faces right below the proxy leave no other displacement.
         rest.cornered = !walk_.rests() || resting.count == 3;
         for (layout::uint i = 0; i < resting.count; ++i) {
-            rest.triangles[i] = walk_.touch(resting.held[i].source).index;
-            rest.cornered = rest.cornered || !walk_.above_held_face(i);
+            rest.triangles[i] = walk_.touch(resting.active[i].source).index;
+            rest.cornered = rest.cornered || !walk_.above_constraining_face(i);
         }
         rest.cornered = rest.cornered && resting.count > 0;
     }
@@ -70,58 +72,58 @@ private:
         return contact.touching ? contact.proxy : rest.proxy;
     }
 
-    /// Ways that gain less end where they begin but for rounding.
-    T least_of_ways(const Vector<T>& pull) const noexcept {
-        const T far = largest_of(pull) > kFarWay<T> ? T(0.0625) : T(1);
+    /// Descents that gain less end where they begin but for rounding.
+    T least_gain(const Vector<T>& pull) const noexcept {
+        const T far = largest_coordinate(pull) > kLongestMove<T> ? T(0.0625) : T(1);
         return std::max(kShort, far * kRounding * std::sqrt(dot(pull, pull)));
     }
 
     /// Whether one place is elsewhere than another and closer to the probe for certain. Of a probe far off, of whose
-    /// distance rounding leaves little, what counts is the way.
-    bool comes_closer(const Vector<T>& from, const Vector<T>& to) const noexcept {
-        const Vector<T> way = to - from, both = (probe_ - from) + (probe_ - to);
-        if (!(dot(way, way) > kShort * kShort))
+    /// distance rounding leaves little, what counts is the displacement.
+    bool is_closer(const Vector<T>& from, const Vector<T>& to) const noexcept {
+        const Vector<T> displacement = to - from, both = (probe_ - from) + (probe_ - to);
+        if (!(dot(displacement, displacement) > kShort * kShort))
             return false;
-        const T rounding = kRounding * std::sqrt(dot(way, way) * dot(both, both));
-        return dot(way, both) > std::min(rounding, T(8) * kFarWay<T> * Skin<T>::kWidth);
+        const T rounding = kRounding * std::sqrt(dot(displacement, displacement) * dot(both, both));
+        return dot(displacement, both) > std::min(rounding, T(8) * kLongestMove<T> * Skin<T>::kWidth);
     }
 
-    bool goes_on(Rest<T>& rest) noexcept {
+    bool continues(Rest<T>& rest) noexcept {
         const Rest<T> before = rest;
         const Vector<T> place = place_of(before, contact_);
         // Folds narrower than the skin may keep the proxy, but not its contact, off a corner.
         const T reach = place == before.proxy ? kFold<T> : Skin<T>::kCorner;
-        const Crossing<T> corner = corner_at(mesh_, around_, place, reach, is_in_front(mesh_, before));
-        if (corner.corner && goes_on_from(corner, before, rest))
+        const StartPoint<T> corner = nearest_corner(mesh_, neighbourhood_, place, reach, is_in_front(mesh_, before));
+        if (corner.corner && continues_from(corner, before, rest))
             return true;
-        const Crossing<T> beside{place, Skin<T>::kCorner * T(0.5), normalised(Vector<T>(before.proxy - place)), false,
-                                 0};
+        const StartPoint<T> beside{place, Skin<T>::kCorner * T(0.5), normalised(Vector<T>(before.proxy - place)), false,
+                                   0};
         const Vector<T> off = corner.place - place;
         if (!corner.corner || dot(off, off) > Skin<T>::kCorner * Skin<T>::kCorner)
-            if (goes_on_from(beside, before, rest))
+            if (continues_from(beside, before, rest))
                 return true;
-        walk_.put_back(before);
+        walk_.restore(before);
         walk_.run();
         // A walk that was only halted comes closer by itself, be it by less than rounding tells.
         return accepts(before, rest, halted_);
     }
 
-    bool goes_on_from(const Crossing<T>& from, const Rest<T>& before, Rest<T>& rest) noexcept {
+    bool continues_from(const StartPoint<T>& from, const Rest<T>& before, Rest<T>& rest) noexcept {
         const Vector<T> pull = probe_ - from.place;
-        const T least = least_of_ways(pull);
-        Way<T> way;
-        for (int i = 0; i < kWays && next_way(mesh_, around_, from, probe_, least, way); ++i) {
-            const Vector<T> normal = vector_at(mesh_.triangle_normals, way.triangle);
+        const T least = least_gain(pull);
+        Descent<T> descent;
+        for (int i = 0; i < kDescents && next_descent(mesh_, neighbourhood_, from, probe_, least, descent); ++i) {
+            const Vector<T> normal = vector_at(mesh_.triangle_normals, descent.triangle);
             const Vector<T> side = is_in_front(mesh_, before) ? normal : -normal;
             T length = kStride<T>;
-            for (int j = 0; j < kStrides && (j == 0 || length < way.gain); ++j, length *= kLengthen) {
-                const T stride = length < way.gain ? length : way.gain;
-                const Vector<T> there = place_along(mesh_, from, way, stride, side);
+            for (int j = 0; j < kStrides && (j == 0 || length < descent.gain); ++j, length *= kLengthen) {
+                const T stride = length < descent.gain ? length : descent.gain;
+                const Vector<T> there = place_along(mesh_, from, descent, stride, side);
                 for (const Route route : {Route::straight, Route::lifted, Route::over}) {
                     if (route == Route::over && j > 0)
                         break; // three walks take long at corners of many triangles
-                    walk_.put_back(before);
-                    if (!takes(route, from, way.direction + side, stride, there))
+                    walk_.restore(before);
+                    if (!reaches(route, from, descent.direction + side, stride, there))
                         continue;
                     walk_.run();
                     if (accepts(before, rest))
@@ -135,8 +137,8 @@ private:
     /// Whether the proxy gets to a place a stride from a corner: straight; from a place out of the corner; or by walks
     /// out and then above that place (`above` leads there from the corner), round spikes and ridges between it and the
     /// sector of the corner where the proxy is.
-    bool takes(Route route, const Crossing<T>& from, const Vector<T>& above, T stride,
-               const Vector<T>& there) noexcept {
+    bool reaches(Route route, const StartPoint<T>& from, const Vector<T>& above, T stride,
+                 const Vector<T>& there) noexcept {
         const Vector<T> out = from.place + stride * from.out;
         if (route == Route::over) {
             walk_.walk_to(out);
@@ -151,14 +153,14 @@ private:
     bool accepts(const Rest<T>& before, Rest<T>& rest, bool surely = false) noexcept {
         Rest<T> now;
         keep(now);
-        const Vector<T> way = now.proxy - before.proxy;
-        if (!surely && dot(way, way) <= kShort * kShort)
+        const Vector<T> displacement = now.proxy - before.proxy;
+        if (!surely && dot(displacement, displacement) <= kShort * kShort)
             return false;
-        const GodObjectContact<T> contact = now.cornered ? contact_at_corner(mesh_, around_, now, probe_)
-                                                         : contact_at_faces(mesh_, around_, walk_, probe_);
-        const bool far = largest_of(Vector<T>(probe_ - before.proxy)) > kFarWay<T>;
+        const GodObjectContact<T> contact = now.cornered ? contact_at_corner(mesh_, neighbourhood_, now, probe_)
+                                                         : contact_at_faces(mesh_, neighbourhood_, walk_, probe_);
+        const bool far = largest_coordinate(Vector<T>(probe_ - before.proxy)) > kLongestMove<T>;
         const Vector<T> from = far ? before.proxy : place_of(before, contact_);
-        if (!surely && !comes_closer(from, far ? now.proxy : place_of(now, contact)))
+        if (!surely && !is_closer(from, far ? now.proxy : place_of(now, contact)))
             return false;
         rest = now;
         contact_ = contact;
@@ -167,7 +169,7 @@ private:
     }
 
     const layout::MeshView<T>& mesh_;
-    Neighbourhood<T>& around_;
+    Neighbourhood<T>& neighbourhood_;
     const Vector<T> probe_;
     Walk& walk_;
     GodObjectContact<T> contact_;
@@ -175,12 +177,10 @@ private:
     int rounds_ = 0;
 };
 
-// L6: the god-object (Zilles & Salisbury 1995) on a polygon mesh, converged fully in every update.
-
 /// The state of one path, in the mesh's frame. As constructed: a path that has not begun.
 template <typename T> struct GodObject {
     Vector<T> proxy{T(0)};              /* a skin away from every triangle; the probe itself out of contact */
-    layout::uint triangles[3]{0, 0, 0}; /* that held it at the last update */
+    layout::uint triangles[3]{0, 0, 0}; /* that constrained it at the last update */
     layout::uint count = 0;
     bool cornered = false; /* rested at a corner or an edge */
     bool started = false;
@@ -189,24 +189,22 @@ template <typename T> struct GodObject {
 /// Begins a path: the proxy is the probe, or a skin away from what it touches, on the side where it is; in front of a
 /// triangle if it is on it exactly.
 template <typename T>
-void begin_path(const layout::MeshView<T>& mesh, GodObject<T>& state, Neighbourhood<T>& around,
+void begin_path(const layout::MeshView<T>& mesh, GodObject<T>& state, Neighbourhood<T>& neighbourhood,
                 const Vector<T>& probe) noexcept {
     constexpr int kTries = 64;
     state.proxy = probe;
     state.count = 0;
     state.cornered = false;
     state.started = true;
-    if (largest_of(probe) > T(kRegion))
+    if (largest_coordinate(probe) > T(kRegion))
         return;
     for (int i = 0; i < kTries; ++i) {
         Touch<T> nearest{}, touch{};
         nearest.distance = Skin<T>::kImpact;
-        visit_near(mesh, around, Move<T>{state.proxy, Vector<T>(T(0)), T(0)}, [&](layout::uint index) {
+        visit_near(mesh, neighbourhood, Move<T>{state.proxy, Vector<T>(T(0)), T(0)}, [&](layout::uint index) {
             begin_touch(mesh, index, touch);
-            look(touch, state.proxy);
-            const layout::uint facet = mesh.triangle_facets[index], other = mesh.triangle_facets[nearest.index];
-            const bool first =
-                touch.distance == nearest.distance && (facet < other || (facet == other && index < nearest.index));
+            update_touch(touch, state.proxy);
+            const bool first = touch.distance == nearest.distance && comes_before(mesh, index, nearest.index);
             if (touch.distance < nearest.distance || first)
                 nearest = touch;
         });
@@ -219,14 +217,14 @@ void begin_path(const layout::MeshView<T>& mesh, GodObject<T>& state, Neighbourh
 
 /// The update of a path that has begun, to a probe that is finite.
 template <typename T, typename Trace>
-GodObjectContact<T> follow(const layout::MeshView<T>& mesh, GodObject<T>& state, Neighbourhood<T>& around,
+GodObjectContact<T> follow(const layout::MeshView<T>& mesh, GodObject<T>& state, Neighbourhood<T>& neighbourhood,
                            const Vector<T>& probe, const Trace& trace) noexcept {
     Rest<T> rest{
         state.proxy, {state.triangles[0], state.triangles[1], state.triangles[2]}, state.count, state.cornered};
-    Walk<T, Trace> walk(mesh, around, state.proxy, probe, trace);
-    Settler<T, Walk<T, Trace>> settler(mesh, around, probe, walk);
-    GodObjectContact<T> contact = settler.run(rest);
-    contact.finished = settler.finished();
+    Walk<T, Trace> walk(mesh, neighbourhood, state.proxy, probe, trace);
+    RestSolver<T, Walk<T, Trace>> solver(mesh, neighbourhood, probe, walk);
+    GodObjectContact<T> contact = solver.run(rest);
+    contact.finished = solver.finished();
     contact.substeps = walk.substeps();
     state.proxy = rest.proxy;
     state.cornered = rest.cornered;
@@ -240,16 +238,14 @@ GodObjectContact<T> follow(const layout::MeshView<T>& mesh, GodObject<T>& state,
 /// L6: the probe takes its new position, in the mesh's frame; the proxy follows until nothing lets it come closer,
 /// crossing no triangle. A probe that is not finite changes nothing and is out of contact. No allocation.
 template <typename T, typename Trace = NoTrace>
-GodObjectContact<T> update(const layout::MeshView<T>& mesh, GodObject<T>& state, Neighbourhood<T>& around,
+GodObjectContact<T> update(const layout::MeshView<T>& mesh, GodObject<T>& state, Neighbourhood<T>& neighbourhood,
                            const Vector<T>& probe, const Trace& trace = {}) noexcept {
     if (!is_finite(probe))
         return out_of_contact(probe);
     if (!state.started)
-        begin_path(mesh, state, around, probe);
-    return follow(mesh, state, around, probe, trace);
+        begin_path(mesh, state, neighbourhood, probe);
+    return follow(mesh, state, neighbourhood, probe, trace);
 }
-
-// L6: the proxy with which a path begins.
 
 /// m to the mesh's frame.
 template <typename T> Vector<T> to_mesh_frame(const layout::MeshParams<T>& params, const Vector<T>& world) noexcept {
@@ -257,53 +253,46 @@ template <typename T> Vector<T> to_mesh_frame(const layout::MeshParams<T>& param
             (world.z - params.centre_z) / params.scale};
 }
 
-template <typename T> bool is_inside(const layout::Law<T>& law, const Nearest<T>& found, const Vector<T>& probe) {
-    return law.features.inside == layout::kInsideWinding ? inside_by_winding(law.mesh, probe)
-                                                         : inside_by_pseudonormal(law.mesh, found);
-}
-
 /// Where the proxy is before the first step: at the probe, or a skin away from what it touches. A path that begins
 /// behind the surface begins at the nearest place of it, in front. `probe` is in the mesh's frame.
 template <typename T>
-layout::ProxyStart<T> proxy_start(const layout::Law<T>& law, Neighbourhood<T>& around,
+layout::ProxyStart<T> proxy_start(const layout::Law<T>& law, Neighbourhood<T>& neighbourhood,
                                   const Vector<T>& probe) noexcept {
     Vector<T> place = probe;
     bool inside = false;
-    if (largest_of(probe) <= T(kRegion)) {
+    if (largest_coordinate(probe) <= T(kRegion)) {
         const Nearest<T> found = nearest(law.mesh, probe);
         inside = is_inside(law, found, probe);
         if (inside) {
-            const Vector<T> way = normalised(found.offset);
-            const bool deep = dot(way, way) > T(0);
-            const Vector<T> out = deep ? way : vector_at(law.mesh.triangle_normals, found.triangle);
+            const Vector<T> displacement = normalised(found.offset);
+            const bool deep = dot(displacement, displacement) > T(0);
+            const Vector<T> out = deep ? displacement : vector_at(law.mesh.triangle_normals, found.triangle);
             place = (probe + found.offset) + Skin<T>::kWidth * out;
         }
     }
     GodObject<T> state;
-    begin_path(law.mesh, state, around, place);
+    begin_path(law.mesh, state, neighbourhood, place);
     return {state.proxy.x, state.proxy.y, state.proxy.z, inside ? 1U : 0U};
 }
 
 /// A god-object before its first update.
-template <typename T> GodObject<T> begun(const layout::ProxyStart<T>& start) noexcept {
+template <typename T> GodObject<T> god_object_at(const layout::ProxyStart<T>& start) noexcept {
     GodObject<T> state;
     state.proxy = {start.x, start.y, start.z};
     state.started = true;
     return state;
 }
 
-// L7 to L9 on the god-object's contact (L6): depth, force, proxy and facet in the world.
-
-/// The force on a probe (in the mesh's frame) that a god-object holds. The facet shaded is the lowest of those that
-/// hold it; seen from behind, its interpolated normal is reversed.
+/// L7 to L9 on the god-object's contact: the force on a probe in the mesh's frame. The facet shaded is the lowest of
+/// those that constrain it; seen from behind, its interpolated normal is reversed.
 template <typename T>
-Contact<T> mesh_contact(const layout::Law<T>& law, const GodObjectContact<T>& held, const Vector<T>& probe) noexcept {
-    if (!held.touching)
+Contact<T> mesh_contact(const layout::Law<T>& law, const GodObjectContact<T>& rest, const Vector<T>& probe) noexcept {
+    if (!rest.touching)
         return free_contact(law, probe);
-    const Vector<T> offset = held.proxy - probe;
-    MeshTouch<T> touch{held.facets[0], offset, held.proxy, std::sqrt(dot(offset, offset))};
+    const Vector<T> offset = rest.proxy - probe;
+    MeshTouch<T> touch{rest.facets[0], offset, rest.proxy, std::sqrt(dot(offset, offset))};
     Contact<T> contact = touching_contact(law, touch);
-    if (dot(held.normals[0], vector_at(law.mesh.triangle_normals, held.triangles[0])) < T(0)) {
+    if (dot(rest.normals[0], vector_at(law.mesh.triangle_normals, rest.triangles[0])) < T(0)) {
         const T stiffness = law.mesh.params.stiffness;
         const Vector<T> pull{stiffness * offset.x, stiffness * offset.y, stiffness * offset.z};
         touch.offset = -offset;
@@ -312,10 +301,10 @@ Contact<T> mesh_contact(const layout::Law<T>& law, const GodObjectContact<T>& he
     return contact;
 }
 
-// L6: updates of many god-objects that kernels leave to the host, each as update() does it.
-
+/// An update that kernels leave to the host.
 template <typename T>
-void finish_update(const layout::MeshView<T>& mesh, Neighbourhood<T>& around, layout::MeshUpdate<T>& one) noexcept {
+void finish_update(const layout::MeshView<T>& mesh, Neighbourhood<T>& neighbourhood,
+                   layout::MeshUpdate<T>& one) noexcept {
     GodObject<T> state;
     state.proxy = {one.proxy[0], one.proxy[1], one.proxy[2]};
     std::copy(one.triangles, one.triangles + 3, state.triangles);
@@ -323,7 +312,7 @@ void finish_update(const layout::MeshView<T>& mesh, Neighbourhood<T>& around, la
     state.cornered = one.cornered;
     state.started = true;
     const GodObjectContact<T> contact =
-        update(mesh, state, around, Vector<T>(one.probe[0], one.probe[1], one.probe[2]));
+        update(mesh, state, neighbourhood, Vector<T>(one.probe[0], one.probe[1], one.probe[2]));
     for (int i = 0; i < 3; ++i) {
         one.proxy[i] = state.proxy[i];
         one.rest[i] = contact.proxy[i];
@@ -344,10 +333,10 @@ void finish_updates(const layout::MeshView<T>& mesh, std::span<layout::MeshUpdat
     constexpr std::size_t kShare = 16; // that a thread takes at once
     std::atomic<std::size_t> next{0};
     const auto work = [&] {
-        Neighbourhood<T> around;
+        Neighbourhood<T> neighbourhood;
         for (std::size_t begin; (begin = kShare * next++) < updates.size();)
             for (layout::MeshUpdate<T>& one : updates.subspan(begin, std::min(kShare, updates.size() - begin)))
-                finish_update(mesh, around, one);
+                finish_update(mesh, neighbourhood, one);
     };
     std::vector<std::jthread> helpers;
     for (std::size_t i = 1; i < std::min<std::size_t>(threads, updates.size() / kShare); ++i)

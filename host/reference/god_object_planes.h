@@ -1,11 +1,10 @@
-// L6: the projection onto the directions that up to three planes allow: least squares by Lagrange multipliers.
+// L6: the half-spaces that constrain a god-object: the projection onto those that up to three planes allow (least
+// squares by Lagrange multipliers), and the half-space that a touched triangle leaves free.
 #pragma once
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "host/reference/elementary.h"
 #include "host/reference/mesh_cast.h"
 #include "shaders/shared/layout.h"
 
@@ -18,19 +17,13 @@ template <typename T> struct HalfSpace {
     layout::uint source; /* whose it is */
 };
 
-/// The vector nearest to a wish among those that the half-spaces allow, and the half-spaces that hold it there.
+/// The vector nearest to a wish among those that the half-spaces allow, and the half-spaces active there.
 template <typename T> struct Projection {
     Vector<T> vector;
-    HalfSpace<T> held[3];
+    HalfSpace<T> active[3];
     T multipliers[3]; /* vector - wish = sum multipliers * normals, none below 0 but for rounding */
     layout::uint count = 0;
 };
-
-template <typename T> T largest_of(const Vector<T>& v) noexcept {
-    const T x = std::abs(v.x), y = std::abs(v.y), z = std::abs(v.z);
-    const T xy = x > y ? x : y;
-    return xy > z ? xy : z;
-}
 
 template <typename T> Projection<T> onto_plane(const Vector<T>& wish, const HalfSpace<T>& one) noexcept {
     Projection<T> result;
@@ -38,7 +31,7 @@ template <typename T> Projection<T> onto_plane(const Vector<T>& wish, const Half
     result.vector = wish + multiplier * one.normal;
     // Once more for what rounding leaves of a long wish.
     result.vector += (one.slack - dot(one.normal, result.vector)) * one.normal;
-    result.held[0] = one;
+    result.active[0] = one;
     result.multipliers[0] = multiplier;
     result.count = 1;
     return result;
@@ -60,8 +53,8 @@ Projection<T> onto_line(const Vector<T>& wish, const HalfSpace<T>& one, const Ha
     const T miss_other = other.slack - dot(other.normal, result.vector);
     result.vector += miss_one * to_one + miss_other * to_other;
     const Vector<T> shift = result.vector - wish;
-    result.held[0] = one;
-    result.held[1] = other;
+    result.active[0] = one;
+    result.active[1] = other;
     result.multipliers[0] = dot(shift, to_one);
     result.multipliers[1] = dot(shift, to_other);
     result.count = 2;
@@ -86,7 +79,7 @@ Projection<T> onto_corner(const Vector<T>& wish, const HalfSpace<T>& a, const Ha
     const HalfSpace<T>* spaces[3] = {&a, &b, &c};
     const Vector<T> duals[3] = {bc, ca, ab};
     for (layout::uint i = 0; i < 3; ++i) {
-        result.held[i] = *spaces[i];
+        result.active[i] = *spaces[i];
         result.multipliers[i] = dot(shift, duals[i]) / volume;
     }
     result.count = 3;
@@ -100,7 +93,7 @@ template <typename T> struct Tolerance {
     T least, most; /* of a height */
 
     T height(const Vector<T>& vector) const noexcept {
-        const T rounding = least + T(8) * std::numeric_limits<T>::epsilon() * largest_of(vector);
+        const T rounding = least + T(8) * std::numeric_limits<T>::epsilon() * largest_coordinate(vector);
         return rounding < most ? rounding : most;
     }
 };
@@ -128,19 +121,19 @@ bool is_nearest(const Projection<T>& result, const HalfSpace<T>* others, layout:
 
 /// Adds a half-space that `now` violates. False, and nothing changed, if no vector satisfies them all.
 template <typename T>
-bool hold_also(const Vector<T>& wish, const HalfSpace<T>& added, const Tolerance<T>& tolerance,
-               Projection<T>& now) noexcept {
-    const HalfSpace<T>* held = now.held;
+bool add_half_space(const Vector<T>& wish, const HalfSpace<T>& added, const Tolerance<T>& tolerance,
+                    Projection<T>& now) noexcept {
+    const HalfSpace<T>* active = now.active;
     Projection<T> next = onto_plane(wish, added);
-    bool found = is_nearest(next, held, now.count, tolerance);
+    bool found = is_nearest(next, active, now.count, tolerance);
     for (layout::uint i = 0; !found && i < now.count; ++i) {
-        next = onto_line(wish, added, held[i]);
-        found = is_nearest(next, held, now.count, tolerance);
+        next = onto_line(wish, added, active[i]);
+        found = is_nearest(next, active, now.count, tolerance);
     }
     for (layout::uint i = 0; !found && i < now.count; ++i)
         for (layout::uint j = i + 1; !found && j < now.count; ++j) {
-            next = onto_corner(wish, added, held[i], held[j]);
-            found = is_nearest(next, held, now.count, tolerance);
+            next = onto_corner(wish, added, active[i], active[j]);
+            found = is_nearest(next, active, now.count, tolerance);
         }
     if (found)
         now = next;
@@ -159,53 +152,14 @@ bool project(const Vector<T>& wish, const Tolerance<T>& tolerance, Projection<T>
     for (int i = 0; i < kRounds; ++i) {
         if (!worst(result.vector, violated))
             return true;
-        if (!hold_also(wish, violated, tolerance, result))
+        if (!add_half_space(wish, violated, tolerance, result))
             return false;
     }
     return false;
 }
 
-// L6: where a god-object that comes from far off enters the region in which it minds the mesh.
-
-/// Half the side of the box in which a proxy minds the mesh, none of whose coordinates is beyond 1.
-constexpr int kRegion = 2;
-
-/// Where a straight way from a proxy outside of the region enters it; false if it does not. The way is measured from
-/// its end nearer to the region, in double, so that it meets the region where it should.
-template <typename T> bool find_entry(const Vector<T>& proxy, const Vector<T>& probe, Vector<T>& place) noexcept {
-    constexpr double kSide = kRegion * 0.75;
-    const bool back = largest_of(probe) < largest_of(proxy);
-    const glm::dvec3 near_end(back ? probe : proxy), far_end(back ? proxy : probe);
-    double begin = 0, end = 1;
-    for (int i = 0; i < 3; ++i) {
-        const double way = far_end[i] - near_end[i];
-        if (!std::isfinite(way))
-            return false;
-        if (way == 0) {
-            end = std::abs(near_end[i]) > kSide ? -1 : end;
-            continue;
-        }
-        const double low = (-kSide - near_end[i]) / way, high = (kSide - near_end[i]) / way;
-        begin = std::max(begin, std::min(low, high));
-        end = std::min(end, std::max(low, high));
-    }
-    if (!(begin <= end))
-        return false;
-    for (int i = 0; i < 3; ++i) {
-        const double there = near_end[i] + (back ? end : begin) * (far_end[i] - near_end[i]);
-        place[i] = static_cast<T>(std::clamp(there, -kSide, kSide));
-    }
-    // On the region's border to the last bit, so that it is outside of the mesh.
-    int side = std::abs(place[0]) < std::abs(place[1]) ? 1 : 0;
-    side = std::abs(place[side]) < std::abs(place[2]) ? 2 : side;
-    place[side] = std::copysign(T(kSide), place[side]);
-    return true;
-}
-
-// L6: a triangle that a god-object touches, and the half-space that it leaves free.
-
-/// A triangle near the proxy. Where the proxy is above its face, the face's plane holds it, a skin away. Where it is
-/// beside it, the nearest edge or corner does, rounded by the skin; but not against moves that go over the face, for
+/// A triangle near the proxy. Where the proxy is above its face, the face's plane constrains it, a skin away. Where it
+/// is beside it, the nearest edge or corner does, rounded by the skin; but not against moves that go over the face, for
 /// which its plane does (else the proxy would creep into flat valleys by halves).
 template <typename T> struct Touch {
     layout::uint index; /* of the triangle */
@@ -220,14 +174,14 @@ template <typename T> struct Touch {
     T insides[3];    /* of the proxy from each edge, times its length; below 0 beyond it */
     Vector<T> proxy; /* where it was looked at from */
     layout::uint feature;
-    bool faceless; /* its plane was tried from here and led nowhere */
+    bool face_tried; /* its plane was tried from here and led nowhere */
 
     bool above_face() const noexcept { return feature == layout::kMeshFace; }
 };
 
 template <typename T> void begin_touch(const layout::MeshView<T>& mesh, layout::uint index, Touch<T>& touch) noexcept {
     touch.index = index;
-    touch.faceless = false;
+    touch.face_tried = false;
     touch.triangle = triangle_at(mesh, index);
     const Vector<T>&a = touch.triangle.corners[0], &b = touch.triangle.corners[1], &c = touch.triangle.corners[2];
     const Vector<T>& normal = touch.triangle.normal;
@@ -242,7 +196,7 @@ template <typename T> void begin_touch(const layout::MeshView<T>& mesh, layout::
 }
 
 /// Beside the face, or too near its border to tell at a glance.
-template <typename T> void look_closely(Touch<T>& touch) noexcept {
+template <typename T> void update_touch_beside_face(Touch<T>& touch) noexcept {
     const TrianglePoint<T> nearest = nearest_on_triangle(touch.proxy, touch.triangle);
     touch.feature = nearest.feature;
     if (touch.above_face())
@@ -258,7 +212,7 @@ template <typename T> void look_closely(Touch<T>& touch) noexcept {
 }
 
 /// Finds out how the proxy stands to a triangle.
-template <typename T> void look(Touch<T>& touch, const Vector<T>& proxy) noexcept {
+template <typename T> void update_touch(Touch<T>& touch, const Vector<T>& proxy) noexcept {
     constexpr T kClear = Skin<T>::kWidth * T(0.125) * Skin<T>::kWidth * T(0.125);
     touch.proxy = proxy;
     const T height = dot(touch.triangle.normal, proxy - touch.triangle.corners[0]);
@@ -274,41 +228,42 @@ template <typename T> void look(Touch<T>& touch, const Vector<T>& proxy) noexcep
         clear = clear && inside > T(0) && inside * inside > kClear * touch.squares[i];
     }
     if (!clear)
-        look_closely(touch);
+        update_touch_beside_face(touch);
 }
 
-enum class Hold { none, face, rounded };
+enum class Constraint { none, face, rounded };
 
 /// Whether a move that descends towards the plane of a triangle, from beside it, reaches the plane on the inner side of
 /// what is nearest: an edge, or the two edges of a corner.
-template <typename T> bool lands_on_face(const Touch<T>& touch, const Vector<T>& way, T descent) noexcept {
+template <typename T> bool lands_on_face(const Touch<T>& touch, const Vector<T>& displacement, T descent) noexcept {
     const bool corner = touch.feature >= layout::kMeshCorner;
     const layout::uint first = touch.feature - (corner ? layout::kMeshCorner : layout::kMeshEdge);
     for (layout::uint i = 0; i < (corner ? 2U : 1U); ++i) {
         const layout::uint edge = (first + 2 * i) % 3;
         // Inside at the time height / descent, without the division.
-        if (!(touch.insides[edge] * descent + touch.height * dot(touch.inwards[edge], way) > T(0)))
+        if (!(touch.insides[edge] * descent + touch.height * dot(touch.inwards[edge], displacement) > T(0)))
             return false;
     }
     return true;
 }
 
 /// What of a touched triangle stands against a move.
-template <typename T> Hold hold_of(const Touch<T>& touch, const Vector<T>& way) noexcept {
+template <typename T> Constraint constraint_of(const Touch<T>& touch, const Vector<T>& displacement) noexcept {
     if (touch.above_face())
-        return Hold::face;
-    if (touch.height >= Skin<T>::kPlane && !touch.faceless) {
-        const T descent = -dot(touch.face, way);
+        return Constraint::face;
+    if (touch.height >= Skin<T>::kPlane && !touch.face_tried) {
+        const T descent = -dot(touch.face, displacement);
         if (!(descent > Skin<T>::kRest))
-            return Hold::none;
-        if (lands_on_face(touch, way, descent))
-            return Hold::face;
+            return Constraint::none;
+        if (lands_on_face(touch, displacement, descent))
+            return Constraint::face;
     }
-    return touch.distance <= Skin<T>::kTangent ? Hold::rounded : Hold::none;
+    return touch.distance <= Skin<T>::kTangent ? Constraint::rounded : Constraint::none;
 }
 
-template <typename T> HalfSpace<T> half_space(const Touch<T>& touch, Hold hold, layout::uint source) noexcept {
-    if (hold == Hold::face)
+template <typename T>
+HalfSpace<T> half_space(const Touch<T>& touch, Constraint constraint, layout::uint source) noexcept {
+    if (constraint == Constraint::face)
         return {touch.face, Skin<T>::kWidth - touch.height, source};
     return {touch.away, Skin<T>::kWidth - touch.distance, source};
 }
@@ -320,16 +275,18 @@ template <typename T> struct Release {
 };
 
 /// Whether a whole move along the face's plane ends above the face.
-template <typename T> bool stays_above_face(const Touch<T>& touch, const Vector<T>& way) noexcept {
-    return touch.insides[0] + dot(touch.inwards[0], way) > T(0) &&
-           touch.insides[1] + dot(touch.inwards[1], way) > T(0) && touch.insides[2] + dot(touch.inwards[2], way) > T(0);
+template <typename T> bool stays_above_face(const Touch<T>& touch, const Vector<T>& displacement) noexcept {
+    return touch.insides[0] + dot(touch.inwards[0], displacement) > T(0) &&
+           touch.insides[1] + dot(touch.inwards[1], displacement) > T(0) &&
+           touch.insides[2] + dot(touch.inwards[2], displacement) > T(0);
 }
 
 /// A move along the face's plane leaves it a skin beyond an edge.
-template <typename T> Release<T> release_of_face(const Touch<T>& touch, const Vector<T>& way, T until) noexcept {
+template <typename T>
+Release<T> release_of_face(const Touch<T>& touch, const Vector<T>& displacement, T until) noexcept {
     Release<T> release{until, 3};
     for (layout::uint i = 0; i < 3; ++i) {
-        const T rate = dot(touch.inwards[i], way);
+        const T rate = dot(touch.inwards[i], displacement);
         if (!(touch.insides[i] + rate * release.time < T(0)) || !(rate < T(0)))
             continue;
         const T time = (touch.insides[i] + Skin<T>::kWidth * std::sqrt(touch.squares[i])) / -rate;
@@ -340,21 +297,22 @@ template <typename T> Release<T> release_of_face(const Touch<T>& touch, const Ve
 }
 
 /// A move along the plane of a rounded edge or corner leaves it a skin aside, or beyond the edge's ends.
-template <typename T> Release<T> release_of_rounded(const Touch<T>& touch, const Vector<T>& way, T until) noexcept {
+template <typename T>
+Release<T> release_of_rounded(const Touch<T>& touch, const Vector<T>& displacement, T until) noexcept {
     Release<T> release{until, 3};
     const auto leaves_at = [&release](T time) {
         if (time < release.time)
             release.time = time > T(0) ? time : T(0);
     };
     if (touch.feature >= layout::kMeshCorner) {
-        leaves_at(Skin<T>::kWidth / std::sqrt(dot(way, way)));
+        leaves_at(Skin<T>::kWidth / std::sqrt(dot(displacement, displacement)));
         return release;
     }
     const layout::uint i = touch.feature - layout::kMeshEdge;
     const T length = std::sqrt(touch.squares[i]);
-    const T rate = dot(touch.edges[i], way) / length;
+    const T rate = dot(touch.edges[i], displacement) / length;
     const T along = dot(touch.edges[i], touch.proxy - touch.triangle.corners[i]) / length;
-    const Vector<T> aside = way - (rate / length) * touch.edges[i];
+    const Vector<T> aside = displacement - (rate / length) * touch.edges[i];
     leaves_at(Skin<T>::kWidth / std::sqrt(dot(aside, aside)));
     if (rate > T(0))
         leaves_at((length + Skin<T>::kWidth - along) / rate);

@@ -1,13 +1,15 @@
-// L6: the triangles that a god-object may touch, and the way that they leave it.
+// L6: the walk of a god-object towards the probe, until no displacement brings it closer, and the triangles near it
+// whose half-spaces constrain that.
 #pragma once
 
 #include "host/reference/god_object_planes.h"
-#include "host/reference/mesh_around.h"
+#include "host/reference/mesh_neighbourhood.h"
 
 namespace forceshade::reference {
 
-/// No way is longer, so that no rounding of one is as large as the skin; every way within the region is shorter.
-template <typename T> constexpr T kFarWay = T(8);
+/// No displacement is longer, so that no rounding of one is as large as the skin; every one within the region is
+/// shorter.
+template <typename T> constexpr T kLongestMove = T(8);
 
 /// The few triangles near the proxy that are minded by their half-spaces rather than by casts.
 template <typename T> class TouchPool {
@@ -19,12 +21,12 @@ public:
     layout::uint count() const noexcept { return count_; }
     Touch<T>& operator[](layout::uint i) noexcept { return touches_[i]; }
     const Touch<T>& operator[](layout::uint i) const noexcept { return touches_[i]; }
-    /// The way found last, and what holds it to that.
+    /// The displacement found last, and the half-spaces active there.
     const Projection<T>& projection() const noexcept { return projection_; }
-    Hold hold(layout::uint i) const noexcept { return holds_[i]; }
+    Constraint constraint(layout::uint i) const noexcept { return constraints_[i]; }
     /// Shorter moves are none.
     T tolerance() const noexcept { return tolerance_; }
-    /// The way found last ends before the point it is for.
+    /// The displacement found last ends before the point it is for.
     bool shortened() const noexcept { return shortened_; }
 
     void forget_all() noexcept { count_ = projection_.count = 0; }
@@ -32,7 +34,7 @@ public:
     /// After moves: planes may be tried again.
     void allow_faces() noexcept {
         for (layout::uint i = 0; i < count_; ++i)
-            touches_[i].faceless = false;
+            touches_[i].face_tried = false;
     }
 
     /// What the proxy may touch; no harm if it does not.
@@ -40,8 +42,8 @@ public:
         if (knows(triangle) || (count_ == kMost && !forget_one()))
             return;
         begin_touch(mesh_, triangle, touches_[count_]);
-        look(touches_[count_], proxy);
-        holds_[count_++] = Hold::none;
+        update_touch(touches_[count_], proxy);
+        constraints_[count_++] = Constraint::none;
     }
 
     bool knows(layout::uint triangle) const noexcept {
@@ -51,54 +53,56 @@ public:
         return false;
     }
 
-    void look_again(const Vector<T>& proxy) noexcept {
+    void update_touches(const Vector<T>& proxy) noexcept {
         layout::uint kept = 0;
         for (layout::uint i = 0; i < count_; ++i) {
             if (kept != i)
                 touches_[kept] = touches_[i];
-            look(touches_[kept], proxy);
+            update_touch(touches_[kept], proxy);
             kept += touches_[kept].distance <= Skin<T>::kNear ? 1 : 0;
         }
         count_ = kept;
     }
 
-    /// The way to the point nearest to the probe that the touched triangles allow.
-    void find_way(const Vector<T>& proxy, const Vector<T>& probe) noexcept {
+    /// The displacement to the point nearest to the probe that the touched triangles allow.
+    void find_displacement(const Vector<T>& proxy, const Vector<T>& probe) noexcept {
         const Vector<T> wish = probe - proxy;
-        const T length = largest_of(wish);
+        const T length = largest_coordinate(wish);
         shortened_ = false;
-        if (length > kFarWay<T>) {
-            find_far_way(proxy, probe);
+        if (length > kLongestMove<T>) {
+            find_long_displacement(proxy, probe);
             return;
         }
         tolerance_ = Skin<T>::kRest + T(8) * std::numeric_limits<T>::epsilon() * length;
         if (count_ == 1 && touches_[0].above_face()) {
-            find_way_on_face(wish);
+            find_displacement_on_face(wish);
             return;
         }
         for (const bool relaxed : {false, true})
-            if (project(wish, one_tolerance(tolerance_), projection_, [&](const Vector<T>& way, HalfSpace<T>& space) {
-                    return worst(way, relaxed, tolerance_, space);
-                }))
+            if (project(wish, one_tolerance(tolerance_), projection_,
+                        [&](const Vector<T>& displacement, HalfSpace<T>& space) {
+                            return worst(displacement, relaxed, tolerance_, space);
+                        }))
                 return;
         projection_.vector = Vector<T>(T(0));
     }
 
     /// Whether a move keeps to the half-space of a triangle in the pool, so that it cannot cross it. Rounding tilts the
-    /// plane of a rounded edge or corner: unless it holds the move, which then ends a skin aside, a long move may keep
-    /// to that plane and cross the triangle, so a cast decides.
-    bool keeps_off(layout::uint triangle, const Vector<T>& way) const noexcept {
+    /// plane of a rounded edge or corner: unless it is active, so that the move ends a skin aside, a long move may
+    /// keep to that plane and cross the triangle, so a cast decides.
+    bool keeps_off(layout::uint triangle, const Vector<T>& displacement) const noexcept {
         for (layout::uint i = 0; i < count_; ++i) {
             if (touches_[i].index != triangle)
                 continue;
             for (layout::uint j = 0; j < projection_.count; ++j)
-                if (projection_.held[j].source == i)
+                if (projection_.active[j].source == i)
                     return true;
-            const Hold hold = hold_of(touches_[i], way);
-            if (hold == Hold::none || (hold == Hold::rounded && !(largest_of(way) <= Skin<T>::kWidth)))
+            const Constraint constraint = constraint_of(touches_[i], displacement);
+            if (constraint == Constraint::none ||
+                (constraint == Constraint::rounded && !(largest_coordinate(displacement) <= Skin<T>::kWidth)))
                 return false;
-            const HalfSpace<T> space = half_space(touches_[i], hold, i);
-            return dot(space.normal, way) >= space.slack - tolerance_;
+            const HalfSpace<T> space = half_space(touches_[i], constraint, i);
+            return dot(space.normal, displacement) >= space.slack - tolerance_;
         }
         return false;
     }
@@ -107,8 +111,8 @@ public:
     bool lies_below(const Triangle<T>& triangle) const noexcept {
         constexpr T kFlush = Skin<T>::kRest * T(0.25);
         for (layout::uint j = 0; j < projection_.count; ++j) {
-            const layout::uint source = projection_.held[j].source;
-            if (holds_[source] != Hold::face)
+            const layout::uint source = projection_.active[j].source;
+            if (constraints_[source] != Constraint::face)
                 continue;
             const Vector<T>& normal = touches_[source].face;
             const Vector<T>& corner = touches_[source].triangle.corners[0];
@@ -123,16 +127,16 @@ public:
 private:
     bool forget_one() noexcept {
         for (layout::uint i = 0; i < count_; ++i) {
-            bool held = false;
+            bool constrains = false;
             for (layout::uint j = 0; j < projection_.count; ++j)
-                held = held || projection_.held[j].source == i;
-            if (held)
+                constrains = constrains || projection_.active[j].source == i;
+            if (constrains)
                 continue;
             for (layout::uint j = 0; j < projection_.count; ++j)
-                projection_.held[j].source -= projection_.held[j].source > i ? 1 : 0;
+                projection_.active[j].source -= projection_.active[j].source > i ? 1 : 0;
             for (layout::uint j = i; j + 1 < count_; ++j) {
                 touches_[j] = touches_[j + 1];
-                holds_[j] = holds_[j + 1];
+                constraints_[j] = constraints_[j + 1];
             }
             --count_;
             return true;
@@ -141,24 +145,24 @@ private:
     }
 
     /// The worst violated half-space: those of faces below the proxy first, since the others depend on where it goes.
-    bool worst(const Vector<T>& way, bool relaxed, T tolerance, HalfSpace<T>& result) noexcept {
+    bool worst(const Vector<T>& displacement, bool relaxed, T tolerance, HalfSpace<T>& result) noexcept {
         T most = tolerance;
         bool found = false;
         for (const bool faces : {true, false}) {
             for (layout::uint i = 0; i < count_; ++i) {
                 if (touches_[i].above_face() != faces)
                     continue;
-                const Hold hold = hold_of(touches_[i], way);
-                if (hold == Hold::none)
+                const Constraint constraint = constraint_of(touches_[i], displacement);
+                if (constraint == Constraint::none)
                     continue;
-                HalfSpace<T> space = half_space(touches_[i], hold, i);
+                HalfSpace<T> space = half_space(touches_[i], constraint, i);
                 if (relaxed && space.slack > T(0))
                     space.slack = T(0);
-                const T violation = space.slack - dot(space.normal, way);
+                const T violation = space.slack - dot(space.normal, displacement);
                 if (violation > most) {
                     most = violation;
                     result = space;
-                    holds_[i] = hold;
+                    constraints_[i] = constraint;
                     found = true;
                 }
             }
@@ -168,11 +172,12 @@ private:
         return false;
     }
 
-    /// The same for a probe far off, of whose way into the planes little may be left along them. Finds the point
+    /// The same for a probe far off, of whose displacement into the planes little may be left along
+    /// them. Finds the point
     /// itself, so that what rounding makes of it stays the same wherever the proxy is.
-    void find_far_way(const Vector<T>& proxy, const Vector<T>& probe) noexcept {
+    void find_long_displacement(const Vector<T>& proxy, const Vector<T>& probe) noexcept {
         constexpr T kRounding = T(8) * std::numeric_limits<T>::epsilon();
-        const T push = Skin<T>::kRest + kRounding * largest_of(probe);
+        const T push = Skin<T>::kRest + kRounding * largest_coordinate(probe);
         const Tolerance<T> tolerance{push, Skin<T>::kRest + kRounding, push};
         bool found = false;
         for (const bool relaxed : {false, true}) {
@@ -186,43 +191,41 @@ private:
             });
         }
         projection_.vector = found ? projection_.vector - proxy : Vector<T>(T(0));
-        const T length = largest_of(projection_.vector);
-        shortened_ = length > kFarWay<T>;
+        const T length = largest_coordinate(projection_.vector);
+        shortened_ = length > kLongestMove<T>;
         if (shortened_)
-            projection_.vector = projection_.vector * (kFarWay<T> / length);
-        tolerance_ = Skin<T>::kRest + kRounding * (shortened_ ? kFarWay<T> : T(1) + length);
+            projection_.vector = projection_.vector * (kLongestMove<T> / length);
+        tolerance_ = Skin<T>::kRest + kRounding * (shortened_ ? kLongestMove<T> : T(1) + length);
     }
 
     /// The same for one face alone, the most common case.
-    void find_way_on_face(const Vector<T>& wish) noexcept {
+    void find_displacement_on_face(const Vector<T>& wish) noexcept {
         const Vector<T>& normal = touches_[0].face;
         const T slack = Skin<T>::kWidth - touches_[0].height;
         const T multiplier = slack - dot(normal, wish);
-        holds_[0] = Hold::face;
+        constraints_[0] = Constraint::face;
         projection_.count = multiplier > tolerance_ ? 1 : 0;
         projection_.vector = wish;
         if (projection_.count == 0)
             return;
-        const Vector<T> way = wish + multiplier * normal;
-        projection_.vector = way + (slack - dot(normal, way)) * normal;
+        const Vector<T> displacement = wish + multiplier * normal;
+        projection_.vector = displacement + (slack - dot(normal, displacement)) * normal;
         projection_.multipliers[0] = multiplier;
-        projection_.held[0].normal = normal;
-        projection_.held[0].slack = slack;
-        projection_.held[0].source = 0;
+        projection_.active[0].normal = normal;
+        projection_.active[0].slack = slack;
+        projection_.active[0].source = 0;
     }
 
     const layout::MeshView<T>& mesh_;
     Touch<T> touches_[kMost];
-    Hold holds_[kMost];
+    Constraint constraints_[kMost];
     layout::uint count_ = 0;
     Projection<T> projection_;
     T tolerance_{};
     bool shortened_ = false;
 };
 
-// L6: the walk of a god-object towards the probe, until nothing near lets it come closer.
-
-/// Sees every straight piece of a proxy's way; this one does not look.
+/// Sees every straight piece of a proxy's walk; this one ignores them.
 struct NoTrace {
     template <typename T> void operator()(const Vector<T>&, const Vector<T>&) const noexcept {}
 };
@@ -238,16 +241,15 @@ public:
     static constexpr layout::uint kBatch = 64;
     static constexpr layout::uint kNone = ~0U;
 
-    Walk(const layout::MeshView<T>& mesh, Neighbourhood<T>& around, const Vector<T>& proxy, const Vector<T>& probe,
-         const Trace& trace) noexcept
-        : mesh_(mesh), around_(around), proxy_(proxy), probe_(probe), trace_(trace), pool_(mesh) {}
+    Walk(const layout::MeshView<T>& mesh, Neighbourhood<T>& neighbourhood, const Vector<T>& proxy,
+         const Vector<T>& probe, const Trace& trace) noexcept
+        : mesh_(mesh), neighbourhood_(neighbourhood), proxy_(proxy), probe_(probe), trace_(trace), pool_(mesh) {}
 
     const Vector<T>& proxy() const noexcept { return proxy_; }
     const Projection<T>& resting() const noexcept { return pool_.projection(); }
     const Touch<T>& touch(layout::uint i) const noexcept { return pool_[i]; }
     unsigned substeps() const noexcept { return substeps_; }
     bool finished() const noexcept { return substeps_ < kSubsteps; }
-    bool held_by_face(layout::uint i) const noexcept { return pool_.hold(resting().held[i].source) == Hold::face; }
 
     void remember(layout::uint triangle) noexcept { pool_.remember(triangle, proxy_); }
 
@@ -257,7 +259,7 @@ public:
     /// Walks until the projection is zero, or to the end of a line between two faces.
     void run() noexcept {
         corner_ = false;
-        rests_ = largest_of(proxy_) > T(kRegion) && !enter();
+        rests_ = largest_coordinate(proxy_) > T(kRegion) && !enter();
         if (rests_)
             return;
         Vector<T> before = proxy_;
@@ -272,33 +274,36 @@ public:
             if (substeps_ < until + kPatience)
                 continue;
             // Rounding may make it tread on the spot between rounded edges: that is rest as well.
-            if (treads_since(before))
+            if (is_stuck_since(before))
                 return;
             before = proxy_;
             until = substeps_;
         }
     }
 
-    /// Whether what held the proxy last is what holds it: not if the walk was halted, or trod on the spot.
+    /// Whether what constrained the proxy last still does: not if the walk was halted, or trod on the spot.
     bool rests() const noexcept { return rests_; }
 
     /// A probe far off is as far from everywhere: what is gained would not show.
-    bool treads_since(const Vector<T>& place) const noexcept {
-        if (largest_of(Vector<T>(probe_ - proxy_)) > kFarWay<T>)
-            return largest_of(Vector<T>(proxy_ - place)) <= Skin<T>::kWidth * T(4);
+    bool is_stuck_since(const Vector<T>& place) const noexcept {
+        if (largest_coordinate(Vector<T>(probe_ - proxy_)) > kLongestMove<T>)
+            return largest_coordinate(Vector<T>(proxy_ - place)) <= Skin<T>::kWidth * T(4);
         return !(gain_since(place) > Skin<T>::kWidth * T(0.0625));
     }
 
-    /// By how much closer to the probe the proxy is than that place. Of a probe far off, what counts is the way.
+    /// By how much closer to the probe the proxy is than that place. Of a probe far off, what counts is the
+    /// displacement.
     T gain_since(const Vector<T>& place) const noexcept {
         const Vector<T> both = (probe_ - place) + (probe_ - proxy_);
         const T length = std::sqrt(dot(both, both));
-        return dot(proxy_ - place, both) / (length < T(2) * kFarWay<T> ? length : T(2) * kFarWay<T>);
+        return dot(proxy_ - place, both) / (length < T(2) * kLongestMove<T> ? length : T(2) * kLongestMove<T>);
     }
 
-    bool above_held_face(layout::uint i) const noexcept { return pool_[resting().held[i].source].above_face(); }
+    bool above_constraining_face(layout::uint i) const noexcept {
+        return pool_[resting().active[i].source].above_face();
+    }
 
-    /// Moves there unless something is in the way.
+    /// Moves there unless something stands between.
     bool jump(const Vector<T>& there) noexcept {
         pool_.forget_all();
         Move<T> move{proxy_, there - proxy_, T(1)};
@@ -320,7 +325,7 @@ public:
     }
 
     /// Begins anew from a rest.
-    template <typename Rest> void put_back(const Rest& rest) noexcept {
+    template <typename Rest> void restore(const Rest& rest) noexcept {
         proxy_ = rest.proxy;
         rests_ = corner_ = false;
         pool_.forget_all();
@@ -339,7 +344,7 @@ private:
         proxy_ = place;
     }
 
-    /// Far out there is nothing to hit: flies straight to the region, or to the probe if the way does not cross it.
+    /// Far out there is nothing to hit: flies straight to the region, or to the probe if the line does not cross it.
     bool enter() noexcept {
         Vector<T> place;
         const bool enters = find_entry(proxy_, probe_, place);
@@ -354,11 +359,11 @@ private:
         layout::uint batch[kBatch];
         layout::uint count = 0;
         static_assert(kBatch >= CloseTriangles<T>::kMost);
-        if (bring_close(mesh_, around_, move)) {
-            hit_first(batch, sift(around_.close, move, batch), move, first);
+        if (update_close(mesh_, neighbourhood_, move)) {
+            hit_first(batch, sift(neighbourhood_.close, move, batch), move, first);
             return first;
         }
-        visit_runs_near(mesh_, around_, move, [&](layout::uint triangle, layout::uint end) {
+        visit_runs_near(mesh_, neighbourhood_, move, [&](layout::uint triangle, layout::uint end) {
             while (triangle < end)
                 batch[count++] = triangle++;
             if (count > kBatch - layout::kMeshLeafTriangles) {
@@ -379,7 +384,7 @@ private:
             const Vector<T> normal = vector_at(mesh_.triangle_normals, triangle);
             const Vector<T> to{move.from.x - mesh_.vertices[corner], move.from.y - mesh_.vertices[corner + 1],
                                move.from.z - mesh_.vertices[corner + 2]};
-            const T begin = dot(normal, to), end = begin + move.until * dot(normal, move.way);
+            const T begin = dot(normal, to), end = begin + move.until * dot(normal, move.displacement);
             const bool apart = ((begin > kFar) & (end > kFar)) | ((begin < -kFar) & (end < -kFar));
             batch[left] = static_cast<layout::uint>(triangle);
             left += apart ? 0 : 1;
@@ -390,39 +395,34 @@ private:
     /// The first impact with one of a few triangles, if it comes before what was found so far.
     void hit_first(const layout::uint* batch, layout::uint left, Move<T>& move, Impact& first) const noexcept {
         for (layout::uint i = 0; i < left; ++i) {
-            if (pool_.keeps_off(batch[i], move.way))
+            if (pool_.keeps_off(batch[i], move.displacement))
                 continue;
             const Triangle<T> triangle = triangle_at(mesh_, batch[i]);
             if (is_off_plane(triangle, move) || pool_.lies_below(triangle))
                 continue;
             const T time = impact_time(triangle, move);
-            if (time > move.until || (time == first.time && !comes_before(batch[i], first.triangle)))
+            if (time > move.until || (time == first.time && !comes_before(mesh_, batch[i], first.triangle)))
                 continue;
             first = {time, batch[i]};
             move.until = time;
         }
     }
 
-    bool comes_before(layout::uint one, layout::uint other) const noexcept {
-        const layout::uint first = mesh_.triangle_facets[one], second = mesh_.triangle_facets[other];
-        return first < second || (first == second && one < other);
-    }
-
     /// True when at rest.
     bool substep() noexcept {
-        pool_.look_again(proxy_);
-        pool_.find_way(proxy_, probe_);
-        const Vector<T>& way = resting().vector;
-        if (largest_of(way) <= pool_.tolerance() && resting().count > 0)
+        pool_.update_touches(proxy_);
+        pool_.find_displacement(proxy_, probe_);
+        const Vector<T>& displacement = resting().vector;
+        if (largest_coordinate(displacement) <= pool_.tolerance() && resting().count > 0)
             return true;
-        Move<T> move{proxy_, way, T(1)};
+        Move<T> move{proxy_, displacement, T(1)};
         Release<T> release{T(1), 3};
         layout::uint released = kNone;
         for (layout::uint i = 0; i < resting().count; ++i) {
-            const layout::uint source = resting().held[i].source;
-            const Release<T> one = pool_.hold(source) == Hold::face
-                                       ? release_of_face(pool_[source], way, release.time)
-                                       : release_of_rounded(pool_[source], way, release.time);
+            const layout::uint source = resting().active[i].source;
+            const Release<T> one = pool_.constraint(source) == Constraint::face
+                                       ? release_of_face(pool_[source], displacement, release.time)
+                                       : release_of_rounded(pool_[source], displacement, release.time);
             if (one.time < release.time) {
                 release = one;
                 released = source;
@@ -436,7 +436,7 @@ private:
         const Impact impact = clipped_cast(move);
         const bool hit = impact.time <= release.time;
         const T time = hit ? impact.time : release.time;
-        const T length = time * largest_of(move.way);
+        const T length = time * largest_coordinate(move.displacement);
         const bool moves = length > Skin<T>::kRest;
         corner_ = (hit || released != kNone) && resting().count == 2 && length > kStride<T>;
         if (moves)
@@ -447,26 +447,27 @@ private:
             return false;
         }
         if (released != kNone) {
-            pool_[released].faceless = !moves;
+            pool_[released].face_tried = !moves;
             go_to(move.at(time));
             hand_over(released, release.edge);
             return false;
         }
-        // Nothing in the way: without a plane to keep to, that is the probe itself.
+        // Nothing is hit: without a plane to keep to, that is the probe itself.
         go_to(resting().count == 0 ? probe_ : move.at(T(1)));
         const bool one_face = pool_.count() == 1 && resting().count == 1 && pool_[0].above_face();
-        return resting().count == 0 || (one_face && !pool_.shortened() && stays_above_face(pool_[0], move.way));
+        return resting().count == 0 ||
+               (one_face && !pool_.shortened() && stays_above_face(pool_[0], move.displacement));
     }
 
     /// A move that leaves the region ends in the open.
     Impact clipped_cast(Move<T>& move) noexcept {
-        const T reach = largest_of(move.at(move.until));
+        const T reach = largest_coordinate(move.at(move.until));
         if (reach > T(kRegion)) {
             T until = move.until;
             for (int i = 0; i < 3; ++i) {
-                const T edge = move.way[i] < T(0) ? -T(kRegion) : T(kRegion);
-                if (std::abs(move.from[i] + move.until * move.way[i]) > T(kRegion))
-                    until = std::min(until, (edge - move.from[i]) / move.way[i]);
+                const T edge = move.displacement[i] < T(0) ? -T(kRegion) : T(kRegion);
+                if (std::abs(move.from[i] + move.until * move.displacement[i]) > T(kRegion))
+                    until = std::min(until, (edge - move.from[i]) / move.displacement[i]);
             }
             move.until = until > T(0) ? until : T(0);
         }
@@ -474,7 +475,7 @@ private:
     }
 
     /// The triangle across the edge comes next, most likely: known already, it need not be hit first. If all of the one
-    /// that was left lies below its plane, that one is out of the way.
+    /// that was left lies below its plane, that one constrains no longer.
     void hand_over(layout::uint released, layout::uint edge) noexcept {
         if (edge > 2)
             return;
@@ -492,7 +493,7 @@ private:
     }
 
     const layout::MeshView<T>& mesh_;
-    Neighbourhood<T>& around_;
+    Neighbourhood<T>& neighbourhood_;
     Vector<T> proxy_, probe_;
     const Trace& trace_;
     TouchPool<T> pool_;

@@ -1,6 +1,8 @@
-// L6: how close a straight move comes to a triangle.
+// L6: straight moves of a god-object: how close one comes to a triangle, and where it enters the mesh's region.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <limits>
 #include <type_traits>
 
@@ -18,7 +20,7 @@ template <typename T> struct Skin {
     static constexpr T kImpact = kWidth * T(0.875);     /* a move ends where it comes this close */
     static constexpr T kPlane = kWidth * T(0.90625);    /* above this a plane alone keeps a move from an impact */
     static constexpr T kCulled = kWidth * T(0.9375);    /* beyond this a height needs no closer look */
-    static constexpr T kTangent = kWidth * T(1.015625); /* up to here a rounded edge's own plane holds the proxy */
+    static constexpr T kTangent = kWidth * T(1.015625); /* up to here a rounded edge's own plane constrains the proxy */
     static constexpr T kNear = kWidth * T(2);           /* what is further is forgotten */
     static constexpr T kCorner = kWidth * T(8);         /* what is this near may share a corner */
     static constexpr T kPlace = std::numeric_limits<T>::epsilon() * T(32); /* what rounding makes of a place */
@@ -45,10 +47,12 @@ template <typename T> TrianglePoint<T> nearest_on_triangle(const Vector<T>& poin
 
 /// from + t * move for t in [0, until].
 template <typename T> struct Move {
-    Vector<T> from, way;
+    Vector<T> from, displacement;
     T until;
 
-    Vector<T> at(T t) const noexcept { return {from.x + t * way.x, from.y + t * way.y, from.z + t * way.z}; }
+    Vector<T> at(T t) const noexcept {
+        return {from.x + t * displacement.x, from.y + t * displacement.y, from.z + t * displacement.z};
+    }
 };
 
 /// The part of a move that is within kCulled of the triangle's plane; empty if begin > end.
@@ -75,7 +79,7 @@ template <typename T> Stretch<T> stretch_near_plane(const Move<T>& move, T heigh
 template <typename T> bool is_off_plane(const Triangle<T>& triangle, const Move<T>& move) noexcept {
     constexpr T kFar = Skin<T>::kCulled;
     const T begin = dot(triangle.normal, move.from - triangle.corners[0]);
-    const T end = begin + move.until * dot(triangle.normal, move.way);
+    const T end = begin + move.until * dot(triangle.normal, move.displacement);
     return (begin > kFar && end > kFar) || (begin < -kFar && end < -kFar);
 }
 
@@ -109,10 +113,11 @@ template <typename T> bool is_one_place(const Vector<T>& apart) noexcept {
 /// The rate of approach, times the distance, to an edge that begins at a corner, if a move that is at the corner goes
 /// on over it and this is more than `approach`.
 template <typename T>
-void approach_edge(const Vector<T>& edge, const Vector<T>& to_corner, const Vector<T>& way, T& approach) noexcept {
+void approach_edge(const Vector<T>& edge, const Vector<T>& to_corner, const Vector<T>& displacement,
+                   T& approach) noexcept {
     const Vector<T> offset = square_to(edge, to_corner);
-    const T rate = dot(offset, way);
-    if (dot(edge, way) > T(0) && rate > approach && is_one_place(Vector<T>(to_corner - offset)))
+    const T rate = dot(offset, displacement);
+    if (dot(edge, displacement) > T(0) && rate > approach && is_one_place(Vector<T>(to_corner - offset)))
         approach = rate;
 }
 
@@ -121,16 +126,18 @@ void approach_edge(const Vector<T>& edge, const Vector<T>& to_corner, const Vect
 /// slow approach along the triangle must not be taken for a retreat.
 template <typename T>
 T approach_of(const TrianglePoint<T>& nearest, const Triangle<T>& triangle, const Vector<T>& place,
-              const Vector<T>& way) noexcept {
+              const Vector<T>& displacement) noexcept {
     if (nearest.feature == layout::kMeshFace)
-        return dot(nearest.offset, way);
+        return dot(nearest.offset, displacement);
     Vector<T> edges[3];
     for (layout::uint i = 0; i < 3; ++i)
         edges[i] = triangle.corners[(i + 1) % 3] - triangle.corners[i];
-    const auto leads_inwards = [&](layout::uint edge) { return dot(cross(triangle.normal, edges[edge]), way) > T(0); };
+    const auto leads_inwards = [&](layout::uint edge) {
+        return dot(cross(triangle.normal, edges[edge]), displacement) > T(0);
+    };
     const bool on_edge = nearest.feature < layout::kMeshCorner;
     const layout::uint told = nearest.feature - (on_edge ? layout::kMeshEdge : layout::kMeshCorner);
-    T approach = dot(on_edge ? square_to(edges[told], nearest.offset) : nearest.offset, way);
+    T approach = dot(on_edge ? square_to(edges[told], nearest.offset) : nearest.offset, displacement);
     bool inwards = !on_edge || leads_inwards(told);
     for (layout::uint i = 0; i < 3; ++i) {
         const layout::uint before = (i + 2) % 3;
@@ -139,12 +146,12 @@ T approach_of(const TrianglePoint<T>& nearest, const Triangle<T>& triangle, cons
             on_edge ? (i == told || before == told) && is_one_place(Vector<T>(to_corner - nearest.offset)) : i == told;
         if (!at_corner)
             continue;
-        approach_edge(edges[i], to_corner, way, approach);
-        approach_edge(Vector<T>(-edges[before]), to_corner, way, approach);
+        approach_edge(edges[i], to_corner, displacement, approach);
+        approach_edge(Vector<T>(-edges[before]), to_corner, displacement, approach);
         inwards = inwards && leads_inwards(i) && leads_inwards(before);
     }
     const T height = dot(triangle.normal, nearest.offset);
-    const T rate = height * dot(triangle.normal, way);
+    const T rate = height * dot(triangle.normal, displacement);
     const bool over_face = inwards && is_one_place(Vector<T>(nearest.offset - height * triangle.normal));
     return over_face && rate > approach ? rate : approach;
 }
@@ -156,7 +163,7 @@ template <typename T> T impact_time(const Triangle<T>& triangle, const Move<T>& 
     const T never = move.until + T(1);
     T t = T(0);
     T until = move.until;
-    const T rate = dot(triangle.normal, move.way);
+    const T rate = dot(triangle.normal, move.displacement);
     if (dot(triangle.normal, triangle.normal) > T(0)) {
         const Stretch<T> stretch =
             stretch_near_plane(move, dot(triangle.normal, move.from - triangle.corners[0]), rate);
@@ -169,7 +176,7 @@ template <typename T> T impact_time(const Triangle<T>& triangle, const Move<T>& 
         const Vector<T> place = move.at(t);
         const TrianglePoint<T> nearest = nearest_on_triangle(place, triangle);
         const T distance = std::sqrt(nearest.square);
-        const T approach = approach_of(nearest, triangle, place, move.way); // times the distance
+        const T approach = approach_of(nearest, triangle, place, move.displacement); // times the distance
         if (!(approach > T(0)))
             return never;
         const T excess = distance - Skin<T>::kImpact;
@@ -180,6 +187,41 @@ template <typename T> T impact_time(const Triangle<T>& triangle, const Move<T>& 
             return never;
     }
     return t;
+}
+
+/// Half the side of the box in which a proxy minds the mesh, none of whose coordinates is beyond 1.
+constexpr int kRegion = 2;
+
+/// Where a straight line from a proxy outside of the region enters it; false if it does not. The line is measured from
+/// its end nearer to the region, in double, so that it meets the region where it should.
+template <typename T> bool find_entry(const Vector<T>& proxy, const Vector<T>& probe, Vector<T>& place) noexcept {
+    constexpr double kSide = kRegion * 0.75;
+    const bool back = largest_coordinate(probe) < largest_coordinate(proxy);
+    const glm::dvec3 near_end(back ? probe : proxy), far_end(back ? proxy : probe);
+    double begin = 0, end = 1;
+    for (int i = 0; i < 3; ++i) {
+        const double displacement = far_end[i] - near_end[i];
+        if (!std::isfinite(displacement))
+            return false;
+        if (displacement == 0) {
+            end = std::abs(near_end[i]) > kSide ? -1 : end;
+            continue;
+        }
+        const double low = (-kSide - near_end[i]) / displacement, high = (kSide - near_end[i]) / displacement;
+        begin = std::max(begin, std::min(low, high));
+        end = std::min(end, std::max(low, high));
+    }
+    if (!(begin <= end))
+        return false;
+    for (int i = 0; i < 3; ++i) {
+        const double there = near_end[i] + (back ? end : begin) * (far_end[i] - near_end[i]);
+        place[i] = static_cast<T>(std::clamp(there, -kSide, kSide));
+    }
+    // On the region's border to the last bit, so that it is outside of the mesh.
+    int side = std::abs(place[0]) < std::abs(place[1]) ? 1 : 0;
+    side = std::abs(place[side]) < std::abs(place[2]) ? 2 : side;
+    place[side] = std::copysign(T(kSide), place[side]);
+    return true;
 }
 
 } // namespace forceshade::reference

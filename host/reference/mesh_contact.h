@@ -294,15 +294,19 @@ template <typename T> Contact<T> free_contact(const layout::Law<T>& law, const V
     return {T(0), Vector<T>(T(0)), Vector<T>(T(0)), to_world(law.mesh.params, probe), layout::kNoFacet};
 }
 
+template <typename T>
+bool is_inside(const layout::Law<T>& law, const Nearest<T>& found, const Vector<T>& probe) noexcept {
+    return law.features.inside == layout::kInsideWinding ? inside_by_winding(law.mesh, probe)
+                                                         : inside_by_pseudonormal(law.mesh, found);
+}
+
 /// L6 static: the probe (in the mesh's frame) is pulled to the nearest point of the surface that it is inside of.
 /// `hint` as for nearest(); receives the nearest triangle.
 template <typename T>
 Contact<T> mesh_contact(const layout::Law<T>& law, const Vector<T>& probe, layout::uint& hint) noexcept {
     const Nearest<T> found = nearest(law.mesh, probe, hint);
     hint = found.triangle;
-    const bool inside = law.features.inside == layout::kInsideWinding ? inside_by_winding(law.mesh, probe)
-                                                                      : inside_by_pseudonormal(law.mesh, found);
-    if (!inside)
+    if (!is_inside(law, found, probe))
         return free_contact(law, probe);
     return touching_contact(
         law, MeshTouch<T>{found.facet, found.offset, Vector<T>(probe + found.offset), std::sqrt(found.square)});

@@ -29,9 +29,9 @@ template <typename T> struct EdgePoint {
     EdgePlace place;
 };
 
-/// Whether the first component of an edge that is not 0 is below 0. Both triangles of an edge walk it the same way, so
-/// that they agree to the last bit and the tie goes to the lower facet.
-template <typename T> bool walked_backwards(const Vector<T>& edge) noexcept {
+/// Whether the first component of an edge that is not 0 is below 0. Both triangles of an edge walk it in the same
+/// direction, so that they agree to the last bit and the tie goes to the lower facet.
+template <typename T> bool runs_backwards(const Vector<T>& edge) noexcept {
     return edge.x < T(0) || (edge.x == T(0) && (edge.y < T(0) || (edge.y == T(0) && edge.z < T(0))));
 }
 
@@ -40,17 +40,17 @@ template <typename T> bool walked_backwards(const Vector<T>& edge) noexcept {
 template <typename T>
 EdgePoint<T> nearest_on_edge(const Vector<T>& start, const Vector<T>& end, const Vector<T>& edge,
                              T length_square) noexcept {
-    const bool backwards = walked_backwards(edge);
+    const bool backwards = runs_backwards(edge);
     const Vector<T> from = backwards ? end : start;
     const Vector<T> to = backwards ? start : end;
-    const Vector<T> way = backwards ? -edge : edge;
-    const T along = -dot(from, way);
+    const Vector<T> direction = backwards ? -edge : edge;
+    const T along = -dot(from, direction);
     if (!(along > T(0)))
         return {dot(from, from), from, backwards ? EdgePlace::end : EdgePlace::start};
     if (!(along < length_square))
         return {dot(to, to), to, backwards ? EdgePlace::start : EdgePlace::end};
     const T share = along / length_square;
-    const Vector<T> offset{from.x + share * way.x, from.y + share * way.y, from.z + share * way.z};
+    const Vector<T> offset{from.x + share * direction.x, from.y + share * direction.y, from.z + share * direction.z};
     return {dot(offset, offset), offset, EdgePlace::within};
 }
 
@@ -94,58 +94,58 @@ TrianglePoint<T> nearest_on_triangle(const Vector<T>& probe, const Vector<T>& a,
 // Squared distances to triangles side by side, as many as a 16-byte vector holds: to the last bit what
 // nearest_on_triangle() gives, without its branches, so that most triangles of a leaf are ruled out cheaply.
 
-template <typename T> struct AbreastTypes;
-template <> struct AbreastTypes<float> {
+template <typename T> struct LaneTypes;
+template <> struct LaneTypes<float> {
     using Real = float __attribute__((vector_size(16)));
     using Mask = std::int32_t __attribute__((vector_size(16)));
 };
-template <> struct AbreastTypes<double> {
+template <> struct LaneTypes<double> {
     using Real = double __attribute__((vector_size(16)));
     using Mask = std::int64_t __attribute__((vector_size(16)));
 };
 
-template <typename T> constexpr layout::uint kTrianglesAbreast = 16 / sizeof(T);
+template <typename T> constexpr layout::uint kLanes = 16 / sizeof(T);
 
 /// Numbers of one kind, one for each of the triangles.
-template <typename T> using Abreast = typename AbreastTypes<T>::Real;
-template <typename T> using AbreastMask = typename AbreastTypes<T>::Mask;
+template <typename T> using Lanes = typename LaneTypes<T>::Real;
+template <typename T> using LaneMask = typename LaneTypes<T>::Mask;
 
-template <typename T> struct VectorsAbreast { Abreast<T> x, y, z; };
+template <typename T> struct VectorLanes { Lanes<T> x, y, z; };
 
-template <typename T> VectorsAbreast<T> operator-(const VectorsAbreast<T>& u, const VectorsAbreast<T>& v) noexcept {
+template <typename T> VectorLanes<T> operator-(const VectorLanes<T>& u, const VectorLanes<T>& v) noexcept {
     return {u.x - v.x, u.y - v.y, u.z - v.z};
 }
 
-template <typename T> Abreast<T> dot(const VectorsAbreast<T>& u, const VectorsAbreast<T>& v) noexcept {
+template <typename T> Lanes<T> dot(const VectorLanes<T>& u, const VectorLanes<T>& v) noexcept {
     return u.x * v.x + u.y * v.y + u.z * v.z;
 }
 
-template <typename T> VectorsAbreast<T> cross(const VectorsAbreast<T>& u, const VectorsAbreast<T>& v) noexcept {
+template <typename T> VectorLanes<T> cross(const VectorLanes<T>& u, const VectorLanes<T>& v) noexcept {
     return {u.y * v.z - u.z * v.y, u.z * v.x - u.x * v.z, u.x * v.y - u.y * v.x};
 }
 
 /// What is known of one edge of each triangle.
-template <typename T> struct EdgesAbreast {
-    Abreast<T> square, length_square;
-    AbreastMask<T> within, outside; /* nearest point between the ends; the probe's foot beyond the edge */
+template <typename T> struct EdgeLanes {
+    Lanes<T> square, length_square;
+    LaneMask<T> within, outside; /* nearest point between the ends; the probe's foot beyond the edge */
 };
 
 /// nearest_on_edge() and the side test; `start_square` and `end_square` are the products of the ends with themselves.
 template <typename T>
-EdgesAbreast<T> edges_abreast(const VectorsAbreast<T>& start, const VectorsAbreast<T>& end, Abreast<T> start_square,
-                              Abreast<T> end_square, const VectorsAbreast<T>& edge,
-                              const VectorsAbreast<T>& normal) noexcept {
-    using Real = Abreast<T>;
-    using Mask = AbreastMask<T>;
+EdgeLanes<T> edge_lanes(const VectorLanes<T>& start, const VectorLanes<T>& end, Lanes<T> start_square,
+                        Lanes<T> end_square, const VectorLanes<T>& edge, const VectorLanes<T>& normal) noexcept {
+    using Real = Lanes<T>;
+    using Mask = LaneMask<T>;
     const Real zero{};
     const Mask backwards =
         (edge.x < zero) | ((edge.x == zero) & ((edge.y < zero) | ((edge.y == zero) & (edge.z < zero))));
-    const VectorsAbreast<T> from{backwards ? end.x : start.x, backwards ? end.y : start.y, backwards ? end.z : start.z};
-    const VectorsAbreast<T> way{backwards ? -edge.x : edge.x, backwards ? -edge.y : edge.y,
-                                backwards ? -edge.z : edge.z};
-    const Real along = -dot<T>(from, way), length_square = dot<T>(edge, edge);
+    const VectorLanes<T> from{backwards ? end.x : start.x, backwards ? end.y : start.y, backwards ? end.z : start.z};
+    const VectorLanes<T> direction{backwards ? -edge.x : edge.x, backwards ? -edge.y : edge.y,
+                                   backwards ? -edge.z : edge.z};
+    const Real along = -dot<T>(from, direction), length_square = dot<T>(edge, edge);
     const Real share = along / length_square; // not used where it is no number
-    const VectorsAbreast<T> offset{from.x + share * way.x, from.y + share * way.y, from.z + share * way.z};
+    const VectorLanes<T> offset{from.x + share * direction.x, from.y + share * direction.y,
+                                from.z + share * direction.z};
     const Mask after = along > zero, before = along < length_square;
     const Real from_square = backwards ? end_square : start_square, to_square = backwards ? start_square : end_square;
     const Real square = after ? (before ? dot<T>(offset, offset) : to_square) : from_square;
@@ -154,12 +154,12 @@ EdgesAbreast<T> edges_abreast(const VectorsAbreast<T>& start, const VectorsAbrea
 
 /// The triangles first to first + kTrianglesAbreast - 1, each no further than `last`, which stands for those beyond.
 template <typename T>
-Abreast<T> squares_abreast(const layout::MeshView<T>& mesh, layout::uint first, layout::uint last,
-                           const Vector<T>& probe) noexcept {
-    using Real = Abreast<T>;
-    using Mask = AbreastMask<T>;
-    VectorsAbreast<T> corners[3], normal;
-    for (layout::uint lane = 0; lane < kTrianglesAbreast<T>; ++lane) {
+Lanes<T> square_lanes(const layout::MeshView<T>& mesh, layout::uint first, layout::uint last,
+                      const Vector<T>& probe) noexcept {
+    using Real = Lanes<T>;
+    using Mask = LaneMask<T>;
+    VectorLanes<T> corners[3], normal;
+    for (layout::uint lane = 0; lane < kLanes<T>; ++lane) {
         const std::size_t triangle = first + lane < last ? first + lane : last;
         for (std::size_t i = 0; i < 3; ++i) {
             const T* corner = &mesh.vertices[3 * std::size_t(mesh.triangle_corners[3 * triangle + i])];
@@ -171,17 +171,17 @@ Abreast<T> squares_abreast(const layout::MeshView<T>& mesh, layout::uint first, 
         normal.y[lane] = mesh.triangle_normals[3 * triangle + 1];
         normal.z[lane] = mesh.triangle_normals[3 * triangle + 2];
     }
-    VectorsAbreast<T> offsets[3];
+    VectorLanes<T> offsets[3];
     Real corner_squares[3];
     for (std::size_t i = 0; i < 3; ++i) {
         offsets[i] = {corners[i].x - probe.x, corners[i].y - probe.y, corners[i].z - probe.z};
         corner_squares[i] = dot<T>(offsets[i], offsets[i]);
     }
-    EdgesAbreast<T> edges[3];
+    EdgeLanes<T> edges[3];
     for (std::size_t i = 0; i < 3; ++i) {
         const std::size_t next = i == 2 ? 0 : i + 1;
-        edges[i] = edges_abreast<T>(offsets[i], offsets[next], corner_squares[i], corner_squares[next],
-                                    corners[next] - corners[i], normal);
+        edges[i] = edge_lanes<T>(offsets[i], offsets[next], corner_squares[i], corner_squares[next],
+                                 corners[next] - corners[i], normal);
     }
     const Real zero{};
     Real nearest = edges[0].square, longest = edges[0].length_square;
@@ -224,12 +224,6 @@ template <typename T> T prune_slack(T largest) noexcept {
     return T(64) * std::numeric_limits<T>::epsilon() * (T(1) + largest);
 }
 
-template <typename T> T largest_coordinate(const Vector<T>& v) noexcept {
-    const T x = std::abs(v.x), y = std::abs(v.y), z = std::abs(v.z);
-    const T xy = x > y ? x : y;
-    return xy > z ? xy : z;
-}
-
 template <typename T>
 TrianglePoint<T> nearest_on_triangle(const layout::MeshView<T>& mesh, layout::uint triangle,
                                      const Vector<T>& probe) noexcept {
@@ -238,6 +232,13 @@ TrianglePoint<T> nearest_on_triangle(const layout::MeshView<T>& mesh, layout::ui
                                vector_at(mesh.vertices, mesh.triangle_corners[first + 1]),
                                vector_at(mesh.vertices, mesh.triangle_corners[first + 2]),
                                vector_at(mesh.triangle_normals, triangle));
+}
+
+/// Which of two triangles comes first among equals.
+template <typename T>
+bool comes_before(const layout::MeshView<T>& mesh, layout::uint one, layout::uint other) noexcept {
+    const layout::uint first = mesh.triangle_facets[one], second = mesh.triangle_facets[other];
+    return first < second || (first == second && one < other);
 }
 
 /// Keeps the least of (square, facet, triangle): the order in which triangles come does not matter.
@@ -260,9 +261,9 @@ template <typename T>
 bool keep_nearest_of_run(const layout::MeshView<T>& mesh, layout::uint first, layout::uint last, const Vector<T>& probe,
                          Nearest<T>& best) noexcept {
     bool kept = false;
-    for (layout::uint triangle = first; triangle <= last; triangle += kTrianglesAbreast<T>) {
-        const Abreast<T> squares = squares_abreast(mesh, triangle, last, probe);
-        for (layout::uint lane = 0; lane < kTrianglesAbreast<T> && triangle + lane <= last; ++lane)
+    for (layout::uint triangle = first; triangle <= last; triangle += kLanes<T>) {
+        const Lanes<T> squares = square_lanes(mesh, triangle, last, probe);
+        for (layout::uint lane = 0; lane < kLanes<T> && triangle + lane <= last; ++lane)
             if (squares[lane] <= best.square && keep_nearer(mesh, triangle + lane, probe, best))
                 kept = true;
     }
@@ -270,16 +271,16 @@ bool keep_nearest_of_run(const layout::MeshView<T>& mesh, layout::uint first, la
 }
 
 /// How far a probe is beyond the bounds of four boxes along one axis; 0 within them.
-template <typename Cull> Abreast<Cull> beyond(const float* low, const float* high, Cull at) noexcept {
-    Abreast<Cull> below, above;
-    for (layout::uint lane = 0; lane < kTrianglesAbreast<Cull>; ++lane) {
+template <typename Cull> Lanes<Cull> beyond(const float* low, const float* high, Cull at) noexcept {
+    Lanes<Cull> below, above;
+    for (layout::uint lane = 0; lane < kLanes<Cull>; ++lane) {
         below[lane] = Cull(low[lane]);
         above[lane] = Cull(high[lane]);
     }
     below = below - at;
     above = at - above;
-    const Abreast<Cull> further = below > above ? below : above;
-    const Abreast<Cull> zero{};
+    const Lanes<Cull> further = below > above ? below : above;
+    const Lanes<Cull> zero{};
     return further > zero ? further : zero;
 }
 
@@ -287,11 +288,11 @@ template <typename Cull> Abreast<Cull> beyond(const float* low, const float* hig
 template <typename Cull>
 void box_squares(const layout::MeshNode& node, Cull x, Cull y, Cull z,
                  Cull (&squares)[layout::kMeshChildren]) noexcept {
-    for (layout::uint i = 0; i < layout::kMeshChildren; i += kTrianglesAbreast<Cull>) {
-        const Abreast<Cull> dx = beyond(node.low_x + i, node.high_x + i, x);
-        const Abreast<Cull> dy = beyond(node.low_y + i, node.high_y + i, y);
-        const Abreast<Cull> dz = beyond(node.low_z + i, node.high_z + i, z);
-        const Abreast<Cull> square = dx * dx + dy * dy + dz * dz;
+    for (layout::uint i = 0; i < layout::kMeshChildren; i += kLanes<Cull>) {
+        const Lanes<Cull> dx = beyond(node.low_x + i, node.high_x + i, x);
+        const Lanes<Cull> dy = beyond(node.low_y + i, node.high_y + i, y);
+        const Lanes<Cull> dz = beyond(node.low_z + i, node.high_z + i, z);
+        const Lanes<Cull> square = dx * dx + dy * dy + dz * dz;
         std::memcpy(squares + i, &square, sizeof square);
     }
 }

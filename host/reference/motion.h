@@ -41,7 +41,7 @@ template <typename T> T cosine_of_phase(layout::uint phase) noexcept {
     return cosine_of_turns(T(static_cast<std::int32_t>(phase)) * T(0x1p-32));
 }
 
-/// The share of the way from point to point after a share of the time: 10 t^3 - 15 t^4 + 6 t^5.
+/// The share of the distance from point to point after a share of the time: 10 t^3 - 15 t^4 + 6 t^5.
 template <typename T> T minimum_jerk(T t) noexcept {
     return t * t * t * (T(10) + t * (t * T(6) - T(15)));
 }
@@ -135,7 +135,7 @@ Vector<T> harmonics_at(const layout::PathBatch<T>& batch, std::size_t path, layo
 
 /// A random walk turns round where it comes to the edge of its region, half a side, m, from the middle: its harmonics
 /// come to 4 half sides at most.
-template <typename T> T turned_round(T place, T half) noexcept {
+template <typename T> T reflected(T place, T half) noexcept {
     for (int i = 0; i < 2; ++i)
         place = place > half ? T(2) * half - place : place < -half ? T(-2) * half - place : place;
     return place;
@@ -169,8 +169,8 @@ Vector<T> motion_at(const layout::Law<T>& law, const layout::PathFeatures& featu
     const layout::MotionParams<T>& motion = batch.motions[path];
     Vector<T> more = harmonics_at(batch, path, features.harmonics, step);
     if (features.motion == layout::kMotionRandomWalk) {
-        more.x = turned_round(more.x, motion.reach);
-        more.y = turned_round(more.y, motion.across);
+        more.x = reflected(more.x, motion.reach);
+        more.y = reflected(more.y, motion.across);
     }
     return in_world(law, features, motion, place_at(features.motion, motion, step), more);
 }

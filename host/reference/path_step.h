@@ -25,21 +25,22 @@ template <typename T> struct AxisMotion {
     T speed; /* m/s: at the sample's end */
 };
 
-template <typename T> AxisMotion<T> moved(const layout::AxisMap<T>& map, const AxisPush<T>& push, T force) noexcept {
+template <typename T>
+AxisMotion<T> advance_axis(const layout::AxisMap<T>& map, const AxisPush<T>& push, T force) noexcept {
     return {map.x_error * push.error + map.x_speed * push.speed + map.x_force * force,
             map.v_error * push.error + map.v_speed * push.speed + map.v_force * force};
 }
 
-/// Coulomb friction opposes the motion with a constant force. What would be turned round within the sample is held
-/// where it stops, as if it slowed down evenly; what rests moves only if it is pushed harder than the friction holds.
+/// Coulomb friction opposes the motion with a constant force. What would reverse within the sample stays
+/// where it stops, as if it slowed down evenly; what rests moves only if it is pushed harder than the friction.
 template <typename T>
-AxisMotion<T> moved_with_friction(const layout::AxisMap<T>& map, const AxisPush<T>& push, T coulomb,
-                                  T period) noexcept {
+AxisMotion<T> advance_axis_with_friction(const layout::AxisMap<T>& map, const AxisPush<T>& push, T coulomb,
+                                         T period) noexcept {
     const T pull = push.force - push.spring * push.error;
     const T way = push.speed != T(0) ? push.speed : pull;
     const bool held = push.speed == T(0) && !(std::abs(pull) > coulomb);
     const T friction = way > T(0) ? coulomb : -coulomb;
-    const AxisMotion<T> motion = moved(map, push, push.force - friction);
+    const AxisMotion<T> motion = advance_axis(map, push, push.force - friction);
     const bool turns = push.speed * motion.speed < T(0);
     const T stop = T(0.5) * period * push.speed * (push.speed / (push.speed - motion.speed));
     return {held ? T(0) : turns ? stop : motion.shift, held || turns ? T(0) : motion.speed};
@@ -68,24 +69,25 @@ template <typename T> Vector<T> commanded(const layout::HandParams<T>& hand, con
 }
 
 /// Where a probe is, and how fast.
-template <typename T> struct Carried {
+template <typename T> struct ProbeState {
     Vector<T> place; /* m */
     Vector<T> speed; /* m/s */
 };
 
-/// Over one sample: `target` and its speed, m and m/s, and the device's force, N, are held.
+/// Over one sample: `target` and its speed, m and m/s, and the device's force, N, stay the same.
 template <typename T>
-Carried<T> carried(const layout::HandParams<T>& hand, const Carried<T>& now, const Vector<T>& target,
-                   const Vector<T>& target_speed, const Vector<T>& force) noexcept {
+ProbeState<T> advance_hand(const layout::HandParams<T>& hand, const ProbeState<T>& now, const Vector<T>& target,
+                           const Vector<T>& target_speed, const Vector<T>& force) noexcept {
     const Vector<T> push{hand.push_x, hand.push_y, hand.push_z};
-    Carried<T> next = now;
+    ProbeState<T> next = now;
     for (int i = 0; i < 3; ++i) {
         const layout::AxisMap<T>& map = i == 2 ? hand.vertical : hand.lateral;
         const AxisPush<T> axis{now.place[i] - target[i], now.speed[i],
                                (hand.damping * target_speed[i] + push[i]) + force[i],
                                i == 2 ? hand.stiffness_z : hand.stiffness};
-        const AxisMotion<T> motion = hand.coulomb > T(0) ? moved_with_friction(map, axis, hand.coulomb, hand.period)
-                                                         : moved(map, axis, axis.force);
+        const AxisMotion<T> motion = hand.coulomb > T(0)
+                                         ? advance_axis_with_friction(map, axis, hand.coulomb, hand.period)
+                                         : advance_axis(map, axis, axis.force);
         next.place[i] = now.place[i] + motion.shift;
         next.speed[i] = motion.speed;
     }
@@ -207,7 +209,7 @@ void add_speed(layout::PathMetrics<T>& metrics, const Vector<T>& speed, layout::
 // step as shaders/laws/path_step.glsl.
 
 /// What a law made of a sample.
-template <typename T> struct Felt {
+template <typename T> struct LawContact {
     Contact<T> contact;
     bool finished = true; /* the proxy came to rest */
 };
@@ -218,10 +220,6 @@ template <typename T> struct PathSampled {
     Vector<T> force;    /* N: commanded */
     Contact<T> contact;
 };
-
-template <typename T> bool all_finite(const Vector<T>& v) noexcept {
-    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
-}
 
 /// A path before its first step, with the probe at a place, m.
 template <typename T> layout::PathState<T> state_at(const Vector<T>& place) noexcept {
@@ -267,13 +265,13 @@ template <typename T> T add_between(layout::PathState<T>& state, const PathSampl
 
 /// Closed loop: over the sample the hand takes the probe to where the next one begins. Adds the work, J.
 template <typename T>
-T carry(layout::PathState<T>& state, const layout::HandParams<T>& hand, const PathSampled<T>& sampled,
-        const Vector<T>& target, const Vector<T>& next, layout::uint steps) noexcept {
-    const Carried<T> now{{state.x, state.y, state.z}, {state.speed_x, state.speed_y, state.speed_z}};
+T advance_probe(layout::PathState<T>& state, const layout::HandParams<T>& hand, const PathSampled<T>& sampled,
+                const Vector<T>& target, const Vector<T>& next, layout::uint steps) noexcept {
+    const ProbeState<T> now{{state.x, state.y, state.z}, {state.speed_x, state.speed_y, state.speed_z}};
     const Vector<T> late{state.force_x, state.force_y, state.force_z};
     const Vector<T> applied = hand.delay != 0 ? late : sampled.force;
     const Vector<T> target_speed = (next - target) * hand.rate;
-    const Carried<T> after = carried(hand, now, target, target_speed, applied);
+    const ProbeState<T> after = advance_hand(hand, now, target, target_speed, applied);
     const T work = dot(applied, Vector<T>(after.place - now.place));
     add_work(state.metrics, work);
     add_speed(state.metrics, after.speed, state.step, steps);
@@ -326,7 +324,7 @@ bool leaves(layout::PathState<T>& state, const layout::HandParams<T>& hand, cons
 template <typename T, typename Feel>
 PathSampled<T> take_step(const layout::PathInput<T>& input, const layout::HandParams<T>& hand,
                          const layout::MotionParams<T>& motion, layout::PathState<T>& state, const Vector<T>& target,
-                         const Vector<T>& next, layout::uint steps, Feel&& feel) noexcept {
+                         const Vector<T>& next, layout::uint steps, Feel&& evaluate_law) noexcept {
     const bool closed = input.features.loop == layout::kLoopClosed;
     if (closed && leaves(state, hand, target)) {
         ++state.step;
@@ -334,13 +332,13 @@ PathSampled<T> take_step(const layout::PathInput<T>& input, const layout::HandPa
     }
     PathSampled<T> sampled;
     sampled.position = closed ? measured(hand, Vector<T>{state.x, state.y, state.z}) : target;
-    const Felt<T> felt = feel(sampled.position);
-    sampled.contact = felt.contact;
-    sampled.force = closed ? commanded(hand, felt.contact.force) : felt.contact.force;
+    const LawContact<T> evaluated = evaluate_law(sampled.position);
+    sampled.contact = evaluated.contact;
+    sampled.force = closed ? commanded(hand, evaluated.contact.force) : evaluated.contact.force;
     add_sample(state.metrics, sampled.contact, sampled.force);
-    state.metrics.unfinished += felt.finished ? 0 : 1;
+    state.metrics.unfinished += evaluated.finished ? 0 : 1;
     add_turn_at(state, sampled, T(input.stretch));
-    const T work = closed ? carry(state, hand, sampled, target, next, steps) : add_between(state, sampled);
+    const T work = closed ? advance_probe(state, hand, sampled, target, next, steps) : add_between(state, sampled);
     if (completes_round(input.features, motion, state.step))
         end_round(state.metrics, late_work(input, motion, state, sampled, work));
     keep_sample(state, sampled);

@@ -108,10 +108,10 @@ template <typename T> struct PathWalk<T>::State {
                 input_.source->positions(chunk.step_first, std::min(chunk.step_count + 1, steps() - chunk.step_first));
         std::atomic<std::size_t> next{0};
         const auto work = [&] {
-            Neighbourhood<T> around;
+            Neighbourhood<T> neighbourhood;
             for (std::size_t begin; (begin = kShare * next++) < chunk.path_count;)
                 for (std::size_t path = begin; path < std::min(begin + kShare, chunk.path_count); ++path)
-                    run_path(chunk, path, around);
+                    run_path(chunk, path, neighbourhood);
         };
         std::vector<std::jthread> helpers;
         for (std::size_t i = 1; i < threads_; ++i)
@@ -131,7 +131,7 @@ template <typename T> struct PathWalk<T>::State {
         return vector_at(positions_, (last - chunk.step_first) * batch_.count + path);
     }
 
-    void run_path(const layout::PathChunk<T>& chunk, std::size_t path, Neighbourhood<T>& around) {
+    void run_path(const layout::PathChunk<T>& chunk, std::size_t path, Neighbourhood<T>& neighbourhood) {
         const std::size_t steps = steps_of(path), end = std::min(chunk.step_first + chunk.step_count, steps);
         if (chunk.step_first >= end)
             return;
@@ -145,29 +145,29 @@ template <typename T> struct PathWalk<T>::State {
         if (chunk.step_first == 0) {
             state = begin_state(input_.features, hand, here);
             if (on_mesh())
-                proxies_[path] = begun(batch_.proxies[path]);
+                proxies_[path] = god_object_at(batch_.proxies[path]);
         }
-        const auto feel = [&](const Vector<T>& probe) { return felt_at(path, probe, around); };
+        const auto evaluate_law = [&](const Vector<T>& probe) { return evaluate_at(path, probe, neighbourhood); };
         for (std::size_t step = chunk.step_first; step < end; ++step) {
             const bool last = step + 1 == steps;
             const Vector<T> next = closed || !last ? target(chunk, path, last && recorded_ ? step : step + 1) : here;
             const PathSampled<T> sampled =
-                take_step(input_, hand, motion, state, here, next, static_cast<layout::uint>(steps), feel);
+                take_step(input_, hand, motion, state, here, next, static_cast<layout::uint>(steps), evaluate_law);
             samples_.store((step - chunk.step_first) * chunk.pitch + path, sampled);
             here = next;
         }
         states_[path] = state;
     }
 
-    Felt<T> felt_at(std::size_t path, const Vector<T>& probe, Neighbourhood<T>& around) {
+    LawContact<T> evaluate_at(std::size_t path, const Vector<T>& probe, Neighbourhood<T>& neighbourhood) {
         if (!on_mesh())
             return {evaluate(input_.law, probe), true};
         const Vector<T> local = to_mesh_frame(input_.law.mesh.params, probe);
-        const GodObjectContact<T> rest = update(input_.law.mesh, proxies_[path], around, local);
-        Felt<T> felt{mesh_contact(input_.law, rest, local), rest.finished};
-        if (felt.contact.facet == layout::kNoFacet)
-            felt.contact.proxy = probe; // not there and back through the mesh's frame
-        return felt;
+        const GodObjectContact<T> rest = update(input_.law.mesh, proxies_[path], neighbourhood, local);
+        LawContact<T> evaluated{mesh_contact(input_.law, rest, local), rest.finished};
+        if (evaluated.contact.facet == layout::kNoFacet)
+            evaluated.contact.proxy = probe; // not there and back through the mesh's frame
+        return evaluated;
     }
 
     const layout::PathInput<T>& input_;

@@ -86,7 +86,7 @@ template <typename T> Gradient<T> gaussian_gradient(const layout::MapParams<T>& 
     return {-(steepness * u), -(steepness * v)};
 }
 
-/// Where a coordinate falls between two nodes: the lower node, the upper node and the fraction of the way.
+/// Where a coordinate falls between two nodes: the lower node, the upper node and the fraction of the distance.
 template <typename T> struct Cell {
     layout::uint low, high;
     T fraction;

@@ -115,7 +115,7 @@ template <typename T> std::uint64_t crossings(MeshPathCase<T>& one, std::size_t 
     auto around = std::make_unique<reference::Neighbourhood<T>>();
     std::uint64_t count = 0;
     for (std::size_t path = 0; path < paths; ++path) {
-        reference::GodObject<T> state = reference::begun(batch.proxies[path]);
+        reference::GodObject<T> state = reference::god_object_at(batch.proxies[path]);
         bool crossed = false;
         const auto watch = [&](const reference::Vector<T>& from, const reference::Vector<T>& to) {
             crossed = crossed || grid.touches(wide(from), wide(to));

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "host/reference/mesh_around.h"
+#include "host/reference/mesh_neighbourhood.h"
 
 namespace forceshade {
 namespace {
@@ -98,7 +98,7 @@ TYPED_TEST(Sieve, MissesNoPlaneAndLeavesOutWhatIsFar) {
         const Vector<T> to = this->within(box), way = to - move.from;
         // Moves that are cut keep their way.
         move.until = round % 2 == 0 ? T(1) : T(0.125);
-        move.way = way / move.until;
+        move.displacement = way / move.until;
         this->forget();
         const layout::uint count = 1 + round % CloseTriangles<T>::kMost;
         for (layout::uint i = 0; i < count; ++i)
@@ -106,7 +106,7 @@ TYPED_TEST(Sieve, MissesNoPlaneAndLeavesOutWhatIsFar) {
         const layout::MeshView<T> mesh = this->mesh();
         close->begin(box);
         for (layout::uint i = 0; i < count; i += 3)
-            ASSERT_TRUE(put_close(mesh, i, std::min(i + 3, count), *close));
+            ASSERT_TRUE(add_close(mesh, i, std::min(i + 3, count), *close));
         complete_row(*close);
         layout::uint left[CloseTriangles<T>::kMost];
         const layout::uint found = sift(*close, move, left);
@@ -139,9 +139,9 @@ TYPED_TEST(Sieve, HasRoomForSoManyAndNoMore) {
     for (layout::uint i = 0; i <= CloseTriangles<TypeParam>::kMost; ++i)
         this->add_triangle(this->within(box));
     close->begin(box);
-    EXPECT_TRUE(put_close(this->mesh(), 0, CloseTriangles<TypeParam>::kMost, *close));
+    EXPECT_TRUE(add_close(this->mesh(), 0, CloseTriangles<TypeParam>::kMost, *close));
     EXPECT_FALSE(
-        put_close(this->mesh(), CloseTriangles<TypeParam>::kMost, CloseTriangles<TypeParam>::kMost + 1, *close));
+        add_close(this->mesh(), CloseTriangles<TypeParam>::kMost, CloseTriangles<TypeParam>::kMost + 1, *close));
 }
 
 } // namespace

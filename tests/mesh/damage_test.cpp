@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "host/mesh/prepare_mesh.h"
+#include "host/mesh/mesh.h"
 #include "host/mesh/structure.h"
 #include "host/referee/mesh_referee.h"
 #include "host/reference/mesh_contact.h"

@@ -10,7 +10,7 @@
 
 #include "host/error.h"
 #include "host/mesh/findings.h"
-#include "host/mesh/prepare_mesh.h"
+#include "host/mesh/mesh.h"
 #include "tests/mesh/written_files.h"
 
 namespace forceshade {

@@ -215,13 +215,24 @@ TEST(Connectivity, HalfEdgesAndEdgesAgree) {
                                     soup.corners.begin() + soup.begins[facet + 1]);
                 rest.begins.push_back(static_cast<std::uint32_t>(rest.corners.size()));
             }
-        const Connectivity by_edges = connectivity_by_edges(rest);
-        const auto by_half_edges = connectivity_by_half_edges(rest);
-        EXPECT_EQ(by_half_edges.has_value(), by_edges.non_manifold_vertices == 0);
-        if (by_half_edges) {
-            EXPECT_EQ(*by_half_edges, by_edges);
-            ++held;
+        const Connectivity matched(rest, Connectivity::Method::matched_edges), best(rest);
+        EXPECT_EQ(best.has_half_edges(), matched.counts().non_manifold_vertices == 0);
+        if (!best.has_half_edges())
+            continue;
+        EXPECT_EQ(best.counts(), matched.counts());
+        std::vector<std::uint32_t> outline, other_outline;
+        for (std::uint32_t facet = 0; facet < rest.facets(); ++facet) {
+            best.outline(facet, outline);
+            matched.outline(facet, other_outline);
+            EXPECT_EQ(outline, other_outline);
         }
+        std::vector<FacetCorner> fan, other_fan;
+        for (std::uint32_t vertex = 0; vertex < rest.vertices.size(); ++vertex) {
+            best.fan(vertex, fan);
+            matched.fan(vertex, other_fan);
+            EXPECT_EQ(fan, other_fan);
+        }
+        ++held;
     }
     EXPECT_GT(held, 50);
 }

@@ -1,5 +1,6 @@
 // Normals of triangles of every shape, of facets and of vertices.
-#include "host/mesh/normals.h"
+#include "host/mesh/connectivity.h"
+#include "host/mesh/mesh.h"
 
 #include <cmath>
 #include <numbers>

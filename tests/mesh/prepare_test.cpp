@@ -1,5 +1,5 @@
 // Placement of a mesh, and the triangles that its facets are cut into.
-#include "host/mesh/prepare_mesh.h"
+#include "host/mesh/mesh.h"
 
 #include <chrono>
 #include <cmath>

@@ -5,7 +5,7 @@
 #include <numbers>
 #include <random>
 
-#include "host/mesh/prepare_mesh.h"
+#include "host/mesh/mesh.h"
 
 namespace forceshade::shapes {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "host/mesh/normals.h"
+#include "host/mesh/mesh.h"
 #include "host/study/error_time/patch.h"
 
 namespace forceshade::shapes {

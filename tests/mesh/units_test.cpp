@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include "host/mesh/mesh.h"
 #include "host/mesh/mesh_file.h"
-#include "host/mesh/prepare_mesh.h"
 #include "host/mesh/structure.h"
 #include "host/reference/contact.h"
 #include "tests/mesh/shapes.h"

@@ -57,13 +57,13 @@ TEST(Friction, TakesEnergy) {
         spec.damping = coulomb > 0 ? 0 : 1e-3;
         spec.grip_damping = 0;
         const auto hand = hand_params<double>(spec, PathsSpec{}, 1);
-        reference::Carried<double> now{{0.01, -0.004, 0.003}, {0.1, 0, -0.2}};
+        reference::ProbeState<double> now{{0.01, -0.004, 0.003}, {0.1, 0, -0.2}};
         const auto energy = [&] {
             return 0.05 * reference::dot(now.speed, now.speed) + 250 * reference::dot(now.place, now.place);
         };
         double last = energy();
         for (int i = 0; i < 3000; ++i) {
-            now = reference::carried(hand, now, Vector<double>(0.0), Vector<double>(0.0), Vector<double>(0.0));
+            now = reference::advance_hand(hand, now, Vector<double>(0.0), Vector<double>(0.0), Vector<double>(0.0));
             EXPECT_LE(energy(), last * (1 + 1e-12)) << coulomb << ' ' << i;
             last = energy();
         }

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <functional>
 
-#include "host/mesh/prepare_mesh.h"
+#include "host/mesh/mesh.h"
 #include "host/reference/elementary.h"
 
 namespace forceshade::study {

@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include "host/mesh/prepare_mesh.h"
+#include "host/mesh/mesh.h"
 #include "host/prepare/prepared_case.h"
 #include "host/reference/elementary.h"
 #include "host/study/error_time/lookup_errors.h"

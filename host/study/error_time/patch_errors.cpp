@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "host/mesh/prepare_mesh.h"
+#include "host/mesh/mesh.h"
 #include "host/reference/mesh_contact.h"
 #include "host/study/error_time/angle.h"
 

@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "host/error.h"
-#include "host/mesh/prepare_mesh.h"
+#include "host/mesh/mesh.h"
 #include "host/prepare/prepared_case.h"
 
 namespace forceshade::study {

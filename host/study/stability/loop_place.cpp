@@ -7,7 +7,7 @@
 #include <glm/geometric.hpp>
 
 #include "host/error.h"
-#include "host/mesh/prepare_mesh.h"
+#include "host/mesh/mesh.h"
 #include "host/prepare/prepared_case.h"
 #include "host/prepare/probe.h"
 

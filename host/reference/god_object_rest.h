@@ -1,16 +1,17 @@
-// L6: the ways that lead from a corner or an edge of a mesh over its faces and along its edges.
+// L6: a god-object at rest: the directions of descent that lead on from a corner or an edge, the facets that constrain
+// it, and its contact with them.
 #pragma once
 
 #include "host/reference/god_object_planes.h"
 #include "host/reference/god_object_walk.h"
-#include "host/reference/mesh_around.h"
+#include "host/reference/mesh_neighbourhood.h"
 
 namespace forceshade::reference {
 
-/// A way over a triangle's face, or along its edge.
-template <typename T> struct Way {
+/// A direction of descent over a triangle's face, or along its edge.
+template <typename T> struct Descent {
     Vector<T> direction{T(0)};                   /* unit */
-    T gain = std::numeric_limits<T>::infinity(); /* towards the probe, a length of way */
+    T gain = std::numeric_limits<T>::infinity(); /* towards the probe, per length */
     layout::uint triangle = 0;
     layout::uint edge = 3; /* 3: over the face */
 };
@@ -18,8 +19,8 @@ template <typename T> struct Way {
 /// How near a corner a proxy may be kept off it by folds there narrower than the skin.
 template <typename T> constexpr T kFold = Skin<T>::kWidth* T(Skin<T>::kDouble ? 4096 : 32);
 
-/// Where ways begin: a corner of the mesh, or a place on or near its surface. What is within reach of it is at it.
-template <typename T> struct Crossing {
+/// Where descents begin: a corner of the mesh, or a place on or near its surface. What is within reach of it is at it.
+template <typename T> struct StartPoint {
     Vector<T> place;
     T reach;
     Vector<T> out; /* unit, away from the surface, on the proxy's side; 0 if not known */
@@ -28,13 +29,13 @@ template <typename T> struct Crossing {
 };
 
 /// The nearest corner of the mesh within reach, if there is one; seen from the front or the back of the triangles
-/// around.
+/// there.
 template <typename T>
-Crossing<T> corner_at(const layout::MeshView<T>& mesh, Neighbourhood<T>& around, const Vector<T>& place, T reach,
-                      bool front) noexcept {
-    Crossing<T> crossing{place, Skin<T>::kWidth * T(0.5), Vector<T>(T(0)), false, 0};
+StartPoint<T> nearest_corner(const layout::MeshView<T>& mesh, Neighbourhood<T>& neighbourhood, const Vector<T>& place,
+                             T reach, bool front) noexcept {
+    StartPoint<T> crossing{place, Skin<T>::kWidth * T(0.5), Vector<T>(T(0)), false, 0};
     T nearest = reach * reach;
-    visit_near(mesh, around, Move<T>{place, Vector<T>(T(0)), T(0)}, [&](layout::uint index) {
+    visit_near(mesh, neighbourhood, Move<T>{place, Vector<T>(T(0)), T(0)}, [&](layout::uint index) {
         for (layout::uint i = 0; i < 3; ++i) {
             const layout::uint other = mesh.triangle_corners[3 * std::size_t(index) + i];
             const Vector<T> off = vector_at(mesh.vertices, other) - place;
@@ -54,13 +55,14 @@ Crossing<T> corner_at(const layout::MeshView<T>& mesh, Neighbourhood<T>& around,
     return crossing;
 }
 
-/// The steepest of a triangle's ways from a crossing on it that gain less than `below`, if one gains more than `best`.
-template <typename T> struct WaySearch {
+/// The steepest of a triangle's descents from a starting point on it that gain less than `below`, if one gains more
+/// than `best`.
+template <typename T> struct DescentSearch {
     const layout::MeshView<T>& mesh;
-    const Crossing<T>& from;
+    const StartPoint<T>& from;
     const Vector<T> pull; /* to the probe */
     T below;
-    Way<T> best;
+    Descent<T> best;
     bool found = false;
 
     void offer(layout::uint index) noexcept {
@@ -78,88 +80,85 @@ private:
         return from.corner && (corners[0] == from.vertex || corners[1] == from.vertex || corners[2] == from.vertex);
     }
 
-    /// Over the face, away from the edges that the crossing is on.
+    /// Over the face, away from the edges that the starting point is on.
     void offer_face(const Triangle<T>& triangle, layout::uint index) noexcept {
-        const Vector<T> way = pull - dot(pull, triangle.normal) * triangle.normal;
+        const Vector<T> displacement = pull - dot(pull, triangle.normal) * triangle.normal;
         for (layout::uint i = 0; i < 3; ++i) {
             const Vector<T> edge = triangle.corners[(i + 1) % 3] - triangle.corners[i];
             const Vector<T> inward = cross(triangle.normal, edge);
             const T inside = dot(inward, from.place - triangle.corners[i]);
             const T most = from.reach * std::sqrt(dot(edge, edge));
-            if (inside <= most && !(dot(inward, way) > T(0)))
+            if (inside <= most && !(dot(inward, displacement) > T(0)))
                 return;
         }
-        offer_way(normalised(way), index, 3);
+        offer_direction(normalised(displacement), index, 3);
     }
 
-    /// Along an edge that the crossing is on, to the end that is nearer to the probe.
+    /// Along an edge that the starting point is on, to the end that is nearer to the probe.
     void offer_edge(const Triangle<T>& triangle, layout::uint index, layout::uint i) noexcept {
         const Vector<T>& start = triangle.corners[i];
         const Vector<T>& end = triangle.corners[(i + 1) % 3];
         const T rate = dot(end - start, pull);
-        // Both of the edge's triangles walk it the same way.
+        // Both of the edge's triangles walk it in the same direction.
         if (!(rate * rate >= best.gain * best.gain * dot(end - start, end - start) * T(0.99)))
             return;
-        const Vector<T> way = normalised(Vector<T>(end - start));
-        const T along = dot(way, from.place - start);
-        const Vector<T> off = from.place - start - along * way;
+        const Vector<T> displacement = normalised(Vector<T>(end - start));
+        const T along = dot(displacement, from.place - start);
+        const Vector<T> off = from.place - start - along * displacement;
         if (!(dot(off, off) <= from.reach * from.reach))
             return;
-        const bool forwards = dot(way, pull) > T(0);
+        const bool forwards = dot(displacement, pull) > T(0);
         const Vector<T>& goal = forwards ? end : start;
         if (dot(goal - from.place, goal - from.place) > T(16) * from.reach * from.reach)
-            offer_way(forwards ? way : -way, index, i);
+            offer_direction(forwards ? displacement : -displacement, index, i);
     }
 
-    void offer_way(const Vector<T>& direction, layout::uint index, layout::uint edge) noexcept {
+    void offer_direction(const Vector<T>& direction, layout::uint index, layout::uint edge) noexcept {
         const T gain = dot(direction, pull);
         if (!(gain < below) || !(gain >= best.gain))
             return;
-        if (found && gain == best.gain) {
-            const layout::uint facet = mesh.triangle_facets[index], other = mesh.triangle_facets[best.triangle];
-            if (facet > other || (facet == other && index >= best.triangle))
-                return;
-        }
+        if (found && gain == best.gain && !comes_before(mesh, index, best.triangle))
+            return;
         best = {direction, gain, index, edge};
         found = true;
     }
 };
 
-/// The steepest way that is less steep than the last one, of the lowest facet and triangle among equals. False if none
-/// gains as much as `least`.
+/// The steepest descent that is less steep than the last one, of the lowest facet and triangle among equals. False if
+/// none gains as much as `least`.
 template <typename T>
-bool next_way(const layout::MeshView<T>& mesh, Neighbourhood<T>& around, const Crossing<T>& from,
-              const Vector<T>& probe, T least, Way<T>& way) noexcept {
-    WaySearch<T> search{mesh, from, probe - from.place, way.gain, {Vector<T>(T(0)), least, 0, 3}};
-    visit_near(mesh, around, Move<T>{from.place, Vector<T>(T(0)), T(0)},
+bool next_descent(const layout::MeshView<T>& mesh, Neighbourhood<T>& neighbourhood, const StartPoint<T>& from,
+                  const Vector<T>& probe, T least, Descent<T>& descent) noexcept {
+    DescentSearch<T> search{mesh, from, probe - from.place, descent.gain, {Vector<T>(T(0)), least, 0, 3}};
+    visit_near(mesh, neighbourhood, Move<T>{from.place, Vector<T>(T(0)), T(0)},
                [&](layout::uint index) { search.offer(index); });
     if (search.found)
-        way = search.best;
+        descent = search.best;
     return search.found;
 }
 
-/// The place so far along a way, a skin off the surface there on the side of `normal`, which is square to the way's
-/// triangle.
+/// The place so far along a descent, a skin off the surface there on the side of `normal`, which is square to the
+/// descent's triangle.
 template <typename T>
-Vector<T> place_along(const layout::MeshView<T>& mesh, const Crossing<T>& from, const Way<T>& way, T length,
+Vector<T> place_along(const layout::MeshView<T>& mesh, const StartPoint<T>& from, const Descent<T>& descent, T length,
                       const Vector<T>& normal) noexcept {
-    const std::size_t first = 3 * std::size_t(way.triangle);
-    const Vector<T> there = from.place + length * way.direction;
-    const Vector<T> corner = vector_at(mesh.vertices, mesh.triangle_corners[first + way.edge % 3]);
+    const std::size_t first = 3 * std::size_t(descent.triangle);
+    const Vector<T> there = from.place + length * descent.direction;
+    const Vector<T> corner = vector_at(mesh.vertices, mesh.triangle_corners[first + descent.edge % 3]);
     const HalfSpace<T> one{normal, Skin<T>::kWidth - dot(normal, there - corner), 0};
     const Vector<T> still(T(0));
-    const layout::uint across = way.edge < 3 ? mesh.triangle_neighbours[first + way.edge] : layout::kMeshBorder;
+    const layout::uint across = descent.edge < 3 ? mesh.triangle_neighbours[first + descent.edge] : layout::kMeshBorder;
     if (across == layout::kMeshBorder || (across & layout::kMeshManyBit) != 0)
         return there + onto_plane(still, one).vector;
-    // The edge's other triangle, whose corner off the edge tells which way it folds.
-    const layout::uint begin = mesh.triangle_corners[first + way.edge];
-    const layout::uint end = mesh.triangle_corners[first + (way.edge + 1) % 3];
+    // The edge's other triangle, whose corner off the edge tells to which side it folds.
+    const layout::uint begin = mesh.triangle_corners[first + descent.edge];
+    const layout::uint end = mesh.triangle_corners[first + (descent.edge + 1) % 3];
     layout::uint i = 0;
     while (i < 2 && (mesh.triangle_corners[3 * std::size_t(across) + i] == begin ||
                      mesh.triangle_corners[3 * std::size_t(across) + i] == end))
         ++i;
     const bool turned = mesh.triangle_corners[3 * std::size_t(across) + (i + 1) % 3] == begin;
-    const bool reversed = dot(normal, vector_at(mesh.triangle_normals, way.triangle)) < T(0);
+    const bool reversed = dot(normal, vector_at(mesh.triangle_normals, descent.triangle)) < T(0);
     const Vector<T> plain = vector_at(mesh.triangle_normals, across);
     const Vector<T> beyond = turned == reversed ? plain : -plain;
     const Vector<T> apex = vector_at(mesh.vertices, mesh.triangle_corners[3 * std::size_t(across) + i]);
@@ -171,12 +170,10 @@ Vector<T> place_along(const layout::MeshView<T>& mesh, const Crossing<T>& from, 
     return there + Skin<T>::kWidth * normalised(Vector<T>(normal + beyond));
 }
 
-// L6: what holds a god-object at rest, and where it is without its skin.
-
 /// What an update found.
 template <typename T> struct GodObjectContact {
     Vector<T> proxy;           /* on the surface; the probe itself out of contact */
-    layout::uint count;        /* facets that hold the proxy */
+    layout::uint count;        /* facets that constrain the proxy */
     layout::uint facets[3];    /* the lowest id first; one may come twice where a facet is not flat */
     layout::uint triangles[3]; /* the triangle of each */
     Vector<T> normals[3];      /* 1: unit normals of the triangles, towards the proxy's side */
@@ -185,12 +182,8 @@ template <typename T> struct GodObjectContact {
     unsigned substeps;         /* straight pieces walked before the last, and looks taken */
 };
 
-template <typename T> bool is_finite(const Vector<T>& v) noexcept {
-    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
-}
-
 template <typename T> GodObjectContact<T> out_of_contact(const Vector<T>& probe) noexcept {
-    GodObjectContact<T> contact; // no zeros beyond count: this is on every update's way
+    GodObjectContact<T> contact; // no zeros beyond count: every update comes here
     contact.proxy = probe;
     contact.count = contact.substeps = 0;
     contact.touching = false;
@@ -200,7 +193,7 @@ template <typename T> GodObjectContact<T> out_of_contact(const Vector<T>& probe)
 
 /// A probe less deep than rounding makes it is out of contact.
 template <typename T> T touch_tolerance(const Vector<T>& probe) noexcept {
-    return T(16) * std::numeric_limits<T>::epsilon() * (T(1) + largest_of(probe));
+    return T(16) * std::numeric_limits<T>::epsilon() * (T(1) + largest_coordinate(probe));
 }
 
 /// Adds to a probe out of contact what contact_of() finds for one facet, the most common case.
@@ -219,9 +212,9 @@ void touch_one(const layout::MeshView<T>& mesh, layout::uint triangle, const Vec
     contact.normals[0] = normal;
 }
 
-/// Adds a triangle that holds the proxy.
+/// Adds the facet of a triangle that constrains the proxy.
 template <typename T>
-void hold_also(const layout::MeshView<T>& mesh, layout::uint triangle, const Vector<T>& normal,
+void add_facet(const layout::MeshView<T>& mesh, layout::uint triangle, const Vector<T>& normal,
                GodObjectContact<T>& contact) noexcept {
     const layout::uint facet = mesh.triangle_facets[triangle];
     layout::uint place = contact.count++;
@@ -236,7 +229,7 @@ void hold_also(const layout::MeshView<T>& mesh, layout::uint triangle, const Vec
     contact.touching = true;
 }
 
-/// The facets whose planes hold the probe back, and the nearest point to the probe in front of them: the proxy without
+/// The facets whose planes keep the probe back, and the nearest point to the probe in front of them: the proxy without
 /// its skin.
 template <typename T>
 GodObjectContact<T> contact_of(const layout::MeshView<T>& mesh, const layout::uint* triangles, const Vector<T>* normals,
@@ -262,14 +255,14 @@ GodObjectContact<T> contact_of(const layout::MeshView<T>& mesh, const layout::ui
     });
     contact.proxy = probe + projection.vector;
     for (layout::uint i = 0; i < projection.count; ++i) {
-        const layout::uint source = projection.held[i].source;
-        hold_also(mesh, triangles[source], normals[source], contact);
+        const layout::uint source = projection.active[i].source;
+        add_facet(mesh, triangles[source], normals[source], contact);
     }
     return contact;
 }
 
-/// The planes of up to three triangles that hold a proxy.
-template <typename T> struct Holders {
+/// The planes of up to three triangles that constrain a proxy.
+template <typename T> struct ConstrainingFaces {
     layout::uint triangles[3];
     Vector<T> normals[3];
     layout::uint count = 0;
@@ -278,12 +271,12 @@ template <typename T> struct Holders {
 /// Where a proxy rests, all that is kept of it.
 template <typename T> struct Rest {
     Vector<T> proxy;
-    layout::uint triangles[3]; /* that hold it */
+    layout::uint triangles[3]; /* that constrain it */
     layout::uint count;
     bool cornered; /* by edges or corners, or three faces */
 };
 
-/// Whether the proxy is in front of the surface: of that feature, of the triangles that hold it, which is nearest.
+/// Whether the proxy is in front of the surface: of that feature, of the triangles that constrain it, which is nearest.
 template <typename T> bool is_in_front(const layout::MeshView<T>& mesh, const Rest<T>& rest) noexcept {
     Nearest<T> nearest{};
     nearest.square = std::numeric_limits<T>::max();
@@ -304,23 +297,24 @@ bool is_above(const Triangle<T>& triangle, const TrianglePoint<T>& nearest, cons
     return nearest.feature == layout::kMeshFace ? !(dot(triangle.normal, proxy - triangle.corners[0]) < T(0)) : front;
 }
 
-/// How a proxy sees the triangles around: those seen from the other side of the surface are what is beyond a fold,
+/// How a proxy sees the triangles near it: those seen from the other side of the surface are what is beyond a fold,
 /// unless the mesh is not consistently oriented.
 struct View {
     bool front, both_sides;
 };
 
-/// Finds the triangle near the proxy whose plane a way violates most, the lowest facet and triangle first among equals.
+/// Finds the triangle near the proxy whose plane a displacement violates most, the lowest facet and triangle first
+/// among equals.
 template <typename T>
-bool most_violated(const layout::MeshView<T>& mesh, Neighbourhood<T>& around, const Vector<T>& proxy, View view,
-                   const Vector<T>& way, T tolerance, HalfSpace<T>& space) noexcept {
+bool most_violated(const layout::MeshView<T>& mesh, Neighbourhood<T>& neighbourhood, const Vector<T>& proxy, View view,
+                   const Vector<T>& displacement, T tolerance, HalfSpace<T>& space) noexcept {
     constexpr T kReach = Skin<T>::kNear;
     T most = tolerance;
     bool found = false;
-    visit_near(mesh, around, Move<T>{proxy, Vector<T>(T(0)), T(0)}, [&](layout::uint index) {
+    visit_near(mesh, neighbourhood, Move<T>{proxy, Vector<T>(T(0)), T(0)}, [&](layout::uint index) {
         const Triangle<T> triangle = triangle_at(mesh, index);
         const T height = dot(triangle.normal, proxy - triangle.corners[0]);
-        const T rate = dot(triangle.normal, way);
+        const T rate = dot(triangle.normal, displacement);
         const T pushed = view.both_sides ? std::abs(rate) : (view.front ? -rate : rate);
         if (!(std::abs(height) <= kReach) || !(pushed >= most) || !(pushed > tolerance))
             return;
@@ -332,12 +326,8 @@ bool most_violated(const layout::MeshView<T>& mesh, Neighbourhood<T>& around, co
         const T violation = above ? -rate : rate;
         if (!(violation > T(0)) || !(nearest.square <= kReach * kReach))
             return;
-        const layout::uint facet = mesh.triangle_facets[index];
-        if (found && violation == most) {
-            const layout::uint other = mesh.triangle_facets[space.source];
-            if (facet > other || (facet == other && index > space.source))
-                return;
-        }
+        if (found && violation == most && comes_before(mesh, space.source, index))
+            return;
         most = violation;
         space = {normal, T(0), index};
         found = true;
@@ -345,25 +335,25 @@ bool most_violated(const layout::MeshView<T>& mesh, Neighbourhood<T>& around, co
     return found;
 }
 
-/// Those of all triangles near the proxy whose planes together hold it.
+/// Those of all triangles near the proxy whose planes together constrain it.
 template <typename T>
-Holders<T> holders_of_all(const layout::MeshView<T>& mesh, Neighbourhood<T>& around, const Vector<T>& proxy, View view,
-                          const Vector<T>& probe) noexcept {
+ConstrainingFaces<T> constraining_faces(const layout::MeshView<T>& mesh, Neighbourhood<T>& neighbourhood,
+                                        const Vector<T>& proxy, View view, const Vector<T>& probe) noexcept {
     const Vector<T> wish = probe - proxy;
-    const T tolerance = T(64) * std::numeric_limits<T>::epsilon() * largest_of(wish);
+    const T tolerance = T(64) * std::numeric_limits<T>::epsilon() * largest_coordinate(wish);
     Projection<T> all;
-    project(wish, one_tolerance(tolerance), all, [&](const Vector<T>& way, HalfSpace<T>& space) {
-        return most_violated(mesh, around, proxy, view, way, tolerance, space);
+    project(wish, one_tolerance(tolerance), all, [&](const Vector<T>& displacement, HalfSpace<T>& space) {
+        return most_violated(mesh, neighbourhood, proxy, view, displacement, tolerance, space);
     });
-    Holders<T> holders;
-    for (; holders.count < all.count; ++holders.count) {
-        holders.triangles[holders.count] = all.held[holders.count].source;
-        holders.normals[holders.count] = all.held[holders.count].normal;
+    ConstrainingFaces<T> faces;
+    for (; faces.count < all.count; ++faces.count) {
+        faces.triangles[faces.count] = all.active[faces.count].source;
+        faces.normals[faces.count] = all.active[faces.count].normal;
     }
-    return holders;
+    return faces;
 }
 
-/// How far from the proxy, in skins, the planes that hold it meet.
+/// How far from the proxy, in skins, the planes that constrain it meet.
 template <typename T> T skins_to_planes(const GodObjectContact<T>& contact) noexcept {
     HalfSpace<T> planes[3];
     for (layout::uint i = 0; i < contact.count; ++i)
@@ -377,22 +367,22 @@ template <typename T> T skins_to_planes(const GodObjectContact<T>& contact) noex
     return meeting.count > 0 ? std::sqrt(dot(meeting.vector, meeting.vector)) : T(1);
 }
 
-/// Whether something is in the way from the proxy to a place that may touch: more than a skin, and a hundredth of the
-/// way in acute corners, before its end.
+/// Whether something stands between the proxy and a place that may touch: more than a skin, and a hundredth of the
+/// distance in acute corners, before its end.
 template <typename T>
-bool is_behind(const layout::MeshView<T>& mesh, Neighbourhood<T>& around, const Vector<T>& proxy,
+bool is_behind(const layout::MeshView<T>& mesh, Neighbourhood<T>& neighbourhood, const Vector<T>& proxy,
                const Vector<T>& place) noexcept {
-    const Vector<T> way = place - proxy;
-    const T last = T(0.99) - Skin<T>::kWidth / std::sqrt(dot(way, way));
+    const Vector<T> displacement = place - proxy;
+    const T last = T(0.99) - Skin<T>::kWidth / std::sqrt(dot(displacement, displacement));
     bool behind = false;
-    visit_near(mesh, around, Move<T>{proxy, way, T(1)}, [&](layout::uint index) {
+    visit_near(mesh, neighbourhood, Move<T>{proxy, displacement, T(1)}, [&](layout::uint index) {
         const Triangle<T> triangle = triangle_at(mesh, index);
         const T from = dot(triangle.normal, proxy - triangle.corners[0]);
         const T to = dot(triangle.normal, place - triangle.corners[0]);
         const T time = from / (from - to);
         if (!(from * to < T(0)) || time > last)
             return;
-        const Vector<T> crossing = proxy + time * way;
+        const Vector<T> crossing = proxy + time * displacement;
         behind = behind || nearest_on_triangle(crossing, triangle).square <= Skin<T>::kRest * Skin<T>::kRest;
     });
     return behind;
@@ -400,24 +390,25 @@ bool is_behind(const layout::MeshView<T>& mesh, Neighbourhood<T>& around, const 
 
 /// Whether a contact lies where the proxy is but for its skin.
 template <typename T>
-bool is_at_proxy(const layout::MeshView<T>& mesh, Neighbourhood<T>& around, const Vector<T>& proxy,
+bool is_at_proxy(const layout::MeshView<T>& mesh, Neighbourhood<T>& neighbourhood, const Vector<T>& proxy,
                  const GodObjectContact<T>& contact) noexcept {
     const Vector<T> shift = contact.proxy - proxy;
     const T skins = std::sqrt(dot(shift, shift)) / Skin<T>::kWidth;
     if (skins <= T(2))
         return true;
-    return skins <= T(4) * (T(1) + skins_to_planes(contact)) && !is_behind(mesh, around, proxy, contact.proxy);
+    return skins <= T(4) * (T(1) + skins_to_planes(contact)) && !is_behind(mesh, neighbourhood, proxy, contact.proxy);
 }
 
 /// The contact of a proxy at rest on edges or corners, from what is kept of the rest.
 template <typename T>
-GodObjectContact<T> contact_at_corner(const layout::MeshView<T>& mesh, Neighbourhood<T>& around, const Rest<T>& rest,
-                                      const Vector<T>& probe) noexcept {
+GodObjectContact<T> contact_at_corner(const layout::MeshView<T>& mesh, Neighbourhood<T>& neighbourhood,
+                                      const Rest<T>& rest, const Vector<T>& probe) noexcept {
     const bool front = is_in_front(mesh, rest);
     for (const bool both_sides : {false, true}) {
-        const Holders<T> all = holders_of_all(mesh, around, rest.proxy, View{front, both_sides}, probe);
+        const ConstrainingFaces<T> all =
+            constraining_faces(mesh, neighbourhood, rest.proxy, View{front, both_sides}, probe);
         const GodObjectContact<T> contact = contact_of(mesh, all.triangles, all.normals, all.count, probe);
-        if (contact.touching ? is_at_proxy(mesh, around, rest.proxy, contact) : both_sides)
+        if (contact.touching ? is_at_proxy(mesh, neighbourhood, rest.proxy, contact) : both_sides)
             return contact;
     }
     GodObjectContact<T> contact = out_of_contact(probe);
@@ -425,35 +416,35 @@ GodObjectContact<T> contact_at_corner(const layout::MeshView<T>& mesh, Neighbour
     for (layout::uint i = 0; i < rest.count; ++i) {
         const Triangle<T> triangle = triangle_at(mesh, rest.triangles[i]);
         const bool above = is_above(triangle, nearest_on_triangle(rest.proxy, triangle), rest.proxy, front);
-        hold_also(mesh, rest.triangles[i], above ? triangle.normal : -triangle.normal, contact);
+        add_facet(mesh, rest.triangles[i], above ? triangle.normal : -triangle.normal, contact);
     }
     return contact;
 }
 
-/// The contact of a proxy in the open or held by faces alone, where a walk came to rest.
+/// The contact of a proxy in the open or constrained by faces alone, where a walk came to rest.
 template <typename T, typename Walk>
-GodObjectContact<T> contact_at_faces(const layout::MeshView<T>& mesh, Neighbourhood<T>& around, const Walk& walk,
+GodObjectContact<T> contact_at_faces(const layout::MeshView<T>& mesh, Neighbourhood<T>& neighbourhood, const Walk& walk,
                                      const Vector<T>& probe) noexcept {
     const Projection<T>& resting = walk.resting();
-    Holders<T> holders;
-    for (; holders.count < resting.count; ++holders.count) {
-        const Touch<T>& touch = walk.touch(resting.held[holders.count].source);
-        holders.triangles[holders.count] = touch.index;
-        holders.normals[holders.count] = touch.face;
+    ConstrainingFaces<T> faces;
+    for (; faces.count < resting.count; ++faces.count) {
+        const Touch<T>& touch = walk.touch(resting.active[faces.count].source);
+        faces.triangles[faces.count] = touch.index;
+        faces.normals[faces.count] = touch.face;
     }
     GodObjectContact<T> contact = out_of_contact(probe);
-    if (holders.count == 1) {
-        const Touch<T>& touch = walk.touch(resting.held[0].source);
+    if (faces.count == 1) {
+        const Touch<T>& touch = walk.touch(resting.active[0].source);
         touch_one(mesh, touch.index, touch.face, touch.triangle.corners[0], probe, contact);
     } else {
-        contact = contact_of(mesh, holders.triangles, holders.normals, holders.count, probe);
+        contact = contact_of(mesh, faces.triangles, faces.normals, faces.count, probe);
     }
-    if (!contact.touching || is_at_proxy(mesh, around, walk.proxy(), contact))
+    if (!contact.touching || is_at_proxy(mesh, neighbourhood, walk.proxy(), contact))
         return contact;
     contact = out_of_contact(probe);
     contact.proxy = walk.proxy();
-    for (layout::uint i = 0; i < holders.count; ++i)
-        hold_also(mesh, holders.triangles[i], holders.normals[i], contact);
+    for (layout::uint i = 0; i < faces.count; ++i)
+        add_facet(mesh, faces.triangles[i], faces.normals[i], contact);
     return contact;
 }
 

@@ -1,4 +1,5 @@
-// L6: triangles around a god-object, laid out so that a move is checked against many at once.
+// L6: the triangles that a short move of a god-object may come close to: leaves out of the tree, and of those the
+// closest, laid out so that a move is checked against many at once.
 #pragma once
 
 #include <algorithm>
@@ -46,9 +47,9 @@ template <typename T> MoveBox box_of(const Move<T>& move, float margin) noexcept
 /// The box that a move is likely to go on in: further ahead than aside.
 template <typename T> MoveBox box_ahead(const Move<T>& move, float reach) noexcept {
     MoveBox box = box_of(move, kBoxMargin<T> + 0.0625F * reach);
-    const T length = largest_coordinate(move.way);
+    const T length = largest_coordinate(move.displacement);
     for (int i = 0; i < 3; ++i) {
-        const float ahead = length > T(0) ? reach * static_cast<float>(move.way[i] / length) : 0.0F;
+        const float ahead = length > T(0) ? reach * static_cast<float>(move.displacement[i] / length) : 0.0F;
         box.low[i] += ahead < 0.0F ? ahead : 0.0F;
         box.high[i] += ahead > 0.0F ? ahead : 0.0F;
     }
@@ -113,7 +114,7 @@ template <typename T> struct CloseTriangles {
 /// Adds a run of triangles. False if there is no room. Writes fours, the last ones to be written over: no processor
 /// guesses how long a run is.
 template <typename T>
-bool put_close(const layout::MeshView<T>& mesh, layout::uint triangle, layout::uint end,
+bool add_close(const layout::MeshView<T>& mesh, layout::uint triangle, layout::uint end,
                CloseTriangles<T>& close) noexcept {
     const layout::uint first = close.count, count = end - triangle;
     if (first + count > CloseTriangles<T>::kMost)
@@ -144,14 +145,14 @@ template <typename T> void complete_row(CloseTriangles<T>& close) noexcept {
 
 /// A move as the close triangles see it: from the middle of their box.
 struct CloseMove {
-    float from[3], way[3];
+    float from[3], displacement[3];
 };
 
 template <typename T> CloseMove seen_from_middle(const CloseTriangles<T>& close, const Move<T>& move) noexcept {
     CloseMove seen;
     for (int i = 0; i < 3; ++i) {
         seen.from[i] = static_cast<float>(move.from[i] - close.middle[i]);
-        seen.way[i] = static_cast<float>(move.until * move.way[i]);
+        seen.displacement[i] = static_cast<float>(move.until * move.displacement[i]);
     }
     return seen;
 }
@@ -167,7 +168,7 @@ unsigned row_meeting(const CloseTriangles<T>& close, layout::uint row, const Clo
                           _mm_mul_ps(z, _mm_set1_ps(v[2])));
     };
     const __m128 begin = _mm_sub_ps(product(move.from), _mm_loadu_ps(&close.offset[row]));
-    const __m128 end = _mm_add_ps(begin, product(move.way));
+    const __m128 end = _mm_add_ps(begin, product(move.displacement));
     const __m128 above = _mm_cmpgt_ps(_mm_min_ps(begin, end), _mm_set1_ps(close.margin));
     const __m128 under = _mm_cmplt_ps(_mm_max_ps(begin, end), _mm_set1_ps(-close.margin));
     return ~static_cast<unsigned>(_mm_movemask_ps(_mm_or_ps(above, under))) & 15U;
@@ -178,7 +179,7 @@ unsigned row_meeting(const CloseTriangles<T>& close, layout::uint row, const Clo
         const auto product = [&](const float* v) {
             return close.normal_x[place] * v[0] + close.normal_y[place] * v[1] + close.normal_z[place] * v[2];
         };
-        const float begin = product(move.from) - close.offset[place], end = begin + product(move.way);
+        const float begin = product(move.from) - close.offset[place], end = begin + product(move.displacement);
         const bool apart =
             ((begin > close.margin) & (end > close.margin)) | ((begin < -close.margin) & (end < -close.margin));
         meeting |= static_cast<unsigned>(!apart) << i;
@@ -202,8 +203,6 @@ layout::uint sift(const CloseTriangles<T>& close, const Move<T>& move, layout::u
         left[count++] = close.triangles[std::countr_zero(meeting)];
     return count;
 }
-
-// L6: the triangles that a short move may come close to, out of the tree.
 
 /// The leaves of the tree that meet a box around where a god-object lately was, in fours as a node has its children.
 /// Only saves time: what is found near a move does not depend on it. One per thread and mesh; no mesh may take the
@@ -289,8 +288,8 @@ bool visit_leaves(const layout::MeshView<T>& mesh, const MoveBox& box, Visit&& v
 }
 
 template <typename T>
-void put_leaf(const layout::MeshNode& node, unsigned i, layout::uint place, Neighbourhood<T>& around) noexcept {
-    layout::MeshNode& four = around.fours[place / 4];
+void put_leaf(const layout::MeshNode& node, unsigned i, layout::uint place, Neighbourhood<T>& neighbourhood) noexcept {
+    layout::MeshNode& four = neighbourhood.fours[place / 4];
     const layout::uint j = place % 4;
     four.low_x[j] = node.low_x[i];
     four.low_y[j] = node.low_y[i];
@@ -303,9 +302,9 @@ void put_leaf(const layout::MeshNode& node, unsigned i, layout::uint place, Neig
 
 /// Asks the memory for what of the leaves a cast will read.
 template <typename T>
-void fetch_ahead(const layout::MeshView<T>& mesh, const Neighbourhood<T>& around, layout::uint count) noexcept {
+void fetch_ahead(const layout::MeshView<T>& mesh, const Neighbourhood<T>& neighbourhood, layout::uint count) noexcept {
     for (layout::uint i = 0; i < count; ++i)
-        visit_leaf(around.fours[i / 4].child[i % 4], [&](layout::uint triangle, layout::uint end) {
+        visit_leaf(neighbourhood.fours[i / 4].child[i % 4], [&](layout::uint triangle, layout::uint end) {
             for (; triangle < end; ++triangle)
                 fetch(&mesh.vertices[3 * std::size_t(mesh.triangle_corners[3 * std::size_t(triangle)])]);
         });
@@ -313,14 +312,14 @@ void fetch_ahead(const layout::MeshView<T>& mesh, const Neighbourhood<T>& around
 
 /// Gathers the leaves around a move. False if there are too many: then nothing is known.
 template <typename T>
-bool gather(const layout::MeshView<T>& mesh, const Move<T>& move, Neighbourhood<T>& around) noexcept {
+bool gather(const layout::MeshView<T>& mesh, const Move<T>& move, Neighbourhood<T>& neighbourhood) noexcept {
     constexpr layout::uint kMost = 4 * Neighbourhood<T>::kFours;
-    const MoveBox box = box_ahead(move, around.reach);
+    const MoveBox box = box_ahead(move, neighbourhood.reach);
     layout::uint count = 0;
     const bool fits = visit_leaves(mesh, box, [&](const layout::MeshNode& node, unsigned i) {
         const bool room = count < kMost;
         if (room) {
-            put_leaf(node, i, count++, around);
+            put_leaf(node, i, count++, neighbourhood);
             const std::size_t first = 3 * std::size_t(leaf_begin(node.child[i]));
             fetch(&mesh.triangle_corners[first]);
             fetch(&mesh.triangle_neighbours[first]);
@@ -330,17 +329,17 @@ bool gather(const layout::MeshView<T>& mesh, const Move<T>& move, Neighbourhood<
         }
         return room;
     });
-    around.count = fits ? (count + 3) / 4 : 0;
-    around.box = fits ? box : kNoBox;
+    neighbourhood.count = fits ? (count + 3) / 4 : 0;
+    neighbourhood.box = fits ? box : kNoBox;
     if (!fits) {
-        around.reach *= 0.5F;
+        neighbourhood.reach *= 0.5F;
         return false;
     }
-    if (around.count < Neighbourhood<T>::kFewFours && around.reach < 1.0F)
-        around.reach *= 1.5F;
-    fetch_ahead(mesh, around, count);
+    if (neighbourhood.count < Neighbourhood<T>::kFewFours && neighbourhood.reach < 1.0F)
+        neighbourhood.reach *= 1.5F;
+    fetch_ahead(mesh, neighbourhood, count);
     for (; count % 4 != 0; ++count)
-        around.fours[count / 4].low_x[count % 4] = std::numeric_limits<float>::infinity();
+        neighbourhood.fours[count / 4].low_x[count % 4] = std::numeric_limits<float>::infinity();
     return true;
 }
 
@@ -367,7 +366,7 @@ void visit_along(const layout::MeshView<T>& mesh, const Move<T>& move, Visit&& v
     constexpr T kSteep = Skin<T>::kDouble ? T(1e30) : T(1e15);
     Vector<T> inverse;
     for (int i = 0; i < 3; ++i)
-        inverse[i] = std::abs(move.way[i]) * kSteep > T(1) ? T(1) / move.way[i] : kSteep;
+        inverse[i] = std::abs(move.displacement[i]) * kSteep > T(1) ? T(1) / move.displacement[i] : kSteep;
     layout::uint stack[kMeshStack];
     layout::uint height = 0;
     stack[height++] = 0;
@@ -387,45 +386,47 @@ void visit_along(const layout::MeshView<T>& mesh, const Move<T>& move, Visit&& v
 /// Calls visit(first, end) for the leaves known around that meet a box, which must contain the move's. False if not all
 /// are known.
 template <typename T, typename Visit>
-bool visit_known(const layout::MeshView<T>& mesh, Neighbourhood<T>& around, const Move<T>& move, const MoveBox& box,
-                 Visit&& visit) noexcept {
-    if (!box.within(around.box)) {
+bool visit_known(const layout::MeshView<T>& mesh, Neighbourhood<T>& neighbourhood, const Move<T>& move,
+                 const MoveBox& box, Visit&& visit) noexcept {
+    if (!box.within(neighbourhood.box)) {
         const Vector<T> length = move.at(move.until) - move.from;
-        if (largest_coordinate(length) > T(around.reach) || !gather(mesh, move, around) || !box.within(around.box))
+        if (largest_coordinate(length) > T(neighbourhood.reach) || !gather(mesh, move, neighbourhood) ||
+            !box.within(neighbourhood.box))
             return false;
     }
-    for (layout::uint i = 0; i < around.count; ++i)
-        for (unsigned meeting = children_meeting(around.fours[i], box); meeting != 0; meeting &= meeting - 1)
-            visit_leaf(around.fours[i].child[std::countr_zero(meeting)], visit);
+    for (layout::uint i = 0; i < neighbourhood.count; ++i)
+        for (unsigned meeting = children_meeting(neighbourhood.fours[i], box); meeting != 0; meeting &= meeting - 1)
+            visit_leaf(neighbourhood.fours[i].child[std::countr_zero(meeting)], visit);
     return true;
 }
 
 /// Calls visit(first, end) for runs of triangles with all that come within kCorner of the move, and some others, in any
 /// order; `visit` may shorten the move. The move must stay within two units of the frame's middle.
 template <typename T, typename Visit>
-void visit_runs_near(const layout::MeshView<T>& mesh, Neighbourhood<T>& around, const Move<T>& move,
+void visit_runs_near(const layout::MeshView<T>& mesh, Neighbourhood<T>& neighbourhood, const Move<T>& move,
                      Visit&& visit) noexcept {
-    if (!visit_known(mesh, around, move, box_of(move, kBoxMargin<T>), visit))
+    if (!visit_known(mesh, neighbourhood, move, box_of(move, kBoxMargin<T>), visit))
         visit_along(mesh, move, visit);
 }
 
 /// Sees to it that all that come within kCorner of the move are among the close triangles. False if they are too many.
 template <typename T>
-bool bring_close(const layout::MeshView<T>& mesh, Neighbourhood<T>& around, const Move<T>& move) noexcept {
-    CloseTriangles<T>& close = around.close;
+bool update_close(const layout::MeshView<T>& mesh, Neighbourhood<T>& neighbourhood, const Move<T>& move) noexcept {
+    CloseTriangles<T>& close = neighbourhood.close;
     if (close.knows(move.from) && close.knows(move.at(move.until)))
         return true;
     if (close.patience > 0) {
         --close.patience;
         return false;
     }
-    // What is left of the way, most likely, is walked next.
-    const Move<T> whole{move.from, move.way, largest_coordinate(move.way) <= T(around.reach) ? T(1) : move.until};
+    // What is left of the displacement, most likely, is walked next.
+    const Move<T> whole{move.from, move.displacement,
+                        largest_coordinate(move.displacement) <= T(neighbourhood.reach) ? T(1) : move.until};
     const MoveBox box = box_ahead(whole, close.reach);
     close.begin(box);
     bool fits = true;
-    const bool known = visit_known(mesh, around, whole, box, [&](layout::uint triangle, layout::uint end) {
-        fits = fits && put_close(mesh, triangle, end, close);
+    const bool known = visit_known(mesh, neighbourhood, whole, box, [&](layout::uint triangle, layout::uint end) {
+        fits = fits && add_close(mesh, triangle, end, close);
     });
     complete_row(close);
     if (!known || !fits) {
@@ -437,16 +438,16 @@ bool bring_close(const layout::MeshView<T>& mesh, Neighbourhood<T>& around, cons
     close.know(box);
     if (close.count > CloseTriangles<T>::kMany)
         close.shrink(0.75F);
-    else if (close.count < CloseTriangles<T>::kFew && close.reach < 0.25F * around.reach)
+    else if (close.count < CloseTriangles<T>::kFew && close.reach < 0.25F * neighbourhood.reach)
         close.reach *= 1.5F;
     return true;
 }
 
 /// Calls visit(triangle) for the same triangles.
 template <typename T, typename Visit>
-void visit_near(const layout::MeshView<T>& mesh, Neighbourhood<T>& around, const Move<T>& move,
+void visit_near(const layout::MeshView<T>& mesh, Neighbourhood<T>& neighbourhood, const Move<T>& move,
                 Visit&& visit) noexcept {
-    visit_runs_near(mesh, around, move, [&](layout::uint triangle, layout::uint end) {
+    visit_runs_near(mesh, neighbourhood, move, [&](layout::uint triangle, layout::uint end) {
         for (; triangle < end; ++triangle)
             visit(triangle);
     });

@@ -1,0 +1,295 @@
+// What a mesh's inside is told by: the pseudonormals of edges and vertices (Baerentzen and Aanaes 2005), and the
+// generalized winding number (Jacobson et al. 2013) by a tree of moments far away (Barill et al. 2018).
+#include <algorithm>
+#include <cmath>
+
+#include "host/mesh/structure_parts.h"
+#include "host/mesh/surface.h"
+#include "host/reference/elementary.h"
+
+namespace forceshade {
+
+namespace {
+
+using layout::uint;
+using Vector = reference::Vector<double>;
+
+Vector vector_at(const std::vector<double>& table, std::size_t index) {
+    return reference::vector_at<double>(table, index);
+}
+
+/// A triangle's edge, filed under the lower place of its ends.
+struct FiledEdge {
+    uint higher; // the other end
+    uint edge;   // 3 * triangle + i
+};
+
+/// All edges by lower place, then higher, then number; begins has where each place's edges begin.
+struct EdgeFile {
+    std::vector<uint> begins;
+    std::vector<FiledEdge> edges;
+};
+
+/// The corner at which an edge ends.
+std::size_t following(std::size_t edge) {
+    return edge % 3 == 2 ? edge - 2 : edge + 1;
+}
+
+EdgeFile file_edges(const std::vector<uint>& corners, const std::vector<uint>& places) {
+    EdgeFile file;
+    const auto ends = [&](std::size_t edge) {
+        const uint start = places[corners[edge]], end = places[corners[following(edge)]];
+        return std::pair{std::min(start, end), std::max(start, end)};
+    };
+    file.begins.assign(places.size() + 1, 0);
+    for (std::size_t edge = 0; edge < corners.size(); ++edge)
+        ++file.begins[ends(edge).first + 1];
+    for (std::size_t place = 0; place < places.size(); ++place)
+        file.begins[place + 1] += file.begins[place];
+    std::vector<uint> next(file.begins.begin(), file.begins.end() - 1);
+    file.edges.resize(corners.size());
+    for (std::size_t edge = 0; edge < corners.size(); ++edge) {
+        const auto [lower, higher] = ends(edge);
+        file.edges[next[lower]++] = {higher, static_cast<uint>(edge)};
+    }
+    for (std::size_t place = 0; place < places.size(); ++place)
+        std::sort(file.edges.begin() + file.begins[place], file.edges.begin() + file.begins[place + 1],
+                  [](const FiledEdge& one, const FiledEdge& other) {
+                      return one.higher < other.higher || (one.higher == other.higher && one.edge < other.edge);
+                  });
+    return file;
+}
+
+/// Calls use(begin, end) with all edges between one pair of places, pair by pair.
+template <typename Use> void for_each_bundle(const EdgeFile& file, const Use& use) {
+    for (std::size_t place = 0; place + 1 < file.begins.size(); ++place) {
+        const FiledEdge* end = file.edges.data() + file.begins[place + 1];
+        for (const FiledEdge* begin = file.edges.data() + file.begins[place]; begin != end;) {
+            const FiledEdge* next = begin;
+            while (next != end && next->higher == begin->higher)
+                ++next;
+            use(begin, next);
+            begin = next;
+        }
+    }
+}
+
+/// The edges of one and the same pair of places.
+void connect(const FiledEdge* begin, const FiledEdge* end, MeshParts& parts, MeshReals<double>& reals) {
+    if (end - begin == 1) {
+        parts.triangle_neighbours[begin->edge] = layout::kMeshBorder;
+        return;
+    }
+    if (end - begin == 2 && begin->edge / 3 != begin[1].edge / 3) {
+        parts.triangle_neighbours[begin->edge] = begin[1].edge / 3;
+        parts.triangle_neighbours[begin[1].edge] = begin->edge / 3;
+        return;
+    }
+    Vector sum(0.0);
+    for (const FiledEdge* edge = begin; edge != end; ++edge)
+        sum += vector_at(reals.triangle_normals, edge->edge / 3);
+    const auto entry = static_cast<uint>(reals.edge_pseudonormals.size() / 3);
+    reals.edge_pseudonormals.insert(reals.edge_pseudonormals.end(), {sum.x, sum.y, sum.z});
+    for (const FiledEdge* edge = begin; edge != end; ++edge)
+        parts.triangle_neighbours[edge->edge] = layout::kMeshManyBit | entry;
+}
+
+/// The angle between two edges, good for needles too.
+double angle_between(const Vector& u, const Vector& v) {
+    const Vector normal = reference::cross(u, v);
+    return std::atan2(std::sqrt(reference::dot(normal, normal)), reference::dot(u, v));
+}
+
+} // namespace
+
+void connect_edges(MeshParts& parts, MeshReals<double>& reals, const std::vector<uint>& places) {
+    parts.triangle_neighbours.resize(parts.triangle_corners.size());
+    for_each_bundle(file_edges(parts.triangle_corners, places),
+                    [&](const FiledEdge* begin, const FiledEdge* end) { connect(begin, end, parts, reals); });
+}
+
+void sum_pseudonormals(const MeshParts& parts, MeshReals<double>& reals, const std::vector<uint>& places) {
+    std::vector<double>& sums = reals.vertex_pseudonormals;
+    sums.assign(reals.vertices.size(), 0.0);
+    for (std::size_t triangle = 0; triangle < parts.triangle_facets.size(); ++triangle) {
+        const uint* corners = &parts.triangle_corners[3 * triangle];
+        Vector at[3];
+        for (std::size_t i = 0; i < 3; ++i)
+            at[i] = vector_at(reals.vertices, corners[i]);
+        const Vector normal = vector_at(reals.triangle_normals, triangle);
+        for (std::size_t i = 0; i < 3; ++i) {
+            const double angle = angle_between(at[(i + 1) % 3] - at[i], at[(i + 2) % 3] - at[i]);
+            double* sum = &sums[3 * std::size_t(places[corners[i]])];
+            sum[0] += angle * normal.x;
+            sum[1] += angle * normal.y;
+            sum[2] += angle * normal.z;
+        }
+    }
+    for (std::size_t vertex = 0; vertex < places.size(); ++vertex)
+        std::copy_n(&sums[3 * std::size_t(places[vertex])], 3, &sums[3 * vertex]);
+}
+
+bool has_firm_pseudonormals(const MeshParts& parts, const MeshReals<double>& reals) {
+    constexpr double kFirm = 0x1p-14; // of the square of the length
+    for (std::size_t vertex = 0; vertex < reals.vertex_pseudonormals.size() / 3; ++vertex) {
+        const Vector sum = vector_at(reals.vertex_pseudonormals, vertex);
+        if (!(reference::dot(sum, sum) > kFirm))
+            return false;
+    }
+    for (std::size_t edge = 0; edge < parts.triangle_neighbours.size(); ++edge) {
+        const uint across = parts.triangle_neighbours[edge];
+        if ((across & layout::kMeshManyBit) != 0) // a border too
+            return false;
+        const Vector sum = vector_at(reals.triangle_normals, edge / 3) + vector_at(reals.triangle_normals, across);
+        if (!(reference::dot(sum, sum) > kFirm))
+            return false;
+    }
+    return true;
+}
+
+namespace {
+
+/// Edges that triangles walk more often in one direction than in the other, three numbers each: two vertices and by how
+/// often.
+std::vector<uint> find_rims(const MeshParts& parts, const std::vector<uint>& places) {
+    std::vector<uint> rims;
+    const std::vector<uint>& corners = parts.triangle_corners;
+    for_each_bundle(file_edges(corners, places), [&](const FiledEdge* begin, const FiledEdge* end) {
+        long surplus = 0;
+        for (const FiledEdge* edge = begin; edge != end; ++edge)
+            surplus += places[corners[edge->edge]] == edge->higher ? -1 : 1;
+        const uint start = corners[begin->edge], stop = corners[following(begin->edge)];
+        if (surplus != 0 && places[start] != places[stop])
+            rims.insert(rims.end(), {start, stop, static_cast<uint>(std::abs(surplus))});
+    });
+    return rims;
+}
+
+Vector vector_of(const double (&numbers)[3]) {
+    return {numbers[0], numbers[1], numbers[2]};
+}
+
+/// Where the part i, j (or i, j, k) of a symmetric moment stands.
+std::size_t place(std::size_t i, std::size_t j) {
+    constexpr std::size_t kPlaces[3][3] = {{0, 3, 4}, {3, 1, 5}, {4, 5, 2}};
+    return kPlaces[i][j];
+}
+std::size_t place(std::size_t i, std::size_t j, std::size_t k) {
+    // By how often y and z come.
+    constexpr std::size_t kPlaces[4][4] = {{0, 4, 7, 2}, {3, 9, 8, 0}, {5, 6, 0, 0}, {1, 0, 0, 0}};
+    const std::size_t y = (i == 1) + (j == 1) + (k == 1), z = (i == 2) + (j == 2) + (k == 2);
+    return kPlaces[y][z];
+}
+
+/// One of the triangles or nodes below a node: its moments about its own centre.
+struct Part {
+    layout::MeshMoment moment;
+    double area;
+};
+
+/// Adds a part's moments to those about another centre.
+void add(const layout::MeshMoment& part, layout::MeshMoment& sum) {
+    double t[3];
+    for (std::size_t i = 0; i < 3; ++i)
+        t[i] = part.centre[i] - sum.centre[i];
+    const double* d = part.dipole;
+    const double* q = part.quadrupole;
+    for (std::size_t i = 0; i < 3; ++i) {
+        sum.dipole[i] += d[i];
+        for (std::size_t j = i; j < 3; ++j) {
+            sum.quadrupole[place(i, j)] += q[place(i, j)] + (d[i] * t[j] + d[j] * t[i]) / 2;
+            for (std::size_t k = j; k < 3; ++k)
+                sum.octupole[place(i, j, k)] +=
+                    part.octupole[place(i, j, k)] +
+                    (2 * (q[place(i, j)] * t[k] + q[place(i, k)] * t[j] + q[place(j, k)] * t[i]) +
+                     (d[i] * t[j] * t[k] + d[j] * t[i] * t[k] + d[k] * t[i] * t[j])) /
+                        3;
+        }
+    }
+    sum.radius = std::max(sum.radius, reference::length(Vector(t[0], t[1], t[2])) + part.radius);
+}
+
+/// Triangle by triangle and node by node, the deepest first.
+class Moments {
+public:
+    explicit Moments(const MeshStructure& structure) : structure_(structure) {
+        const std::vector<layout::MeshNode>& nodes = structure.parts->nodes;
+        moments_.resize(nodes.size());
+        areas_.resize(nodes.size());
+        for (std::size_t i = nodes.size(); i-- > 0;) // children stand behind their parents
+            sum(i);
+    }
+
+    std::vector<layout::MeshMoment> take() { return std::move(moments_); }
+
+private:
+    Part part_of_triangle(std::size_t triangle) const {
+        Vector corners[3];
+        for (std::size_t i = 0; i < 3; ++i)
+            corners[i] = reference::vector_at<double>(structure_.reals->vertices,
+                                                      structure_.parts->triangle_corners[3 * triangle + i]);
+        const Vector centre = (corners[0] + corners[1] + corners[2]) / 3.0;
+        const Vector area = reference::cross(Vector(corners[1] - corners[0]), Vector(corners[2] - corners[0])) / 2.0;
+        Part part{{{centre.x, centre.y, centre.z}, 0, {area.x, area.y, area.z}, {}, {}}, reference::length(area)};
+        double spread[3][3] = {}; // mean of x_j x_k over the triangle
+        for (const Vector& corner : corners) {
+            const Vector from = corner - centre;
+            part.moment.radius = std::max(part.moment.radius, reference::length(from));
+            for (int j = 0; j < 3; ++j)
+                for (int k = 0; k < 3; ++k)
+                    spread[j][k] += from[j] * from[k] / 12;
+        }
+        const double* d = part.moment.dipole;
+        for (std::size_t i = 0; i < 3; ++i)
+            for (std::size_t j = i; j < 3; ++j)
+                for (std::size_t k = j; k < 3; ++k)
+                    part.moment.octupole[place(i, j, k)] =
+                        (d[i] * spread[j][k] + d[j] * spread[i][k] + d[k] * spread[i][j]) / 3;
+        return part;
+    }
+
+    std::vector<Part> parts_of(const layout::MeshNode& node) const {
+        std::vector<Part> parts;
+        for (const uint child : node.child) {
+            if (child == layout::kMeshNoChild)
+                continue;
+            if ((child & layout::kMeshLeaf) == 0) {
+                parts.push_back({moments_[child], areas_[child]});
+                continue;
+            }
+            const uint run = child & ~layout::kMeshLeaf;
+            for (uint i = 0; i <= run % layout::kMeshLeafTriangles; ++i)
+                parts.push_back(part_of_triangle(run / layout::kMeshLeafTriangles + i));
+        }
+        return parts;
+    }
+
+    void sum(std::size_t index) {
+        const std::vector<Part> parts = parts_of(structure_.parts->nodes[index]);
+        double area = 0;
+        Vector centre(0.0);
+        for (const Part& part : parts) {
+            area += part.area;
+            centre += part.area * vector_of(part.moment.centre);
+        }
+        centre = area > 0 ? centre / area : vector_of(parts.front().moment.centre);
+        layout::MeshMoment moment{{centre.x, centre.y, centre.z}, 0, {}, {}, {}};
+        for (const Part& part : parts)
+            add(part.moment, moment);
+        moments_[index] = moment;
+        areas_[index] = area;
+    }
+
+    const MeshStructure& structure_;
+    std::vector<layout::MeshMoment> moments_;
+    std::vector<double> areas_;
+};
+
+} // namespace
+
+std::shared_ptr<const MeshWinding> make_winding(const MeshStructure& structure) {
+    return std::make_shared<const MeshWinding>(
+        MeshWinding{Moments(structure).take(), find_rims(*structure.parts, weld(structure.reals->vertices))});
+}
+
+} // namespace forceshade
