@@ -11,7 +11,7 @@
 #include "host/mesh/block_plan.h"
 #include "host/reference/elementary.h"
 #include "host/reference/mesh_nearest.h"
-#include "shaders/shared/layout.h"
+#include "shaders/shared/law.h"
 
 namespace forceshade {
 

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "shaders/shared/layout.h"
+#include "shaders/shared/law.h"
 
 namespace forceshade {
 

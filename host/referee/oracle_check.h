@@ -7,7 +7,7 @@
 #include "host/prepare/prepared_case.h"
 #include "host/referee/mesh_judge.h"
 #include "host/referee/rounding_bound.h"
-#include "shaders/shared/layout.h"
+#include "shaders/shared/law.h"
 
 namespace forceshade {
 
