@@ -1,4 +1,8 @@
+#include "compute/device.h"
+
 #include <algorithm>
+#include <cctype>
+#include <charconv>
 
 #include <fmt/format.h>
 
@@ -62,6 +66,9 @@ DeviceReport describe(const vk::raii::PhysicalDevice& physical, std::uint32_t in
     report.api = version_text(properties.apiVersion);
     report.driver = version_text(properties.driverVersion);
     report.buffer_range = properties.limits.maxStorageBufferRange;
+    report.group_invocations =
+        std::min(properties.limits.maxComputeWorkGroupInvocations, properties.limits.maxComputeWorkGroupSize[0]);
+    report.group_count = properties.limits.maxComputeWorkGroupCount[0];
     report.refusals = find_refusals(physical, properties.limits, properties.apiVersion);
     const vk::PhysicalDeviceFeatures features = physical.getFeatures();
     report.f64 = features.shaderFloat64;
@@ -146,6 +153,76 @@ vk::raii::Context load() {
     }
 }
 
+std::string lower(std::string text) {
+    std::transform(text.begin(), text.end(), text.begin(),
+                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    return text;
+}
+
+std::string uuid_digits(const std::string& text) {
+    std::string digits = lower(text);
+    std::erase(digits, '-');
+    return digits;
+}
+
+std::vector<std::string> refusals(const DeviceReport& device, bool needs_f64) {
+    std::vector<std::string> reasons = device.refusals;
+    if (needs_f64 && !device.f64)
+        reasons.push_back("no double precision in kernels (shaderFloat64), which this run asks for");
+    return reasons;
+}
+
+// `count`: how many devices there are; a number beyond them is part of a name ("4090").
+bool is_wanted(const DeviceReport& device, const std::string& wanted, std::size_t count) {
+    // A UUID first: one of digits alone would be read as an index.
+    if (const std::string digits = uuid_digits(wanted); digits.size() == device.uuid.size())
+        if (digits.find_first_not_of("0123456789abcdef") == std::string::npos)
+            return device.uuid == digits;
+    std::uint32_t index = 0;
+    const char* end = wanted.data() + wanted.size();
+    if (const auto [stop, error] = std::from_chars(wanted.data(), end, index);
+        error == std::errc() && stop == end && index < count)
+        return device.index == index;
+    return lower(device.name).find(lower(wanted)) != std::string::npos;
+}
+
+std::string listing(const std::vector<DeviceReport>& devices, bool needs_f64) {
+    if (devices.empty())
+        return "\n  no Vulkan device at all: install a driver (package mesa-vulkan-drivers has the software one)";
+    std::string text;
+    for (const DeviceReport& device : devices) {
+        const std::vector<std::string> reasons = refusals(device, needs_f64);
+        text += fmt::format("\n  {}  {} ({}, {}): {}", device.index, device.name, device.type, device.uuid,
+                            reasons.empty() ? "usable" : fmt::format("{}", fmt::join(reasons, "; ")));
+    }
+    return text;
+}
+
+using Flags = vk::MemoryPropertyFlags;
+using Flag = vk::MemoryPropertyFlagBits;
+
+// Wishes in falling order; the first that some allowed memory type meets is taken.
+std::vector<Flags> wishes(Placement placement) {
+    switch (placement) {
+    case Placement::device:
+        return {Flag::eDeviceLocal, Flags{}};
+    case Placement::host_upload:
+        return {Flag::eHostVisible | Flag::eHostCoherent, Flag::eHostVisible};
+    case Placement::host_read:
+        return {Flag::eHostVisible | Flag::eHostCached | Flag::eHostCoherent, Flag::eHostVisible | Flag::eHostCached,
+                Flag::eHostVisible};
+    }
+    return {};
+}
+
+std::optional<std::uint32_t> memory_type(const vk::PhysicalDeviceMemoryProperties& memory, std::uint32_t allowed,
+                                         Flags wanted) {
+    for (std::uint32_t type = 0; type < memory.memoryTypeCount; ++type)
+        if ((allowed & (1u << type)) && (memory.memoryTypes[type].propertyFlags & wanted) == wanted)
+            return type;
+    return std::nullopt;
+}
+
 } // namespace
 
 std::vector<DeviceReport> list_devices() {
@@ -162,6 +239,31 @@ std::vector<DeviceReport> list_devices() {
         }
         return devices;
     });
+}
+
+const DeviceReport& choose_device(const std::vector<DeviceReport>& devices, const std::string& wanted, bool needs_f64) {
+    const auto usable = [&](const DeviceReport& device) { return refusals(device, needs_f64).empty(); };
+    if (wanted.empty()) {
+        auto found = std::find_if(devices.begin(), devices.end(),
+                                  [&](const DeviceReport& device) { return device.software && usable(device); });
+        if (found == devices.end())
+            found = std::find_if(devices.begin(), devices.end(), usable);
+        if (found != devices.end())
+            return *found;
+        throw DeviceError(DeviceError::Kind::no_such_device,
+                          "no usable Vulkan device (or use --engine cpu):" + listing(devices, needs_f64));
+    }
+    bool seen = false;
+    for (const DeviceReport& device : devices) {
+        if (!is_wanted(device, wanted, devices.size()))
+            continue;
+        if (usable(device))
+            return device;
+        seen = true;
+    }
+    throw DeviceError(DeviceError::Kind::no_such_device,
+                      fmt::format("{} \"{}\"; there is:{}", seen ? "cannot use the device" : "no such device", wanted,
+                                  listing(devices, needs_f64)));
 }
 
 Device::Device(const DeviceOptions& options) {
@@ -194,6 +296,32 @@ std::vector<std::byte> Device::pipeline_cache() const {
         for (const std::uint8_t byte : implementation_->pipeline_cache.getData())
             bytes.push_back(static_cast<std::byte>(byte));
         return bytes;
+    });
+}
+
+Buffer make_buffer(Device::Implementation& device, std::size_t bytes, vk::BufferUsageFlags usage, Placement placement) {
+    const std::string doing = fmt::format("allocating a buffer of {} bytes", bytes);
+    return checked(doing, [&] {
+        Buffer result;
+        result.size = std::max<std::size_t>(bytes, 16);
+        result.buffer = device.device.createBuffer({{}, result.size, usage, vk::SharingMode::eExclusive});
+        const vk::MemoryRequirements needs = result.buffer.getMemoryRequirements();
+        for (const Flags wanted : wishes(placement)) {
+            const auto type = memory_type(device.memory, needs.memoryTypeBits, wanted);
+            if (!type)
+                continue;
+            if (needs.size > device.memory.memoryHeaps[device.memory.memoryTypes[*type].heapIndex].size)
+                continue;
+            const Flags flags = device.memory.memoryTypes[*type].propertyFlags;
+            result.memory = device.device.allocateMemory({needs.size, *type});
+            result.buffer.bindMemory(*result.memory, 0);
+            result.coherent = bool(flags & Flag::eHostCoherent);
+            if (placement != Placement::device)
+                result.mapped = static_cast<std::byte*>(result.memory.mapMemory(0, VK_WHOLE_SIZE));
+            return result;
+        }
+        throw DeviceError(DeviceError::Kind::out_of_memory,
+                          fmt::format("no memory type of the device holds a buffer of {} bytes", bytes));
     });
 }
 

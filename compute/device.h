@@ -31,12 +31,14 @@ struct DeviceReport {
     std::string driver; /* name and version */
     std::string api;    /* Vulkan version, "1.3.230" */
     bool software = false;
-    bool f64 = false;                  /* double precision in kernels */
-    bool int64 = false;                /* 64-bit integers in kernels: stores travel in pairs */
-    std::uint64_t memory = 0;          /* bytes of the largest device-local heap */
-    std::uint64_t buffer_range = 0;    /* bytes that one storage buffer may span */
-    std::uint32_t subgroup = 0;        /* invocations; informative, nothing assumes it */
-    std::vector<std::string> refusals; /* why this device cannot run the kernels; empty if it can */
+    bool f64 = false;                    /* double precision in kernels */
+    bool int64 = false;                  /* 64-bit integers in kernels: stores travel in pairs */
+    std::uint64_t memory = 0;            /* bytes of the largest device-local heap */
+    std::uint64_t buffer_range = 0;      /* bytes that one storage buffer may span */
+    std::uint32_t group_invocations = 0; /* most of a work group */
+    std::uint32_t group_count = 0;       /* most work groups of a dispatch */
+    std::uint32_t subgroup = 0;          /* invocations; informative, nothing assumes it */
+    std::vector<std::string> refusals;   /* why this device cannot run the kernels; empty if it can */
 };
 
 /// Every Vulkan device and, for each, why it cannot be used. Empty if the loader finds none.

@@ -1,4 +1,4 @@
-#include "compute/mesh_obstacles.h"
+#include "compute/inputs.h"
 
 #include <algorithm>
 #include <array>

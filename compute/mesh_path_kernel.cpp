@@ -1,172 +1,249 @@
-#include "compute/mesh_path_kernel.h"
-
 #include <algorithm>
-#include <chrono>
-#include <type_traits>
+#include <cstring>
+#include <optional>
 
-#include "compute/mesh_path_batch.h"
-#include "compute/mesh_path_inputs.h"
-#include "compute/mesh_pipeline.h"
-#include "compute/path_inputs.h"
-#include "compute/pipelines.h"
+#include "compute/dispatch.h"
+#include "compute/inputs.h"
+#include "compute/plan.h"
 #include "shaders/kernels.h"
 
 namespace forceshade::compute {
 namespace {
 
-constexpr std::size_t kMostSamples = std::size_t(1) << 24; // from one callback to the next
-
 using layout::uint;
-using Clock = std::chrono::steady_clock;
 
-constexpr std::uint32_t kGroup = 64; // invocations of a work group
+constexpr std::uint32_t kGroup = 64;                       // invocations of a work group
+constexpr std::size_t kMostSamples = std::size_t(1) << 24; // from one callback to the next
+constexpr std::size_t kApart = 16;                         // invocations that share a driver's limit of loops, or more
 
-double seconds_since(Clock::time_point start) {
-    return std::chrono::duration<double>(Clock::now() - start).count();
+// Paths that wait for a kernel: the hot one, the rare one, likewise without neighbours.
+constexpr std::size_t kLists = 3;
+using WaitingPaths = std::array<std::vector<uint>, kLists>;
+
+// The list in which a path of this phase waits.
+std::size_t list_of(uint phase) {
+    return phase == layout::kPhaseRare ? 1 : phase == layout::kPhaseAlone ? 2 : 0;
 }
 
-template <typename T>
-std::array<std::uint32_t, layout::kMeshPathSpecCount> constants_of(const layout::PathInput<T>& input,
-                                                                   std::uint32_t unroll) {
-    const HandFeatures hands = features_of(input.hands);
-    std::array<std::uint32_t, layout::kMeshPathSpecCount> values{};
-    values[layout::kMeshPathSpecLocalX] = kGroup;
-    values[layout::kMeshPathSpecShading] = input.law.features.shading;
-    values[layout::kMeshPathSpecMap] = input.law.features.map;
-    values[layout::kMeshPathSpecTexture] = input.law.features.texture;
-    values[layout::kMeshPathSpecChannels] = input.features.channels;
-    values[layout::kMeshPathSpecMotion] = input.features.motion;
-    values[layout::kMeshPathSpecLoop] = input.features.loop;
-    values[layout::kMeshPathSpecHarmonics] = input.features.harmonics;
-    values[layout::kMeshPathSpecFriction] = hands.friction;
-    values[layout::kMeshPathSpecQuantised] = hands.quantised;
-    values[layout::kMeshPathSpecUnroll] = unroll;
-    return values;
+// A batch of paths on its way through its steps: what the kernels remember of each, and what they wrote. Memory that
+// the host sees.
+template <typename T> class Batch {
+public:
+    // The paths before their first steps, and room for `rows` steps of results and, if recorded, of positions.
+    Batch(Dispatcher& dispatcher, const layout::PathInput<T>& input, const layout::PathBatch<T>& paths,
+          std::size_t most_bytes)
+        : dispatcher_(dispatcher), channels_(input.features.channels), first_(paths.first), paths_(paths.count),
+          steps_(paths.longest ? paths.longest : input.steps) {
+        const bool recorded = input.features.motion == layout::kMotionRecorded;
+        const std::size_t facet = channels_ & layout::kChannelFacet ? sizeof(uint) : 0;
+        const std::size_t reals = bytes_per_sample(channels_, sizeof(T)).all - facet;
+        const std::size_t row = paths_ * (reals + facet + (recorded ? 3 * sizeof(T) : 0));
+        const std::size_t most = std::clamp<std::size_t>(kMostSamples / paths_, 1, steps_);
+        rows_ = std::clamp<std::size_t>(most_bytes / std::max<std::size_t>(row, 1), 1, most);
+        const std::size_t words = layout::kWalkWordCount * paths_;
+        words_ = share<uint>(layout::kMeshPathBindWalkWords, words + 1 + (kApart + 2) * paths_);
+        reals_ = share<T>(layout::kMeshPathBindWalkReals, layout::kWalkRealCount * paths_);
+        states_ = share<layout::PathState<T>>(layout::kMeshPathBindStates, paths_);
+        recorded_ = share<T>(layout::kMeshPathBindRecorded, recorded ? 3 * (rows_ + 1) * paths_ : 0);
+        share<std::byte>(layout::kMeshPathBindSamples, reals * rows_ * paths_);
+        share<std::byte>(layout::kMeshPathBindFacet, facet * rows_ * paths_);
+        std::memset(words_, 0, (words + 1) * sizeof(uint));
+        std::memset(reals_, 0, layout::kWalkRealCount * paths_ * sizeof(T));
+        std::memset(static_cast<void*>(states_), 0, paths_ * sizeof(layout::PathState<T>));
+        for (std::size_t path = 0; path < paths_; ++path) {
+            const layout::ProxyStart<T>& start = paths.proxies[path];
+            word(layout::kWalkWordSteps, path) = paths.steps.empty() ? static_cast<uint>(steps_) : paths.steps[path];
+            real(layout::kWalkRealProxy, path) = start.x;
+            real(layout::kWalkRealProxy + 1, path) = start.y;
+            real(layout::kWalkRealProxy + 2, path) = start.z;
+        }
+        flush(layout::kMeshPathBindStates);
+    }
+
+    std::size_t first() const { return first_; }
+    std::size_t paths() const { return paths_; }
+    std::size_t rows() const { return rows_; }
+    std::size_t steps() const { return steps_; }
+
+    void put_positions(std::span<const T> positions) {
+        std::memcpy(recorded_, positions.data(), positions.size_bytes());
+        dispatcher_.flush(layout::kMeshPathBindRecorded);
+    }
+
+    // What the paths wait for that have not come to `step_end` or their end.
+    WaitingPaths waiting(std::uint32_t step_end) const {
+        dispatcher_.kept(layout::kMeshPathBindWalkWords);
+        WaitingPaths waiting;
+        for (std::size_t path = 0; path < paths_; ++path) {
+            const uint step = word(layout::kWalkWordStep, path), phase = word(layout::kWalkWordPhase, path);
+            if (step >= std::min(step_end, word(layout::kWalkWordSteps, path)) || phase == layout::kPhaseHost)
+                continue;
+            std::vector<uint>& list = waiting[list_of(phase)];
+            list.push_back(static_cast<uint>(path));
+            if (phase == layout::kPhaseAlone)
+                list.resize(list.size() + kApart - 1, layout::kNoPath);
+        }
+        return waiting;
+    }
+
+    // Writes lists, one after the other; gives where each begins.
+    std::array<std::uint32_t, kLists> put_lists(const WaitingPaths& waiting) {
+        uint* const to = words_ + layout::kWalkWordCount * paths_ + 1;
+        std::array<std::uint32_t, kLists> begins{};
+        std::uint32_t at = 0;
+        for (std::size_t i = 0; i < kLists; ++i) {
+            begins[i] = at;
+            std::ranges::copy(waiting[i], to + at);
+            at += static_cast<std::uint32_t>(waiting[i].size());
+        }
+        dispatcher_.flush(layout::kMeshPathBindWalkWords);
+        return begins;
+    }
+
+    // Loops that a driver ended. \throws DeviceError (unfinished).
+    void check_status() const {
+        dispatcher_.kept(layout::kMeshPathBindWalkWords);
+        if (word(layout::kWalkWordCount, 0) & layout::kStatusUnfinished)
+            throw DeviceError(DeviceError::Kind::unfinished,
+                              "the device's driver ended a loop of the kernel before its work was done; nothing of "
+                              "these paths can be trusted");
+    }
+
+    // Lets the host do the updates that are left to it; gives how many they were.
+    std::size_t finish_updates(const FinishUpdates<T>& finish);
+
+    // What was written of steps [step_first, step_first + step_count).
+    layout::PathChunk<T> chunk(std::size_t step_first, std::size_t step_count) const;
+
+    std::vector<layout::PathMetrics<T>> metrics() const {
+        dispatcher_.kept(layout::kMeshPathBindStates);
+        std::vector<layout::PathMetrics<T>> metrics;
+        metrics.reserve(paths_);
+        for (std::size_t path = 0; path < paths_; ++path)
+            metrics.push_back(states_[path].metrics);
+        return metrics;
+    }
+
+private:
+    uint& word(uint field, std::size_t path) const { return words_[field * paths_ + path]; }
+    T& real(uint field, std::size_t path) const { return reals_[field * paths_ + path]; }
+    template <typename Value> Value* share(uint binding, std::size_t values) {
+        const std::size_t bytes = std::max<std::size_t>(values * sizeof(Value), 16);
+        return reinterpret_cast<Value*>(dispatcher_.keep(binding, bytes, true));
+    }
+    void flush(uint beside) {
+        for (const uint binding : {layout::kMeshPathBindWalkWords, layout::kMeshPathBindWalkReals, beside})
+            dispatcher_.flush(binding);
+    }
+
+    Dispatcher& dispatcher_;
+    uint channels_;
+    std::size_t first_, paths_, steps_, rows_ = 0;
+    uint* words_;
+    T *reals_, *recorded_;
+    layout::PathState<T>* states_;
+};
+
+template <typename T> std::size_t Batch<T>::finish_updates(const FinishUpdates<T>& finish) {
+    dispatcher_.kept(layout::kMeshPathBindWalkReals);
+    std::vector<std::size_t> paths;
+    std::vector<layout::MeshUpdate<T>> updates;
+    for (std::size_t path = 0; path < paths_; ++path) {
+        if (word(layout::kWalkWordPhase, path) != layout::kPhaseHost)
+            continue;
+        layout::MeshUpdate<T> update{};
+        for (uint i = 0; i < 3; ++i) {
+            update.probe[i] = real(layout::kWalkRealProbe + i, path);
+            update.proxy[i] = real(layout::kWalkRealProxy + i, path);
+            update.triangles[i] = word(layout::kWalkWordTriangles + i, path);
+        }
+        update.count = word(layout::kWalkWordHeld, path) & layout::kHeldCount;
+        update.cornered = (word(layout::kWalkWordHeld, path) & layout::kHeldCornered) != 0;
+        paths.push_back(path);
+        updates.push_back(update);
+    }
+    if (paths.empty())
+        return 0;
+    finish(updates);
+    for (std::size_t i = 0; i < paths.size(); ++i) {
+        const std::size_t path = paths[i];
+        const layout::MeshUpdate<T>& update = updates[i];
+        for (uint axis = 0; axis < 3; ++axis) {
+            real(layout::kWalkRealProxy + axis, path) = update.proxy[axis];
+            real(layout::kWalkRealRest + axis, path) = update.rest[axis];
+            word(layout::kWalkWordTriangles + axis, path) = update.triangles[axis];
+        }
+        word(layout::kWalkWordFelt, path) = update.triangle;
+        word(layout::kWalkWordHeld, path) = update.count | (update.cornered ? layout::kHeldCornered : 0) |
+                                            (update.touching ? layout::kHeldTouching : 0) |
+                                            (update.back ? layout::kHeldBack : 0) |
+                                            (update.finished ? 0 : layout::kHeldUnfinished);
+        word(layout::kWalkWordPhase, path) = layout::kPhaseFelt;
+        word(layout::kWalkWordStage, path) = layout::kStageBegin;
+    }
+    flush(layout::kMeshPathBindWalkReals);
+    return paths.size();
+}
+
+template <typename T> layout::PathChunk<T> Batch<T>::chunk(std::size_t step_first, std::size_t step_count) const {
+    layout::PathChunk<T> chunk{};
+    chunk.path_first = first_;
+    chunk.path_count = chunk.pitch = paths_;
+    chunk.step_first = step_first;
+    chunk.step_count = step_count;
+    const T* from = reinterpret_cast<const T*>(dispatcher_.kept(layout::kMeshPathBindSamples));
+    const auto take = [&](uint bit, std::size_t width, std::span<const T>& values) {
+        if (!(channels_ & bit))
+            return;
+        values = {from, width * step_count * paths_};
+        from += width * rows_ * paths_;
+    };
+    take(layout::kChannelPosition, 3, chunk.position);
+    take(layout::kChannelForce, 3, chunk.force);
+    take(layout::kChannelDepth, 1, chunk.depth);
+    take(layout::kChannelProxy, 3, chunk.proxy);
+    if (channels_ & layout::kChannelFacet)
+        chunk.facet = {reinterpret_cast<const uint*>(dispatcher_.kept(layout::kMeshPathBindFacet)),
+                       step_count * paths_};
+    return chunk;
 }
 
 } // namespace
 
 struct MeshPathKernel::Implementation {
-    Device::Implementation& device;
+    Dispatcher dispatcher;
     MeshPathOptions options;
-    Pipelines pipelines;
-    MeshPathInputs inputs;
-    MeshPathBatch batch;
-    vk::raii::DescriptorPool sets{nullptr};
-    vk::raii::DescriptorSet set{nullptr};
-    vk::raii::CommandBuffer commands;
-    vk::raii::Fence fence;
 
-    Implementation(Device::Implementation& on, const MeshPathOptions& wanted)
-        : device(on), options(wanted), pipelines(on, layout::kMeshPathBindCount, sizeof(layout::MeshPathChunkParams)),
-          inputs(on), batch(on), commands(make_commands(on)), fence(on.device.createFence({})) {
-        const vk::DescriptorPoolSize size(vk::DescriptorType::eStorageBuffer, layout::kMeshPathBindCount);
-        sets = device.device.createDescriptorPool({vk::DescriptorPoolCreateFlagBits::eFreeDescriptorSet, 1, size});
-        set = std::move(device.device.allocateDescriptorSets({*sets, *pipelines.set_layout()}).front());
-    }
-
-    template <typename T> struct Run;
-    void bind();
+    void dispatch(const WaitingPaths& waiting, const std::array<std::uint32_t, kLists>& begins, std::size_t hot,
+                  std::size_t rare, layout::MeshPathChunkParams chunk, FieldTimes& times);
 };
 
-void MeshPathKernel::Implementation::bind() {
-    std::array<vk::DescriptorBufferInfo, layout::kMeshPathBindCount> infos;
-    std::vector<vk::WriteDescriptorSet> writes;
-    for (uint binding = 0; binding < layout::kMeshPathBindCount; ++binding) {
-        const bool input = binding < layout::kMeshPathBindRecorded;
-        infos[binding] =
-            vk::DescriptorBufferInfo(input ? inputs.buffer(binding) : batch.buffer(binding), 0, VK_WHOLE_SIZE);
-        writes.emplace_back(*set, binding, 0, 1, vk::DescriptorType::eStorageBuffer, nullptr, &infos[binding]);
-    }
-    device.device.updateDescriptorSets(writes, {});
-}
-
-template <typename T> struct MeshPathKernel::Implementation::Run {
-    Implementation& self;
-    const layout::PathInput<T>& input;
-    const FinishUpdates<T>& finish;
-    MeshPathTimes& times;
-    vk::Pipeline hot, rare;
-
-    void dispatch(const WaitingPaths& waiting, layout::MeshPathChunkParams chunk);
-    bool round(layout::MeshPathChunkParams chunk);
-    void finish_waiting();
-    void chunk(std::size_t step_first, std::size_t step_count);
-};
-
-// Lists are of different paths, so the dispatches need not wait for each other.
-template <typename T>
-void MeshPathKernel::Implementation::Run<T>::dispatch(const WaitingPaths& waiting, layout::MeshPathChunkParams chunk) {
-    const std::array<vk::Pipeline, kMeshPathLists> kernels{hot, rare, rare};
-    const auto begins = self.batch.put_lists(waiting);
-    const vk::raii::CommandBuffer& commands = self.commands;
-    commands.bindDescriptorSets(vk::PipelineBindPoint::eCompute, *self.pipelines.layout(), 0, *self.set, {});
-    for (std::size_t i = 0; i < kMeshPathLists; ++i) {
+// Lists are of different paths, so the runs need not wait for each other.
+void MeshPathKernel::Implementation::dispatch(const WaitingPaths& waiting,
+                                              const std::array<std::uint32_t, kLists>& begins, std::size_t hot,
+                                              std::size_t rare, layout::MeshPathChunkParams chunk, FieldTimes& times) {
+    std::array<layout::MeshPathChunkParams, kLists> chunks;
+    std::vector<Dispatcher::Run> runs;
+    for (std::size_t i = 0; i < kLists; ++i) {
         if (waiting[i].empty())
             continue;
         chunk.first = begins[i];
         chunk.listed = static_cast<std::uint32_t>(waiting[i].size());
-        chunk.pause = i == 0 ? self.options.pause : self.options.rare_pause;
-        chunk.limit = i == 2 ? self.options.limit_alone : self.options.limit;
-        commands.bindPipeline(vk::PipelineBindPoint::eCompute, kernels[i]);
-        commands.pushConstants<layout::MeshPathChunkParams>(*self.pipelines.layout(), vk::ShaderStageFlagBits::eCompute,
-                                                            0, chunk);
-        commands.dispatch((chunk.listed + kGroup - 1) / kGroup, 1, 1);
+        chunk.pause = i == 0 ? options.pause : options.rare_pause;
+        chunk.limit = i == 2 ? options.limit_alone : options.limit;
+        chunks[i] = chunk;
+        runs.push_back({i == 0 ? hot : rare, divide_up(chunk.listed, kGroup), bytes_of(chunks[i])});
     }
-}
-
-// Takes every path as far as one dispatch goes. False if all have come to the end.
-template <typename T> bool MeshPathKernel::Implementation::Run<T>::round(layout::MeshPathChunkParams chunk) {
-    using Stage = vk::PipelineStageFlagBits;
-    const WaitingPaths waiting = self.batch.waiting(chunk.step_end);
-    if (std::ranges::all_of(waiting, [](const auto& list) { return list.empty(); }))
-        return false;
-    ++times.dispatches;
-    times.rare_updates += waiting[1].size();
-    self.commands.reset();
-    self.commands.begin({vk::CommandBufferUsageFlagBits::eOneTimeSubmit});
-    dispatch(waiting, chunk);
-    const vk::MemoryBarrier to_host(vk::AccessFlagBits::eShaderWrite, vk::AccessFlagBits::eHostRead);
-    self.commands.pipelineBarrier(Stage::eComputeShader, Stage::eHost, {}, to_host, {}, {});
-    self.commands.end();
-    self.device.device.resetFences(*self.fence);
-    const Clock::time_point start = Clock::now();
-    self.device.queue.submit(vk::SubmitInfo({}, {}, *self.commands), *self.fence);
-    wait_for(self.device, self.fence);
-    times.kernel += seconds_since(start);
-    self.batch.check_status();
-    finish_waiting();
-    return true;
-}
-
-template <typename T> void MeshPathKernel::Implementation::Run<T>::finish_waiting() {
-    HostUpdates<T> waiting = self.batch.host_updates<T>();
-    if (waiting.paths.empty())
-        return;
-    const Clock::time_point start = Clock::now();
-    finish(waiting.updates);
-    self.batch.put(waiting);
-    times.host_updates += waiting.paths.size();
-    times.host += seconds_since(start);
-}
-
-template <typename T>
-void MeshPathKernel::Implementation::Run<T>::chunk(std::size_t step_first, std::size_t step_count) {
-    layout::MeshPathChunkParams chunk{};
-    chunk.paths = static_cast<std::uint32_t>(self.batch.paths());
-    chunk.row_first = static_cast<std::uint32_t>(step_first);
-    chunk.rows = static_cast<std::uint32_t>(self.batch.rows());
-    chunk.step_end = static_cast<std::uint32_t>(step_first + step_count);
-    chunk.own_hands = input.hands.size() > 1;
-    chunk.stretch = input.stretch;
-    chunk.vertices = self.inputs.vertices();
-    while (round(chunk)) {
-    }
+    dispatcher.complete(times, [&] {
+        dispatcher.begin(times);
+        dispatcher.submit(runs, [] {});
+    });
 }
 
 MeshPathKernel::MeshPathKernel(Device& device, const MeshPathOptions& options)
-    : implementation_(checked("preparing the kernels of paths",
-                              [&] { return std::make_unique<Implementation>(device.implementation(), options); })) {}
+    : implementation_(new Implementation{Dispatcher(device, {layout::kMeshPathBindCount, Dispatcher::kNoStatus,
+                                                             sizeof(layout::MeshPathChunkParams), 1}),
+                                         options}) {}
 
 MeshPathKernel::~MeshPathKernel() = default;
 
@@ -174,59 +251,65 @@ template <typename T>
 MeshPathTimes MeshPathKernel::explore(const layout::PathInput<T>& input, const FinishUpdates<T>& finish,
                                       const TakePaths<T>& take, const TakeMetrics<T>& take_metrics) {
     Implementation& self = *implementation_;
-    constexpr bool kDouble = std::is_same_v<T, double>;
-    if (!self.device.report.f64)
+    Dispatcher& dispatcher = self.dispatcher;
+    if (!dispatcher.report().f64)
         throw DeviceError(DeviceError::Kind::unsupported,
-                          self.device.report.name +
+                          dispatcher.report().name +
                               " has no double precision in kernels, which paths on meshes need: use --engine cpu");
     MeshPathTimes times;
-    return checked("evaluating paths", [&] {
+    run_checked("evaluating paths", [&] {
         const FacetLoops loops = facet_loops(input.law.features, input.law.mesh.facet_begins);
-        Clock::time_point start = Clock::now();
-        const std::uint64_t before = self.inputs.uploaded();
-        self.inputs.upload(input.law);
-        times.upload = seconds_since(start);
-        start = Clock::now();
-        const auto constants = constants_of(input, loops.unroll);
-        Implementation::Run<T> run{
-            self,
-            input,
-            finish,
-            times,
-            self.pipelines.get(kDouble ? kernels::mesh_path_f64() : kernels::mesh_path_f32(), constants),
-            self.pipelines.get(kDouble ? kernels::mesh_rest_f64() : kernels::mesh_rest_f32(),
-                               std::span(constants).first(1))};
-        times.compile = seconds_since(start);
-        const uint channels = input.features.channels;
-        const bool recorded = input.features.motion == layout::kMotionRecorded;
-        for (std::size_t first = 0; first < input.paths; first += self.batch.paths()) {
-            start = Clock::now();
-            const layout::PathBatch<T> batch =
-                input.source->batch(first, std::min(self.options.batch_paths, input.paths - first));
-            const std::size_t row = MeshPathBatch::row_bytes(channels, batch.count, sizeof(T), recorded);
-            const std::size_t steps = batch.longest ? batch.longest : input.steps;
-            const std::size_t most = std::clamp<std::size_t>(kMostSamples / batch.count, 1, steps);
-            const std::size_t rows =
-                std::clamp<std::size_t>(self.options.chunk_bytes / std::max<std::size_t>(row, 1), 1, most);
-            self.inputs.upload(input, batch);
-            self.batch.begin(batch, steps, channels, rows, recorded);
-            self.bind();
-            times.upload += seconds_since(start);
-            for (std::size_t step = 0; step < steps; step += rows) {
-                const std::size_t count = std::min(rows, steps - step);
-                if (recorded) {
-                    const auto positions = input.source->positions(step, std::min(count + 1, steps - step));
-                    self.batch.put_positions(positions);
+        layout::MeshPathChunkParams chunk{};
+        chunk.own_hands = input.hands.size() > 1;
+        chunk.stretch = input.stretch;
+        dispatcher.upload(times, [&](const PutTable& put) { chunk.vertices = put_mesh_path_tables(input.law, put); });
+        constexpr bool kDouble = sizeof(T) == sizeof(double);
+        const Constants constants = constants_of(kGroup, input, loops);
+        const std::size_t hot =
+            dispatcher.pipeline(kDouble ? kernels::mesh_path_f64() : kernels::mesh_path_f32(), constants, times);
+        const std::size_t rare = dispatcher.pipeline(kDouble ? kernels::mesh_rest_f64() : kernels::mesh_rest_f32(),
+                                                     std::span(constants).first(1), times);
+        for (std::size_t first = 0; first < input.paths;) {
+            std::optional<Batch<T>> begun;
+            dispatcher.upload(times, [&](const PutTable& put) {
+                const layout::PathBatch<T> tables =
+                    input.source->batch(first, std::min(self.options.batch_paths, input.paths - first));
+                put_batch_tables(input, tables, layout::kMeshPathBindMotions, put);
+                begun.emplace(dispatcher, input, tables, self.options.chunk_bytes);
+            });
+            Batch<T>& batch = *begun;
+            for (std::size_t step = 0; step < batch.steps(); step += batch.rows()) {
+                const std::size_t count = std::min(batch.rows(), batch.steps() - step);
+                if (input.features.motion == layout::kMotionRecorded) {
+                    const auto positions = input.source->positions(step, std::min(count + 1, batch.steps() - step));
+                    batch.put_positions(positions);
                     times.uploaded += positions.size_bytes();
                 }
-                run.chunk(step, count);
-                take(self.batch.chunk<T>(step, count));
+                chunk.paths = static_cast<std::uint32_t>(batch.paths());
+                chunk.row_first = static_cast<std::uint32_t>(step);
+                chunk.rows = static_cast<std::uint32_t>(batch.rows());
+                chunk.step_end = static_cast<std::uint32_t>(step + count);
+                // Every path as far as one dispatch goes, until all have come to the end.
+                for (;;) {
+                    const WaitingPaths waiting = batch.waiting(chunk.step_end);
+                    if (std::ranges::all_of(waiting, [](const auto& list) { return list.empty(); }))
+                        break;
+                    times.rare_updates += waiting[1].size();
+                    self.dispatch(waiting, batch.put_lists(waiting), hot, rare, chunk, times);
+                    batch.check_status();
+                    const Clock::time_point start = Clock::now();
+                    if (const std::size_t updates = batch.finish_updates(finish); updates != 0) {
+                        times.host_updates += updates;
+                        times.host += seconds_since(start);
+                    }
+                }
+                take(batch.chunk(step, count));
             }
-            take_metrics(batch.first, self.batch.metrics<T>());
+            take_metrics(batch.first(), batch.metrics());
+            first += batch.paths();
         }
-        times.uploaded += self.inputs.uploaded() - before;
-        return times;
     });
+    return times;
 }
 
 template MeshPathTimes MeshPathKernel::explore<float>(const layout::PathInput<float>&, const FinishUpdates<float>&,

@@ -1,4 +1,4 @@
-// Vulkan types of the open device, for compute/*.cpp only: including this takes seconds.
+// Vulkan types of the open device, for device.cpp and dispatch.cpp only: including this takes seconds.
 #pragma once
 
 #include <mutex>
@@ -66,8 +66,5 @@ enum class Placement {
 
 /// \throws DeviceError (out_of_memory).
 Buffer make_buffer(Device::Implementation& device, std::size_t bytes, vk::BufferUsageFlags usage, Placement placement);
-
-/// True if kernels may write straight into host-read memory without loss: software and integrated devices.
-bool shares_memory_with_host(const Device::Implementation& device);
 
 } // namespace forceshade::compute

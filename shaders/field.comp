@@ -1,4 +1,4 @@
-// A force field over a dense grid. An invocation takes ABREAST neighbouring samples of x in `chunk.rows` rows: what depends
+// A force field over a dense grid. An invocation takes LANES neighbouring samples of x in `chunk.rows` rows: what depends
 // on (x, y) alone is computed once for them, and stores, the dearest thing on a software device, travel four words at a time.
 #version 450
 #extension GL_GOOGLE_include_directive : require
@@ -6,7 +6,7 @@
 #ifdef FS_PACKED
 #extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
 #endif
-#include "laws/real.glsl"
+#include "laws/elementary.glsl"
 #include "shared/layout.h"
 
 layout(local_size_x_id = kSpecLocalX) in;
@@ -31,20 +31,8 @@ LawParams law;
 // Zero, and unknown to the compiler where a sign of zero may come of it: llvmpipe takes x * 0 for 0 and 0 - x for -x.
 real exact_zero;
 
-#include "laws/circle.glsl"
-#include "laws/elementary.glsl"
-#include "laws/faceted_bump.glsl"
 #include "laws/height_map.glsl"
-#define SAMPLED_GRADIENT sampled_map_gradient
-#define GRADIENTS map_gradients
-#include "laws/sampled_gradient.glsl"
-#undef SAMPLED_GRADIENT
-#undef GRADIENTS
-#define SAMPLED_GRADIENT sampled_texture_gradient
-#define GRADIENTS texture_gradients
-#include "laws/sampled_gradient.glsl"
-#include "laws/gradients.glsl"
-#include "laws/column.glsl"
+#include "laws/surfaces.glsl"
 #include "laws/contact.glsl"
 #include "stores.glsl"
 
@@ -74,7 +62,7 @@ Rows rows_of(uint part) {
 void main() {
     law = law_params;
     exact_zero = TEXTURE == kMapNone && SHADING != kShadingHeightMap ? ZERO : real(law.zero);
-    uint blocks = chunk.x_pitch / ABREAST; // of a row
+    uint blocks = chunk.x_pitch / LANES; // of a row
     uint block = gl_GlobalInvocationID.x % blocks;
     Rows rows = rows_of(gl_GlobalInvocationID.x / blocks);
     if (rows.count == 0u)
@@ -83,10 +71,10 @@ void main() {
     uint z_axis = chunk.z_axis + chunk.z_first + rows.z;
     uint y = rows.y;
     real y_metres = axes[y_axis + y];
-    Column columns[ABREAST];
+    Column columns[LANES];
     // Unrolled, it would be most of the code that a software driver has to compile.
-    [[dont_unroll]] for (uint i = 0u; i < ABREAST; ++i)
-        columns[i] = column_at(axes[ABREAST * block + i], y_metres);
+    [[dont_unroll]] for (uint i = 0u; i < LANES; ++i)
+        columns[i] = column_at(axes[LANES * block + i], y_metres);
     uint at = (rows.z * chunk.y_count + y) * blocks + block;
     uint done = 0u;
     while (done < rows.count) {
@@ -96,8 +84,8 @@ void main() {
             // Nothing but the proxy shows the y of a column that serves for all of them.
             if (!ALONG_Z && (CHANNELS & kChannelProxy) != 0u)
                 y_metres = axes[y_axis + y++];
-            Contact contacts[ABREAST];
-            for (uint i = 0u; i < ABREAST; ++i)
+            Contact contacts[LANES];
+            for (uint i = 0u; i < LANES; ++i)
                 contacts[i] = contact_at(columns[i], y_metres, z_metres);
             store(at, contacts);
             at += rows.stride * blocks;

@@ -15,48 +15,20 @@ namespace words {
 #include "path_f64.spv.h"
 } // namespace words
 
-std::span<const std::uint32_t> field_f32() {
-    return words::field_f32;
-}
-
-std::span<const std::uint32_t> field_f32_packed() {
-    return words::field_f32_packed;
-}
-
-std::span<const std::uint32_t> field_f64() {
-    return words::field_f64;
-}
-
-std::span<const std::uint32_t> mesh_field_f32() {
-    return words::mesh_field_f32;
-}
-
-std::span<const std::uint32_t> mesh_field_f64() {
-    return words::mesh_field_f64;
-}
-
-std::span<const std::uint32_t> path_f32() {
-    return words::path_f32;
-}
-
-std::span<const std::uint32_t> path_f64() {
-    return words::path_f64;
-}
-
-std::span<const std::uint32_t> mesh_path_f32() {
-    return words::mesh_path_f32;
-}
-
-std::span<const std::uint32_t> mesh_path_f64() {
-    return words::mesh_path_f64;
-}
-
-std::span<const std::uint32_t> mesh_rest_f32() {
-    return words::mesh_rest_f32;
-}
-
-std::span<const std::uint32_t> mesh_rest_f64() {
-    return words::mesh_rest_f64;
-}
+#define FS_KERNEL(name)                                                                                                \
+    std::span<const std::uint32_t> name() {                                                                            \
+        return words::name;                                                                                            \
+    }
+FS_KERNEL(field_f32)
+FS_KERNEL(field_f32_packed)
+FS_KERNEL(field_f64)
+FS_KERNEL(mesh_field_f32)
+FS_KERNEL(mesh_field_f64)
+FS_KERNEL(path_f32)
+FS_KERNEL(path_f64)
+FS_KERNEL(mesh_path_f32)
+FS_KERNEL(mesh_path_f64)
+FS_KERNEL(mesh_rest_f32)
+FS_KERNEL(mesh_rest_f64)
 
 } // namespace forceshade::kernels

@@ -4,17 +4,17 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
-#include "laws/real.glsl"
+#include "laws/elementary.glsl"
 #include "shared/layout.h"
 
-layout(local_size_x_id = kMeshSpecLocalX) in;
-layout(constant_id = kMeshSpecShading) const uint SHADING = kShadingNone;
-layout(constant_id = kMeshSpecInside) const uint INSIDE = kInsidePseudonormal;
-layout(constant_id = kMeshSpecMap) const uint MAP = kMapNone;
-layout(constant_id = kMeshSpecTexture) const uint TEXTURE = kMapNone;
-layout(constant_id = kMeshSpecChannels) const uint CHANNELS = kChannelForce;
-layout(constant_id = kMeshSpecFree) const uint FREE = 0u;
-layout(constant_id = kMeshSpecUnroll) const uint UNROLL = 1u;
+layout(local_size_x_id = kSpecLocalX) in;
+layout(constant_id = kSpecShading) const uint SHADING = kShadingNone;
+layout(constant_id = kSpecInside) const uint INSIDE = kInsidePseudonormal;
+layout(constant_id = kSpecMap) const uint MAP = kMapNone;
+layout(constant_id = kSpecTexture) const uint TEXTURE = kMapNone;
+layout(constant_id = kSpecChannels) const uint CHANNELS = kChannelForce;
+layout(constant_id = kSpecFree) const uint FREE = 0u;
+layout(constant_id = kSpecUnroll) const uint UNROLL = 1u;
 
 layout(std430, set = 0, binding = kMeshBindLaw) readonly buffer LawBuffer { MeshLawParams law_params; };
 layout(std430, set = 0, binding = kMeshBindAxes) readonly buffer AxesBuffer { real axes[]; };
@@ -47,32 +47,44 @@ const uint kNoCandidate = 0xFFFFFFFFu;
 #define INFINITY uintBitsToFloat(0x7F800000u)
 #endif
 
-#include "laws/circle.glsl"
-#include "laws/elementary.glsl"
 #include "laws/height_map.glsl"
-#define SAMPLED_GRADIENT sampled_map_gradient
-#define GRADIENTS map_gradients
-#include "laws/sampled_gradient.glsl"
-#undef SAMPLED_GRADIENT
-#undef GRADIENTS
-#define SAMPLED_GRADIENT sampled_texture_gradient
-#define GRADIENTS texture_gradients
-#include "laws/sampled_gradient.glsl"
-#include "laws/gradients.glsl"
-#include "laws/vector.glsl"
 #include "laws/mesh_triangle.glsl"
-#include "laws/mesh_search.glsl"
-#include "laws/mesh_tables.glsl"
-#include "laws/mesh_shading.glsl"
+#include "laws/mesh_nearest.glsl"
 #include "laws/mesh_contact.glsl"
-#include "laws/mesh_static.glsl"
 
-#define STORE_VECTOR(buffer, at, value)                                                                                \
-    {                                                                                                                  \
-        buffer[3u * at] = value.x;                                                                                     \
-        buffer[3u * at + 1u] = value.y;                                                                                \
-        buffer[3u * at + 2u] = value.z;                                                                                \
+// L6 static: whether a probe is inside, and its contact, once the nearest triangle is known, step for step as
+// host/reference/mesh_nearest.h.
+
+// The pseudonormal of the feature points away from the probe.
+bool inside_by_pseudonormal(MeshTriangle triangle, real3 normal, TrianglePoint point) {
+    real3 outward = normal;
+    if (point.feature >= kMeshCorner)
+        outward = vertex_pseudonormal(triangle.corners[point.feature - kMeshCorner]);
+    else if (point.feature >= kMeshEdge) {
+        uint across = triangle.neighbours[point.feature - kMeshEdge];
+        if (across != kMeshBorder && (across & kMeshManyBit) != 0u)
+            outward = edge_pseudonormal(across & ~kMeshManyBit);
+        else if (across != kMeshBorder)
+            outward = sum(normal, neighbour_normal(across));
     }
+    return product(point.offset, outward) > ZERO;
+}
+
+// The contact with the nearest of the candidates; `inside` by the winding number.
+Contact contact_at(real3 probe, uint candidate, bool inside) {
+    Contact contact = Contact(ZERO, real3(ZERO), real3(ZERO), to_world(probe), kNoFacet);
+    if (candidate == kNoCandidate)
+        return contact;
+    MeshTriangle triangle = mesh_triangle(candidate >> kMeshCandidateShift);
+    Triangle shape = triangle_shape(candidate);
+    TrianglePoint point = nearest_on_triangle(probe, shape);
+    if (INSIDE == kInsidePseudonormal)
+        inside = inside_by_pseudonormal(triangle, shape.normal, point);
+    if (!inside)
+        return contact;
+    precise real size = sqrt(point.square);
+    return touching_contact(MeshTouch(triangle.facet, point.offset, sum(probe, point.offset), size));
+}
 
 void store(uint at, Contact contact) {
     if ((CHANNELS & kChannelForce) != 0u)

@@ -4,20 +4,20 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
-#include "laws/real.glsl"
+#include "laws/elementary.glsl"
 #include "shared/layout.h"
 
-layout(local_size_x_id = kMeshPathSpecLocalX) in;
-layout(constant_id = kMeshPathSpecShading) const uint SHADING = kShadingNone;
-layout(constant_id = kMeshPathSpecMap) const uint MAP = kMapNone;
-layout(constant_id = kMeshPathSpecTexture) const uint TEXTURE = kMapNone;
-layout(constant_id = kMeshPathSpecChannels) const uint CHANNELS = 0u;
-layout(constant_id = kMeshPathSpecMotion) const uint MOTION = kMotionStrokes;
-layout(constant_id = kMeshPathSpecLoop) const uint LOOP = kLoopOpen;
-layout(constant_id = kMeshPathSpecHarmonics) const uint HARMONICS = 0u;
-layout(constant_id = kMeshPathSpecFriction) const uint FRICTION = 0u;
-layout(constant_id = kMeshPathSpecQuantised) const uint QUANTISED = 0u;
-layout(constant_id = kMeshPathSpecUnroll) const uint UNROLL = 1u;
+layout(local_size_x_id = kSpecLocalX) in;
+layout(constant_id = kSpecShading) const uint SHADING = kShadingNone;
+layout(constant_id = kSpecMap) const uint MAP = kMapNone;
+layout(constant_id = kSpecTexture) const uint TEXTURE = kMapNone;
+layout(constant_id = kSpecChannels) const uint CHANNELS = 0u;
+layout(constant_id = kSpecMotion) const uint MOTION = kMotionStrokes;
+layout(constant_id = kSpecLoop) const uint LOOP = kLoopOpen;
+layout(constant_id = kSpecHarmonics) const uint HARMONICS = 0u;
+layout(constant_id = kSpecFriction) const uint FRICTION = 0u;
+layout(constant_id = kSpecQuantised) const uint QUANTISED = 0u;
+layout(constant_id = kSpecUnroll) const uint UNROLL = 1u;
 
 layout(std430, set = 0, binding = kMeshPathBindMapGradients) readonly buffer MapBuffer { real map_gradients[]; };
 layout(std430, set = 0, binding = kMeshPathBindTextureGradients) readonly buffer TextureBuffer { real texture_gradients[]; };
@@ -34,23 +34,11 @@ LawParams law;
 MeshParams mesh;
 
 #define POOL 3u
-#include "laws/vector.glsl"
 #include "laws/mesh_triangle.glsl"
 #include "laws/god_object.glsl"
-#include "laws/circle.glsl"
-#include "laws/elementary.glsl"
 #include "laws/height_map.glsl"
-#define SAMPLED_GRADIENT sampled_map_gradient
-#define GRADIENTS map_gradients
-#include "laws/sampled_gradient.glsl"
-#undef SAMPLED_GRADIENT
-#undef GRADIENTS
-#define SAMPLED_GRADIENT sampled_texture_gradient
-#define GRADIENTS texture_gradients
-#include "laws/sampled_gradient.glsl"
-#include "laws/gradients.glsl"
 
-// What mesh_shading.glsl reads.
+// What mesh_contact.glsl reads.
 #define facet_words indices
 #define status walk_words[kWalkWordCount * chunk.paths]
 
@@ -66,16 +54,42 @@ real3 vertex_normal(uint vertex) {
     return vectors[chunk.vertices + 2u * vertex + 1u].xyz;
 }
 
-#include "laws/mesh_shading.glsl"
 #include "laws/mesh_contact.glsl"
-#include "laws/god_object_force.glsl"
-#include "laws/philox.glsl"
 #define Stretch MotionStretch
 #include "laws/motion.glsl"
 #undef Stretch
-#include "laws/hand.glsl"
-#include "laws/path_metrics.glsl"
 #include "laws/path_step.glsl"
+
+// L7 to L9 on the god-object's contact (L6), step for step as host/reference/god_object.h.
+
+// The force on a probe (in the mesh's frame) that a god-object holds. The facet shaded is the lowest of those that hold
+// it; seen from behind, its interpolated normal is reversed.
+Contact force_of(Rest rest, real3 probe) {
+    Contact contact = Contact(ZERO, real3(ZERO), real3(ZERO), to_world(probe), kNoFacet);
+    if (rest.count == 0u)
+        return contact;
+    real3 offset = difference(rest.proxy, probe);
+    precise real size = sqrt(product(offset, offset));
+    MeshTouch touch = MeshTouch(rest.facets.x, offset, rest.proxy, size);
+    real3 world = to_world(rest.proxy);
+    real3 pull = scaled(mesh.stiffness, offset);
+    precise real depth = size * mesh.scale;
+    contact.depth = depth;
+    contact.facet = touch.facet;
+    contact.proxy = world;
+    contact.unshaded = pull;
+    real3 shaded = shaded_force(touch, rest.back ? -pull : pull, world);
+    contact.force = shaded;
+    if (TEXTURE != kMapNone) {
+        real3 slope = in_plane(texture_gradient(world.x, world.y), facet_normal(touch.facet));
+        precise real tug = law.texture_stiffness * depth;
+        contact.force = difference(contact.force, scaled(tug, slope));
+        contact.unshaded = difference(contact.unshaded, scaled(tug, slope));
+    }
+    if (rest.back)
+        contact.force = difference(difference(contact.unshaded, pull), shaded);
+    return contact;
+}
 
 // One after the other in the buffer of samples, those that are asked for.
 const uint kPositionWidth = (CHANNELS & kChannelPosition) != 0u ? 3u : 0u;

@@ -5,10 +5,10 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
-#include "laws/real.glsl"
+#include "laws/elementary.glsl"
 #include "shared/layout.h"
 
-layout(local_size_x_id = kMeshPathSpecLocalX) in;
+layout(local_size_x_id = kSpecLocalX) in;
 
 struct MeshNode4 {
     vec4 low_x;
@@ -23,7 +23,6 @@ layout(std430, set = 0, binding = kMeshPathBindNodes) readonly buffer NodeBuffer
 
 #define FS_RARE
 #define POOL kMeshPool
-#include "laws/vector.glsl"
 #include "laws/mesh_triangle.glsl"
 #include "laws/god_object.glsl"
 

@@ -3,23 +3,23 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
-#include "laws/real.glsl"
+#include "laws/elementary.glsl"
 #include "shared/layout.h"
 
-layout(local_size_x_id = kPathSpecLocalX) in;
-layout(constant_id = kPathSpecSurface) const uint SURFACE = kSurfaceBump;
-layout(constant_id = kPathSpecShading) const uint SHADING = kShadingNone;
-layout(constant_id = kPathSpecDepth) const uint DEPTH = kDepthVertical;
-layout(constant_id = kPathSpecReference) const uint REFERENCE = kReferenceNormal;
-layout(constant_id = kPathSpecMap) const uint MAP = kMapNone;
-layout(constant_id = kPathSpecTexture) const uint TEXTURE = kMapNone;
-layout(constant_id = kPathSpecChannels) const uint CHANNELS = 0u;
-layout(constant_id = kPathSpecMotion) const uint MOTION = kMotionStrokes;
-layout(constant_id = kPathSpecLoop) const uint LOOP = kLoopOpen;
-layout(constant_id = kPathSpecFollow) const uint FOLLOW = kFollowPlane;
-layout(constant_id = kPathSpecHarmonics) const uint HARMONICS = 0u;
-layout(constant_id = kPathSpecFriction) const uint FRICTION = 0u;
-layout(constant_id = kPathSpecQuantised) const uint QUANTISED = 0u;
+layout(local_size_x_id = kSpecLocalX) in;
+layout(constant_id = kSpecSurface) const uint SURFACE = kSurfaceBump;
+layout(constant_id = kSpecShading) const uint SHADING = kShadingNone;
+layout(constant_id = kSpecDepth) const uint DEPTH = kDepthVertical;
+layout(constant_id = kSpecReference) const uint REFERENCE = kReferenceNormal;
+layout(constant_id = kSpecMap) const uint MAP = kMapNone;
+layout(constant_id = kSpecTexture) const uint TEXTURE = kMapNone;
+layout(constant_id = kSpecChannels) const uint CHANNELS = 0u;
+layout(constant_id = kSpecMotion) const uint MOTION = kMotionStrokes;
+layout(constant_id = kSpecLoop) const uint LOOP = kLoopOpen;
+layout(constant_id = kSpecFollow) const uint FOLLOW = kFollowPlane;
+layout(constant_id = kSpecHarmonics) const uint HARMONICS = 0u;
+layout(constant_id = kSpecFriction) const uint FRICTION = 0u;
+layout(constant_id = kSpecQuantised) const uint QUANTISED = 0u;
 
 layout(std430, set = 0, binding = kPathBindLaw) readonly buffer LawBuffer { LawParams law_params; };
 layout(std430, set = 0, binding = kPathBindFacetVertices) readonly buffer FacetBuffer { real facet_vertices[]; };
@@ -44,31 +44,61 @@ LawParams law;
 // Zero, and unknown to the compiler where a sign of zero may come of it: llvmpipe takes x * 0 for 0 and 0 - x for -x.
 real exact_zero;
 
-#include "laws/circle.glsl"
-#include "laws/elementary.glsl"
-#include "laws/faceted_bump.glsl"
-#include "laws/remembered_facet.glsl"
 #include "laws/height_map.glsl"
-#define SAMPLED_GRADIENT sampled_map_gradient
-#define GRADIENTS map_gradients
-#include "laws/sampled_gradient.glsl"
-#undef SAMPLED_GRADIENT
-#undef GRADIENTS
-#define SAMPLED_GRADIENT sampled_texture_gradient
-#define GRADIENTS texture_gradients
-#include "laws/sampled_gradient.glsl"
-#include "laws/gradients.glsl"
-#include "laws/column.glsl"
+#include "laws/surfaces.glsl"
 #include "laws/contact.glsl"
-#include "laws/vector.glsl"
-#include "laws/philox.glsl"
 #define KEPT_HARMONICS 16u
 #include "laws/motion.glsl"
-#include "laws/nominal_height.glsl"
-#include "laws/hand.glsl"
-#include "laws/path_metrics.glsl"
 #include "laws/path_step.glsl"
-#include "path_stores.glsl"
+
+// L3 along a path: the facet of the last probe serves until one leaves it. Where no lane's has, a software device goes
+// through the search once all the same, with nothing to show for it, but not through its bisection.
+
+Slope remembered_slope = Slope(ZERO, ZERO, ZERO, ZERO, ZERO, ONE); // holds no x
+uint remembered_id = 0u;
+
+// The same as facet_at(x).
+Facet remembered_facet_at(real x) {
+    bool on_facets = is_on_facets(x);
+    bool elsewhere = on_facets && !(x >= remembered_slope.left && x < remembered_slope.right);
+    while (elsewhere) {
+        remembered_id = facet_index(x, law.facets);
+        remembered_slope = slope_of(remembered_id);
+        elsewhere = false;
+    }
+    return Facet(on_facets ? height_on(remembered_slope, x) : exact_zero, on_facets ? remembered_slope.normal_x : exact_zero,
+                 on_facets ? remembered_slope.normal_z : ONE, on_facets ? remembered_id : law.facets);
+}
+
+// The nominal surface from which a motion's depth may be measured: L1 to L5.
+// The nominal surface, m, from which a motion that follows it measures its depth.
+real nominal_height(real x) {
+    if (SURFACE == kSurfaceBump)
+        return remembered_facet_at(x).height;
+    if (SURFACE == kSurfaceCylinderBump && abs(x) < law.half_width)
+        return cylinder_height(law.half_width, law.radius, law.centre_depth, x);
+    return exact_zero;
+}
+
+// A place that was measured from the surface below or above it.
+real3 above_surface(real3 place) {
+    precise real z = place.z + nominal_height(place.x);
+    return real3(place.xy, z);
+}
+
+// A sample into the channels that are asked for.
+void store(uint at, PathSample taken) {
+    if ((CHANNELS & kChannelPosition) != 0u)
+        STORE_VECTOR(position_out, at, taken.position)
+    if ((CHANNELS & kChannelForce) != 0u)
+        STORE_VECTOR(force_out, at, taken.force)
+    if ((CHANNELS & kChannelDepth) != 0u)
+        depth_out[at] = taken.depth;
+    if ((CHANNELS & kChannelFacet) != 0u)
+        facet_out[at] = taken.facet;
+    if ((CHANNELS & kChannelProxy) != 0u)
+        STORE_VECTOR(proxy_out, at, taken.proxy)
+}
 
 // Where rounds begin and end, m.
 real3 round_end_of(MotionParams motion) {

@@ -1,8 +1,8 @@
-// The results of ABREAST neighbouring samples, each channel as vectors of four words. On a software device every store is a
+// The results of LANES neighbouring samples, each channel as vectors of four words. On a software device every store is a
 // loop over the lanes: four words share its cost, and with FS_PACKED a word of 64 bits holds two reals.
 
 #ifdef FS_PACKED
-#define ABREAST kAbreastPacked
+#define LANES kLanesPacked
 #define PER_VECTOR 8u
 #define REALS u64vec4
 #define UINTS u64vec4
@@ -13,7 +13,7 @@
 #define REALS_OF VECTOR_OF
 #define UINTS_OF VECTOR_OF
 #else
-#define ABREAST kAbreast
+#define LANES kLanes
 #define PER_VECTOR 4u
 #define REALS real4
 #define UINTS uvec4
@@ -31,8 +31,8 @@ layout(std430, set = 0, binding = kBindUnshaded) writeonly buffer UnshadedBuffer
 
 #define STORE_VECTORS(buffer, at, contacts, member)                                                                    \
     {                                                                                                                  \
-        BITS bits[3u * ABREAST];                                                                                       \
-        for (uint i = 0u; i < ABREAST; ++i) {                                                                          \
+        BITS bits[3u * LANES];                                                                                       \
+        for (uint i = 0u; i < LANES; ++i) {                                                                          \
             bits[3u * i] = BITS_OF(contacts[i].member.x);                                                              \
             bits[3u * i + 1u] = BITS_OF(contacts[i].member.y);                                                         \
             bits[3u * i + 2u] = BITS_OF(contacts[i].member.z);                                                         \
@@ -42,19 +42,19 @@ layout(std430, set = 0, binding = kBindUnshaded) writeonly buffer UnshadedBuffer
         buffer[3u * at + 2u] = REALS_OF(bits, 2u * PER_VECTOR);                                                        \
     }
 
-// `at` counts groups of ABREAST samples.
-void store(uint at, Contact contacts[ABREAST]) {
+// `at` counts groups of LANES samples.
+void store(uint at, Contact contacts[LANES]) {
     if ((CHANNELS & kChannelForce) != 0u)
         STORE_VECTORS(force_out, at, contacts, force)
     if ((CHANNELS & kChannelDepth) != 0u) {
-        BITS bits[ABREAST];
-        for (uint i = 0u; i < ABREAST; ++i)
+        BITS bits[LANES];
+        for (uint i = 0u; i < LANES; ++i)
             bits[i] = BITS_OF(contacts[i].depth);
         depth_out[at] = REALS_OF(bits, 0u);
     }
     if ((CHANNELS & kChannelFacet) != 0u) {
-        uint bits[ABREAST];
-        for (uint i = 0u; i < ABREAST; ++i)
+        uint bits[LANES];
+        for (uint i = 0u; i < LANES; ++i)
             bits[i] = contacts[i].facet;
         facet_out[at] = UINTS_OF(bits, 0u);
     }

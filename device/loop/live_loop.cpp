@@ -10,7 +10,7 @@
 #include "device/loop/permissions.h"
 #include "device/loop/safety.h"
 #include "device/loop/sample.h"
-#include "shaders/shared/layout.h"
+#include "shaders/shared/law.h"
 
 namespace forceshade::device {
 

@@ -13,7 +13,7 @@
 
 #include "host/error.h"
 #include "host/output/files.h"
-#include "shaders/shared/layout.h"
+#include "shaders/shared/law.h"
 
 namespace forceshade::device {
 

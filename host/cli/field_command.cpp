@@ -27,26 +27,21 @@ class WatchedEngine final : public Engine {
 public:
     WatchedEngine(Engine& engine, bool quiet) : engine_(engine), quiet_(quiet) {}
     EngineReport report() const override { return engine_.report(); }
-    EngineTimes evaluate(const layout::FieldInput<float>& input,
-                         const std::function<void(const layout::FieldChunk<float>&)>& consume) override {
-        return watch(input, consume);
-    }
-    EngineTimes evaluate(const layout::FieldInput<double>& input,
-                         const std::function<void(const layout::FieldChunk<double>&)>& consume) override {
-        return watch(input, consume);
+    EngineTimes run(const EngineWork& work) override {
+        return std::visit([&](const auto& one) { return watch(one); }, work);
     }
 
 private:
-    template <typename T>
-    EngineTimes watch(const layout::FieldInput<T>& input,
-                      const std::function<void(const layout::FieldChunk<T>&)>& consume) {
+    template <typename T> EngineTimes watch(const FieldWork<T>& work) {
+        const layout::FieldInput<T>& input = work.input;
         const bool brief = input.x.size() * input.y.size() * input.z.size() < kWorthWatching;
         Progress progress("layers", input.z.size(), quiet_ || brief);
         return engine_.evaluate(input, [&](const layout::FieldChunk<T>& chunk) {
-            consume(chunk);
+            work.take(chunk);
             progress.update(chunk.z_first + chunk.z_count, "");
         });
     }
+    template <typename T> EngineTimes watch(const PathWork<T>& work) { return engine_.run(work); }
 
     static constexpr std::size_t kWorthWatching = std::size_t(1) << 24; // voxels: some seconds
 

@@ -8,11 +8,7 @@
 
 #include <spdlog/spdlog.h>
 
-#include "compute/field_kernel.h"
-#include "compute/mesh_kernel.h"
-#include "compute/mesh_path_kernel.h"
-#include "compute/path_kernel.h"
-#include "host/error.h"
+#include "compute/kernels.h"
 #include "host/mesh/block_plan.h"
 #include "host/output/files.h"
 #include "host/output/hash.h"
@@ -20,7 +16,6 @@
 #include "host/reference/god_object.h"
 
 namespace forceshade {
-
 namespace {
 
 constexpr std::size_t kDigest = 64;             // hex digits of the SHA-256 that the file begins with
@@ -67,8 +62,13 @@ void write_pipeline_cache(const std::filesystem::path& folder, const std::string
 
 namespace {
 
-template <typename T> using Consume = std::function<void(const layout::FieldChunk<T>&)>;
+using Clock = std::chrono::steady_clock;
 
+double seconds_since(Clock::time_point start) {
+    return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+// The CPU oracle. Times what lies between the callbacks.
 class CpuEngine final : public Engine {
 public:
     explicit CpuEngine(const EngineOptions& options) {
@@ -78,68 +78,57 @@ public:
 
     EngineReport report() const override { return {"cpu", "CPU reference", "", "", true, true}; }
 
-    EngineTimes evaluate(const layout::FieldInput<float>& input, const Consume<float>& consume) override {
-        return run(input, consume);
-    }
-    EngineTimes evaluate(const layout::FieldInput<double>& input, const Consume<double>& consume) override {
-        return run(input, consume);
-    }
-
-    EngineTimes explore(const layout::PathInput<float>& input, const reference::TakePaths<float>& take,
-                        const reference::TakeMetrics<float>& take_metrics) override {
-        return run_paths(input, take, take_metrics);
-    }
-    EngineTimes explore(const layout::PathInput<double>& input, const reference::TakePaths<double>& take,
-                        const reference::TakeMetrics<double>& take_metrics) override {
-        return run_paths(input, take, take_metrics);
+    EngineTimes run(const EngineWork& work) override {
+        EngineTimes times;
+        Clock::time_point start = Clock::now();
+        const auto timed = [&](const auto& callback) {
+            return [&](const auto&... values) {
+                times.kernel += seconds_since(start);
+                callback(values...);
+                start = Clock::now();
+            };
+        };
+        std::visit(
+            [&]<typename Work>(const Work& one) {
+                using T = typename Work::Real;
+                if constexpr (requires { one.take_metrics; })
+                    reference::evaluate_paths<T>(one.input, path_options_, timed(one.take), timed(one.take_metrics));
+                else
+                    reference::evaluate_field<T>(one.input, options_, timed(one.take));
+            },
+            work);
+        return times;
     }
 
 private:
-    using Clock = std::chrono::steady_clock;
-
-    // Times what lies between the callbacks.
-    template <typename T>
-    EngineTimes run_paths(const layout::PathInput<T>& input, const reference::TakePaths<T>& take,
-                          const reference::TakeMetrics<T>& take_metrics) {
-        EngineTimes times;
-        Clock::time_point start = Clock::now();
-        const auto timed = [&](const auto& callback, const auto&... values) {
-            times.kernel += std::chrono::duration<double>(Clock::now() - start).count();
-            callback(values...);
-            start = Clock::now();
-        };
-        reference::evaluate_paths<T>(
-            input, path_options_, [&](const layout::PathChunk<T>& chunk) { timed(take, chunk); },
-            [&](std::size_t first, std::span<const layout::PathMetrics<T>> metrics) {
-                timed(take_metrics, first, metrics);
-            });
-        return times;
-    }
-
-    template <typename T> EngineTimes run(const layout::FieldInput<T>& input, const Consume<T>& consume) {
-        EngineTimes times;
-        Clock::time_point start = Clock::now();
-        const Consume<T> timed = [&](const layout::FieldChunk<T>& chunk) {
-            times.kernel += std::chrono::duration<double>(Clock::now() - start).count();
-            consume(chunk);
-            start = Clock::now();
-        };
-        reference::evaluate_field(input, options_, timed);
-        return times;
-    }
-
     reference::FieldOptions options_;
     reference::PathOptions path_options_;
+};
+
+// A kernel, made when it is first asked for.
+template <typename Kernel, typename Options> class OnDemand {
+public:
+    Options options;
+    Kernel& on(compute::Device& device) {
+        if (!kernel_)
+            kernel_ = std::make_unique<Kernel>(device, options);
+        return *kernel_;
+    }
+
+private:
+    std::unique_ptr<Kernel> kernel_;
 };
 
 class GpuEngine final : public Engine {
 public:
     explicit GpuEngine(const EngineOptions& options)
-        : cache_(options.cache), chosen_(choose(options)), device_(open(options)),
-          kernel_(device_, kernel_options(options)) {
-        mesh_options_.chunk_bytes = options.chunk_bytes;
-        path_options_.chunk_bytes = options.chunk_bytes;
-        mesh_path_options_.chunk_bytes = options.chunk_bytes;
+        : cache_(options.cache),
+          chosen_(compute::choose_device(compute::list_devices(), options.gpu, options.needs_f64)),
+          device_(open(options)) {
+        fields_.options.chunk_bytes = options.chunk_bytes;
+        mesh_fields_.options.chunk_bytes = options.chunk_bytes;
+        paths_.options.chunk_bytes = options.chunk_bytes;
+        mesh_paths_.options.chunk_bytes = options.chunk_bytes;
     }
 
     ~GpuEngine() override {
@@ -154,26 +143,21 @@ public:
         return {"gpu", chosen_.name, chosen_.uuid, chosen_.driver, chosen_.software, chosen_.f64};
     }
 
-    EngineTimes evaluate(const layout::FieldInput<float>& input, const Consume<float>& consume) override {
-        return run(input, consume);
-    }
-    EngineTimes evaluate(const layout::FieldInput<double>& input, const Consume<double>& consume) override {
-        return run(input, consume);
-    }
-
-    EngineTimes explore(const layout::PathInput<float>& input, const reference::TakePaths<float>& take,
-                        const reference::TakeMetrics<float>& take_metrics) override {
-        return run_paths(input, take, take_metrics);
-    }
-    EngineTimes explore(const layout::PathInput<double>& input, const reference::TakePaths<double>& take,
-                        const reference::TakeMetrics<double>& take_metrics) override {
-        return run_paths(input, take, take_metrics);
+    EngineTimes run(const EngineWork& work) override {
+        EngineTimes spent;
+        const compute::FieldTimes times = std::visit([&](const auto& one) { return run_kernel(one, spent); }, work);
+        if (const auto complaints = device_.validation_messages(); !complaints.empty())
+            throw compute::DeviceError(compute::DeviceError::Kind::unsupported,
+                                       "the validation layers complain: " + complaints.front());
+        spent.compile = times.compile;
+        spent.upload = times.upload;
+        spent.kernel = times.kernel;
+        spent.read_back = times.read_back;
+        spent.uploaded = times.uploaded;
+        return spent;
     }
 
 private:
-    static compute::DeviceReport choose(const EngineOptions& options) {
-        return compute::choose_device(compute::list_devices(), options.gpu, options.needs_f64);
-    }
     std::string identity() const { return chosen_.name + chosen_.uuid + chosen_.driver; }
     compute::Device open(const EngineOptions& options) {
         const std::vector<std::byte> kept = read_pipeline_cache(cache_, identity());
@@ -184,107 +168,48 @@ private:
         wanted.pipeline_cache = kept;
         return compute::Device(wanted);
     }
-    static compute::FieldKernelOptions kernel_options(const EngineOptions& options) {
-        compute::FieldKernelOptions kernel;
-        kernel.chunk_bytes = options.chunk_bytes;
-        return kernel;
-    }
 
-    template <typename T> EngineTimes run(const layout::FieldInput<T>& input, const Consume<T>& consume) {
-        EngineTimes spent;
-        const bool mesh = input.law.features.surface == layout::kSurfaceMesh;
-        add(mesh ? run_mesh(input, consume, spent) : kernel_.evaluate(input, consume), spent);
-        return spent;
-    }
-
-    template <typename T>
-    EngineTimes run_paths(const layout::PathInput<T>& input, const reference::TakePaths<T>& take,
-                          const reference::TakeMetrics<T>& take_metrics) {
-        EngineTimes spent;
-        if (input.law.features.surface == layout::kSurfaceMesh) {
-            add(run_mesh_paths(input, take, take_metrics), spent);
-            return spent;
-        }
-        if (!path_kernel_)
-            path_kernel_ = std::make_unique<compute::PathKernel>(device_, path_options_);
-        add(path_kernel_->explore(input, take, take_metrics), spent);
-        return spent;
-    }
-
-    // What kernels leave is the oracle's: its updates go many ways there, few steps need them.
-    template <typename T>
-    compute::FieldTimes run_mesh_paths(const layout::PathInput<T>& input, const reference::TakePaths<T>& take,
-                                       const reference::TakeMetrics<T>& take_metrics) {
-        if (!mesh_path_kernel_)
-            mesh_path_kernel_ = std::make_unique<compute::MeshPathKernel>(device_, mesh_path_options_);
-        const compute::FinishUpdates<T> finish = [&](std::span<layout::MeshUpdate<T>> updates) {
-            reference::finish_updates(input.law.mesh, updates, std::thread::hardware_concurrency());
-        };
-        return mesh_path_kernel_->explore(input, finish, take, take_metrics);
-    }
-
-    void add(const compute::FieldTimes& times, EngineTimes& spent) {
-        if (const auto complaints = device_.validation_messages(); !complaints.empty())
-            throw compute::DeviceError(compute::DeviceError::Kind::unsupported,
-                                       "the validation layers complain: " + complaints.front());
-        spent.compile = times.compile;
-        spent.upload = times.upload;
-        spent.kernel = times.kernel;
-        spent.read_back = times.read_back;
-        spent.uploaded = times.uploaded;
-    }
-
-    // Slab by slab, so that plans take little memory however large the grid is.
-    template <typename T>
-    compute::FieldTimes run_mesh(const layout::FieldInput<T>& input, const Consume<T>& consume, EngineTimes& spent) {
-        using Clock = std::chrono::steady_clock;
-        const auto since = [](Clock::time_point start) {
-            return std::chrono::duration<double>(Clock::now() - start).count();
-        };
-        if (!mesh_kernel_)
-            mesh_kernel_ = std::make_unique<compute::MeshKernel>(device_, mesh_options_);
+    template <typename T> compute::FieldTimes run_kernel(const FieldWork<T>& work, EngineTimes& spent) {
+        const layout::FieldInput<T>& input = work.input;
+        if (input.law.features.surface != layout::kSurfaceMesh)
+            return fields_.on(device_).evaluate(input, work.take);
+        compute::MeshKernel& kernel = mesh_fields_.on(device_);
         if (!input.plan.blocks.empty())
-            return mesh_kernel_->evaluate<T>(input, consume);
+            return kernel.evaluate<T>(input, work.take);
+        // Slab by slab, so that plans take little memory however large the grid is.
         Clock::time_point start = Clock::now();
         const BlockPlanner<T> planner(input.law.mesh, input.x, input.y, input.z, input.law.features.inside);
-        spent.plan = since(start);
+        spent.plan = seconds_since(start);
         BlockPlan plan;
-        return mesh_kernel_->evaluate<T>(input, consume, [&](std::size_t z_first, std::size_t z_count) {
+        return kernel.evaluate<T>(input, work.take, [&](std::size_t z_first, std::size_t z_count) {
             start = Clock::now();
             plan = planner.plan(z_first, z_count);
-            spent.plan += since(start);
+            spent.plan += seconds_since(start);
             spent.voxels_evaluated += plan.voxels_evaluated;
             return plan.view();
         });
     }
 
+    template <typename T> compute::FieldTimes run_kernel(const PathWork<T>& work, EngineTimes&) {
+        if (work.input.law.features.surface != layout::kSurfaceMesh)
+            return paths_.on(device_).explore(work.input, work.take, work.take_metrics);
+        // What kernels leave is the oracle's: few steps need its many cases.
+        const compute::FinishUpdates<T> finish = [&](std::span<layout::MeshUpdate<T>> updates) {
+            reference::finish_updates(work.input.law.mesh, updates, std::thread::hardware_concurrency());
+        };
+        return mesh_paths_.on(device_).explore(work.input, finish, work.take, work.take_metrics);
+    }
+
     std::filesystem::path cache_;
     compute::DeviceReport chosen_;
     compute::Device device_;
-    compute::FieldKernel kernel_;
-    compute::MeshKernelOptions mesh_options_;
-    std::unique_ptr<compute::MeshKernel> mesh_kernel_; // made for the first mesh
-    compute::PathKernelOptions path_options_;
-    std::unique_ptr<compute::PathKernel> path_kernel_; // made for the first paths
-    compute::MeshPathOptions mesh_path_options_;
-    std::unique_ptr<compute::MeshPathKernel> mesh_path_kernel_; // made for the first paths on a mesh
+    OnDemand<compute::FieldKernel, compute::FieldKernelOptions> fields_;
+    OnDemand<compute::MeshKernel, compute::MeshKernelOptions> mesh_fields_;
+    OnDemand<compute::PathKernel, compute::PathKernelOptions> paths_;
+    OnDemand<compute::MeshPathKernel, compute::MeshPathOptions> mesh_paths_;
 };
 
-[[noreturn]] void refuse_paths() {
-    throw compute::DeviceError(compute::DeviceError::Kind::unsupported,
-                               "this engine has no kernel for such paths: use --engine cpu");
-}
-
 } // namespace
-
-EngineTimes Engine::explore(const layout::PathInput<float>&, const reference::TakePaths<float>&,
-                            const reference::TakeMetrics<float>&) {
-    refuse_paths();
-}
-EngineTimes Engine::explore(const layout::PathInput<double>&, const reference::TakePaths<double>&,
-                            const reference::TakeMetrics<double>&) {
-    refuse_paths();
-}
 
 std::unique_ptr<Engine> make_engine(const EngineOptions& options) {
     if (options.cpu)

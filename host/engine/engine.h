@@ -1,4 +1,5 @@
-// Compiled kernels kept on disk between runs, one file a device. A damaged or foreign file is ignored.
+// What evaluates fields and paths, and compiled kernels kept on disk between runs, one file a device: a damaged or
+// foreign file is ignored.
 #pragma once
 
 #include <cstddef>
@@ -8,11 +9,13 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <type_traits>
+#include <variant>
 #include <vector>
 
 #include "host/output/record.h"
 #include "host/reference/paths.h"
-#include "shaders/shared/layout.h"
+#include "shaders/shared/law.h"
 
 namespace forceshade {
 
@@ -27,25 +30,43 @@ void write_pipeline_cache(const std::filesystem::path& folder, const std::string
 /// Where they are kept.
 std::filesystem::path pipeline_cache_path(const std::filesystem::path& folder, const std::string& device);
 
-// What evaluates fields: a Vulkan device or the CPU oracle, behind one face.
+/// A law to evaluate at every sample of a grid, and what takes consecutive chunks of rows in order (z, then y). A
+/// mesh's blocks are planned slab by slab, unless the input has a plan (of the whole grid): that one is followed then.
+template <typename T> struct FieldWork {
+    using Real = T;
+    const layout::FieldInput<T>& input;
+    const std::function<void(const layout::FieldChunk<T>&)>& take;
+};
 
+/// Paths to take through their law, and what takes chunks batch of paths by batch of paths, within one in the order of
+/// steps; then the batch's metrics.
+template <typename T> struct PathWork {
+    using Real = T;
+    const layout::PathInput<T>& input;
+    const reference::TakePaths<T>& take;
+    const reference::TakeMetrics<T>& take_metrics;
+};
+
+using EngineWork = std::variant<FieldWork<float>, FieldWork<double>, PathWork<float>, PathWork<double>>;
+
+/// What evaluates fields and paths: a Vulkan device or the CPU oracle, behind one face.
 class Engine {
 public:
     virtual ~Engine() = default;
     virtual EngineReport report() const = 0;
-    /// Evaluates the law at every sample, in float or double, and hands over consecutive chunks of rows in order (z,
-    /// then y). A mesh's blocks are planned slab by slab, unless the input has a plan (of the whole grid): that one is
-    /// followed then. \throws compute::DeviceError, and whatever `consume` throws.
-    virtual EngineTimes evaluate(const layout::FieldInput<float>& input,
-                                 const std::function<void(const layout::FieldChunk<float>&)>& consume) = 0;
-    virtual EngineTimes evaluate(const layout::FieldInput<double>& input,
-                                 const std::function<void(const layout::FieldChunk<double>&)>& consume) = 0;
-    /// Takes every path through its law: chunks batch of paths by batch of paths, within one in the order of steps;
-    /// then the batch's metrics. \throws compute::DeviceError (unsupported, unless an engine says otherwise).
-    virtual EngineTimes explore(const layout::PathInput<float>& input, const reference::TakePaths<float>& take,
-                                const reference::TakeMetrics<float>& take_metrics);
-    virtual EngineTimes explore(const layout::PathInput<double>& input, const reference::TakePaths<double>& take,
-                                const reference::TakeMetrics<double>& take_metrics);
+    /// \throws compute::DeviceError, and whatever the callbacks throw.
+    virtual EngineTimes run(const EngineWork& work) = 0;
+
+    template <typename T>
+    EngineTimes evaluate(const layout::FieldInput<T>& input,
+                         const std::type_identity_t<std::function<void(const layout::FieldChunk<T>&)>>& take) {
+        return run(FieldWork<T>{input, take});
+    }
+    template <typename T>
+    EngineTimes explore(const layout::PathInput<T>& input, const std::type_identity_t<reference::TakePaths<T>>& take,
+                        const std::type_identity_t<reference::TakeMetrics<T>>& take_metrics) {
+        return run(PathWork<T>{input, take, take_metrics});
+    }
 };
 
 struct EngineOptions {

@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "shaders/shared/layout.h"
+#include "shaders/shared/law.h"
 
 namespace forceshade {
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "host/mesh/mesh.h"
-#include "shaders/shared/layout.h"
+#include "shaders/shared/law.h"
 
 namespace forceshade {
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "host/mesh/structure.h"
-#include "shaders/shared/layout.h"
+#include "shaders/shared/law.h"
 
 namespace forceshade {
 

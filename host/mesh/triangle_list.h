@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "host/reference/elementary.h"
-#include "shaders/shared/layout.h"
+#include "shaders/shared/law.h"
 
 namespace forceshade {
 

@@ -11,7 +11,7 @@
 
 #include "host/output/rows.h"
 #include "host/scene/scene.h"
-#include "shaders/shared/layout.h"
+#include "shaders/shared/law.h"
 
 namespace forceshade {
 

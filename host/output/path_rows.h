@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "host/output/rows.h"
-#include "shaders/shared/layout.h"
+#include "shaders/shared/law.h"
 
 namespace forceshade {
 

@@ -15,7 +15,7 @@
 #include "host/output/files.h"
 #include "host/output/rows.h"
 #include "host/scene/scene.h"
-#include "shaders/shared/layout.h"
+#include "shaders/shared/law.h"
 
 namespace forceshade {
 

@@ -8,7 +8,7 @@
 #include <string>
 #include <type_traits>
 
-#include "shaders/shared/layout.h"
+#include "shaders/shared/law.h"
 
 namespace forceshade {
 

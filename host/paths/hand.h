@@ -2,7 +2,7 @@
 #pragma once
 
 #include "host/scene/scene.h"
-#include "shaders/shared/layout.h"
+#include "shaders/shared/law.h"
 
 namespace forceshade {
 

@@ -7,7 +7,7 @@
 
 #include "host/paths/region.h"
 #include "host/scene/scene.h"
-#include "shaders/shared/layout.h"
+#include "shaders/shared/law.h"
 
 namespace forceshade {
 

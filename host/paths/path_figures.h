@@ -7,7 +7,7 @@
 
 #include "host/output/path_rows.h"
 #include "host/picture/path_plot.h"
-#include "shaders/shared/layout.h"
+#include "shaders/shared/law.h"
 
 namespace forceshade {
 

@@ -13,7 +13,7 @@
 #include "host/output/reading.h"
 #include "host/paths/path_reader.h"
 #include "host/reference/elementary.h"
-#include "shaders/shared/layout.h"
+#include "shaders/shared/law.h"
 
 namespace forceshade {
 

@@ -9,7 +9,7 @@
 
 #include "host/paths/region.h"
 #include "host/prepare/prepared_case.h"
-#include "shaders/shared/layout.h"
+#include "shaders/shared/law.h"
 
 namespace forceshade {
 

@@ -3,7 +3,7 @@
 
 #include "host/picture/field_slice.h"
 #include "host/scene/scene.h"
-#include "shaders/shared/layout.h"
+#include "shaders/shared/law.h"
 
 #include <cstddef>
 #include <cstdint>

@@ -10,7 +10,7 @@
 
 #include "host/mesh/structure.h"
 #include "host/scene/scene.h"
-#include "shaders/shared/layout.h"
+#include "shaders/shared/law.h"
 
 namespace forceshade {
 

@@ -6,7 +6,7 @@
 #include "host/output/record.h"
 #include "host/prepare/prepared_case.h"
 #include "host/referee/rounding_bound.h"
-#include "shaders/shared/layout.h"
+#include "shaders/shared/law.h"
 
 namespace forceshade {
 

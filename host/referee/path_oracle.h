@@ -12,7 +12,7 @@
 #include "host/output/record.h"
 #include "host/referee/reading.h"
 #include "host/referee/rounding_bound.h"
-#include "shaders/shared/layout.h"
+#include "shaders/shared/law.h"
 
 namespace forceshade {
 

@@ -4,7 +4,7 @@
 
 #include <functional>
 
-#include "shaders/shared/layout.h"
+#include "shaders/shared/law.h"
 
 namespace forceshade::reference {
 

@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "host/reference/mesh_cast.h"
-#include "shaders/shared/layout.h"
+#include "shaders/shared/law.h"
 
 namespace forceshade::reference {
 

@@ -9,7 +9,7 @@
 #include <type_traits>
 
 #include "host/reference/elementary.h"
-#include "shaders/shared/layout.h"
+#include "shaders/shared/law.h"
 
 namespace forceshade::reference {
 

@@ -6,7 +6,7 @@
 
 #include "host/reference/elementary.h"
 #include "host/reference/surfaces.h"
-#include "shaders/shared/layout.h"
+#include "shaders/shared/law.h"
 
 namespace forceshade::reference {
 

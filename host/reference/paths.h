@@ -5,7 +5,7 @@
 #include <memory>
 #include <vector>
 
-#include "shaders/shared/layout.h"
+#include "shaders/shared/law.h"
 
 namespace forceshade::reference {
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "host/reference/elementary.h"
-#include "shaders/shared/layout.h"
+#include "shaders/shared/law.h"
 
 namespace forceshade::reference {
 

@@ -5,7 +5,7 @@
 
 #include "host/scene/scene.h"
 #include "host/scene/value.h"
-#include "shaders/shared/layout.h"
+#include "shaders/shared/law.h"
 
 namespace forceshade {
 

@@ -15,7 +15,7 @@
 
 #include "host/engine/engine.h"
 #include "host/sweep/case_output.h"
-#include "shaders/shared/layout.h"
+#include "shaders/shared/law.h"
 
 namespace forceshade {
 

@@ -1,4 +1,92 @@
-// cos and exp out of + - * and exact steps only, so that both sides round alike; built-in ones are hundreds of ULP off.
+// What all laws are made of: the precision, vectors, the circle, cos and exp, step for step as host/reference/elementary.h.
+// Products are written out from left to right, series in + and * alone, so that both sides round alike; built-in functions
+// round otherwise.
+
+// The precision a kernel is compiled for. Constants are written real(0.5LF): rounded once, by the compiler.
+#ifdef FS_F64
+#define real double
+#define real2 dvec2
+#define real3 dvec3
+#define real4 dvec4
+#define SMALLEST_NORMAL 2.2250738585072014e-308LF
+#define LARGEST 1.7976931348623157e308LF
+#define EPSILON 2.220446049250313e-16LF
+#else
+#define real float
+#define real2 vec2
+#define real3 vec3
+#define real4 vec4
+#define SMALLEST_NORMAL 1.1754943508222875e-38
+#define LARGEST 3.4028234663852886e38
+#define EPSILON 1.1920928955078125e-07
+#endif
+#define ZERO real(0.0LF)
+#define ONE real(1.0LF)
+
+// Writes a vector to three places of a buffer.
+#define STORE_VECTOR(buffer, at, value)                                                                                \
+    {                                                                                                                  \
+        buffer[3u * (at)] = value.x;                                                                                   \
+        buffer[3u * (at) + 1u] = value.y;                                                                              \
+        buffer[3u * (at) + 2u] = value.z;                                                                              \
+    }
+
+real product(real3 u, real3 v) {
+    precise real value = u.x * v.x + u.y * v.y + u.z * v.z;
+    return value;
+}
+
+real3 cross_product(real3 u, real3 v) {
+    precise real x = u.y * v.z - u.z * v.y;
+    precise real y = u.z * v.x - u.x * v.z;
+    precise real z = u.x * v.y - u.y * v.x;
+    return real3(x, y, z);
+}
+
+real3 sum(real3 u, real3 v) {
+    precise real3 value = u + v;
+    return value;
+}
+
+real3 difference(real3 u, real3 v) {
+    precise real3 value = u - v;
+    return value;
+}
+
+real3 scaled(real factor, real3 v) {
+    precise real3 value = real3(factor) * v; // a vector times a scalar is open to other roundings
+    return value;
+}
+
+real3 divided(real3 v, real divisor) {
+    precise real3 value = v / divisor;
+    return value;
+}
+
+// v / |v|; 0 where v.v is not above 0.
+real3 normalised(real3 v) {
+    precise real square = product(v, v);
+    precise real size = sqrt(square);
+    precise real3 direction = v / size;
+    return square > ZERO ? direction : real3(ZERO);
+}
+
+// G1: the reference cylinder, written so that it does not cancel for R much larger than a.
+
+// sqrt(R^2 - x^2), m: how far the circle stands above its axis at x, |x| <= R.
+real circle_rise(real radius, real x) {
+    precise real rise = sqrt((radius - x) * (radius + x));
+    return rise;
+}
+
+// U(x), m: the cylinder above the nominal plane; 0 for |x| >= a. centre_depth is sqrt((R-a)(R+a)).
+real cylinder_height(real half_width, real radius, real centre_depth, real x) {
+    precise real product = (half_width - x) * (half_width + x);
+    if (!(product > ZERO))
+        return ZERO;
+    precise real height = product / (circle_rise(radius, x) + centre_depth);
+    return height;
+}
 
 // cos(2 pi turns). The argument is reduced to a quarter turn exactly; then the series of sin(2 pi s).
 real cosine_of_turns(real turns) {

@@ -1,4 +1,4 @@
-// L6: the way that a pool of triangles leaves a god-object, step for step as host/reference/god_object_pool.h.
+// L6: the way that a pool of triangles leaves a god-object, step for step as host/reference/god_object_walk.h.
 
 struct Worst {
     HalfSpace space;

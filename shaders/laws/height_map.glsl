@@ -1,5 +1,6 @@
-// G3: the gradient of a height map U(x, y), analytic or sampled. U is 0 beyond a cylinder, a dip or an image.
-// GRADIENTS names the buffer of sampled gradients, so that the file can be included once per map.
+// G3: the gradient of a height map U(x, y), analytic or sampled, and those of the scene's two maps. U is 0 beyond a
+// cylinder, a dip or an image. Step for step as host/reference/surfaces.h. Needs MAP and TEXTURE, constants of the kernel,
+// and the buffers `map_gradients` and `texture_gradients`.
 
 struct Gradient {
     real x; // 1: dU/dx
@@ -55,4 +56,54 @@ Cell cell_at(real position, uint nodes) {
 real between(real low, real high, real fraction) {
     precise real value = low + fraction * (high - low);
     return value;
+}
+
+// Bilinear interpolation of the nodes' gradients; continuous within the image. `gradients`: pairs (dU/dx, dU/dy), row 0 at
+// the smallest y.
+#define SAMPLED_GRADIENT(name, gradients)                                                                              \
+    Gradient name(MapParams map, real x, real y) {                                                                     \
+        if (!(abs(x) <= map.half_width && abs(y) <= map.half_length))                                                  \
+            return Gradient(exact_zero, exact_zero);                                                                   \
+        precise real column = (x + map.half_width) * map.nodes_per_x;                                                  \
+        precise real row = (y + map.half_length) * map.nodes_per_y;                                                    \
+        Cell across = cell_at(column, map.columns);                                                                    \
+        Cell along = cell_at(row, map.rows);                                                                           \
+        uint low = along.low * map.columns;                                                                            \
+        uint high = along.high * map.columns;                                                                          \
+        Gradient gradient;                                                                                             \
+        gradient.x = between(between(gradients[2u * (low + across.low)], gradients[2u * (low + across.high)], across.fraction),\
+                             between(gradients[2u * (high + across.low)], gradients[2u * (high + across.high)], across.fraction),\
+                             along.fraction);                                                                          \
+        gradient.y =                                                                                                   \
+            between(between(gradients[2u * (low + across.low) + 1u], gradients[2u * (low + across.high) + 1u], across.fraction),\
+                    between(gradients[2u * (high + across.low) + 1u], gradients[2u * (high + across.high) + 1u], across.fraction),\
+                    along.fraction);                                                                                   \
+        return gradient;                                                                                               \
+    }
+SAMPLED_GRADIENT(sampled_map_gradient, map_gradients)
+SAMPLED_GRADIENT(sampled_texture_gradient, texture_gradients)
+
+// Of the map that directions follow (L5, L9), and of the texture (L8).
+Gradient map_gradient(real x, real y) {
+    if (MAP == kMapCylinder || MAP == kMapDip)
+        return cylinder_gradient(law.map, x, MAP == kMapDip);
+    if (MAP == kMapSine)
+        return sine_gradient(law.map, x);
+    if (MAP == kMapGaussian)
+        return gaussian_gradient(law.map, x, y);
+    if (MAP == kMapSamples)
+        return sampled_map_gradient(law.map, x, y);
+    return Gradient(ZERO, ZERO);
+}
+
+Gradient texture_gradient(real x, real y) {
+    if (TEXTURE == kMapCylinder || TEXTURE == kMapDip)
+        return cylinder_gradient(law.texture, x, TEXTURE == kMapDip);
+    if (TEXTURE == kMapSine)
+        return sine_gradient(law.texture, x);
+    if (TEXTURE == kMapGaussian)
+        return gaussian_gradient(law.texture, x, y);
+    if (TEXTURE == kMapSamples)
+        return sampled_texture_gradient(law.texture, x, y);
+    return Gradient(ZERO, ZERO);
 }

@@ -1,4 +1,4 @@
-// L6: the point of one triangle nearest to a probe, step for step as host/reference/mesh_triangle.h.
+// L6: the point of one triangle nearest to a probe, step for step as host/reference/mesh_nearest.h.
 
 struct Triangle {
     real3 a;

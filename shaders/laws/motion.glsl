@@ -1,7 +1,20 @@
-// Where the intended motion of a path is at a step. Phases are whole numbers, so nothing drifts, and a step needs none
-// before it. Needs philox.glsl and elementary.glsl; MOTION, LOOP and HARMONICS, constants of the kernel; the buffer
-// `harmonics`; GL_EXT_control_flow_attributes. Where KEPT_HARMONICS is set, keep_harmonics comes before the first step.
-// Zeros are `exact_zero`: what they enter may be a zero with a sign.
+// Where the intended motion of a path is at a step, step for step as host/reference/motion.h. Phases are whole numbers, so
+// nothing drifts, and a step needs none before it. Needs MOTION, LOOP and HARMONICS, constants of the kernel; the buffer
+// `harmonics`. Where KEPT_HARMONICS is set, keep_harmonics comes before the first step. Zeros are `exact_zero`: what they
+// enter may be a zero with a sign.
+
+// Random numbers by counter (Philox 4x32-10: Salmon, Moraes, Dror & Shaw 2011): the same for a key and a counter
+// wherever they are drawn.
+uvec4 philox(uvec4 counter, uvec2 key) {
+    for (uint i = 0u; i < 10u; ++i) {
+        uint one_high, one_low, other_high, other_low;
+        umulExtended(0xD2511F53u, counter.x, one_high, one_low);
+        umulExtended(0xCD9E8D57u, counter.z, other_high, other_low);
+        counter = uvec4(other_high ^ counter.y ^ key.x, other_low, one_high ^ counter.w ^ key.y, one_low);
+        key += uvec2(0x9E3779B9u, 0xBB67AE85u);
+    }
+    return counter;
+}
 
 // A place in the motion's own frame, m: along the heading, to its left, and above the surface.
 struct Place {

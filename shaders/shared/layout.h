@@ -1,12 +1,11 @@
-// The nouns that kernels and CPU oracle share: structs, enums, binding and constant numbers. No verbs: nothing here
-// computes. Read by C++ and by GLSL. Structs hold scalars only, largest first, so that std430 offsets equal C++'s (a
-// test compares them). `real` is float or double: a template parameter in C++, a macro in GLSL. Laws G1 to L8:
-// shaders/README.md.
+// The nouns that kernels and CPU oracle share: structs, enums, binding and constant numbers; of fields, of paths, of
+// paths on meshes. No verbs: nothing here computes. Read by C++ and by GLSL. Structs hold scalars only, largest first,
+// so that std430 offsets equal C++'s (a test compares them). `real` is float or double: a template parameter in C++, a
+// macro in GLSL. Laws G1 to L8: shaders/README.md.
 #ifdef __cplusplus
 #pragma once
 #include <cstddef>
 #include <cstdint>
-#include <span>
 namespace forceshade::layout {
 using uint = std::uint32_t;
 #define FS_CONSTANT inline constexpr uint
@@ -57,6 +56,26 @@ FS_CONSTANT kChannelUnshaded = 16u; // N, 3 reals a voxel: what shading "none" w
 
 FS_CONSTANT kNoFacet = 0xFFFFFFFFu; // facet id of a voxel out of contact
 
+// Specialization constants, the same of all kernels; each has those that it needs.
+FS_CONSTANT kSpecLocalX = 0u;
+FS_CONSTANT kSpecSurface = 1u;
+FS_CONSTANT kSpecShading = 2u;
+FS_CONSTANT kSpecDepth = 3u;
+FS_CONSTANT kSpecReference = 4u;
+FS_CONSTANT kSpecInside = 5u;
+FS_CONSTANT kSpecMap = 6u;
+FS_CONSTANT kSpecTexture = 7u;
+FS_CONSTANT kSpecChannels = 8u;
+FS_CONSTANT kSpecMotion = 9u;
+FS_CONSTANT kSpecLoop = 10u;
+FS_CONSTANT kSpecFollow = 11u;
+FS_CONSTANT kSpecHarmonics = 12u; // of each axis
+FS_CONSTANT kSpecFriction = 13u;  // 1: some hand's device has friction
+FS_CONSTANT kSpecQuantised = 14u; // 1: some hand's device rounds positions
+FS_CONSTANT kSpecFree = 15u;      // of the mesh kernel, 1: only the proxies of free voxels
+FS_CONSTANT kSpecUnroll = 16u;    // corners of a facet that an iteration takes
+FS_CONSTANT kSpecCount = 17u;
+
 // Bindings of the field kernel, all storage buffers in set 0.
 FS_CONSTANT kBindLaw = 0u;
 FS_CONSTANT kBindAxes = 1u;
@@ -71,21 +90,10 @@ FS_CONSTANT kBindProxy = 9u;
 FS_CONSTANT kBindUnshaded = 10u;
 FS_CONSTANT kBindCount = 11u;
 
-// Specialization constants of the field kernel.
-FS_CONSTANT kSpecLocalX = 0u;
-FS_CONSTANT kSpecSurface = 1u;
-FS_CONSTANT kSpecShading = 2u;
-FS_CONSTANT kSpecDepth = 3u;
-FS_CONSTANT kSpecReference = 4u;
-FS_CONSTANT kSpecMap = 5u;
-FS_CONSTANT kSpecTexture = 6u;
-FS_CONSTANT kSpecChannels = 7u;
-FS_CONSTANT kSpecCount = 8u;
-
 // Neighbouring x samples that an invocation of the field kernel evaluates: a vector of four words, of one real each or
 // of two.
-FS_CONSTANT kAbreast = 4u;
-FS_CONSTANT kAbreastPacked = 8u;
+FS_CONSTANT kLanes = 4u;
+FS_CONSTANT kLanesPacked = 8u;
 
 // Acceleration structure of a mesh: children of a node, and how a child is written.
 FS_CONSTANT kMeshChildren = 4u;
@@ -123,17 +131,6 @@ FS_CONSTANT kMeshBindFacet = 13u;
 FS_CONSTANT kMeshBindProxy = 14u;
 FS_CONSTANT kMeshBindUnshaded = 15u;
 FS_CONSTANT kMeshBindCount = 16u;
-
-// Specialization constants of the mesh kernel.
-FS_CONSTANT kMeshSpecLocalX = 0u;
-FS_CONSTANT kMeshSpecShading = 1u;
-FS_CONSTANT kMeshSpecInside = 2u;
-FS_CONSTANT kMeshSpecMap = 3u;
-FS_CONSTANT kMeshSpecTexture = 4u;
-FS_CONSTANT kMeshSpecChannels = 5u;
-FS_CONSTANT kMeshSpecFree = 6u;   // 1: only the proxies of free voxels
-FS_CONSTANT kMeshSpecUnroll = 7u; // corners of a facet that an iteration takes
-FS_CONSTANT kMeshSpecCount = 8u;
 
 // A block on the device: x, y, z of its first voxel within the chunk, first candidate, their count; and 8 bits for the
 // voxels inside by the winding number, 8 for those to evaluate.
@@ -239,92 +236,281 @@ struct MeshBlock {
     uint count; // 0: no voxel of the block is in contact
 };
 
-#ifdef __cplusplus
-// The triangles below a node as seen from far away, for the winding number: integrals over them, with a the vector area
-// (half the cross product of two edges).
-struct MeshMoment {
-    double centre[3];     // 1, of the mesh's frame: mean of the centroids, weighted by area
-    double radius;        // 1: no triangle reaches further from the centre
-    double dipole[3];     // sum of a
-    double quadrupole[6]; // symmetric part of the sum of a_i x_j, x from the centre: xx yy zz xy xz yz
-    double octupole[10];  // of the sum of a_i x_j x_k: xxx yyy zzz xxy xxz xyy yyz xzz yzz xyz
+// How the intended motion of a path goes.
+FS_CONSTANT kMotionStrokes = 0u;     // straight, there and back
+FS_CONSTANT kMotionRaster = 1u;      // line after line, there and back
+FS_CONSTANT kMotionCircle = 2u;      // round and round
+FS_CONSTANT kMotionSpiral = 3u;      // round, in and out
+FS_CONSTANT kMotionTaps = 4u;        // down and up
+FS_CONSTANT kMotionRandomWalk = 5u;  // a sum of harmonics
+FS_CONSTANT kMotionMinimumJerk = 6u; // from point to point (Flash & Hogan 1985)
+FS_CONSTANT kMotionRecorded = 7u;    // positions that the host gives
+// Whether the probe is where the motion is, or a hand and a device take it there.
+FS_CONSTANT kLoopOpen = 0u;
+FS_CONSTANT kLoopClosed = 1u;
+// From where a motion's depth is measured.
+FS_CONSTANT kFollowPlane = 0u;   // the plane z = centre_z
+FS_CONSTANT kFollowSurface = 1u; // the nominal surface above or below the motion, and centre_z more
+// What a path may write, as bits beside kChannelForce, kChannelDepth, kChannelFacet and kChannelProxy.
+FS_CONSTANT kChannelPosition = 32u; // m, 3 reals a sample: where the law was evaluated
+
+// A phase is counted in 2^-32 turns, so that it is exact however long a path is.
+FS_CONSTANT kQuarterTurn = 0x40000000u;
+FS_CONSTANT kHalfTurn = 0x80000000u;
+FS_CONSTANT kNever = 0xFFFFFFFFu; // a step that did not come
+
+// Bindings of the kernel of paths over analytic surfaces, all storage buffers in set 0.
+FS_CONSTANT kPathBindLaw = 0u;
+FS_CONSTANT kPathBindFacetVertices = 1u;
+FS_CONSTANT kPathBindMapGradients = 2u;
+FS_CONSTANT kPathBindTextureGradients = 3u;
+FS_CONSTANT kPathBindMotions = 4u;   // a MotionParams a path; recorded: one that says nothing
+FS_CONSTANT kPathBindHarmonics = 5u; // component, axis, path, the last fastest
+FS_CONSTANT kPathBindHands = 6u;     // a HandParams for all, or one a path
+FS_CONSTANT kPathBindLengths = 7u;   // recorded: samples of each path
+FS_CONSTANT kPathBindRecorded = 8u;  // recorded: positions, step by step, path fastest
+FS_CONSTANT kPathBindStates = 9u;    // a PathState a path
+FS_CONSTANT kPathBindStatus = 10u;
+FS_CONSTANT kPathBindPosition = 11u;
+FS_CONSTANT kPathBindForce = 12u;
+FS_CONSTANT kPathBindDepth = 13u;
+FS_CONSTANT kPathBindFacet = 14u;
+FS_CONSTANT kPathBindProxy = 15u;
+FS_CONSTANT kPathBindCount = 16u;
+
+// What one dispatch of a kernel of paths covers, as push constants.
+struct PathChunkParams {
+    uint paths;       // of the batch
+    uint step_first;  // of the dispatch
+    uint step_end;    // where it ends
+    uint row_first;   // the step at which results and recorded positions begin
+    uint steps;       // of a path, where it has no length of its own
+    uint own_lengths; // 1: each path has one
+    uint own_hands;   // 1: each path has a hand of its own
+    float stretch;    // m: the least way that a turn of the force is counted over
 };
 
-// A mesh ready to evaluate, in its own frame. Triangles stand in the tree's order; the spans must outlive it.
-template <typename real> struct MeshView {
-    MeshParams<real> params{};
-    std::span<const MeshNode> nodes;            // root first
-    std::span<const real> vertices;             // 3 a vertex
-    std::span<const uint> triangle_corners;     // 3 a triangle: vertices, counterclockwise seen from outside
-    std::span<const uint> triangle_facets;      // 1 a triangle: id of the facet that it is part of
-    std::span<const uint> triangle_neighbours;  // 3 a triangle: across the edge from corner i to corner i + 1
-    std::span<const real> triangle_normals;     // 3 a triangle: unit, 0 where it has no area
-    std::span<const real> vertex_pseudonormals; // 3 a vertex: angle-weighted sum of its triangles' normals
-    std::span<const real> edge_pseudonormals;   // 3 an edge with more or fewer than two triangles
-    std::span<const uint> facet_begins;         // facets + 1: where a facet's corners begin
-    std::span<const uint> facet_corners;        // vertices
-    std::span<const real> facet_normals;        // 3 a facet: unit Newell normal, 0 where it has no area
-    std::span<const real> vertex_normals;       // 3 a vertex: unit, what L7 interpolates; 0 where they cancel
-    // For the winding number (host only); empty unless asked for.
-    bool solid = false;                  // bounds one solid, whose surface nowhere meets itself
-    std::span<const MeshMoment> moments; // 1 a node
-    std::span<const uint> rims;          // 3 an edge where the surface ends: its vertices, how often more one way
+// A harmonic motion added along one axis of one path.
+FS_STRUCT Harmonic {
+    real amplitude;  // m
+    uint phase;      // at step 0
+    uint phase_step; // a sample
 };
 
-// Where a mesh's force is, on one grid. Voxels of blocks that are not listed are out of contact.
-struct MeshPlan {
-    std::span<const MeshBlock> blocks; // by z
-    std::span<const uint> candidates;  // triangles
-    std::span<const uint> inside;      // kInsideWinding: 1 word a block, bit (z * 2 + y) * 2 + x of each voxel
+// One path's intended motion. The stroke's direction is (heading_x, heading_y), across is a quarter turn to its left.
+FS_STRUCT MotionParams {
+    real centre_x; // m: the middle of the motion
+    real centre_y;
+    real centre_z;
+    real heading_x; // 1: unit
+    real heading_y;
+    real reach;        // m: half of a stroke or line, the largest radius, half of the region along the heading
+    real across;       // m: half of the region across; of a spiral the smallest radius
+    real depth;        // m: below the surface; of strokes on the way there
+    real depth_back;   // m: of strokes on the way back
+    real lift;         // m: of taps, above the surface at the top
+    uint phase;        // at step 0
+    uint phase_step;   // a sample
+    uint radius_phase; // of a spiral's radius
+    uint radius_step;
+    uint run;     // samples of a line of a raster, or from point to point
+    uint turn;    // samples from a raster's line to the next
+    uint lines;   // of a raster
+    uint key_low; // of the path's random numbers
+    uint key_high;
+    uint zero; // 0
 };
 
-// What a scene uses; everything else is left out of the compiled kernel.
-struct Features {
-    uint surface = kSurfaceBump;
-    uint shading = kShadingNone;
-    uint depth = kDepthVertical;
-    uint reference = kReferenceNormal;
-    uint map = kMapNone;
-    uint texture = kMapNone;
-    uint channels = kChannelForce;
-    uint inside = kInsidePseudonormal; // of a mesh
-    friend bool operator==(const Features&, const Features&) = default;
+// One axis of mass, damping and spring over one sample, exactly (zero-order hold): with e the distance from the target,
+// v the speed and f the constant force, x += x_error e + x_speed v + x_force f and v becomes v_error e + v_speed v +
+// v_force f.
+FS_STRUCT AxisMap {
+    real x_error; // 1
+    real x_speed; // s
+    real x_force; // m/N
+    real v_error; // 1/s
+    real v_speed; // 1
+    real v_force; // m/s/N
 };
 
-// A force law, ready to evaluate at any point. The spans must outlive it.
-template <typename real> struct Law {
-    Features features;
-    LawParams<real> params;
-    std::span<const real> facet_vertices;    // m, n + 1 increasing x coordinates (bump only)
-    std::span<const real> map_gradients;     // 1, rows * columns pairs (dU/dx, dU/dy), row 0 at the smallest y
-    std::span<const real> texture_gradients; // likewise for the texture
-    MeshView<real> mesh{};                   // kSurfaceMesh only; L9: params.map and map_gradients tilt its normals
+// The hand and the device that it holds.
+FS_STRUCT HandParams {
+    FS_REAL_STRUCT(AxisMap) lateral;  // x and y
+    FS_REAL_STRUCT(AxisMap) vertical; // z
+    real rate;                        // 1/s: samples a second
+    real period;                      // s: 1 / rate
+    real stiffness;                   // N/m: of the grip along x and y
+    real stiffness_z;                 // N/m: along z, 0 where the hand presses with a given force
+    real damping;                     // N s/m: of the grip
+    real push_x;                      // N: the hand's constant force
+    real push_y;
+    real push_z;
+    real quantum;     // m: of measured positions, 0: none
+    real coulomb;     // N: friction on each axis
+    real max_force;   // N: what the device can display
+    real gain;        // 1: the law's force times this is commanded
+    real bound;       // m: a probe further than this from its target has left: the loop is unstable
+    real start_depth; // m: below the target, where the probe begins
+    uint delay;       // samples from measurement to force, 0 or 1
+    uint zero;        // 0
 };
 
-// A law over a grid.
-template <typename real> struct FieldInput {
-    Law<real> law;
-    std::span<const real> x, y, z; // m, sample coordinates, each rounded once from double; of a mesh in its own frame
-    MeshPlan plan{};               // of a mesh
+// What is remembered of a path, however long it is. Sums have a second term that keeps what rounding takes from the
+// first.
+FS_STRUCT PathMetrics {
+    real largest_force;     // N
+    real force_square;      // N^2: sum over the samples
+    real force_square_rest; // N^2
+    real largest_turn;      // 1: square of the difference of the unit forces of two samples in a row, both in contact
+    real steepest_turn;     // 1: square of the chord of the force's steepest turn since an anchor
+    real steepest_way;      // m^2: square of the way that it took, no less than the stretch
+    real least_depth;       // m: in contact
+    real largest_depth;     // m
+    real depth;             // m: sum over the samples in contact
+    real depth_rest;        // m
+    real depth_square;      // m^2: likewise
+    real depth_square_rest; // m^2
+    real work;              // J: done on the hand
+    real work_rest;         // J
+    real effort;            // J: sum of |F . dx|
+    real effort_rest;       // J
+    real round_begin;       // J: the work when the round began, all rounds before it together
+    real round_begin_rest;  // J
+    real largest_round;     // J: the most work of a round that has ended
+    real least_round;       // J: the least
+    real early_speed;       // m/s: the largest in the second quarter of the steps
+    real late_speed;        // m/s: in the last quarter
+    uint contact_samples;
+    uint rounds;        // ended
+    uint unstable_step; // at which the probe left its bound; kNever
+    uint fell;          // 1: it left free of contact, the way the hand pushes
+    uint unfinished;    // samples at which a proxy did not come to rest
+    uint zero;          // 0
 };
 
-// Consecutive rows of an evaluated field: z in [z_first, z_first + z_count), y likewise. Row r = (z - z_first) *
-// y_count + (y - y_first) begins at sample r * x_pitch. Channels that the features lack are empty. The spans die with
-// the callback that receives them.
-template <typename real> struct FieldChunk {
-    std::size_t x_count, x_pitch;
-    std::size_t y_first, y_count;
-    std::size_t z_first, z_count;
-    std::span<const real> force;    // N, 3 a sample
-    std::span<const real> depth;    // m
-    std::span<const uint> facet;    // id
-    std::span<const real> proxy;    // m, 3 a sample
-    std::span<const real> unshaded; // N, 3 a sample
+// A path between two steps.
+FS_STRUCT PathState {
+    real x; // m: where the probe is
+    real y;
+    real z;
+    real speed_x; // m/s
+    real speed_y;
+    real speed_z;
+    real measured_x; // m: where the law was evaluated last
+    real measured_y;
+    real measured_z;
+    real force_x; // N: commanded last
+    real force_y;
+    real force_z;
+    real anchor_x; // m: from where the turn of the force is counted
+    real anchor_y;
+    real anchor_z;
+    real anchor_force_x; // 1: the force's direction there
+    real anchor_force_y;
+    real anchor_force_z;
+    real steepest; // 1: about the square of the steepest turn's angle
+    FS_REAL_STRUCT(PathMetrics) metrics;
+    uint step;     // the next
+    uint directed; // 1: at the last sample there was contact and a force, so that there is an anchor
 };
-#endif
 
-#include "mesh_path_layout.h"
-#include "path_layout.h"
+// The proxy with which a path on a mesh begins, in the mesh's frame.
+FS_STRUCT ProxyStart {
+    real x;
+    real y;
+    real z;
+    uint inside; // 1: the probe was behind the surface, the proxy is on the nearest place of it
+};
+
+// Bindings of the two kernels of paths on meshes, all storage buffers in set 0. Sixteen, as many as a plain device may
+// have.
+FS_CONSTANT kMeshPathBindLaw = 0u;
+FS_CONSTANT kMeshPathBindMapGradients = 1u;
+FS_CONSTANT kMeshPathBindTextureGradients = 2u;
+FS_CONSTANT kMeshPathBindVectors = 3u;   // 3 a triangle: its corners, and beside them the normal's x, y and z; then the
+                                         // normal of each facet, if shaded or textured; then, if shaded, of each
+                                         // vertex position and normal
+FS_CONSTANT kMeshPathBindTriangles = 4u; // 8 words a triangle: facet, neighbours (with kMeshManyBit: none to hand over
+                                         // to); obstacles in front, behind, end, bits
+FS_CONSTANT kMeshPathBindIndices = 5u;   // if shaded: where each facet's corners begin, and the end; the corners; then
+                                         // the obstacles
+FS_CONSTANT kMeshPathBindNodes = 6u;     // MeshNode
+FS_CONSTANT kMeshPathBindMotions = 7u;   // as kPathBindMotions, and so on
+FS_CONSTANT kMeshPathBindHarmonics = 8u;
+FS_CONSTANT kMeshPathBindHands = 9u;
+FS_CONSTANT kMeshPathBindRecorded = 10u;
+FS_CONSTANT kMeshPathBindStates = 11u;
+FS_CONSTANT kMeshPathBindWalkWords = 12u; // kWalkWord... of each path, the path fastest; the status; the list of paths
+FS_CONSTANT kMeshPathBindWalkReals = 13u; // kWalkReal... of each path, the path fastest
+FS_CONSTANT kMeshPathBindSamples = 14u;   // channel after channel: position, force, depth, proxy
+FS_CONSTANT kMeshPathBindFacet = 15u;
+FS_CONSTANT kMeshPathBindCount = 16u;
+
+FS_CONSTANT kNoPath = 0xFFFFFFFFu; // in the list: nothing to do
+
+// Bits of a triangle: those that stand above its plane were too many to list.
+FS_CONSTANT kTriangleCrowded = 1u;
+
+// What is to be done with a path.
+FS_CONSTANT kPhaseStep = 0u;  // its next step begins
+FS_CONSTANT kPhaseRare = 1u;  // the rare kernel does its god-object's update
+FS_CONSTANT kPhaseAlone = 2u; // likewise, with the loops of several invocations
+FS_CONSTANT kPhaseHost = 3u;  // the host does its god-object's update
+FS_CONSTANT kPhaseFelt = 4u;  // the contact of its step is found
+
+// A path's words.
+FS_CONSTANT kWalkWordPhase = 0u;
+FS_CONSTANT kWalkWordStep = 1u;      // the next
+FS_CONSTANT kWalkWordSteps = 2u;     // of the path
+FS_CONSTANT kWalkWordHeld = 3u;      // triangles that held the proxy at the last update; and bits
+FS_CONSTANT kWalkWordTriangles = 4u; // the three of them
+FS_CONSTANT kWalkWordFelt = 7u;      // of a contact: the first triangle that holds it
+// Of an update that a kernel has begun and not ended:
+FS_CONSTANT kWalkWordStage = 8u;
+FS_CONSTANT kWalkWordSubsteps = 9u;
+FS_CONSTANT kWalkWordTread = 10u;  // substeps when the proxy was last asked whether it moves
+FS_CONSTANT kWalkWordPool = 11u;   // triangles in the pool; 1 bit each for those whose planes led nowhere
+FS_CONSTANT kWalkWordPooled = 12u; // the eight of them
+FS_CONSTANT kWalkWordCount = 20u;
+
+FS_CONSTANT kHeldCount = 3u;
+FS_CONSTANT kHeldCornered = 4u; // rested at a corner or an edge
+// Of a contact that was found for a step:
+FS_CONSTANT kHeldTouching = 8u;
+FS_CONSTANT kHeldBack = 16u; // the first triangle is touched from behind
+FS_CONSTANT kHeldUnfinished = 32u;
+
+FS_CONSTANT kMeshPool = 8u; // most triangles that are minded at once
+FS_CONSTANT kPoolCount = 15u;
+FS_CONSTANT kPoolFaceless = 4u; // shift
+
+FS_CONSTANT kStageBegin = 0u;
+FS_CONSTANT kStageWalk = 1u;
+
+// A path's reals, in the mesh's frame; three each.
+FS_CONSTANT kWalkRealProxy = 0u;
+FS_CONSTANT kWalkRealProbe = 3u;
+FS_CONSTANT kWalkRealRest = 6u;   // the contact's proxy
+FS_CONSTANT kWalkRealAt = 9u;     // where the walk is
+FS_CONSTANT kWalkRealTread = 12u; // where it was last asked whether it moves
+FS_CONSTANT kWalkRealFree = 15u;  // nothing is nearer to here than
+FS_CONSTANT kWalkRealReach = 18u; // 1: this; 0: not known
+FS_CONSTANT kWalkRealCount = 19u;
+
+// What one dispatch of the kernels of paths on meshes covers, as push constants.
+struct MeshPathChunkParams {
+    uint first;     // in the list
+    uint listed;    // paths
+    uint paths;     // of the batch
+    uint row_first; // the step at which results and recorded positions begin
+    uint rows;      // steps of the results
+    uint step_end;  // where the dispatch ends
+    uint own_hands; // 1: each path has a hand of its own
+    uint pause;     // loops after which an invocation begins nothing new
+    uint limit;     // loops that an invocation may run
+    float stretch;  // m: as in PathChunkParams
+    uint vertices;  // where they begin in the vectors
+};
 
 #ifdef __cplusplus
 } // namespace forceshade::layout

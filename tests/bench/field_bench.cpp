@@ -5,7 +5,7 @@
 
 #include <benchmark/benchmark.h>
 
-#include "compute/field_kernel.h"
+#include "compute/kernels.h"
 #include "host/prepare/tables.h"
 #include "tests/bench/measure.h"
 

@@ -6,7 +6,7 @@
 
 #include <benchmark/benchmark.h>
 
-#include "compute/mesh_kernel.h"
+#include "compute/kernels.h"
 #include "host/mesh/block_plan.h"
 #include "host/mesh/findings.h"
 #include "host/mesh/mesh.h"

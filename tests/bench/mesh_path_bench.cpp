@@ -7,7 +7,7 @@
 
 #include <benchmark/benchmark.h>
 
-#include "compute/mesh_path_kernel.h"
+#include "compute/kernels.h"
 #include "host/mesh/mesh_file.h"
 #include "host/mesh/structure.h"
 #include "host/reference/god_object.h"

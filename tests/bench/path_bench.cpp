@@ -5,7 +5,7 @@
 
 #include <benchmark/benchmark.h>
 
-#include "compute/path_kernel.h"
+#include "compute/kernels.h"
 #include "host/prepare/tables.h"
 #include "host/reference/paths.h"
 #include "tests/bench/measure.h"

@@ -20,20 +20,16 @@ public:
     explicit ReplayEngine(Engine& engine) : engine_(engine) {}
     EngineReport report() const override { return engine_.report(); }
     void rewind() { next_ = 0; }
-    EngineTimes evaluate(const layout::FieldInput<float>& input,
-                         const std::function<void(const layout::FieldChunk<float>&)>& consume) override {
+    EngineTimes run(const EngineWork& work) override {
+        const auto& [input, take] = std::get<FieldWork<float>>(work);
         if (next_ == fields_.size()) {
             fields_.emplace_back();
             engine_.evaluate(input,
                              [&](const layout::FieldChunk<float>& chunk) { fields_.back().emplace_back(chunk); });
         }
         for (const OwnedChunk<float>& chunk : fields_[next_])
-            consume(chunk.view);
+            take(chunk.view);
         ++next_;
-        return {};
-    }
-    EngineTimes evaluate(const layout::FieldInput<double>&,
-                         const std::function<void(const layout::FieldChunk<double>&)>&) override {
         return {};
     }
 

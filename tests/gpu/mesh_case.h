@@ -3,7 +3,7 @@
 
 #include <memory>
 
-#include "compute/mesh_kernel.h"
+#include "compute/kernels.h"
 #include "host/mesh/structure.h"
 #include "tests/gpu/software_device.h"
 #include "tests/mesh/shapes.h"

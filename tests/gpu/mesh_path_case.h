@@ -4,7 +4,7 @@
 #include <memory>
 #include <optional>
 
-#include "compute/mesh_path_kernel.h"
+#include "compute/kernels.h"
 #include "host/referee/god_object_referee.h"
 #include "host/reference/god_object.h"
 #include "host/reference/path_step.h"

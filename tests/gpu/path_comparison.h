@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "compute/path_kernel.h"
+#include "compute/kernels.h"
 #include "host/reference/paths.h"
 
 namespace forceshade::test {

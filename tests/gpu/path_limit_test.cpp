@@ -2,7 +2,7 @@
 // notice; left to itself it cuts long paths into dispatches that end in time.
 #include <gtest/gtest.h>
 
-#include "compute/path_plan.h"
+#include "compute/plan.h"
 #include "host/engine/engine.h"
 #include "tests/gpu/path_case.h"
 #include "tests/gpu/path_surfaces.h"

@@ -81,7 +81,12 @@ TEST(PathSpirv, ArraysAreDense) {
 TEST(PathSpirv, BindingsAndConstantsAreThoseOfTheLayout) {
     for (const Kernel& kernel : paths()) {
         EXPECT_EQ(SpirvModule(kernel.words).bindings(), numbers(layout::kPathBindCount));
-        EXPECT_EQ(SpirvModule(kernel.words).specialization_ids(), numbers(layout::kPathSpecCount));
+        EXPECT_EQ(
+            SpirvModule(kernel.words).specialization_ids(),
+            (std::set<std::uint32_t>{layout::kSpecLocalX, layout::kSpecSurface, layout::kSpecShading,
+                                     layout::kSpecDepth, layout::kSpecReference, layout::kSpecMap, layout::kSpecTexture,
+                                     layout::kSpecChannels, layout::kSpecMotion, layout::kSpecLoop, layout::kSpecFollow,
+                                     layout::kSpecHarmonics, layout::kSpecFriction, layout::kSpecQuantised}));
     }
     // The two on meshes share one set, of which each takes what it needs.
     std::set<std::uint32_t> bindings, constants;
@@ -91,7 +96,10 @@ TEST(PathSpirv, BindingsAndConstantsAreThoseOfTheLayout) {
         constants.insert(module.specialization_ids().begin(), module.specialization_ids().end());
     }
     EXPECT_EQ(bindings, numbers(layout::kMeshPathBindCount));
-    EXPECT_EQ(constants, numbers(layout::kMeshPathSpecCount));
+    EXPECT_EQ(constants, (std::set<std::uint32_t>{layout::kSpecLocalX, layout::kSpecShading, layout::kSpecMap,
+                                                  layout::kSpecTexture, layout::kSpecChannels, layout::kSpecMotion,
+                                                  layout::kSpecLoop, layout::kSpecHarmonics, layout::kSpecFriction,
+                                                  layout::kSpecQuantised, layout::kSpecUnroll}));
 }
 
 TEST(PathSpirv, CapabilitiesAreTheFewest) {

@@ -3,7 +3,7 @@
 #include <rapidcheck.h>
 
 #include "compute/device.h"
-#include "compute/field_plan.h"
+#include "compute/plan.h"
 
 namespace forceshade::compute {
 namespace {
@@ -33,7 +33,7 @@ PlanLimits any_limits() {
     limits.chunk_bytes = one_of({1u << 10, 12345u, 1u << 16, 8u << 20, 1u << 30});
     limits.group_invocations = static_cast<std::uint32_t>(one_of({128, 256, 1024}));
     limits.group_count = static_cast<std::uint32_t>(one_of({65535u, 0x7FFFFFFFu, 0xFFFFFFFFu}));
-    limits.abreast = static_cast<std::uint32_t>(one_of({1, 4, 8}));
+    limits.lanes = static_cast<std::uint32_t>(one_of({1, 4, 8}));
     limits.invocations = static_cast<std::uint32_t>(one_of({0, 1, 64, 2048, 1 << 20}));
     limits.along_z = one_of({0, 1});
     return limits;
@@ -56,19 +56,19 @@ void covers_every_row() {
     const uint64_t nx = extent(), ny = extent(), nz = extent();
     const PlanLimits limits = any_limits();
     const SampleBytes sample = any_sample();
-    const uint64_t pitch = (nx + limits.abreast - 1) / limits.abreast * limits.abreast;
+    const uint64_t pitch = (nx + limits.lanes - 1) / limits.lanes * limits.lanes;
     FieldPlan plan;
     try {
         plan = plan_field(nx, ny, nz, sample, limits);
     } catch (const DeviceError& error) {
         RC_ASSERT(error.kind() == DeviceError::Kind::out_of_memory);
-        const uint64_t widest = uint64_t(limits.group_count) * 64 * limits.abreast;
+        const uint64_t widest = uint64_t(limits.group_count) * 64 * limits.lanes;
         RC_ASSERT(pitch * sample.all > limits.chunk_bytes || pitch * sample.largest > limits.buffer_range ||
                   pitch > widest);
         return;
     }
     RC_ASSERT(plan.x_pitch == pitch);
-    RC_ASSERT(uint64_t(plan.blocks) * limits.abreast == pitch);
+    RC_ASSERT(uint64_t(plan.blocks) * limits.lanes == pitch);
     RC_ASSERT(plan.group >= 1 && plan.group <= limits.group_invocations);
     RC_ASSERT(plan.rows >= 1 && plan.rows <= kMostIterations);
     RC_ASSERT(plan.y_step >= 1 && plan.y_step <= ny && plan.z_step >= 1 && plan.z_step <= nz);
@@ -113,7 +113,7 @@ TEST(Plan, NamesTheRowThatDoesNotFit) {
     limits.chunk_bytes = 1000;
     limits.group_invocations = 128;
     limits.group_count = 65535;
-    limits.abreast = 4;
+    limits.lanes = 4;
     try {
         plan_field(100, 1, 1, {12, 12}, limits);
         FAIL();

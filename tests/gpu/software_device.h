@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "compute/device.h"
-#include "compute/field_kernel.h"
+#include "compute/kernels.h"
 #include "host/prepare/tables.h"
 #include "host/reference/field.h"
 

@@ -59,24 +59,24 @@ TEST(Spirv, ArraysAreDense) {
 }
 
 TEST(Spirv, BindingsAndConstantsAreThoseOfTheLayout) {
-    std::set<std::uint32_t> bindings, constants;
-    for (std::uint32_t i = 0; i < layout::kBindCount; ++i)
-        bindings.insert(i);
-    for (std::uint32_t i = 0; i < layout::kSpecCount; ++i)
-        constants.insert(i);
+    const auto bindings = [](std::uint32_t count) {
+        std::set<std::uint32_t> all;
+        for (std::uint32_t i = 0; i < count; ++i)
+            all.insert(i);
+        return all;
+    };
+    using namespace layout;
+    const std::set<std::uint32_t> field{kSpecLocalX,    kSpecSurface, kSpecShading, kSpecDepth,
+                                        kSpecReference, kSpecMap,     kSpecTexture, kSpecChannels};
+    const std::set<std::uint32_t> mesh{kSpecLocalX,  kSpecShading,  kSpecInside, kSpecMap,
+                                       kSpecTexture, kSpecChannels, kSpecFree,   kSpecUnroll};
     for (const SpirvModule* module : {&f32(), &f32_packed(), &f64()}) {
-        EXPECT_EQ(module->bindings(), bindings);
-        EXPECT_EQ(module->specialization_ids(), constants);
+        EXPECT_EQ(module->bindings(), bindings(kBindCount));
+        EXPECT_EQ(module->specialization_ids(), field);
     }
-    bindings.clear();
-    constants.clear();
-    for (std::uint32_t i = 0; i < layout::kMeshBindCount; ++i)
-        bindings.insert(i);
-    for (std::uint32_t i = 0; i < layout::kMeshSpecCount; ++i)
-        constants.insert(i);
     for (const SpirvModule* module : {&mesh_f32(), &mesh_f64()}) {
-        EXPECT_EQ(module->bindings(), bindings);
-        EXPECT_EQ(module->specialization_ids(), constants);
+        EXPECT_EQ(module->bindings(), bindings(kMeshBindCount));
+        EXPECT_EQ(module->specialization_ids(), mesh);
     }
 }
 

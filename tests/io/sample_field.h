@@ -9,7 +9,7 @@
 
 #include "host/output/exr_volume.h"
 #include "host/output/rows.h"
-#include "shaders/shared/layout.h"
+#include "shaders/shared/law.h"
 
 namespace forceshade::testing {
 

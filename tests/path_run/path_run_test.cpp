@@ -22,16 +22,8 @@ public:
     bool software = true;
 
     EngineReport report() const override { return {"gpu", "tampered", "", "", software, true}; }
-    EngineTimes evaluate(const layout::FieldInput<float>&,
-                         const std::function<void(const layout::FieldChunk<float>&)>&) override {
-        return {};
-    }
-    EngineTimes evaluate(const layout::FieldInput<double>&,
-                         const std::function<void(const layout::FieldChunk<double>&)>&) override {
-        return {};
-    }
-    EngineTimes explore(const layout::PathInput<float>& input, const reference::TakePaths<float>& take,
-                        const reference::TakeMetrics<float>& take_metrics) override {
+    EngineTimes run(const EngineWork& work) override {
+        const auto& [input, take, take_metrics] = std::get<PathWork<float>>(work);
         EngineOptions options;
         options.cpu = true;
         options.chunk_bytes = 20000; // several windows a batch
@@ -54,7 +46,6 @@ public:
                 take_metrics(first, changed);
             });
     }
-    using Engine::explore;
 };
 
 class PathRun : public ::testing::Test {

@@ -103,17 +103,9 @@ public:
         report.f64 = false;
         return report;
     }
-    EngineTimes evaluate(const layout::FieldInput<float>&,
-                         const std::function<void(const layout::FieldChunk<float>&)>&) override {
-        return {};
-    }
-    EngineTimes evaluate(const layout::FieldInput<double>&,
-                         const std::function<void(const layout::FieldChunk<double>&)>&) override {
-        return {};
-    }
-    EngineTimes explore(const layout::PathInput<float>& input, const reference::TakePaths<float>& take,
-                        const reference::TakeMetrics<float>& take_metrics) override {
-        return engine().explore(input, take, take_metrics);
+    EngineTimes run(const EngineWork& work) override {
+        EXPECT_TRUE(std::holds_alternative<PathWork<float>>(work));
+        return engine().run(work);
     }
 };
 

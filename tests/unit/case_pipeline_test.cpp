@@ -18,8 +18,8 @@ constexpr std::size_t kSide = 8; // samples along each axis of the chunks below
 class LayerEngine final : public Engine {
 public:
     EngineReport report() const override { return {"cpu", "layers", "", "", true, true}; }
-    EngineTimes evaluate(const layout::FieldInput<float>& input,
-                         const std::function<void(const layout::FieldChunk<float>&)>& consume) override {
+    EngineTimes run(const EngineWork& work) override {
+        const auto& [input, take] = std::get<FieldWork<float>>(work);
         const std::vector<float> force(3 * input.x.size() * input.y.size(), 1.0f);
         for (std::size_t z = 0; z < input.z.size(); ++z) {
             layout::FieldChunk<float> chunk{};
@@ -28,12 +28,8 @@ public:
             chunk.z_first = z;
             chunk.z_count = 1;
             chunk.force = force;
-            consume(chunk);
+            take(chunk);
         }
-        return {};
-    }
-    EngineTimes evaluate(const layout::FieldInput<double>&,
-                         const std::function<void(const layout::FieldChunk<double>&)>&) override {
         return {};
     }
 };

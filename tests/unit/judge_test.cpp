@@ -67,19 +67,19 @@ public:
         report.software = false;
         return report;
     }
-    EngineTimes evaluate(const layout::FieldInput<float>& input,
-                         const std::function<void(const layout::FieldChunk<float>&)>& consume) override {
-        return pretend(input, consume);
-    }
-    EngineTimes evaluate(const layout::FieldInput<double>& input,
-                         const std::function<void(const layout::FieldChunk<double>&)>& consume) override {
-        return pretend(input, consume);
+    EngineTimes run(const EngineWork& work) override {
+        std::visit(
+            [&](const auto& one) {
+                if constexpr (!requires { one.take_metrics; })
+                    pretend(one);
+            },
+            work);
+        return {};
     }
 
 private:
-    template <typename T>
-    EngineTimes pretend(const layout::FieldInput<T>& input,
-                        const std::function<void(const layout::FieldChunk<T>&)>& consume) const {
+    template <typename T> void pretend(const FieldWork<T>& work) const {
+        const layout::FieldInput<T>& input = work.input;
         std::vector<T> force, depth, proxy, unshaded;
         std::vector<layout::uint> facet;
         const auto append = [](std::vector<T>& to, const reference::Vector<double>& value) {
@@ -96,9 +96,8 @@ private:
                     depth.push_back(static_cast<T>(said.depth));
                     facet.push_back(said.facet);
                 }
-        consume({input.x.size(), input.x.size(), 0, input.y.size(), 0, input.z.size(), force, depth, facet, proxy,
-                 unshaded});
-        return {};
+        work.take({input.x.size(), input.x.size(), 0, input.y.size(), 0, input.z.size(), force, depth, facet, proxy,
+                   unshaded});
     }
 
     FieldTables<double> tables_;

@@ -1,0 +1,132 @@
+// What all kernels share: pipelines, tables that dispatches read, and dispatches in flight, one of which is computed
+// while the results of another are consumed. Knows nothing of what is computed, and shows no Vulkan type.
+#pragma once
+
+#include <chrono>
+#include <span>
+
+#include "compute/inputs.h"
+#include "compute/kernels.h"
+
+namespace forceshade::compute {
+
+using Clock = std::chrono::steady_clock;
+
+inline double seconds_since(Clock::time_point start) {
+    return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+using Bytes = std::span<const std::byte>;
+
+template <typename Value> Bytes bytes_of(const Value& value) {
+    return std::as_bytes(std::span(&value, 1));
+}
+
+/// Runs a call and turns Vulkan's exceptions into DeviceError with `doing` as context.
+void run_checked(const std::string& doing, const std::function<void()>& call);
+
+/// \throws DeviceError (unsupported) if kernels compute in T and this device cannot.
+template <typename T> void check_precision(const DeviceReport& report) {
+    if (sizeof(T) == sizeof(double) && !report.f64)
+        throw DeviceError(DeviceError::Kind::unsupported,
+                          report.name + " has no double precision in kernels: use --precision f32");
+}
+
+class Dispatcher {
+public:
+    static constexpr layout::uint kNoStatus = 0xFFFFFFFFu;
+
+    struct Shape {
+        layout::uint bindings = 0;
+        layout::uint status = kNoStatus; /* binding of the status word */
+        std::uint32_t push_bytes = 0;    /* of push constants */
+        std::uint32_t in_flight = 2;     /* most dispatches at once */
+        bool force_staging = false;      /* copy results even where the host shares the memory */
+    };
+    Dispatcher(Device& device, const Shape& shape);
+    ~Dispatcher();
+
+    const DeviceReport& report() const;
+
+    /// The number of a pipeline, compiled if it was not yet. `code` is SPIR-V that outlives this; `constants` stand by
+    /// their ids, from 0; those that the code lacks are ignored.
+    std::size_t pipeline(std::span<const std::uint32_t> code, std::span<const std::uint32_t> constants,
+                         FieldTimes& times);
+
+    /// Copies the tables that `tables` puts, which every dispatch reads; an empty one leaves what was there. No
+    /// dispatch may be in flight. \throws DeviceError (out_of_memory) for a table beyond the device's range.
+    void upload(FieldTimes& times, const std::function<void(const PutTable& put)>& tables);
+
+    /// A buffer that every dispatch reads and writes; what it held is lost if it grows. The address of its first byte
+    /// if `shared` with the host. \throws DeviceError (out_of_memory).
+    std::byte* keep(layout::uint binding, std::size_t bytes, bool shared);
+    /// What dispatches left in it; none may be in flight.
+    const std::byte* kept(layout::uint binding);
+    /// Makes what the host wrote to it visible to the device.
+    void flush(layout::uint binding);
+
+    /// Begins a dispatch: waits for the one whose buffers it takes, adds its times and hands over its results.
+    /// \throws DeviceError (device_lost, unfinished).
+    void begin(FieldTimes& times);
+    /// Hands over the results of all dispatches, in their order.
+    void finish(FieldTimes& times);
+    /// Does `work` and finishes; where it throws, waits until the device is done with the buffers.
+    void complete(FieldTimes& times, const std::function<void()>& work);
+
+    /// Of the dispatch that was begun: copies a table that it alone reads.
+    void put(layout::uint binding, Bytes table);
+    /// Room for results. \throws DeviceError (out_of_memory).
+    void expect(layout::uint binding, std::size_t bytes);
+    /// Likewise for the results of so many samples; channels are bound one after the other, in the order of kChannels.
+    void expect_channels(layout::uint force_binding, layout::uint channels, std::size_t samples, std::size_t real_size);
+    /// Room in every dispatch, to come.
+    void reserve_channels(layout::uint force_binding, layout::uint channels, std::size_t samples,
+                          std::size_t real_size);
+    /// Fills results with a word before anything runs.
+    void fill(layout::uint binding, layout::uint word);
+
+    struct Run {
+        std::size_t pipeline;
+        std::uint64_t groups;
+        Bytes push;
+        bool after_copies = false; /* waits for tables that were put, and fills */
+        bool after_runs = false;   /* waits for the runs before it, of any dispatch */
+    };
+    /// Ends it: `consume` is called when it is done, by `begin` or `finish`.
+    void submit(std::span<const Run> runs, const std::function<void()>& consume);
+
+    /// The results of the dispatch that is being consumed; none where none were expected.
+    template <typename Value> std::span<const Value> results(layout::uint binding) const {
+        const Bytes bytes = result_bytes(binding);
+        return {reinterpret_cast<const Value*>(bytes.data()), bytes.size() / sizeof(Value)};
+    }
+    /// Likewise of the channels that fields and paths have in common.
+    template <typename T, typename Chunk> void put_results(layout::uint force_binding, Chunk& chunk) const {
+        chunk.force = results<T>(force_binding);
+        chunk.depth = results<T>(force_binding + 1);
+        chunk.facet = results<layout::uint>(force_binding + 2);
+        chunk.proxy = results<T>(force_binding + 3);
+    }
+    /// The results of a field's chunk.
+    template <typename T, typename Params>
+    layout::FieldChunk<T> field_chunk(layout::uint force_binding, std::size_t x_count, const Params& params) const {
+        layout::FieldChunk<T> chunk{};
+        chunk.x_count = x_count;
+        chunk.x_pitch = params.x_pitch;
+        chunk.y_first = params.y_first;
+        chunk.y_count = params.y_count;
+        chunk.z_first = params.z_first;
+        chunk.z_count = params.z_count;
+        put_results<T>(force_binding, chunk);
+        chunk.unshaded = results<T>(force_binding + 4);
+        return chunk;
+    }
+
+private:
+    Bytes result_bytes(layout::uint binding) const;
+
+    struct Implementation;
+    std::unique_ptr<Implementation> implementation_;
+};
+
+} // namespace forceshade::compute

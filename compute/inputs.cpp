@@ -1,0 +1,302 @@
+#include "compute/inputs.h"
+
+#include <algorithm>
+#include <array>
+
+#include "compute/plan.h"
+
+namespace forceshade::compute {
+namespace {
+
+using layout::uint;
+
+// L7 interpolates the normals of the vertices around a facet: without it neither these nor places nor corners are read.
+bool reads_corners(const layout::Features& features) {
+    return features.shading != layout::kShadingNone;
+}
+
+// L7 starts from the facet's normal; L8 and L9 need its plane.
+bool reads_facet_normals(const layout::Features& features) {
+    return features.shading != layout::kShadingNone || features.map != layout::kMapNone ||
+           features.texture != layout::kMapNone;
+}
+
+// Of a field: what lies around a triangle tells the inside, unless the winding number does.
+bool reads_pseudonormals(const layout::Features& features) {
+    return features.inside == layout::kInsidePseudonormal;
+}
+
+template <typename Value> std::span<const std::byte> bytes_of(const std::vector<Value>& values) {
+    return std::as_bytes(std::span<const Value>(values));
+}
+
+// The axes x, y, z, of which x is padded with its last sample to a multiple of `lanes`.
+template <typename T> std::vector<T> axes_of(const layout::FieldInput<T>& input, std::uint32_t lanes) {
+    std::vector<T> axes(input.x.begin(), input.x.end());
+    axes.resize(divide_up(axes.size(), lanes) * lanes, input.x.back());
+    axes.insert(axes.end(), input.y.begin(), input.y.end());
+    axes.insert(axes.end(), input.z.begin(), input.z.end());
+    return axes;
+}
+
+template <typename T> void put_gradients(const layout::Law<T>& law, uint map, uint texture, const PutTable& put) {
+    put(map, std::as_bytes(law.map_gradients));
+    put(texture, std::as_bytes(law.texture_gradients));
+}
+
+template <typename T> void put_mesh_law(const layout::Law<T>& law, uint binding, const PutTable& put) {
+    const layout::MeshLawParams<T> params{law.params, law.mesh.params};
+    put(binding, std::as_bytes(std::span(&params, 1)));
+}
+
+template <typename T> using Point = std::array<T, 3>;
+
+template <typename T> Point<T> point_at(std::span<const T> table, std::size_t index) {
+    return {table[3 * index], table[3 * index + 1], table[3 * index + 2]};
+}
+
+// Each triangle's place in the order of (facet, triangle).
+template <typename T> std::vector<uint> places(const layout::MeshView<T>& mesh) {
+    std::vector<uint> begin(std::size_t(mesh.params.facets) + 1, 0);
+    for (const uint facet : mesh.triangle_facets)
+        ++begin[facet + 1];
+    for (std::size_t f = 1; f < begin.size(); ++f)
+        begin[f] += begin[f - 1];
+    std::vector<uint> place;
+    place.reserve(mesh.triangle_facets.size());
+    for (const uint facet : mesh.triangle_facets)
+        place.push_back(begin[facet]++);
+    return place;
+}
+
+template <typename T> T square_of_edge(const Point<T>& from, const Point<T>& to) {
+    const T x = to[0] - from[0], y = to[1] - from[1], z = to[2] - from[2];
+    return x * x + y * y + z * z;
+}
+
+// The corners of a triangle by (x, y, z), which is how the law walks its edges; and what the law must know of the order
+// that they had: layout::kMeshCandidate...
+template <typename T> struct SortedCorners {
+    std::array<Point<T>, 3> points;
+    bool turned = false;
+    uint bits = 0;
+
+    explicit SortedCorners(const std::array<Point<T>, 3>& corners) {
+        std::array<uint, 3> order{0, 1, 2};
+        const auto sort = [&](std::size_t i, std::size_t j) {
+            if (corners[order[j]] < corners[order[i]])
+                std::swap(order[i], order[j]);
+        };
+        sort(0, 1);
+        sort(1, 2);
+        sort(0, 1);
+        for (std::size_t i = 0; i < 3; ++i)
+            points[i] = corners[order[i]];
+        turned = order[1] != (order[0] + 1) % 3;
+        const auto sorted_place = [&](uint corner) {
+            return static_cast<uint>(std::ranges::find(order, corner) - order.begin());
+        };
+        bits = (turned ? layout::kMeshCandidateTurned : 0) | sorted_place(0) << layout::kMeshCandidateFirst;
+        uint longest = 0; // the first of equals, as in the law
+        T square = T(0);
+        for (uint i = 0; i < 3; ++i)
+            if (const T edge = square_of_edge(corners[i], corners[(i + 1) % 3]); edge > square) {
+                longest = i;
+                square = edge;
+            }
+        // Sorted edges: low to middle, middle to high, low to high.
+        const uint sum = sorted_place(longest) + sorted_place((longest + 1) % 3);
+        bits |= (sum == 1 ? 0u : sum == 3 ? 1u : 2u) << layout::kMeshCandidateLongest;
+    }
+};
+
+template <typename T>
+void add_vector(std::span<const T> table, std::size_t index, std::vector<T>& to, T beside = T(0)) {
+    to.insert(to.end(), {table[3 * index], table[3 * index + 1], table[3 * index + 2], beside});
+}
+
+template <typename T>
+std::vector<uint> put_triangles(const layout::MeshView<T>& mesh, const layout::Features& features,
+                                const PutTable& put) {
+    const std::size_t triangles = mesh.triangle_facets.size();
+    const std::vector<uint> place = places(mesh);
+    std::vector<uint> candidates(triangles);
+    std::vector<T> records(12 * triangles);
+    for (std::size_t t = 0; t < triangles; ++t) {
+        std::array<Point<T>, 3> corners;
+        for (std::size_t i = 0; i < 3; ++i)
+            corners[i] = point_at(mesh.vertices, mesh.triangle_corners[3 * t + i]);
+        const SortedCorners<T> sorted(corners);
+        candidates[t] = place[t] << layout::kMeshCandidateShift | sorted.bits;
+        T* const record = &records[12 * std::size_t(place[t])];
+        for (std::size_t i = 0; i < 3; ++i) {
+            const T normal = mesh.triangle_normals[3 * t + i];
+            std::ranges::copy(sorted.points[i], record + 4 * i);
+            record[4 * i + 3] = sorted.turned ? -normal : normal;
+        }
+    }
+    put(layout::kMeshBindRecords, bytes_of(records));
+    const bool around = reads_pseudonormals(features);
+    std::vector<uint> words(around ? 8 * triangles : (triangles + 3) / 4 * 4);
+    for (std::size_t t = 0; t < triangles; ++t) {
+        if (!around) {
+            words[place[t]] = mesh.triangle_facets[t];
+            continue;
+        }
+        uint* const to = &words[8 * std::size_t(place[t])];
+        std::ranges::copy(mesh.triangle_corners.subspan(3 * t, 3), to);
+        to[3] = mesh.triangle_facets[t];
+        for (std::size_t i = 0; i < 3; ++i) {
+            const uint across = mesh.triangle_neighbours[3 * t + i];
+            to[4 + i] = across & layout::kMeshManyBit
+                            ? across
+                            : place[across] << 1 | (candidates[across] & layout::kMeshCandidateTurned);
+        }
+    }
+    put(layout::kMeshBindTriangles, bytes_of(words));
+    return candidates;
+}
+
+template <typename T>
+void put_vertices(const layout::MeshView<T>& mesh, const layout::Features& features, const PutTable& put) {
+    const std::size_t count = mesh.vertices.size() / 3;
+    std::vector<T> vectors;
+    vectors.reserve(4 * count * ((reads_corners(features) ? 2 : 0) + (reads_pseudonormals(features) ? 1 : 0)));
+    for (std::size_t v = 0; v < count; ++v) {
+        if (reads_corners(features)) {
+            add_vector(mesh.vertices, v, vectors);
+            add_vector(mesh.vertex_normals, v, vectors);
+        }
+        if (reads_pseudonormals(features))
+            add_vector(mesh.vertex_pseudonormals, v, vectors);
+    }
+    put(layout::kMeshBindVertices, bytes_of(vectors));
+}
+
+template <typename T>
+void put_facets(const layout::MeshView<T>& mesh, const layout::Features& features, const PutTable& put) {
+    std::vector<T> normals;
+    if (reads_facet_normals(features))
+        for (std::size_t f = 0; f < mesh.facet_normals.size() / 3; ++f)
+            add_vector(mesh.facet_normals, f, normals);
+    if (reads_pseudonormals(features))
+        for (std::size_t e = 0; e < mesh.edge_pseudonormals.size() / 3; ++e)
+            add_vector(mesh.edge_pseudonormals, e, normals);
+    put(layout::kMeshBindNormals, bytes_of(normals));
+    if (!reads_corners(features))
+        return;
+    std::vector<uint> facets(mesh.facet_begins.begin(), mesh.facet_begins.end());
+    facets.insert(facets.end(), mesh.facet_corners.begin(), mesh.facet_corners.end());
+    put(layout::kMeshBindFacets, bytes_of(facets));
+}
+
+template <typename T> void put_path_triangles(const layout::Law<T>& law, const PutTable& put) {
+    const layout::MeshView<T>& mesh = law.mesh;
+    const std::size_t triangles = mesh.triangle_facets.size();
+    const MeshObstacles obstacles = find_obstacles(mesh);
+    std::vector<uint> indices;
+    if (reads_corners(law.features)) {
+        indices.assign(mesh.facet_begins.begin(), mesh.facet_begins.end());
+        indices.insert(indices.end(), mesh.facet_corners.begin(), mesh.facet_corners.end());
+    }
+    const auto first = static_cast<uint>(indices.size());
+    indices.insert(indices.end(), obstacles.triangles.begin(), obstacles.triangles.end());
+    std::vector<uint> words(8 * triangles);
+    for (std::size_t t = 0; t < triangles; ++t) {
+        uint* const to = &words[8 * t];
+        to[0] = mesh.triangle_facets[t];
+        std::ranges::copy(mesh.triangle_neighbours.subspan(3 * t, 3), to + 1);
+        to[4] = first + obstacles.front[t];
+        to[5] = first + obstacles.back[t];
+        to[6] = first + obstacles.front[t + 1];
+        to[7] = obstacles.crowded[t] ? layout::kTriangleCrowded : 0;
+    }
+    put(layout::kMeshPathBindTriangles, bytes_of(words));
+    put(layout::kMeshPathBindIndices, bytes_of(indices));
+}
+
+template <typename T> uint put_path_vectors(const layout::Law<T>& law, const PutTable& put) {
+    const layout::MeshView<T>& mesh = law.mesh;
+    const std::size_t triangles = mesh.triangle_facets.size();
+    const std::size_t vertices = reads_corners(law.features) ? mesh.vertices.size() / 3 : 0;
+    const std::size_t facets = reads_facet_normals(law.features) ? mesh.facet_normals.size() / 3 : 0;
+    const auto begin = static_cast<uint>(3 * triangles + facets);
+    std::vector<T> table;
+    table.reserve(4 * (begin + 2 * vertices));
+    for (std::size_t t = 0; t < triangles; ++t)
+        for (std::size_t i = 0; i < 3; ++i)
+            add_vector(mesh.vertices, mesh.triangle_corners[3 * t + i], table, mesh.triangle_normals[3 * t + i]);
+    for (std::size_t f = 0; f < facets; ++f)
+        add_vector(mesh.facet_normals, f, table);
+    for (std::size_t v = 0; v < vertices; ++v) {
+        add_vector(mesh.vertices, v, table);
+        add_vector(mesh.vertex_normals, v, table);
+    }
+    put(layout::kMeshPathBindVectors, bytes_of(table));
+    return begin;
+}
+
+} // namespace
+
+template <typename T>
+void put_field_tables(const layout::FieldInput<T>& input, std::uint32_t lanes, const PutTable& put) {
+    put(layout::kBindLaw, std::as_bytes(std::span(&input.law.params, 1)));
+    put(layout::kBindAxes, bytes_of(axes_of(input, lanes)));
+    put(layout::kBindFacetVertices, std::as_bytes(input.law.facet_vertices));
+    put_gradients(input.law, layout::kBindMapGradients, layout::kBindTextureGradients, put);
+}
+
+template <typename T> std::vector<uint> put_mesh_tables(const layout::FieldInput<T>& input, const PutTable& put) {
+    const layout::MeshView<T>& mesh = input.law.mesh;
+    put_mesh_law(input.law, layout::kMeshBindLaw, put);
+    put(layout::kMeshBindAxes, bytes_of(axes_of(input, layout::kMeshBlock)));
+    put_gradients(input.law, layout::kMeshBindMapGradients, layout::kMeshBindTextureGradients, put);
+    put_vertices(mesh, input.law.features, put);
+    put_facets(mesh, input.law.features, put);
+    return put_triangles(mesh, input.law.features, put);
+}
+
+template <typename T> void put_path_tables(const layout::Law<T>& law, const PutTable& put) {
+    put(layout::kPathBindLaw, std::as_bytes(std::span(&law.params, 1)));
+    put(layout::kPathBindFacetVertices, std::as_bytes(law.facet_vertices));
+    put_gradients(law, layout::kPathBindMapGradients, layout::kPathBindTextureGradients, put);
+}
+
+template <typename T> uint put_mesh_path_tables(const layout::Law<T>& law, const PutTable& put) {
+    put_mesh_law(law, layout::kMeshPathBindLaw, put);
+    put_gradients(law, layout::kMeshPathBindMapGradients, layout::kMeshPathBindTextureGradients, put);
+    put(layout::kMeshPathBindNodes, std::as_bytes(law.mesh.nodes));
+    put_path_triangles(law, put);
+    return put_path_vectors(law, put);
+}
+
+template <typename T>
+void put_batch_tables(const layout::PathInput<T>& input, const layout::PathBatch<T>& batch, uint motions,
+                      const PutTable& put) {
+    // Recorded paths have a motion that does nothing, an open loop such a hand: one for all.
+    const layout::MotionParams<T> no_motion{};
+    const layout::HandParams<T> no_hand{};
+    std::vector<layout::Harmonic<T>> harmonics;
+    harmonics.reserve(batch.amplitudes.size());
+    for (std::size_t i = 0; i < batch.amplitudes.size(); ++i)
+        harmonics.push_back({batch.amplitudes[i], batch.phases[i], batch.phase_steps[i]});
+    auto hands = input.hands;
+    if (hands.empty())
+        hands = {&no_hand, 1};
+    else if (hands.size() > 1)
+        hands = hands.subspan(batch.first, batch.count);
+    put(motions, std::as_bytes(batch.motions.empty() ? std::span(&no_motion, 1) : batch.motions));
+    put(motions + 1, bytes_of(harmonics));
+    put(motions + 2, std::as_bytes(hands));
+}
+
+#define FS_INSTANTIATE(T)                                                                                              \
+    template void put_field_tables<T>(const layout::FieldInput<T>&, std::uint32_t, const PutTable&);                   \
+    template std::vector<uint> put_mesh_tables<T>(const layout::FieldInput<T>&, const PutTable&);                      \
+    template void put_path_tables<T>(const layout::Law<T>&, const PutTable&);                                          \
+    template uint put_mesh_path_tables<T>(const layout::Law<T>&, const PutTable&);                                     \
+    template void put_batch_tables<T>(const layout::PathInput<T>&, const layout::PathBatch<T>&, uint, const PutTable&);
+FS_INSTANTIATE(float)
+FS_INSTANTIATE(double)
+
+} // namespace forceshade::compute

@@ -1,0 +1,147 @@
+// The kernels on a Vulkan device: force fields over grids, exploration paths, and both on meshes. Work is handed over
+// chunk by chunk, so that it may be larger than the device's memory. A kernel keeps pipelines and buffers from one call
+// to the next, is not for two threads at once, and equals reference<T> bit for bit on a software device.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <span>
+
+#include "compute/device.h"
+#include "shaders/shared/law.h"
+
+namespace forceshade::compute {
+
+/// Where the time went, in seconds. Kernel time is the device's own where its queue keeps time.
+struct FieldTimes {
+    double compile = 0;   /* pipelines, if not yet compiled */
+    double upload = 0;    /* tables and buffers */
+    double kernel = 0;    /* the dispatches */
+    double read_back = 0; /* copies to host memory; 0 where the kernel writes there itself */
+    std::uint64_t dispatches = 0;
+    std::uint64_t uploaded = 0; /* bytes of tables, plans and recorded positions */
+};
+
+/// Receives samples of a field.
+template <typename T> using TakeField = std::function<void(const layout::FieldChunk<T>&)>;
+/// Receive samples of paths, and the metrics of consecutive paths from `first` on when they have ended.
+template <typename T> using TakePaths = std::function<void(const layout::PathChunk<T>&)>;
+template <typename T>
+using TakeMetrics = std::function<void(std::size_t first, std::span<const layout::PathMetrics<T>>)>;
+
+struct FieldKernelOptions {
+    std::size_t chunk_bytes = std::size_t(32)
+                              << 20; /* most for the results of one dispatch; halved while memory is short */
+    std::size_t software_chunk_bytes = std::size_t(8)
+                                       << 20; /* the same on a software device: two fit into its caches */
+    std::uint32_t rows = 0; /* rows (of one y and z) an invocation evaluates; 0: as many as leave the device filled */
+    bool packed_stores = true;  /* two reals a 64-bit word where the device has 64-bit integers (f32) */
+    bool force_staging = false; /* copy through a staging buffer even where the host shares the memory */
+};
+
+/// Fields of analytic surfaces.
+class FieldKernel {
+public:
+    explicit FieldKernel(Device& device, const FieldKernelOptions& options = {});
+    ~FieldKernel();
+
+    /// Evaluates the law at every sample, in T, and hands over consecutive chunks of rows in order (z, then y) while
+    /// the device computes the next. \throws DeviceError: out_of_memory, device_lost, unfinished (the driver ended a
+    /// loop early), unsupported (no f64).
+    template <typename T> FieldTimes evaluate(const layout::FieldInput<T>& input, const TakeField<T>& take);
+
+private:
+    struct Implementation;
+    std::unique_ptr<Implementation> implementation_;
+};
+
+/// Gives the plan of the samples z in [z_first, z_first + z_count): blocks are numbered in the whole grid and begin at
+/// even samples. The spans live until the next call.
+using PlanSlab = std::function<layout::MeshPlan(std::size_t z_first, std::size_t z_count)>;
+
+struct MeshKernelOptions {
+    std::size_t chunk_bytes = std::size_t(32) << 20;         /* most for the results of one dispatch */
+    std::size_t software_chunk_bytes = std::size_t(8) << 20; /* the same on a software device */
+    std::size_t slab_voxels = std::size_t(1) << 20;          /* planned at once */
+    bool force_staging = false; /* copy through a staging buffer even where the host shares the memory */
+};
+
+/// Fields of meshes.
+class MeshKernel {
+public:
+    explicit MeshKernel(Device& device, const MeshKernelOptions& options = {});
+    ~MeshKernel();
+
+    /// As FieldKernel::evaluate, for a law of surface kSurfaceMesh. Samples of blocks that no plan lists are out of
+    /// contact. `plan` is asked for one slab after the other, in order; without it `input.plan` is that of the whole
+    /// grid. \throws DeviceError: also unsupported for facets with too many corners.
+    template <typename T>
+    FieldTimes evaluate(const layout::FieldInput<T>& input, const TakeField<T>& take, const PlanSlab& plan = {});
+
+private:
+    struct Implementation;
+    std::unique_ptr<Implementation> implementation_;
+};
+
+struct PathKernelOptions {
+    std::size_t chunk_bytes = std::size_t(32) << 20; /* most for the samples of one dispatch */
+    std::size_t batch_paths = 16384;                 /* most paths whose tables are held at once */
+    std::uint32_t steps = 0;    /* of a dispatch; 0: as many as end within a second, and no driver breaks off */
+    bool force_staging = false; /* copy through a staging buffer even where the host shares the memory */
+};
+
+/// Paths over analytic surfaces (L1 to L5, L8).
+class PathKernel {
+public:
+    explicit PathKernel(Device& device, const PathKernelOptions& options = {});
+    ~PathKernel();
+
+    /// Takes every path of the input through its law, in T, and hands over chunks while the device computes the next:
+    /// batch by batch, within one in the order of steps; then the batch's metrics. \throws DeviceError: out_of_memory,
+    /// device_lost, unfinished (the driver ended a loop early), unsupported (no f64).
+    template <typename T>
+    FieldTimes explore(const layout::PathInput<T>& input, const TakePaths<T>& take, const TakeMetrics<T>& take_metrics);
+
+private:
+    struct Implementation;
+    std::unique_ptr<Implementation> implementation_;
+};
+
+struct MeshPathOptions {
+    std::size_t batch_paths = 16384;                 /* most paths on the device at once */
+    std::size_t chunk_bytes = std::size_t(64) << 20; /* most for the samples of a chunk of steps */
+    std::uint32_t pause = 250;                       /* loops after which an invocation begins no other step */
+    std::uint32_t rare_pause = 600;                  /* likewise, no other piece of one update */
+    std::uint32_t limit = 3600;        /* loops that an invocation may run: up to 16 together share a driver's limit */
+    std::uint32_t limit_alone = 29000; /* likewise, of one that has its neighbours' share */
+};
+
+struct MeshPathTimes : FieldTimes {
+    std::uint64_t rare_updates = 0; /* of god-objects, left to the kernel of the rare cases */
+    std::uint64_t host_updates = 0; /* left to the host: rests at edges and corners, what takes too many loops */
+    double host = 0;                /* s: in them */
+};
+
+/// Does the updates of L6 that the kernels leave: those that begin or end at edges and corners, and those that take
+/// more loops than an invocation may run.
+template <typename T> using FinishUpdates = std::function<void(std::span<layout::MeshUpdate<T>>)>;
+
+/// Paths on meshes, with the god-object's history.
+class MeshPathKernel {
+public:
+    explicit MeshPathKernel(Device& device, const MeshPathOptions& options = {});
+    ~MeshPathKernel();
+
+    /// As PathKernel::explore, for a law of surface kSurfaceMesh; equal to reference<T> if `finish` does as it would.
+    /// \throws DeviceError: unsupported also for facets with too many corners, and for a device without double
+    /// precision, which either T needs.
+    template <typename T>
+    MeshPathTimes explore(const layout::PathInput<T>& input, const FinishUpdates<T>& finish, const TakePaths<T>& take,
+                          const TakeMetrics<T>& take_metrics);
+
+private:
+    struct Implementation;
+    std::unique_ptr<Implementation> implementation_;
+};
+
+} // namespace forceshade::compute
