@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "host/paths/path_reader.h"
-#include "host/prepare/probe.h"
+#include "host/prepare/prepared_case.h"
 
 namespace forceshade::device {
 

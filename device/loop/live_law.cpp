@@ -5,8 +5,8 @@
 #include <cmath>
 #include <utility>
 
-#include "host/output/hash.h"
-#include "host/prepare/probe.h"
+#include "host/output/files.h"
+#include "host/prepare/prepared_case.h"
 
 namespace forceshade::device {
 

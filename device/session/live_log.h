@@ -13,10 +13,10 @@
 
 namespace forceshade::device {
 
-/// Columns path,t,x,y,z,gx,gy,gz,fx,fy,fz,depth,facet as host/explore's PathWriter has them, so that `explore` gives
-/// the same numbers for the same positions; then cx,cy,cz (N: what was sent to the device), energy (J: given to the
-/// hand so far), tick, late_ns, read_ns, compute_ns, write_ns, happened: names of kHappenings, joined by '+', and
-/// scene: the first 16 digits of the SHA-256 of the scene.
+/// Columns path,t,x,y,z,gx,gy,gz,fx,fy,fz,depth,facet as PathWriter (host/paths/path_files.h) has them, so that
+/// `explore` gives the same numbers for the same positions; then cx,cy,cz (N: what was sent to the device), energy (J:
+/// given to the hand so far), tick, late_ns, read_ns, compute_ns, write_ns, happened: names of kHappenings, joined by
+/// '+', and scene: the first 16 digits of the SHA-256 of the scene.
 ///
 /// The file stands under its own name from the start, in whole lines, so that a process that dies leaves what it
 /// wrote. When the disk takes no more, what comes is taken off the ring and counted as lost. A pipe whose reader is

@@ -10,7 +10,6 @@
 
 #include "host/error.h"
 #include "host/output/files.h"
-#include "host/output/hash.h"
 
 namespace forceshade::device {
 

@@ -9,7 +9,7 @@
 #include "host/cli/command.h"
 #include "host/error.h"
 #include "host/output/files.h"
-#include "host/paths/path_comparison.h"
+#include "host/paths/path_run.h"
 #include "host/paths/recorded.h"
 #include "host/program.h"
 #include "host/referee/validate.h"
@@ -124,7 +124,7 @@ struct SweepArguments {
     std::string study, out, only = "*";
     std::optional<std::string> shard;
     std::vector<std::string> also;
-    bool fresh = false;
+    bool fresh = false, replace = false;
 };
 
 std::string as_json(const SweepResult& result, const SweepOptions& options) {
@@ -180,6 +180,7 @@ int run(const SweepArguments& arguments, const CommonOptions& common) {
     options.folder = arguments.out;
     options.only = arguments.only;
     options.fresh = arguments.fresh;
+    options.replace = arguments.replace;
     options.quiet = common.quiet;
     options.also = parse_also(arguments.also);
     options.shard = arguments.shard ? parse_shard(*arguments.shard) : slurm_shard();
@@ -225,6 +226,9 @@ void add_sweep_command(CLI::App& program, const CommonOptions& common, Command& 
                      "further files for each case: vti (ParaView), npy (NumPy), png (pictures)")
         ->delimiter(',');
     command->add_flag("--fresh", arguments->fresh, "compute anew what is there already");
+    command->add_flag("--replace", arguments->replace,
+                      "put this study's summary, manifest and report in the place of another study's, whose cases it "
+                      "does not all have; volumes stay");
     command->callback([=, &common, &chosen] { chosen = [=, &common] { return run(*arguments, common); }; });
 }
 

@@ -86,6 +86,19 @@ void warn_of_full_run(const std::filesystem::path& folder, const CommonOptions& 
     }
 }
 
+// Nor is another scene's in the place of what is there.
+void warn_of_other_scene(const std::filesystem::path& folder, const std::string& scene, const CommonOptions& common) {
+    try {
+        if (study::read_data(folder).scene != scene)
+            print_warnings({fmt::format("{} holds this study of another scene, whose tables and figures are replaced; "
+                                        "name another --out to keep both",
+                                        folder.string())},
+                           common);
+    } catch (const Error&) {
+        // None is there that could be read.
+    }
+}
+
 int run(const StudyArguments& arguments, const CommonOptions& common) {
     const KnownStudy& known = known_study(arguments.name);
     if (arguments.out.empty())
@@ -101,6 +114,7 @@ int run(const StudyArguments& arguments, const CommonOptions& common) {
     if (options.quick)
         warn_of_full_run(options.folder, common);
     study::StudyRun study_run(known.name, options);
+    warn_of_other_scene(options.folder, study_run.scene() ? study_run.scene()->scene : std::string(), common);
     study::StudyData data = [&] {
         try {
             return known.run(study_run);

@@ -11,7 +11,6 @@
 #include "compute/kernels.h"
 #include "host/mesh/block_plan.h"
 #include "host/output/files.h"
-#include "host/output/hash.h"
 #include "host/reference/field.h"
 #include "host/reference/god_object.h"
 

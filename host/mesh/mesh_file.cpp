@@ -8,7 +8,7 @@
 
 #include "host/error.h"
 #include "host/mesh/formats.h"
-#include "host/output/hash.h"
+#include "host/output/files.h"
 #include "host/output/reading.h"
 
 namespace forceshade {

@@ -17,7 +17,7 @@
 #include "host/error.h"
 #include "host/output/exr_image.h"
 #include "host/output/exr_writer.h"
-#include "host/output/hash.h"
+#include "host/output/files.h"
 #include "host/output/rows.h"
 #include "host/scene/scene.h"
 
@@ -35,26 +35,13 @@ const char* unit_of(std::uint32_t channel) {
     return channel == layout::kChannelForce || channel == layout::kChannelUnshaded ? "N" : "m";
 }
 
-PixelFormat format_of(std::uint32_t channel, const VolumeHeader& header) {
-    if (channel == layout::kChannelFacet)
-        return PixelFormat::id;
-    if (header.pixel == PixelType::half)
-        return PixelFormat::half;
-    return header.compression == Compression::pxr24 ? PixelFormat::float24 : PixelFormat::float32;
-}
+// In the order of Compression: as OpenEXR's two libraries call them.
+constexpr std::array kWritten{Imf::NO_COMPRESSION, Imf::ZIPS_COMPRESSION, Imf::ZIP_COMPRESSION, Imf::PXR24_COMPRESSION};
+constexpr std::array kRead{EXR_COMPRESSION_NONE, EXR_COMPRESSION_ZIPS, EXR_COMPRESSION_ZIP, EXR_COMPRESSION_PXR24};
 
-Imf::Compression compression_of(Compression compression) {
-    switch (compression) {
-    case Compression::none:
-        return Imf::NO_COMPRESSION;
-    case Compression::zip1:
-        return Imf::ZIPS_COMPRESSION;
-    case Compression::pxr24:
-        return Imf::PXR24_COMPRESSION;
-    case Compression::zip:
-        break;
-    }
-    return Imf::ZIP_COMPRESSION;
+std::optional<Compression> compression_from(exr_compression_t compression) {
+    const auto found = std::ranges::find(kRead, compression);
+    return found == kRead.end() ? std::nullopt : std::optional(static_cast<Compression>(found - kRead.begin()));
 }
 
 Imf::PixelType pixel_of(PixelFormat format) {
@@ -65,16 +52,22 @@ Imf::PixelType pixel_of(PixelFormat format) {
 
 } // namespace
 
+Part make_part(std::uint32_t channel, PixelType pixel, Compression compression) {
+    std::vector<const char*> names{"R", "G", "B"};
+    if (components_of(channel) == 1)
+        names = {channel == layout::kChannelFacet ? "id" : "Z"};
+    const PixelFormat format = channel == layout::kChannelFacet    ? PixelFormat::id
+                               : pixel == PixelType::half          ? PixelFormat::half
+                               : compression == Compression::pxr24 ? PixelFormat::float24
+                                                                   : PixelFormat::float32;
+    return {channel, std::move(names), unit_of(channel), format};
+}
+
 std::vector<Part> parts_of(const VolumeHeader& header) {
     std::vector<Part> parts;
-    for (const std::uint32_t channel : kChannels) {
-        if (channel != layout::kChannelForce && !(header.channels & channel))
-            continue;
-        std::vector<const char*> names{"R", "G", "B"};
-        if (components_of(channel) == 1)
-            names = {channel == layout::kChannelFacet ? "id" : "Z"};
-        parts.push_back({channel, std::move(names), unit_of(channel), format_of(channel, header)});
-    }
+    for (const std::uint32_t channel : kChannels)
+        if (channel == layout::kChannelForce || (header.channels & channel))
+            parts.push_back(make_part(channel, header.pixel, header.compression));
     return parts;
 }
 
@@ -94,7 +87,7 @@ void require_possible(const VolumeHeader& header) {
 
 Imf::Header make_image_header(const Part& part, std::uint64_t width, std::uint64_t rows, Compression compression) {
     Imf::Header header(static_cast<int>(width), static_cast<int>(rows), 1.0f, Imath::V2f(0, 0), 1.0f, Imf::INCREASING_Y,
-                       compression_of(compression));
+                       kWritten[static_cast<std::size_t>(compression)]);
     header.setName(name_of_channel(part.channel));
     header.setType(Imf::SCANLINEIMAGE);
     for (const char* name : part.channels)
@@ -147,12 +140,6 @@ void require_workers(int threads) {
         Imf::setGlobalThreadCount(threads);
 }
 
-} // namespace exr
-
-} // namespace forceshade
-
-namespace forceshade {
-namespace exr {
 namespace {
 
 exr_pixel_type_t type_of(PixelFormat format) {
@@ -256,24 +243,8 @@ struct VolumeReader::State {
 
 namespace {
 
-std::optional<Compression> compression_from(exr_compression_t compression) {
-    switch (compression) {
-    case EXR_COMPRESSION_NONE:
-        return Compression::none;
-    case EXR_COMPRESSION_ZIPS:
-        return Compression::zip1;
-    case EXR_COMPRESSION_ZIP:
-        return Compression::zip;
-    case EXR_COMPRESSION_PXR24:
-        return Compression::pxr24;
-    default:
-        return std::nullopt;
-    }
-}
-
 std::uint32_t channel_named(const std::string& name) {
-    for (const std::uint32_t channel : {layout::kChannelForce, layout::kChannelDepth, layout::kChannelFacet,
-                                        layout::kChannelProxy, layout::kChannelUnshaded})
+    for (const std::uint32_t channel : exr::kChannels)
         if (name == name_of_channel(channel))
             return channel;
     return 0;
@@ -317,7 +288,7 @@ VolumeHeader VolumeReader::State::read_header(int threads) const {
     found.version = text("forceshade.version");
     found.omitted = text("forceshade.omitted");
     found.threads = threads;
-    const auto compression = compression_from(first.compression);
+    const auto compression = exr::compression_from(first.compression);
     if (!compression)
         foreign("its compression is another");
     found.compression = *compression;
@@ -338,7 +309,7 @@ VolumeHeader VolumeReader::State::read_header(int threads) const {
 
 void VolumeReader::State::require_alike(const exr::Layer& found, const exr::Part& part) const {
     if (!exr::is_alike(found, part, header.size[0], header.size[1] * header.size[2]) ||
-        compression_from(found.compression) != header.compression || found.name != name_of_channel(part.channel))
+        exr::compression_from(found.compression) != header.compression || found.name != name_of_channel(part.channel))
         foreign(fmt::format("its part {} is laid out in another way", name_of_channel(part.channel)));
 }
 

@@ -37,9 +37,8 @@ public:
     VolumeWriter(const std::filesystem::path& path, const VolumeHeader& header);
     ~VolumeWriter() override;
 
-    void write(const layout::FieldChunk<float>& chunk, std::size_t repeat_y) override;
     /// Values are rounded to float.
-    void write(const layout::FieldChunk<double>& chunk, std::size_t repeat_y) override;
+    void write(const AnyFieldChunk& chunk, std::size_t repeat_y) override;
 
     /// Flushes to disk, reads back and compares, hashes, renames. Nothing of that name is touched before the last step.
     /// Throws Error (exit 1) for NaN or infinite values, UsageError for values that a half cannot hold (both name the
@@ -67,6 +66,39 @@ public:
     void read(std::uint32_t channel, std::uint64_t first, std::uint64_t count, std::vector<float>& values);
     /// Likewise the facet ids, count x nx.
     void read_ids(std::uint64_t first, std::uint64_t count, std::vector<std::uint32_t>& ids);
+
+private:
+    struct State;
+    std::unique_ptr<State> state_;
+};
+
+// Explored paths as an OpenEXR file: width = steps of the longest path, height = paths; parts `force` (R, G, B),
+// `position`, `depth` (Z), `facet` (id), `proxy`. Written in a stream, read back before it gets its name.
+
+struct PathVolumeHeader {
+    std::uint64_t steps = 0;    /* of the longest path */
+    std::uint64_t paths = 0;    /* in the file */
+    double rate = 0;            /* 1/s: samples a second; 0: they come at times of their own */
+    std::uint32_t channels = 0; /* layout::kChannel... bits; force and position are always among them */
+    Compression compression = Compression::zip;
+    PixelType pixel = PixelType::float32; /* of force and depth; positions and proxies are always float */
+    std::string scene;                    /* the resolved TOML */
+    std::string version;                  /* of the program */
+    std::string omitted;                  /* what the scene did not need */
+    int threads = 0;                      /* that compress this file; 0: it asks for no parallel work */
+};
+
+/// Behind a path's end reals are NaN, facets layout::kNoFacet; elsewhere NaN and infinity are refused. Peak memory is
+/// about 20 MiB plus a few rows. The bytes depend on the header and the values alone.
+class PathVolumeWriter final : public PathSink {
+public:
+    /// Throws UsageError for paths that an EXR cannot hold, IoError if the folder cannot be written.
+    PathVolumeWriter(const std::filesystem::path& path, const PathVolumeHeader& header);
+    ~PathVolumeWriter() override;
+    /// Values are rounded to float.
+    void write(const AnyPathRows& rows) override;
+    /// As VolumeWriter::finish; `largest_voxel` is (step, path, 0).
+    VolumeResult finish() override;
 
 private:
     struct State;

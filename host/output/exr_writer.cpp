@@ -1,11 +1,16 @@
 #include "host/output/exr_writer.h"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cstring>
+#include <limits>
 #include <span>
+#include <stdexcept>
 #include <utility>
 
+#include <ImfDoubleAttribute.h>
+#include <ImfVecAttribute.h>
 #include <fmt/core.h>
 
 #include "host/error.h"
@@ -229,16 +234,123 @@ VolumeWriter::VolumeWriter(const std::filesystem::path& path, const VolumeHeader
     : state_(std::make_unique<State>(path, header)) {}
 VolumeWriter::~VolumeWriter() = default;
 
-void VolumeWriter::write(const layout::FieldChunk<float>& chunk, std::size_t repeat_y) {
-    state_->write(chunk, repeat_y);
-}
-
-void VolumeWriter::write(const layout::FieldChunk<double>& chunk, std::size_t repeat_y) {
-    state_->write(chunk, repeat_y);
+void VolumeWriter::write(const AnyFieldChunk& any, std::size_t repeat_y) {
+    std::visit([&](const auto& chunk) { state_->write(chunk, repeat_y); }, any);
 }
 
 VolumeResult VolumeWriter::finish() {
     return state_->finish();
+}
+
+namespace {
+
+constexpr std::array kPathChannels{layout::kChannelForce, layout::kChannelPosition, layout::kChannelDepth,
+                                   layout::kChannelFacet, layout::kChannelProxy};
+
+void require_possible(const PathVolumeHeader& header) {
+    if (header.steps == 0 || header.paths == 0)
+        throw UsageError("there are no paths to write");
+    if (header.steps > kMostColumns)
+        throw UsageError(
+            fmt::format("paths of {} steps are longer than the {} that an EXR holds: write a .csv file, or "
+                        "make them shorter",
+                        header.steps, kMostColumns));
+    if (header.paths > kMostRows)
+        throw UsageError(fmt::format("{} paths are more than the {} that an EXR holds: write fewer to a file",
+                                     header.paths, kMostRows));
+}
+
+// Coarser numbers would do to forces; positions are read against each other.
+bool is_exact(std::uint32_t channel) {
+    return channel == layout::kChannelPosition || channel == layout::kChannelProxy;
+}
+
+exr::Sheet sheet_of(const PathVolumeHeader& header) {
+    require_possible(header);
+    exr::Sheet sheet{header.steps, header.paths, {}, {}, header.threads};
+    for (const std::uint32_t channel : kPathChannels) {
+        if (!(header.channels & channel) && channel != layout::kChannelForce && channel != layout::kChannelPosition)
+            continue;
+        const bool exact = is_exact(channel);
+        const Compression compression =
+            exact && header.compression == Compression::pxr24 ? Compression::zip : header.compression;
+        const exr::Part part = exr::make_part(channel, exact ? PixelType::float32 : header.pixel, compression);
+        Imf::Header image = exr::make_image_header(part, header.steps, header.paths, compression);
+        image.insert("forceshade.paths",
+                     Imf::V2iAttribute({static_cast<int>(header.steps), static_cast<int>(header.paths)}));
+        if (header.rate > 0)
+            image.insert("forceshade.rate", Imf::DoubleAttribute(header.rate));
+        exr::insert_text(image, part, header.scene, header.version, header.omitted);
+        sheet.parts.push_back(part);
+        sheet.headers.push_back(image);
+    }
+    return sheet;
+}
+
+} // namespace
+
+struct PathVolumeWriter::State {
+    State(const std::filesystem::path& path, const PathVolumeHeader& from)
+        : header(from), rows(path, sheet_of(from), false) {}
+
+    template <typename T> void write(const PathRows<T>& paths) {
+        if (paths.path_first != next || paths.step_first != step || paths.step_first + paths.pitch > header.steps ||
+            next + paths.path_count > header.paths)
+            throw std::logic_error(fmt::format("step {} of path {} is not what follows step {} of {}", paths.step_first,
+                                               paths.path_first, step, next));
+        const exr::Stopwatch stopwatch(rows.timings.encode);
+        for (std::size_t path = 0; path < paths.path_count; ++path) {
+            for (exr::PartRows& part : rows.parts())
+                convert_row(paths, path, part);
+            step = paths.step_first + paths.pitch;
+            if (!paths.ends(path))
+                continue;
+            rows.advance();
+            step = 0;
+            ++next;
+        }
+    }
+
+    // The samples, and where the path ends with them what fills its row up.
+    template <typename T> void convert_row(const PathRows<T>& paths, std::size_t path, exr::PartRows& part) {
+        const std::size_t components = components_of(part.part.channel);
+        const std::size_t first = path * paths.pitch, samples = paths.samples(path);
+        const std::size_t width = paths.ends(path) ? header.steps - paths.step_first : samples;
+        std::byte* const target = rows.target(part) + paths.step_first * part.part.sample_bytes();
+        if (part.part.format == PixelFormat::id) {
+            ids.assign(width, layout::kNoFacet);
+            std::copy_n(paths.facet.begin() + static_cast<std::ptrdiff_t>(first), samples, ids.begin());
+            std::memcpy(target, ids.data(), ids.size() * sizeof(layout::uint));
+            return;
+        }
+        const std::span<const T> values = values_of(paths, part.part.channel).subspan(first * components);
+        rounded.assign(width * components, std::numeric_limits<float>::quiet_NaN());
+        for (std::size_t i = 0; i < samples * components; ++i)
+            rounded[i] = static_cast<float>(values[i]);
+        part.watch.add(std::span(rounded).first(samples * components), paths.path_first + path, 0, 1, paths.step_first);
+        encode_row(rounded, part.part.format, target);
+    }
+
+    PathVolumeHeader header;
+    exr::RowsWriter rows;
+    std::uint64_t next = 0;        // path
+    std::uint64_t step = 0;        // of it, the next
+    std::vector<float> rounded;    // a row, or a part of one
+    std::vector<layout::uint> ids; // likewise
+};
+
+PathVolumeWriter::PathVolumeWriter(const std::filesystem::path& path, const PathVolumeHeader& header)
+    : state_(std::make_unique<State>(path, header)) {}
+PathVolumeWriter::~PathVolumeWriter() = default;
+
+void PathVolumeWriter::write(const AnyPathRows& any) {
+    std::visit([&](const auto& rows) { state_->write(rows); }, any);
+}
+
+VolumeResult PathVolumeWriter::finish() {
+    if (state_->next != state_->header.paths)
+        throw std::logic_error(fmt::format("only {} of {} paths were written", state_->next, state_->header.paths));
+    return state_->rows.finish([](const Voxel& at) { return fmt::format("step {} of path {}", at[0], at[1]); });
 }
 
 } // namespace forceshade

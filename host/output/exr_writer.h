@@ -19,7 +19,6 @@
 #include "host/output/exr_image.h"
 #include "host/output/exr_volume.h"
 #include "host/output/files.h"
-#include "host/output/hash.h"
 #include "host/output/rows.h"
 
 namespace forceshade::exr {
@@ -33,6 +32,9 @@ struct Part {
 
     std::size_t sample_bytes() const { return channels.size() * bytes_of(format); }
 };
+
+/// Of the channel its names in the file and its unit; how its values stand there follows from the rest.
+Part make_part(std::uint32_t channel, PixelType pixel, Compression compression);
 
 /// The parts of a volume in file order.
 std::vector<Part> parts_of(const VolumeHeader& header);

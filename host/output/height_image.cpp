@@ -16,7 +16,7 @@
 
 #include "host/error.h"
 #include "host/output/exr_image.h"
-#include "host/output/hash.h"
+#include "host/output/files.h"
 #include "host/output/reading.h"
 
 namespace forceshade {

@@ -21,7 +21,7 @@ struct HeightImage {
 /// Reads a grey image; the format is told by its contents. Integers are fractions of their full scale (a white PNG
 /// pixel is 1), without gamma; floats are taken as they are. Of an EXR the channel Y is taken, else its only channel,
 /// else R if the colours are alike. The map covers the display window: pixels outside of the data window are 0. At most
-/// 2^28 samples, and what fits into the memory that is allowed (host/io/memory_limit.h). Throws IoError for files that
+/// 2^28 samples, and what fits into the memory that is allowed (require_memory). Throws IoError for files that
 /// are missing, truncated or damaged; UsageError for pictures that are no height map, with the row and column (from 0)
 /// of a coloured, infinite or NaN pixel.
 HeightImage read_height_image(const std::filesystem::path& path);

@@ -8,7 +8,6 @@
 #include <fmt/format.h>
 
 #include "host/output/files.h"
-#include "host/output/hash.h"
 #include "host/output/rows.h"
 
 namespace forceshade {
@@ -102,11 +101,8 @@ NpyWriter::NpyWriter(const std::filesystem::path& path, const std::array<std::ui
 }
 NpyWriter::~NpyWriter() = default;
 
-void NpyWriter::write(const layout::FieldChunk<float>& chunk, std::size_t repeat_y) {
-    state_->write(chunk, repeat_y);
-}
-void NpyWriter::write(const layout::FieldChunk<double>& chunk, std::size_t repeat_y) {
-    state_->write(chunk, repeat_y);
+void NpyWriter::write(const AnyFieldChunk& any, std::size_t repeat_y) {
+    std::visit([&](const auto& chunk) { state_->write(chunk, repeat_y); }, any);
 }
 
 VolumeResult NpyWriter::finish() {
@@ -229,11 +225,8 @@ VtiWriter::VtiWriter(const std::filesystem::path& path, const VtiHeader& header)
 }
 VtiWriter::~VtiWriter() = default;
 
-void VtiWriter::write(const layout::FieldChunk<float>& chunk, std::size_t repeat_y) {
-    state_->write(chunk, repeat_y);
-}
-void VtiWriter::write(const layout::FieldChunk<double>& chunk, std::size_t repeat_y) {
-    state_->write(chunk, repeat_y);
+void VtiWriter::write(const AnyFieldChunk& any, std::size_t repeat_y) {
+    std::visit([&](const auto& chunk) { state_->write(chunk, repeat_y); }, any);
 }
 
 VolumeResult VtiWriter::finish() {

@@ -43,8 +43,7 @@ public:
     NpyWriter(const std::filesystem::path& path, const std::array<std::uint64_t, 3>& size, std::uint32_t channel,
               Precision precision);
     ~NpyWriter() override;
-    void write(const layout::FieldChunk<float>& chunk, std::size_t repeat_y) override;
-    void write(const layout::FieldChunk<double>& chunk, std::size_t repeat_y) override;
+    void write(const AnyFieldChunk& chunk, std::size_t repeat_y) override;
     VolumeResult finish() override;
 
 private:
@@ -87,8 +86,7 @@ public:
     /// Throws IoError.
     VtiWriter(const std::filesystem::path& path, const VtiHeader& header);
     ~VtiWriter() override;
-    void write(const layout::FieldChunk<float>& chunk, std::size_t repeat_y) override;
-    void write(const layout::FieldChunk<double>& chunk, std::size_t repeat_y) override;
+    void write(const AnyFieldChunk& chunk, std::size_t repeat_y) override;
     VolumeResult finish() override;
 
 private:

@@ -1,4 +1,5 @@
-// How much memory a file's contents may take: what a few bytes announce can be more than the machine has.
+// Files opened for reading, and how much memory their contents may take: what a few bytes announce can be more than
+// the machine has.
 #pragma once
 
 #include <cstddef>
@@ -8,7 +9,7 @@
 #include <string>
 #include <string_view>
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 
 namespace forceshade {
 
@@ -71,7 +72,7 @@ using Json = nlohmann::ordered_json;
 Json parse_json(std::string_view text);
 
 /// Of a whole file. \throws IoError if it cannot be read or is no regular file, UsageError if it is too large for the
-/// memory that is allowed (host/io/memory_limit.h).
+/// memory that is allowed (require_memory).
 Json read_json(const std::filesystem::path& path);
 
 } // namespace forceshade

@@ -1,6 +1,7 @@
 #include "host/output/record.h"
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "host/output/files.h"
 #include "host/output/reading.h"
@@ -28,71 +29,81 @@ std::string complaint(const PathRecord& record, const std::string& name, const s
 
 namespace {
 
-Json times_of(const EngineTimes& engine, const VolumeTimings& volume) {
-    return {{"plan", engine.plan},     {"compile", engine.compile},     {"upload", engine.upload},
-            {"kernel", engine.kernel}, {"read_back", engine.read_back}, {"encode", volume.encode},
-            {"flush", volume.flush},   {"verify", volume.read_back},    {"hash", volume.hash}};
+// A list of fields serves both directions: `field(name, member)` puts a member into JSON, or takes it out.
+
+struct Put {
+    Json& json;
+    template <typename T> void operator()(const char* name, const T& value) const { json[name] = value; }
+    Put part(const char* name) const { return {json[name]}; }
+};
+struct Take {
+    const Json& json;
+    template <typename T> void operator()(const char* name, T& value) const { json.at(name).get_to(value); }
+    Take part(const char* name) const { return {json.at(name)}; }
+};
+
+template <typename Field, typename Engine, typename Volume>
+void list_times(const Field& field, Engine& engine, Volume& volume) {
+    field("plan", engine.plan);
+    field("compile", engine.compile);
+    field("upload", engine.upload);
+    field("kernel", engine.kernel);
+    field("read_back", engine.read_back);
+    field("encode", volume.encode);
+    field("flush", volume.flush);
+    field("verify", volume.read_back);
+    field("hash", volume.hash);
 }
 
-EngineTimes engine_times_of(const Json& seconds) {
-    return {seconds.at("compile"), seconds.at("upload"), seconds.at("kernel"), seconds.at("read_back"),
-            seconds.at("plan")};
+template <typename Field, typename Paths> void list_paths(const Field& field, Paths& paths) {
+    field("paths", paths.paths);
+    field("steps", paths.steps);
+    field("samples", paths.samples);
+    field("samples_in_contact", paths.in_contact);
+    field("unstable", paths.unstable);
+    field("fell", paths.fell);
+    field("began_inside", paths.began_inside);
+    field("unfinished", paths.unfinished);
+    field("stretch_m", paths.stretch);
+    field("largest_force_N", paths.largest_force);
+    field("work_J", paths.work);
+    field("effort_J", paths.effort);
+    field("mean_depth_m", paths.mean_depth);
+    field("depth_deviation_m", paths.depth_deviation);
+    const Field oracle = field.part("oracle");
+    oracle("paths_compared", paths.error.paths);
+    oracle("samples_compared", paths.error.samples);
+    oracle("samples_differing", paths.error.differing);
+    oracle("samples_beyond_bound", paths.error.beyond);
+    oracle("metrics_differing", paths.error.metrics);
+    oracle("largest_error_N", paths.error.largest);
+    oracle("largest_force_N", paths.error.largest_force);
+    oracle("first_difference", paths.error.first);
+    list_times(field.part("seconds"), paths.engine_times, paths.volume_times);
 }
 
-VolumeTimings volume_times_of(const Json& seconds) {
-    return {seconds.at("encode"), seconds.at("flush"), seconds.at("verify"), seconds.at("hash")};
+// Of a case, all that stands in its record under one name: without parameters, files and inputs.
+template <typename Field, typename Record> void list_case(const Field& field, Record& record) {
+    field("omitted", record.omitted);
+    field("voxels", record.voxels);
+    field("voxels_evaluated", record.evaluated);
+    field("largest_force_N", record.largest_force);
+    field("largest_force_voxel", record.largest_voxel);
+    const Field oracle = field.part("oracle");
+    oracle("voxels_compared", record.error.compared);
+    oracle("voxels_differing", record.error.differing);
+    oracle("voxels_beyond_bound", record.error.beyond);
+    oracle("voxels_on_edge", record.error.on_edge);
+    oracle("largest_error_N", record.error.largest);
+    oracle("largest_force_N", record.error.largest_force);
+    list_times(field.part("seconds"), record.engine_times, record.volume_times);
 }
 
-Json paths_json(const PathRecord& paths) {
-    return {{"paths", paths.paths},
-            {"steps", paths.steps},
-            {"samples", paths.samples},
-            {"samples_in_contact", paths.in_contact},
-            {"unstable", paths.unstable},
-            {"fell", paths.fell},
-            {"began_inside", paths.began_inside},
-            {"unfinished", paths.unfinished},
-            {"stretch_m", paths.stretch},
-            {"largest_force_N", paths.largest_force},
-            {"work_J", paths.work},
-            {"effort_J", paths.effort},
-            {"mean_depth_m", paths.mean_depth},
-            {"depth_deviation_m", paths.depth_deviation},
-            {"oracle",
-             {{"paths_compared", paths.error.paths},
-              {"samples_compared", paths.error.samples},
-              {"samples_differing", paths.error.differing},
-              {"samples_beyond_bound", paths.error.beyond},
-              {"metrics_differing", paths.error.metrics},
-              {"largest_error_N", paths.error.largest},
-              {"largest_force_N", paths.error.largest_force},
-              {"first_difference", paths.error.first}}},
-            {"seconds", times_of(paths.engine_times, paths.volume_times)}};
-}
-
-PathRecord paths_of(const Json& json) {
-    PathRecord paths;
-    paths.paths = json.at("paths");
-    paths.steps = json.at("steps");
-    paths.samples = json.at("samples");
-    paths.in_contact = json.at("samples_in_contact");
-    paths.unstable = json.at("unstable");
-    paths.fell = json.at("fell");
-    paths.began_inside = json.at("began_inside");
-    paths.unfinished = json.at("unfinished");
-    paths.stretch = json.at("stretch_m");
-    paths.largest_force = json.at("largest_force_N");
-    paths.work = json.at("work_J");
-    paths.effort = json.at("effort_J");
-    paths.mean_depth = json.at("mean_depth_m");
-    paths.depth_deviation = json.at("depth_deviation_m");
-    const Json& oracle = json.at("oracle");
-    paths.error = {oracle.at("paths_compared"),       oracle.at("samples_compared"),  oracle.at("samples_differing"),
-                   oracle.at("samples_beyond_bound"), oracle.at("metrics_differing"), oracle.at("largest_error_N"),
-                   oracle.at("largest_force_N"),      oracle.at("first_difference")};
-    paths.engine_times = engine_times_of(json.at("seconds"));
-    paths.volume_times = volume_times_of(json.at("seconds"));
-    return paths;
+template <typename Field, typename Engine> void list_engine(const Field& field, Engine& engine) {
+    field("kind", engine.engine);
+    field("device", engine.device);
+    field("uuid", engine.uuid);
+    field("driver", engine.driver);
 }
 
 Json to_json(const CaseRecord& record) {
@@ -106,25 +117,14 @@ Json to_json(const CaseRecord& record) {
     for (const FileRecord& file : record.inputs)
         json["inputs"].push_back({{"name", file.name}, {"sha256", file.sha256}});
     json["precision"] = record.precision;
-    json["engine"] = {{"kind", record.engine.engine},
-                      {"device", record.engine.device},
-                      {"uuid", record.engine.uuid},
-                      {"driver", record.engine.driver}};
+    list_engine(Put{json["engine"]}, record.engine);
     json["files"] = Json::array();
     for (const FileRecord& file : record.files)
         json["files"].push_back({{"name", file.name}, {"sha256", file.sha256}, {"bytes", file.bytes}});
-    json["omitted"] = record.omitted;
-    json["voxels"] = record.voxels;
-    json["voxels_evaluated"] = record.evaluated;
-    json["largest_force_N"] = record.largest_force;
-    json["largest_force_voxel"] = record.largest_voxel;
-    json["oracle"] = {{"voxels_compared", record.error.compared},   {"voxels_differing", record.error.differing},
-                      {"voxels_beyond_bound", record.error.beyond}, {"voxels_on_edge", record.error.on_edge},
-                      {"largest_error_N", record.error.largest},    {"largest_force_N", record.error.largest_force},
-                      {"relative_error", record.error.relative()}};
-    json["seconds"] = times_of(record.engine_times, record.volume_times);
+    list_case(Put{json}, record);
+    json["oracle"]["relative_error"] = record.error.relative();
     if (record.paths)
-        json["paths"] = paths_json(*record.paths);
+        list_paths(Put{json["paths"]}, *record.paths);
     return json;
 }
 
@@ -137,22 +137,12 @@ CaseRecord from_json(const Json& json) {
     for (const Json& file : json.at("inputs"))
         record.inputs.push_back({file.at("name"), file.at("sha256"), 0});
     record.precision = json.at("precision");
-    const Json& engine = json.at("engine");
-    record.engine = {engine.at("kind"), engine.at("device"), engine.at("uuid"), engine.at("driver")};
+    list_engine(Take{json.at("engine")}, record.engine);
     for (const Json& file : json.at("files"))
         record.files.push_back({file.at("name"), file.at("sha256"), file.at("bytes")});
-    record.omitted = json.at("omitted").get<std::vector<std::string>>();
-    record.voxels = json.at("voxels");
-    record.evaluated = json.at("voxels_evaluated");
-    record.largest_force = json.at("largest_force_N");
-    record.largest_voxel = json.at("largest_force_voxel");
-    const Json& oracle = json.at("oracle");
-    record.error = {oracle.at("voxels_compared"), oracle.at("voxels_differing"), oracle.at("voxels_beyond_bound"),
-                    oracle.at("voxels_on_edge"),  oracle.at("largest_error_N"),  oracle.at("largest_force_N")};
-    record.engine_times = engine_times_of(json.at("seconds"));
-    record.volume_times = volume_times_of(json.at("seconds"));
+    list_case(Take{json}, record);
     if (json.contains("paths"))
-        record.paths = paths_of(json.at("paths"));
+        list_paths(Take{json.at("paths")}, record.paths.emplace());
     return record;
 }
 

@@ -12,7 +12,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-#include "host/output/hash.h"
+#include "host/output/files.h"
 #include "host/output/rows.h"
 
 namespace forceshade {

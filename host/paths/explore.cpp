@@ -1,7 +1,6 @@
 #include "host/paths/explore.h"
 
 #include <algorithm>
-#include <charconv>
 #include <chrono>
 #include <cmath>
 
@@ -10,66 +9,47 @@
 #include "host/norm.h"
 #include "host/paths/path_files.h"
 #include "host/paths/path_reader.h"
-#include "host/prepare/probe.h"
+#include "host/prepare/prepared_case.h"
 #include "host/program.h"
+#include "host/reference/path_step.h"
 
 namespace forceshade {
 
 namespace {
 
-constexpr std::size_t kText = std::size_t(1) << 18; // bytes gathered before they are written
-
-} // namespace
-
-PathWriter::PathWriter(const std::filesystem::path& path)
-    : file_(path), text_("path,t,x,y,z,gx,gy,gz,fx,fy,fz,depth,facet\n") {}
-
-template <typename T> void PathWriter::number(T value, char after) {
-    char digits[40]; // the shortest form of a double has 24 at most
-    const char* const end = std::to_chars(digits, digits + sizeof digits, value).ptr;
-    text_.append(digits, static_cast<std::size_t>(end - digits));
-    text_ += after;
-}
-
-template <typename T> void PathWriter::add(const PathSample& sample, const reference::Contact<T>& contact) {
-    number(sample.path, ',');
-    number(sample.time, ',');
-    for (int i = 0; i < 3; ++i)
-        number(static_cast<T>(sample.probe[i]), ','); // where the law was evaluated
-    for (const reference::Vector<T>& vector : {contact.proxy, contact.force})
-        for (int i = 0; i < 3; ++i)
-            number(vector[i], ',');
-    number(contact.depth, ',');
-    if (contact.facet == layout::kNoFacet)
-        text_ += "-1\n";
-    else
-        number(contact.facet, '\n');
-    if (text_.size() >= kText)
-        flush();
-}
-
-void PathWriter::flush() {
-    file_.write(text_);
-    text_.clear();
-}
-
-void PathWriter::publish() {
-    flush();
-    file_.publish();
-}
-
-template void PathWriter::add<float>(const PathSample&, const reference::Contact<float>&);
-template void PathWriter::add<double>(const PathSample&, const reference::Contact<double>&);
-
-namespace {
-
 constexpr std::size_t kBatch = 4096; // samples between looks at the clock and for interrupts
+
+// What is remembered of a path while its samples pass by, in open loop.
+template <typename T> struct PathTrack {
+    std::uint64_t id;
+    bool inside; /* it began behind the surface */
+    std::uint64_t steps = 0;
+    layout::PathState<T> state{};
+    ContactTime contact;
+
+    PathTrack(std::uint64_t number, bool began_inside) : id(number), inside(began_inside) {}
+
+    // The next sample: when, s, where the probe is, m, and what it feels. As reference::take_step in open loop.
+    void add(double time, const reference::Vector<T>& probe, const reference::Contact<T>& felt, bool finished,
+             T stretch) {
+        if (steps == 0)
+            state = reference::state_at(probe);
+        const reference::PathSampled<T> sampled{probe, felt.force, felt};
+        reference::add_sample(state.metrics, felt, felt.force);
+        state.metrics.unfinished += finished ? 0 : 1;
+        contact.add(time, felt.facet != layout::kNoFacet);
+        reference::add_turn_at(state, sampled, stretch);
+        reference::add_between(state, sampled);
+        reference::keep_sample(state, sampled);
+        ++steps;
+    }
+};
 
 template <typename T> class Exploration {
 public:
     Exploration(const PreparedCase& prepared, const std::filesystem::path& paths, const std::filesystem::path& out,
                 float stretch)
-        : stretch_(stretch), law_(make_path_law<T>(prepared)), reader_(paths, law_->largest_coordinate()),
+        : stretch_(stretch), law_(make_path_law<T>(prepared)), reader_(paths, largest_coordinate<T>(prepared)),
           census_(reader_.csv().source()), writer_(out),
           summary_(out.parent_path() / (out.stem().string() + ".paths.csv"), prepared.one.scene.precision) {}
 
@@ -111,13 +91,6 @@ private:
                                                           .times = PathTimes{.contact = track.contact.total()}}));
     }
 
-    // After the law has been asked, in the order of the samples.
-    void follow(const PathSample& sample, std::size_t number, const PathContact<T>& felt) {
-        if (number == tracks_.size())
-            tracks_.push_back(PathTrack<T>(sample.path, felt.begins_inside));
-        tracks_[number].add(sample.time, reference::Vector<T>(sample.probe), felt.contact, felt.finished, T(stretch_));
-    }
-
     void evaluate() {
         const auto start = std::chrono::steady_clock::now();
         numbers_.clear();
@@ -142,8 +115,11 @@ private:
         if (felt.begins_inside && inside_++ == 0)
             first_inside_ = sample.line;
         result_.largest_force = std::max(result_.largest_force, size);
-        follow(sample, number, felt);
-        writer_.add(sample, felt.contact);
+        const reference::Vector<T> probe(sample.probe); // where the law was evaluated
+        if (number == tracks_.size())
+            tracks_.push_back(PathTrack<T>(sample.path, felt.begins_inside));
+        tracks_[number].add(sample.time, probe, felt.contact, felt.finished, T(stretch_));
+        writer_.add(sample.path, sample.time, probe, felt.contact);
     }
 
     const float stretch_; // m

@@ -2,57 +2,200 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <limits>
+#include <numbers>
+#include <type_traits>
+
+#include <fmt/format.h>
 
 #include "host/output/raw_formats.h"
-#include "host/output/rows.h"
+#include "host/picture/quantity.h"
 
 namespace forceshade {
 
 namespace {
 
-constexpr std::size_t kText = std::size_t(1) << 18; // bytes gathered before they are written
+constexpr double kDegrees = 180 / std::numbers::pi;
+
+// A sum whose second term keeps what rounding took from the first.
+template <typename T> double whole(T sum, T rest) {
+    return double(sum) - double(rest);
+}
+
+// From the square of the chord between two unit vectors.
+double angle_of(double square) {
+    return 2 * std::asin(std::min(std::sqrt(square) / 2, 1.0)) * kDegrees;
+}
+
+template <typename T> void add_depths(PathFigures& figures, const layout::PathMetrics<T>& metrics) {
+    if (metrics.contact_samples == 0)
+        return;
+    const double samples = metrics.contact_samples;
+    const double mean = whole(metrics.depth, metrics.depth_rest) / samples;
+    const double square = whole(metrics.depth_square, metrics.depth_square_rest) / samples;
+    figures.least_depth = double(metrics.least_depth);
+    figures.mean_depth = mean;
+    figures.largest_depth = double(metrics.largest_depth);
+    figures.depth_deviation = std::sqrt(std::max(square - mean * mean, 0.0));
+}
+
+// All rounds together have done the work up to where the next one began.
+template <typename T> void add_rounds(PathFigures& figures, const layout::PathMetrics<T>& metrics) {
+    figures.rounds = metrics.rounds;
+    if (metrics.rounds == 0)
+        return;
+    figures.least_round = double(metrics.least_round);
+    figures.mean_round = whole(metrics.round_begin, metrics.round_begin_rest) / double(metrics.rounds);
+    figures.largest_round = double(metrics.largest_round);
+}
 
 } // namespace
 
-PathCsvWriter::PathCsvWriter(const std::filesystem::path& path, const PathLabels& labels)
-    : file_(path), labels_(labels), text_("path,t,x,y,z,gx,gy,gz,fx,fy,fz,depth,facet\n") {}
+template <typename T> PathFigures figures_of(const layout::PathMetrics<T>& metrics, const PathFacts& facts) {
+    constexpr double kMillimetres = 1000; // in a metre
+    const bool unstable = metrics.unstable_step != layout::kNever;
+    const std::uint64_t felt = unstable ? metrics.unstable_step : facts.steps;
+    PathFigures figures;
+    figures.steps = facts.steps;
+    figures.contact_time = facts.times ? facts.times->contact : double(metrics.contact_samples) / facts.rate;
+    figures.largest_force = double(metrics.largest_force);
+    if (felt > 0)
+        figures.rms_force =
+            std::sqrt(std::max(whole(metrics.force_square, metrics.force_square_rest), 0.0) / double(felt));
+    figures.largest_turn = angle_of(double(metrics.largest_turn));
+    figures.steepest_turn =
+        angle_of(double(metrics.steepest_turn)) / (std::sqrt(double(metrics.steepest_way)) * kMillimetres);
+    figures.work = whole(metrics.work, metrics.work_rest);
+    figures.effort = whole(metrics.effort, metrics.effort_rest);
+    if (figures.effort > 0)
+        figures.eta = figures.work / figures.effort;
+    add_rounds(figures, metrics);
+    add_depths(figures, metrics);
+    if (unstable)
+        figures.unstable_time = facts.times ? facts.times->unstable : double(metrics.unstable_step) / facts.rate;
+    figures.fell = metrics.fell != 0;
+    if (facts.closed && metrics.early_speed > 0)
+        figures.speed_ratio = double(metrics.late_speed) / double(metrics.early_speed);
+    figures.began_inside = facts.began_inside;
+    figures.unfinished = metrics.unfinished;
+    return figures;
+}
 
-template <typename T> void PathCsvWriter::number(T value, char after) {
+template PathFigures figures_of<float>(const layout::PathMetrics<float>&, const PathFacts&);
+template PathFigures figures_of<double>(const layout::PathMetrics<double>&, const PathFacts&);
+
+void NumberRow::separate() {
+    if (!first_)
+        text_ += ',';
+    first_ = false;
+}
+
+template <typename T> void NumberRow::add(T value) {
+    separate();
     char digits[40]; // the shortest form of a double has 24 at most
     text_.append(digits, std::to_chars(digits, digits + sizeof digits, value).ptr);
-    text_ += after;
 }
 
-template <typename T> void PathCsvWriter::add_sample(const PathRows<T>& rows, std::size_t path, std::size_t step) {
-    const std::size_t at = path * rows.pitch + step - rows.step_first;
-    number(labels_.id(rows.path_first + path), ',');
-    number(labels_.time(rows.path_first + path, step), ',');
-    for (const std::span<const T>& vector : {rows.position, rows.proxy, rows.force})
-        for (std::size_t i = 0; i < 3; ++i)
-            number(vector[3 * at + i], ',');
-    number(rows.depth[at], ',');
-    if (rows.facet[at] == layout::kNoFacet)
-        text_ += "-1\n";
-    else
-        number(rows.facet[at], '\n');
-}
-
-template <typename T> void PathCsvWriter::add(const PathRows<T>& rows) {
-    for (std::size_t path = 0; path < rows.path_count; ++path)
-        for (std::size_t i = 0; i < rows.samples(path); ++i) {
-            add_sample(rows, path, rows.step_first + i);
-            if (text_.size() < kText)
-                continue;
-            file_.write(text_);
-            text_.clear();
-        }
-}
-
-VolumeResult PathCsvWriter::finish() {
-    file_.write(text_);
+void NumberRow::write(TemporaryFile& file) {
+    text_ += '\n';
+    file.write(text_);
     text_.clear();
+    first_ = true;
+}
+
+const char* path_summary_header() {
+    return "path,steps,contact_time_s,largest_force_N,rms_force_N,largest_turn_deg,steepest_turn_deg_per_mm,work_J,"
+           "effort_J,eta,rounds,least_round_work_J,mean_round_work_J,largest_round_work_J,least_depth_m,mean_depth_m,"
+           "largest_depth_m,depth_deviation_m,"
+           "unstable,unstable_time_s,fell,speed_ratio,began_inside,unfinished_samples\n";
+}
+
+PathSummary::PathSummary(const std::filesystem::path& path, Precision precision) : file_(path), precision_(precision) {
+    file_.write(std::string_view(path_summary_header()));
+}
+
+// What follows from floats has no more digits than they.
+void PathSummary::add(const std::optional<double>& value) {
+    if (!value)
+        row_.add_empty();
+    else if (precision_ == Precision::f32)
+        row_.add(static_cast<float>(*value));
+    else
+        row_.add(*value);
+}
+
+void PathSummary::add(std::uint64_t path, const PathFigures& figures) {
+    row_.add(path);
+    row_.add(figures.steps);
+    for (const double value : {figures.contact_time, figures.largest_force, figures.rms_force, figures.largest_turn,
+                               figures.steepest_turn, figures.work, figures.effort})
+        add(value);
+    add(figures.eta);
+    row_.add(figures.rounds);
+    for (const auto& value : {figures.least_round, figures.mean_round, figures.largest_round, figures.least_depth,
+                              figures.mean_depth, figures.largest_depth, figures.depth_deviation})
+        add(value);
+    row_.add(figures.unstable_time ? 1 : 0);
+    if (figures.unstable_time)
+        row_.add(*figures.unstable_time); // that of a sample, in double as it stands beside samples
+    else
+        row_.add_empty();
+    row_.add(figures.fell ? 1 : 0);
+    add(figures.speed_ratio);
+    row_.add(figures.began_inside ? 1 : 0);
+    row_.add(figures.unfinished);
+    row_.write(file_);
+}
+
+VolumeResult PathSummary::finish() {
     return publish_raw(file_);
+}
+
+PathWriter::PathWriter(const std::filesystem::path& path) : file_(path) {
+    file_.write(std::string_view("path,t,x,y,z,gx,gy,gz,fx,fy,fz,depth,facet\n"));
+}
+
+template <typename T>
+void PathWriter::add(std::uint64_t path, double time, const reference::Vector<T>& probe,
+                     const reference::Contact<T>& felt) {
+    row_.add(path);
+    row_.add(time);
+    for (const reference::Vector<T>& vector : {probe, felt.proxy, felt.force})
+        for (const T component : {vector.x, vector.y, vector.z})
+            row_.add(component);
+    row_.add(felt.depth);
+    if (felt.facet == layout::kNoFacet)
+        row_.add(-1);
+    else
+        row_.add(felt.facet);
+    row_.write(file_);
+}
+template void PathWriter::add<float>(std::uint64_t, double, const reference::Vector<float>&,
+                                     const reference::Contact<float>&);
+template void PathWriter::add<double>(std::uint64_t, double, const reference::Vector<double>&,
+                                      const reference::Contact<double>&);
+
+VolumeResult PathWriter::finish() {
+    return publish_raw(file_);
+}
+
+void PathCsvWriter::write(const AnyPathRows& any) {
+    const auto add = [&]<typename T>(const PathRows<T>& rows) {
+        for (std::size_t row = 0; row < rows.path_count; ++row)
+            for (std::size_t i = 0; i < rows.samples(row); ++i) {
+                const std::uint64_t path = rows.path_first + row;
+                const std::size_t at = row * rows.pitch + i;
+                const reference::Contact<T> felt{rows.depth[at],
+                                                 reference::vector_at(rows.force, at),
+                                                 {},
+                                                 reference::vector_at(rows.proxy, at),
+                                                 rows.facet[at]};
+                writer_.add(labels_.id(path), labels_.time(path, rows.step_first + i),
+                            reference::vector_at(rows.position, at), felt);
+            }
+    };
+    std::visit(add, any);
 }
 
 namespace {
@@ -78,17 +221,21 @@ PathNpyWriter::PathNpyWriter(const std::filesystem::path& path, std::uint64_t pa
     file_.write(npy_header(shape, channel, precision));
 }
 
-template <typename T> void PathNpyWriter::add(const PathRows<T>& rows) {
-    const std::size_t components = components_of(channel_);
-    for (std::size_t path = 0; path < rows.path_count; ++path) {
-        const std::size_t first = path * rows.pitch * components, samples = rows.samples(path) * components;
-        const std::size_t beyond = rows.ends(path) ? (steps_ - rows.steps[path]) * components : 0;
-        if (channel_ == layout::kChannelFacet)
-            write_row(file_, rows.facet.subspan(first, samples), beyond, layout::kNoFacet);
-        else
-            write_row(file_, values_of(rows, channel_).subspan(first, samples), beyond,
-                      std::numeric_limits<T>::quiet_NaN());
-    }
+void PathNpyWriter::write(const AnyPathRows& any) {
+    std::visit(
+        [&]<typename T>(const PathRows<T>& rows) {
+            const std::size_t components = components_of(channel_);
+            for (std::size_t path = 0; path < rows.path_count; ++path) {
+                const std::size_t first = path * rows.pitch * components, samples = rows.samples(path) * components;
+                const std::size_t beyond = rows.ends(path) ? (steps_ - rows.steps[path]) * components : 0;
+                if (channel_ == layout::kChannelFacet)
+                    write_row(file_, rows.facet.subspan(first, samples), beyond, layout::kNoFacet);
+                else
+                    write_row(file_, values_of(rows, channel_).subspan(first, samples), beyond,
+                              std::numeric_limits<T>::quiet_NaN());
+            }
+        },
+        any);
 }
 
 VolumeResult PathNpyWriter::finish() {
@@ -97,80 +244,125 @@ VolumeResult PathNpyWriter::finish() {
 
 namespace {
 
-template <typename T> void append(std::string& text, T value) {
-    char digits[40]; // the shortest form of a double has 24 at most
-    text.append(digits, std::to_chars(digits, digits + sizeof digits, value).ptr);
+constexpr std::uint64_t kDrawn = 5;          // paths
+constexpr std::uint64_t kDrawnSteps = 40000; // of each
+
+struct OnLine {
+    double height; /* m */
+    double angle;  /* deg: of the normal, from z towards x */
+};
+
+std::optional<OnLine> on_line(const std::vector<picture::LinePoint>& line, double x) {
+    const auto after = std::upper_bound(line.begin(), line.end(), x,
+                                        [](double at, const picture::LinePoint& point) { return at < point.x; });
+    if (after == line.begin() || after == line.end())
+        return std::nullopt;
+    const picture::LinePoint &from = *(after - 1), &to = *after;
+    const double share = (x - from.x) / (to.x - from.x);
+    return OnLine{std::lerp(from.z, to.z, share), std::atan2(from.z - to.z, to.x - from.x) * kDegrees};
+}
+
+std::string length_text(double metres) {
+    if (!(metres > 0))
+        return "0 m";
+    const picture::Unit unit = picture::choose_unit(metres, "m");
+    return picture::with_unit(picture::three_digits(picture::divide_by_power_of_ten(metres, unit.exponent)), unit);
+}
+
+std::string follows(const Following& f, const char* line) {
+    return fmt::format("{} from {} sunk by {}, the force {:.2f}° (median {:.2f}°) from its normal",
+                       length_text(f.distance), line, length_text(std::fabs(f.sunk)), f.angle, f.median_angle);
 }
 
 } // namespace
 
-const char* path_summary_header() {
-    return "path,steps,contact_time_s,largest_force_N,rms_force_N,largest_turn_deg,steepest_turn_deg_per_mm,work_J,"
-           "effort_J,eta,rounds,least_round_work_J,mean_round_work_J,largest_round_work_J,least_depth_m,mean_depth_m,"
-           "largest_depth_m,depth_deviation_m,"
-           "unstable,unstable_time_s,fell,speed_ratio,began_inside,unfinished_samples\n";
+PathCollector::PathCollector(std::uint64_t paths, std::uint64_t steps)
+    : count_(paths), every_(std::max<std::uint64_t>(1, (paths + kDrawn - 1) / kDrawn)),
+      stride_(std::max<std::uint64_t>(1, (steps + kDrawnSteps - 1) / kDrawnSteps)) {}
+
+template <typename T> void PathCollector::add(const PathRows<T>& rows) {
+    for (std::size_t path = 0; path < rows.path_count; ++path)
+        if ((rows.path_first + path) % every_ == 0)
+            add_path(rows, path);
+}
+template void PathCollector::add<float>(const PathRows<float>&);
+template void PathCollector::add<double>(const PathRows<double>&);
+
+template <typename T> void PathCollector::add_path(const PathRows<T>& rows, std::size_t path) {
+    if (rows.step_first == 0)
+        paths_.emplace_back().label = fmt::format("path {}", rows.path_first + path);
+    picture::DrawnPath& drawn = paths_.back();
+    const std::size_t end = rows.step_first + rows.samples(path);
+    for (std::size_t step = (rows.step_first + stride_ - 1) / stride_ * stride_; step < end; step += stride_) {
+        const std::size_t at = 3 * (path * rows.pitch + step - rows.step_first);
+        const double fx = double(rows.force[at]), fz = double(rows.force[at + 2]);
+        drawn.way.push_back({double(rows.position[at]), double(rows.position[at + 2])});
+        drawn.direction.push_back(fx == 0 && fz == 0 ? std::numeric_limits<double>::quiet_NaN()
+                                                     : std::atan2(fx, fz) * kDegrees);
+        y_sum_ += double(rows.position[at + 1]);
+        ++y_samples_;
+    }
 }
 
-PathSummary::PathSummary(const std::filesystem::path& path, Precision precision)
-    : file_(path), precision_(precision), text_(path_summary_header()) {}
-
-// What follows from floats has no more digits than they.
-void PathSummary::number(double value) {
-    text_ += ',';
-    if (precision_ == Precision::f32)
-        append(text_, static_cast<float>(value));
-    else
-        append(text_, value);
+PathCollector::Reach PathCollector::reach() const {
+    const picture::Breadth breadth = picture::drawn_breadth(paths_);
+    return {breadth.low, breadth.high, y_samples_ ? y_sum_ / double(y_samples_) : 0};
 }
 
-void PathSummary::number(const std::optional<double>& value) {
-    if (value)
-        number(*value);
-    else
-        text_ += ',';
+picture::Picture PathCollector::draw(const std::string& name, const picture::SurfaceLines& surface) const {
+    picture::PathDrawing drawing{name, {}, paths_, surface, is_graph(surface.nominal)};
+    std::string shown = fmt::format("{} of {} paths", paths_.size(), count_);
+    if (stride_ > 1)
+        shown += fmt::format(", every {}th sample", stride_);
+    drawing.notes.push_back(shown + " over the section of the surface at their mean y; below, the direction of the "
+                                    "force in the x-z plane, from z towards x");
+    std::string note;
+    if (const Following f = following(paths_, surface.nominal); f.samples > 0)
+        note = "in contact (root mean square): " + follows(f, "the surface");
+    if (const Following f = following(paths_, surface.smooth); f.samples > 0 && !note.empty())
+        note += "; " + follows(f, "the shape that the shading imitates");
+    if (!note.empty())
+        drawing.notes.push_back(note);
+    return picture::draw_paths(drawing);
 }
 
-// A point of time is that of a sample, in double as it stands beside samples.
-void PathSummary::time(const std::optional<double>& value) {
-    text_ += ',';
-    if (value)
-        append(text_, *value);
+bool is_graph(const std::vector<picture::LinePoint>& line) {
+    for (std::size_t i = 1; i < line.size(); ++i)
+        if (!(line[i].x > line[i - 1].x))
+            return false;
+    return !line.empty();
 }
 
-void PathSummary::whole(std::uint64_t value) {
-    text_ += ',';
-    append(text_, value);
-}
-
-void PathSummary::add(std::uint64_t path, const PathFigures& figures) {
-    append(text_, path);
-    whole(figures.steps);
-    for (const double value : {figures.contact_time, figures.largest_force, figures.rms_force, figures.largest_turn,
-                               figures.steepest_turn, figures.work, figures.effort})
-        number(value);
-    number(figures.eta);
-    whole(figures.rounds);
-    for (const auto& work : {figures.least_round, figures.mean_round, figures.largest_round})
-        number(work);
-    for (const auto& depth : {figures.least_depth, figures.mean_depth, figures.largest_depth, figures.depth_deviation})
-        number(depth);
-    whole(figures.unstable_time ? 1 : 0);
-    time(figures.unstable_time);
-    whole(figures.fell ? 1 : 0);
-    number(figures.speed_ratio);
-    whole(figures.began_inside ? 1 : 0);
-    whole(figures.unfinished);
-    text_ += '\n';
-    if (text_.size() < kText)
-        return;
-    file_.write(text_);
-    text_.clear();
-}
-
-VolumeResult PathSummary::finish() {
-    file_.write(text_);
-    text_.clear();
-    return publish_raw(file_);
+Following following(const std::vector<picture::DrawnPath>& paths, const std::vector<picture::LinePoint>& line) {
+    Following result;
+    if (!is_graph(line))
+        return result;
+    std::vector<double> below, turns;
+    double turned = 0;
+    for (const picture::DrawnPath& path : paths)
+        for (std::size_t i = 0; i < path.way.size(); ++i) {
+            const std::optional<OnLine> nearest = on_line(line, path.way[i].x);
+            if (!nearest || std::isnan(path.direction[i]))
+                continue;
+            below.push_back(nearest->height - path.way[i].z);
+            result.sunk += below.back();
+            turns.push_back(std::fabs(std::remainder(path.direction[i] - nearest->angle, 360)));
+            turned += turns.back() * turns.back();
+        }
+    result.samples = below.size();
+    if (below.empty())
+        return result;
+    const double samples = double(below.size());
+    result.sunk /= samples;
+    double square = 0;
+    for (const double depth : below)
+        square += (depth - result.sunk) * (depth - result.sunk);
+    result.distance = std::sqrt(square / samples);
+    result.angle = std::sqrt(turned / samples);
+    const auto middle = turns.begin() + static_cast<std::ptrdiff_t>(turns.size() / 2);
+    std::nth_element(turns.begin(), middle, turns.end());
+    result.median_angle = *middle;
+    return result;
 }
 
 } // namespace forceshade

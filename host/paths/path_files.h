@@ -1,19 +1,141 @@
-// Explored paths as a CSV file, path after path.
+// What a path was like, in numbers that people read, and what is left of paths: CSV, NPY, and what a picture shows.
 #pragma once
 
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "host/output/files.h"
-#include "host/output/path_rows.h"
 #include "host/output/rows.h"
-#include "host/paths/path_figures.h"
+#include "host/picture/path_plot.h"
+#include "host/reference/contact.h"
 #include "host/scene/scene.h"
+#include "shaders/shared/law.h"
 
 namespace forceshade {
+
+/// How long a recorded path is in contact, by the times that the file gives the samples: a sample counts the time until
+/// the next one, the last one as much as the one before it. A path of one sample has no time.
+class ContactTime {
+public:
+    /// The next sample, at `time`, s.
+    void add(double time, bool touches) {
+        if (begun_) {
+            share_ = time - time_;
+            total_ += touched_ ? share_ : 0;
+        }
+        begun_ = true;
+        time_ = time;
+        touched_ = touches;
+    }
+    /// s.
+    double total() const { return total_ + (touched_ ? share_ : 0); }
+
+private:
+    bool begun_ = false, touched_ = false;
+    double time_ = 0;  /* s: of the last sample */
+    double share_ = 0; /* s: of the sample before the last */
+    double total_ = 0; /* s: of the samples before the last */
+};
+
+/// Nothing where a number has no meaning: depths without contact, a speed ratio in open loop. The deviation of depths
+/// is a difference of sums: in single precision it is known to about 3e-4 of the mean depth.
+struct PathFigures {
+    std::uint64_t steps = 0;
+    double contact_time = 0;                 /* s: of recorded paths as ContactTime says */
+    double largest_force = 0, rms_force = 0; /* N; over the samples before a path left its bound */
+    double largest_turn = 0;                 /* deg: of the force between two samples in a row, both in contact */
+    double steepest_turn = 0;                /* deg/mm: of the force, over ways of a stretch or more */
+    double work = 0;                         /* J: done on the hand */
+    double effort = 0;                       /* J: sum of |F . dx| */
+    std::optional<double> eta;               /* 1: work / effort */
+    std::uint64_t rounds = 0;                /* complete ones */
+    std::optional<double> least_round, mean_round, largest_round; /* J: done on the hand in a complete round */
+    std::optional<double> least_depth, mean_depth, largest_depth, depth_deviation; /* m: in contact */
+    std::optional<double> unstable_time; /* s: t of the sample at which the probe left its bound */
+    bool fell = false;                   /* free of contact, the way the hand pushes: off the rim of a surface */
+    std::optional<double> speed_ratio;   /* 1: largest speed of the last quarter over that of the second */
+    bool began_inside = false;
+    std::uint64_t unfinished = 0; /* samples at which the proxy did not come to rest */
+};
+
+/// Of a path whose samples come at times of their own.
+struct PathTimes {
+    double contact = 0;  /* s: in contact, as ContactTime counts it */
+    double unstable = 0; /* s: t of the sample at which the probe left its bound, if it did */
+};
+
+/// What a path's metrics do not say of it.
+struct PathFacts {
+    std::uint64_t steps = 0; /* samples of the path */
+    double rate = 1;         /* 1/s: samples a second */
+    bool closed = false;
+    bool began_inside = false;
+    std::optional<PathTimes> times{}; /* of a recorded path; else samples come at the rate, the first at 0 s */
+};
+
+template <typename T> PathFigures figures_of(const layout::PathMetrics<T>& metrics, const PathFacts& facts);
+
+extern template PathFigures figures_of<float>(const layout::PathMetrics<float>&, const PathFacts&);
+extern template PathFigures figures_of<double>(const layout::PathMetrics<double>&, const PathFacts&);
+
+// STEM.paths.csv: a row for each path, what it was like.
+
+/// A row of a CSV file of numbers, each the shortest that reads back as the same number.
+class NumberRow {
+public:
+    template <typename T> void add(T value);
+    void add_empty() { separate(); }
+    /// Ends the row, and begins the next.
+    void write(TemporaryFile& file);
+
+private:
+    void separate();
+    std::string text_;
+    bool first_ = true;
+};
+
+/// Columns carry their unit in their name; a cell is empty where a number has no meaning.
+class PathSummary {
+public:
+    /// `precision` of the run. \throws IoError, as do the others.
+    PathSummary(const std::filesystem::path& path, Precision precision);
+    void add(std::uint64_t path, const PathFigures& figures);
+    /// Publishes.
+    VolumeResult finish();
+
+private:
+    void add(const std::optional<double>& value);
+
+    TemporaryFile file_;
+    Precision precision_;
+    NumberRow row_;
+};
+
+/// The file's header line.
+const char* path_summary_header();
+
+// Explored paths as a CSV file: where the probe was, and what it felt there.
+
+/// Columns path,t,x,y,z,gx,gy,gz,fx,fy,fz,depth,facet (s, m, N); x, y, z are where the law was evaluated, g is the
+/// proxy, facet -1 out of contact. Nothing stands under the final name until publish() or finish().
+class PathWriter {
+public:
+    /// \throws IoError, as do the others.
+    explicit PathWriter(const std::filesystem::path& path);
+    template <typename T>
+    void add(std::uint64_t path, double time, const reference::Vector<T>& probe, const reference::Contact<T>& felt);
+    void publish() { file_.publish(); }
+    /// Publishes, and reads the file once more for its hash.
+    VolumeResult finish();
+
+private:
+    TemporaryFile file_;
+    NumberRow row_;
+};
 
 /// What a sample is called by.
 struct PathLabels {
@@ -21,24 +143,17 @@ struct PathLabels {
     std::function<double(std::uint64_t path, std::uint64_t step)> time; /* s; asked path after path, step after step */
 };
 
-/// Columns path,t,x,y,z,gx,gy,gz,fx,fy,fz,depth,facet (s, m, N); g is the proxy, facet -1 out of contact. Every number
-/// is the shortest that reads back as the same float or double. Needs all five channels.
+/// Rows as PathWriter's, path after path. Needs all five channels.
 class PathCsvWriter final : public PathSink {
 public:
     /// Throws IoError, as do the others.
-    PathCsvWriter(const std::filesystem::path& path, const PathLabels& labels);
-    void write(const PathRows<float>& rows) override { add(rows); }
-    void write(const PathRows<double>& rows) override { add(rows); }
-    VolumeResult finish() override;
+    PathCsvWriter(const std::filesystem::path& path, const PathLabels& labels) : writer_(path), labels_(labels) {}
+    void write(const AnyPathRows& rows) override;
+    VolumeResult finish() override { return writer_.finish(); }
 
 private:
-    template <typename T> void add(const PathRows<T>& rows);
-    template <typename T> void add_sample(const PathRows<T>& rows, std::size_t path, std::size_t step);
-    template <typename T> void number(T value, char after);
-
-    TemporaryFile file_;
+    PathWriter writer_;
     PathLabels labels_;
-    std::string text_;
 };
 
 // One channel of explored paths as a NumPy array, shape (paths, steps, 3) for vectors and (paths, steps) for scalars.
@@ -49,42 +164,54 @@ public:
     /// `channel` is one layout::kChannel... bit. Throws IoError, as do the others.
     PathNpyWriter(const std::filesystem::path& path, std::uint64_t paths, std::uint64_t steps, std::uint32_t channel,
                   Precision precision);
-    void write(const PathRows<float>& rows) override { add(rows); }
-    void write(const PathRows<double>& rows) override { add(rows); }
+    void write(const AnyPathRows& rows) override;
     VolumeResult finish() override;
 
 private:
-    template <typename T> void add(const PathRows<T>& rows);
-
     TemporaryFile file_;
     std::uint64_t steps_;
     std::uint32_t channel_;
 };
 
-// STEM.paths.csv: a row for each path, what it was like.
+// Keeps of explored paths what a picture shows: a handful of them, evenly chosen, however many and long they are.
 
-/// Columns carry their unit in their name; a cell is empty where a number has no meaning. Numbers are the shortest that
-/// read back as the same float or double.
-class PathSummary {
+class PathCollector {
 public:
-    /// `precision` of the run. \throws IoError, as do the others.
-    PathSummary(const std::filesystem::path& path, Precision precision);
-    void add(std::uint64_t path, const PathFigures& figures);
-    /// Publishes.
-    VolumeResult finish();
+    PathCollector(std::uint64_t paths, std::uint64_t steps);
+
+    template <typename T> void add(const PathRows<T>& rows);
+
+    const std::vector<picture::DrawnPath>& paths() const { return paths_; }
+    /// m: the x between which the paths kept are drawn (`picture::drawn_breadth`), and their mean y.
+    struct Reach {
+        double from = 0, to = 0, y = 0;
+    };
+    Reach reach() const;
+    /// The picture of them. `paths` in all.
+    picture::Picture draw(const std::string& name, const picture::SurfaceLines& surface) const;
 
 private:
-    void number(double value);
-    void number(const std::optional<double>& value);
-    void time(const std::optional<double>& value);
-    void whole(std::uint64_t value);
+    template <typename T> void add_path(const PathRows<T>& rows, std::size_t path);
 
-    TemporaryFile file_;
-    Precision precision_;
-    std::string text_;
+    std::uint64_t count_, every_, stride_;
+    std::vector<picture::DrawnPath> paths_;
+    double y_sum_ = 0;
+    std::uint64_t y_samples_ = 0;
 };
 
-/// The file's header line.
-const char* path_summary_header();
+/// How paths in contact follow a line: it is sunk by their mean distance from it, then they are compared.
+struct Following {
+    std::uint64_t samples = 0; /* in contact, over the line */
+    double sunk = 0;           /* m: mean distance below the line, along z */
+    double distance = 0;       /* m: root mean square from the line so sunk, along z */
+    double angle = 0;          /* deg: root mean square between the force and the line's normal */
+    double median_angle = 0;   /* deg: likewise the median, which an edge that the probe rattles on does not move */
+};
+
+/// Of a line whose x increases; no samples where there is none.
+Following following(const std::vector<picture::DrawnPath>& paths, const std::vector<picture::LinePoint>& line);
+
+/// True if a height can be read off the line at every x: no pieces, x increasing.
+bool is_graph(const std::vector<picture::LinePoint>& line);
 
 } // namespace forceshade

@@ -7,13 +7,12 @@
 #include <optional>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "host/error.h"
-#include "host/output/exr_paths.h"
+#include "host/output/exr_volume.h"
 #include "host/output/files.h"
-#include "host/output/hash.h"
 #include "host/output/rows.h"
-#include "host/paths/path_figures.h"
 #include "host/paths/path_files.h"
 #include "host/paths/recorded.h"
 #include "host/paths/scene_paths.h"
@@ -22,35 +21,6 @@
 #include "host/referee/path_oracle.h"
 
 namespace forceshade {
-
-template <typename T> void RecordedTimes::take(const PathRows<T>& rows) {
-    first_ = rows.path_first;
-    step_first_ = rows.step_first;
-    if (rows.step_first == 0)
-        contact_.assign(rows.path_count, ContactTime{});
-    begins_.clear();
-    times_.clear();
-    for (std::size_t path = 0; path < rows.path_count; ++path) {
-        begins_.push_back(times_.size());
-        for (std::size_t i = 0; i < rows.samples(path); ++i) {
-            times_.push_back(cursor_.next().time);
-            contact_[path].add(times_.back(), rows.facet[path * rows.pitch + i] != layout::kNoFacet);
-        }
-    }
-}
-template void RecordedTimes::take<float>(const PathRows<float>&);
-template void RecordedTimes::take<double>(const PathRows<double>&);
-
-double RecordedTimes::at(std::uint64_t path, std::uint64_t step) const {
-    return times_[begins_[path - first_] + (step - step_first_)];
-}
-
-double RecordedTimes::later(std::uint64_t path, std::uint64_t step) {
-    for (; later_path_ < path; ++later_path_)
-        later_begin_ += file_->steps()[later_path_];
-    later_.go_to(later_begin_ + step);
-    return later_.next().time;
-}
 
 namespace {
 
@@ -104,6 +74,60 @@ template <typename T>
 std::shared_ptr<const RecordedFile> read_paths(const PreparedCase& prepared, const PathRunOptions& options) {
     const std::filesystem::path file = recorded_file(prepared.one.scene, options);
     return file.empty() ? nullptr : read_recorded<T>(prepared, file, options.reading);
+}
+
+// Reads the file alongside of an engine's rows, and sums up of each path how long it was in contact.
+class RecordedTimes {
+public:
+    explicit RecordedTimes(std::shared_ptr<const RecordedFile> file)
+        : file_(std::move(file)), cursor_(*file_), later_(*file_) {}
+
+    // The times of these rows, which come in order; they need the channel of facets.
+    template <typename T> void take(const PathRows<T>& rows);
+
+    // s: of a sample of the rows taken last.
+    double at(std::uint64_t path, std::uint64_t step) const;
+    // s: how long a path of the rows taken last was in contact, once they end it.
+    double contact_time(std::uint64_t path) const { return contact_[path - first_].total(); }
+    // s: of a sample of a path, wherever it is; paths come in order.
+    double later(std::uint64_t path, std::uint64_t step);
+
+private:
+    std::shared_ptr<const RecordedFile> file_;
+    RecordedCursor cursor_, later_;
+    std::uint64_t first_ = 0;                        // path
+    std::uint64_t step_first_ = 0;                   // of the rows
+    std::vector<std::size_t> begins_;                // in times_, by path
+    std::vector<double> times_;                      /* s */
+    std::vector<ContactTime> contact_;               // by path
+    std::uint64_t later_path_ = 0, later_begin_ = 0; // a path, and its first sample in the file
+};
+
+template <typename T> void RecordedTimes::take(const PathRows<T>& rows) {
+    first_ = rows.path_first;
+    step_first_ = rows.step_first;
+    if (rows.step_first == 0)
+        contact_.assign(rows.path_count, ContactTime{});
+    begins_.clear();
+    times_.clear();
+    for (std::size_t path = 0; path < rows.path_count; ++path) {
+        begins_.push_back(times_.size());
+        for (std::size_t i = 0; i < rows.samples(path); ++i) {
+            times_.push_back(cursor_.next().time);
+            contact_[path].add(times_.back(), rows.facet[path * rows.pitch + i] != layout::kNoFacet);
+        }
+    }
+}
+
+double RecordedTimes::at(std::uint64_t path, std::uint64_t step) const {
+    return times_[begins_[path - first_] + (step - step_first_)];
+}
+
+double RecordedTimes::later(std::uint64_t path, std::uint64_t step) {
+    for (; later_path_ < path; ++later_path_)
+        later_begin_ += file_->steps()[later_path_];
+    later_.go_to(later_begin_ + step);
+    return later_.next().time;
 }
 
 struct NamedSink {
@@ -355,6 +379,117 @@ PathRecord run_paths(Engine& engine, const PreparedCase& prepared, const PathRun
     if (prepared.one.scene.precision == Precision::f32)
         return Run<float>(engine, prepared, options).run();
     return Run<double>(engine, prepared, options).run();
+}
+
+namespace {
+
+template <typename T> void compare_in(Engine& engine, const PreparedCase& prepared, PathComparison& comparison) {
+    const PathsSpec& spec = *prepared.one.scene.paths;
+    const bool recorded = spec.kind == PathKind::recorded;
+    const std::shared_ptr<const RecordedFile> file = recorded ? read_recorded<T>(prepared, spec.path) : nullptr;
+    ScenePaths<T> paths(prepared, file), alike(prepared, file);
+    layout::PathInput<T> input = paths.input(), same = alike.input();
+    input.features.channels = same.features.channels = kSampled;
+    for (ScenePaths<T>* each : {&paths, &alike})
+        each->limit_batches(samples_that_fit(input));
+    BatchedSource<T> source(paths, input.steps, paths_that_fit(input));
+    input.source = &source;
+    PathOracle<T> oracle(prepared, same, engine.report().software, 0);
+    ProxySides<T> sides(prepared, std::uint64_t(input.paths) * input.steps, input.features.loop == layout::kLoopClosed);
+    RowGatherer<T> gatherer(source, [&](const PathRows<T>& rows) {
+        oracle.compare(rows);
+        sides.check(rows);
+    });
+    engine.explore(
+        input,
+        [&](const layout::PathChunk<T>& chunk) {
+            check_interrupt();
+            gatherer.add(chunk);
+        },
+        [&](std::size_t first, std::span<const layout::PathMetrics<T>> metrics) { oracle.compare(first, metrics); });
+    if (file)
+        file->require_unchanged();
+    comparison.error = oracle.error();
+    comparison.sides = sides.count();
+}
+
+const char* name_of(Precision precision) {
+    return precision == Precision::f32 ? "f32" : "f64";
+}
+
+const std::string& first_of(const PathComparison& one) {
+    return one.error.first.empty() ? one.sides.first : one.error.first;
+}
+
+} // namespace
+
+PathComparison compare_paths(Engine& engine, const PreparedCase& prepared, Precision precision) {
+    PathComparison comparison{prepared.one.name, precision, {}, {}, false};
+    if (precision == Precision::f32)
+        compare_in<float>(engine, prepared, comparison);
+    else
+        compare_in<double>(engine, prepared, comparison);
+    comparison.passed = comparison.error.passed() && comparison.sides.other == 0;
+    return comparison;
+}
+
+PathTotals totals_of(const std::vector<PathComparison>& comparisons) {
+    PathTotals totals;
+    for (const PathComparison& one : comparisons) {
+        totals.samples += one.error.samples;
+        totals.differing += one.error.differing;
+        totals.passed = totals.passed && one.passed;
+    }
+    return totals;
+}
+
+std::string path_comparison_table(const std::vector<PathComparison>& comparisons) {
+    std::size_t width = 4;
+    for (const PathComparison& one : comparisons)
+        width = std::max(width, one.name.size());
+    std::string text = fmt::format("{:<{}}  {:>4}  {:>8}  {:>10}  {:>8}  {:>8}  {:>11}  {:>11}  {:>8}  {}\n", "case",
+                                   width, "", "paths", "samples", "bits", "metrics", "max |F|", "against", "other", "");
+    text += fmt::format("{:<{}}  {:>4}  {:>8}  {:>10}  {:>8}  {:>8}  {:>11}  {:>11}  {:>8}  {}\n", "", width, "", "",
+                        "", "differ", "differ", "N", "oracle / N", "side", "");
+    SideCount all;
+    for (const PathComparison& one : comparisons) {
+        text += fmt::format("{:<{}}  {:>4}  {:>8}  {:>10}  {:>8}  {:>8}  {:>11.4g}  {:>11.2e}  {:>8}  {}\n", one.name,
+                            width, name_of(one.precision), one.error.paths, one.error.samples, one.error.differing,
+                            one.error.metrics, one.error.largest_force, one.error.largest,
+                            one.sides.closed ? fmt::format("{}", one.sides.other) : "-",
+                            one.passed ? "ok" : "FAILED: " + first_of(one));
+        all.closed = all.closed || one.sides.closed;
+        all.samples += one.sides.samples;
+        all.brute += one.sides.brute;
+        all.near += one.sides.near;
+    }
+    if (all.closed)
+        text +=
+            fmt::format("other side: samples whose proxy is not on the side of a closed mesh where its path began, "
+                        "by the winding number at {} samples, at {} of them by loops over all triangles; {} were too "
+                        "near to the surface to tell\n",
+                        all.samples, all.brute, all.near);
+    return text;
+}
+
+std::string path_comparison_json(const std::vector<PathComparison>& comparisons) {
+    nlohmann::ordered_json json = nlohmann::ordered_json::array();
+    for (const PathComparison& one : comparisons)
+        json.push_back({{"case", one.name},
+                        {"precision", name_of(one.precision)},
+                        {"paths", one.error.paths},
+                        {"samples", one.error.samples},
+                        {"differing", one.error.differing},
+                        {"metrics_differing", one.error.metrics},
+                        {"beyond_bound", one.error.beyond},
+                        {"largest_error_N", one.error.largest},
+                        {"largest_force_N", one.error.largest_force},
+                        {"sides_told", one.sides.samples - one.sides.near},
+                        {"sides_told_by_loops", one.sides.brute},
+                        {"on_other_side", one.sides.other},
+                        {"passed", one.passed},
+                        {"first_difference", first_of(one)}});
+    return json.dump(2);
 }
 
 } // namespace forceshade

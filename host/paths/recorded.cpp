@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "host/error.h"
-#include "host/output/hash.h"
+#include "host/output/files.h"
 #include "host/paths/path_reader.h"
 #include "host/prepare/prepared_case.h"
 #include "host/program.h"

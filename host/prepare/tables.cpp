@@ -96,19 +96,9 @@ template <typename T> T rounded(double value, const char* what) {
 }
 
 layout::uint map_kind(MapFunction function) {
-    switch (function) {
-    case MapFunction::cylinder:
-        return layout::kMapCylinder;
-    case MapFunction::dip:
-        return layout::kMapDip;
-    case MapFunction::sine:
-        return layout::kMapSine;
-    case MapFunction::gaussian:
-        return layout::kMapGaussian;
-    case MapFunction::file:
-        return layout::kMapSamples;
-    }
-    return layout::kMapNone;
+    constexpr layout::uint kKinds[] = {layout::kMapCylinder, layout::kMapDip, layout::kMapSine, layout::kMapGaussian,
+                                       layout::kMapSamples};
+    return kKinds[static_cast<std::size_t>(function)];
 }
 
 // Values of a map that its kind does not read stay zero, so that a wrong read shows.
@@ -181,18 +171,11 @@ template <typename T> void add_mesh(const Scene& scene, const SceneMesh& mesh, F
 }
 
 layout::uint mesh_shading(Shading shading) {
-    switch (shading) {
-    case Shading::morgenbesser:
-        return layout::kShadingMorgenbesser;
-    case Shading::barycentric:
-        return layout::kShadingBarycentric;
-    case Shading::mean_value:
-        return layout::kShadingMeanValue;
-    case Shading::two_pass:
-        return layout::kShadingTwoPass;
-    default:
+    constexpr layout::uint kShadings[] = {layout::kShadingMorgenbesser, layout::kShadingBarycentric,
+                                          layout::kShadingMeanValue, layout::kShadingTwoPass};
+    if (shading < Shading::morgenbesser)
         return layout::kShadingNone;
-    }
+    return kShadings[static_cast<std::size_t>(shading) - static_cast<std::size_t>(Shading::morgenbesser)];
 }
 
 bool tilts_normals(const Scene& scene) {

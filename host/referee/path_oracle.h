@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "host/output/path_rows.h"
 #include "host/output/record.h"
+#include "host/output/rows.h"
 #include "host/referee/reading.h"
 #include "host/referee/rounding_bound.h"
 #include "shaders/shared/law.h"

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "host/output/path_rows.h"
+#include "host/output/rows.h"
 #include "host/prepare/prepared_case.h"
 #include "host/referee/mesh_referee.h"
 

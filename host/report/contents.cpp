@@ -5,10 +5,10 @@
 #include <set>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "host/error.h"
 #include "host/output/files.h"
-#include "host/output/hash.h"
 #include "host/output/reading.h"
 #include "host/report/sweep_findings.h"
 #include "host/study/data/data_files.h"

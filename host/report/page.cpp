@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 
 #include "host/error.h"
-#include "host/output/hash.h"
+#include "host/output/files.h"
 #include "host/output/reading.h"
 #include "host/plot/plot.h"
 #include "host/plot/xml_text.h"

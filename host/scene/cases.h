@@ -42,6 +42,13 @@ std::string identity(const Selection& selection);
 
 Scene build_scene(const Selection& selection);
 
+// Checks of a whole scene that no single key can make: the cylinder's shape, ranges of the arithmetic, the limits of a
+// grid, and what fits together in [paths] and [hand].
+
+/// Throws UsageError at the offending key's place. Adds warnings that are not there yet.
+void check_scene(const Scene& scene, const Selection& selection, const std::string& source,
+                 std::vector<std::string>& warnings);
+
 // Case names: what varies over a study, in file order, safe as file names everywhere.
 
 /// Fills in `name` and `varied` of each case. `selections` are the cases' own, `order` the order of keys

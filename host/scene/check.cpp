@@ -1,4 +1,4 @@
-#include "host/scene/check.h"
+#include "host/scene/cases.h"
 
 #include <algorithm>
 #include <array>
@@ -18,7 +18,8 @@ namespace {
 constexpr double kMostVoxels = 281474976710656; // 2^48: byte counts stay far below 2^64
 constexpr std::array<const char*, 3> kAxisNames{"x", "y", "z"};
 
-// Ranges in which squares of lengths, and a stiffness times a length, are normal numbers of the run's precision.
+// Ranges in which squares of lengths, and a stiffness times a length, are normal numbers of the run's precision; the
+// sizes of other quantities of paths and hands, in SI units, keep to those of lengths.
 struct Range {
     const char* name;
     double smallest_length, largest_length;       /* m */
@@ -60,10 +61,19 @@ public:
             check_texture(*scene_.texture);
         if (scene_.grid.samples == 0)
             check_grid();
+        for (std::size_t key = 0; key < selection_.size(); ++key)
+            if (selection_[key])
+                check_sizes(schema_keys()[key], *selection_[key]);
+        if (!scene_.paths)
+            return;
+        check_kind(*scene_.paths);
+        check_drive(*scene_.paths);
+        for (const char* name : {"speed", "depth", "depth_back", "heading", "offset", "tremor.amplitude"})
+            check_spread(name);
     }
 
 private:
-    const Value* find(const std::string& path) const { return selection_[static_cast<std::size_t>(find_key(path))]; }
+    const Value* find(std::string_view path) const { return selection_[static_cast<std::size_t>(find_key(path))]; }
 
     // The first of the keys that stands in the file; a default has no place.
     Location place(std::initializer_list<std::string> paths, std::size_t part = 0) const {
@@ -223,80 +233,20 @@ private:
                          single ? "use precision f64 or " : ""));
     }
 
-    void warn(Location where, const std::string& message) {
-        const std::string text = location_prefix(source_, where) + message;
-        if (std::find(warnings_.begin(), warnings_.end(), text) == warnings_.end())
-            warnings_.push_back(text);
-    }
-
-    const Scene& scene_;
-    const Selection& selection_;
-    const std::string& source_;
-    std::vector<std::string>& warnings_;
-    const Range& range_;
-};
-
-} // namespace
-
-void check_scene(const Scene& scene, const Selection& selection, const std::string& source,
-                 std::vector<std::string>& warnings) {
-    Checker(scene, selection, source, warnings).check();
-    check_paths(scene, selection, source);
-}
-
-namespace {
-
-// Sizes within which squares are normal numbers of the run's precision, in SI units.
-struct Sizes {
-    const char* name;
-    double smallest, largest;
-};
-constexpr Sizes kSizesF32{"f32", 1e-15, 1e15};
-constexpr Sizes kSizesF64{"f64", 1e-150, 1e150};
-
-class PathChecker {
-public:
-    PathChecker(const Scene& scene, const Selection& selection, const std::string& source)
-        : scene_(scene), selection_(selection), source_(source),
-          sizes_(scene.precision == Precision::f32 ? kSizesF32 : kSizesF64) {}
-
-    void check() const {
-        for (std::size_t key = 0; key < selection_.size(); ++key)
-            if (selection_[key])
-                check_sizes(schema_keys()[key], *selection_[key]);
-        if (!scene_.paths)
-            return;
-        check_kind(*scene_.paths);
-        check_drive(*scene_.paths);
-        for (const char* name : {"speed", "depth", "depth_back", "heading", "offset", "tremor.amplitude"})
-            check_spread(name);
-    }
-
-private:
-    const Value* find(std::string_view path) const { return selection_[static_cast<std::size_t>(find_key(path))]; }
-
-    // The first of the keys that stands in the file; a default has no place.
-    Location place(std::initializer_list<std::string> paths) const {
-        for (const std::string& path : paths)
-            if (const Value* value = find(path); value && value->where.line > 0)
-                return value->where;
-        return {};
-    }
-
     void check_sizes(const Key& key, const Value& value) const {
         if ((key.subject != Subject::paths && key.subject != Subject::hand) || key.kind != ValueKind::quantity)
             return;
         const std::string_view unit = dimension_unit(key.dimension);
         for (std::size_t i = 0; i < value.numbers.size(); ++i) {
             const double size = std::abs(value.numbers[i]);
-            if (size > sizes_.largest)
+            if (size > range_.largest_length)
                 fail(source_, value.parts[i],
-                     fmt::format("{} must be at most {:g} {} in {}; got {} {}", key.path(), sizes_.largest, unit,
-                                 sizes_.name, value.numbers[i], unit));
-            if (needs_square(key) && size > 0 && size < sizes_.smallest)
+                     fmt::format("{} must be at most {:g} {} in {}; got {} {}", key.path(), range_.largest_length, unit,
+                                 range_.name, value.numbers[i], unit));
+            if (needs_square(key) && size > 0 && size < range_.smallest_length)
                 fail(source_, value.parts[i],
-                     fmt::format("{} must be at least {:g} {} in {}; got {} {}", key.path(), sizes_.smallest, unit,
-                                 sizes_.name, value.numbers[i], unit));
+                     fmt::format("{} must be at least {:g} {} in {}; got {} {}", key.path(), range_.smallest_length,
+                                 unit, range_.name, value.numbers[i], unit));
         }
     }
 
@@ -326,7 +276,7 @@ private:
         if (paths.drive == PathDrive::depth)
             return;
         const char* name = paths.drive == PathDrive::press ? "press" : "push";
-        const Location where = place({fmt::format("paths.{}", name)});
+        const Location where = find(fmt::format("paths.{}", name))->where;
         if (!paths.closed())
             fail(source_, where,
                  fmt::format("{} is a force of the hand, and an open loop has none: give depth, or loop = \"closed\"",
@@ -355,16 +305,24 @@ private:
                  fmt::format("{}: min {} is more than max {}", name, low->texts.front(), high->texts.front()));
     }
 
+    void warn(Location where, const std::string& message) {
+        const std::string text = location_prefix(source_, where) + message;
+        if (std::find(warnings_.begin(), warnings_.end(), text) == warnings_.end())
+            warnings_.push_back(text);
+    }
+
     const Scene& scene_;
     const Selection& selection_;
     const std::string& source_;
-    const Sizes& sizes_;
+    std::vector<std::string>& warnings_;
+    const Range& range_;
 };
 
 } // namespace
 
-void check_paths(const Scene& scene, const Selection& selection, const std::string& source) {
-    PathChecker(scene, selection, source).check();
+void check_scene(const Scene& scene, const Selection& selection, const std::string& source,
+                 std::vector<std::string>& warnings) {
+    Checker(scene, selection, source, warnings).check();
 }
 
 } // namespace forceshade

@@ -7,7 +7,6 @@
 #include <toml++/toml.h>
 
 #include "host/error.h"
-#include "host/scene/resolved_toml.h"
 #include "host/scene/schema.h"
 #include "host/scene/value.h"
 

@@ -49,6 +49,9 @@ struct Document {
 Document read_document(std::string_view text, const std::string& source, const std::string& folder,
                        std::span<const std::pair<std::string, std::string>> overrides);
 
+/// Document::order: the same for a document and for its resolved text.
+std::vector<std::size_t> key_order(const Document& document);
+
 /// The default of each key of the schema, by key; no values where it has none.
 const std::vector<Entry>& default_entries();
 

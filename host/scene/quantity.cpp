@@ -7,6 +7,7 @@
 #include <numbers>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -38,25 +39,13 @@ constexpr std::array<Symbol, 10> kSymbols{{
     {"deg", "", {{0, 0, 0, 1}, 1, 1, 0, 1}},
 }};
 
+// Of an SI prefix.
 int prefix_exponent(char prefix) {
-    switch (prefix) {
-    case 'p':
-        return -12;
-    case 'n':
-        return -9;
-    case 'u':
-        return -6;
-    case 'm':
-        return -3;
-    case 'c':
-        return -2;
-    case 'k':
-        return 3;
-    case 'M':
-        return 6;
-    default:
-        return 9; // G
-    }
+    constexpr std::pair<char, int> kPrefixes[] = {{'p', -12}, {'n', -9}, {'u', -6}, {'m', -3},
+                                                  {'c', -2},  {'k', 3},  {'M', 6},  {'G', 9}};
+    return std::find_if(std::begin(kPrefixes), std::end(kPrefixes),
+                        [&](const auto& one) { return one.first == prefix; })
+        ->second;
 }
 
 std::optional<Unit> find_symbol(std::string_view name) {

@@ -1,7 +1,6 @@
-#include "host/scene/resolved_toml.h"
-
 #include <algorithm>
 #include <map>
+#include <set>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -270,7 +269,7 @@ private:
                                [key](const Entry& entry) { return entry.key == key || replaces(entry.key, key); });
         };
         const std::vector<Forms> forms = possible_forms(merge({&document_.base, &variant, &document_.overrides}));
-        bool texture = false, grid = false, paths = false, hand = false;
+        std::set<std::string_view> printed; // tables
         for (const Entry& entry : variant.entries) {
             const Key& key = schema_keys()[entry.key];
             if (overridden(entry.key) || yields_to_override(entry.key) || !applies_to_any(key, forms))
@@ -279,26 +278,21 @@ private:
             const bool all_mesh = std::all_of(forms.begin(), forms.end(), is_mesh);
             if (key.table == "grid" && entry.key != samples_ && document_.overrides.find(samples_) && all_mesh)
                 continue;
-            grid = grid || key.table == "grid";
-            texture = texture || key.table == "texture";
-            paths = paths || key.table == "paths";
-            hand = hand || key.table == "hand";
+            printed.insert(key.table);
             writer_.add_dotted(key.path(), literal(key, entry));
             if (const std::string digest = digest_literal(entry, digests_);
                 key.kind == ValueKind::file && !digest.empty())
                 writer_.add_dotted(fmt::format("{}.sha256", key.table), digest);
         }
         const Entry* samples = document_.overrides.find(samples_);
-        if (grid && samples && grid_fits_mesh(base_) && applies_to_any(schema_keys()[samples_], forms))
+        if (printed.contains("grid") && samples && grid_fits_mesh(base_) &&
+            applies_to_any(schema_keys()[samples_], forms))
             writer_.add_dotted("grid.samples", literal(schema_keys()[samples_], *samples));
-        if (variant.grid && !grid && any_paths())
-            writer_.add_dotted("grid", "{}");
-        if (variant.texture && !texture)
-            writer_.add_dotted("texture", "{}");
-        if (variant.paths && !paths)
-            writer_.add_dotted("paths", "{}");
-        if (variant.hand && !hand)
-            writer_.add_dotted("hand", "{}");
+        for (const auto& [table, has] :
+             {std::pair("grid", variant.grid && any_paths()), std::pair("texture", variant.texture),
+              std::pair("paths", variant.paths), std::pair("hand", variant.hand)})
+            if (has && !printed.contains(table))
+                writer_.add_dotted(table, "{}");
     }
 
     const Document& document_;

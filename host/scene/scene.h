@@ -121,7 +121,7 @@ constexpr Spread fixed_spread(double value) {
     return {Spread::Shape::fixed, value, 0, 0, 0};
 }
 
-/// Exploration paths through a scene. What is not given follows from the surface (host/paths/region.h).
+/// Exploration paths through a scene. What is not given follows from the surface (host/paths/motions.h).
 struct PathsSpec {
     PathKind kind = PathKind::strokes;
     std::string file;           /* recorded: as written in the scene */

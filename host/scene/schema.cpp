@@ -8,7 +8,6 @@
 #include <nlohmann/json.hpp>
 
 #include "host/scene/scene.h"
-#include "host/scene/schema_keys.h"
 
 namespace forceshade {
 
@@ -140,25 +139,10 @@ namespace {
 constexpr std::size_t kLineWidth = 100;
 
 std::string type_name(const Key& key) {
-    switch (key.kind) {
-    case ValueKind::quantity:
-        return std::string(dimension_name(key.dimension));
-    case ValueKind::unit:
-        return fmt::format("unit of {}", dimension_name(key.dimension));
-    case ValueKind::number:
-        return "number";
-    case ValueKind::integer:
-        return "integer";
-    case ValueKind::choice:
-        return "choice";
-    case ValueKind::choices:
-        return "list of choices";
-    case ValueKind::file:
-        return "file";
-    case ValueKind::digest:
-        return "digest";
-    }
-    return "";
+    constexpr const char* kNames[] = {"", "", "number", "integer", "choice", "list of choices", "file", "digest"};
+    if (key.kind == ValueKind::quantity || key.kind == ValueKind::unit)
+        return fmt::format("{}{}", key.kind == ValueKind::unit ? "unit of " : "", dimension_name(key.dimension));
+    return kNames[static_cast<std::size_t>(key.kind)];
 }
 
 // The key of a quantity that may differ from path to path; its parts follow it in the schema.

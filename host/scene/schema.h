@@ -1,11 +1,13 @@
 // The schema: every key of a scene or study in one table, from which parsing, checks, resolved text and help are made.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "host/scene/quantity.h"
 
@@ -28,6 +30,14 @@ enum Form : std::uint32_t {
     kFormMapFile = 64,
     kFormMesh = 128,
 };
+
+inline constexpr std::uint32_t kFormBumps = kFormBump | kFormCylinderBump;
+
+// In the order of SurfaceKind, of MapFunction, of which the last is no function but a file, and of PathKind.
+inline constexpr std::array<std::string_view, 4> kSurfaceKinds{"bump", "cylinder_bump", "height_map", "mesh"};
+inline constexpr std::array<std::string_view, 4> kMapFunctions{"cylinder", "dip", "sine", "gaussian"};
+inline constexpr std::array<std::string_view, 8> kPathKinds{"strokes", "raster",      "circle",       "spiral",
+                                                            "taps",    "random_walk", "minimum_jerk", "recorded"};
 
 /// What decides whether a key applies: nothing, the surface's form, the texture's form, the shading of such a surface,
 /// the kind of the paths, or whether a hand moves the probe.
@@ -72,8 +82,9 @@ struct Forms {
     friend bool operator==(const Forms&, const Forms&) = default;
 };
 
-/// All keys, tables together, in canonical order.
+/// All keys, tables together, in canonical order: made once by make_keys (keys.cpp).
 std::span<const Key> schema_keys();
+std::vector<Key> make_keys();
 
 /// The index in schema_keys() of "table.name", or -1.
 int find_key(std::string_view path);

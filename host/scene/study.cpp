@@ -11,7 +11,6 @@
 
 #include "host/error.h"
 #include "host/scene/cases.h"
-#include "host/scene/check.h"
 #include "host/scene/document.h"
 
 namespace forceshade {

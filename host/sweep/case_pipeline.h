@@ -1,23 +1,83 @@
-// Chunks on their way from the engine to the thread that encodes their case, bounded in bytes over all cases.
+// The cases of a sweep: everything that one leaves behind (the volume, what `--also` asks for, the check against the
+// oracle, the record), computed case after case on the engine while earlier ones are encoded on other threads.
 #pragma once
 
 #include <algorithm>
 #include <condition_variable>
 #include <deque>
 #include <exception>
+#include <filesystem>
 #include <functional>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <stdexcept>
+#include <string>
 #include <utility>
 #include <variant>
 #include <vector>
 
 #include "host/engine/engine.h"
-#include "host/sweep/case_output.h"
+#include "host/output/record.h"
+#include "host/output/rows.h"
+#include "host/paths/path_run.h"
+#include "host/picture/slice_collector.h"
+#include "host/prepare/prepared_case.h"
+#include "host/referee/oracle_check.h"
 #include "shaders/shared/law.h"
 
 namespace forceshade {
+
+/// What is written beside the EXR.
+struct AlsoFormats {
+    bool vti = false, npy = false, png = false;
+};
+
+/// \throws UsageError for a name that is none of vti, npy, png.
+AlsoFormats parse_also(const std::vector<std::string>& names);
+
+inline constexpr std::uint32_t kAllChannels = layout::kChannelForce | layout::kChannelDepth | layout::kChannelFacet |
+                                              layout::kChannelProxy | layout::kChannelUnshaded;
+
+/// The names of all files that a case leaves whose volume is or would be called `STEM.exr`, the volume first.
+std::vector<std::string> file_names(const std::string& stem, const Scene& scene, AlsoFormats also);
+/// Every name that a case may leave.
+std::vector<std::string> possible_file_names(const std::string& stem, AlsoFormats also);
+
+/// Where the paths of such a case go: STEM.paths.exr, STEM.paths.csv and what else is asked for.
+PathRunOptions path_options(const std::filesystem::path& volume, AlsoFormats also, int threads);
+
+/// The record of a case without what is computed.
+CaseRecord empty_record(const PreparedCase& prepared);
+
+class CaseOutput {
+public:
+    /// Files go to `volume` (an .exr path) and beside it. `threads`: that compress this case's volume, 0 for the
+    /// calling one alone. `exact_bits`: as in OracleCheck.
+    CaseOutput(const PreparedCase& prepared, const std::filesystem::path& volume, AlsoFormats also, int threads,
+               bool exact_bits);
+
+    template <typename T> void write(const layout::FieldChunk<T>& chunk);
+
+    /// Publishes every file and returns the record, without what only the caller knows (fingerprint, engine and its
+    /// times). \throws UsageError, IoError, Error. The volume is published first, so it may
+    /// stand where another file failed.
+    CaseRecord finish();
+
+private:
+    void add_pictures(CaseRecord& record);
+
+    const PreparedCase& prepared_;
+    std::filesystem::path volume_;
+    AlsoFormats also_;
+    std::size_t repeat_y_;
+    std::uint64_t evaluated_;
+    std::vector<std::pair<std::string, std::unique_ptr<ChunkSink>>> sinks_; // file name and sink, the volume first
+    std::unique_ptr<picture::SliceCollector> slices_;
+    OracleCheck check_;
+};
+
+// Chunks on their way from the engine to the thread that encodes their case, bounded in bytes over all cases.
 
 /// A chunk that owns its samples.
 template <typename T> struct OwnedChunk {

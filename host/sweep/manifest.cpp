@@ -10,6 +10,7 @@
 #include <thread>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "host/error.h"
 #include "host/output/files.h"
@@ -217,6 +218,29 @@ std::size_t write_manifest(const std::filesystem::path& folder, const Study& stu
         if (records_of(folder, study, fingerprints).size() == records.size())
             return records.size();
     }
+}
+
+void require_same_study(const std::filesystem::path& folder, const Study& study) {
+    std::set<std::string> lost;
+    try {
+        const Json manifest = read_json(folder / "manifest.json");
+        for (const Json& one : manifest.at("cases"))
+            lost.insert(one.at("case").get<std::string>());
+    } catch (const Error&) {
+        return; // there is none that could be read
+    } catch (const Json::exception&) {
+        return; // damaged: it tells nothing
+    }
+    const std::size_t all = lost.size();
+    for (const Case& one : study.cases)
+        lost.erase(one.name);
+    if (!lost.empty())
+        throw UsageError(
+            fmt::format("{} holds another study: {} of its {} finished case{}, for example {}, {} not in this one, and "
+                        "its summary.csv, manifest.json and report.html would no longer tell of {}; name another "
+                        "folder with --out, or say --replace to put this study in its place (volumes stay)",
+                        folder.string(), lost.size(), all, all == 1 ? "" : "s", *lost.begin(),
+                        lost.size() == 1 ? "is" : "are", lost.size() == 1 ? "it" : "them"));
 }
 
 } // namespace forceshade

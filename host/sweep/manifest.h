@@ -56,4 +56,9 @@ using Fingerprints = std::map<std::string, std::set<std::string>>;
 std::size_t write_manifest(const std::filesystem::path& folder, const Study& study, const Fingerprints& fingerprints,
                            const RunAccount* run);
 
+/// Refuses to put a study's summary, manifest and report in the place of those that tell of finished cases which the
+/// study does not have. The same cases with other parameters, some of them or more are no other study. \throws
+/// UsageError.
+void require_same_study(const std::filesystem::path& folder, const Study& study);
+
 } // namespace forceshade

@@ -13,11 +13,9 @@
 
 #include "host/error.h"
 #include "host/output/files.h"
-#include "host/output/hash.h"
 #include "host/paths/recorded.h"
 #include "host/program.h"
 #include "host/scene/cases.h"
-#include "host/sweep/case_pipeline.h"
 #include "host/sweep/manifest.h"
 
 namespace forceshade {
@@ -248,6 +246,8 @@ SweepResult run_sweep(const Study& study, const std::function<std::unique_ptr<En
     const auto start = std::chrono::steady_clock::now();
     const double cpu_start = cpu_seconds();
     const std::vector<const Case*> chosen = choose(study, options);
+    if (!options.replace)
+        require_same_study(options.folder, study);
     SweepResult result;
     result.chosen = chosen.size();
     CasePreparation preparation;

@@ -10,7 +10,7 @@
 #include "compute/device.h"
 #include "host/engine/engine.h"
 #include "host/scene/study.h"
-#include "host/sweep/case_output.h"
+#include "host/sweep/case_pipeline.h"
 #include "host/sweep/manifest.h"
 
 namespace forceshade {
@@ -46,7 +46,8 @@ struct SweepOptions {
     std::filesystem::path folder;
     std::string only = "*"; /* shell pattern of case names */
     std::optional<Shard> shard;
-    bool fresh = false; /* compute every chosen case anew */
+    bool fresh = false;   /* compute every chosen case anew */
+    bool replace = false; /* take the place of another study in the folder */
     bool quiet = false;
     AlsoFormats also;
     std::optional<compute::DeviceReport>
@@ -65,8 +66,8 @@ struct SweepResult {
 };
 
 /// Evaluates the chosen cases of a study into `options.folder`, which is made if need be. `engine` is called only if
-/// there is something to compute. \throws UsageError (nothing chosen), IoError, compute::DeviceError, Interrupted.
-/// Whatever was finished stays; running again goes on from there.
+/// there is something to compute. \throws UsageError (nothing chosen; another study in the folder), IoError,
+/// compute::DeviceError, Interrupted. Whatever was finished stays; running again goes on from there.
 SweepResult run_sweep(const Study& study, const std::function<std::unique_ptr<Engine>()>& engine, bool cpu_engine,
                       const SweepOptions& options);
 

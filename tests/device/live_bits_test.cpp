@@ -5,7 +5,7 @@
 
 #include "device/backends/sim.h"
 #include "host/paths/scene_paths.h"
-#include "host/prepare/probe.h"
+#include "host/prepare/prepared_case.h"
 #include "host/reference/elementary.h"
 #include "host/reference/paths.h"
 #include "tests/device/scripted_device.h"

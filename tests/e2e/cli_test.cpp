@@ -53,7 +53,7 @@ TEST_F(CommandLine, helps) {
     expect_words(program.out, with(common, {"sweep", "field", "validate", "explore", "mesh", "gpus", "devices",
                                             "doctor", "schema", "--version"}));
     const std::map<std::string, std::vector<std::string>> flags{
-        {"sweep", {"STUDY", "--out", "--only", "--shard", "--fresh", "--also"}},
+        {"sweep", {"STUDY", "--out", "--only", "--shard", "--fresh", "--also", "--replace"}},
         {"field", {"SCENE", "--out", "--also"}},
         {"validate", {"SCENE-or-STUDY", "--only"}},
         {"explore", {"SCENE", "--paths", "--out"}},

@@ -6,7 +6,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "host/output/hash.h"
+#include "host/output/files.h"
 #include "tests/e2e/live_workplace.h"
 
 namespace forceshade::testing {

@@ -91,7 +91,7 @@ TEST_F(SceneStudy, switches_the_features_of_that_scene) {
     expect_whole("cpu/omission", "omission");
 }
 
-TEST_F(SceneStudy, says_that_a_quick_run_takes_the_place_of_a_full_one) {
+TEST_F(SceneStudy, says_what_it_takes_the_place_of) {
     expect_study(on_scene("out"));
     const std::vector<std::string> loud{"study", "omission", "scene.toml", "--quick", "--out", "out"};
     EXPECT_EQ(expect_success(loud).error.find("holds a full run"), std::string::npos);
@@ -99,6 +99,11 @@ TEST_F(SceneStudy, says_that_a_quick_run_takes_the_place_of_a_full_one) {
     data["run"]["quick"] = false;
     write("out/omission/study.json", data.dump());
     EXPECT_NE(expect_success(loud).error.find("omission holds a full run"), std::string::npos);
+    EXPECT_EQ(expect_success(loud).error.find("another scene"), std::string::npos);
+    data = read_json("out/omission/study.json");
+    data["scene"] = "";
+    write("out/omission/study.json", data.dump());
+    EXPECT_NE(expect_success(loud).error.find("omission holds this study of another scene"), std::string::npos);
 }
 
 TEST_F(SceneStudy, goes_on_after_an_interrupt) {

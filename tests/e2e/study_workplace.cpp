@@ -2,7 +2,7 @@
 
 #include <charconv>
 
-#include "host/output/hash.h"
+#include "host/output/files.h"
 
 namespace forceshade::testing {
 namespace {

@@ -158,17 +158,41 @@ TEST_F(Sweep, redoes_the_cases_whose_parameters_changed) {
     std::string changed = kThreeCases;
     changed.replace(changed.find("1400 mil"), 8, "1500 mil");
     write("changed.toml", changed);
-    expect_counts(sweep({}, "changed.toml"), 1, 2);
+    expect_counts(sweep({"--replace"}, "changed.toml"), 1, 2);
     std::string stiffer = kThreeCases;
     stiffer.replace(stiffer.find("[force]"), 7, "[force]\nstiffness = \"2 N/mm\"");
     write("stiffer.toml", stiffer);
-    expect_counts(sweep({}, "stiffer.toml"), 3, 0);
+    expect_counts(sweep({"--replace"}, "stiffer.toml"), 3, 0);
     expect_counts(sweep(), 3, 0);
     const Tree after = results_in(path("out"));
     for (const auto& [name, content] : before)
         EXPECT_TRUE(after.at(name) == content) << name;
     expect_counts(sweep({"--engine", "cpu"}), 3, 0);
     expect_counts(sweep({"--precision", "f64"}), 3, 0);
+}
+
+TEST_F(Sweep, does_not_take_the_place_of_another_study_unasked) {
+    sweep();
+    const Tree before = tree_of(path("out"));
+    write("other.toml", "[surface]\nkind = \"cylinder_bump\"\n[grid]\nsize = [8, 2, 4]\n");
+    expect_failure(2, {"sweep", "other.toml", "--out", "out"},
+                   {"another study", "3 of its 3 finished cases", "bump_radius-1000mil", "--out", "--replace"});
+    EXPECT_EQ(differences(before, tree_of(path("out"))), std::set<std::string>{}) << "study.toml included";
+
+    // More cases lose nothing; fewer again do, but a part of the larger study does not.
+    std::string larger = kThreeCases;
+    larger.replace(larger.find("\"1400 mil\""), 10, "\"1400 mil\", \"1800 mil\"");
+    write("larger.toml", larger);
+    expect_counts(sweep({}, "larger.toml"), 1, 3);
+    expect_failure(2, {"sweep", "three.toml", "--out", "out"}, {"1 of its 4 finished cases", "bump_radius-1800mil"});
+    expect_counts(sweep({"--only", "*600mil"}, "larger.toml"), 0, 1);
+    expect_counts(sweep({"--shard", "1/2"}, "larger.toml"), 0, 2);
+    expect_counts(sweep({}, "out/study.toml"), 0, 4);
+
+    expect_counts(sweep({"--replace"}, "other.toml"), 1, 0);
+    EXPECT_EQ(read_json("out/manifest.json")["cases"].size(), 1u);
+    expect_counts(sweep({"--replace"}), 0, 3); // records and volumes stayed
+    EXPECT_EQ(read_json("out/manifest.json")["cases"].size(), 3u);
 }
 
 TEST_F(Sweep, redoes_what_another_device_computed_if_a_device_is_asked_for) {

@@ -7,6 +7,7 @@
 #include <fmt/ranges.h>
 
 #include "host/paths/explore.h"
+#include "host/paths/path_files.h"
 #include "tests/explore/path_workplace.h"
 #include "tests/io/picture.h"
 
@@ -197,7 +198,7 @@ template <typename T, typename Bits> void expect_round_trip(const Folder& folder
     }
     PathWriter writer(folder / "all.csv");
     for (const T value : values)
-        writer.add(PathSample{1, double(value), {double(value), 0, 0}, 1},
+        writer.add(1, double(value), {value, 0, 0},
                    reference::Contact<T>{value, {value, value, value}, {}, {value, value, value}, 3});
     writer.publish();
     std::ifstream file(folder / "all.csv");

@@ -1,8 +1,7 @@
-#include "host/output/hash.h"
+#include "host/output/files.h"
 
 #include <gtest/gtest.h>
 
-#include "host/output/files.h"
 #include "tests/io/folder.h"
 
 namespace forceshade {

@@ -2,7 +2,6 @@
 
 #include "host/error.h"
 #include "host/output/files.h"
-#include "host/output/hash.h"
 #include "host/output/height_image.h"
 #include "host/output/reading.h"
 #include "tests/io/folder.h"

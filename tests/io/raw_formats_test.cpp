@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "host/output/hash.h"
+#include "host/output/files.h"
 #include "host/output/raw_formats.h"
 #include "host/output/reading.h"
 #include "tests/io/folder.h"

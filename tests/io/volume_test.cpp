@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "host/error.h"
-#include "host/output/hash.h"
+#include "host/output/files.h"
 #include "host/output/reading.h"
 #include "host/output/rows.h"
 #include "tests/io/folder.h"

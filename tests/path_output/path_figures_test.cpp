@@ -6,7 +6,6 @@
 #include <gtest/gtest.h>
 
 #include "host/paths/explore.h"
-#include "host/paths/path_figures.h"
 #include "host/paths/path_files.h"
 #include "host/reference/path_step.h"
 #include "tests/io/folder.h"

@@ -14,7 +14,7 @@
 #include <gtest/gtest.h>
 
 #include "host/error.h"
-#include "host/output/exr_paths.h"
+#include "host/output/exr_volume.h"
 #include "host/paths/path_files.h"
 #include "tests/io/folder.h"
 #include "tests/path_output/sample_paths.h"

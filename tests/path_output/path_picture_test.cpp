@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "host/paths/path_figures.h"
+#include "host/paths/path_files.h"
 
 namespace forceshade::testing {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "host/output/path_rows.h"
+#include "host/output/rows.h"
 
 namespace forceshade::testing {
 

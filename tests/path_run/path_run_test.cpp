@@ -6,7 +6,6 @@
 #include <gtest/gtest.h>
 
 #include "host/error.h"
-#include "host/paths/path_comparison.h"
 #include "host/paths/path_run.h"
 #include "tests/io/folder.h"
 

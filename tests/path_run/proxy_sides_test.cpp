@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "host/paths/path_comparison.h"
+#include "host/paths/path_run.h"
 #include "host/prepare/prepared_case.h"
 #include "tests/io/folder.h"
 #include "tests/mesh/shapes.h"

@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "host/paths/hand.h"
+#include "host/paths/scene_paths.h"
 #include "host/reference/path_step.h"
 #include "tests/paths/explored.h"
 

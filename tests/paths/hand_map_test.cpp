@@ -1,5 +1,5 @@
 // The exact map of mass, damping and spring against a Taylor series of its matrix in two hundred digits.
-#include "host/paths/hand.h"
+#include "host/paths/scene_paths.h"
 
 #include <array>
 #include <cmath>

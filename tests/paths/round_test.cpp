@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "host/paths/path_figures.h"
+#include "host/paths/path_files.h"
 #include "tests/io/folder.h"
 #include "tests/paths/explored.h"
 

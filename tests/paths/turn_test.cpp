@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "host/paths/path_figures.h"
+#include "host/paths/path_files.h"
 #include "host/reference/path_step.h"
 #include "tests/paths/explored.h"
 

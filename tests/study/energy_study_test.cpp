@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "host/error.h"
-#include "host/output/hash.h"
+#include "host/output/files.h"
 #include "host/program.h"
 #include "host/study/energy/closed_forms.h"
 #include "host/study/energy/curl_maps.h"

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "host/error.h"
-#include "host/output/hash.h"
+#include "host/output/files.h"
 #include "host/study/data/data_files.h"
 #include "tests/io/folder.h"
 

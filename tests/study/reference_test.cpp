@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "host/output/hash.h"
+#include "host/output/files.h"
 #include "host/study/data/data_files.h"
 #include "host/study/findings/findings.h"
 

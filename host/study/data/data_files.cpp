@@ -4,9 +4,9 @@
 #include <set>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "host/output/files.h"
-#include "host/output/hash.h"
 #include "host/output/raw_formats.h"
 #include "host/output/reading.h"
 

@@ -11,7 +11,7 @@
 #include <variant>
 #include <vector>
 
-#include "host/output/hash.h"
+#include "host/output/files.h"
 
 namespace forceshade::study {
 

@@ -8,7 +8,7 @@
 #include <fmt/ranges.h>
 
 #include "host/output/exr_volume.h"
-#include "host/output/hash.h"
+#include "host/output/files.h"
 #include "host/program.h"
 
 namespace forceshade::study {

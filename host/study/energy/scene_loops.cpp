@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "host/error.h"
-#include "host/paths/region.h"
+#include "host/paths/motions.h"
 #include "host/prepare/prepared_case.h"
 #include "host/reference/elementary.h"
 #include "host/study/energy/scene_section.h"

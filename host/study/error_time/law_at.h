@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "host/prepare/prepared_case.h"
-#include "host/prepare/probe.h"
 
 namespace forceshade::study::error_time {
 

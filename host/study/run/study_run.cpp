@@ -6,7 +6,6 @@
 #include <fmt/format.h>
 
 #include "host/output/files.h"
-#include "host/output/hash.h"
 #include "host/output/reading.h"
 #include "host/program.h"
 #include "host/study/data/data_files.h"

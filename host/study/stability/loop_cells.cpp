@@ -5,9 +5,8 @@
 #include <cmath>
 #include <limits>
 
-#include "host/paths/hand.h"
 #include "host/paths/scene_paths.h"
-#include "host/prepare/probe.h"
+#include "host/prepare/prepared_case.h"
 
 namespace forceshade::study {
 namespace {

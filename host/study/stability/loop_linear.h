@@ -6,7 +6,7 @@
 
 #include <glm/mat3x3.hpp>
 
-#include "host/paths/hand.h"
+#include "host/paths/scene_paths.h"
 
 namespace forceshade::study {
 

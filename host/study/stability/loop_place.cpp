@@ -9,7 +9,6 @@
 #include "host/error.h"
 #include "host/mesh/mesh.h"
 #include "host/prepare/prepared_case.h"
-#include "host/prepare/probe.h"
 
 namespace forceshade::study {
 namespace {

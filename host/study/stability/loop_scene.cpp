@@ -6,7 +6,7 @@
 #include <glm/geometric.hpp>
 
 #include "host/error.h"
-#include "host/paths/region.h"
+#include "host/paths/motions.h"
 #include "host/study/stability/loop_place.h"
 
 namespace forceshade::study {

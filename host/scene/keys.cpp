@@ -1,0 +1,530 @@
+#include "host/scene/schema.h"
+
+#include <array>
+#include <optional>
+#include <tuple>
+#include <type_traits>
+#include <vector>
+
+#include "host/scene/scene.h"
+#include "host/scene/value.h"
+#include "shaders/shared/law.h"
+
+namespace forceshade {
+
+namespace {
+
+using Names = std::span<const std::string_view>;
+template <std::size_t n> using List = std::array<std::string_view, n>;
+
+// In the order of the enumerations in scene.h, as those in schema.h.
+constexpr List<2> kFacetSpacings{"equal_arc", "equal_x"};
+constexpr List<2> kNormals{"plain", "angle"};
+constexpr List<2> kInsideTests{"pseudonormal", "winding"};
+constexpr List<7> kShadings{"none", "reference", "height_map", "morgenbesser", "barycentric", "mean_value", "two_pass"};
+constexpr List<2> kTextureEffects{"force", "normal"};
+constexpr List<2> kDepthReadings{"vertical", "normal"};
+constexpr List<2> kReferenceDirections{"normal", "radial"};
+constexpr List<5> kChannels{"force", "depth", "facet", "proxy", "unshaded"}; // bit i of layout::kChannel...
+constexpr List<4> kCompressions{"none", "zip1", "zip", "pxr24"};
+constexpr List<2> kPixelTypes{"float", "half"};
+constexpr List<2> kPrecisions{"f32", "f64"};
+constexpr List<2> kLoops{"open", "closed"};
+constexpr List<2> kFollows{"plane", "surface"};
+
+constexpr Sign kPositive = Sign::positive, kNotNegative = Sign::not_negative;
+constexpr std::uint32_t kFormCircular = kFormMapCylinder | kFormMapDip;
+constexpr std::uint32_t kFormAnalytic = kFormCircular | kFormMapSine | kFormMapGaussian;
+
+constexpr std::uint32_t bit(PathKind kind) {
+    return 1u << static_cast<std::uint32_t>(kind);
+}
+constexpr std::uint32_t kAllPaths = 255;
+constexpr std::uint32_t kMade = kAllPaths & ~bit(PathKind::recorded); // by a generator
+constexpr std::uint32_t kMadeButWalks = kMade & ~bit(PathKind::random_walk);
+
+// Setters: a value's content becomes a member of the scene.
+
+using Set = void (*)(Scene&, const Value&);
+
+template <typename T> void assign(T& to, const Value& value) {
+    if constexpr (std::is_enum_v<T>)
+        to = choice<T>(value);
+    else if constexpr (std::is_integral_v<T>)
+        to = static_cast<T>(value.integers.at(0));
+    else
+        to = value.numbers.at(0);
+}
+template <std::size_t n> void assign(std::array<double, n>& to, const Value& value) {
+    to = components<n>(value);
+}
+template <std::size_t n> void assign(std::array<std::uint64_t, n>& to, const Value& value) {
+    for (std::size_t i = 0; i < n; ++i)
+        to[i] = value.integers.at(i);
+}
+void assign(Spread& to, const Value& value) {
+    to = fixed_spread(value.numbers.at(0));
+}
+template <typename T> void assign(std::optional<T>& to, const Value& value) {
+    assign(to.emplace(), value);
+}
+
+// A member of the struct that a scene has of its kind.
+template <typename Spec, typename T> T& field(Scene& s, T Spec::*member) {
+    const std::tuple parts(&s, &s.surface, &s.surface.mesh, &s.force, &s.grid, &s.hand, &s.output,
+                           s.texture ? &*s.texture : nullptr, s.paths ? &*s.paths : nullptr);
+    return std::get<Spec*>(parts)->*member;
+}
+
+template <auto member> void store(Scene& s, const Value& v) {
+    assign(field(s, member), v);
+}
+// The plane's map or the texture's.
+template <bool texture, auto member> void store_in_map(Scene& s, const Value& v) {
+    assign((texture ? s.texture->map : s.surface.map).*member, v);
+}
+// The same key of a bump and of a height map.
+template <auto of_bump, auto of_map> void store_in_surface(Scene& s, const Value& v) {
+    assign(s.surface.kind == SurfaceKind::height_map ? s.surface.map.*of_map : s.surface.*of_bump, v);
+}
+template <typename Spec> void store_file(Spec& spec, const Value& value) {
+    if constexpr (std::is_same_v<Spec, HeightMapSpec>)
+        spec.function = MapFunction::file;
+    spec.file = value.texts.at(0);
+    spec.path = value.path;
+    spec.sha256 = value.sha256;
+}
+template <PathDrive drive, auto member> void store_drive(Scene& s, const Value& v) {
+    s.paths->drive = drive;
+    store<member>(s, v);
+}
+void store_channels(Scene& scene, const Value& value) {
+    scene.output.channels = layout::kChannelForce;
+    for (const std::uint64_t index : value.integers)
+        scene.output.channels |= 1u << index;
+}
+
+// The part `number` of a quantity that may differ from path to path.
+template <auto member, Spread::Shape shape, double Spread::*number> void store_in_spread(Scene& s, const Value& v) {
+    auto& to = field(s, member);
+    Spread* spread = nullptr;
+    if constexpr (std::is_same_v<decltype(to), Spread&>)
+        spread = &to;
+    else
+        spread = to ? &*to : &to.emplace();
+    spread->shape = shape;
+    assign(spread->*number, v);
+}
+
+// Of a member, by its type: the components that its key has.
+template <typename T> constexpr std::uint32_t count_of(const T*) {
+    return 1;
+}
+template <typename T, std::size_t n> constexpr std::uint32_t count_of(const std::array<T, n>*) {
+    return n;
+}
+template <typename T, std::size_t n> constexpr std::uint32_t count_of(const std::optional<std::array<T, n>>*) {
+    return n;
+}
+template <typename Spec, typename T> constexpr std::uint32_t count_of(T Spec::*) {
+    return count_of(static_cast<const T*>(nullptr));
+}
+
+/// What few rows say; what is left out, the table says.
+struct More {
+    std::optional<std::uint32_t> forms{};
+    Sign sign = Sign::any;
+    std::string_view example{}, choice{};
+    int option = 0;
+    std::optional<Subject> subject{};
+    std::uint64_t smallest = 1;
+    bool one_for_all = false, closed_loop = false;
+};
+
+using Text = std::string_view;
+
+/// A table of the schema, to which rows are added: a name, the default as TOML, what it means, and more.
+class Table {
+public:
+    Table(std::vector<Key>& keys, Text name, Subject subject = Subject::none, std::uint32_t forms = 0)
+        : keys_(keys), name_(name), subject_(subject), forms_(forms) {}
+
+    Key& add(ValueKind kind, Text name, Text default_text, Set set, Text doc, const More& more = {}) {
+        return keys_.emplace_back(Key{.table = name_,
+                                      .name = name,
+                                      .kind = kind,
+                                      .default_text = default_text,
+                                      .doc = doc,
+                                      .set = set,
+                                      .subject = more.subject.value_or(subject_),
+                                      .forms = more.forms.value_or(forms_),
+                                      .sign = more.sign,
+                                      .one_for_all = more.one_for_all,
+                                      .smallest = more.smallest,
+                                      .example = more.example,
+                                      .choice = more.choice,
+                                      .option = more.option,
+                                      .closed_loop = more.closed_loop});
+    }
+    Key& quantity(Dimension dimension, Text name, Text default_text, Set set, Text doc, const More& more = {}) {
+        Key& key = add(ValueKind::quantity, name, default_text, set, doc, more);
+        key.dimension = dimension;
+        return key;
+    }
+    template <auto member>
+    void quantity(Dimension dimension, Text name, Text default_text, Text doc, const More& more = {}) {
+        quantity(dimension, name, default_text, store<member>, doc, more).count = count_of(member);
+    }
+    template <auto member> void length(Text name, Text default_text, Text doc, const More& more = {}) {
+        quantity<member>(Dimension::length, name, default_text, doc, more);
+    }
+    template <auto member>
+    void integer(Text name, Text default_text, std::uint64_t largest, Text doc, const More& more = {}) {
+        Key& key = add(ValueKind::integer, name, default_text, store<member>, doc, more);
+        key.largest = largest;
+        key.count = count_of(member);
+    }
+    template <auto member> void choice(Text name, Text default_text, Names names, Text doc, const More& more = {}) {
+        add(ValueKind::choice, name, default_text, store<member>, doc, more).choices = names;
+    }
+    /// It belongs to the table's file and sets nothing by itself.
+    void digest(std::uint32_t forms) {
+        add(ValueKind::digest, "sha256", "", nullptr,
+            "what the file's bytes must hash to; a list if `file` is one; left out: any", {.forms = forms})
+            .axis = false;
+    }
+    template <auto member>
+    void spread(Dimension dimension, const List<5>& names, Text default_text, Text doc, More more);
+    template <bool texture>
+    void height_map(Text function, Text height, Text file, Set set_file, std::uint32_t file_forms);
+
+private:
+    std::vector<Key>& keys_;
+    Text name_;
+    Subject subject_;
+    std::uint32_t forms_;
+};
+
+// Keys whose value may differ from path to path: "speed" as a quantity, or as a table with mean and sd, or min and max.
+template <auto member>
+void Table::spread(Dimension dimension, const List<5>& names, Text default_text, Text doc, More more) {
+    using enum Spread::Shape;
+    quantity<member>(dimension, names[0], default_text, doc, more);
+    const auto add_part = [&](std::size_t name, int option, Sign sign, Set set, Text meaning) {
+        more.option = option;
+        more.sign = sign;
+        quantity(dimension, names[name], "", set, meaning, more).spread_part = true;
+    };
+    const Sign sign = more.sign;
+    add_part(1, 1, sign, store_in_spread<member, normal, &Spread::value>,
+             "the mean of a normal distribution, beside sd");
+    add_part(2, 1, kNotNegative, store_in_spread<member, normal, &Spread::sd>,
+             "the standard deviation of a normal distribution, beside mean");
+    add_part(3, 2, sign, store_in_spread<member, uniform, &Spread::low>,
+             "the lower end of a uniform distribution, beside max");
+    add_part(4, 2, sign, store_in_spread<member, uniform, &Spread::high>,
+             "the upper end of a uniform distribution, beside min");
+}
+
+// What [surface] and [texture] have in common; `function` and `height` are defaults, `file` says what the file is.
+template <bool texture>
+void Table::height_map(Text function, Text height, Text file, Set set_file, std::uint32_t file_forms) {
+    constexpr Text kMapChoice = "map"; // a function or a file
+    add(ValueKind::choice, "function", function, store_in_map<texture, &HeightMapSpec::function>,
+        "the height map U(x, y) (G3): a bump or dip of width and radius, height sin(2 pi x / width), or height "
+        "exp(-(x^2 + y^2) / radius^2); or give a file instead",
+        {.forms = kFormAnalytic, .choice = kMapChoice})
+        .choices = kMapFunctions;
+    add(ValueKind::file, "file", "", set_file, file, {.forms = file_forms, .choice = kMapChoice, .option = 1});
+    digest(file_forms);
+    quantity(Dimension::length, "size", "[\"25.4 mm\", \"25.4 mm\"]", store_in_map<texture, &HeightMapSpec::size>,
+             "the image's extent in x and y, between its outermost samples", {.forms = kFormMapFile, .sign = kPositive})
+        .count = 2;
+    quantity(Dimension::length, "height", height, store_in_map<texture, &HeightMapSpec::height>,
+             "the peak of a sine or Gaussian; what an image's sample of 1 means",
+             {.forms = kFormMapSine | kFormMapGaussian | kFormMapFile});
+}
+
+void add_surface(std::vector<Key>& keys) {
+    Table surface(keys, "surface", Subject::surface);
+    surface.choice<&SurfaceSpec::kind>(
+        "kind", "\"bump\"", kSurfaceKinds,
+        "what the probe touches: n facets on a plane (L1, L3, L4), plane and cylinder superposed (L2), or a plane "
+        "shaded by a height map (L5), or the facets of a polygon mesh (L6, L7)",
+        {.forms = 0, .subject = Subject::none});
+    surface.quantity(Dimension::length, "width", "\"1000 mil\"",
+                     store_in_surface<&SurfaceSpec::width, &HeightMapSpec::width>,
+                     "W = 2a, the feature's width along x; of a sine the wavelength",
+                     {.forms = kFormBumps | kFormCircular | kFormMapSine, .sign = kPositive});
+    surface.quantity(Dimension::length, "radius", "\"600 mil\"",
+                     store_in_surface<&SurfaceSpec::radius, &HeightMapSpec::radius>,
+                     "R of the cylinder, at least width / 2; of a Gaussian, where it has fallen to height / e",
+                     {.forms = kFormBumps | kFormCircular | kFormMapGaussian, .sign = kPositive});
+    constexpr std::uint64_t kMostFacets = 100000000; // a table of as many vertices takes 0.8 GB in f64
+    surface.integer<&SurfaceSpec::facets>("facets", "1", kMostFacets,
+                                          "n, the number of facets across the width; 1 is the flat plane",
+                                          {.forms = kFormBump});
+    surface.choice<&SurfaceSpec::facet_spacing>(
+        "facet_spacing", "\"equal_arc\"", kFacetSpacings,
+        "whether facets span equal arcs of the cylinder or equal steps of x (G2)", {.forms = kFormBump});
+    surface.height_map<false>(
+        "\"cylinder\"", "\"1 mm\"",
+        "of a height map an image (EXR or PNG), centred on the origin, its row 0 the largest y; of a mesh its "
+        "polygons (OBJ, OFF, PLY or STL); relative to this TOML file or absolute",
+        [](Scene& s, const Value& v) {
+            s.surface.kind == SurfaceKind::mesh ? store_file(s.surface.mesh, v) : store_file(s.surface.map, v);
+        },
+        kFormMapFile | kFormMesh);
+
+    Table mesh(keys, "surface", Subject::surface, kFormMesh);
+    mesh.add(ValueKind::unit, "unit", "\"m\"", store<&MeshSpec::unit>,
+             "what a coordinate of 1 means in the mesh's file, for example \"mm\"", {.sign = kPositive});
+    mesh.choice<&MeshSpec::normals>(
+        "normals", "\"plain\"", kNormals,
+        "a vertex normal is the plain average of its facets' normals, as in the paper, or weighted by their angles "
+        "there, which does not depend on how a face was cut into triangles (L7)");
+    mesh.choice<&MeshSpec::inside>(
+        "inside", "\"pseudonormal\"", kInsideTests,
+        "what tells inside from outside on a grid (L6): the normal of the nearest feature, for closed meshes, or the "
+        "generalized winding number, which also serves meshes with holes");
+    mesh.add(ValueKind::number, "transform.scale", "1", store<&MeshSpec::scale>,
+             "the mesh is made so many times larger, then turned, then moved", {.sign = kPositive});
+    mesh.quantity<&MeshSpec::rotate>(Dimension::angle, "transform.rotate", "[\"0 deg\", \"0 deg\", \"0 deg\"]",
+                                     "turns about the fixed x axis, then y, then z, through the file's origin");
+    mesh.length<&MeshSpec::translate>("transform.translate", "[\"0 m\", \"0 m\", \"0 m\"]",
+                                      "where the file's origin is put");
+}
+
+void add_force(std::vector<Key>& keys) {
+    Table force(keys, "force");
+    force.quantity<&ForceSpec::stiffness>(Dimension::stiffness, "stiffness", "\"1 N/mm\"",
+                                          "K, force for each length of penetration", {.sign = kPositive});
+    force.choice<&ForceSpec::shading>(
+        "shading", "\"none\"", kShadings,
+        "where the force's direction comes from: the surface itself; the smooth cylinder (kind bump only); the height "
+        "map (kind height_map only); of a mesh its vertex normals, interpolated as in the paper, by barycentric "
+        "coordinates (triangles only), by mean value coordinates, or those with a force that is as strong along the "
+        "facet's normal as the unshaded one (Ruspini 1997)");
+    force.choice<&ForceSpec::depth>(
+        "depth", "\"vertical\"", kDepthReadings,
+        "how the penetration into a facet is read: straight down, or along the facet's normal (L3)",
+        {.forms = kFormBump, .subject = Subject::surface});
+    force.choice<&ForceSpec::reference>(
+        "reference", "\"normal\"", kReferenceDirections,
+        "the direction that the smooth cylinder lends: its surface's normal above the probe, or away from its "
+        "axis at the probe itself (L4)",
+        {.forms = kFormBump, .subject = Subject::shading});
+
+    Table texture(keys, "texture", Subject::texture, kFormAnalytic | kFormMapFile);
+    texture.choice<&TextureSpec::effect>(
+        "effect", "\"force\"", kTextureEffects,
+        "what the height map below does: add a tangential force (L8), or tilt the force as it would tilt the normals "
+        "of a mesh, whose nominal surface stays as it is (L9)");
+    texture.quantity<&TextureSpec::stiffness>(Dimension::stiffness, "stiffness", "\"0.2 N/mm\"",
+                                              "K_t of the tangential force -K_t d grad h (L8), h the height map below",
+                                              {.sign = kNotNegative});
+    texture.height_map<true>(
+        "\"sine\"", "\"0.1 mm\"",
+        "an EXR or PNG image of the height map, relative to this TOML file or absolute, centred on the origin; its "
+        "row 0 is the largest y",
+        [](Scene& s, const Value& v) { store_file(s.texture->map, v); }, kFormMapFile);
+    texture.quantity(Dimension::length, "width", "\"2 mm\"", store_in_map<true, &HeightMapSpec::width>,
+                     "the width of a bump or dip; the wavelength of a sine",
+                     {.forms = kFormCircular | kFormMapSine, .sign = kPositive});
+    texture.quantity(Dimension::length, "radius", "\"5 mm\"", store_in_map<true, &HeightMapSpec::radius>,
+                     "R of a bump or dip, at least width / 2; of a Gaussian, where it has fallen to height / e",
+                     {.forms = kFormCircular | kFormMapGaussian, .sign = kPositive});
+}
+
+void add_grid(std::vector<Key>& keys) {
+    Table grid(keys, "grid");
+    grid.integer<&GridSpec::size>("size", "[256, 64, 128]", kMostRows,
+                                  "voxels along x, y and z; an EXR holds up to 5592405 along x and 1073741822 rows, y "
+                                  "times z");
+    grid.integer<&GridSpec::samples>("samples", "128", 65536,
+                                     "voxels along the longest side of a mesh's bounding box and 5 % more; the grid "
+                                     "covers that box. Stands for size, origin and spacing",
+                                     {.forms = kFormMesh, .subject = Subject::surface});
+    grid.length<&GridSpec::origin>("origin", "[\"-25 mm\", \"-6 mm\", \"-10 mm\"]",
+                                   "the first voxel's sample; voxel (i, j, k) samples origin + spacing (i, j, k)");
+    grid.length<&GridSpec::spacing>("spacing", "\"0.2 mm\"",
+                                    "from one sample to the next, one length for all axes or one for each",
+                                    {.sign = kPositive, .one_for_all = true});
+}
+
+void add_paths(std::vector<Key>& keys) {
+    constexpr std::uint32_t kRecorded = bit(PathKind::recorded), kRaster = bit(PathKind::raster);
+    constexpr std::string_view kDepthChoice = "depth"; // a depth, or the force that the hand presses with
+    Table paths(keys, "paths", Subject::paths, kAllPaths);
+    paths.choice<&PathsSpec::kind>(
+        "kind", "\"strokes\"", kPathKinds,
+        "how the probe is meant to go: straight there and back, line after line, round a circle, in a spiral, up and "
+        "down, at random (band limited), from point to point (minimum jerk: Flash & Hogan 1985), or as recorded in a "
+        "file");
+    paths.add(ValueKind::file, "file", "", [](Scene& s, const Value& v) { store_file(*s.paths, v); },
+              "recorded paths as CSV with a header and columns path, t, x, y, z (s, m), times of a path increasing; "
+              "relative to this TOML file or absolute",
+              {.forms = kRecorded, .example = "\"paths.csv\""});
+    paths.digest(kRecorded);
+    paths.integer<&PathsSpec::count>("count", "1000", 1073741822, "paths; an EXR holds up to 1073741822",
+                                     {.forms = kMade});
+    paths.integer<&PathsSpec::steps>("steps", "2000", 1073741822, "samples of each path; an EXR holds up to 5592405",
+                                     {.forms = kMade});
+    paths.quantity<&PathsSpec::rate>(
+        Dimension::frequency, "rate", "\"1 kHz\"",
+        "samples a second; recorded paths have times of their own, which in closed loop keep to it",
+        {.sign = kPositive});
+    paths.integer<&PathsSpec::seed>("seed", "1", 9223372036854775807,
+                                    "of the random numbers: a path follows from it and from its own number alone",
+                                    {.forms = kMade, .smallest = 0});
+    paths.choice<&PathsSpec::loop>("loop", "", kLoops,
+                                   "whether the probe is where the path is, or a hand and a device take it there "
+                                   "([hand]); left out: closed with press or push, else open",
+                                   {.example = "\"open\""});
+
+    // How it is driven.
+    paths.spread<&PathsSpec::speed>(
+        Dimension::speed, {"speed", "speed.mean", "speed.sd", "speed.min", "speed.max"}, "\"100 mm/s\"",
+        "along the way; of a spiral at its largest radius, of taps the mean, of a random walk the root mean square, of "
+        "minimum jerk the mean over the mean distance of two points",
+        {.forms = kMade, .sign = kPositive, .choice = "speed"});
+    paths.spread<&PathsSpec::depth>(Dimension::length, {"depth", "depth.mean", "depth.sd", "depth.min", "depth.max"},
+                                    "\"1 mm\"", "below the plane or surface that the path follows; negative: above it",
+                                    {.forms = kMade, .choice = kDepthChoice});
+    paths.quantity(Dimension::force, "press", "", store_drive<PathDrive::press, &PathsSpec::press>,
+                   "instead of depth: the constant force that the hand presses down with, in closed loop; nothing else "
+                   "then holds the probe along z but damping",
+                   {.sign = kNotNegative, .example = "\"1 N\"", .choice = kDepthChoice, .option = 3});
+    paths
+        .quantity(Dimension::force, "push", "", store_drive<PathDrive::push, &PathsSpec::push>,
+                  "the same as a vector: the hand's constant force along x, y and z (press is -z)",
+                  {.example = "[\"0 N\", \"0 N\", \"-1 N\"]", .choice = kDepthChoice, .option = 4})
+        .count = 3;
+    paths.spread<&PathsSpec::depth_back>(
+        Dimension::length, {"depth_back", "depth_back.mean", "depth_back.sd", "depth_back.min", "depth_back.max"}, "",
+        "below the plane or surface on the way back; left out: as deep as on the way there",
+        {.forms = bit(PathKind::strokes), .example = "\"1 mm\"", .choice = "depth_back"});
+    paths.spread<&PathsSpec::heading>(
+        Dimension::angle, {"heading", "heading.mean", "heading.sd", "heading.min", "heading.max"}, "\"0 deg\"",
+        "the direction of strokes and lines, from x towards y; other paths are turned by it",
+        {.forms = kMadeButWalks, .choice = "heading"});
+    paths.spread<&PathsSpec::offset>(Dimension::length,
+                                     {"offset", "offset.mean", "offset.sd", "offset.min", "offset.max"}, "\"0 m\"",
+                                     "of the path's middle from the centre, to the left of its heading",
+                                     {.forms = kMadeButWalks, .choice = "offset"});
+    paths.spread<&PathsSpec::tremor_amplitude>(
+        Dimension::length,
+        {"tremor.amplitude", "tremor.amplitude.mean", "tremor.amplitude.sd", "tremor.amplitude.min",
+         "tremor.amplitude.max"},
+        "\"0 m\"", "root mean square of the trembling on each axis, four harmonics within 20 % of its frequency",
+        {.forms = kMadeButWalks, .sign = kNotNegative, .choice = "tremor"});
+    paths.quantity<&PathsSpec::tremor_frequency>(
+        Dimension::frequency, "tremor.frequency", "\"10 Hz\"",
+        "of the trembling; that of a healthy hand has 8 to 12 Hz (Elble & Koller 1990)",
+        {.forms = kMadeButWalks, .sign = kPositive});
+
+    // Where it goes.
+    paths.length<&PathsSpec::centre>("centre", "",
+                                     "x and y of the paths' middle; left out: the origin, of a mesh the middle of its "
+                                     "box",
+                                     {.forms = kMade, .example = "[\"0 m\", \"0 m\"]"});
+    paths.length<&PathsSpec::height>(
+        "height", "",
+        "z of the plane that depth is measured from; left out: 0, of a mesh the top of its "
+        "box",
+        {.forms = kMade, .example = "\"0 m\""});
+    paths.choice<&PathsSpec::follow>("follow", "\"plane\"", kFollows,
+                                     "whether depth is measured from that plane, or from the nominal surface of a bump "
+                                     "or cylinder_bump raised by that height",
+                                     {.forms = kMade});
+    paths.length<&PathsSpec::length>(
+        "length", "",
+        "of a stroke or line from end to end, of a region along the heading, of a circle "
+        "or spiral the largest diameter; left out: 1.2 times the feature's width along x, "
+        "of a mesh its box's, but half of that box where a hand presses, which would fall "
+        "off its rim",
+        {.forms = kMade & ~bit(PathKind::taps), .sign = kNotNegative, .example = "\"30 mm\""});
+    paths.length<&PathsSpec::width>("width", "",
+                                    "of a region across the heading; left out: the length, of a mesh 1.2 times its "
+                                    "box's along y, or half of it where a hand presses",
+                                    {.forms = kRaster | bit(PathKind::random_walk) | bit(PathKind::minimum_jerk),
+                                     .sign = kNotNegative,
+                                     .example = "\"30 mm\""});
+    paths.integer<&PathsSpec::lines>("lines", "16", 1000000,
+                                     "of a raster; of a spiral the rounds from its smallest radius to its largest",
+                                     {.forms = kRaster | bit(PathKind::spiral)});
+    paths.length<&PathsSpec::inner>("inner", "", "the smallest radius of a spiral; left out: a twentieth of the length",
+                                    {.forms = bit(PathKind::spiral), .sign = kNotNegative, .example = "\"1.5 mm\""});
+    paths.length<&PathsSpec::lift>("lift", "",
+                                   "of taps, how far above the surface they turn round; left out: each path's depth",
+                                   {.forms = bit(PathKind::taps), .sign = kNotNegative, .example = "\"1 mm\""});
+    paths.length<&PathsSpec::start_depth>("start_depth", "\"0 m\"", "how far below its path the probe begins, at rest",
+                                          {.closed_loop = true});
+    paths.length<&PathsSpec::bound>("bound", "",
+                                    "a probe further than this from its path has left: the loop is unstable there, and "
+                                    "the path ends; left out: 10 times the length and at least 0.1 m",
+                                    {.sign = kPositive, .example = "\"0.3 m\"", .closed_loop = true});
+    paths.length<&PathsSpec::stretch>("stretch", "",
+                                      "the way over which the steepest turn of the force is taken; left out: a "
+                                      "thousandth of the length",
+                                      {.sign = kPositive, .example = "\"0.03 mm\""});
+}
+
+// The device's defaults are those of the Phantom that the paper used, the grip's those of a relaxed hand.
+void add_hand(std::vector<Key>& keys) {
+    Table hand(keys, "hand", Subject::hand);
+    hand.quantity<&HandSpec::mass>(Dimension::mass, "mass", "\"0.1 kg\"",
+                                   "that the hand moves at the device's tip (Massie & Salisbury 1994: the Phantom's "
+                                   "apparent mass is below 0.1 kg)",
+                                   {.sign = kPositive});
+    hand.quantity<&HandSpec::damping>(Dimension::damping, "damping", "\"1 N s/m\"",
+                                      "of the device, against the world: a round value at which a wall of 2 N/mm is "
+                                      "just stable at 1 kHz by itself",
+                                      {.sign = kNotNegative});
+    hand.quantity<&HandSpec::grip_stiffness>(
+        Dimension::stiffness, "grip_stiffness", "\"500 N/m\"",
+        "of the spring that pulls the probe to its path; along z none with press or push. A round value, of the "
+        "size that is measured at fingertips (Hajian & Howe 1997)",
+        {.sign = kNotNegative});
+    hand.quantity<&HandSpec::grip_damping>(Dimension::damping, "grip_damping", "\"2 N s/m\"",
+                                           "of the grip, against its path's speed: likewise", {.sign = kNotNegative});
+    hand.integer<&HandSpec::delay_samples>("delay_samples", "0", 1, "from a position measured to its force displayed",
+                                           {.smallest = 0});
+    hand.length<&HandSpec::quantisation>(
+        "quantisation", "\"0 m\"",
+        "step of the measured positions, 0 for none (a Phantom Premium's is nominally 0.03 mm)",
+        {.sign = kNotNegative});
+    hand.quantity<&HandSpec::coulomb>(Dimension::force, "coulomb", "\"0 N\"",
+                                      "dry friction of the device on each axis (Massie & Salisbury 1994: below 0.1 N)",
+                                      {.sign = kNotNegative});
+    hand.quantity<&HandSpec::max_force>(Dimension::force, "max_force", "\"8.5 N\"",
+                                        "the largest force that the device displays; larger ones keep their direction "
+                                        "(a Phantom Premium 1.5 has 8.5 N)",
+                                        {.sign = kPositive});
+}
+
+void add_output(std::vector<Key>& keys) {
+    Table output(keys, "output");
+    output
+        .add(ValueKind::choices, "channels", "[\"force\"]", store_channels,
+             "what is written: force (always), penetration depth, facet id, proxy, and the force without shading")
+        .choices = kChannels;
+    output.choice<&OutputSpec::compression>("compression", "\"zip\"", kCompressions,
+                                            "how the EXR is compressed; all but pxr24 keep every bit");
+    output.choice<&OutputSpec::pixel>("pixel", "\"float\"", kPixelTypes,
+                                      "32 or 16 bits a sample; half is refused where a value would overflow");
+    Table(keys, "run")
+        .choice<&Scene::precision>("precision", "\"f32\"", kPrecisions,
+                                   "the arithmetic that the field is evaluated in");
+}
+
+} // namespace
+
+std::vector<Key> make_keys() {
+    std::vector<Key> keys;
+    for (const auto add : {add_surface, add_force, add_grid, add_paths, add_hand, add_output})
+        add(keys);
+    return keys;
+}
+
+} // namespace forceshade
