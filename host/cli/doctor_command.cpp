@@ -1,6 +1,5 @@
 #include <thread>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -138,16 +137,6 @@ int diagnose(const CommonOptions& common) {
     return good ? 0 : 1;
 }
 
-} // namespace
-
-void add_doctor_command(CLI::App& program, const CommonOptions& common, Command& chosen) {
-    CLI::App* command =
-        program.add_subcommand("doctor", "Say what is installed, what works, and what to do about the rest");
-    command->callback([&] { chosen = [&] { return diagnose(common); }; });
-}
-
-namespace {
-
 std::string as_json(const std::vector<compute::DeviceReport>& devices) {
     nlohmann::ordered_json json = nlohmann::ordered_json::array();
     for (const compute::DeviceReport& device : devices)
@@ -191,15 +180,6 @@ int list_gpus(const CommonOptions& common) {
     return 0;
 }
 
-} // namespace
-
-void add_gpus_command(CLI::App& program, const CommonOptions& common, Command& chosen) {
-    CLI::App* command = program.add_subcommand("gpus", "List the Vulkan devices and why one would be refused");
-    command->callback([&] { chosen = [&] { return list_gpus(common); }; });
-}
-
-namespace {
-
 using device::DeviceKind;
 
 std::string as_json(const std::vector<DeviceKind>& kinds) {
@@ -236,30 +216,40 @@ int list_devices(const CommonOptions& common) {
     return 0;
 }
 
-} // namespace
+struct SchemaArguments {
+    bool paper = false; // the built-in study instead
+};
 
-void add_devices_command(CLI::App& program, const CommonOptions& common, Command& chosen) {
-    CLI::App* command =
-        program.add_subcommand("devices", "List the haptic devices that live could drive here, and why not the others");
-    command->footer("FORCESHADE_DHD_LIBRARY and FORCESHADE_HD_LIBRARY name the file of Force Dimension's and of 3D "
-                    "Systems' library where the dynamic linker would not find it.\n" +
-                    program.get_footer());
-    command->callback([&] { chosen = [&] { return list_devices(common); }; });
+int print_schema(const SchemaArguments& arguments, const CommonOptions& common) {
+    if (arguments.paper && common.json)
+        throw UsageError("--default-study prints TOML: leave out --json");
+    print_data(arguments.paper ? std::string(default_study_toml()) : common.json ? schema_json() : schema_text());
+    return 0;
 }
 
-void add_schema_command(CLI::App& program, const CommonOptions& common, Command& chosen) {
-    const auto paper = std::make_shared<bool>(false);
-    CLI::App* command =
-        program.add_subcommand("schema", "Print every key of a scene or study, its unit, default and meaning");
-    command->add_flag("--default-study", *paper, "print the built-in study of the paper instead, to start from");
-    command->callback([=, &common, &chosen] {
-        chosen = [=, &common] {
-            if (*paper && common.json)
-                throw UsageError("--default-study prints TOML: leave out --json");
-            print_data(*paper ? std::string(default_study_toml()) : common.json ? schema_json() : schema_text());
-            return 0;
-        };
-    });
+void describe(Options& options, SchemaArguments& arguments) {
+    options.flag("--default-study", arguments.paper, "print the built-in study of the paper instead, to start from");
+}
+
+} // namespace
+
+void add_doctor_command(CommandLine& program) {
+    program.add("doctor", "Say what is installed, what works, and what to do about the rest", diagnose);
+}
+
+void add_gpus_command(CommandLine& program) {
+    program.add("gpus", "List the Vulkan devices and why one would be refused", list_gpus);
+}
+
+void add_devices_command(CommandLine& program) {
+    program.add("devices", "List the haptic devices that live could drive here, and why not the others", list_devices)
+        .footer("FORCESHADE_DHD_LIBRARY and FORCESHADE_HD_LIBRARY name the file of Force Dimension's and of 3D "
+                "Systems' library where the dynamic linker would not find it.");
+}
+
+void add_schema_command(CommandLine& program) {
+    program.add<SchemaArguments>("schema", "Print every key of a scene or study, its unit, default and meaning",
+                                 print_schema, describe);
 }
 
 } // namespace forceshade
