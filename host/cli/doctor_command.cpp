@@ -1,3 +1,5 @@
+#include <fstream>
+#include <set>
 #include <thread>
 
 #include <fmt/format.h>
@@ -67,10 +69,34 @@ std::string try_kernels(const CommonOptions& common, bool validation) {
 }
 
 std::string find_font() {
-    const std::filesystem::path font = "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf";
-    if (!std::filesystem::exists(font))
-        throw std::runtime_error(font.string() + " is not there");
-    return "DejaVu Sans";
+    const std::filesystem::path font = "truetype/dejavu/DejaVuSans.ttf";
+    const auto own = std::filesystem::read_symlink("/proc/self/exe").parent_path().parent_path() / "share/fonts";
+    if (std::filesystem::exists("/usr/share/fonts" / font) || std::filesystem::exists(own / font.filename()))
+        return "DejaVu Sans";
+    throw std::runtime_error(("/usr/share/fonts" / font).string() + " is not there");
+}
+
+// The files of Vulkan that this process has loaded, by their names: the loader's and, while an engine lives, the
+// drivers'.
+std::string vulkan_files() {
+    std::set<std::string> files;
+    std::ifstream maps("/proc/self/maps");
+    for (std::string line; std::getline(maps, line);) {
+        const std::size_t begin = line.find('/');
+        const std::string file = begin == std::string::npos ? "" : line.substr(begin);
+        const std::string name = std::filesystem::path(file).filename();
+        if (name.find(".so") != std::string::npos && (name.find("vulkan") != std::string::npos ||
+                                                      name.starts_with("libGLX_nvidia") || name.starts_with("amdvlk")))
+            files.insert(file);
+    }
+    return fmt::format("{}", fmt::join(files, ", "));
+}
+
+std::string find_driver(const CommonOptions& common) {
+    const auto engine = make_engine(engine_options(common, false));
+    const EngineReport report = engine->report();
+    return report.engine == "cpu" ? "none, with --engine cpu"
+                                  : fmt::format("{} for {}; loaded: {}", report.driver, report.device, vulkan_files());
 }
 
 std::string try_cache() {
@@ -103,6 +129,8 @@ std::vector<Finding> examine_all(const CommonOptions& common) {
     findings.push_back(examine("Vulkan devices",
                                "install a driver: package mesa-vulkan-drivers has the software one; ./host/run does it",
                                list_usable_devices));
+    findings.push_back(examine("Vulkan driver", "forceshade gpus says why each device was refused",
+                               [&] { return find_driver(common); }));
     findings.push_back(examine("kernels", "try another device (forceshade gpus), or work with --engine cpu",
                                [&] { return try_kernels(common, false); }));
     findings.push_back(examine(

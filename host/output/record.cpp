@@ -1,6 +1,7 @@
 #include "host/output/record.h"
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "host/output/files.h"
 #include "host/output/reading.h"

@@ -1,6 +1,7 @@
 #include "host/study/data/data_files.h"
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "host/output/reading.h"
 #include "host/study/data/data_error.h"
