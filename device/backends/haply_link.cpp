@@ -1,79 +1,51 @@
+// The service at work: what answers at an address, one connection, and the thread that keeps the lock-step of commands
+// and answers. Only this source sees Boost.Beast, which takes 25 s to compile.
 #include "device/backends/haply_link.h"
 
 #include <cerrno>
-#include <chrono>
 #include <cmath>
 #include <cstring>
 #include <fcntl.h>
+#include <functional>
 #include <optional>
 #include <sys/eventfd.h>
 #include <sys/socket.h>
 #include <type_traits>
 #include <unistd.h>
 
+#include <boost/asio/connect.hpp>
+#include <boost/asio/io_context.hpp>
 #include <boost/asio/posix/stream_descriptor.hpp>
 #include <boost/asio/steady_timer.hpp>
+#include <boost/beast/core.hpp>
+#include <boost/beast/http.hpp>
+#include <boost/beast/websocket.hpp>
 #include <fmt/format.h>
 
-#include "device/backends/haply_http.h"
 #include "device/backends/haply_protocol.h"
 #include "host/error.h"
 
 namespace forceshade::device {
 
-Exchange::Exchange(std::string zero_frame) : zero_frame_(std::move(zero_frame)) {
-    wake_ = ::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC);
-    nothing_ = ::open("/dev/null", O_WRONLY | O_CLOEXEC); // no socket: sending to it fails, which is what it is for
-    line_ = nothing_ < 0 ? -1 : ::fcntl(nothing_, F_DUPFD_CLOEXEC, 0);
-    if (wake_ < 0 || line_ < 0) {
-        const int error = errno;
-        for (const int descriptor : {wake_, nothing_, line_})
-            if (descriptor >= 0)
-                ::close(descriptor);
-        throw Error(ExitCode::io, fmt::format("haply: no descriptor to be had: {}", std::strerror(error)));
-    }
-}
-
-Exchange::~Exchange() {
-    for (const int descriptor : {wake_, nothing_, line_})
-        ::close(descriptor);
-}
-
-void Exchange::wake() const noexcept {
-    const int error = errno;
-    const std::uint64_t one = 1;
-    [[maybe_unused]] const auto written = ::write(wake_, &one, sizeof one); // full: it is awake
-    errno = error;
-}
-
-void Exchange::stop() noexcept {
-    const int error = errno;
-    if (!stopping.exchange(true)) {
-        [[maybe_unused]] const auto sent =
-            ::send(line_, zero_frame_.data(), zero_frame_.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
-    }
-    wake();
-    errno = error;
-}
-
-void Exchange::lend_line(int socket) noexcept {
-    ::dup3(socket < 0 ? nothing_ : socket, line_, O_CLOEXEC);
-}
-
-std::int64_t steady_now() noexcept {
-    using namespace std::chrono;
-    return duration_cast<nanoseconds>(steady_clock::now().time_since_epoch()).count();
-}
-
 namespace {
 
 namespace asio = boost::asio;
-namespace websocket = boost::beast::websocket;
+namespace beast = boost::beast;
+namespace http = beast::http;
+namespace websocket = beast::websocket;
+using Tcp = asio::ip::tcp;
 using ErrorCode = boost::system::error_code;
+using WebSocket = websocket::stream<beast::tcp_stream, false>; // the service compresses nothing
+// What is called when an operation has ended. Erased types: each operation of Beast compiles once, not once a lambda.
+using Ended = std::function<void(const ErrorCode&)>;
+using Moved = std::function<void(const ErrorCode&, std::size_t)>;
+using Connected = std::function<void(const ErrorCode&, const Tcp::endpoint&)>;
+using Resolved = std::function<void(const ErrorCode&, const Tcp::resolver::results_type&)>;
 using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 
-constexpr milliseconds kSilence{50};   // without a word of the live loop: it is taken for dead
+constexpr std::size_t kLongestMessage = std::size_t(1) << 20; // bytes; an inventory has some thousand
+constexpr milliseconds kSilence{50};                          // without a word of the live loop: it is taken for dead
 constexpr milliseconds kGiveUp{1000};  // for a late answer, before the connection is taken for dead
 constexpr milliseconds kFarewell{200}; // from `stopping` to the end of the thread
 constexpr milliseconds kFirstPause{20}, kLongestPause{1000}; // before connecting anew
@@ -87,6 +59,187 @@ constexpr const char* kNotListed = "the Inverse Service does not list the device
 constexpr const char* kStrange = "the Inverse Service names the device's axes in a way that is not known";
 constexpr const char* kUnasked = "the Inverse Service sent a state that was not asked for; it was dropped";
 constexpr const char* kBroken = "the thread that talks to the Inverse Service failed";
+
+/// Why a connection failed, in words: of an operation that had `wait` s to end.
+std::string trouble(const ErrorCode& error, double wait) {
+    if (error == beast::error::timeout)
+        return fmt::format("no answer within {} s", wait);
+    if (error == asio::error::connection_refused)
+        return "connection refused: nothing listens there";
+    if (error == websocket::error::message_too_big || error == websocket::error::buffer_overflow)
+        return fmt::format("it sent a message of more than {} bytes", kLongestMessage);
+    if (error == websocket::error::closed || error == asio::error::eof || error == asio::error::connection_reset ||
+        error == beast::http::error::end_of_stream)
+        return "it closed the connection";
+    if (error.category() == beast::http::make_error_code(beast::http::error::end_of_stream).category())
+        return fmt::format("what answers there is no WebSocket ({})", error.message());
+    return error.message();
+}
+
+/// One connection to the service. Handlers that are under way hold it, so that it outlives being replaced.
+struct Line : std::enable_shared_from_this<Line> {
+    explicit Line(asio::io_context& io) : socket(io), resolver(io) {}
+
+    /// Goes on until the service has told its inventory, however long that takes.
+    void dial(const Address& address, std::function<void(const ErrorCode&, const std::string& inventory)> done);
+
+    /// What was received, as it is.
+    std::string take_text();
+
+    int descriptor() { return socket.next_layer().socket().native_handle(); }
+
+    /// At once; operations that are under way end with an error.
+    void close();
+
+    WebSocket socket;
+    Tcp::resolver resolver;
+    beast::flat_buffer received;
+    std::string command;  // that is being written
+    bool writing = false; // one at a time
+};
+
+void Line::dial(const Address& address, std::function<void(const ErrorCode&, const std::string& inventory)> done) {
+    const auto self = shared_from_this();
+    const Moved told = [self, done](const ErrorCode& error, std::size_t) {
+        done(error, error ? "" : self->take_text());
+    };
+    const Ended greeted = [self, done, told](const ErrorCode& error) {
+        if (error)
+            return done(error, {});
+        self->socket.async_read(self->received, told);
+    };
+    const Connected connected = [self, done, greeted, address](const ErrorCode& error, const Tcp::endpoint&) {
+        if (error)
+            return done(error, {});
+        ErrorCode ignored;
+        self->socket.next_layer().socket().set_option(Tcp::no_delay(true), ignored);
+        self->socket.async_handshake(address.host_field(), address.path, greeted);
+    };
+    socket.read_message_max(kLongestMessage);
+    const Resolved resolved = [self, done, connected](const ErrorCode& error,
+                                                      const Tcp::resolver::results_type& places) {
+        if (error)
+            return done(error, {});
+        self->socket.next_layer().async_connect(places, connected);
+    };
+    resolver.async_resolve(address.host, address.port, resolved);
+}
+
+std::string Line::take_text() {
+    std::string text(static_cast<const char*>(received.data().data()), received.size());
+    received.consume(received.size());
+    return text;
+}
+
+void Line::close() {
+    ErrorCode ignored;
+    resolver.cancel();
+    Tcp::socket& tcp = socket.next_layer().socket();
+    tcp.shutdown(Tcp::socket::shutdown_both, ignored);
+    tcp.close(ignored);
+}
+
+/// What answers at an address: asked step by step, each with its own time limit, sending no command.
+class Look {
+public:
+    Look(const Address& address, double wait)
+        : address_(address), wait_(std::chrono::milliseconds(static_cast<std::int64_t>(wait * 1000))), wait_s_(wait) {}
+
+    HaplyFinding find(std::string url) {
+        HaplyFinding finding;
+        finding.url = std::move(url);
+        const ErrorCode reached = ask_version(finding.version);
+        if (reached) {
+            finding.problem = trouble(reached, wait_s_);
+            return finding;
+        }
+        ask_inventory(finding);
+        return finding;
+    }
+
+private:
+    /// Runs one operation to its end. `start` gets the handler to call.
+    template <typename Start> ErrorCode step(const Start& start) {
+        ErrorCode outcome = asio::error::would_block;
+        start([&outcome](const ErrorCode& error, auto&&...) { outcome = error; });
+        io_.restart();
+        io_.run();
+        return outcome;
+    }
+
+    ErrorCode connect(beast::tcp_stream& stream) {
+        Tcp::resolver resolver(io_);
+        Tcp::resolver::results_type places;
+        const ErrorCode resolved = step([&](Ended done) {
+            resolver.async_resolve(address_.host, address_.port,
+                                   Resolved([&places, done](const ErrorCode& error, const auto& found) {
+                                       places = found;
+                                       done(error);
+                                   }));
+        });
+        if (resolved)
+            return resolved;
+        stream.expires_after(wait_);
+        return step([&](Connected done) { stream.async_connect(places, done); });
+    }
+
+    /// Only that nobody is there is an error: a service may keep its version to itself.
+    ErrorCode ask_version(std::string& version) {
+        beast::tcp_stream stream(io_);
+        if (const ErrorCode error = connect(stream))
+            return error;
+        http::request<http::empty_body> request{http::verb::get, "/version", 11};
+        request.set(http::field::host, address_.host_field());
+        request.set(http::field::connection, "close");
+        beast::flat_buffer buffer(kLongestMessage);
+        http::response<http::string_body> response;
+        stream.expires_after(wait_);
+        ErrorCode error = step([&](Moved done) { http::async_write(stream, request, done); });
+        if (!error)
+            error = step([&](Moved done) { http::async_read(stream, buffer, response, done); });
+        if (!error && response.result() == http::status::ok)
+            version = read_version(response.body());
+        return {};
+    }
+
+    void ask_inventory(HaplyFinding& finding) {
+        WebSocket line(io_);
+        line.read_message_max(kLongestMessage);
+        ErrorCode error = connect(line.next_layer());
+        websocket::response_type response;
+        if (!error) {
+            line.next_layer().expires_after(wait_);
+            error =
+                step([&](Ended done) { line.async_handshake(response, address_.host_field(), address_.path, done); });
+        }
+        if (error == websocket::error::upgrade_declined) {
+            finding.problem = fmt::format("an HTTP server answers there, but not as a WebSocket (status {})",
+                                          static_cast<unsigned>(response.result_int()));
+            return;
+        }
+        beast::flat_buffer buffer;
+        if (!error) {
+            line.next_layer().expires_after(wait_);
+            error = step([&](Moved done) { line.async_read(buffer, done); });
+        }
+        if (error) {
+            finding.problem = trouble(error, wait_s_);
+            return;
+        }
+        const auto text = static_cast<const char*>(buffer.data().data());
+        if (auto devices = read_inventory({text, buffer.size()}))
+            finding.devices = std::move(*devices);
+        else
+            finding.problem = "what answers there tells no inventory of devices: it is not the Inverse Service 3.x";
+        line.next_layer().expires_after(std::min<std::chrono::milliseconds>(wait_, std::chrono::milliseconds(200)));
+        step([&](Ended done) { line.async_close(websocket::close_code::normal, done); });
+    }
+
+    const Address& address_;
+    std::chrono::milliseconds wait_;
+    double wait_s_;
+    asio::io_context io_{1};
+};
 
 class Link {
 public:
@@ -221,10 +374,10 @@ private:
         step_.sent();
         if (phase_ == Phase::running)
             arm(answer_, late_ ? kGiveUp : options_.patience, [this] { miss(); });
-        line->socket.async_write(asio::buffer(line->command), on(line, kClosed, [this, line] {
+        line->socket.async_write(asio::buffer(line->command), Moved(on(line, kClosed, [this, line] {
                                      line->writing = false;
                                      phase_ == Phase::leaving ? last_word() : pump();
-                                 }));
+                                 })));
     }
 
     /// The answer did not come in time. What was under way may still be applied when the service wakes up: let it find
@@ -244,7 +397,7 @@ private:
     }
 
     void hear(const LinePointer& line) {
-        line->socket.async_read(line->received, on(line, kClosed, [this, line] {
+        line->socket.async_read(line->received, Moved(on(line, kClosed, [this, line] {
                                     const std::string text = line->take_text();
                                     const LockStep::Kind kind = step_.answered();
                                     if (phase_ == Phase::leaving)
@@ -255,7 +408,7 @@ private:
                                         exchange_.complaint = kUnasked;
                                     hear(line);
                                     pump();
-                                }));
+                                })));
     }
 
     void take_state(const std::string& text) {
@@ -317,7 +470,7 @@ private:
 
     void hang_up() {
         const LinePointer line = line_;
-        line->socket.async_close(websocket::close_code::normal, [this, line](const ErrorCode&) { finish(); });
+        line->socket.async_close(websocket::close_code::normal, Ended([this, line](const ErrorCode&) { finish(); }));
     }
 
     void finish() {
@@ -342,6 +495,54 @@ private:
 };
 
 } // namespace
+
+Exchange::Exchange(std::string zero_frame) : zero_frame_(std::move(zero_frame)) {
+    wake_ = ::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC);
+    nothing_ = ::open("/dev/null", O_WRONLY | O_CLOEXEC); // no socket: sending to it fails, which is what it is for
+    line_ = nothing_ < 0 ? -1 : ::fcntl(nothing_, F_DUPFD_CLOEXEC, 0);
+    if (wake_ < 0 || line_ < 0) {
+        const int error = errno;
+        for (const int descriptor : {wake_, nothing_, line_})
+            if (descriptor >= 0)
+                ::close(descriptor);
+        throw Error(ExitCode::io, fmt::format("haply: no descriptor to be had: {}", std::strerror(error)));
+    }
+}
+
+Exchange::~Exchange() {
+    for (const int descriptor : {wake_, nothing_, line_})
+        ::close(descriptor);
+}
+
+void Exchange::wake() const noexcept {
+    const int error = errno;
+    const std::uint64_t one = 1;
+    [[maybe_unused]] const auto written = ::write(wake_, &one, sizeof one); // full: it is awake
+    errno = error;
+}
+
+void Exchange::stop() noexcept {
+    const int error = errno;
+    if (!stopping.exchange(true)) {
+        [[maybe_unused]] const auto sent =
+            ::send(line_, zero_frame_.data(), zero_frame_.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
+    }
+    wake();
+    errno = error;
+}
+
+void Exchange::lend_line(int socket) noexcept {
+    ::dup3(socket < 0 ? nothing_ : socket, line_, O_CLOEXEC);
+}
+
+std::int64_t steady_now() noexcept {
+    using namespace std::chrono;
+    return duration_cast<nanoseconds>(steady_clock::now().time_since_epoch()).count();
+}
+
+HaplyFinding look_for_haply(const std::string& url, double wait) {
+    return Look(parse_address(url), wait).find(url);
+}
 
 void run_link(Exchange& exchange, const LinkOptions& options) noexcept {
     try {

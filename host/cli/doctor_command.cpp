@@ -1,6 +1,7 @@
+#include <fstream>
+#include <set>
 #include <thread>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -68,10 +69,34 @@ std::string try_kernels(const CommonOptions& common, bool validation) {
 }
 
 std::string find_font() {
-    const std::filesystem::path font = "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf";
-    if (!std::filesystem::exists(font))
-        throw std::runtime_error(font.string() + " is not there");
-    return "DejaVu Sans";
+    const std::filesystem::path font = "truetype/dejavu/DejaVuSans.ttf";
+    const auto own = std::filesystem::read_symlink("/proc/self/exe").parent_path().parent_path() / "share/fonts";
+    if (std::filesystem::exists("/usr/share/fonts" / font) || std::filesystem::exists(own / font.filename()))
+        return "DejaVu Sans";
+    throw std::runtime_error(("/usr/share/fonts" / font).string() + " is not there");
+}
+
+// The files of Vulkan that this process has loaded, by their names: the loader's and, while an engine lives, the
+// drivers'.
+std::string vulkan_files() {
+    std::set<std::string> files;
+    std::ifstream maps("/proc/self/maps");
+    for (std::string line; std::getline(maps, line);) {
+        const std::size_t begin = line.find('/');
+        const std::string file = begin == std::string::npos ? "" : line.substr(begin);
+        const std::string name = std::filesystem::path(file).filename();
+        if (name.find(".so") != std::string::npos && (name.find("vulkan") != std::string::npos ||
+                                                      name.starts_with("libGLX_nvidia") || name.starts_with("amdvlk")))
+            files.insert(file);
+    }
+    return fmt::format("{}", fmt::join(files, ", "));
+}
+
+std::string find_driver(const CommonOptions& common) {
+    const auto engine = make_engine(engine_options(common, false));
+    const EngineReport report = engine->report();
+    return report.engine == "cpu" ? "none, with --engine cpu"
+                                  : fmt::format("{} for {}; loaded: {}", report.driver, report.device, vulkan_files());
 }
 
 std::string try_cache() {
@@ -104,6 +129,8 @@ std::vector<Finding> examine_all(const CommonOptions& common) {
     findings.push_back(examine("Vulkan devices",
                                "install a driver: package mesa-vulkan-drivers has the software one; ./host/run does it",
                                list_usable_devices));
+    findings.push_back(examine("Vulkan driver", "forceshade gpus says why each device was refused",
+                               [&] { return find_driver(common); }));
     findings.push_back(examine("kernels", "try another device (forceshade gpus), or work with --engine cpu",
                                [&] { return try_kernels(common, false); }));
     findings.push_back(examine(
@@ -137,16 +164,6 @@ int diagnose(const CommonOptions& common) {
     print_data(common.json ? json.dump(2) + "\n" : text);
     return good ? 0 : 1;
 }
-
-} // namespace
-
-void add_doctor_command(CLI::App& program, const CommonOptions& common, Command& chosen) {
-    CLI::App* command =
-        program.add_subcommand("doctor", "Say what is installed, what works, and what to do about the rest");
-    command->callback([&] { chosen = [&] { return diagnose(common); }; });
-}
-
-namespace {
 
 std::string as_json(const std::vector<compute::DeviceReport>& devices) {
     nlohmann::ordered_json json = nlohmann::ordered_json::array();
@@ -191,15 +208,6 @@ int list_gpus(const CommonOptions& common) {
     return 0;
 }
 
-} // namespace
-
-void add_gpus_command(CLI::App& program, const CommonOptions& common, Command& chosen) {
-    CLI::App* command = program.add_subcommand("gpus", "List the Vulkan devices and why one would be refused");
-    command->callback([&] { chosen = [&] { return list_gpus(common); }; });
-}
-
-namespace {
-
 using device::DeviceKind;
 
 std::string as_json(const std::vector<DeviceKind>& kinds) {
@@ -236,30 +244,40 @@ int list_devices(const CommonOptions& common) {
     return 0;
 }
 
-} // namespace
+struct SchemaArguments {
+    bool paper = false; // the built-in study instead
+};
 
-void add_devices_command(CLI::App& program, const CommonOptions& common, Command& chosen) {
-    CLI::App* command =
-        program.add_subcommand("devices", "List the haptic devices that live could drive here, and why not the others");
-    command->footer("FORCESHADE_DHD_LIBRARY and FORCESHADE_HD_LIBRARY name the file of Force Dimension's and of 3D "
-                    "Systems' library where the dynamic linker would not find it.\n" +
-                    program.get_footer());
-    command->callback([&] { chosen = [&] { return list_devices(common); }; });
+int print_schema(const SchemaArguments& arguments, const CommonOptions& common) {
+    if (arguments.paper && common.json)
+        throw UsageError("--default-study prints TOML: leave out --json");
+    print_data(arguments.paper ? std::string(default_study_toml()) : common.json ? schema_json() : schema_text());
+    return 0;
 }
 
-void add_schema_command(CLI::App& program, const CommonOptions& common, Command& chosen) {
-    const auto paper = std::make_shared<bool>(false);
-    CLI::App* command =
-        program.add_subcommand("schema", "Print every key of a scene or study, its unit, default and meaning");
-    command->add_flag("--default-study", *paper, "print the built-in study of the paper instead, to start from");
-    command->callback([=, &common, &chosen] {
-        chosen = [=, &common] {
-            if (*paper && common.json)
-                throw UsageError("--default-study prints TOML: leave out --json");
-            print_data(*paper ? std::string(default_study_toml()) : common.json ? schema_json() : schema_text());
-            return 0;
-        };
-    });
+void describe(Options& options, SchemaArguments& arguments) {
+    options.flag("--default-study", arguments.paper, "print the built-in study of the paper instead, to start from");
+}
+
+} // namespace
+
+void add_doctor_command(CommandLine& program) {
+    program.add("doctor", "Say what is installed, what works, and what to do about the rest", diagnose);
+}
+
+void add_gpus_command(CommandLine& program) {
+    program.add("gpus", "List the Vulkan devices and why one would be refused", list_gpus);
+}
+
+void add_devices_command(CommandLine& program) {
+    program.add("devices", "List the haptic devices that live could drive here, and why not the others", list_devices)
+        .footer("FORCESHADE_DHD_LIBRARY and FORCESHADE_HD_LIBRARY name the file of Force Dimension's and of 3D "
+                "Systems' library where the dynamic linker would not find it.");
+}
+
+void add_schema_command(CommandLine& program) {
+    program.add<SchemaArguments>("schema", "Print every key of a scene or study, its unit, default and meaning",
+                                 print_schema, describe);
 }
 
 } // namespace forceshade

@@ -3,7 +3,6 @@
 #include <thread>
 #include <utility>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -258,31 +257,27 @@ int run(const ExploreArguments& arguments, const CommonOptions& common) {
     return take_paths(arguments, common, prepared);
 }
 
+void describe(Options& options, ExploreArguments& arguments) {
+    options.required("SCENE", arguments.scene,
+                     "scene file (TOML) with [paths], unless --paths is given; needs no [grid]");
+    options.optional("--paths", arguments.paths,
+                     "recorded positions in place of the scene's: a CSV file with a header and columns path, t, x, "
+                     "y, z (s, m); others are not read, and times of a path increase");
+    options.required("--out", arguments.out,
+                     "OUT.exr (a row a path) or OUT.csv (a line a sample); OUT.paths.csv beside it has a line a path");
+    options.list("--also", arguments.also,
+                 "further files beside it: npy (NumPy), png (paths over the surface, direction of the force)");
+    options.flag("--open-loop", arguments.open_loop,
+                 "the positions of --paths are the probe's own, as in the log of a live loop, even if the scene's "
+                 "paths are a closed loop");
+    options.flag("--metrics-only", arguments.metrics_only, "no samples, only OUT.paths.csv");
+}
+
 } // namespace
 
-void add_explore_command(CLI::App& program, const CommonOptions& common, Command& chosen) {
-    const auto arguments = std::make_shared<ExploreArguments>();
-    CLI::App* command = program.add_subcommand("explore", "Take probes along a scene's paths and write what they feel");
-    command
-        ->add_option("SCENE", arguments->scene,
-                     "scene file (TOML) with [paths], unless --paths is given; needs no [grid]")
-        ->required();
-    command->add_option("--paths", arguments->paths,
-                        "recorded positions in place of the scene's: a CSV file with a header and columns path, t, x, "
-                        "y, z (s, m); others are not read, and times of a path increase");
-    command
-        ->add_option("--out", arguments->out,
-                     "OUT.exr (a row a path) or OUT.csv (a line a sample); OUT.paths.csv beside it has a line a path")
-        ->required();
-    command
-        ->add_option("--also", arguments->also,
-                     "further files beside it: npy (NumPy), png (paths over the surface, direction of the force)")
-        ->delimiter(',');
-    command->add_flag("--open-loop", arguments->open_loop,
-                      "the positions of --paths are the probe's own, as in the log of a live loop, even if the scene's "
-                      "paths are a closed loop");
-    command->add_flag("--metrics-only", arguments->metrics_only, "no samples, only OUT.paths.csv");
-    command->callback([=, &common, &chosen] { chosen = [=, &common] { return run(*arguments, common); }; });
+void add_explore_command(CommandLine& program) {
+    program.add<ExploreArguments>("explore", "Take probes along a scene's paths and write what they feel", run,
+                                  describe);
 }
 
 } // namespace forceshade

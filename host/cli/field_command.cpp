@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <set>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -105,20 +104,11 @@ int run(const FieldArguments& arguments, const CommonOptions& common) {
     return 0;
 }
 
-} // namespace
-
-void add_field_command(CLI::App& program, const CommonOptions& common, Command& chosen) {
-    const auto arguments = std::make_shared<FieldArguments>();
-    CLI::App* command = program.add_subcommand("field", "Evaluate one scene into an EXR volume");
-    command->add_option("SCENE", arguments->scene, "scene file (TOML)")->required();
-    command->add_option("--out", arguments->out, "the volume, an .exr file")->required();
-    command
-        ->add_option("--also", arguments->also, "further files beside it: vti (ParaView), npy (NumPy), png (pictures)")
-        ->delimiter(',');
-    command->callback([=, &common, &chosen] { chosen = [=, &common] { return run(*arguments, common); }; });
+void describe(Options& options, FieldArguments& arguments) {
+    options.required("SCENE", arguments.scene, "scene file (TOML)");
+    options.required("--out", arguments.out, "the volume, an .exr file");
+    options.list("--also", arguments.also, "further files beside it: vti (ParaView), npy (NumPy), png (pictures)");
 }
-
-namespace {
 
 struct SweepArguments {
     std::string study, out, only = "*";
@@ -208,31 +198,19 @@ int run(const SweepArguments& arguments, const CommonOptions& common) {
     return result.exit_code;
 }
 
-} // namespace
-
-void add_sweep_command(CLI::App& program, const CommonOptions& common, Command& chosen) {
-    const auto arguments = std::make_shared<SweepArguments>();
-    CLI::App* command = program.add_subcommand(
-        "sweep", "Evaluate every case of a study into a folder; run again to finish or repair it");
-    command->add_option("STUDY", arguments->study,
-                        "study file (TOML); without it the paper's study, which is built in");
-    command->add_option("--out", arguments->out, "folder of the results; made if need be")->required();
-    command->add_option("--only", arguments->only, "shell pattern of case names, for example 'bump*facets-2*'");
-    command->add_option(
-        "--shard", arguments->shard,
+void describe(Options& options, SweepArguments& arguments) {
+    options.optional("STUDY", arguments.study, "study file (TOML); without it the paper's study, which is built in");
+    options.required("--out", arguments.out, "folder of the results; made if need be");
+    options.optional("--only", arguments.only, "shell pattern of case names, for example 'bump*facets-2*'");
+    options.optional(
+        "--shard", arguments.shard,
         "I/N: do the I-th of N parts, for several machines at once; Slurm's array variables are taken where set");
-    command
-        ->add_option("--also", arguments->also,
-                     "further files for each case: vti (ParaView), npy (NumPy), png (pictures)")
-        ->delimiter(',');
-    command->add_flag("--fresh", arguments->fresh, "compute anew what is there already");
-    command->add_flag("--replace", arguments->replace,
-                      "put this study's summary, manifest and report in the place of another study's, whose cases it "
-                      "does not all have; volumes stay");
-    command->callback([=, &common, &chosen] { chosen = [=, &common] { return run(*arguments, common); }; });
+    options.list("--also", arguments.also, "further files for each case: vti (ParaView), npy (NumPy), png (pictures)");
+    options.flag("--fresh", arguments.fresh, "compute anew what is there already");
+    options.flag("--replace", arguments.replace,
+                 "put this study's summary, manifest and report in the place of another study's, whose cases it "
+                 "does not all have; volumes stay");
 }
-
-namespace {
 
 struct ValidateArguments {
     std::string study, only = "*";
@@ -315,16 +293,26 @@ int run(const ValidateArguments& arguments, const CommonOptions& common) {
     return compared.passed() ? 0 : 1;
 }
 
+void describe(Options& options, ValidateArguments& arguments) {
+    options.optional("SCENE-or-STUDY", arguments.study, "TOML file; without it the paper's study, which is built in");
+    options.optional("--only", arguments.only, "shell pattern of case names");
+}
+
 } // namespace
 
-void add_validate_command(CLI::App& program, const CommonOptions& common, Command& chosen) {
-    const auto arguments = std::make_shared<ValidateArguments>();
-    CLI::App* command = program.add_subcommand(
-        "validate", "Hold the device against the CPU oracle and the closed forms, on every voxel and every path");
-    command->add_option("SCENE-or-STUDY", arguments->study,
-                        "TOML file; without it the paper's study, which is built in");
-    command->add_option("--only", arguments->only, "shell pattern of case names");
-    command->callback([=, &common, &chosen] { chosen = [=, &common] { return run(*arguments, common); }; });
+void add_field_command(CommandLine& program) {
+    program.add<FieldArguments>("field", "Evaluate one scene into an EXR volume", run, describe);
+}
+
+void add_sweep_command(CommandLine& program) {
+    program.add<SweepArguments>(
+        "sweep", "Evaluate every case of a study into a folder; run again to finish or repair it", run, describe);
+}
+
+void add_validate_command(CommandLine& program) {
+    program.add<ValidateArguments>(
+        "validate", "Hold the device against the CPU oracle and the closed forms, on every voxel and every path", run,
+        describe);
 }
 
 } // namespace forceshade

@@ -12,7 +12,6 @@
 #include <utility>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -284,82 +283,56 @@ int run(const LiveArguments& arguments, const CommonOptions& common) {
     return outcome_code(result, written_report(result.outcome, stem));
 }
 
-void add_safety_options(CLI::App& command, LiveArguments& arguments) {
-    const char* const group = "Safety (\"none\" switches a limit off)";
-    command
-        .add_option("--max-force", arguments.max_force,
-                    "largest force; larger ones keep their direction (default: the device's, or \"3 N\")")
-        ->group(group);
-    command
-        .add_option("--lasting-force", arguments.lasting_force,
-                    "largest root mean square of the force over 10 s, for the motors' sake (default: the device's)")
-        ->group(group);
-    command
-        .add_flag("--without-device-watchdog", arguments.without_watchdog,
-                  "more than 0.5 N even where the device refuses its own watchdog: what a killed process displayed "
-                  "last then stays on")
-        ->group(group);
-    command
-        .add_option("--slew", arguments.slew, "how fast the force may come up (default \"2 N/ms\"); it falls at once")
-        ->group(group);
-    command
-        .add_option("--ramp", arguments.ramp,
-                    "in which the force comes up after the start and after a fault (default \"200 ms\")")
-        ->group(group);
-    command
-        .add_option("--contact-ramp", arguments.contact_ramp,
-                    "likewise when contact is made after 50 ms without (default \"5 ms\")")
-        ->group(group);
-    command.add_option("--max-speed", arguments.max_speed, "no force while the probe is faster (default \"2 m/s\")")
-        ->group(group);
-    command.add_option("--stale", arguments.stale, "no force when positions are older (default \"20 ms\")")
-        ->group(group);
-    command
-        .add_option("--watchdog", arguments.watchdog,
-                    "periods: no force when a sample is later than so many (default 20)")
-        ->group(group);
-    command
-        .add_option("--workspace", arguments.workspace,
-                    "no force outside of lowest x, y, z and highest x, y, z, six lengths between commas (default: "
-                    "the device's)")
-        ->group(group);
-    command
-        .add_flag("--passivity", arguments.passivity,
-                  "take back by damping what energy the hand is given (Hannaford & Ryu 2002)")
-        ->group(group);
-    command.add_option("--damping", arguments.damping, "the most that --passivity may damp (default \"10 N s/m\")")
-        ->group(group);
+void describe(Options& options, LiveArguments& arguments) {
+    options.required("SCENE", arguments.scene, "scene file (TOML); needs no [grid]");
+    options.optional("--device", arguments.device,
+                     "sim (default: the hand and device of [hand], along [paths] or strokes that press 1 N), "
+                     "replay:FILE.csv, haply[:URL], dhd[:INDEX] or hd[:NAME]; forceshade devices tells what is there");
+    options.optional("--origin", arguments.origin,
+                     "where the scene's origin lies in the device's space: \"X, Y, Z\" with units, or here: where the "
+                     "probe is at the start (default: at the device's)");
+    options.optional("--rate", arguments.rate,
+                     "100 Hz to 10 kHz; default: the scene's paths.rate, a recording's own, else \"1 kHz\"");
+    options.optional("--duration", arguments.duration, "ends after it (\"60 s\"); default: until Ctrl-C");
+    options.optional("--log", arguments.log,
+                     "a CSV file, a line a sample: what explore writes, the displayed force, times");
+    options.flag("--overwrite", arguments.overwrite, "--log may replace a file");
+    options.optional("--report", arguments.report,
+                     "STEM.txt, STEM.json and STEM.png at the end (default: beside the log, LOG.live.*)");
+    options.flag("--watch", arguments.watch, "take the scene up anew whenever its file is saved");
+    options.flag("--fast", arguments.fast, "sim and replay: as fast as possible, not by the clock");
+    options.optional("--cpu", arguments.cpu, "CPU to run on (default: the last one, with SCHED_FIFO)");
+    options.optional("--patience", arguments.patience,
+                     "ends when the device is gone for so long (default \"5 s\"; \"none\": never)");
+    options.heading("Safety (\"none\" switches a limit off)");
+    options.optional("--max-force", arguments.max_force,
+                     "largest force; larger ones keep their direction (default: the device's, or \"3 N\")");
+    options.optional("--lasting-force", arguments.lasting_force,
+                     "largest root mean square of the force over 10 s, for the motors' sake (default: the device's)");
+    options.flag("--without-device-watchdog", arguments.without_watchdog,
+                 "more than 0.5 N even where the device refuses its own watchdog: what a killed process displayed "
+                 "last then stays on");
+    options.optional("--slew", arguments.slew, "how fast the force may come up (default \"2 N/ms\"); it falls at once");
+    options.optional("--ramp", arguments.ramp,
+                     "in which the force comes up after the start and after a fault (default \"200 ms\")");
+    options.optional("--contact-ramp", arguments.contact_ramp,
+                     "likewise when contact is made after 50 ms without (default \"5 ms\")");
+    options.optional("--max-speed", arguments.max_speed, "no force while the probe is faster (default \"2 m/s\")");
+    options.optional("--stale", arguments.stale, "no force when positions are older (default \"20 ms\")");
+    options.optional("--watchdog", arguments.watchdog,
+                     "periods: no force when a sample is later than so many (default 20)");
+    options.optional("--workspace", arguments.workspace,
+                     "no force outside of lowest x, y, z and highest x, y, z, six lengths between commas (default: "
+                     "the device's)");
+    options.flag("--passivity", arguments.passivity,
+                 "take back by damping what energy the hand is given (Hannaford & Ryu 2002)");
+    options.optional("--damping", arguments.damping, "the most that --passivity may damp (default \"10 N s/m\")");
 }
 
 } // namespace
 
-void add_live_command(CLI::App& program, const CommonOptions& common, Command& chosen) {
-    const auto arguments = std::make_shared<LiveArguments>();
-    CLI::App* command = program.add_subcommand("live", "Let a haptic device feel a scene, by the oracle on the CPU");
-    command->add_option("SCENE", arguments->scene, "scene file (TOML); needs no [grid]")->required();
-    command->add_option(
-        "--device", arguments->device,
-        "sim (default: the hand and device of [hand], along [paths] or strokes that press 1 N), "
-        "replay:FILE.csv, haply[:URL], dhd[:INDEX] or hd[:NAME]; forceshade devices tells what is there");
-    command->add_option(
-        "--origin", arguments->origin,
-        "where the scene's origin lies in the device's space: \"X, Y, Z\" with units, or here: where the "
-        "probe is at the start (default: at the device's)");
-    command->add_option("--rate", arguments->rate,
-                        "100 Hz to 10 kHz; default: the scene's paths.rate, a recording's own, else \"1 kHz\"");
-    command->add_option("--duration", arguments->duration, "ends after it (\"60 s\"); default: until Ctrl-C");
-    command->add_option("--log", arguments->log,
-                        "a CSV file, a line a sample: what explore writes, the displayed force, times");
-    command->add_flag("--overwrite", arguments->overwrite, "--log may replace a file");
-    command->add_option("--report", arguments->report,
-                        "STEM.txt, STEM.json and STEM.png at the end (default: beside the log, LOG.live.*)");
-    command->add_flag("--watch", arguments->watch, "take the scene up anew whenever its file is saved");
-    command->add_flag("--fast", arguments->fast, "sim and replay: as fast as possible, not by the clock");
-    command->add_option("--cpu", arguments->cpu, "CPU to run on (default: the last one, with SCHED_FIFO)");
-    command->add_option("--patience", arguments->patience,
-                        "ends when the device is gone for so long (default \"5 s\"; \"none\": never)");
-    add_safety_options(*command, *arguments);
-    command->callback([=, &common, &chosen] { chosen = [=, &common] { return run(*arguments, common); }; });
+void add_live_command(CommandLine& program) {
+    program.add<LiveArguments>("live", "Let a haptic device feel a scene, by the oracle on the CPU", run, describe);
 }
 
 } // namespace forceshade

@@ -1,4 +1,3 @@
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -112,7 +111,12 @@ std::string as_text(const Inspected& mesh) {
     return text;
 }
 
-int run(const std::string& path, const std::string& unit, const CommonOptions& common) {
+struct Arguments {
+    std::string file, unit;
+};
+
+int run(const Arguments& arguments, const CommonOptions& common) {
+    const auto& [path, unit] = arguments;
     Inspected mesh;
     mesh.unit = unit;
     if (!unit.empty())
@@ -128,20 +132,15 @@ int run(const std::string& path, const std::string& unit, const CommonOptions& c
     return 0;
 }
 
-struct Arguments {
-    std::string file, unit;
-};
+void describe(Options& options, Arguments& arguments) {
+    options.required("FILE", arguments.file, "OBJ, OFF, PLY or STL");
+    options.optional("--unit", arguments.unit, "what a coordinate of 1 means, as mm or in; sizes are then in m");
+}
 
 } // namespace
 
-void add_mesh_command(CLI::App& program, const CommonOptions& common, Command& chosen) {
-    CLI::App* command = program.add_subcommand("mesh", "Say what is in a mesh file and what is wrong with it");
-    const auto arguments = std::make_shared<Arguments>();
-    command->add_option("FILE", arguments->file, "OBJ, OFF, PLY or STL")->required();
-    command->add_option("--unit", arguments->unit, "what a coordinate of 1 means, as mm or in; sizes are then in m");
-    command->callback([&common, &chosen, arguments] {
-        chosen = [&common, arguments] { return run(arguments->file, arguments->unit, common); };
-    });
+void add_mesh_command(CommandLine& program) {
+    program.add<Arguments>("mesh", "Say what is in a mesh file and what is wrong with it", run, describe);
 }
 
 } // namespace forceshade

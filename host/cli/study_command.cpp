@@ -1,7 +1,6 @@
 #include <array>
 #include <filesystem>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -143,30 +142,24 @@ int run(const StudyArguments& arguments, const CommonOptions& common) {
     return 0;
 }
 
-} // namespace
-
-void add_study_command(CLI::App& program, const CommonOptions& common, Command& chosen) {
-    const auto arguments = std::make_shared<StudyArguments>();
+void describe(Options& options, StudyArguments& arguments) {
     std::string names = "which study:";
     for (const KnownStudy& one : kStudies)
         names += fmt::format(" {} ({});", one.name, one.about);
     names.back() = '.';
-    CLI::App* command =
-        program.add_subcommand("study", "Measure errors, run times, stability, energy or savings into a folder, with "
-                                        "figures and a report; run again to go on");
-    command->add_option("NAME", arguments->name, names)->required();
-    command->add_option("SCENE", arguments->scene, "scene file (TOML) to study; without it the study's own scenes");
-    command->add_option("--out", arguments->out, "folder of the results; each study has a folder of its name in it")
-        ->required();
-    command->add_flag("--quick", arguments->quick, "coarse, within a minute");
-    command->add_flag("--fresh", arguments->fresh, "compute anew what is there already");
-    command->callback([=, &common, &chosen] { chosen = [=, &common] { return run(*arguments, common); }; });
+    options.required("NAME", arguments.name, names);
+    options.optional("SCENE", arguments.scene, "scene file (TOML) to study; without it the study's own scenes");
+    options.required("--out", arguments.out, "folder of the results; each study has a folder of its name in it");
+    options.flag("--quick", arguments.quick, "coarse, within a minute");
+    options.flag("--fresh", arguments.fresh, "compute anew what is there already");
 }
 
-namespace {
+struct ReportArguments {
+    std::string folder;
+};
 
-int run(const std::string& folder, const CommonOptions& common) {
-    const report::ReportResult written = report::write_report(folder);
+int run(const ReportArguments& arguments, const CommonOptions& common) {
+    const report::ReportResult written = report::write_report(arguments.folder);
     const std::filesystem::path file = std::filesystem::absolute(written.file).lexically_normal();
     if (!common.quiet) {
         for (const std::string& trouble : written.troubles)
@@ -181,14 +174,23 @@ int run(const std::string& folder, const CommonOptions& common) {
     return written.troubles.empty() ? 0 : static_cast<int>(ExitCode::io);
 }
 
+void describe(Options& options, ReportArguments& arguments) {
+    options.required("DIR", arguments.folder, "folder that sweep or study wrote");
+}
+
 } // namespace
 
-void add_report_command(CLI::App& program, const CommonOptions& common, Command& chosen) {
-    const auto folder = std::make_shared<std::string>();
-    CLI::App* command = program.add_subcommand(
-        "report", "Write report.html of a folder of results: sweeps and studies, in one file that opens offline");
-    command->add_option("DIR", *folder, "folder that sweep or study wrote")->required();
-    command->callback([=, &common, &chosen] { chosen = [=, &common] { return run(*folder, common); }; });
+void add_study_command(CommandLine& program) {
+    program.add<StudyArguments>("study",
+                                "Measure errors, run times, stability, energy or savings into a folder, with figures "
+                                "and a report; run again to go on",
+                                run, describe);
+}
+
+void add_report_command(CommandLine& program) {
+    program.add<ReportArguments>(
+        "report", "Write report.html of a folder of results: sweeps and studies, in one file that opens offline", run,
+        describe);
 }
 
 } // namespace forceshade

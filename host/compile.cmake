@@ -1,0 +1,37 @@
+# How hard the compiler tries, and the headers that it reads once for many sources. Without forceshade_compile a target has
+# CMake's own -O3 and no precompiled headers, as what calls CGAL must: its flags are others.
+
+# Under ccache a changed header would miss the cache for every source.
+if(CMAKE_CXX_COMPILER_LAUNCHER MATCHES ccache)
+    set(CMAKE_DISABLE_PRECOMPILE_HEADERS ON)
+endif()
+set(standard_headers <algorithm> <array> <cmath> <cstdint> <filesystem> <functional> <map> <memory> <optional> <span> <string>
+    <string_view> <vector> <fmt/format.h>)
+
+# forceshade_headers(NAME LEVEL LINK target ... HEADERS <header> ...)
+function(forceshade_headers name level)
+    cmake_parse_arguments(ARG "" "" "LINK;HEADERS" ${ARGN})
+    set(target forceshade_headers_${name}_O${level})
+    file(WRITE ${PROJECT_BINARY_DIR}/headers/${name}.cpp "")
+    add_library(${target} OBJECT ${PROJECT_BINARY_DIR}/headers/${name}.cpp)
+    target_link_libraries(${target} PRIVATE fmt::fmt ${ARG_LINK})
+    target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O${level}>)
+    target_precompile_headers(${target} PRIVATE ${standard_headers} ${ARG_HEADERS})
+endfunction()
+forceshade_headers(plain 1)
+forceshade_headers(plain 2)
+forceshade_headers(json 1 LINK nlohmann_json::nlohmann_json HEADERS <nlohmann/json.hpp>)
+
+# forceshade_compile(LEVEL HEADERS target ...): -O1 where nobody waits for the result, -O2 where a bench shows no difference to -O3.
+function(forceshade_compile level headers)
+    foreach(target ${ARGN})
+        target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O${level}>)
+        if(level EQUAL 2) # GCC 12 sees overruns of std::string at -O2 that are none (its bug 105329)
+            target_compile_options(${target} PRIVATE -Wno-array-bounds -Wno-restrict -Wno-stringop-overread -Wno-stringop-overflow)
+        endif()
+        target_compile_definitions(${target} PRIVATE FMT_SHARED) # as in the precompiled headers
+        if(NOT headers STREQUAL none)
+            target_precompile_headers(${target} REUSE_FROM forceshade_headers_${headers}_O${level})
+        endif()
+    endforeach()
+endfunction()
