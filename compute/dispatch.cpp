@@ -370,6 +370,7 @@ void Dispatcher::finish(FieldTimes& times) {
 }
 
 void Dispatcher::complete(FieldTimes& times, const std::function<void()>& work) {
+    implementation_->turn = 0; // the same buffers serve the same dispatches of the next run
     try {
         work();
         finish(times);
