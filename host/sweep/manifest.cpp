@@ -235,12 +235,11 @@ void require_same_study(const std::filesystem::path& folder, const Study& study)
     for (const Case& one : study.cases)
         lost.erase(one.name);
     if (!lost.empty())
-        throw UsageError(
-            fmt::format("{} holds another study: {} of its {} finished case{}, for example {}, {} not in this one, and "
-                        "its summary.csv, manifest.json and report.html would no longer tell of {}; name another "
-                        "folder with --out, or say --replace to put this study in its place (volumes stay)",
-                        folder.string(), lost.size(), all, all == 1 ? "" : "s", *lost.begin(),
-                        lost.size() == 1 ? "is" : "are", lost.size() == 1 ? "it" : "them"));
+        throw UsageError(fmt::format(
+            "{} holds another study: this one lacks {} of its {} finished case{}, for example {}. To keep its "
+            "summary.csv, manifest.json and report.html name another folder with --out; to replace them add "
+            "--replace (volumes stay)",
+            folder.string(), lost.size(), all, all == 1 ? "" : "s", *lost.begin()));
 }
 
 } // namespace forceshade

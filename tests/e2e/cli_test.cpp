@@ -258,7 +258,7 @@ TEST_F(CommandLine, works_from_any_place_with_any_name) {
         expect_success({"sweep", odd + "/scene.toml", "--out", out});
         EXPECT_TRUE(std::filesystem::exists(path(out) / "manifest.json")) << out;
     }
-    launch.arguments = {"sweep", path("three.toml"), "--out", "."};
+    launch.arguments = {"sweep", path("three.toml"), "--out", ".", "--replace"};
     launch.folder = path(odd) / "out";
     EXPECT_EQ(run(launch).code, 0);
 }

@@ -2,6 +2,8 @@
 #include <regex>
 #include <sstream>
 
+#include <fmt/format.h>
+
 #include "tests/e2e/workplace.h"
 
 namespace forceshade::testing {
@@ -65,7 +67,8 @@ TEST_P(Readme, scenes_and_studies_are_accepted_and_run) {
         if (block.language != "toml")
             continue;
         write("work/block.toml", block.text);
-        const Outcome outcome = run_in_work(FORCESHADE_PROGRAM, {"sweep", "block.toml", "--out", "block", "--fresh"});
+        const std::string out = fmt::format("block-{}", block.line);
+        const Outcome outcome = run_in_work(FORCESHADE_PROGRAM, {"sweep", "block.toml", "--out", out});
         EXPECT_EQ(outcome.code, 0) << "line " << block.line << ": " << outcome.error;
         EXPECT_EQ(outcome.error.find("warning"), std::string::npos) << "line " << block.line << ": " << outcome.error;
     }
