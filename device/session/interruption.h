@@ -44,7 +44,7 @@ public:
 
 // Ctrl-C ends the loop at once, and a second one the process, neither with a force on the device.
 
-/// While it lives, SIGINT, SIGTERM and SIGHUP do what they did (host/interrupt.h) and stop the loop in the handler, so
+/// While it lives, SIGINT, SIGTERM and SIGHUP do what they did (host/program.h) and stop the loop in the handler, so
 /// that the next sample is the last. A second one ends the process by the signal, after the device was halted. One at a
 /// time, within an Emergency.
 class Interruption {

@@ -51,7 +51,7 @@ template <typename T> T length(const Vector<T>& v) noexcept {
     return std::sqrt(dot(v, v));
 }
 
-// G1: the reference cylinder, step for step as shaders/laws/circle.glsl.
+// G1: the reference cylinder, step for step as shaders/laws/elementary.glsl.
 
 /// sqrt(R^2 - x^2), m: how far the circle stands above its axis at x, |x| <= R.
 template <typename T> T circle_rise(T radius, T x) noexcept {

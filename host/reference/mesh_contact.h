@@ -110,7 +110,7 @@ double winding_change(const layout::MeshView<T>& mesh, const Vector<double>& pro
     return change;
 }
 
-// L7: the vertex normals of a facet, interpolated at a point of it, step for step as shaders/laws/mesh_shading.glsl.
+// L7: the vertex normals of a facet, interpolated at a point of it, step for step as shaders/laws/mesh_contact.glsl.
 
 /// A corner of a facet, seen from the point to be shaded.
 template <typename T> struct MeshCorner {

@@ -1,5 +1,5 @@
 // Random numbers by counter (Philox 4x32-10: Salmon, Moraes, Dror & Shaw 2011): the same for a key and a counter
-// wherever they are drawn. Step for step as shaders/laws/philox.glsl.
+// wherever they are drawn. Step for step as shaders/laws/motion.glsl.
 #pragma once
 
 #include <array>

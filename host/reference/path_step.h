@@ -1,5 +1,5 @@
 // The hand and the device over one sample: mass, damping and spring, stepped exactly (laws: sampled stability). Step
-// for step as shaders/laws/hand.glsl.
+// for step as shaders/laws/path_step.glsl.
 #pragma once
 
 #include <limits>
@@ -94,7 +94,7 @@ ProbeState<T> advance_hand(const layout::HandParams<T>& hand, const ProbeState<T
     return next;
 }
 
-// What is remembered of a path, step for step as shaders/laws/path_metrics.glsl.
+// What is remembered of a path, step for step as shaders/laws/path_step.glsl.
 
 /// Adds to a sum that keeps what rounding takes from it (Kahan).
 template <typename T> void add_to(T& sum, T& rest, T value) noexcept {

@@ -15,7 +15,7 @@ template <typename T> struct Contact {
 };
 
 // G2 and L3: the bump of n flat facets inscribed in the reference cylinder, step for step as
-// shaders/laws/faceted_bump.glsl.
+// shaders/laws/surfaces.glsl.
 
 template <typename T> struct Facet {
     T height = T(0);   /* m: the nominal surface above the plane at the probe's x */
@@ -144,7 +144,7 @@ Gradient<T> gradient_at(layout::uint kind, const layout::MapParams<T>& map, std:
     }
 }
 
-// What every law needs of the probe's (x, y) alone, step for step as shaders/laws/column.glsl.
+// What every law needs of the probe's (x, y) alone, step for step as shaders/laws/surfaces.glsl.
 
 template <typename T> struct Column {
     T x, y;                       /* m */

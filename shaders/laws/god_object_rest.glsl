@@ -1,5 +1,5 @@
 // L6: what holds a god-object at rest, and where it is without its skin, step for step as
-// host/reference/god_object_held.h. The hot kernel knows one or two faces right below the proxy.
+// host/reference/god_object_rest.h. The hot kernel knows one or two faces right below the proxy.
 
 // What an update found.
 struct Rest {
