@@ -29,7 +29,7 @@ forceshade_headers(plain 1)
 forceshade_headers(plain 2)
 forceshade_headers(json 1 LINK nlohmann_json::nlohmann_json HEADERS <nlohmann/json.hpp>)
 
-# forceshade_compile(LEVEL HEADERS target ...): -O1 where nobody waits for the result, -O2 where a bench shows no difference to -O3.
+# forceshade_compile(LEVEL HEADERS target ...): -O1 where nobody waits for the result, -O2 elsewhere.
 function(forceshade_compile level headers)
     foreach(target ${ARGN})
         target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O${level}>)
