@@ -265,7 +265,6 @@ template <typename T> void put_path_tables(const layout::Law<T>& law, const PutT
 template <typename T> uint put_mesh_path_tables(const layout::Law<T>& law, const PutTable& put) {
     put_mesh_law(law, layout::kMeshPathBindLaw, put);
     put_gradients(law, layout::kMeshPathBindMapGradients, layout::kMeshPathBindTextureGradients, put);
-    put(layout::kMeshPathBindNodes, std::as_bytes(law.mesh.nodes));
     put_path_triangles(law, put);
     return put_path_vectors(law, put);
 }

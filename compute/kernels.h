@@ -111,19 +111,16 @@ struct MeshPathOptions {
     std::size_t batch_paths = 16384;                 /* most paths on the device at once */
     std::size_t chunk_bytes = std::size_t(64) << 20; /* most for the samples of a chunk of steps */
     std::uint32_t pause = 250;                       /* loops after which an invocation begins no other step */
-    std::uint32_t rare_pause = 600;                  /* likewise, no other piece of one update */
-    std::uint32_t limit = 3600;        /* loops that an invocation may run: up to 16 together share a driver's limit */
-    std::uint32_t limit_alone = 29000; /* likewise, of one that has its neighbours' share */
+    std::uint32_t limit = 3600; /* loops that an invocation may run: up to 16 together share a driver's limit */
 };
 
 struct MeshPathTimes : FieldTimes {
-    std::uint64_t rare_updates = 0; /* of god-objects, left to the kernel of the rare cases */
-    std::uint64_t host_updates = 0; /* left to the host: rests at edges and corners, what takes too many loops */
+    std::uint64_t host_updates = 0; /* of god-objects, left to the host */
     double host = 0;                /* s: in them */
 };
 
-/// Does the updates of L6 that the kernels leave: those that begin or end at edges and corners, and those that take
-/// more loops than an invocation may run.
+/// Does the updates of L6 that the kernel leaves: those that meet what the host could not list beforehand, those that
+/// begin or end at edges and corners, and those that take more loops than an invocation may run.
 template <typename T> using FinishUpdates = std::function<void(std::span<layout::MeshUpdate<T>>)>;
 
 /// Paths on meshes, with the god-object's history.
@@ -133,8 +130,7 @@ public:
     ~MeshPathKernel();
 
     /// As PathKernel::explore, for a law of surface kSurfaceMesh; equal to reference<T> if `finish` does as it would.
-    /// \throws DeviceError: unsupported also for facets with too many corners, and for a device without double
-    /// precision, which either T needs.
+    /// \throws DeviceError: unsupported also for facets with too many corners.
     template <typename T>
     MeshPathTimes explore(const layout::PathInput<T>& input, const FinishUpdates<T>& finish, const TakePaths<T>& take,
                           const TakeMetrics<T>& take_metrics);

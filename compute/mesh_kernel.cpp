@@ -12,9 +12,8 @@ namespace {
 
 using layout::uint;
 
-constexpr std::uint32_t kGroup = 64; // invocations of a work group
 // The plan of so many samples fits into any buffer, however long the planner makes its lists.
-constexpr std::uint64_t kMostSamples = std::uint64_t(1) << 18; // 32 768 blocks, each with up to 512 candidates: 65 MiB
+constexpr std::uint64_t kMostBlockSamples = std::uint64_t(1) << 18; // 32 768 blocks, each with up to 512 candidates: 65 MiB
 
 Constants free_constants() {
     layout::Features features;
@@ -42,7 +41,7 @@ MeshChunkSteps MeshKernel::Implementation::steps(const layout::FieldInput<T>& in
     const std::size_t wanted =
         report.software ? std::min(options.chunk_bytes, options.software_chunk_bytes) : options.chunk_bytes;
     const std::uint64_t least = layout::kMeshBlock * x_pitch * sample.all; // a row of blocks always fits
-    const std::uint64_t bytes = std::max(least, std::min<std::uint64_t>(wanted, kMostSamples * sample.all));
+    const std::uint64_t bytes = std::max(least, std::min<std::uint64_t>(wanted, kMostBlockSamples * sample.all));
     return plan_mesh_chunks(x_pitch, input.y.size(), input.z.size(), sample, report.buffer_range, bytes);
 }
 

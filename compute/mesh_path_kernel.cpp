@@ -12,18 +12,7 @@ namespace {
 
 using layout::uint;
 
-constexpr std::uint32_t kGroup = 64;                       // invocations of a work group
-constexpr std::size_t kMostSamples = std::size_t(1) << 24; // from one callback to the next
-constexpr std::size_t kApart = 16;                         // invocations that share a driver's limit of loops, or more
-
-// Paths that wait for a kernel: the hot one, the rare one, likewise without neighbours.
-constexpr std::size_t kLists = 3;
-using WaitingPaths = std::array<std::vector<uint>, kLists>;
-
-// The list in which a path of this phase waits.
-std::size_t list_of(uint phase) {
-    return phase == layout::kPhaseRare ? 1 : phase == layout::kPhaseAlone ? 2 : 0;
-}
+constexpr std::size_t kMostPathSamples = std::size_t(1) << 24; // from one callback to the next
 
 // A batch of paths on its way through its steps: what the kernels remember of each, and what they wrote. Memory that
 // the host sees.
@@ -38,10 +27,10 @@ public:
         const std::size_t facet = channels_ & layout::kChannelFacet ? sizeof(uint) : 0;
         const std::size_t reals = bytes_per_sample(channels_, sizeof(T)).all - facet;
         const std::size_t row = paths_ * (reals + facet + (recorded ? 3 * sizeof(T) : 0));
-        const std::size_t most = std::clamp<std::size_t>(kMostSamples / paths_, 1, steps_);
+        const std::size_t most = std::clamp<std::size_t>(kMostPathSamples / paths_, 1, steps_);
         rows_ = std::clamp<std::size_t>(most_bytes / std::max<std::size_t>(row, 1), 1, most);
         const std::size_t words = layout::kWalkWordCount * paths_;
-        words_ = share<uint>(layout::kMeshPathBindWalkWords, words + 1 + (kApart + 2) * paths_);
+        words_ = share<uint>(layout::kMeshPathBindWalkWords, words + 1 + paths_);
         reals_ = share<T>(layout::kMeshPathBindWalkReals, layout::kWalkRealCount * paths_);
         states_ = share<layout::PathState<T>>(layout::kMeshPathBindStates, paths_);
         recorded_ = share<T>(layout::kMeshPathBindRecorded, recorded ? 3 * (rows_ + 1) * paths_ : 0);
@@ -70,34 +59,16 @@ public:
         dispatcher_.flush(layout::kMeshPathBindRecorded);
     }
 
-    // What the paths wait for that have not come to `step_end` or their end.
-    WaitingPaths waiting(std::uint32_t step_end) const {
+    // Lists the paths that have not come to `step_end` or their end; gives how many they are.
+    std::size_t list_waiting(std::uint32_t step_end) {
         dispatcher_.kept(layout::kMeshPathBindWalkWords);
-        WaitingPaths waiting;
-        for (std::size_t path = 0; path < paths_; ++path) {
-            const uint step = word(layout::kWalkWordStep, path), phase = word(layout::kWalkWordPhase, path);
-            if (step >= std::min(step_end, word(layout::kWalkWordSteps, path)) || phase == layout::kPhaseHost)
-                continue;
-            std::vector<uint>& list = waiting[list_of(phase)];
-            list.push_back(static_cast<uint>(path));
-            if (phase == layout::kPhaseAlone)
-                list.resize(list.size() + kApart - 1, layout::kNoPath);
-        }
-        return waiting;
-    }
-
-    // Writes lists, one after the other; gives where each begins.
-    std::array<std::uint32_t, kLists> put_lists(const WaitingPaths& waiting) {
-        uint* const to = words_ + layout::kWalkWordCount * paths_ + 1;
-        std::array<std::uint32_t, kLists> begins{};
-        std::uint32_t at = 0;
-        for (std::size_t i = 0; i < kLists; ++i) {
-            begins[i] = at;
-            std::ranges::copy(waiting[i], to + at);
-            at += static_cast<std::uint32_t>(waiting[i].size());
-        }
+        uint* const list = words_ + layout::kWalkWordCount * paths_ + 1;
+        std::size_t count = 0;
+        for (std::size_t path = 0; path < paths_; ++path)
+            if (word(layout::kWalkWordStep, path) < std::min(step_end, word(layout::kWalkWordSteps, path)))
+                list[count++] = static_cast<uint>(path);
         dispatcher_.flush(layout::kMeshPathBindWalkWords);
-        return begins;
+        return count;
     }
 
     // Loops that a driver ended. \throws DeviceError (unfinished).
@@ -157,8 +128,8 @@ template <typename T> std::size_t Batch<T>::finish_updates(const FinishUpdates<T
             update.proxy[i] = real(layout::kWalkRealProxy + i, path);
             update.triangles[i] = word(layout::kWalkWordTriangles + i, path);
         }
-        update.count = word(layout::kWalkWordHeld, path) & layout::kHeldCount;
-        update.cornered = (word(layout::kWalkWordHeld, path) & layout::kHeldCornered) != 0;
+        update.count = word(layout::kWalkWordConstraints, path) & layout::kConstraintCount;
+        update.cornered = (word(layout::kWalkWordConstraints, path) & layout::kConstraintCornered) != 0;
         paths.push_back(path);
         updates.push_back(update);
     }
@@ -170,16 +141,17 @@ template <typename T> std::size_t Batch<T>::finish_updates(const FinishUpdates<T
         const layout::MeshUpdate<T>& update = updates[i];
         for (uint axis = 0; axis < 3; ++axis) {
             real(layout::kWalkRealProxy + axis, path) = update.proxy[axis];
-            real(layout::kWalkRealRest + axis, path) = update.rest[axis];
+            real(layout::kWalkRealContact + axis, path) = update.rest[axis];
             word(layout::kWalkWordTriangles + axis, path) = update.triangles[axis];
+            real(layout::kWalkRealFree + axis, path) = update.proxy[axis];
         }
-        word(layout::kWalkWordFelt, path) = update.triangle;
-        word(layout::kWalkWordHeld, path) = update.count | (update.cornered ? layout::kHeldCornered : 0) |
-                                            (update.touching ? layout::kHeldTouching : 0) |
-                                            (update.back ? layout::kHeldBack : 0) |
-                                            (update.finished ? 0 : layout::kHeldUnfinished);
-        word(layout::kWalkWordPhase, path) = layout::kPhaseFelt;
-        word(layout::kWalkWordStage, path) = layout::kStageBegin;
+        real(layout::kWalkRealReach, path) = update.reach;
+        word(layout::kWalkWordContact, path) = update.triangle;
+        word(layout::kWalkWordConstraints, path) = update.count | (update.cornered ? layout::kConstraintCornered : 0) |
+                                            (update.touching ? layout::kContactTouching : 0) |
+                                            (update.back ? layout::kContactBack : 0) |
+                                            (update.finished ? 0 : layout::kContactUnfinished);
+        word(layout::kWalkWordPhase, path) = layout::kPhaseContact;
     }
     flush(layout::kMeshPathBindWalkReals);
     return paths.size();
@@ -213,32 +185,7 @@ template <typename T> layout::PathChunk<T> Batch<T>::chunk(std::size_t step_firs
 struct MeshPathKernel::Implementation {
     Dispatcher dispatcher;
     MeshPathOptions options;
-
-    void dispatch(const WaitingPaths& waiting, const std::array<std::uint32_t, kLists>& begins, std::size_t hot,
-                  std::size_t rare, layout::MeshPathChunkParams chunk, FieldTimes& times);
 };
-
-// Lists are of different paths, so the runs need not wait for each other.
-void MeshPathKernel::Implementation::dispatch(const WaitingPaths& waiting,
-                                              const std::array<std::uint32_t, kLists>& begins, std::size_t hot,
-                                              std::size_t rare, layout::MeshPathChunkParams chunk, FieldTimes& times) {
-    std::array<layout::MeshPathChunkParams, kLists> chunks;
-    std::vector<Dispatcher::Run> runs;
-    for (std::size_t i = 0; i < kLists; ++i) {
-        if (waiting[i].empty())
-            continue;
-        chunk.first = begins[i];
-        chunk.listed = static_cast<std::uint32_t>(waiting[i].size());
-        chunk.pause = i == 0 ? options.pause : options.rare_pause;
-        chunk.limit = i == 2 ? options.limit_alone : options.limit;
-        chunks[i] = chunk;
-        runs.push_back({i == 0 ? hot : rare, divide_up(chunk.listed, kGroup), bytes_of(chunks[i])});
-    }
-    dispatcher.complete(times, [&] {
-        dispatcher.begin(times);
-        dispatcher.submit(runs, [] {});
-    });
-}
 
 MeshPathKernel::MeshPathKernel(Device& device, const MeshPathOptions& options)
     : implementation_(new Implementation{Dispatcher(device, {layout::kMeshPathBindCount, Dispatcher::kNoStatus,
@@ -252,23 +199,20 @@ MeshPathTimes MeshPathKernel::explore(const layout::PathInput<T>& input, const F
                                       const TakePaths<T>& take, const TakeMetrics<T>& take_metrics) {
     Implementation& self = *implementation_;
     Dispatcher& dispatcher = self.dispatcher;
-    if (!dispatcher.report().f64)
-        throw DeviceError(DeviceError::Kind::unsupported,
-                          dispatcher.report().name +
-                              " has no double precision in kernels, which paths on meshes need: use --engine cpu");
+    check_precision<T>(dispatcher.report());
     MeshPathTimes times;
     run_checked("evaluating paths", [&] {
         const FacetLoops loops = facet_loops(input.law.features, input.law.mesh.facet_begins);
         layout::MeshPathChunkParams chunk{};
         chunk.own_hands = input.hands.size() > 1;
+        chunk.pause = self.options.pause;
+        chunk.limit = self.options.limit;
         chunk.stretch = input.stretch;
         dispatcher.upload(times, [&](const PutTable& put) { chunk.vertices = put_mesh_path_tables(input.law, put); });
         constexpr bool kDouble = sizeof(T) == sizeof(double);
         const Constants constants = constants_of(kGroup, input, loops);
-        const std::size_t hot =
+        const std::size_t pipeline =
             dispatcher.pipeline(kDouble ? kernels::mesh_path_f64() : kernels::mesh_path_f32(), constants, times);
-        const std::size_t rare = dispatcher.pipeline(kDouble ? kernels::mesh_rest_f64() : kernels::mesh_rest_f32(),
-                                                     std::span(constants).first(1), times);
         for (std::size_t first = 0; first < input.paths;) {
             std::optional<Batch<T>> begun;
             dispatcher.upload(times, [&](const PutTable& put) {
@@ -290,12 +234,12 @@ MeshPathTimes MeshPathKernel::explore(const layout::PathInput<T>& input, const F
                 chunk.rows = static_cast<std::uint32_t>(batch.rows());
                 chunk.step_end = static_cast<std::uint32_t>(step + count);
                 // Every path as far as one dispatch goes, until all have come to the end.
-                for (;;) {
-                    const WaitingPaths waiting = batch.waiting(chunk.step_end);
-                    if (std::ranges::all_of(waiting, [](const auto& list) { return list.empty(); }))
-                        break;
-                    times.rare_updates += waiting[1].size();
-                    self.dispatch(waiting, batch.put_lists(waiting), hot, rare, chunk, times);
+                while ((chunk.listed = static_cast<std::uint32_t>(batch.list_waiting(chunk.step_end))) != 0) {
+                    const Dispatcher::Run run{pipeline, divide_up(chunk.listed, kGroup), bytes_of(chunk)};
+                    dispatcher.complete(times, [&] {
+                        dispatcher.begin(times);
+                        dispatcher.submit({&run, 1}, [] {});
+                    });
                     batch.check_status();
                     const Clock::time_point start = Clock::now();
                     if (const std::size_t updates = batch.finish_updates(finish); updates != 0) {

@@ -10,7 +10,7 @@ namespace {
 
 using layout::uint;
 
-constexpr std::uint32_t kGroup = 32; // invocations of a work group
+constexpr std::uint32_t kPathGroup = kGroup / 2;
 
 } // namespace
 
@@ -75,7 +75,7 @@ template <typename T> void PathKernel::Implementation::Paths<T>::submit(std::siz
     dispatcher.expect_channels(layout::kPathBindForce, input.features.channels, batch.count * count, sizeof(T));
     times.upload += seconds_since(start);
     // The dispatch before this one wrote the states.
-    const Dispatcher::Run run{pipeline, divide_up(batch.count, kGroup), bytes_of(chunk), true, true};
+    const Dispatcher::Run run{pipeline, divide_up(batch.count, kPathGroup), bytes_of(chunk), true, true};
     dispatcher.submit({&run, 1}, [this, step, count] {
         layout::PathChunk<T> results{};
         results.path_first = batch.first;
@@ -128,7 +128,7 @@ FieldTimes PathKernel::explore(const layout::PathInput<T>& input, const TakePath
     run_checked("evaluating paths", [&] {
         dispatcher.upload(times, [&](const PutTable& put) { put_path_tables(input.law, put); });
         const auto code = sizeof(T) == sizeof(double) ? kernels::path_f64() : kernels::path_f32();
-        const std::size_t pipeline = dispatcher.pipeline(code, constants_of(kGroup, input), times);
+        const std::size_t pipeline = dispatcher.pipeline(code, constants_of(kPathGroup, input), times);
         Implementation::Paths<T> paths{dispatcher, self.options, input, take, times, pipeline};
         dispatcher.complete(times, [&] {
             for (std::size_t first = 0; first < input.paths; first += paths.batch.count) {

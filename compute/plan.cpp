@@ -14,7 +14,6 @@ using layout::kMeshBlock;
 using layout::uint;
 
 // A small group shares few rows out evenly; on the software device 64 to 256 run alike.
-constexpr std::uint32_t kGroup = 64;
 // A column costs as much as six samples, so that more rows an invocation gain nothing; and loops stay far from where
 // drivers end them.
 constexpr std::uint64_t kMostRows = 128;

@@ -33,6 +33,8 @@ struct SampleBytes {
 };
 SampleBytes bytes_per_sample(layout::uint channels, std::size_t real_size);
 
+inline constexpr std::uint32_t kGroup = 64; /* invocations of a work group */
+
 constexpr std::uint64_t divide_up(std::uint64_t value, std::uint64_t by) {
     return (value + by - 1) / by;
 }

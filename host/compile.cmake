@@ -8,8 +8,8 @@ endif()
 set(standard_headers <algorithm> <array> <cmath> <cstdint> <filesystem> <functional> <map> <memory> <optional> <span> <string>
     <string_view> <vector> <fmt/format.h>)
 
-# GCC 12 from -O2 on turns double(float(x)) of neighbouring members into x, which single precision must not be
-# (mesh_files_test fails without this), and sees overruns of std::string that are none (its bug 105329).
+# GCC 12 turns double(float(x)) of neighbouring members into x, which single precision must not be (mesh_files_test
+# fails without this at -O2), and sees overruns of std::string that are none (its bug 105329).
 set(exact_rounding -fno-tree-slp-vectorize)
 
 # forceshade_headers(NAME LEVEL LINK target ... HEADERS <header> ...)
@@ -20,7 +20,7 @@ function(forceshade_headers name level)
     add_library(${target} OBJECT ${PROJECT_BINARY_DIR}/headers/${name}.cpp)
     target_link_libraries(${target} PRIVATE fmt::fmt ${ARG_LINK})
     target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O${level}>)
-    if(level GREATER 1)
+    if(level EQUAL 2)
         target_compile_options(${target} PRIVATE ${exact_rounding})
     endif()
     target_precompile_headers(${target} PRIVATE ${standard_headers} ${ARG_HEADERS})
@@ -35,7 +35,7 @@ forceshade_headers(json 1 LINK nlohmann_json::nlohmann_json HEADERS <nlohmann/js
 function(forceshade_compile level headers)
     foreach(target ${ARGN})
         target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O${level}>)
-        if(level GREATER 1)
+        if(level EQUAL 2)
             target_compile_options(${target} PRIVATE ${exact_rounding} -Wno-array-bounds -Wno-restrict -Wno-stringop-overread
                                                      -Wno-stringop-overflow)
         endif()

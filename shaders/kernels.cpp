@@ -9,8 +9,6 @@ namespace words {
 #include "mesh_field_f64.spv.h"
 #include "mesh_path_f32.spv.h"
 #include "mesh_path_f64.spv.h"
-#include "mesh_rest_f32.spv.h"
-#include "mesh_rest_f64.spv.h"
 #include "path_f32.spv.h"
 #include "path_f64.spv.h"
 } // namespace words
@@ -28,7 +26,5 @@ FS_KERNEL(path_f32)
 FS_KERNEL(path_f64)
 FS_KERNEL(mesh_path_f32)
 FS_KERNEL(mesh_path_f64)
-FS_KERNEL(mesh_rest_f32)
-FS_KERNEL(mesh_rest_f64)
 
 } // namespace forceshade::kernels

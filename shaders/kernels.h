@@ -20,11 +20,9 @@ std::span<const std::uint32_t> mesh_field_f64();
 std::span<const std::uint32_t> path_f32();
 /// The same in double precision; needs shaderFloat64.
 std::span<const std::uint32_t> path_f64();
-/// shaders/mesh_path.comp: most steps of paths on a mesh.
+/// shaders/mesh_path.comp in single precision.
 std::span<const std::uint32_t> mesh_path_f32();
+/// The same in double precision; needs shaderFloat64.
 std::span<const std::uint32_t> mesh_path_f64();
-/// shaders/mesh_rest.comp: the others. In either precision they need shaderFloat64.
-std::span<const std::uint32_t> mesh_rest_f32();
-std::span<const std::uint32_t> mesh_rest_f64();
 
 } // namespace forceshade::kernels

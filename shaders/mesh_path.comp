@@ -1,6 +1,6 @@
 // Exploration paths on a mesh: an invocation takes one path through many steps. Here stands what most steps need: a proxy
 // that slides over faces, none in its way but those that the host listed, and rests on one or two of them. A step that
-// needs more is left, as it began, to the rare kernel (mesh_rest.comp) or the host, which find its contact.
+// needs more is left, as it began, to the host, which finds its contact.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
@@ -33,7 +33,6 @@ layout(std430, set = 0, binding = kMeshPathBindFacet) writeonly buffer FacetIdBu
 LawParams law;
 MeshParams mesh;
 
-#define POOL 3u
 #include "laws/mesh_triangle.glsl"
 #include "laws/god_object.glsl"
 #include "laws/height_map.glsl"
@@ -131,9 +130,9 @@ real3 to_mesh(real3 world) {
     return divided(difference(world, real3(mesh.centre_x, mesh.centre_y, mesh.centre_z)), mesh.scale);
 }
 
-// What a step begins with that only the rare kernel or the host takes.
-bool begins_rare(uint held, real3 probe) {
-    return (held & kHeldCornered) != 0u || !is_finite(probe);
+// Whether a step begins with what the host takes.
+bool begins_left(uint constraints, real3 probe) {
+    return (constraints & kConstraintCornered) != 0u || !is_finite(probe);
 }
 
 PathSample sample_of(Rest rest, HandParams hand, real3 position, real3 probe) {
@@ -153,8 +152,7 @@ void main() {
     uint pause = chunk.pause;
     spent_limit = chunk.limit;
     spent = 0u;
-    overrun = false;
-    is_rare = false;
+    is_left = false;
     uint path = listed_path();
     if (path == kNoPath)
         return;
@@ -173,28 +171,28 @@ void main() {
     real3 position = probe_at(state, hand, here);
     real3 probe = to_mesh(position);
 
-    uint held = walk_word(path, kWalkWordHeld);
+    uint constraints = walk_word(path, kWalkWordConstraints);
     uvec3 triangles = walk_triangles(path);
     real3 proxy = walk_real3(path, kWalkRealProxy);
     free_place = walk_real3(path, kWalkRealFree);
     free_distance = walk_reals[kWalkRealReach * chunk.paths + path];
-    begin_update(proxy, probe, held, triangles);
-    bool felt = walk_word(path, kWalkWordPhase) == kPhaseFelt;
-    Rest rest = out_of_contact(walk_real3(path, kWalkRealRest));
-    rest.count = (held & kHeldTouching) != 0u ? 1u : 0u;
-    rest.facets.x = triangle_words[2u * walk_word(path, kWalkWordFelt)].x;
-    rest.sources = uvec3(0u, 1u, 2u);
-    rest.back = (held & kHeldBack) != 0u;
-    is_rare = !felt && !left && (is_rare || begins_rare(held, probe));
-    bool going = !is_rare;
+    begin_update(proxy, probe, constraints & kConstraintCount, triangles);
+    bool found = walk_word(path, kWalkWordPhase) == kPhaseContact;
+    Rest rest = out_of_contact(walk_real3(path, kWalkRealContact));
+    rest.count = (constraints & kContactTouching) != 0u ? 1u : 0u;
+    rest.facets.x = triangle_words[2u * walk_word(path, kWalkWordContact)].x;
+    rest.sources = uvec2(0u, 1u);
+    rest.back = (constraints & kContactBack) != 0u;
+    is_left = !found && !left && (is_left || begins_left(constraints, probe));
+    bool going = !is_left;
     [[dont_unroll]] do {
-        bool complete = felt || left;
+        bool complete = found || left;
         if (!complete) {
             walk_on();
-            is_rare = is_rare || (!walk_runs && !walk_rests) || spent > spent_limit;
+            is_left = is_left || (!walk_runs && !walk_rests) || spent > spent_limit;
             if (walk_rests)
                 rest = contact_at_rest();
-            complete = walk_rests && !is_rare;
+            complete = walk_rests && !is_left;
         }
         if (complete) {
             PathSample taken = sample_of(rest, hand, position, probe);
@@ -205,34 +203,33 @@ void main() {
             if (left)
                 ++state.step;
             else
-                take_step(state, unit, hand, motion, taken, here, next, (held & kHeldUnfinished) == 0u, steps);
+                take_step(state, unit, hand, motion, taken, here, next, (constraints & kContactUnfinished) == 0u, steps);
             here = next;
             if (state.step < steps)
                 left = leaves(state, hand, here);
-            if (!felt) {
+            if (!found) {
                 proxy = walk_proxy;
-                held = rest.count;
-                triangles = rest.triangles;
+                constraints = rest.count;
+                triangles.xy = rest.triangles;
             }
-            felt = false;
-            held &= kHeldCount | kHeldCornered;
+            found = false;
+            constraints &= kConstraintCount | kConstraintCornered;
             position = probe_at(state, hand, here);
             probe = to_mesh(position);
-            go_on(held & kHeldCount, rest.sources, probe);
-            is_rare = !left && (is_rare || begins_rare(held, probe));
+            go_on(constraints & kConstraintCount, rest.sources, probe);
+            is_left = !left && (is_left || begins_left(constraints, probe));
         }
         // Not within a step, if it can be helped: it would begin anew.
-        going = !is_rare && state.step < end && (spent < pause || (!complete && spent < 2u * pause));
+        going = !is_left && state.step < end && (spent < pause || (!complete && spent < 2u * pause));
         ++spent;
     } while (going);
     // A driver that silently ends long loops leaves a lane going.
     if (going)
         atomicOr(status, kStatusUnfinished);
-    bool begun = is_rare || (walk_substeps > 0u && !left);
-    uint phase = (held & kHeldCornered) != 0u ? kPhaseHost : kPhaseRare;
-    put_walk_word(path, kWalkWordPhase, begun && state.step < end ? phase : kPhaseStep);
+    bool begun = is_left || (walk_substeps > 0u && !left);
+    put_walk_word(path, kWalkWordPhase, begun && state.step < end ? kPhaseHost : kPhaseStep);
     put_walk_word(path, kWalkWordStep, state.step);
-    put_walk_word(path, kWalkWordHeld, held);
+    put_walk_word(path, kWalkWordConstraints, constraints);
     put_walk_triangles(path, triangles);
     put_walk_real3(path, kWalkRealProxy, proxy);
     put_walk_real3(path, kWalkRealProbe, probe);

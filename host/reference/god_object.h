@@ -301,7 +301,15 @@ Contact<T> mesh_contact(const layout::Law<T>& law, const GodObjectContact<T>& re
     return contact;
 }
 
-/// An update that kernels leave to the host.
+/// A distance within which there is nothing about a place: up to half the mesh's frame, and less what rounding and the
+/// skin make of it.
+template <typename T> T free_reach(const layout::MeshView<T>& mesh, const Vector<T>& place) noexcept {
+    constexpr T kMargin = T(2) * (Skin<T>::kCorner + T(0x1p-20));
+    const T reach = std::sqrt(nearest(mesh, place).square) - kMargin;
+    return reach > T(0) ? std::min(reach, T(0.5)) : T(0);
+}
+
+/// An update that the kernel leaves to the host.
 template <typename T>
 void finish_update(const layout::MeshView<T>& mesh, Neighbourhood<T>& neighbourhood,
                    layout::MeshUpdate<T>& one) noexcept {
@@ -323,6 +331,7 @@ void finish_update(const layout::MeshView<T>& mesh, Neighbourhood<T>& neighbourh
     one.touching = contact.touching;
     one.finished = contact.finished;
     one.triangle = contact.touching ? contact.triangles[0] : 0;
+    one.reach = contact.touching || !(largest_coordinate(state.proxy) <= T(kRegion)) ? T(0) : free_reach(mesh, state.proxy);
     one.back =
         contact.touching && dot(contact.normals[0], vector_at(mesh.triangle_normals, contact.triangles[0])) < T(0);
 }

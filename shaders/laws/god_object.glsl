@@ -1,5 +1,5 @@
-// L6: the god-object on a mesh: the buffers of the kernels of paths, and its parts in the order in which they build on each
-// other. FS_RARE: all of its walk, with a pool of eight, else what most steps need. Triangles stand in the tree's order.
+// L6: the god-object on a mesh: the buffers of the kernel of paths, and its parts in the order in which they build on each
+// other. Triangles stand in the tree's order.
 
 layout(std430, set = 0, binding = kMeshPathBindLaw) readonly buffer LawBuffer { MeshLawParams law_params; };
 layout(std430, set = 0, binding = kMeshPathBindVectors) readonly buffer VectorBuffer { real4 vectors[]; };
@@ -14,8 +14,7 @@ real exact_zero;
 // Loops run so far, and those that may be run: drivers may end more of them in silence.
 uint spent;
 uint spent_limit;
-bool overrun; // more loops would have been needed
-bool is_rare; // of the hot kernel: the other one or the host must take over
+bool is_left; // the host must find the contact of this step
 
 Triangle triangle_at(uint triangle) {
     real4 a = vectors[3u * triangle];
@@ -65,7 +64,5 @@ void put_walk_triangles(uint path, uvec3 triangles) {
 
 #include "mesh_cast.glsl"
 #include "god_object_planes.glsl"
-#include "god_object_touch.glsl"
-#include "god_object_way.glsl"
 #include "god_object_walk.glsl"
 #include "god_object_rest.glsl"

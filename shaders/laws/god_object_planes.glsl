@@ -1,5 +1,6 @@
-// L6: the projection onto the directions that up to three planes allow, step for step as
-// host/reference/god_object_planes.h.
+// L6: the half-spaces that constrain a god-object: the projection onto those that up to two planes allow, and the
+// half-space that a touched triangle leaves free; step for step as host/reference/god_object_planes.h. A third plane is
+// the host's.
 
 // normal . v >= slack.
 struct HalfSpace {
@@ -8,21 +9,13 @@ struct HalfSpace {
     uint source; // whose it is
 };
 
-// The vector nearest to a wish among those that the half-spaces allow, and the half-spaces that hold it there.
+// The vector nearest to a wish among those that the half-spaces allow, and the half-spaces active there.
 struct Projection {
     real3 vector;
     HalfSpace one;
     HalfSpace two;
-    HalfSpace three;
-    real3 multipliers; // vector - wish = sum multipliers * normals
+    real2 multipliers; // vector - wish = sum multipliers * normals
     uint count;
-};
-
-// What rounding of a projection explains.
-struct Tolerance {
-    real push;
-    real least; // of a height
-    real most;
 };
 
 const HalfSpace kNoHalfSpace = HalfSpace(real3(ZERO), ZERO, 0u);
@@ -40,23 +33,13 @@ bool is_finite(real3 v) {
 }
 
 Projection free_projection(real3 wish) {
-    return Projection(wish, kNoHalfSpace, kNoHalfSpace, kNoHalfSpace, real3(ZERO), 0u);
+    return Projection(wish, kNoHalfSpace, kNoHalfSpace, real2(ZERO), 0u);
 }
 
-HalfSpace held_at(Projection projection, uint i) {
-    HalfSpace held = projection.one;
-    if (i == 1u)
-        held = projection.two;
-    if (i == 2u)
-        held = projection.three;
-    return held;
-}
-
-// Whether the half-space of `source` is among those that hold.
-bool holds(Projection projection, uint source) {
+// Whether the half-space of `source` is active.
+bool is_active(Projection projection, uint source) {
     return (projection.count > 0u && projection.one.source == source) ||
-           (projection.count > 1u && projection.two.source == source) ||
-           (projection.count > 2u && projection.three.source == source);
+           (projection.count > 1u && projection.two.source == source);
 }
 
 real miss_of(HalfSpace space, real3 vector) {
@@ -68,7 +51,7 @@ Projection onto_plane(real3 wish, HalfSpace one) {
     real multiplier = miss_of(one, wish);
     real3 vector = sum(wish, scaled(multiplier, one.normal));
     vector = sum(vector, scaled(miss_of(one, vector), one.normal));
-    return Projection(vector, one, kNoHalfSpace, kNoHalfSpace, real3(multiplier, ZERO, ZERO), 1u);
+    return Projection(vector, one, kNoHalfSpace, real2(multiplier, ZERO), 1u);
 }
 
 // Onto the line where two planes meet; count stays 0 if they are parallel.
@@ -82,39 +65,8 @@ Projection onto_line(real3 wish, HalfSpace one, HalfSpace other) {
     real3 vector = sum(sum(scaled(along, line), scaled(one.slack, to_one)), scaled(other.slack, to_other));
     vector = sum(vector, sum(scaled(miss_of(one, vector), to_one), scaled(miss_of(other, vector), to_other)));
     real3 shift = difference(vector, wish);
-    return Projection(vector, one, other, kNoHalfSpace, real3(product(shift, to_one), product(shift, to_other), ZERO),
+    return Projection(vector, one, other, real2(product(shift, to_one), product(shift, to_other)),
                       square > parallel ? 2u : 0u);
-}
-
-#ifdef FS_RARE
-real3 meeting(real one, real two, real three, real3 bc, real3 ca, real3 ab, real volume) {
-    return divided(sum(sum(scaled(one, bc), scaled(two, ca)), scaled(three, ab)), volume);
-}
-
-// The corner where three planes meet; count stays 0 if they have none.
-Projection onto_corner(real3 wish, HalfSpace a, HalfSpace b, HalfSpace c) {
-    const real flat_volume = EPSILON * real(16.0LF);
-    real3 bc = cross_product(b.normal, c.normal);
-    real3 ca = cross_product(c.normal, a.normal);
-    real3 ab = cross_product(a.normal, b.normal);
-    real volume = product(a.normal, bc);
-    real3 vector = meeting(a.slack, b.slack, c.slack, bc, ca, ab, volume);
-    vector = sum(vector, meeting(miss_of(a, vector), miss_of(b, vector), miss_of(c, vector), bc, ca, ab, volume));
-    real3 shift = difference(vector, wish);
-    precise real at_a = product(shift, bc) / volume;
-    precise real at_b = product(shift, ca) / volume;
-    precise real at_c = product(shift, ab) / volume;
-    return Projection(vector, a, b, c, real3(at_a, at_b, at_c), abs(volume) > flat_volume ? 3u : 0u);
-}
-#endif
-
-real height_tolerance(Tolerance tolerance, real3 vector) {
-    precise real rounding = tolerance.least + real(8.0LF) * EPSILON * largest_of(vector);
-    return rounding < tolerance.most ? rounding : tolerance.most;
-}
-
-Tolerance one_tolerance(real tolerance) {
-    return Tolerance(tolerance, tolerance, tolerance);
 }
 
 bool stays_within(HalfSpace space, real3 vector, real below) {
@@ -123,46 +75,181 @@ bool stays_within(HalfSpace space, real3 vector, real below) {
 }
 
 // Whether a projection pushes only off its planes and stays within those of another.
-bool is_nearest(Projection result, Projection others, Tolerance tolerance) {
-    bool pushes = result.multipliers.x >= -tolerance.push &&
-                  (result.count < 2u || result.multipliers.y >= -tolerance.push) &&
-                  (result.count < 3u || result.multipliers.z >= -tolerance.push);
-    real below = height_tolerance(tolerance, result.vector);
-    bool within = (others.count < 1u || stays_within(others.one, result.vector, below)) &&
-                  (others.count < 2u || stays_within(others.two, result.vector, below)) &&
-                  (others.count < 3u || stays_within(others.three, result.vector, below));
+bool is_nearest(Projection result, Projection others, real tolerance) {
+    bool pushes = result.multipliers.x >= -tolerance && (result.count < 2u || result.multipliers.y >= -tolerance);
+    bool within = (others.count < 1u || stays_within(others.one, result.vector, tolerance)) &&
+                  (others.count < 2u || stays_within(others.two, result.vector, tolerance));
     return result.count > 0u && pushes && within;
 }
 
-// Adds a half-space that `now` violates. False, and nothing changed, if no vector satisfies them all. The hot kernel
-// leaves corners to the other one.
-bool hold_also(real3 wish, HalfSpace added, Tolerance tolerance, inout Projection now) {
-    uint lines = now.count + 1u;
-#ifdef FS_RARE
-    uint last = now.count == 3u ? 7u : now.count == 2u ? 4u : lines;
-#else
-    uint last = lines;
-#endif
+// Adds a half-space that `now` violates. False, and nothing changed, if no plane or line satisfies them all.
+bool add_half_space(real3 wish, HalfSpace added, real tolerance, inout Projection now) {
     uint tried = 0u;
+    uint last = now.count + 1u;
     bool found = false;
     [[dont_unroll]] do {
         Projection next = onto_plane(wish, added);
-        if (tried > 0u)
-            next = onto_line(wish, added, held_at(now, tried - 1u));
-#ifdef FS_RARE
-        if (tried >= lines) {
-            uint pair = tried - lines; // 01, 02, 12
-            next = onto_corner(wish, added, held_at(now, pair == 2u ? 1u : 0u), held_at(now, pair == 0u ? 1u : 2u));
+        if (tried > 0u) {
+            HalfSpace other = now.one;
+            if (tried > 1u)
+                other = now.two;
+            next = onto_line(wish, added, other);
         }
-#endif
         found = is_nearest(next, now, tolerance);
         if (found)
             now = next;
         ++tried;
         ++spent;
     } while (!found && tried < last);
-#ifndef FS_RARE
-    is_rare = is_rare || (!found && now.count > 1u);
-#endif
+    is_left = is_left || (!found && now.count > 1u);
     return found;
+}
+
+// A triangle near the proxy. Edges and what follows from them are computed where they are needed.
+struct Touch {
+    uint feature;
+    bool face_tried; // its plane was tried from here and led nowhere
+    Triangle triangle;
+    real3 face; // unit normal, towards the proxy; 0 without area
+    real height; // above the face's plane, not below 0
+    real3 away; // unit, from the nearest point to the proxy
+    real separation; // distance of the proxy
+    real3 insides; // of the proxy from each edge, times its length; below 0 beyond it
+};
+
+const uint kConstraintNone = 0u;
+const uint kConstraintFace = 1u;
+const uint kConstraintRounded = 2u;
+
+bool above_face(Touch touch) {
+    return touch.feature == kMeshFace;
+}
+
+real3 corner_of(Triangle triangle, uint i) {
+    return i == 0u ? triangle.a : i == 1u ? triangle.b : triangle.c;
+}
+
+// From corner i to the next.
+real3 edge_of(Triangle triangle, uint i) {
+    return difference(i == 0u ? triangle.b : i == 1u ? triangle.c : triangle.a, corner_of(triangle, i));
+}
+
+// In the triangle's plane, square to edge i and as long.
+real3 inward_of(Triangle triangle, uint i) {
+    return cross_product(triangle.normal, edge_of(triangle, i));
+}
+
+// How fast a displacement leads inwards from each edge.
+real3 inward_rates(Triangle triangle, real3 displacement) {
+    return real3(product(inward_of(triangle, 0u), displacement), product(inward_of(triangle, 1u), displacement),
+                 product(inward_of(triangle, 2u), displacement));
+}
+
+bool is_clear(real inside, real3 edge) {
+    const real clear = kWidth * real(0.125LF) * kWidth * real(0.125LF);
+    precise real square = inside * inside;
+    precise real least = clear * product(edge, edge);
+    return inside > ZERO && square > least;
+}
+
+// Beside the face, or too near its border to tell at a glance.
+void update_touch_beside_face(inout Touch touch, real3 proxy) {
+    TrianglePoint nearest = nearest_on_triangle(proxy, touch.triangle);
+    real3 away = -nearest.offset;
+    if (nearest.feature < kMeshCorner) {
+        real3 edge = normalised(edge_of(touch.triangle, nearest.feature - kMeshEdge));
+        away = difference(away, scaled(product(away, edge), edge));
+    }
+    away = normalised(away);
+    precise real size = sqrt(nearest.square);
+    touch.feature = nearest.feature;
+    if (nearest.feature != kMeshFace) {
+        touch.separation = size;
+        touch.away = away;
+    }
+}
+
+// Finds out how the proxy stands to a triangle.
+void update_touch(inout Touch touch, real3 proxy) {
+    Triangle triangle = touch.triangle;
+    real height = product(triangle.normal, difference(proxy, triangle.a));
+    touch.face = height < ZERO ? -triangle.normal : triangle.normal;
+    touch.height = abs(height);
+    touch.separation = touch.height;
+    touch.away = touch.face;
+    touch.feature = kMeshFace;
+    touch.insides = real3(product(inward_of(triangle, 0u), difference(proxy, triangle.a)),
+                          product(inward_of(triangle, 1u), difference(proxy, triangle.b)),
+                          product(inward_of(triangle, 2u), difference(proxy, triangle.c)));
+    bool clear = is_clear(touch.insides.x, edge_of(triangle, 0u)) && is_clear(touch.insides.y, edge_of(triangle, 1u)) &&
+                 is_clear(touch.insides.z, edge_of(triangle, 2u));
+    if (!clear)
+        update_touch_beside_face(touch, proxy);
+}
+
+bool lands_inside(real inside, real rate, real height, real descent) {
+    precise real landing = inside * descent + height * rate;
+    return landing > ZERO;
+}
+
+// Whether a move that descends towards the plane of a triangle, from beside it, reaches the plane on the inner side of
+// what is nearest: an edge, or the two edges of a corner.
+bool lands_on_face(Touch touch, real3 displacement, real descent) {
+    bool corner = touch.feature >= kMeshCorner;
+    uint first = touch.feature - (corner ? kMeshCorner : kMeshEdge);
+    uint second = corner ? (first + 2u) % 3u : first;
+    real3 rates = inward_rates(touch.triangle, displacement);
+    bvec3 lands = bvec3(lands_inside(touch.insides.x, rates.x, touch.height, descent),
+                        lands_inside(touch.insides.y, rates.y, touch.height, descent),
+                        lands_inside(touch.insides.z, rates.z, touch.height, descent));
+    return (lands.x || (first != 0u && second != 0u)) && (lands.y || (first != 1u && second != 1u)) &&
+           (lands.z || (first != 2u && second != 2u));
+}
+
+// What of a touched triangle stands against a move.
+uint constraint_of(Touch touch, real3 displacement) {
+    precise real descent = -product(touch.face, displacement);
+    bool plane = touch.height >= kPlane && !touch.face_tried;
+    bool descends = descent > kRest;
+    bool lands = lands_on_face(touch, displacement, descent);
+    uint constraint = touch.separation <= kTangent ? kConstraintRounded : kConstraintNone;
+    if (plane)
+        constraint = !descends ? kConstraintNone : lands ? kConstraintFace : constraint;
+    return above_face(touch) ? kConstraintFace : constraint;
+}
+
+HalfSpace half_space(Touch touch, uint constraint, uint source) {
+    bool face = constraint == kConstraintFace;
+    precise real slack = kWidth - (face ? touch.height : touch.separation);
+    return HalfSpace(face ? touch.face : touch.away, slack, source);
+}
+
+// When, and over which edge (3: none), a move along a face's plane leaves it.
+struct Release {
+    real time;
+    uint edge;
+};
+
+// Whether a whole move along the face's plane ends above the face.
+bool stays_above_face(Touch touch, real3 displacement) {
+    precise real3 insides = touch.insides + inward_rates(touch.triangle, displacement);
+    return insides.x > ZERO && insides.y > ZERO && insides.z > ZERO;
+}
+
+void leave_over(uint edge, real inside, real rate, real3 along, inout Release release) {
+    precise real ahead = inside + rate * release.time;
+    precise real outside = inside + kWidth * sqrt(product(along, along));
+    precise real time = outside / -rate;
+    if (ahead < ZERO && rate < ZERO && time < release.time)
+        release = Release(time > ZERO ? time : ZERO, edge);
+}
+
+// A move along the face's plane leaves it a skin beyond an edge.
+Release release_of_face(Touch touch, real3 displacement, real until) {
+    Release release = Release(until, 3u);
+    real3 rates = inward_rates(touch.triangle, displacement);
+    leave_over(0u, touch.insides.x, rates.x, edge_of(touch.triangle, 0u), release);
+    leave_over(1u, touch.insides.y, rates.y, edge_of(touch.triangle, 1u), release);
+    leave_over(2u, touch.insides.z, rates.z, edge_of(touch.triangle, 2u), release);
+    return release;
 }

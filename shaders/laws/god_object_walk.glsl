@@ -1,77 +1,268 @@
-// L6: the walk of a god-object towards the probe, until nothing near lets it come closer, step for step as
-// host/reference/god_object_walk.h.
+// L6: the walk of a god-object towards the probe, until nothing near lets it come closer, over the pool of triangles that
+// it may touch; step for step as host/reference/god_object_walk.h, as far as most steps go. What needs more is left to
+// the host (is_left): more triangles than the pool holds, a third plane, edges, corners, what the host did not list
+// beforehand, proxies and probes far off.
 
-#ifdef FS_RARE
-// Where a god-object that comes from far off enters the region in which it minds the mesh: in double in every precision.
-
-void cut(double near_end, double far_end, inout double begin, inout double end, inout bool crosses) {
-    const double side = 1.5LF;
-    precise double way = far_end - near_end;
-    precise double low = (-side - near_end) / way;
-    precise double high = (side - near_end) / way;
-    double first = high < low ? high : low;
-    double last = low < high ? high : low;
-    bool finite_way = abs(way) <= 1.7976931348623157e308LF;
-    crosses = crosses && finite_way;
-    if (way == 0.0LF)
-        end = abs(near_end) > side ? -1.0LF : end;
-    else {
-        begin = begin < first ? first : begin;
-        end = last < end ? last : end;
-    }
-}
-
-real entered(double near_end, double far_end, double time) {
-    const double side = 1.5LF;
-    precise double there = near_end + time * (far_end - near_end);
-    return real(there < -side ? -side : side < there ? side : there);
-}
-
-real on_side(real coordinate) {
-    return coordinate < ZERO ? real(-1.5LF) : real(1.5LF);
-}
-
-// False if a straight way from a proxy outside of the region does not enter it.
-bool find_entry(real3 proxy, real3 probe, out real3 place) {
-    bool back = largest_of(probe) < largest_of(proxy);
-    dvec3 near_end = dvec3(back ? probe : proxy);
-    dvec3 far_end = dvec3(back ? proxy : probe);
-    double begin = 0.0LF;
-    double end = 1.0LF;
-    bool crosses = true;
-    cut(near_end.x, far_end.x, begin, end, crosses);
-    cut(near_end.y, far_end.y, begin, end, crosses);
-    cut(near_end.z, far_end.z, begin, end, crosses);
-    double time = back ? end : begin;
-    place = real3(entered(near_end.x, far_end.x, time), entered(near_end.y, far_end.y, time),
-                  entered(near_end.z, far_end.z, time));
-    // On the region's border to the last bit, so that it is outside of the mesh.
-    uint side = abs(place.x) < abs(place.y) ? 1u : 0u;
-    side = (side == 1u ? abs(place.y) : abs(place.x)) < abs(place.z) ? 2u : side;
-    if (side == 0u)
-        place.x = on_side(place.x);
-    else if (side == 1u)
-        place.y = on_side(place.y);
-    else
-        place.z = on_side(place.z);
-    return crosses && begin <= end;
-}
-#endif
-
+const real kFarOff = real(8.0LF);
+const uint kProjectionRounds = 64u;
+const real kFlush = kRest * real(0.25LF);
 const real kRegion = real(2.0LF); // half the side of the box in which a proxy minds the mesh
 const real kStride = kWidth * real(32.0LF);
 const uint kSubsteps = 20000u;
 const uint kPatience = 16u;
+const uint kPool = 3u;
+
+Touch pool[kPool];
+uint pool_index[kPool]; // triangles
+uint pool_count;
+uint pool_constraints; // 2 bits each
+uint pool_tried; // 1 bit each: its plane was tried from here and led nowhere
+uint pool_features; // 3 bits each
+Projection resting; // the displacement found last, and what constrains it
+real pool_tolerance; // shorter moves are none
 
 // Of one update. Every move keeps to the half-spaces of the triangles in the pool and is cast against all others.
 real3 walk_proxy;
 real3 walk_probe;
 uint walk_substeps;
-bool walk_rests; // what held the proxy last is what holds it
+bool walk_rests; // what constrained the proxy last is what constrains it
 bool walk_corner; // halted where a line between two faces ended
 bool walk_runs; // has not come to an end
 real3 tread_place; // where the proxy was
 uint tread_substeps; // so many substeps ago
+
+// Nothing is nearer to this place.
+real3 free_place;
+real free_distance;
+
+uint bits_at(uint word, uint i, uint width) {
+    return word >> (width * i) & ((1u << width) - 1u);
+}
+
+uint with_bits(uint word, uint i, uint width, uint bits) {
+    return (word & ~(((1u << width) - 1u) << (width * i))) | bits << (width * i);
+}
+
+uint constraint_at(uint i) {
+    return bits_at(pool_constraints, i, 2u);
+}
+
+bool is_above(uint i) {
+    return bits_at(pool_features, i, 3u) == kMeshFace;
+}
+
+// Chosen rather than indexed, so that the pool stays in registers.
+Touch touch_at(uint i) {
+    Touch touch = pool[0];
+    [[unroll]] for (uint j = 1u; j < kPool; ++j)
+        if (i == j)
+            touch = pool[j];
+    touch.feature = bits_at(pool_features, i, 3u);
+    touch.face_tried = bits_at(pool_tried, i, 1u) != 0u;
+    return touch;
+}
+
+uint index_at(uint i) {
+    uint index = pool_index[0];
+    [[unroll]] for (uint j = 1u; j < kPool; ++j)
+        index = i == j ? pool_index[j] : index;
+    return index;
+}
+
+void put_triangle(uint i, uint index, Triangle triangle) {
+    [[unroll]] for (uint j = 0u; j < kPool; ++j)
+        if (i == j) {
+            pool_index[j] = index;
+            pool[j].triangle = triangle;
+        }
+}
+
+void put_touch(uint i, uint index, Touch touch) {
+    [[unroll]] for (uint j = 0u; j < kPool; ++j)
+        if (i == j) {
+            pool_index[j] = index;
+            pool[j] = touch;
+        }
+}
+
+void forget_all() {
+    pool_count = 0u;
+    pool_constraints = 0u;
+    pool_tried = 0u;
+    pool_features = 0u;
+    resting.count = 0u;
+}
+
+// Where a triangle is in the pool; kPool if it is not.
+uint place_of(uint triangle) {
+    uint place = kPool;
+    [[unroll]] for (uint i = 0u; i < kPool; ++i)
+        if (i < pool_count && pool_index[i] == triangle)
+            place = i;
+    return place;
+}
+
+// What the proxy may touch; no harm if it does not. It is looked at when the next displacement is sought. `instead` of
+// one that is known, or as one more (kPool).
+void remember(uint triangle, Triangle shape, uint instead) {
+    bool known = place_of(triangle) != kPool;
+    bool replaces = !known && instead < kPool;
+    bool added = !known && instead == kPool && pool_count < kPool;
+    is_left = is_left || (!known && !replaces && !added);
+    uint place = replaces ? instead : pool_count;
+    if (replaces || added) {
+        put_triangle(place, triangle, shape);
+        pool_tried = with_bits(pool_tried, place, 1u, 0u);
+    }
+    if (added) {
+        pool_constraints = with_bits(pool_constraints, place, 2u, kConstraintNone);
+        ++pool_count;
+    }
+}
+
+// Looks at all from where the proxy is, and forgets what is far.
+void update_pool(real3 proxy) {
+    uint kept = 0u;
+    uint i = 0u;
+    [[dont_unroll]] do {
+        Touch touch = touch_at(i);
+        update_touch(touch, proxy);
+        if (i < pool_count) {
+            put_touch(kept, index_at(i), touch);
+            pool_features = with_bits(pool_features, kept, 3u, touch.feature);
+            pool_tried = with_bits(pool_tried, kept, 1u, touch.face_tried ? 1u : 0u);
+            kept += touch.separation <= kNear ? 1u : 0u;
+        }
+        ++i;
+        ++spent;
+    } while (i < pool_count);
+    pool_count = kept;
+}
+
+// The displacement that the pool leaves the proxy.
+
+struct Worst {
+    HalfSpace space;
+    real most;
+    uint constraints; // 2 bits for each that was found on the way
+    bool found;
+};
+
+void consider(Touch touch, uint i, real3 displacement, bool relaxed, inout Worst worst) {
+    uint constraint = constraint_of(touch, displacement);
+    HalfSpace space = half_space(touch, constraint, i);
+    if (relaxed && space.slack > ZERO)
+        space.slack = ZERO;
+    real violation = miss_of(space, displacement);
+    if (constraint != kConstraintNone && violation > worst.most) {
+        worst.most = violation;
+        worst.space = space;
+        worst.constraints |= constraint << (2u * i);
+        worst.found = true;
+    }
+}
+
+// The worst violated half-space: those of faces below the proxy first, since the others depend on where it goes.
+bool find_worst(real3 displacement, bool relaxed, inout HalfSpace space) {
+    Worst faces = Worst(kNoHalfSpace, pool_tolerance, 0u, false);
+    Worst others = faces;
+    uint i = 0u;
+    [[dont_unroll]] do {
+        Touch touch = touch_at(i);
+        Worst worst = others;
+        if (above_face(touch))
+            worst = faces;
+        if (i < pool_count)
+            consider(touch, i, displacement, relaxed, worst);
+        if (above_face(touch))
+            faces = worst;
+        else
+            others = worst;
+        ++i;
+        ++spent;
+    } while (i < pool_count);
+    if (!faces.found)
+        faces = others;
+    uint changed = ((faces.constraints | faces.constraints >> 1) & 0x55555555u) * 3u; // both bits of each that was found
+    pool_constraints = (pool_constraints & ~changed) | faces.constraints;
+    if (faces.found)
+        space = faces.space;
+    return faces.found;
+}
+
+// The displacement to the point nearest to the probe that the touched triangles allow.
+void find_displacement(real3 proxy, real3 probe) {
+    real3 wish = difference(probe, proxy);
+    real reach = largest_of(wish);
+    precise real tolerance = kRest + real(8.0LF) * EPSILON * reach;
+    pool_tolerance = tolerance;
+    is_left = is_left || reach > kFarOff;
+    bool one_face = pool_count == 1u && is_above(0u);
+    HalfSpace violated = half_space(touch_at(0u), kConstraintFace, 0u);
+    Projection found = free_projection(wish);
+    if (one_face) { // the most common case
+        if (miss_of(violated, wish) > tolerance)
+            found = onto_plane(wish, violated);
+        pool_constraints = with_bits(pool_constraints, 0u, 2u, kConstraintFace);
+    }
+    bool relaxed = false;
+    bool seeking = !one_face;
+    bool succeeded = one_face;
+    uint left = kProjectionRounds;
+    [[dont_unroll]] do {
+        if (seeking) {
+            succeeded = !find_worst(found.vector, relaxed, violated);
+            --left;
+            bool fits = true;
+            if (!succeeded)
+                fits = add_half_space(wish, violated, tolerance, found);
+            bool failed = !succeeded && (!fits || left == 0u);
+            seeking = !succeeded && !(failed && relaxed);
+            if (failed && !relaxed) { // once more
+                relaxed = true;
+                left = kProjectionRounds;
+                found = free_projection(wish);
+            }
+        }
+    } while (seeking);
+    if (!succeeded)
+        found.vector = real3(ZERO);
+    resting = found;
+}
+
+// Whether a move keeps to the half-space of a triangle in the pool, so that it cannot cross it. The plane of a rounded
+// edge or corner tells that of short moves alone, unless it constrains the move.
+bool keeps_off(uint triangle, real3 displacement) {
+    uint place = place_of(triangle);
+    Touch touch = touch_at(place == kPool ? 0u : place);
+    uint constraint = constraint_of(touch, displacement);
+    HalfSpace space = half_space(touch, constraint, place);
+    precise real least = space.slack - pool_tolerance;
+    bool tells = constraint == kConstraintFace ||
+                 (constraint == kConstraintRounded && largest_of(displacement) <= kWidth);
+    bool off = tells && product(space.normal, displacement) >= least;
+    return place != kPool && (is_active(resting, place) || off);
+}
+
+// The first corner of a triangle whose plane the move keeps a skin in front of.
+struct Cover {
+    real3 corner;
+    bool constrains;
+};
+Cover covers[2];
+
+bool is_under(HalfSpace space, Cover cover, Triangle triangle) {
+    return cover.constrains && product(space.normal, difference(triangle.a, cover.corner)) <= kFlush &&
+           product(space.normal, difference(triangle.b, cover.corner)) <= kFlush &&
+           product(space.normal, difference(triangle.c, cover.corner)) <= kFlush;
+}
+
+// Whether a triangle is behind a plane that the move keeps a skin in front of.
+bool lies_below(Triangle triangle) {
+    return is_under(resting.one, covers[0], triangle) || is_under(resting.two, covers[1], triangle);
+}
+
+// Moves.
 
 struct Impact {
     real time;
@@ -84,18 +275,18 @@ bool comes_before(uint one, uint other) {
     return first < second || (first == second && one < other);
 }
 
-// By how much closer to the probe the proxy is than that place. Of a probe far off, what counts is the way.
+// By how much closer to the probe the proxy is than that place. Of a probe far off, what counts is the direction.
 real gain_since(real3 place) {
     real3 both = sum(difference(walk_probe, place), difference(walk_probe, walk_proxy));
     precise real size = sqrt(product(both, both));
-    const real most = real(2.0LF) * kFarWay;
+    const real most = real(2.0LF) * kFarOff;
     precise real gain = product(difference(walk_proxy, place), both) / (size < most ? size : most);
     return gain;
 }
 
 // Whether rounding makes the walk tread on the spot.
 bool treads_since(real3 place) {
-    bool far = largest_of(difference(walk_probe, walk_proxy)) > kFarWay;
+    bool far = largest_of(difference(walk_probe, walk_proxy)) > kFarOff;
     bool stays = largest_of(difference(walk_proxy, place)) <= kWidth * real(4.0LF);
     bool gains = gain_since(place) > kWidth * real(0.0625LF);
     return far ? stays : !gains;
@@ -104,7 +295,7 @@ bool treads_since(real3 place) {
 // Keeps the impact with a triangle if it comes before what was found so far.
 void hit(uint index, inout Move move, inout Impact first) {
     Triangle triangle = triangle_at(index);
-    bool minded = !keeps_off(index, move.way) && !lies_below(triangle);
+    bool minded = !keeps_off(index, move.displacement) && !lies_below(triangle);
     real time = impact_time(triangle, move);
     bool later = time > move.until || (time == first.time && !comes_before(index, first.triangle));
     if (minded && !later) {
@@ -112,52 +303,6 @@ void hit(uint index, inout Move move, inout Impact first) {
         move.until = time;
     }
 }
-
-#ifdef FS_RARE
-const uint kListed = 24u;
-
-// The first impact of a move, out of the tree. Triangles whose planes the move does not come near are sifted out first.
-Impact first_impact(Move move) {
-    Impact first = Impact(real(2.0LF), 0u);
-    uint listed[kListed];
-    uint count = 0u;
-    begin_search();
-    RunCursor cursor = first_of_runs();
-    bool listing = true;
-    [[dont_unroll]] do {
-        if (listing) {
-            search_on(move);
-            cursor = first_of_runs();
-        }
-        listing = true;
-        [[dont_unroll]] do {
-            uint triangle;
-            bool found = next_of_runs(cursor, triangle);
-            Triangle shape = triangle_at(triangle);
-            precise real begin = product(shape.normal, difference(move.from, shape.a));
-            precise real end = begin + move.until * product(shape.normal, move.way);
-            bool apart = (begin > kCulled && end > kCulled) || (begin < -kCulled && end < -kCulled);
-            if (found && !apart)
-                listed[count++] = triangle;
-            ++spent;
-            listing = found && count < kListed;
-        } while (listing);
-        listing = run_count == 0u; // else the rest of the runs comes next
-        uint i = 0u;
-        [[dont_unroll]] do {
-            if (i < count)
-                hit(listed[i], move, first);
-            ++i;
-            ++spent;
-        } while (i < count);
-        count = 0u;
-    } while ((search_goes_on() || !listing) && !overrun);
-    return first;
-}
-#else
-// Nothing is nearer to this place.
-real3 free_place;
-real free_distance;
 
 bool is_free(real3 place) {
     real3 off = difference(place, free_place);
@@ -169,8 +314,8 @@ bool is_free(real3 place) {
 // through free space.
 Impact first_impact(Move move) {
     Impact first = Impact(real(2.0LF), 0u);
-    bool one = resting.count > 0u && hold_at(resting.one.source) == kHoldFace;
-    bool two = resting.count > 1u && hold_at(resting.two.source) == kHoldFace;
+    bool one = resting.count > 0u && constraint_at(resting.one.source) == kConstraintFace;
+    bool two = resting.count > 1u && constraint_at(resting.two.source) == kConstraintFace;
     uint source = one ? resting.one.source : resting.two.source;
     source = one || two ? source : 0u;
     Touch touch = touch_at(source);
@@ -180,8 +325,8 @@ Impact first_impact(Move move) {
     uint end = front ? words.y : words.z;
     bool listed = (one || two) && (words.w & kTriangleCrowded) == 0u;
     bool free = resting.count == 0u && is_free(move.from) && is_free(place_at(move, move.until));
-    is_rare = is_rare || !(listed || free);
-    if (is_rare || free)
+    is_left = is_left || !(listed || free);
+    if (is_left || free)
         end = begin;
     [[dont_unroll]] do {
         if (begin < end)
@@ -191,21 +336,20 @@ Impact first_impact(Move move) {
     } while (begin < end);
     return first;
 }
-#endif
 
-real clipped(real from, real way, real until, real clip) {
-    real edge = way < ZERO ? -kRegion : kRegion;
-    precise real there = from + until * way;
-    precise real time = (edge - from) / way;
+real clipped(real from, real displacement, real until, real clip) {
+    real edge = displacement < ZERO ? -kRegion : kRegion;
+    precise real there = from + until * displacement;
+    precise real time = (edge - from) / displacement;
     return abs(there) > kRegion && time < clip ? time : clip;
 }
 
 // A move that leaves the region ends in the open.
 Impact clipped_cast(Move move) {
     if (largest_of(place_at(move, move.until)) > kRegion) {
-        real until = clipped(move.from.x, move.way.x, move.until, move.until);
-        until = clipped(move.from.y, move.way.y, move.until, until);
-        until = clipped(move.from.z, move.way.z, move.until, until);
+        real until = clipped(move.from.x, move.displacement.x, move.until, move.until);
+        until = clipped(move.from.y, move.displacement.y, move.until, until);
+        until = clipped(move.from.z, move.displacement.z, move.until, until);
         move.until = until > ZERO ? until : ZERO;
     }
     return first_impact(move);
@@ -225,25 +369,25 @@ void take_in(bool was_hit, uint triangle, uint released, uint edge) {
     real apex = product(shape.normal, difference(corner, shape.a));
     precise real sides = height * apex;
     if (was_hit || hands_over)
-        remember(incoming, shape, was_hit || sides > ZERO ? POOL : released);
+        remember(incoming, shape, was_hit || sides > ZERO ? kPool : released);
 }
 
 void finish_substep(Move move, uint released, uint edge) {
     Impact impact = clipped_cast(move);
-    if (overrun || is_rare)
+    if (is_left)
         return;
     bool was_hit = impact.time <= move.until;
-    bool was_released = released != POOL;
+    bool was_released = released != kPool;
     real time = was_hit ? impact.time : move.until;
-    precise real size = time * largest_of(move.way);
+    precise real size = time * largest_of(move.displacement);
     bool moves = size > kRest;
-    bool one_face = pool_count == 1u && resting.count == 1u && is_above(0u) && !pool_shortened &&
-                    stays_above_face(touch_at(0u), move.way);
+    bool one_face = pool_count == 1u && resting.count == 1u && is_above(0u) &&
+                    stays_above_face(touch_at(0u), move.displacement);
     walk_corner = (was_hit || was_released) && resting.count == 2u && size > kStride;
     if (moves)
-        pool_faceless = 0u;
+        pool_tried = 0u;
     if (!was_hit && was_released)
-        pool_faceless = with_bits(pool_faceless, released, 1u, moves ? 0u : 1u);
+        pool_tried = with_bits(pool_tried, released, 1u, moves ? 0u : 1u);
     bool arrives = !was_hit && !was_released;
     // Nothing in the way: without a plane to keep to, that is the probe itself.
     walk_proxy = arrives && resting.count == 0u ? walk_probe : place_at(move, arrives ? ONE : time);
@@ -252,52 +396,33 @@ void finish_substep(Move move, uint released, uint edge) {
         take_in(was_hit, impact.triangle, was_released ? released : 0u, edge);
 }
 
-// When the move leaves what holds it. Tells also what covers it.
-void consider_release(HalfSpace held, bool holding, uint i, real3 way, inout Release release, inout uint released) {
-    Touch touch = touch_at(holding ? held.source : 0u);
-    bool face = hold_at(held.source) == kHoldFace;
-    Release one = release_of_face(touch, way, release.time);
-#ifdef FS_RARE
-    if (!face)
-        one = release_of_rounded(touch, walk_proxy, way, release.time);
-#else
-    is_rare = is_rare || (holding && !face);
-#endif
-    if (holding && one.time < release.time) {
+// When the move leaves the face that constrains it. Tells also what covers it.
+void consider_release(HalfSpace space, bool constrains, uint i, real3 displacement, inout Release release,
+                      inout uint released) {
+    Touch touch = touch_at(constrains ? space.source : 0u);
+    bool face = constraint_at(space.source) == kConstraintFace;
+    Release one = release_of_face(touch, displacement, release.time);
+    is_left = is_left || (constrains && !face);
+    if (constrains && one.time < release.time) {
         release = one;
-        released = held.source;
+        released = space.source;
     }
-    covers[i] = Cover(touch.triangle.a, holding && face);
-}
-
-void substep() {
-    look_again(walk_proxy);
-    find_way(walk_proxy, walk_probe);
-    real3 way = resting.vector;
-    walk_rests = largest_of(way) <= pool_tolerance && resting.count > 0u;
-    Release release = Release(ONE, 3u);
-    uint released = POOL;
-#ifdef FS_RARE
-    uint i = 0u;
-    [[dont_unroll]] do {
-        consider_release(held_at(resting, i), i < resting.count, i, way, release, released);
-        ++i;
-        ++spent;
-    } while (i < 3u);
-#else
-    consider_release(resting.one, resting.count > 0u, 0u, way, release, released);
-    consider_release(resting.two, resting.count > 1u, 1u, way, release, released);
-    covers[2] = Cover(real3(ZERO), false);
-    is_rare = is_rare || resting.count > 2u;
-#endif
-    if (!walk_rests)
-        finish_substep(Move(walk_proxy, way, release.time), released, release.edge);
+    covers[i] = Cover(touch.triangle.a, constrains && face);
 }
 
 // One piece of the walk; afterwards it runs on, or has come to rest, to a corner, or treads on the spot.
 void walk_on() {
-    substep();
-    if (overrun || is_rare)
+    update_pool(walk_proxy);
+    find_displacement(walk_proxy, walk_probe);
+    real3 displacement = resting.vector;
+    walk_rests = largest_of(displacement) <= pool_tolerance && resting.count > 0u;
+    Release release = Release(ONE, 3u);
+    uint released = kPool;
+    consider_release(resting.one, resting.count > 0u, 0u, displacement, release, released);
+    consider_release(resting.two, resting.count > 1u, 1u, displacement, release, released);
+    if (!walk_rests)
+        finish_substep(Move(walk_proxy, displacement, release.time), released, release.edge);
+    if (is_left)
         return;
     if (!walk_rests)
         ++walk_substeps;
@@ -309,49 +434,34 @@ void walk_on() {
     }
 }
 
-// Begins to walk; a proxy out of the region flies straight to it first, or to the probe if its way does not cross it.
-void begin_walk() {
+void begin_walk(real3 probe) {
+    walk_probe = probe;
+    walk_substeps = 0u;
     walk_corner = false;
     walk_rests = false;
     walk_runs = true;
-#ifdef FS_RARE
-    if (largest_of(walk_proxy) > kRegion) {
-        real3 place = walk_proxy;
-        bool enters = find_entry(walk_proxy, walk_probe, place);
-        walk_proxy = enters ? place : walk_probe;
-        walk_rests = !enters;
-        walk_runs = enters;
-    }
-#else
-    is_rare = is_rare || largest_of(walk_proxy) > kRegion;
-#endif
+    is_left = is_left || largest_of(walk_proxy) > kRegion;
     tread_place = walk_proxy;
-    tread_substeps = walk_substeps;
+    tread_substeps = 0u;
 }
 
-// Where walks begin.
-
-// A walk begins where a path's god-object was left, with the triangles that held it.
-void begin_update(real3 proxy, real3 probe, uint held, uvec3 triangles) {
-    uint count = held & kHeldCount;
-    walk_probe = probe;
-    walk_substeps = 0u;
+// An update begins where a path's god-object was left, with the triangles that constrained it.
+void begin_update(real3 proxy, real3 probe, uint count, uvec3 triangles) {
     walk_proxy = proxy;
     forget_all();
     uint i = 0u;
     [[dont_unroll]] do {
         uint triangle = i == 0u ? triangles.x : i == 1u ? triangles.y : triangles.z;
         if (i < count)
-            remember(triangle, triangle_at(triangle), POOL);
+            remember(triangle, triangle_at(triangle), kPool);
         ++i;
         ++spent;
     } while (i < count);
-    begin_walk();
+    begin_walk(probe);
 }
 
-#ifndef FS_RARE
 // The next update begins with `count` triangles of the pool.
-void go_on(uint count, uvec3 sources, real3 probe) {
+void go_on(uint count, uvec2 sources, real3 probe) {
     Touch first = touch_at(sources.x);
     Touch second = touch_at(sources.y);
     uint first_index = index_at(sources.x);
@@ -362,8 +472,5 @@ void go_on(uint count, uvec3 sources, real3 probe) {
         put_touch(1u, second_index, second);
     forget_all();
     pool_count = count;
-    walk_probe = probe;
-    walk_substeps = 0u;
-    begin_walk();
+    begin_walk(probe);
 }
-#endif

@@ -148,7 +148,7 @@ template <typename real> struct PathChunk {
     std::span<const real> proxy;    // m, 3 a sample
 };
 
-// One update of a path's god-object that kernels leave to the host. In the mesh's frame.
+// One update of a path's god-object that the kernel leaves to the host. In the mesh's frame.
 template <typename real> struct MeshUpdate {
     real probe[3];
     real proxy[3]; // before, then after
@@ -161,6 +161,7 @@ template <typename real> struct MeshUpdate {
     bool touching;
     bool back; // touched from behind
     bool finished;
+    real reach; // 1: out of contact, nothing is nearer to the proxy than this
 };
 
 } // namespace forceshade::layout

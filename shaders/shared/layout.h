@@ -422,8 +422,7 @@ FS_STRUCT ProxyStart {
     uint inside; // 1: the probe was behind the surface, the proxy is on the nearest place of it
 };
 
-// Bindings of the two kernels of paths on meshes, all storage buffers in set 0. Sixteen, as many as a plain device may
-// have.
+// Bindings of the kernel of paths on meshes, all storage buffers in set 0. A plain device may have sixteen.
 FS_CONSTANT kMeshPathBindLaw = 0u;
 FS_CONSTANT kMeshPathBindMapGradients = 1u;
 FS_CONSTANT kMeshPathBindTextureGradients = 2u;
@@ -434,17 +433,16 @@ FS_CONSTANT kMeshPathBindTriangles = 4u; // 8 words a triangle: facet, neighbour
                                          // to); obstacles in front, behind, end, bits
 FS_CONSTANT kMeshPathBindIndices = 5u;   // if shaded: where each facet's corners begin, and the end; the corners; then
                                          // the obstacles
-FS_CONSTANT kMeshPathBindNodes = 6u;     // MeshNode
-FS_CONSTANT kMeshPathBindMotions = 7u;   // as kPathBindMotions, and so on
-FS_CONSTANT kMeshPathBindHarmonics = 8u;
-FS_CONSTANT kMeshPathBindHands = 9u;
-FS_CONSTANT kMeshPathBindRecorded = 10u;
-FS_CONSTANT kMeshPathBindStates = 11u;
-FS_CONSTANT kMeshPathBindWalkWords = 12u; // kWalkWord... of each path, the path fastest; the status; the list of paths
-FS_CONSTANT kMeshPathBindWalkReals = 13u; // kWalkReal... of each path, the path fastest
-FS_CONSTANT kMeshPathBindSamples = 14u;   // channel after channel: position, force, depth, proxy
-FS_CONSTANT kMeshPathBindFacet = 15u;
-FS_CONSTANT kMeshPathBindCount = 16u;
+FS_CONSTANT kMeshPathBindMotions = 6u;   // as kPathBindMotions, and so on
+FS_CONSTANT kMeshPathBindHarmonics = 7u;
+FS_CONSTANT kMeshPathBindHands = 8u;
+FS_CONSTANT kMeshPathBindRecorded = 9u;
+FS_CONSTANT kMeshPathBindStates = 10u;
+FS_CONSTANT kMeshPathBindWalkWords = 11u; // kWalkWord... of each path, the path fastest; the status; the list of paths
+FS_CONSTANT kMeshPathBindWalkReals = 12u; // kWalkReal... of each path, the path fastest
+FS_CONSTANT kMeshPathBindSamples = 13u;   // channel after channel: position, force, depth, proxy
+FS_CONSTANT kMeshPathBindFacet = 14u;
+FS_CONSTANT kMeshPathBindCount = 15u;
 
 FS_CONSTANT kNoPath = 0xFFFFFFFFu; // in the list: nothing to do
 
@@ -452,52 +450,35 @@ FS_CONSTANT kNoPath = 0xFFFFFFFFu; // in the list: nothing to do
 FS_CONSTANT kTriangleCrowded = 1u;
 
 // What is to be done with a path.
-FS_CONSTANT kPhaseStep = 0u;  // its next step begins
-FS_CONSTANT kPhaseRare = 1u;  // the rare kernel does its god-object's update
-FS_CONSTANT kPhaseAlone = 2u; // likewise, with the loops of several invocations
-FS_CONSTANT kPhaseHost = 3u;  // the host does its god-object's update
-FS_CONSTANT kPhaseFelt = 4u;  // the contact of its step is found
+FS_CONSTANT kPhaseStep = 0u;    // its next step begins
+FS_CONSTANT kPhaseHost = 1u;    // the host finds the contact of its step
+FS_CONSTANT kPhaseContact = 2u; // the contact of its step is found
 
 // A path's words.
 FS_CONSTANT kWalkWordPhase = 0u;
-FS_CONSTANT kWalkWordStep = 1u;      // the next
-FS_CONSTANT kWalkWordSteps = 2u;     // of the path
-FS_CONSTANT kWalkWordHeld = 3u;      // triangles that held the proxy at the last update; and bits
-FS_CONSTANT kWalkWordTriangles = 4u; // the three of them
-FS_CONSTANT kWalkWordFelt = 7u;      // of a contact: the first triangle that holds it
-// Of an update that a kernel has begun and not ended:
-FS_CONSTANT kWalkWordStage = 8u;
-FS_CONSTANT kWalkWordSubsteps = 9u;
-FS_CONSTANT kWalkWordTread = 10u;  // substeps when the proxy was last asked whether it moves
-FS_CONSTANT kWalkWordPool = 11u;   // triangles in the pool; 1 bit each for those whose planes led nowhere
-FS_CONSTANT kWalkWordPooled = 12u; // the eight of them
-FS_CONSTANT kWalkWordCount = 20u;
+FS_CONSTANT kWalkWordStep = 1u;        // the next
+FS_CONSTANT kWalkWordSteps = 2u;       // of the path
+FS_CONSTANT kWalkWordConstraints = 3u; // triangles that constrained the proxy at the last update; and bits
+FS_CONSTANT kWalkWordTriangles = 4u;   // the three of them
+FS_CONSTANT kWalkWordContact = 7u;     // of a contact that the host found: the first triangle that constrains it
+FS_CONSTANT kWalkWordCount = 8u;
 
-FS_CONSTANT kHeldCount = 3u;
-FS_CONSTANT kHeldCornered = 4u; // rested at a corner or an edge
-// Of a contact that was found for a step:
-FS_CONSTANT kHeldTouching = 8u;
-FS_CONSTANT kHeldBack = 16u; // the first triangle is touched from behind
-FS_CONSTANT kHeldUnfinished = 32u;
-
-FS_CONSTANT kMeshPool = 8u; // most triangles that are minded at once
-FS_CONSTANT kPoolCount = 15u;
-FS_CONSTANT kPoolFaceless = 4u; // shift
-
-FS_CONSTANT kStageBegin = 0u;
-FS_CONSTANT kStageWalk = 1u;
+FS_CONSTANT kConstraintCount = 3u;
+FS_CONSTANT kConstraintCornered = 4u; // rested at a corner or an edge
+// Of a contact that the host found:
+FS_CONSTANT kContactTouching = 8u;
+FS_CONSTANT kContactBack = 16u; // the first triangle is touched from behind
+FS_CONSTANT kContactUnfinished = 32u;
 
 // A path's reals, in the mesh's frame; three each.
 FS_CONSTANT kWalkRealProxy = 0u;
 FS_CONSTANT kWalkRealProbe = 3u;
-FS_CONSTANT kWalkRealRest = 6u;   // the contact's proxy
-FS_CONSTANT kWalkRealAt = 9u;     // where the walk is
-FS_CONSTANT kWalkRealTread = 12u; // where it was last asked whether it moves
-FS_CONSTANT kWalkRealFree = 15u;  // nothing is nearer to here than
-FS_CONSTANT kWalkRealReach = 18u; // 1: this; 0: not known
-FS_CONSTANT kWalkRealCount = 19u;
+FS_CONSTANT kWalkRealContact = 6u; // the contact's proxy
+FS_CONSTANT kWalkRealFree = 9u;    // nothing is nearer to here than
+FS_CONSTANT kWalkRealReach = 12u;  // 1: this; 0: not known
+FS_CONSTANT kWalkRealCount = 13u;
 
-// What one dispatch of the kernels of paths on meshes covers, as push constants.
+// What one dispatch of the kernel of paths on meshes covers, as push constants.
 struct MeshPathChunkParams {
     uint first;     // in the list
     uint listed;    // paths

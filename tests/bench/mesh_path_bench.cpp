@@ -138,7 +138,6 @@ template <typename T> void run(benchmark::State& state, const Course& course, la
     state.counters["of_cpu_by_core_s"] = median(cpu_core) / median(gpu_core);
     state.counters["in_contact"] = static_cast<double>(touched) / steps / static_cast<double>(2 * gpu.size());
     state.counters["upload_s"] = times.upload;
-    state.counters["rare_updates"] = static_cast<double>(times.rare_updates) / steps;
     state.counters["host_updates"] = static_cast<double>(times.host_updates) / steps;
 }
 

@@ -14,8 +14,6 @@ namespace words {
 #include "adrift_path_f64.spv.h"
 #include "behind_mesh_path_f32.spv.h"
 #include "behind_mesh_path_f64.spv.h"
-#include "behind_mesh_rest_f32.spv.h"
-#include "behind_mesh_rest_f64.spv.h"
 #include "channel_f32.spv.h"
 #include "channel_f32_packed.spv.h"
 #include "channel_f64.spv.h"
@@ -32,8 +30,6 @@ namespace words {
 #include "component_path_f64.spv.h"
 #include "creep_mesh_path_f32.spv.h"
 #include "creep_mesh_path_f64.spv.h"
-#include "creep_mesh_rest_f32.spv.h"
-#include "creep_mesh_rest_f64.spv.h"
 #include "edge_f32.spv.h"
 #include "edge_f32_packed.spv.h"
 #include "edge_f64.spv.h"
@@ -62,8 +58,6 @@ namespace words {
 #include "imprecise_mesh_f64.spv.h"
 #include "imprecise_mesh_path_f32.spv.h"
 #include "imprecise_mesh_path_f64.spv.h"
-#include "imprecise_mesh_rest_f32.spv.h"
-#include "imprecise_mesh_rest_f64.spv.h"
 #include "imprecise_path_f32.spv.h"
 #include "imprecise_path_f64.spv.h"
 #include "kahan_f32.spv.h"
@@ -94,8 +88,6 @@ namespace words {
 #include "none_mesh_f64.spv.h"
 #include "none_mesh_path_f32.spv.h"
 #include "none_mesh_path_f64.spv.h"
-#include "none_mesh_rest_f32.spv.h"
-#include "none_mesh_rest_f64.spv.h"
 #include "none_path_f32.spv.h"
 #include "none_path_f64.spv.h"
 #include "outward_f32.spv.h"
@@ -114,8 +106,6 @@ namespace words {
 #include "sign_path_f64.spv.h"
 #include "slip_mesh_path_f32.spv.h"
 #include "slip_mesh_path_f64.spv.h"
-#include "slip_mesh_rest_f32.spv.h"
-#include "slip_mesh_rest_f64.spv.h"
 #include "tangent_f32.spv.h"
 #include "tangent_f32_packed.spv.h"
 #include "tangent_f64.spv.h"
@@ -132,8 +122,6 @@ namespace words {
 #include "tie_path_f64.spv.h"
 #include "tunnel_mesh_path_f32.spv.h"
 #include "tunnel_mesh_path_f64.spv.h"
-#include "tunnel_mesh_rest_f32.spv.h"
-#include "tunnel_mesh_rest_f64.spv.h"
 #include "undeclared_f32.spv.h"
 #include "undeclared_f32_packed.spv.h"
 #include "undeclared_f64.spv.h"
@@ -150,7 +138,7 @@ struct Kernels {
 };
 
 struct MeshPathKernels {
-    Words path_f32, path_f64, rest_f32, rest_f64;
+    Words path_f32, path_f64;
 };
 
 #define FS_KERNELS(name)                                                                                               \
@@ -200,8 +188,7 @@ Kernels kernels_of(test::Break which) {
 
 #define FS_MESH_PATH_KERNELS(name)                                                                                     \
     {                                                                                                                  \
-        words::name##_mesh_path_f32, words::name##_mesh_path_f64, words::name##_mesh_rest_f32,                         \
-            words::name##_mesh_rest_f64                                                                                \
+        words::name##_mesh_path_f32, words::name##_mesh_path_f64                                                       \
     }
 
 MeshPathKernels mesh_path_kernels_of(test::Break which) {
@@ -272,14 +259,6 @@ Words mesh_path_f32() {
 
 Words mesh_path_f64() {
     return mesh_path_kernels_of(chosen_break).path_f64;
-}
-
-Words mesh_rest_f32() {
-    return mesh_path_kernels_of(chosen_break).rest_f32;
-}
-
-Words mesh_rest_f64() {
-    return mesh_path_kernels_of(chosen_break).rest_f64;
 }
 
 } // namespace kernels

@@ -10,8 +10,6 @@ namespace {
 namespace broken {
 #include "imprecise_mesh_path_f32.spv.h"
 #include "imprecise_mesh_path_f64.spv.h"
-#include "imprecise_mesh_rest_f32.spv.h"
-#include "imprecise_mesh_rest_f64.spv.h"
 #include "imprecise_path_f32.spv.h"
 #include "imprecise_path_f64.spv.h"
 } // namespace broken
@@ -32,9 +30,7 @@ const std::vector<Kernel>& paths() {
 
 const std::vector<Kernel>& mesh_paths() {
     static const std::vector<Kernel> all{{"mesh_path f32", kernels::mesh_path_f32(), false},
-                                         {"mesh_path f64", kernels::mesh_path_f64(), true},
-                                         {"mesh_rest f32", kernels::mesh_rest_f32(), false},
-                                         {"mesh_rest f64", kernels::mesh_rest_f64(), true}};
+                                         {"mesh_path f64", kernels::mesh_path_f64(), true}};
     return all;
 }
 
@@ -106,10 +102,8 @@ TEST(PathSpirv, CapabilitiesAreTheFewest) {
     const std::set<std::uint32_t> plain{spv::CapabilityShader}, both{spv::CapabilityShader, spv::CapabilityFloat64};
     EXPECT_EQ(SpirvModule(kernels::path_f32()).capabilities(), plain);
     EXPECT_EQ(SpirvModule(kernels::path_f64()).capabilities(), both);
-    // A probe from far off enters the region in double in either precision, which the hot kernel leaves to the other.
-    for (const Kernel& kernel : mesh_paths())
-        EXPECT_EQ(SpirvModule(kernel.words).capabilities(), kernel.name == std::string("mesh_path f32") ? plain : both)
-            << kernel.name;
+    EXPECT_EQ(SpirvModule(kernels::mesh_path_f32()).capabilities(), plain);
+    EXPECT_EQ(SpirvModule(kernels::mesh_path_f64()).capabilities(), both);
 }
 
 TEST(PathSpirv, EveryOperationRoundsAsWritten) {
@@ -126,9 +120,7 @@ TEST(PathSpirv, TheCheckSeesWhatIsNotPrecise) {
     for (const std::span<const std::uint32_t> words : {std::span<const std::uint32_t>(broken::imprecise_path_f32),
                                                        std::span<const std::uint32_t>(broken::imprecise_path_f64),
                                                        std::span<const std::uint32_t>(broken::imprecise_mesh_path_f32),
-                                                       std::span<const std::uint32_t>(broken::imprecise_mesh_path_f64),
-                                                       std::span<const std::uint32_t>(broken::imprecise_mesh_rest_f32),
-                                                       std::span<const std::uint32_t>(broken::imprecise_mesh_rest_f64)})
+                                                       std::span<const std::uint32_t>(broken::imprecise_mesh_path_f64)})
         EXPECT_GT(SpirvModule(words).inexact().size(), 100u);
 }
 
