@@ -1,13 +1,14 @@
-// What a run of the live loop came to.
+// The results of a run of the live loop.
 #pragma once
 
 #include <array>
+#include <bit>
 #include <cstdint>
-#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
-#include "device/backends/back_end.h"
+#include "device/loop/permissions.h"
 #include "device/loop/sample.h"
 
 namespace forceshade::device {
@@ -19,34 +20,25 @@ struct LoopCounts {
     std::uint64_t in_contact = 0;                             // of the samples
     std::uint64_t paths = 0;                                  // begun: scenes, and paths of a recording
     std::array<std::uint64_t, kHappenings.size()> happened{}; // samples, by bit of Happening
-    std::uint64_t lost = 0;                                   // samples that the log had no room for
-    double largest_force = 0;                                 /* N: the law's */
-    double largest_commanded = 0;                             /* N */
-    double largest_depth = 0;                                 /* m */
-    double largest_speed = 0;                                 /* m/s */
-    double energy = 0;                                        /* J: given to the hand, at the end */
-    double largest_energy = 0;                                /* J: the most at any time */
-    double damped = 0;                                        /* J: taken out by the passivity controller */
-    Histogram reading, computing, writing;                    /* ns */
-    Histogram late;        /* ns: after the sample was due; empty as fast as possible */
-    Histogram jitter;      /* ns: how far the time between two samples was from the period; likewise */
-    double standstill = 0; /* s: of seconds, when the process stood still for so long
-                              that samples did not become due */
-    double seconds = 0;    /* s: by the clock */
+    std::uint64_t with(Happening what) const noexcept { return happened[unsigned(std::countr_zero(unsigned(what)))]; }
+    std::uint64_t lost = 0;                // samples that the log had no room for
+    double largest_force = 0;              /* N: the law's */
+    double largest_commanded = 0;          /* N */
+    double largest_depth = 0;              /* m */
+    double largest_speed = 0;              /* m/s */
+    double energy = 0;                     /* J: given to the hand, at the end */
+    double largest_energy = 0;             /* J: the most at any time */
+    double damped = 0;                     /* J: taken out by the passivity controller */
+    Histogram reading, computing, writing; /* ns */
+    Histogram late;                        /* ns: after the sample was due; empty as fast as possible */
+    Histogram jitter;                      /* ns: how far the time between two samples was from the period; likewise */
+    double standstill = 0;                 /* s: of seconds, when the process stood still for so long
+                                              that samples did not become due */
+    double seconds = 0;                    /* s: by the clock */
 };
 
-/// What the operating system allowed.
-struct Permissions {
-    struct One {
-        std::string what; // "SCHED_FIFO"
-        bool granted = false;
-        std::string detail; // "priority 80", "Operation not permitted: ..." with what would help
-    };
-    std::vector<One> all;
-};
-
-/// A scene that was felt.
-struct FeltScene {
+/// A scene that the loop used.
+struct UsedScene {
     std::uint32_t path = 0; // that it began
     std::string toml;       // resolved
     std::string sha256;     // of that
@@ -54,7 +46,7 @@ struct FeltScene {
 
 struct LiveOutcome {
     std::string scene;             // name of its file
-    std::vector<FeltScene> scenes; // what was in it, at the start and after each change
+    std::vector<UsedScene> scenes; // what was in it, at the start and after each change
     std::string precision;         // "f32" or "f64"
     std::string device;            // as asked for: "sim", "haply:ws://..."
     DeviceFacts facts;
@@ -67,19 +59,6 @@ struct LiveOutcome {
     std::uint64_t logged = 0;                                // samples in it
     std::string ended;                // why the run ended: "after 60 s", "interrupted", "the device is gone: ..."
     std::vector<std::string> remarks; // what the user should know: refused scenes, losses, ...
-};
-
-// What a run of the live loop looks like in between.
-
-struct LiveStatus {
-    double seconds = 0;        /* s since the start, by the clock */
-    double rate = 0;           /* Hz: samples in the last while, by the clock */
-    double force = 0;          /* N: commanded, its magnitude */
-    double depth = 0;          /* m */
-    std::uint64_t late = 0;    // samples: overruns
-    std::uint64_t clamped = 0; // samples
-    std::uint64_t lost = 0;    // samples that the log had no room for
-    std::string state;         // in a word or two: "waiting for the device"; empty: all is well
 };
 
 } // namespace forceshade::device

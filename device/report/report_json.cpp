@@ -74,7 +74,7 @@ Json limits_json(const LiveOutcome& outcome) {
 
 Json scenes_json(const LiveOutcome& outcome) {
     Json json = Json::array();
-    for (const FeltScene& scene : outcome.scenes)
+    for (const UsedScene& scene : outcome.scenes)
         json.push_back({{"path", scene.path}, {"sha256", scene.sha256}, {"toml", scene.toml}});
     return json;
 }

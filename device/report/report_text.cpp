@@ -1,6 +1,5 @@
 #include "device/report/report_text.h"
 
-#include <bit>
 #include <cmath>
 #include <vector>
 
@@ -12,10 +11,6 @@
 
 namespace forceshade::device {
 namespace {
-
-std::uint64_t happened(const LoopCounts& counts, Happening what) {
-    return counts.happened[static_cast<std::size_t>(std::countr_zero(static_cast<std::uint32_t>(what)))];
-}
 
 // 0.231, 1.94, 1940.
 std::string ratio_text(double ratio) {
@@ -111,7 +106,7 @@ std::string lateness_text(const LiveOutcome& outcome) {
     const LoopCounts& counts = outcome.counts;
     if (!outcome.real_time)
         return "as fast as possible no sample is due at any time, so none is late and nothing jitters";
-    const std::uint64_t late = happened(counts, kOverrun), own = happened(counts, kOwnOverrun);
+    const std::uint64_t late = counts.with(kOverrun), own = counts.with(kOwnOverrun);
     if (late == 0)
         return "no sample late";
     return fmt::format("{} late{}, {} of them by our own computing", counted(late, "sample"),
