@@ -4,6 +4,7 @@
 
 #include <array>
 #include <atomic>
+#include <cmath>
 #include <cstdint>
 #include <ctime>
 #include <limits>
@@ -117,6 +118,10 @@ private:
     std::uint32_t writing_ = 0, reading_ = 1;
     std::atomic<std::uint32_t> between_ = 2;
 };
+
+inline bool is_finite(const glm::dvec3& v) noexcept {
+    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
 
 inline constexpr std::int64_t kSecond = 1'000'000'000; /* ns */
 

@@ -84,15 +84,8 @@ std::unique_ptr<BackEnd> open_device(const std::string& name, const PreparedCase
 
 std::vector<DeviceKind> list_devices(const std::string& service, double wait) {
     const std::string url = service.empty() ? HaplyOptions{}.url : service;
-    const auto there = [](const char* option) {
-        return [option] {
-            DeviceKind kind;
-            kind.devices = {option};
-            return kind;
-        };
-    };
-    return {kind_of("sim", "a simulated hand that holds a simulated device", there("sim")),
-            kind_of("replay:FILE", "recorded positions in place of a device", there("replay:FILE")),
+    return {{"sim", "a simulated hand that holds a simulated device", {"sim"}, {}, {}, {}, {}},
+            {"replay:FILE", "recorded positions in place of a device", {"replay:FILE"}, {}, {}, {}, {}},
             kind_of("haply[:URL]", "Haply Inverse3", [&] { return find_haply(url, wait); }),
             kind_of("dhd[:INDEX]", "Force Dimension omega, delta, sigma, lambda; Novint Falcon", find_dhd),
             kind_of("hd[:NAME]", "3D Systems Touch, Touch X, Phantom", find_hd)};

@@ -190,20 +190,20 @@ public:
             return false;
         const Clock::time_point now = Clock::now();
         const bool told = !halted_ && ask_when_due(now);
-        const bool again = begun_ && enable_; // the device let go meanwhile: the force is to come up from zero
+        const bool again = begun_ && enable_; // the device dropped the force meanwhile: it is to come up from zero
         const bool on = told && (enable_ ? enable() : on_);
         begun_ = begun_ || on;
         const glm::dvec3 wanted = on && !again ? force : glm::dvec3(0);
         const bool shown = display(wanted);
-        const bool taken = shown && told && (on || withheld_ != nullptr) && wanted == force;
-        if (halted_) // perhaps while the force was on its way, and could not come in
+        const bool accepted = shown && told && (on || withheld_ != nullptr) && wanted == force;
+        if (halted_) // perhaps while the force was being sent, and could not enter
             display(glm::dvec3(0));
         if (shown)
             written_ = now;
         else
             asked_ = {}; // forces may have been switched off meanwhile
         door_.leave();
-        return taken && !halted_;
+        return accepted && !halted_;
     }
 
     // Where the door stays shut, the thread inside drops the force itself: the one in write() as its last deed, the one
@@ -265,7 +265,7 @@ private:
                             facts_.name, x, y, z, kFarthest));
     }
 
-    // The loop writes forces all the time; should the process stop, the device lets go by itself.
+    // The loop writes forces all the time; should the process stop, the device drops the force by itself.
     void set_watchdog() {
         facts_.has_watchdog = false;
         if (library_.enable_expert_mode && library_.disable_expert_mode && library_.set_watchdog &&

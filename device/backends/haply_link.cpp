@@ -3,7 +3,6 @@
 #include "device/backends/haply_link.h"
 
 #include <cerrno>
-#include <cmath>
 #include <cstring>
 #include <fcntl.h>
 #include <functional>
@@ -50,15 +49,7 @@ constexpr milliseconds kGiveUp{1000};                         // for a late answ
 constexpr milliseconds kFarewell{200};                        // from `stopping` to the end of the thread
 constexpr milliseconds kFirstPause{20}, kLongestPause{1000};  // before connecting anew
 
-constexpr const char* kAway = "the Inverse Service is not there";
-constexpr const char* kMute = "the Inverse Service takes up no connection";
 constexpr const char* kClosed = "the connection to the Inverse Service broke; connecting anew";
-constexpr const char* kLate = "the Inverse Service does not answer in time";
-constexpr const char* kDead = "the Inverse Service does not answer any more; connecting anew";
-constexpr const char* kNotListed = "the Inverse Service does not list the device";
-constexpr const char* kStrange = "the Inverse Service names the device's axes in a way that is not known";
-constexpr const char* kUnasked = "the Inverse Service sent a state that was not asked for; it was dropped";
-constexpr const char* kBroken = "the thread that talks to the Inverse Service failed";
 
 milliseconds milliseconds_of(double seconds) {
     return milliseconds(static_cast<std::int64_t>(seconds * 1e3));
@@ -129,8 +120,6 @@ struct Line : std::enable_shared_from_this<Line> {
         received.consume(received.size());
         return text;
     }
-
-    int descriptor() { return socket.next_layer().socket().native_handle(); }
 
     /// At once; operations that are under way end with an error.
     void close() {
@@ -256,7 +245,7 @@ private:
     template <typename Act> void arm(asio::steady_timer& timer, milliseconds time, Act act) {
         timer.expires_after(time);
         timer.async_wait([&timer, act](const ErrorCode& error) {
-            if (!error && timer.expiry() <= steady_clock::now()) // neither cancelled nor set anew meanwhile
+            if (!error && timer.expiry() <= steady_clock::now()) // neither cancelled nor set again meanwhile
                 act();
         });
     }
@@ -287,7 +276,7 @@ private:
                 pending_ = true;
                 watch();
             }
-            if (exchange_.resting.exchange(false)) { // after the newest force was taken: an older one does not win
+            if (exchange_.resting.exchange(false)) { // after the newest force was read: an older one does not win
                 wish_ = glm::dvec3(0);
                 pending_ = true;
             }
@@ -319,9 +308,10 @@ private:
         step_.reset();
         late_ = false;
         const LinePointer line = line_ = std::make_shared<Line>(io_);
-        arm(limit_, milliseconds_of(options_.wait), [this] { lose(kMute); });
+        arm(limit_, milliseconds_of(options_.wait), [this] { lose("the Inverse Service takes up no connection"); });
         line->dial(address_, milliseconds(0),
-                   on(line, kAway, [this, line](const std::string& inventory) { begin(line, inventory); }));
+                   on(line, "the Inverse Service is not there",
+                      [this, line](const std::string& inventory) { begin(line, inventory); }));
     }
 
     void begin(const LinePointer& line, const std::string& inventory) {
@@ -331,16 +321,16 @@ private:
             if (each.id == options_.device_id)
                 device = &each;
         if (device == nullptr)
-            return lose(kNotListed);
+            return lose("the Inverse Service does not list the device");
         const std::optional<Axes> axes = parse_basis(device->basis);
         if (!axes)
-            return lose(kStrange);
+            return lose("the Inverse Service names the device's axes in a way that is not known");
         axes_ = *axes;
         unmet_ = device->unmet; // whatever was before the connection broke
         tell_withheld();
         limit_.cancel();
         phase_ = Phase::running;
-        exchange_.lend_line(line->descriptor());
+        exchange_.lend_line(line->socket.next_layer().socket().native_handle());
         exchange_.there = true;
         hear(line);
         send(glm::dvec3(0));
@@ -354,8 +344,7 @@ private:
     }
 
     void send(glm::dvec3 force) {
-        const bool finite = std::isfinite(force.x) && std::isfinite(force.y) && std::isfinite(force.z);
-        if (!finite || exchange_.stopping || unmet_ != 0)
+        if (!is_finite(force) || exchange_.stopping || unmet_ != 0)
             force = glm::dvec3(0);
         const LinePointer line = line_;
         write_command(line->command, options_.dialect, options_.device_id, axes_.to_service(force));
@@ -375,8 +364,8 @@ private:
             return;
         exchange_.measurement.put({});
         if (late_)
-            return lose(kDead);
-        exchange_.complaint = kLate;
+            return lose("the Inverse Service does not answer any more; connecting anew");
+        exchange_.complaint = "the Inverse Service does not answer in time";
         late_ = true;
         if (line_->writing)
             arm(answer_, kGiveUp, [this] { miss(); });
@@ -393,7 +382,8 @@ private:
                                     if (kind == LockStep::Kind::current)
                                         take_state(text);
                                     else if (kind == LockStep::Kind::unasked)
-                                        exchange_.complaint = kUnasked;
+                                        exchange_.complaint =
+                                            "the Inverse Service sent a state that was not asked for; it was dropped";
                                     hear(line);
                                     pump();
                                 })));
@@ -530,7 +520,7 @@ void run_link(Exchange& exchange, const HaplyOptions& options) noexcept {
     try {
         Link(exchange, options).run();
     } catch (...) { // memory; the connection is gone with it, and the service applies nothing to what is silent
-        exchange.complaint = kBroken;
+        exchange.complaint = "the thread that talks to the Inverse Service failed";
     }
     exchange.lend_line(-1);
     exchange.there = false;

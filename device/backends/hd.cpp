@@ -133,33 +133,29 @@ private:
 };
 
 // An open device: closed on every way out.
-class Session {
-public:
-    Session(const HdLibrary& library, const std::string& name) : library_(library) {
+struct Session {
+    Session(const HdLibrary& used, const std::string& name) : library(used) {
         library.error(); // what was before is none of ours
-        device_ = library.init_device(name.empty() ? nullptr : name.c_str());
+        device = library.init_device(name.empty() ? nullptr : name.c_str());
         const std::string error = library.error();
-        if (device_ != HdValue::invalid_handle && error.empty()) {
-            library.make_current_device(device_);
+        if (device != HdValue::invalid_handle && error.empty()) {
+            library.make_current_device(device);
             return;
         }
-        if (device_ != HdValue::invalid_handle)
-            library.disable_device(device_);
+        if (device != HdValue::invalid_handle)
+            library.disable_device(device);
         throw DeviceAbsent(
             fmt::format("the OpenHaptics device {} cannot be opened: {}; is it plugged in, powered and set up with the "
                         "vendor's Touch_Setup? Library: {}",
                         name.empty() ? "configured as default" : "\"" + name + "\"",
                         error.empty() ? "no reason given" : error, library.file()));
     }
-    ~Session() { library_.disable_device(device_); }
+    ~Session() { library.disable_device(device); }
     Session(const Session&) = delete;
     Session& operator=(const Session&) = delete;
 
-    unsigned device() const { return device_; }
-
-private:
-    const HdLibrary& library_;
-    unsigned device_ = HdValue::invalid_handle;
+    const HdLibrary& library;
+    unsigned device = HdValue::invalid_handle;
 };
 
 // The running scheduler with our callback in it: left, stopped and without force on every way out.
@@ -219,7 +215,7 @@ std::string name_of(const HdLibrary& library) {
 class Hd final : public BackEnd {
 public:
     explicit Hd(const std::string& name)
-        : session_(library_, name), facts_(read_facts()), servo_(library_, session_.device()),
+        : session_(library_, name), facts_(read_facts()), servo_(library_, session_.device),
           schedule_(library_, servo_) {
         await_position();
     }
@@ -258,18 +254,21 @@ private:
         return facts;
     }
 
+    bool states(unsigned what, double* values) const {
+        library_.get_doublev(what, values);
+        return library_.error().empty();
+    }
+
     void read_forces(DeviceFacts& facts) const {
         double most = NAN;
-        library_.get_doublev(HdValue::nominal_max_force, &most);
-        if (!library_.error().empty())
+        if (!states(HdValue::nominal_max_force, &most))
             return;
         if (!(most >= 0.5 && most <= 200))
             throw DeviceAbsent(fmt::format("{} states a largest force of {} N: between 0.5 N and 200 N is plausible",
                                            facts.name, most));
         facts.max_force = most;
         double lasting = NAN;
-        library_.get_doublev(HdValue::nominal_max_continuous_force, &lasting);
-        if (!library_.error().empty())
+        if (!states(HdValue::nominal_max_continuous_force, &lasting))
             return;
         if (!(lasting >= 0.1 && lasting <= most))
             throw DeviceAbsent(fmt::format("{} states a continuous force of {} N: between 0.1 N and its largest, {} "
@@ -282,8 +281,7 @@ private:
         facts.low = glm::dvec3(-kUnknownReach);
         facts.high = glm::dvec3(kUnknownReach);
         double box[6]{NAN, NAN, NAN, NAN, NAN, NAN}; /* mm */
-        library_.get_doublev(HdValue::max_workspace_dimensions, box);
-        if (!library_.error().empty())
+        if (!states(HdValue::max_workspace_dimensions, box))
             return;
         for (int axis = 0; axis < 3; ++axis) {
             const double size = box[3 + axis] - box[axis];

@@ -9,7 +9,7 @@
 
 #include "device/backends/back_end.h"
 #include "device/loop/live_law.h"
-#include "device/loop/outcome.h"
+#include "device/loop/permissions.h"
 #include "device/loop/safety.h"
 #include "device/loop/sample.h"
 

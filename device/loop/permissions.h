@@ -20,4 +20,7 @@ struct Permissions {
 /// the last one that it may use, if it has SCHED_FIFO), all memory of the process locked.
 Permissions ask_for_real_time(std::optional<int> cpu);
 
+/// That this process may run on, in ascending order; empty: the system does not say.
+std::vector<int> allowed_cpus();
+
 } // namespace forceshade::device

@@ -12,10 +12,6 @@ constexpr double kSpeedTime = 0.005; /* s: over which the speed is averaged, so 
 constexpr double kBearingTime = 0.5; /* s: ahead, so that the limit approaches the lasting force smoothly */
 const double kKept = std::exp(-kBearingTime / kLastingTime); // of a mean square, over that time
 
-bool is_finite(const glm::dvec3& v) noexcept {
-    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
-}
-
 bool is_within(const glm::dvec3& v, const glm::dvec3& low, const glm::dvec3& high) noexcept {
     return v.x >= low.x && v.y >= low.y && v.z >= low.z && v.x <= high.x && v.y <= high.y && v.z <= high.z;
 }

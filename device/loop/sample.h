@@ -1,6 +1,8 @@
-// One sample of the live loop: when it was, what happened to it, and the ring that takes it to the log.
+// One sample of the live loop: what is measured, what can happen to it, how it is counted, and the ring that carries it
+// to the log.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <bit>
@@ -55,8 +57,7 @@ public:
         for (std::size_t bin = 0; bin < kBins; ++bin) {
             seen += bins_[bin];
             if (bins_[bin] > 0 && static_cast<double>(seen) >= wanted) {
-                const auto end = static_cast<double>(begin_of(bin + 1));
-                return end < static_cast<double>(largest_) ? end : static_cast<double>(largest_);
+                return static_cast<double>(std::min(begin_of(bin + 1), largest_));
             }
         }
         return 0;
@@ -99,7 +100,7 @@ enum Happening : std::uint32_t {
     kOutside = 1u << 7,     // it lay outside of the workspace: likewise
     kTooFast = 1u << 8,     // the probe moved faster than allowed: likewise
     kTooLate = 1u << 9,     // the sample came later than the watchdog allows: likewise; or the pause was so
-                            // long that the device has let go; the next force starts from none
+                            // long that the device dropped the force; the next one starts from zero
     kFailed = 1u << 10,     // the device gave no position or did not accept the force
     kUnfinished = 1u << 11, // the proxy could not come to rest
     kOverrun = 1u << 12,    // the sample ended after the next one was due
@@ -134,6 +135,30 @@ struct LiveSample {
     std::int32_t writing = 0;   /* ns */
     std::uint32_t facet = 0;    // layout::kNoFacet out of contact
     std::uint64_t scene = 0;    // LiveLaw::scene
+};
+
+/// Counted by the loop as it runs.
+struct LoopCounts {
+    std::uint64_t samples = 0;                                // that the law was evaluated for
+    std::uint64_t waiting = 0;                                // before the device gave its first position; not logged
+    std::uint64_t in_contact = 0;                             // of the samples
+    std::uint64_t paths = 0;                                  // begun: scenes, and paths of a recording
+    std::array<std::uint64_t, kHappenings.size()> happened{}; // samples, by bit of Happening
+    std::uint64_t with(Happening what) const noexcept { return happened[unsigned(std::countr_zero(unsigned(what)))]; }
+    std::uint64_t lost = 0;                // samples that the log had no room for
+    double largest_force = 0;              /* N: the law's */
+    double largest_commanded = 0;          /* N */
+    double largest_depth = 0;              /* m */
+    double largest_speed = 0;              /* m/s */
+    double energy = 0;                     /* J: given to the hand, at the end */
+    double largest_energy = 0;             /* J: the most at any time */
+    double damped = 0;                     /* J: dissipated by the passivity controller */
+    Histogram reading, computing, writing; /* ns */
+    Histogram late;                        /* ns: after the sample was due; empty as fast as possible */
+    Histogram jitter;                      /* ns: how far the time between two samples was from the period; likewise */
+    double standstill = 0;                 /* s: of seconds, when the process stood still for so long
+                                              that samples did not become due */
+    double seconds = 0;                    /* s: by the clock */
 };
 
 /// Samples on their way from the live loop to the log: one thread puts, another reads, neither waits.

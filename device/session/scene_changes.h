@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "device/loop/live_loop.h"
+#include "device/report/report.h"
 #include "host/prepare/prepared_case.h"
 
 namespace forceshade::device {

@@ -100,9 +100,8 @@ glm::dvec3 first_position(BackEnd& device, double patience) {
     do {
         check_interrupt();
         const Reading reading = device.read();
-        const glm::dvec3& p = reading.position;
-        if (reading.answer == Answer::fresh && std::isfinite(p.x + p.y + p.z) && device.withheld() == nullptr)
-            return p;
+        if (reading.answer == Answer::fresh && is_finite(reading.position) && device.withheld() == nullptr)
+            return reading.position;
         device.write(glm::dvec3(0)); // some devices answer only what they are told
         std::this_thread::sleep_for(std::chrono::milliseconds(1));
     } while (Clock::now() < end);
@@ -265,7 +264,7 @@ private:
         result.end = loop_->end();
         result.interrupted = is_interrupted() && result.end == LoopEnd::stopped;
         result.complaint = complaint_of(*device_);
-        device_.reset(); // the device is let go before anything that takes time
+        device_.reset(); // the device is closed before anything that is slow
         LiveOutcome& outcome = result.outcome;
         outcome.facts = facts_;
         outcome.counts = loop_->counts();

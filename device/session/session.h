@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "device/loop/live_loop.h"
-#include "device/loop/outcome.h"
+#include "device/report/report.h"
 #include "host/prepare/prepared_case.h"
 
 namespace forceshade::device {

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <filesystem>
 #include <optional>
-#include <sched.h>
 #include <string_view>
 #include <unistd.h>
 #include <utility>
@@ -13,9 +12,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "device/report/report_json.h"
-#include "device/report/report_text.h"
-#include "device/report/write_report.h"
+#include "device/loop/permissions.h"
+#include "device/report/report.h"
 #include "device/session/session.h"
 #include "host/cli/command.h"
 #include "host/error.h"
@@ -124,18 +122,10 @@ double periods(const std::string& text) {
     return value;
 }
 
-std::optional<int> allowed_cpu(std::optional<int> cpu) {
-    cpu_set_t allowed;
-    CPU_ZERO(&allowed);
-    if (!cpu || ::sched_getaffinity(0, sizeof allowed, &allowed) != 0)
-        return cpu;
-    if (*cpu >= 0 && *cpu < CPU_SETSIZE && CPU_ISSET(static_cast<std::size_t>(*cpu), &allowed))
-        return cpu;
-    std::vector<int> there;
-    for (int i = 0; i < CPU_SETSIZE; ++i)
-        if (CPU_ISSET(static_cast<std::size_t>(i), &allowed))
-            there.push_back(i);
-    throw UsageError(fmt::format("--cpu {}: this process may run on {}", *cpu, fmt::join(there, ", ")));
+void check_cpu(std::optional<int> cpu) {
+    const std::vector<int> allowed = device::allowed_cpus();
+    if (cpu && !allowed.empty() && std::find(allowed.begin(), allowed.end(), *cpu) == allowed.end())
+        throw UsageError(fmt::format("--cpu {}: this process may run on {}", *cpu, fmt::join(allowed, ", ")));
 }
 
 // "0 m, -0.15 m, 0.2 m" as lengths in m; `count` of them.
@@ -222,6 +212,7 @@ int run(const LiveArguments& arguments, const CommonOptions& common) {
     const Case one = load_scene(arguments.scene, common);
     const std::filesystem::path stem = report_stem(arguments);
     check_outputs(arguments, stem, one.scene);
+    check_cpu(arguments.session.cpu);
     device::SessionOptions options = arguments.session;
     options.scene = arguments.scene;
     options.read = [path = arguments.scene, replaced = precision_of(arguments.scene, common),
@@ -229,7 +220,6 @@ int run(const LiveArguments& arguments, const CommonOptions& common) {
         return preparation->prepare(read_scene(path, replaced));
     };
     options.real_time = !arguments.fast;
-    options.cpu = allowed_cpu(options.cpu);
     if (!arguments.log.empty())
         options.log = std::filesystem::absolute(arguments.log);
     options.quiet = common.quiet;
