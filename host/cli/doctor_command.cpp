@@ -47,21 +47,21 @@ std::string list_usable_devices() {
     return fmt::format("{}", fmt::join(usable, ", "));
 }
 
+std::vector<Precision> precisions_of(const EngineReport& engine) {
+    return engine.f64 ? std::vector{Precision::f32, Precision::f64} : std::vector{Precision::f32};
+}
+
 // A small field in each precision, every voxel compared.
 std::string try_kernels(const CommonOptions& common, bool validation) {
     EngineOptions options = engine_options(common, false);
     options.validation = validation;
     const auto engine = make_engine(options);
-    CasePreparation preparation;
-    const PreparedCase prepared = preparation.prepare(parse_scene(
+    const PreparedCase prepared = CasePreparation().prepare(parse_scene(
         "[surface]\nkind = \"bump\"\nfacets = 3\n[force]\nshading = \"reference\"\n[grid]\nsize = [64, 4, 32]\n"
         "spacing = \"0.8 mm\"\n",
         "doctor"));
-    std::vector<Precision> precisions{Precision::f32};
-    if (engine->report().f64)
-        precisions.push_back(Precision::f64);
     std::uint64_t voxels = 0;
-    for (const Precision precision : precisions) {
+    for (const Precision precision : precisions_of(engine->report())) {
         const Comparison comparison = compare_case(*engine, prepared, precision);
         if (!comparison.passed)
             throw std::runtime_error(comparison.first_difference);
@@ -197,7 +197,7 @@ std::string as_text(const std::vector<compute::DeviceReport>& devices) {
 int list_gpus(const CommonOptions& common) {
     const auto devices = compute::list_devices();
     print_data(common.json ? as_json(devices) : as_text(devices));
-    // Without any flag this is the device that a run would take; it throws where there is none.
+    // Without any flag this is the device that a run would use; it throws where there is none.
     const compute::DeviceReport& chosen = compute::choose_device(devices, common.gpu, common.precision == "f64");
     if (!common.quiet)
         remark("a run {} takes {} ({})\n", common.gpu.empty() ? "without --gpu" : "with this --gpu", chosen.index,
@@ -258,47 +258,38 @@ struct ValidateArguments {
 
 // Single and double precision where the user asks for neither and the device has both.
 std::vector<Precision> precisions(const CommonOptions& common, const EngineReport& engine) {
-    if (common.precision == "f32")
-        return {Precision::f32};
-    if (common.precision == "f64")
-        return {Precision::f64};
-    if (engine.f64)
-        return {Precision::f32, Precision::f64};
-    if (!common.quiet)
+    if (!common.precision.empty())
+        return {common.precision == "f64" ? Precision::f64 : Precision::f32};
+    if (!engine.f64 && !common.quiet)
         remark("{} has no double precision: only f32 is validated\n", engine.device);
-    return {Precision::f32};
+    return precisions_of(engine);
 }
 
-// What was compared, and whether all of it passed.
-struct Compared {
-    std::vector<Comparison> fields;
-    std::vector<PathComparison> paths;
-
-    bool passed() const { return totals_of(fields).passed && totals_of(paths).passed; }
-};
-
-void print(const Compared& compared, const CommonOptions& common, const EngineReport& engine) {
-    const Totals voxels = totals_of(compared.fields);
-    const PathTotals samples = totals_of(compared.paths);
+// Prints what was compared; true if all of it passed.
+bool print(const std::vector<Comparison>& fields, const std::vector<PathComparison>& paths, const CommonOptions& common,
+           const EngineReport& engine) {
+    const Totals voxels = totals_of(fields);
+    const PathTotals samples = totals_of(paths);
+    const bool passed = voxels.passed && samples.passed;
     if (common.json) {
-        nlohmann::ordered_json json = nlohmann::ordered_json::parse(comparison_json(compared.fields, engine));
-        if (!compared.paths.empty()) {
-            json["paths"] = nlohmann::ordered_json::parse(path_comparison_json(compared.paths));
+        nlohmann::ordered_json json = nlohmann::ordered_json::parse(comparison_json(fields, engine));
+        if (!paths.empty()) {
+            json["paths"] = nlohmann::ordered_json::parse(path_comparison_json(paths));
             json["samples"] = samples.samples;
             json["samples_differing"] = samples.differing;
-            json["passed"] = compared.passed();
+            json["passed"] = passed;
         }
         print_data(json.dump(2) + "\n");
-        return;
+        return passed;
     }
     std::string text;
-    if (!compared.fields.empty())
+    if (!fields.empty())
+        text += comparison_table(fields) + fmt::format("{} voxels, {} differ\n", voxels.voxels, voxels.differing);
+    if (!paths.empty())
         text +=
-            comparison_table(compared.fields) + fmt::format("{} voxels, {} differ\n", voxels.voxels, voxels.differing);
-    if (!compared.paths.empty())
-        text += path_comparison_table(compared.paths) +
-                fmt::format("{} samples, {} differ\n", samples.samples, samples.differing);
+            path_comparison_table(paths) + fmt::format("{} samples, {} differ\n", samples.samples, samples.differing);
     print_data(text);
+    return passed;
 }
 
 int run(const ValidateArguments& arguments, const CommonOptions& common) {
@@ -307,7 +298,8 @@ int run(const ValidateArguments& arguments, const CommonOptions& common) {
     const auto engine = make_engine(engine_options(common, common.precision == "f64"));
     const std::vector<Precision> wanted = precisions(common, engine->report());
     CasePreparation preparation;
-    Compared compared;
+    std::vector<Comparison> fields;
+    std::vector<PathComparison> paths;
     std::set<std::string> warned;
     std::size_t all = 0;
     for (const Case* one : cases)
@@ -321,16 +313,16 @@ int run(const ValidateArguments& arguments, const CommonOptions& common) {
                 print_warnings({warning}, common);
         for (const Precision precision : wanted) {
             if (one->scene.field)
-                compared.fields.push_back(compare_case(*engine, prepared, precision));
+                fields.push_back(compare_case(*engine, prepared, precision));
             if (one->scene.paths)
-                compared.paths.push_back(compare_paths(*engine, prepared, precision));
-            progress.update(compared.fields.size() + compared.paths.size(), one->name);
+                paths.push_back(compare_paths(*engine, prepared, precision));
+            progress.update(fields.size() + paths.size(), one->name);
         }
     }
-    print(compared, common, engine->report());
-    if (!compared.passed() && !common.quiet)
+    const bool passed = print(fields, paths, common, engine->report());
+    if (!passed && !common.quiet)
         remark("a bound was exceeded on {}\n", engine->report().device);
-    return compared.passed() ? 0 : 1;
+    return passed ? 0 : 1;
 }
 
 } // namespace

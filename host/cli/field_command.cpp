@@ -17,7 +17,7 @@ namespace forceshade {
 
 namespace {
 
-// An engine whose rows are counted as they pass: a large field takes long.
+// An engine whose rows are counted as they pass: a large field is slow.
 class WatchedEngine final : public Engine {
 public:
     WatchedEngine(Engine& engine, bool quiet) : engine_(engine), quiet_(quiet) {}

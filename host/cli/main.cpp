@@ -27,7 +27,7 @@ int parse_and_run(int argc, char** argv) {
     return command();
 }
 
-// A stream that the caller has closed would be taken by the first file opened, and that file get its text.
+// A stream that the caller has closed would become the first file that is opened, which would get its text.
 void occupy_closed_streams() {
     for (const int descriptor : {0, 1, 2})
         if (::fcntl(descriptor, F_GETFD) < 0)
