@@ -1,9 +1,12 @@
-// What the live loop asks of a haptic device, simulated or real: where is the probe, and push it so hard.
+// What the live loop asks of a haptic device, simulated or real: its position, and to display a force. With what its
+// threads share: the clock, priorities, and a hand-over of values without waiting.
 #pragma once
 
 #include <array>
 #include <atomic>
+#include <cmath>
 #include <cstdint>
+#include <ctime>
 #include <limits>
 #include <pthread.h>
 #include <sched.h>
@@ -17,6 +20,7 @@
 namespace forceshade::device {
 
 inline constexpr double kUnknown = std::numeric_limits<double>::infinity();
+inline constexpr double kSlowestRate = 100, kFastestRate = 10000; /* Hz: of the live loop */
 
 /// What a device is and can do. In the world of every back end x points to the user's right, y away from the user and
 /// z up, whatever the vendor's axes are.
@@ -27,24 +31,25 @@ struct DeviceFacts {
     double lasting_force = kUnknown; /* N: the largest force that its motors bear for any time */
     glm::dvec3 low{-kUnknown};       /* m: the workspace */
     glm::dvec3 high{kUnknown};       /* m */
+    double rate = 1000;              /* Hz: of the loop unless the user says another: a recording's own */
     bool simulated = false;          // each read() is one sample later than the one before, whatever the clock says
-    double silence = kUnknown;       /* s: after such a pause between forces it may have taken the last one away */
+    double silence = kUnknown;       /* s: after such a pause between forces it may have dropped the last one */
     bool has_watchdog = true;        // a process that is killed leaves no force
     std::string remark;              // what else the user should know; empty: nothing
 };
 
-/// What became of a question for the position.
+/// How a device answered a question for its position.
 enum class Answer {
-    fresh,  // measured since the last one
-    held,   // nothing newer than the last one, which is returned again
-    failed, // the device did not answer, or with what is no position
-    ended,  // there are no more (a recording is over)
+    fresh,    // measured since the last one
+    repeated, // nothing newer than the last one, which is returned again
+    failed,   // no answer, or one without a position
+    ended,    // there are no more (a recording is over)
 };
 
 struct Reading {
     Answer answer = Answer::failed;
     glm::dvec3 position{0};   /* m; of `failed` and `ended` without a meaning, of `fresh` perhaps not finite */
-    bool begins_path = false; // what was felt before does not matter any more
+    bool begins_path = false; // the probe did not move here from the position before
 };
 
 /// A device that is open. Constructing one may take its time and throws DeviceAbsent or UsageError; destroying one
@@ -75,7 +80,7 @@ public:
     virtual void rest() noexcept {}
 
     /// In words, what the device complained of last; null: nothing. Lives as long as the program; from any thread.
-    virtual const char* complaint() const noexcept = 0;
+    virtual const char* complaint() const noexcept { return nullptr; }
 };
 
 /// A device, its service or its library is not there: exit 3. The message says how to get it.
@@ -84,11 +89,9 @@ public:
     explicit DeviceAbsent(const std::string& message) : Error(ExitCode::no_device, message) {}
 };
 
-// The newest value that one thread has to tell another, neither of them ever waiting.
-
-/// Hand-over of values from one thread that puts them to one that takes them. Both are wait-free: neither sees a value
-/// half written, and values that were not taken before the next one came are gone. Of three places the writer fills
-/// one, the reader reads another, and the third, which they exchange for theirs, holds the newest.
+/// Hands the newest value from one thread to another. Both are wait-free: neither sees a value half written, and a
+/// value that was not taken before the next one came is gone. Of three places the writer fills one, the reader reads
+/// another, and the third, which they exchange for theirs, holds the newest.
 template <typename T> class Newest {
     static_assert(std::is_trivially_copyable_v<T>);
 
@@ -116,9 +119,25 @@ private:
     std::atomic<std::uint32_t> between_ = 2;
 };
 
-// Which thread of a live run goes before which, where the system permits it.
+inline bool is_finite(const glm::dvec3& v) noexcept {
+    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
 
-/// Of SCHED_FIFO: the loop's, one that carries its forces to a device, the watchdog's, which both must not hold up.
+inline constexpr std::int64_t kSecond = 1'000'000'000; /* ns */
+
+inline std::int64_t read_clock(clockid_t clock) noexcept {
+    timespec time{};
+    ::clock_gettime(clock, &time);
+    return std::int64_t(time.tv_sec) * kSecond + time.tv_nsec;
+}
+
+/// ns of the monotonic clock, which nobody sets, from an arbitrary beginning.
+inline std::int64_t now() noexcept {
+    return read_clock(CLOCK_MONOTONIC);
+}
+
+/// Priorities of SCHED_FIFO, where the system permits them: of the thread that carries forces to a device, of the
+/// loop's, and of the watchdog's, which neither may delay.
 inline constexpr int kCarrierPriority = 75, kLoopPriority = 80, kWatchdogPriority = 85;
 
 /// For the calling thread; 0, or the reason why not (errno).

@@ -1,31 +1,37 @@
 #include "device/backends/devices.h"
 
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
 #include <fmt/format.h>
 
-#include "device/backends/dhd.h"
 #include "device/backends/haply.h"
-#include "device/backends/hd.h"
+#include "host/prepare/prepared_case.h"
+#include "host/scene/value.h"
 
 namespace forceshade::device {
 
 namespace {
 
-DeviceKind sim() {
-    return {"sim", "a simulated hand that holds a simulated device", {"sim"}, {}, {}, {}, {}};
+std::unique_ptr<BackEnd> open_sim(const PreparedCase& prepared, std::optional<double> rate, double ramp) {
+    const std::optional<PathsSpec>& paths = prepared.one.scene.paths;
+    const double chosen = rate ? *rate : paths ? paths->rate : DeviceFacts{}.rate;
+    constexpr double kMost = 1e9; // samples
+    const double still = ramp > 0 ? std::min(std::ceil(ramp * chosen) + 1, kMost) : 0;
+    return make_sim(prepared, chosen, static_cast<std::uint64_t>(still));
 }
 
-DeviceKind replay() {
-    return {"replay:FILE", "recorded positions in place of a device", {"replay:FILE"}, {}, {}, {}, {}};
-}
-
-void look_for_service(DeviceKind& kind, const std::string& url, double wait) {
+DeviceKind find_haply(const std::string& url, double wait) {
     const HaplyFinding found = look_for_haply(url, wait);
+    DeviceKind kind;
     kind.place = url;
     if (!found.problem.empty()) {
         kind.problem = fmt::format("no Inverse Service: {}. Install and start the Inverse Service 3.x (haply.co); one "
                                    "elsewhere is asked for as haply:ws://HOST:PORT",
                                    found.problem);
-        return;
+        return kind;
     }
     kind.software = "Inverse Service" + (found.version.empty() ? " of unknown version" : " " + found.version);
     std::vector<std::string> names;
@@ -36,48 +42,53 @@ void look_for_service(DeviceKind& kind, const std::string& url, double wait) {
     kind.name = fmt::format("{}", fmt::join(names, ", "));
     if (found.devices.empty())
         kind.problem = "the service lists no device: plug one in and switch it on (Haply Hub shows it)";
+    return kind;
 }
 
-void look_for_dhd(DeviceKind& kind) {
-    const DhdFound found = find_dhd();
-    kind.software = found.software;
-    kind.place = found.file;
-    for (int index = 0; index < found.devices; ++index)
-        kind.devices.push_back(fmt::format("dhd:{}", index));
-    if (found.devices <= 0)
-        kind.problem = fmt::format("no device{}: is it plugged in and powered, and may this user use it (a udev rule "
-                                   "for USB)?",
-                                   found.complaint.empty() ? "" : " (" + found.complaint + ")");
-}
-
-void look_for_hd(DeviceKind& kind) {
-    const HdFound found = find_hd();
-    kind.software = found.software;
-    kind.place = found.file;
-    kind.name = found.device;
-    kind.problem = found.complaint;
-    if (!found.device.empty())
-        kind.devices = {"hd"};
-}
-
-template <typename Look> DeviceKind kind_of(std::string option, std::string what, Look&& look) {
-    DeviceKind kind{std::move(option), std::move(what), {}, {}, {}, {}, {}};
+template <typename Find> DeviceKind kind_of(const char* option, const char* what, Find&& find) {
+    DeviceKind kind;
     try {
-        look(kind);
+        kind = find();
     } catch (const DeviceAbsent& absent) {
         kind.problem = absent.what();
     }
+    kind.option = option;
+    kind.what = what;
     return kind;
 }
 
 } // namespace
 
+std::unique_ptr<BackEnd> open_device(const std::string& name, const PreparedCase& prepared, std::optional<double> rate,
+                                     double ramp) {
+    const std::size_t colon = name.find(':');
+    const std::string kind = name.substr(0, colon), further = colon == std::string::npos ? "" : name.substr(colon + 1);
+    if (kind == "sim" && colon != std::string::npos)
+        throw UsageError(fmt::format("--device {}: sim takes nothing further", name));
+    if (kind == "sim")
+        return open_sim(prepared, rate, ramp);
+    if (kind == "replay" && further.empty())
+        throw UsageError("--device replay: which file? replay:FILE.csv");
+    if (kind == "replay")
+        return make_replay(further);
+    if (kind == "haply")
+        return open_haply(parse_haply(further));
+    if (kind == "dhd")
+        return open_dhd(further);
+    if (kind == "hd")
+        return open_hd(further);
+    const std::array<std::string, 5> kinds{"sim", "replay", "haply", "dhd", "hd"};
+    throw UsageError(fmt::format("--device {}: there are sim, replay:FILE, haply[:URL], dhd[:INDEX] or hd[:NAME]{}",
+                                 name, did_you_mean(kind, kinds)));
+}
+
 std::vector<DeviceKind> list_devices(const std::string& service, double wait) {
     const std::string url = service.empty() ? HaplyOptions{}.url : service;
-    return {sim(), replay(),
-            kind_of("haply[:URL]", "Haply Inverse3", [&](DeviceKind& kind) { look_for_service(kind, url, wait); }),
-            kind_of("dhd[:INDEX]", "Force Dimension omega, delta, sigma, lambda; Novint Falcon", look_for_dhd),
-            kind_of("hd[:NAME]", "3D Systems Touch, Touch X, Phantom", look_for_hd)};
+    return {{"sim", "a simulated hand that holds a simulated device", {"sim"}, {}, {}, {}, {}},
+            {"replay:FILE", "recorded positions in place of a device", {"replay:FILE"}, {}, {}, {}, {}},
+            kind_of("haply[:URL]", "Haply Inverse3", [&] { return find_haply(url, wait); }),
+            kind_of("dhd[:INDEX]", "Force Dimension omega, delta, sigma, lambda; Novint Falcon", find_dhd),
+            kind_of("hd[:NAME]", "3D Systems Touch, Touch X, Phantom", find_hd)};
 }
 
 } // namespace forceshade::device

@@ -6,13 +6,15 @@
 #include <cstddef>
 #include <string>
 
+#include <fmt/format.h>
+
 #include "device/backends/shared_library.h"
 
 namespace forceshade::device {
 
 /// Calls that return an int return a negative one on an error, about which dhdErrorGetLastStr knows more. A device is
-/// named by the number that opening it returned.
-struct DhdCalls {
+/// named by the number that opening it returned. \throws DeviceAbsent: not there, or not what it should be.
+struct DhdLibrary : SharedLibrary {
     static constexpr int kTimeGuard = 1; // dhdGetPosition: asked too soon, this is the position of before
 
     /// What dhdGetStatus tells, by index: 1 or 0, but for the cause. Versions of the SDK have 15 to 17 of them.
@@ -24,42 +26,45 @@ struct DhdCalls {
     };
     enum ForceOffCause : int { none, button, velocity, watchdog, software, disconnected, dead_man };
 
-    int (*get_device_count)();
-    int (*open)();
-    int (*open_id)(char index);
-    int (*close)(char id);
-    int (*stop)(char id); // no force, brakes on
-    int (*enable_force)(unsigned char on, char id);
-    int (*get_status)(int* status, char id);
-    int (*get_position)(double* x, double* y, double* z, char id);
-    int (*set_force)(double x, double y, double z, char id);
-    const char* (*error_get_last_str)(); // of the calling thread; static
+    DhdLibrary()
+        : SharedLibrary({"Force Dimension SDK",
+                         "FORCESHADE_DHD_LIBRARY",
+                         {"libdhd.so", "libdhd.so.3", "libdrd.so", "libdrd.so.3"},
+                         "Install the SDK from forcedimension.com and put its lib/release/lin-x86_64-gcc into "
+                         "LD_LIBRARY_PATH, or set FORCESHADE_DHD_LIBRARY to its libdhd.so.3 file"}) {}
+
+    int (*get_device_count)() = needed("dhdGetDeviceCount");
+    int (*open)() = needed("dhdOpen");
+    int (*open_id)(char index) = needed("dhdOpenID");
+    int (*close)(char id) = needed("dhdClose");
+    int (*stop)(char id) = needed("dhdStop"); // no force, brakes on
+    int (*enable_force)(unsigned char on, char id) = needed("dhdEnableForce");
+    int (*get_status)(int* status, char id) = needed("dhdGetStatus");
+    int (*get_position)(double* x, double* y, double* z, char id) = needed("dhdGetPosition");
+    int (*set_force)(double x, double y, double z, char id) = needed("dhdSetForce");
+    const char* (*error_get_last_str)() = needed("dhdErrorGetLastStr"); // of the calling thread; static
 
     // Null where a version of the SDK does not have them.
-    void (*get_sdk_version)(int* major, int* minor, int* release, int* revision);
-    const char* (*get_system_name)(char id);
-    int (*get_system_type)(char id);
-    int (*get_serial_number)(unsigned short* number, char id);
-    double (*get_max_force)(char id); // negative: no limit is set
-    int (*enable_expert_mode)();
-    int (*disable_expert_mode)();
-    int (*set_watchdog)(unsigned char time, char id); // in 125 us; expert
-};
+    void (*get_sdk_version)(int* major, int* minor, int* release, int* revision) = optional("dhdGetSDKVersion");
+    const char* (*get_system_name)(char id) = optional("dhdGetSystemName");
+    int (*get_system_type)(char id) = optional("dhdGetSystemType");
+    int (*get_serial_number)(unsigned short* number, char id) = optional("dhdGetSerialNumber");
+    double (*get_max_force)(char id) = optional("dhdGetMaxForce"); // negative: no limit is set
+    int (*enable_expert_mode)() = optional("dhdEnableExpertMode");
+    int (*disable_expert_mode)() = optional("dhdDisableExpertMode");
+    int (*set_watchdog)(unsigned char time, char id) = optional("dhdSetWatchdog"); // in 125 us; expert
 
-/// The loaded library.
-class DhdLibrary {
-public:
-    /// \throws DeviceAbsent: not there, or not what it should be.
-    DhdLibrary();
-
-    const DhdCalls& calls() const { return calls_; }
-    const std::string& file() const { return library_.file(); }
-    std::string software() const; // "DHD SDK 3.17.6.0"
-    std::string error() const;    // what it complained of last in this thread
-
-private:
-    SharedLibrary library_;
-    DhdCalls calls_{};
+    std::string version() const { // "DHD SDK 3.17.6.0"
+        if (!get_sdk_version)
+            return "DHD SDK of unknown version";
+        int major = 0, minor = 0, release = 0, revision = 0;
+        get_sdk_version(&major, &minor, &release, &revision);
+        return fmt::format("DHD SDK {}.{}.{}.{}", major, minor, release, revision);
+    }
+    std::string error() const { // what it complained of last in this thread
+        const char* text = error_get_last_str();
+        return text && *text ? text : "no reason given";
+    }
 };
 
 } // namespace forceshade::device

@@ -33,8 +33,8 @@ struct HaplyDevice {
     std::string id;     // "04BA"
     std::string type;   // "inverse3", as the service calls it
     std::string status; // "ready, not calibrated": whatever the service says of it
-    std::string basis;  // "XYZ": the axes in which the service speaks of it (axes.h)
-    unsigned unmet = 0; // of what a force needs (protocol.h), by its status
+    std::string basis;  // "XYZ": the axes in which the service speaks of it (haply_protocol.h)
+    unsigned unmet = 0; // of what a force needs (haply_protocol.h), by its status
 };
 
 /// What answers at an address.
@@ -48,8 +48,7 @@ struct HaplyFinding {
 /// Asks for version and inventory; sends no command. `wait`, in s, is for each answer.
 HaplyFinding look_for_haply(const std::string& url, double wait = 3);
 
-// Where the service listens: the parts of a ws:// URL.
-
+/// Where the service listens: the parts of a ws:// URL.
 struct Address {
     std::string host; // without the brackets of an IPv6 address
     std::string port;

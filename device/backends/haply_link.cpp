@@ -3,7 +3,6 @@
 #include "device/backends/haply_link.h"
 
 #include <cerrno>
-#include <cmath>
 #include <cstring>
 #include <fcntl.h>
 #include <functional>
@@ -45,20 +44,16 @@ using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 
 constexpr std::size_t kLongestMessage = std::size_t(1) << 20; // bytes; an inventory has some thousand
-constexpr milliseconds kSilence{50};                          // without a word of the live loop: it is taken for dead
-constexpr milliseconds kGiveUp{1000};  // for a late answer, before the connection is taken for dead
-constexpr milliseconds kFarewell{200}; // from `stopping` to the end of the thread
-constexpr milliseconds kFirstPause{20}, kLongestPause{1000}; // before connecting anew
+constexpr milliseconds kSilence{50};                          // after which a silent live loop counts as dead
+constexpr milliseconds kGiveUp{1000};                         // for a late answer, before the connection counts as dead
+constexpr milliseconds kFarewell{200};                        // from `stopping` to the end of the thread
+constexpr milliseconds kFirstPause{20}, kLongestPause{1000};  // before connecting anew
 
-constexpr const char* kAway = "the Inverse Service is not there";
-constexpr const char* kMute = "the Inverse Service takes up no connection";
 constexpr const char* kClosed = "the connection to the Inverse Service broke; connecting anew";
-constexpr const char* kLate = "the Inverse Service does not answer in time";
-constexpr const char* kDead = "the Inverse Service does not answer any more; connecting anew";
-constexpr const char* kNotListed = "the Inverse Service does not list the device";
-constexpr const char* kStrange = "the Inverse Service names the device's axes in a way that is not known";
-constexpr const char* kUnasked = "the Inverse Service sent a state that was not asked for; it was dropped";
-constexpr const char* kBroken = "the thread that talks to the Inverse Service failed";
+
+milliseconds milliseconds_of(double seconds) {
+    return milliseconds(static_cast<std::int64_t>(seconds * 1e3));
+}
 
 /// Why a connection failed, in words: of an operation that had `wait` s to end.
 std::string trouble(const ErrorCode& error, double wait) {
@@ -78,82 +73,83 @@ std::string trouble(const ErrorCode& error, double wait) {
 
 /// One connection to the service. Handlers that are under way hold it, so that it outlives being replaced.
 struct Line : std::enable_shared_from_this<Line> {
+    using Done = std::function<void(const ErrorCode&, const std::string& inventory)>;
+
     explicit Line(asio::io_context& io) : socket(io), resolver(io) {}
 
-    /// Goes on until the service has told its inventory, however long that takes.
-    void dial(const Address& address, std::function<void(const ErrorCode&, const std::string& inventory)> done);
+    /// Connects and waits until the service has told its inventory; after the look-up of the name for at most `limit` a
+    /// step, if that is not 0.
+    void dial(const Address& address, milliseconds limit, Done done) {
+        const auto self = shared_from_this();
+        const auto begin_step = [self, limit] {
+            if (limit != milliseconds(0))
+                self->socket.next_layer().expires_after(limit);
+        };
+        const Moved told = [self, done](const ErrorCode& error, std::size_t) {
+            done(error, error ? "" : self->take_text());
+        };
+        const Ended greeted = [self, begin_step, done, told](const ErrorCode& error) {
+            if (error)
+                return done(error, {});
+            begin_step();
+            self->socket.async_read(self->received, told);
+        };
+        const Connected connected = [self, begin_step, done, greeted, address](const ErrorCode& error,
+                                                                               const Tcp::endpoint&) {
+            if (error)
+                return done(error, {});
+            ErrorCode ignored;
+            self->socket.next_layer().socket().set_option(Tcp::no_delay(true), ignored);
+            begin_step();
+            self->socket.async_handshake(self->response, address.host_field(), address.path, greeted);
+        };
+        socket.read_message_max(kLongestMessage);
+        const Resolved resolved = [self, begin_step, done, connected](const ErrorCode& error,
+                                                                      const Tcp::resolver::results_type& places) {
+            if (error)
+                return done(error, {});
+            begin_step();
+            self->socket.next_layer().async_connect(places, connected);
+        };
+        resolver.async_resolve(address.host, address.port, resolved);
+    }
 
     /// What was received, as it is.
-    std::string take_text();
-
-    int descriptor() { return socket.next_layer().socket().native_handle(); }
+    std::string take_text() {
+        std::string text(static_cast<const char*>(received.data().data()), received.size());
+        received.consume(received.size());
+        return text;
+    }
 
     /// At once; operations that are under way end with an error.
-    void close();
+    void close() {
+        ErrorCode ignored;
+        resolver.cancel();
+        Tcp::socket& tcp = socket.next_layer().socket();
+        tcp.shutdown(Tcp::socket::shutdown_both, ignored);
+        tcp.close(ignored);
+    }
 
     WebSocket socket;
     Tcp::resolver resolver;
+    websocket::response_type response; // to the handshake
     beast::flat_buffer received;
     std::string command;  // that is being written
     bool writing = false; // one at a time
 };
 
-void Line::dial(const Address& address, std::function<void(const ErrorCode&, const std::string& inventory)> done) {
-    const auto self = shared_from_this();
-    const Moved told = [self, done](const ErrorCode& error, std::size_t) {
-        done(error, error ? "" : self->take_text());
-    };
-    const Ended greeted = [self, done, told](const ErrorCode& error) {
-        if (error)
-            return done(error, {});
-        self->socket.async_read(self->received, told);
-    };
-    const Connected connected = [self, done, greeted, address](const ErrorCode& error, const Tcp::endpoint&) {
-        if (error)
-            return done(error, {});
-        ErrorCode ignored;
-        self->socket.next_layer().socket().set_option(Tcp::no_delay(true), ignored);
-        self->socket.async_handshake(address.host_field(), address.path, greeted);
-    };
-    socket.read_message_max(kLongestMessage);
-    const Resolved resolved = [self, done, connected](const ErrorCode& error,
-                                                      const Tcp::resolver::results_type& places) {
-        if (error)
-            return done(error, {});
-        self->socket.next_layer().async_connect(places, connected);
-    };
-    resolver.async_resolve(address.host, address.port, resolved);
-}
-
-std::string Line::take_text() {
-    std::string text(static_cast<const char*>(received.data().data()), received.size());
-    received.consume(received.size());
-    return text;
-}
-
-void Line::close() {
-    ErrorCode ignored;
-    resolver.cancel();
-    Tcp::socket& tcp = socket.next_layer().socket();
-    tcp.shutdown(Tcp::socket::shutdown_both, ignored);
-    tcp.close(ignored);
-}
-
 /// What answers at an address: asked step by step, each with its own time limit, sending no command.
 class Look {
 public:
-    Look(const Address& address, double wait)
-        : address_(address), wait_(std::chrono::milliseconds(static_cast<std::int64_t>(wait * 1000))), wait_s_(wait) {}
+    Look(const Address& address, double wait) : address_(address), wait_(milliseconds_of(wait)), wait_s_(wait) {}
 
     HaplyFinding find(std::string url) {
         HaplyFinding finding;
         finding.url = std::move(url);
-        const ErrorCode reached = ask_version(finding.version);
-        if (reached) {
-            finding.problem = trouble(reached, wait_s_);
-            return finding;
-        }
-        ask_inventory(finding);
+        if (const ErrorCode error = ask_version(finding.version))
+            finding.problem = trouble(error, wait_s_);
+        else
+            ask_inventory(finding);
         return finding;
     }
 
@@ -167,26 +163,22 @@ private:
         return outcome;
     }
 
-    ErrorCode connect(beast::tcp_stream& stream) {
-        Tcp::resolver resolver(io_);
-        Tcp::resolver::results_type places;
-        const ErrorCode resolved = step([&](Ended done) {
-            resolver.async_resolve(address_.host, address_.port,
-                                   Resolved([&places, done](const ErrorCode& error, const auto& found) {
-                                       places = found;
-                                       done(error);
-                                   }));
-        });
-        if (resolved)
-            return resolved;
-        stream.expires_after(wait_);
-        return step([&](Connected done) { stream.async_connect(places, done); });
-    }
-
     /// Only that nobody is there is an error: a service may keep its version to itself.
     ErrorCode ask_version(std::string& version) {
+        Tcp::resolver resolver(io_);
+        Tcp::resolver::results_type places;
         beast::tcp_stream stream(io_);
-        if (const ErrorCode error = connect(stream))
+        ErrorCode error = step([&](Ended done) {
+            resolver.async_resolve(address_.host, address_.port,
+                                   Resolved([&places, done](const ErrorCode& failure, const auto& found) {
+                                       places = found;
+                                       done(failure);
+                                   }));
+        });
+        stream.expires_after(wait_);
+        if (!error)
+            error = step([&](Connected done) { stream.async_connect(places, done); });
+        if (error)
             return error;
         http::request<http::empty_body> request{http::verb::get, "/version", 11};
         request.set(http::field::host, address_.host_field());
@@ -194,7 +186,7 @@ private:
         beast::flat_buffer buffer(kLongestMessage);
         http::response<http::string_body> response;
         stream.expires_after(wait_);
-        ErrorCode error = step([&](Moved done) { http::async_write(stream, request, done); });
+        error = step([&](Moved done) { http::async_write(stream, request, done); });
         if (!error)
             error = step([&](Moved done) { http::async_read(stream, buffer, response, done); });
         if (!error && response.result() == http::status::ok)
@@ -203,47 +195,39 @@ private:
     }
 
     void ask_inventory(HaplyFinding& finding) {
-        WebSocket line(io_);
-        line.read_message_max(kLongestMessage);
-        ErrorCode error = connect(line.next_layer());
-        websocket::response_type response;
-        if (!error) {
-            line.next_layer().expires_after(wait_);
-            error =
-                step([&](Ended done) { line.async_handshake(response, address_.host_field(), address_.path, done); });
-        }
-        if (error == websocket::error::upgrade_declined) {
-            finding.problem = fmt::format("an HTTP server answers there, but not as a WebSocket (status {})",
-                                          static_cast<unsigned>(response.result_int()));
-            return;
-        }
-        beast::flat_buffer buffer;
-        if (!error) {
-            line.next_layer().expires_after(wait_);
-            error = step([&](Moved done) { line.async_read(buffer, done); });
-        }
+        const auto line = std::make_shared<Line>(io_);
+        std::string inventory;
+        const ErrorCode error = step([&](Ended done) {
+            line->dial(address_, wait_, [&inventory, done](const ErrorCode& failure, const std::string& text) {
+                inventory = text;
+                done(failure);
+            });
+        });
         if (error) {
-            finding.problem = trouble(error, wait_s_);
+            finding.problem = error != websocket::error::upgrade_declined
+                                  ? trouble(error, wait_s_)
+                                  : fmt::format("an HTTP server answers there, but not as a WebSocket (status {})",
+                                                static_cast<unsigned>(line->response.result_int()));
             return;
         }
-        const auto text = static_cast<const char*>(buffer.data().data());
-        if (auto devices = read_inventory({text, buffer.size()}))
+        if (auto devices = read_inventory(inventory))
             finding.devices = std::move(*devices);
         else
             finding.problem = "what answers there tells no inventory of devices: it is not the Inverse Service 3.x";
-        line.next_layer().expires_after(std::min<std::chrono::milliseconds>(wait_, std::chrono::milliseconds(200)));
-        step([&](Ended done) { line.async_close(websocket::close_code::normal, done); });
+        line->socket.next_layer().expires_after(std::min(wait_, milliseconds(200)));
+        step([&](Ended done) { line->socket.async_close(websocket::close_code::normal, done); });
     }
 
     const Address& address_;
-    std::chrono::milliseconds wait_;
-    double wait_s_;
+    const milliseconds wait_;
+    const double wait_s_;
     asio::io_context io_{1};
 };
 
 class Link {
 public:
-    Link(Exchange& exchange, const LinkOptions& options) : exchange_(exchange), options_(options) {
+    Link(Exchange& exchange, const HaplyOptions& options)
+        : exchange_(exchange), options_(options), address_(parse_address(options.url)) {
         wake_.assign(::dup(exchange.wake_descriptor()));
     }
 
@@ -261,7 +245,7 @@ private:
     template <typename Act> void arm(asio::steady_timer& timer, milliseconds time, Act act) {
         timer.expires_after(time);
         timer.async_wait([&timer, act](const ErrorCode& error) {
-            if (!error && timer.expiry() <= steady_clock::now()) // neither cancelled nor set anew meanwhile
+            if (!error && timer.expiry() <= steady_clock::now()) // neither cancelled nor set again meanwhile
                 act();
         });
     }
@@ -280,8 +264,6 @@ private:
         };
     }
 
-    // ---- the live loop's side
-
     void listen() {
         wake_.async_wait(asio::posix::stream_descriptor::wait_read, [this](const ErrorCode& error) {
             if (error)
@@ -294,7 +276,7 @@ private:
                 pending_ = true;
                 watch();
             }
-            if (exchange_.resting.exchange(false)) { // after the newest force was taken: an older one does not win
+            if (exchange_.resting.exchange(false)) { // after the newest force was read: an older one does not win
                 wish_ = glm::dvec3(0);
                 pending_ = true;
             }
@@ -321,16 +303,15 @@ private:
         exchange_.withheld = why;
     }
 
-    // ---- from nothing to a connection
-
     void connect() {
         phase_ = Phase::connecting;
         step_.reset();
         late_ = false;
         const LinePointer line = line_ = std::make_shared<Line>(io_);
-        arm(limit_, options_.wait, [this] { lose(kMute); });
-        line->dial(options_.address,
-                   on(line, kAway, [this, line](const std::string& inventory) { begin(line, inventory); }));
+        arm(limit_, milliseconds_of(options_.wait), [this] { lose("the Inverse Service takes up no connection"); });
+        line->dial(address_, milliseconds(0),
+                   on(line, "the Inverse Service is not there",
+                      [this, line](const std::string& inventory) { begin(line, inventory); }));
     }
 
     void begin(const LinePointer& line, const std::string& inventory) {
@@ -340,22 +321,20 @@ private:
             if (each.id == options_.device_id)
                 device = &each;
         if (device == nullptr)
-            return lose(kNotListed);
+            return lose("the Inverse Service does not list the device");
         const std::optional<Axes> axes = parse_basis(device->basis);
         if (!axes)
-            return lose(kStrange);
+            return lose("the Inverse Service names the device's axes in a way that is not known");
         axes_ = *axes;
         unmet_ = device->unmet; // whatever was before the connection broke
         tell_withheld();
         limit_.cancel();
         phase_ = Phase::running;
-        exchange_.lend_line(line->descriptor());
+        exchange_.lend_line(line->socket.next_layer().socket().native_handle());
         exchange_.there = true;
         hear(line);
         send(glm::dvec3(0));
     }
-
-    // ---- commands and answers
 
     void pump() {
         if (phase_ != Phase::running || !pending_ || line_->writing || step_.owed() > 0)
@@ -365,30 +344,28 @@ private:
     }
 
     void send(glm::dvec3 force) {
-        const bool finite = std::isfinite(force.x) && std::isfinite(force.y) && std::isfinite(force.z);
-        if (!finite || exchange_.stopping || unmet_ != 0)
+        if (!is_finite(force) || exchange_.stopping || unmet_ != 0)
             force = glm::dvec3(0);
         const LinePointer line = line_;
         write_command(line->command, options_.dialect, options_.device_id, axes_.to_service(force));
         line->writing = true;
         step_.sent();
         if (phase_ == Phase::running)
-            arm(answer_, late_ ? kGiveUp : options_.patience, [this] { miss(); });
+            arm(answer_, late_ ? kGiveUp : milliseconds_of(options_.patience), [this] { miss(); });
         line->socket.async_write(asio::buffer(line->command), Moved(on(line, kClosed, [this, line] {
                                      line->writing = false;
                                      phase_ == Phase::leaving ? last_word() : pump();
                                  })));
     }
 
-    /// The answer did not come in time. What was under way may still be applied when the service wakes up: let it find
-    /// no force behind that.
+    /// The answer is late. The service may still apply what was under way when it wakes up: let no force follow that.
     void miss() {
         if (step_.owed() == 0)
             return;
-        exchange_.sighting.put({});
+        exchange_.measurement.put({});
         if (late_)
-            return lose(kDead);
-        exchange_.complaint = kLate;
+            return lose("the Inverse Service does not answer any more; connecting anew");
+        exchange_.complaint = "the Inverse Service does not answer in time";
         late_ = true;
         if (line_->writing)
             arm(answer_, kGiveUp, [this] { miss(); });
@@ -405,7 +382,8 @@ private:
                                     if (kind == LockStep::Kind::current)
                                         take_state(text);
                                     else if (kind == LockStep::Kind::unasked)
-                                        exchange_.complaint = kUnasked;
+                                        exchange_.complaint =
+                                            "the Inverse Service sent a state that was not asked for; it was dropped";
                                     hear(line);
                                     pump();
                                 })));
@@ -418,19 +396,17 @@ private:
         unmet_ = (unmet_ & ~state.readiness.told) | state.readiness.unmet;
         tell_withheld();
         if (state.fault == nullptr) {
-            exchange_.sighting.put({true, steady_now(), axes_.to_world(state.position)});
+            exchange_.measurement.put({true, now(), axes_.to_world(state.position)});
             pause_ = kFirstPause;
         } else {
             exchange_.complaint = state.fault;
-            exchange_.sighting.put({});
+            exchange_.measurement.put({});
         }
     }
 
-    // ---- ends
-
     void drop_line() {
         exchange_.there = false;
-        exchange_.sighting.put({});
+        exchange_.measurement.put({});
         exchange_.lend_line(-1);
         if (line_ == nullptr)
             return;
@@ -480,7 +456,8 @@ private:
     }
 
     Exchange& exchange_;
-    const LinkOptions& options_;
+    const HaplyOptions& options_;
+    const Address address_;
     asio::io_context io_{1};
     asio::posix::stream_descriptor wake_{io_};
     asio::steady_timer limit_{io_}, answer_{io_}, silence_{io_}, retry_{io_};
@@ -488,7 +465,7 @@ private:
     LockStep step_;
     Axes axes_;
     Phase phase_ = Phase::connecting;
-    glm::dvec3 wish_{0}; /* N, in the world's axes */
+    glm::dvec3 wish_{0}; /* N, in the world's axes: to be sent */
     unsigned unmet_ = 0; // of the conditions for a force
     bool pending_ = false, late_ = false, said_ = false;
     milliseconds pause_ = kFirstPause;
@@ -535,24 +512,19 @@ void Exchange::lend_line(int socket) noexcept {
     ::dup3(socket < 0 ? nothing_ : socket, line_, O_CLOEXEC);
 }
 
-std::int64_t steady_now() noexcept {
-    using namespace std::chrono;
-    return duration_cast<nanoseconds>(steady_clock::now().time_since_epoch()).count();
-}
-
 HaplyFinding look_for_haply(const std::string& url, double wait) {
     return Look(parse_address(url), wait).find(url);
 }
 
-void run_link(Exchange& exchange, const LinkOptions& options) noexcept {
+void run_link(Exchange& exchange, const HaplyOptions& options) noexcept {
     try {
         Link(exchange, options).run();
     } catch (...) { // memory; the connection is gone with it, and the service applies nothing to what is silent
-        exchange.complaint = kBroken;
+        exchange.complaint = "the thread that talks to the Inverse Service failed";
     }
     exchange.lend_line(-1);
     exchange.there = false;
-    exchange.sighting.put({});
+    exchange.measurement.put({});
 }
 
 } // namespace forceshade::device

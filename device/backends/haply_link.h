@@ -1,10 +1,8 @@
-// What the live loop's thread and the one that talks to the service tell each other.
+// The thread that talks to the Inverse Service, and what it and the live loop's thread tell each other.
 #pragma once
 
 #include <atomic>
-#include <chrono>
 #include <cstdint>
-#include <memory>
 #include <string>
 
 #include <glm/vec3.hpp>
@@ -14,14 +12,14 @@
 
 namespace forceshade::device {
 
-/// What the device's last answer came to.
-struct Sighting {
+/// The device's last answer.
+struct Measurement {
     bool good = false;      // it has a position; false: it has none, came too late, or the service is gone
     std::int64_t time = 0;  /* ns, of the steady clock: when it arrived */
     glm::dvec3 position{0}; /* m, in the world's axes, finite */
 };
 
-/// Forces go one way, sightings the other, without either thread waiting for the other.
+/// Forces one way, positions the other, without either thread waiting for the other.
 class Exchange {
 public:
     /// `zero_frame`: a command without force, as it goes over the line. Throws Error where the system has no more
@@ -32,7 +30,7 @@ public:
     Exchange& operator=(const Exchange&) = delete;
 
     Newest<glm::dvec3> force;          /* N: from the live loop */
-    Newest<Sighting> sighting;         // for the live loop
+    Newest<Measurement> measurement;   // for the live loop
     std::atomic<bool> there{false};    // the service answers and lists the device
     std::atomic<bool> stopping{false}; // no force any more; set once
     std::atomic<bool> resting{false};  // no force until the next one
@@ -60,20 +58,8 @@ private:
     int wake_ = -1, nothing_ = -1, line_ = -1;
 };
 
-/// ns, of the steady clock.
-std::int64_t steady_now() noexcept;
-
-// The thread that talks to the service: connects, keeps the lock-step of commands and answers, reconnects.
-
-struct LinkOptions {
-    Address address;
-    std::string device_id;
-    HaplyOptions::Dialect dialect = HaplyOptions::Dialect::vector; // not by_version
-    std::chrono::milliseconds wait{3000};                          // for the service to take up a connection
-    std::chrono::milliseconds patience{100};                       // for an answer, after which it counts as lost
-};
-
-/// Talks until `exchange.stopping`; then takes leave within 200 ms, with a last command without force. Throws nothing.
-void run_link(Exchange& exchange, const LinkOptions& options) noexcept;
+/// What that thread runs: connects, keeps the lock-step of commands and answers, reconnects, until `exchange.stopping`;
+/// then ends within 200 ms, with a last command without force. `options` name a device and a dialect. Throws nothing.
+void run_link(Exchange& exchange, const HaplyOptions& options) noexcept;
 
 } // namespace forceshade::device

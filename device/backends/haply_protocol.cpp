@@ -1,5 +1,6 @@
 #include "device/backends/haply_protocol.h"
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
@@ -8,48 +9,43 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "host/error.h"
+
 namespace forceshade::device {
 
-std::optional<Axes> parse_basis(std::string_view permutation) {
-    if (permutation.empty())
-        return Axes{};
-    Axes axes;
-    std::size_t count = 0;
-    unsigned seen = 0;
-    double sign = 1;
-    bool signed_already = false;
-    for (const char letter : permutation) {
-        if (letter == '+' || letter == '-') {
-            if (signed_already || count == 3)
-                return std::nullopt;
-            sign = letter == '-' ? -1 : 1;
-            signed_already = true;
-            continue;
-        }
-        const int axis = letter == 'X' || letter == 'x'   ? 0
-                         : letter == 'Y' || letter == 'y' ? 1
-                         : letter == 'Z' || letter == 'z' ? 2
-                                                          : -1;
-        if (axis < 0 || count == 3 || (seen >> axis & 1u) != 0)
-            return std::nullopt;
-        seen |= 1u << axis;
-        axes.from[count] = axis;
-        axes.sign[static_cast<int>(count)] = sign;
-        ++count;
-        sign = 1;
-        signed_already = false;
-    }
-    if (count != 3)
-        return std::nullopt;
-    return axes;
+namespace {
+
+[[noreturn]] void refuse(std::string_view url, std::string_view why) {
+    throw UsageError(
+        fmt::format("the Inverse Service's address '{}' {}: it looks like ws://localhost:10001", url, why));
 }
 
-namespace {
+std::string checked_port(std::string_view url, std::string_view port) {
+    unsigned number = 0;
+    const auto [end, error] = std::from_chars(port.data(), port.data() + port.size(), number);
+    if (error != std::errc() || end != port.data() + port.size() || number == 0 || number > 65535)
+        refuse(url, fmt::format("has the port '{}', which is none from 1 to 65535", port));
+    return std::string(port);
+}
+
+void set(HaplyOptions& options, std::string_view key, std::string_view value) {
+    using Dialect = HaplyOptions::Dialect;
+    if (value.empty())
+        throw UsageError(fmt::format("haply: '{}' has no value: ?device=04BA&dialect=values", key));
+    if (key == "device")
+        options.device_id = value;
+    else if (key != "dialect")
+        throw UsageError(fmt::format("haply: unknown option '{}': there are device and dialect", key));
+    else if (value != "vector" && value != "values")
+        throw UsageError(fmt::format("haply: the dialect is vector or values, not '{}'", value));
+    else
+        options.dialect = value == "vector" ? Dialect::vector : Dialect::values;
+}
 
 using Json = nlohmann::json;
 using Dialect = HaplyOptions::Dialect;
 
-constexpr double kFarthest = 10; /* m: no hand-held device reaches so far: what says so is no position */
+constexpr double kFarthest = 10; /* m: no hand-held device reaches so far: such numbers are no position */
 
 Json parse(std::string_view text) {
     return Json::parse(text.begin(), text.end(), nullptr, false);
@@ -120,6 +116,71 @@ std::optional<glm::dvec3> position_of(const Json* value) {
 
 } // namespace
 
+std::string Address::host_field() const {
+    return host.find(':') == std::string::npos ? fmt::format("{}:{}", host, port) : fmt::format("[{}]:{}", host, port);
+}
+
+Address parse_address(std::string_view url) {
+    constexpr std::string_view kScheme = "ws://", kDefaultPort = "10001", kBlanks = " \t\r\n";
+    if (url.starts_with("wss://"))
+        refuse(url, "asks for TLS, which the service does not speak");
+    if (!url.starts_with(kScheme))
+        refuse(url, "does not begin with ws://");
+    std::string_view rest = url.substr(kScheme.size());
+    const std::size_t slash = rest.find('/');
+    Address address;
+    address.path = slash == std::string_view::npos ? "/" : rest.substr(slash);
+    rest = rest.substr(0, slash);
+    const bool bracketed = rest.starts_with('[');
+    const std::size_t end = std::min(rest.find(bracketed ? ']' : ':'), rest.size()); // of the host
+    if (bracketed && end == rest.size())
+        refuse(url, "has a bracket that is not closed");
+    address.host = rest.substr(bracketed, end - bracketed);
+    const std::string_view after = rest.substr(end + bracketed);
+    if (address.host.empty())
+        refuse(url, "names no host");
+    if ((address.host + address.path).find_first_of(kBlanks) != std::string::npos)
+        refuse(url, "has a blank in it");
+    if (!after.empty() && after.front() != ':')
+        refuse(url, "has something other than a port after its host");
+    address.port = after.empty() ? std::string(kDefaultPort) : checked_port(url, after.substr(1));
+    return address;
+}
+
+HaplyOptions parse_haply(std::string_view after_colon) {
+    HaplyOptions options;
+    const std::size_t mark = after_colon.find('?');
+    const std::string_view url = after_colon.substr(0, mark);
+    if (!url.empty())
+        options.url = url;
+    parse_address(options.url); // to complain now
+    for (std::size_t end = mark; end != std::string_view::npos;) {
+        const std::string_view query = after_colon.substr(end + 1), pair = query.substr(0, query.find('&'));
+        const std::size_t equals = pair.find('=');
+        set(options, pair.substr(0, equals), equals == std::string_view::npos ? "" : pair.substr(equals + 1));
+        end = after_colon.find('&', end + 1);
+    }
+    return options;
+}
+
+std::optional<Axes> parse_basis(std::string_view permutation) {
+    if (permutation.empty())
+        return Axes{};
+    Axes axes;
+    unsigned seen = 0;
+    for (int i = 0; i < 3; ++i) {
+        axes.sign[i] = permutation.starts_with('-') ? -1 : 1;
+        permutation.remove_prefix(permutation.starts_with('-') || permutation.starts_with('+'));
+        const std::size_t axis = permutation.empty() ? 3 : std::string_view("XxYyZz").find(permutation.front()) / 2;
+        if (axis > 2 || (seen >> axis & 1u) != 0)
+            return std::nullopt;
+        seen |= 1u << axis;
+        axes.from[static_cast<std::size_t>(i)] = static_cast<int>(axis);
+        permutation.remove_prefix(1);
+    }
+    return permutation.empty() ? std::optional(axes) : std::nullopt;
+}
+
 HaplyOptions::Dialect dialect_of(std::string_view version) {
     unsigned major = 0, minor = 0;
     const char* const end = version.data() + version.size();
@@ -178,7 +239,7 @@ void write_command(std::string& message, Dialect dialect, std::string_view devic
 }
 
 std::string frame(std::string_view message) {
-    constexpr std::array<unsigned char, 4> mask{0x5a, 0xc3, 0x96, 0x3c}; // a client has to; which one is its own matter
+    constexpr std::array<unsigned char, 4> mask{0x5a, 0xc3, 0x96, 0x3c}; // a client has to mask; any mask will do
     std::string bytes;
     bytes += static_cast<char>(0x81); // the last piece, of text
     if (message.size() < 126) {

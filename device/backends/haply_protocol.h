@@ -1,4 +1,5 @@
-// Which answer belongs to which command: the service gives exactly one for each, in order, and numbers neither.
+// What is said to the Inverse Service and by it, as text: its address, the axes of its numbers, commands, answers.
+// Nothing here knows a socket.
 #pragma once
 
 #include <array>
@@ -14,11 +15,11 @@
 
 namespace forceshade::device {
 
-/// Counts the answers that are owed. As a rule one command is under way at a time. Where its answer does not come in
-/// time, one command without force is sent after it, so that a service that comes to itself again finds that as the
-/// last one; nothing more goes out until both answers are here. The first of them is then older than what is asked for
-/// and is dropped. An answer that nobody owes is dropped too: should it come while one is owed, it is taken for that
-/// one (it is a state of the device as good as any), and what comes after it is the one too many.
+/// Counts the answers that are owed: the service gives exactly one for each command, in order, and numbers neither. As
+/// a rule one command is under way at a time. Where its answer is late, one command without force is sent after it, so
+/// that a service that recovers finds that as the last one; nothing more is sent until both answers are here. The first
+/// of them is then older than what is asked for and is dropped. An answer that nobody owes is dropped too: should it
+/// come while one is owed, it counts as that one (it is a state of the device as good as any), and the next is dropped.
 class LockStep {
 public:
     enum class Kind { current, older, unasked };
@@ -37,11 +38,10 @@ private:
     std::size_t owed_ = 0;
 };
 
-// The axes in which the service speaks, against the world's.
-
-/// The Inverse3's own axes are the world's: x to the right, y forward (away from the user), z up. A session may have
-/// another basis, which the service names by a permutation: "X-YZ" says that its y is the device's -y, "YZX" that its x
-/// is the device's y, its y the device's z and its z the device's x. Positions come and forces go in that basis.
+/// The axes in which the service speaks. The Inverse3's own are the world's: x to the right, y forward (away from the
+/// user), z up. A session may have others, which the service names by a permutation: "X-YZ" says that its y is the
+/// device's -y, "YZX" that its x is the device's y, its y the device's z and its z the device's x. Positions and forces
+/// are both in those axes.
 struct Axes {
     std::array<int, 3> from{0, 1, 2};
     glm::dvec3 sign{1};
@@ -63,8 +63,6 @@ struct Axes {
 
 /// Nothing for what is no permutation of X, Y and Z with signs before them; of an empty text, the device's own.
 std::optional<Axes> parse_basis(std::string_view permutation);
-
-// The service's messages as text. What is written and read here is JSON; nothing here knows a socket.
 
 /// The one in which a service of this version ("3.1.2", "3.5.0-2-gce34c39e") reads forces. The `vector` is documented
 /// from 3.5 on, which took the API's vectors into one shape; clients of 3.1 send `values`. Of no version: vector.

@@ -1,12 +1,12 @@
-#include "device/backends/hd.h"
-
+#include <atomic>
 #include <cmath>
 #include <poll.h>
+#include <pthread.h>
 
 #include <fmt/format.h>
 
+#include "device/backends/devices.h"
 #include "device/backends/hd_library.h"
-#include "device/backends/hd_servo.h"
 
 namespace forceshade::device {
 
@@ -18,76 +18,182 @@ constexpr int kStartPatience = 2000;  /* ms: for the first position */
 constexpr int kMostFailures = 100;    // frames without a position at the start
 constexpr double kFarthest = 3;       /* m: no device reaches further */
 constexpr double kUnknownReach = 0.5; /* m: of a device that states no workspace */
+constexpr double kMillimetre = 1e-3;  /* m */
 
-// An open device: closed on every way out.
-class Session {
+/// If no force was put for this long, none is displayed: three samples of the slowest loop, 100 Hz, and then some.
+constexpr std::int64_t kSilence = 50'000'000; /* ns */
+
+/// What runs in the vendor's scheduler: reads the position and displays the newest force, once a millisecond.
+class Servo {
 public:
-    Session(const HdLibrary& library, const std::string& name) : calls_(library.calls()) {
-        library.error(); // what was before is none of ours
-        device_ = calls_.init_device(name.empty() ? nullptr : name.c_str());
-        const std::string error = library.error();
-        if (device_ == HdValue::invalid_handle || !error.empty())
-            refuse(library, name, error);
-        calls_.make_current_device(device_);
-    }
-    ~Session() { calls_.disable_device(device_); }
-    Session(const Session&) = delete;
-    Session& operator=(const Session&) = delete;
+    struct Frame {
+        glm::dvec3 position{0}; /* m, in the world */
+        bool told = false;      // the device gave one
+    };
 
-    unsigned device() const { return device_; }
+    Servo(const HdLibrary& library, unsigned device) noexcept : library_(library), device_(device) {}
+
+    /// The scheduler's callback, `servo` a Servo. Neither waits nor throws.
+    static unsigned tick(void* servo) noexcept { return static_cast<Servo*>(servo)->frame(); }
+
+    /// By the live thread: true and the newest frame, if there is one since the last.
+    bool take(Frame& frame) noexcept { return frames_.take(frame); }
+
+    /// By the live thread: false, with a complaint, if the scheduler has not called for as long as kSilence.
+    bool runs() noexcept {
+        if (now() - called_ <= kSilence)
+            return true;
+        complaint_ = "the OpenHaptics scheduler does not run any more";
+        return false;
+    }
+
+    /// By the live thread: displays a force (N, in the world) from the next frame on. False if the scheduler does not
+    /// call any more, or the device refused the last one.
+    bool put(const glm::dvec3& force) noexcept {
+        commands_.put({force, now()});
+        return runs() && displayed_;
+    }
+
+    /// No force from the next frame on until the next put(). From any thread.
+    void rest() noexcept { rested_ = now(); }
+
+    /// No force from the next frame on. Waits for that frame up to `most` ms unless called from the scheduler's thread;
+    /// from a signal's handler too. True once it is displayed.
+    bool halt(int most) noexcept {
+        halted_ = true;
+        return wait_for(silent_, most);
+    }
+
+    /// Likewise, and that frame is the last. True once it has passed.
+    bool end(int most) noexcept {
+        halted_ = true;
+        ending_ = true;
+        return wait_for(ended_, most);
+    }
+
+    const char* complaint() const noexcept { return complaint_.load(); }
 
 private:
-    [[noreturn]] void refuse(const HdLibrary& library, const std::string& name, const std::string& error) {
-        if (device_ != HdValue::invalid_handle)
-            calls_.disable_device(device_);
+    struct Command {
+        glm::dvec3 force{0};   /* N */
+        std::int64_t time = 0; /* ns: when it was put */
+    };
+
+    unsigned frame() noexcept {
+        const std::int64_t time = now();
+        thread_ = ::pthread_self();
+        const bool last = ending_;
+        library_.begin_frame(device_);
+        double at[3]{}; /* mm */
+        library_.get_doublev(HdValue::current_position, at);
+        const Frame frame{kMillimetre * glm::dvec3(at[0], -at[2], at[1]), succeeded()};
+        commands_.take(command_);
+        const bool old = time - command_.time > kSilence || command_.time <= rested_;
+        const bool silent = halted_; // asked as late as can be
+        const glm::dvec3 force = silent || old || !frame.told ? glm::dvec3(0) : command_.force;
+        const double axes[3]{force.x, force.z, -force.y};
+        library_.set_doublev(HdValue::current_force, axes);
+        library_.end_frame(device_);
+        displayed_ = succeeded();
+        called_ = time;
+        frames_.put(frame);
+        silent_ = silent;
+        thread_ = pthread_t{};
+        ended_ = last;
+        return last ? HdValue::callback_done : HdValue::callback_continue;
+    }
+
+    // True if the calls since the last question did what they should.
+    bool succeeded() noexcept {
+        const unsigned code = library_.drain_errors();
+        if (code != HdValue::success)
+            complaint_ = library_.get_error_string(code);
+        return code == HdValue::success;
+    }
+
+    bool wait_for(const std::atomic<bool>& happened, int most) const noexcept {
+        if (thread_.load() == ::pthread_self()) // interrupted in a frame, which cannot come to its end meanwhile
+            return happened;
+        for (int waited = 0; !happened && waited < most; ++waited)
+            ::poll(nullptr, 0, 1);
+        return happened;
+    }
+
+    const HdLibrary& library_;
+    const unsigned device_;
+    Newest<Frame> frames_;
+    Newest<Command> commands_;
+    Command command_;                      // the scheduler's
+    std::atomic<std::int64_t> called_ = 0; // ns: when the last frame began
+    std::atomic<std::int64_t> rested_ = 0; // ns: when rest() was called last
+    std::atomic<pthread_t> thread_{};      // the scheduler's
+    std::atomic<bool> displayed_ = true;   // the last frame's force
+    std::atomic<bool> halted_ = false, ending_ = false, silent_ = false, ended_ = false;
+    std::atomic<const char*> complaint_ = nullptr;
+};
+
+// An open device: closed on every way out.
+struct Session {
+    Session(const HdLibrary& used, const std::string& name) : library(used) {
+        library.error(); // what was before is none of ours
+        device = library.init_device(name.empty() ? nullptr : name.c_str());
+        const std::string error = library.error();
+        if (device != HdValue::invalid_handle && error.empty()) {
+            library.make_current_device(device);
+            return;
+        }
+        if (device != HdValue::invalid_handle)
+            library.disable_device(device);
         throw DeviceAbsent(
             fmt::format("the OpenHaptics device {} cannot be opened: {}; is it plugged in, powered and set up with the "
                         "vendor's Touch_Setup? Library: {}",
                         name.empty() ? "configured as default" : "\"" + name + "\"",
                         error.empty() ? "no reason given" : error, library.file()));
     }
+    ~Session() { library.disable_device(device); }
+    Session(const Session&) = delete;
+    Session& operator=(const Session&) = delete;
 
-    const HdCalls& calls_;
-    unsigned device_ = HdValue::invalid_handle;
+    const HdLibrary& library;
+    unsigned device = HdValue::invalid_handle;
 };
 
-// The running scheduler with our callback in it: let go of, stopped and without force on every way out.
+// The running scheduler with our callback in it: left, stopped and without force on every way out.
 class Schedule {
 public:
-    Schedule(const HdLibrary& library, Servo& servo) : calls_(library.calls()), servo_(servo) {
-        calls_.enable(HdValue::force_output);
-        check(library, "does not enable forces");
-        callback_ = calls_.schedule_asynchronous(&Servo::tick, &servo_, HdValue::default_priority);
-        check(library, "does not take the callback");
-        calls_.start_scheduler();
-        const std::string error = library.error();
-        if (error.empty())
-            return;
-        leave();
-        throw DeviceAbsent("the OpenHaptics scheduler does not start: " + error);
+    Schedule(const HdLibrary& library, Servo& servo) : library_(library), servo_(servo) {
+        library.enable(HdValue::force_output);
+        check("does not enable forces");
+        callback_ = library.schedule_asynchronous(&Servo::tick, &servo, HdValue::default_priority);
+        check("does not take the callback");
+        library.start_scheduler();
+        if (const std::string error = library.error(); !error.empty()) {
+            leave();
+            throw DeviceAbsent("the OpenHaptics scheduler does not start: " + error);
+        }
     }
     ~Schedule() { leave(); }
     Schedule(const Schedule&) = delete;
     Schedule& operator=(const Schedule&) = delete;
 
 private:
-    void check(const HdLibrary& library, const char* what) {
-        if (const std::string error = library.error(); !error.empty()) {
-            calls_.disable(HdValue::force_output);
+    void check(const char* what) {
+        if (const std::string error = library_.error(); !error.empty()) {
+            library_.disable(HdValue::force_output);
             throw DeviceAbsent(fmt::format("OpenHaptics {}: {}", what, error));
         }
     }
 
     void leave() {
         const bool ended = servo_.end(kEndPatience);
-        calls_.stop_scheduler();
+        library_.stop_scheduler();
         if (!ended)
-            calls_.unschedule(callback_);
-        calls_.disable(HdValue::force_output);
-        drain_errors(calls_);
+            library_.unschedule(callback_);
+        library_.disable(HdValue::force_output);
+        library_.drain_errors();
     }
 
-    const HdCalls& calls_;
+    const HdLibrary& library_;
     Servo& servo_;
     unsigned long callback_ = 0;
 };
@@ -109,157 +215,152 @@ std::string name_of(const HdLibrary& library) {
 class Hd final : public BackEnd {
 public:
     explicit Hd(const std::string& name)
-        : session_(library_, name), facts_(learn()), servo_(library_.calls(), session_.device()),
+        : session_(library_, name), facts_(read_facts()), servo_(library_, session_.device),
           schedule_(library_, servo_) {
         await_position();
     }
     ~Hd() override { halt(); }
 
     const DeviceFacts& facts() const noexcept override { return facts_; }
-    Reading read() noexcept override;
+
+    // Until a frame has a position again, that it had none is the newest there is to know.
+    Reading read() noexcept override {
+        Servo::Frame frame;
+        const bool fresh = servo_.take(frame);
+        if (fresh)
+            told_ = frame.told;
+        if (!told_ || (!fresh && !servo_.runs()))
+            return {Answer::failed, position_, false};
+        if (!fresh)
+            return {Answer::repeated, position_, false};
+        position_ = frame.position;
+        return {Answer::fresh, position_, false};
+    }
+
     bool write(const glm::dvec3& force) noexcept override { return servo_.put(force); }
     void halt() noexcept override { servo_.halt(kFramePatience); }
     void rest() noexcept override { servo_.rest(); }
     const char* complaint() const noexcept override { return servo_.complaint(); }
 
 private:
-    DeviceFacts learn() const;
-    void learn_force(DeviceFacts& facts) const;
-    void learn_workspace(DeviceFacts& facts) const;
-    std::string uncalibrated(DeviceFacts& facts) const;
-    void calibrate(DeviceFacts& facts) const;
-    void await_position();
+    DeviceFacts read_facts() const {
+        DeviceFacts facts;
+        facts.name = name_of(library_);
+        facts.software = software_of(library_);
+        facts.silence = 0.9e-9 * static_cast<double>(kSilence); // the loop's clock and the servo's are read apart
+        read_forces(facts);
+        read_workspace(facts);
+        calibrate(facts);
+        return facts;
+    }
+
+    bool states(unsigned what, double* values) const {
+        library_.get_doublev(what, values);
+        return library_.error().empty();
+    }
+
+    void read_forces(DeviceFacts& facts) const {
+        double most = NAN;
+        if (!states(HdValue::nominal_max_force, &most))
+            return;
+        if (!(most >= 0.5 && most <= 200))
+            throw DeviceAbsent(fmt::format("{} states a largest force of {} N: between 0.5 N and 200 N is plausible",
+                                           facts.name, most));
+        facts.max_force = most;
+        double lasting = NAN;
+        if (!states(HdValue::nominal_max_continuous_force, &lasting))
+            return;
+        if (!(lasting >= 0.1 && lasting <= most))
+            throw DeviceAbsent(fmt::format("{} states a continuous force of {} N: between 0.1 N and its largest, {} "
+                                           "N, is plausible",
+                                           facts.name, lasting, most));
+        facts.lasting_force = lasting;
+    }
+
+    void read_workspace(DeviceFacts& facts) const {
+        facts.low = glm::dvec3(-kUnknownReach);
+        facts.high = glm::dvec3(kUnknownReach);
+        double box[6]{NAN, NAN, NAN, NAN, NAN, NAN}; /* mm */
+        if (!states(HdValue::max_workspace_dimensions, box))
+            return;
+        for (int axis = 0; axis < 3; ++axis) {
+            const double size = box[3 + axis] - box[axis];
+            if (!(size >= 20 && size <= 6000))
+                throw DeviceAbsent(
+                    fmt::format("{} states the workspace ({}, {}, {}) to ({}, {}, {}): its API gives millimetres, and "
+                                "a side between 20 mm and 6000 mm is plausible",
+                                facts.name, box[0], box[1], box[2], box[3], box[4], box[5]));
+        }
+        facts.low = kMillimetre * glm::dvec3(box[0], -box[5], box[1]);
+        facts.high = kMillimetre * glm::dvec3(box[3], -box[2], box[4]);
+    }
+
+    // Before forces are enabled.
+    void calibrate(DeviceFacts& facts) const {
+        if (const std::string why = why_uncalibrated(facts); !why.empty())
+            throw DeviceAbsent(
+                fmt::format("{} is not calibrated ({}): put its stylus into the inkwell (an arm without one into its "
+                            "reset position), or run the vendor's Touch_Diagnostic, and try again",
+                            facts.name, why));
+    }
+
+    // In words; empty: it is calibrated, perhaps by us.
+    std::string why_uncalibrated(DeviceFacts& facts) const {
+        unsigned state = library_.check_calibration();
+        std::string error = library_.error();
+        if (error.empty() && state == HdValue::calibration_needs_update) {
+            int styles = 0, chosen = 0; // the device states a set of them and accepts one: the last that it has
+            library_.get_integerv(HdValue::calibration_style, &styles);
+            for (const int style :
+                 {HdValue::calibrate_by_reset, HdValue::calibrate_in_inkwell, HdValue::calibrate_by_itself})
+                if (styles & style)
+                    chosen = style;
+            if (error = library_.error(); !error.empty() || chosen == 0)
+                return "it does not state how: " + error;
+            library_.update_calibration(static_cast<unsigned>(chosen));
+            error = library_.error();
+            state = library_.check_calibration();
+            if (const std::string further = library_.error(); error.empty())
+                error = further;
+            if (chosen == HdValue::calibrate_by_reset)
+                facts.remark = facts.name + " took the place where it stood for its reset position: start again with "
+                                            "it there if it was elsewhere";
+        }
+        if (!error.empty())
+            return error;
+        return state == HdValue::calibration_ok                   ? ""
+               : state == HdValue::calibration_needs_manual_input ? "it waits to be placed"
+                                                                  : "it says so after an update, too";
+    }
+
+    void await_position() {
+        Servo::Frame frame;
+        int failures = 0;
+        for (int waited = 0; !frame.told && waited < kStartPatience && failures < kMostFailures; ++waited) {
+            ::poll(nullptr, 0, 1);
+            failures += servo_.take(frame) && !frame.told ? 1 : 0;
+        }
+        if (!frame.told) {
+            const char* why = servo_.complaint();
+            throw DeviceAbsent(
+                fmt::format("{} tells no position: {}", facts_.name, why ? why : "its scheduler does not run"));
+        }
+        const glm::dvec3& at = frame.position;
+        const auto reached = [](double along) { return std::abs(along) <= kFarthest; }; // and is a number
+        if (!reached(at.x) || !reached(at.y) || !reached(at.z))
+            throw DeviceAbsent(fmt::format("{} tells the position ({}, {}, {}) mm: no device reaches further than {} m",
+                                           facts_.name, 1e3 * at.x, 1e3 * at.z, -1e3 * at.y, kFarthest));
+        position_ = at;
+    }
 
     const HdLibrary library_;
-    Session session_;
+    const Session session_;
     const DeviceFacts facts_;
     Servo servo_;
-    Schedule schedule_;
+    const Schedule schedule_;
     glm::dvec3 position_{0};
     bool told_ = true; // the newest frame had a position
 };
-
-DeviceFacts Hd::learn() const {
-    DeviceFacts facts;
-    facts.name = name_of(library_);
-    facts.software = software_of(library_);
-    facts.silence = 0.9e-9 * static_cast<double>(kSilence); // the loop's clock and the servo's are read apart
-    learn_force(facts);
-    learn_workspace(facts);
-    calibrate(facts);
-    return facts;
-}
-
-void Hd::learn_force(DeviceFacts& facts) const {
-    double most = NAN;
-    library_.calls().get_doublev(HdValue::nominal_max_force, &most);
-    if (!library_.error().empty())
-        return;
-    if (!(most >= 0.5 && most <= 200))
-        throw DeviceAbsent(
-            fmt::format("{} states a largest force of {} N: between 0.5 N and 200 N is plausible", facts.name, most));
-    facts.max_force = most;
-    double lasting = NAN;
-    library_.calls().get_doublev(HdValue::nominal_max_continuous_force, &lasting);
-    if (!library_.error().empty())
-        return;
-    if (!(lasting >= 0.1 && lasting <= most))
-        throw DeviceAbsent(fmt::format("{} states a continuous force of {} N: between 0.1 N and its largest, {} N, is "
-                                       "plausible",
-                                       facts.name, lasting, most));
-    facts.lasting_force = lasting;
-}
-
-void Hd::learn_workspace(DeviceFacts& facts) const {
-    facts.low = glm::dvec3(-kUnknownReach);
-    facts.high = glm::dvec3(kUnknownReach);
-    double box[6]{NAN, NAN, NAN, NAN, NAN, NAN}; /* mm */
-    library_.calls().get_doublev(HdValue::max_workspace_dimensions, box);
-    if (!library_.error().empty())
-        return;
-    for (int axis = 0; axis < 3; ++axis) {
-        const double size = box[3 + axis] - box[axis];
-        if (!(size >= 20 && size <= 6000))
-            throw DeviceAbsent(
-                fmt::format("{} states the workspace ({}, {}, {}) to ({}, {}, {}): its API gives millimetres, and "
-                            "a side between 20 mm and 6000 mm is plausible",
-                            facts.name, box[0], box[1], box[2], box[3], box[4], box[5]));
-    }
-    facts.low = 1e-3 * glm::dvec3(box[0], -box[5], box[1]);
-    facts.high = 1e-3 * glm::dvec3(box[3], -box[2], box[4]);
-}
-
-// In words, why not; empty: it is calibrated.
-std::string Hd::uncalibrated(DeviceFacts& facts) const {
-    const HdCalls& calls = library_.calls();
-    unsigned state = calls.check_calibration();
-    std::string error = library_.error();
-    if (error.empty() && state == HdValue::calibration_needs_update) {
-        int styles = 0, chosen = 0; // the device states a set of them and takes one: the last that it has
-        calls.get_integerv(HdValue::calibration_style, &styles);
-        for (const int style :
-             {HdValue::calibrate_by_reset, HdValue::calibrate_in_inkwell, HdValue::calibrate_by_itself})
-            if (styles & style)
-                chosen = style;
-        if (error = library_.error(); !error.empty() || chosen == 0)
-            return "it does not state how: " + error;
-        calls.update_calibration(static_cast<unsigned>(chosen));
-        error = library_.error();
-        state = calls.check_calibration();
-        if (const std::string further = library_.error(); error.empty())
-            error = further;
-        if (chosen == HdValue::calibrate_by_reset)
-            facts.remark = facts.name + " took the place where it stood for its reset position: start again with it "
-                                        "there if it was elsewhere";
-    }
-    if (!error.empty())
-        return error;
-    return state == HdValue::calibration_ok                   ? ""
-           : state == HdValue::calibration_needs_manual_input ? "it waits to be placed"
-                                                              : "it says so after an update, too";
-}
-
-// Before forces are enabled.
-void Hd::calibrate(DeviceFacts& facts) const {
-    if (const std::string why = uncalibrated(facts); !why.empty())
-        throw DeviceAbsent(fmt::format("{} is not calibrated ({}): put its stylus into the inkwell (an arm without one "
-                                       "into its reset position), or run the vendor's Touch_Diagnostic, and try again",
-                                       facts.name, why));
-}
-
-void Hd::await_position() {
-    Servo::Frame frame;
-    int failures = 0;
-    for (int waited = 0; !frame.told && waited < kStartPatience && failures < kMostFailures; ++waited) {
-        ::poll(nullptr, 0, 1);
-        failures += servo_.take(frame) && !frame.told ? 1 : 0;
-    }
-    if (!frame.told) {
-        const char* why = servo_.complaint();
-        throw DeviceAbsent(
-            fmt::format("{} tells no position: {}", facts_.name, why ? why : "its scheduler does not run"));
-    }
-    const glm::dvec3& at = frame.position;
-    const auto reached = [](double along) { return std::abs(along) <= kFarthest; }; // and is a number
-    if (!reached(at.x) || !reached(at.y) || !reached(at.z))
-        throw DeviceAbsent(fmt::format("{} tells the position ({}, {}, {}) mm: no device reaches further than {} m",
-                                       facts_.name, 1e3 * at.x, 1e3 * at.z, -1e3 * at.y, kFarthest));
-    position_ = at;
-}
-
-// Until a frame has a position again, that it had none is the newest there is to know.
-Reading Hd::read() noexcept {
-    Servo::Frame frame;
-    const bool fresh = servo_.take(frame);
-    if (fresh)
-        told_ = frame.told;
-    if (!told_ || (!fresh && !servo_.runs()))
-        return {Answer::failed, position_, false};
-    if (!fresh)
-        return {Answer::held, position_, false};
-    position_ = frame.position;
-    return {Answer::fresh, position_, false};
-}
 
 } // namespace
 
@@ -267,17 +368,20 @@ std::unique_ptr<BackEnd> open_hd(std::string_view name) {
     return std::make_unique<Hd>(std::string(name));
 }
 
-HdFound find_hd() {
+DeviceKind find_hd() {
     const HdLibrary library;
-    HdFound found{library.file(), "OpenHaptics HDAPI", {}, {}};
+    DeviceKind kind;
+    kind.place = library.file();
+    kind.software = "OpenHaptics HDAPI";
     try {
         const Session session(library, {});
-        found.software = software_of(library);
-        found.device = name_of(library);
+        kind.software = software_of(library);
+        kind.name = name_of(library);
+        kind.devices = {"hd"};
     } catch (const DeviceAbsent& absent) {
-        found.complaint = absent.what();
+        kind.problem = absent.what();
     }
-    return found;
+    return kind;
 }
 
 } // namespace forceshade::device

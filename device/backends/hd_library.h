@@ -4,6 +4,8 @@
 
 #include <string>
 
+#include <fmt/format.h>
+
 #include "device/backends/shared_library.h"
 
 namespace forceshade::device {
@@ -15,7 +17,7 @@ struct HdErrorInfo {
 };
 using HdCallback = unsigned (*)(void* user);
 
-/// What the calls are given and give, by its name without HD_.
+/// Arguments and results of the calls, by their names without HD_.
 struct HdValue {
     static constexpr unsigned success = 0, invalid_handle = 0xFFFFFFFF;
     static constexpr unsigned callback_done = 0, callback_continue = 1;
@@ -31,51 +33,65 @@ struct HdValue {
     static constexpr unsigned short default_priority = 0x7FFF;
 };
 
-/// Errors are put onto a stack, from which hdGetError takes the newest.
-struct HdCalls {
-    unsigned (*init_device)(const char* name); // null: the default device
-    void (*disable_device)(unsigned device);
-    void (*make_current_device)(unsigned device);
-    void (*begin_frame)(unsigned device);
-    void (*end_frame)(unsigned device);
-    void (*enable)(unsigned capability);
-    void (*disable)(unsigned capability);
-    void (*get_doublev)(unsigned what, double* values);
-    void (*set_doublev)(unsigned what, const double* values);
-    const char* (*get_string)(unsigned what);
-    HdErrorInfo (*get_error)();
-    const char* (*get_error_string)(unsigned code); // static
-    unsigned long (*schedule_asynchronous)(HdCallback callback, void* user, unsigned short priority);
-    void (*unschedule)(unsigned long callback);
-    void (*start_scheduler)();
-    void (*stop_scheduler)();
-    void (*get_integerv)(unsigned what, int* values);
-    unsigned (*check_calibration)();
-    void (*update_calibration)(unsigned style);
+/// Errors are put onto a stack, from which hdGetError takes the newest. \throws DeviceAbsent: not there, or not what
+/// it should be.
+struct HdLibrary : SharedLibrary {
+    HdLibrary()
+        : SharedLibrary({"3D Systems OpenHaptics toolkit",
+                         "FORCESHADE_HD_LIBRARY",
+                         {"libHD.so", "libHD.so.3.4", "libHD.so.3.5", "libHD.so.3.0", "libHD.so.3"},
+                         "Install OpenHaptics for Linux and the device's driver from 3D Systems "
+                         "(support.3dsystems.com) and put the folder of libHD.so into LD_LIBRARY_PATH, or set "
+                         "FORCESHADE_HD_LIBRARY to that file"}) {}
+
+    unsigned (*init_device)(const char* name) = needed("hdInitDevice"); // null: the default device
+    void (*disable_device)(unsigned device) = needed("hdDisableDevice");
+    void (*make_current_device)(unsigned device) = needed("hdMakeCurrentDevice");
+    void (*begin_frame)(unsigned device) = needed("hdBeginFrame");
+    void (*end_frame)(unsigned device) = needed("hdEndFrame");
+    void (*enable)(unsigned capability) = needed("hdEnable");
+    void (*disable)(unsigned capability) = needed("hdDisable");
+    void (*get_doublev)(unsigned what, double* values) = needed("hdGetDoublev");
+    void (*set_doublev)(unsigned what, const double* values) = needed("hdSetDoublev");
+    const char* (*get_string)(unsigned what) = needed("hdGetString");
+    HdErrorInfo (*get_error)() = needed("hdGetError");
+    const char* (*get_error_string)(unsigned code) = needed("hdGetErrorString"); // static
+    unsigned long (*schedule_asynchronous)(HdCallback callback, void* user,
+                                           unsigned short priority) = needed("hdScheduleAsynchronous");
+    void (*unschedule)(unsigned long callback) = needed("hdUnschedule");
+    void (*start_scheduler)() = needed("hdStartScheduler");
+    void (*stop_scheduler)() = needed("hdStopScheduler");
+    void (*get_integerv)(unsigned what, int* values) = needed("hdGetIntegerv");
+    unsigned (*check_calibration)() = needed("hdCheckCalibration");
+    void (*update_calibration)(unsigned style) = needed("hdUpdateCalibration");
+
+    /// Empties the stack of errors: the one that came first, of which the others may be consequences. Ends even where
+    /// the library reports errors without end.
+    unsigned drain_errors() const noexcept {
+        constexpr int kMost = 32;
+        unsigned first = HdValue::success;
+        for (int i = 0; i < kMost; ++i) {
+            const unsigned code = get_error().code;
+            if (code == HdValue::success)
+                break;
+            first = code;
+        }
+        return first;
+    }
+
+    /// Likewise, in the library's words with its code; empty: none.
+    std::string error() const {
+        const unsigned code = drain_errors();
+        if (code == HdValue::success)
+            return {};
+        const char* text = get_error_string(code);
+        return fmt::format("{} (HDAPI error 0x{:04X})", text && *text ? text : "no reason given", code);
+    }
+
+    std::string text(unsigned what) const { // empty if the library does not tell
+        const char* text = get_string(what);
+        return drain_errors() == HdValue::success && text ? text : "";
+    }
 };
-
-/// The loaded library.
-class HdLibrary {
-public:
-    /// \throws DeviceAbsent: not there, or not what it should be.
-    HdLibrary();
-
-    const HdCalls& calls() const { return calls_; }
-    const std::string& file() const { return library_.file(); }
-
-    /// Empties the stack of errors and tells the one that came first, in the library's words with its code; empty:
-    /// none.
-    std::string error() const;
-
-    std::string text(unsigned what) const; // empty if the library does not tell
-
-private:
-    SharedLibrary library_;
-    HdCalls calls_{};
-};
-
-/// Empties the stack of errors: the one that came first, of which the others may be consequences. Ends even where the
-/// library reports errors without end.
-unsigned drain_errors(const HdCalls& calls) noexcept;
 
 } // namespace forceshade::device

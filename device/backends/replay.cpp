@@ -1,6 +1,7 @@
-#include "device/backends/replay.h"
+#include "device/backends/devices.h"
 
 #include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include "host/paths/path_reader.h"
@@ -14,6 +15,15 @@ struct Row {
     glm::dvec3 position; /* m */
     std::size_t path;    // numbered by their first rows
 };
+
+// The rate of a recording, as far as clocks and rounding leave it: samples at 10 kHz may lie 99.9 us apart.
+double rounded_rate(double recorded) {
+    constexpr double kOff = 0.02;
+    for (const double end : {kSlowestRate, kFastestRate})
+        if (std::abs(recorded - end) <= kOff * end)
+            return end;
+    return recorded;
+}
 
 class Replay final : public BackEnd {
 public:
@@ -37,17 +47,15 @@ public:
         if (census.first_return())
             std::stable_sort(rows_.begin(), rows_.end(), [](const Row& a, const Row& b) { return a.path < b.path; });
         if (last > first)
-            rate_ = static_cast<double>(first_rows - 1) / (last - first);
+            facts_.rate = rounded_rate(static_cast<double>(first_rows - 1) / (last - first));
         if (reader.csv().ends_open())
-            warning_ = location_prefix(reader.csv().source(), reader.csv().end()) +
-                       "the last line has no line feed: if the file was cut off, its last number may be too";
+            facts_.remark = location_prefix(reader.csv().source(), reader.csv().end()) +
+                            "the last line has no line feed: if the file was cut off, its last number may be too";
         facts_.name = "recording " + file.filename().string();
         facts_.software = "forceshade";
         facts_.simulated = true;
     }
 
-    double rate() const noexcept { return rate_; }
-    const std::string& warning() const noexcept { return warning_; }
     const DeviceFacts& facts() const noexcept override { return facts_; }
 
     Reading read() noexcept override {
@@ -60,13 +68,10 @@ public:
     }
     bool write(const glm::dvec3&) noexcept override { return true; }
     void halt() noexcept override {}
-    const char* complaint() const noexcept override { return nullptr; }
 
 private:
     std::vector<Row> rows_;
     std::size_t next_ = 0;
-    double rate_ = 0; /* Hz */
-    std::string warning_;
     DeviceFacts facts_;
 };
 
@@ -74,14 +79,6 @@ private:
 
 std::unique_ptr<BackEnd> make_replay(const std::filesystem::path& file) {
     return std::make_unique<Replay>(file);
-}
-
-double rate_of(const BackEnd& replay) {
-    return dynamic_cast<const Replay&>(replay).rate();
-}
-
-std::string warning_of(const BackEnd& replay) {
-    return dynamic_cast<const Replay&>(replay).warning();
 }
 
 } // namespace forceshade::device

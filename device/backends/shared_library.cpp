@@ -22,26 +22,19 @@ void* open_library(const std::string& name, std::string& why) {
     return handle;
 }
 
-// That a name is nowhere is no news; that a library is there and cannot be loaded is.
-bool is_merely_absent(const std::string& name, const std::string& why) {
-    return why.starts_with(name + ": cannot open shared object file: No such file");
-}
-
-void* open_named(const SoughtLibrary& sought, const char* file) {
-    std::string why;
-    if (void* handle = open_library(file, why))
-        return handle;
-    throw DeviceAbsent(fmt::format("the library that {} names cannot be loaded: {}; it is to be the {}'s. {}",
-                                   sought.variable, why, sought.product, sought.installation));
-}
-
-void* open_found(const SoughtLibrary& sought) {
-    std::string complaints;
+void* open_sought(const SoughtLibrary& sought) {
+    std::string why, complaints;
+    if (const char* const file = std::getenv(sought.variable.c_str()); file && *file) {
+        if (void* handle = open_library(file, why))
+            return handle;
+        throw DeviceAbsent(fmt::format("the library that {} names cannot be loaded: {}; it is to be the {}'s. {}",
+                                       sought.variable, why, sought.product, sought.installation));
+    }
     for (const std::string& name : sought.names) {
-        std::string why;
         if (void* handle = open_library(name, why))
             return handle;
-        if (!is_merely_absent(name, why))
+        // That a name is nowhere is no news; that a library is there and cannot be loaded is.
+        if (!why.starts_with(name + ": cannot open shared object file: No such file"))
             complaints += "; " + why;
     }
     throw DeviceAbsent(fmt::format("no library of the {}: none of {} is in LD_LIBRARY_PATH or the system's folders, "
@@ -50,31 +43,20 @@ void* open_found(const SoughtLibrary& sought) {
                                    sought.installation));
 }
 
-std::string file_of(void* handle) {
-    link_map* map = nullptr;
-    if (::dlinfo(handle, RTLD_DI_LINKMAP, &map) != 0 || !map || !map->l_name)
-        return {};
-    return map->l_name;
-}
-
 } // namespace
 
-SharedLibrary::SharedLibrary(const SoughtLibrary& sought) : product_(sought.product) {
-    const char* file = std::getenv(sought.variable.c_str());
-    handle_ = file && *file ? open_named(sought, file) : open_found(sought);
-    file_ = file_of(handle_);
+SharedLibrary::SharedLibrary(const SoughtLibrary& sought) : product_(sought.product), handle_(open_sought(sought)) {
+    link_map* map = nullptr;
+    if (::dlinfo(handle_, RTLD_DI_LINKMAP, &map) == 0 && map && map->l_name)
+        file_ = map->l_name;
 }
 
-SharedLibrary::~SharedLibrary() {
-    ::dlclose(handle_);
+SharedLibrary::Symbol SharedLibrary::optional(const char* name) const noexcept {
+    return {::dlsym(handle_, name)};
 }
 
-void* SharedLibrary::find(const char* name) const noexcept {
-    return ::dlsym(handle_, name);
-}
-
-void* SharedLibrary::needed(const char* name) const {
-    if (void* symbol = find(name))
+SharedLibrary::Symbol SharedLibrary::needed(const char* name) const {
+    if (const Symbol symbol = optional(name); symbol.address)
         return symbol;
     throw DeviceAbsent(fmt::format("{} has no function {}: it is another library than the {}'s, or too old a version",
                                    file_, name, product_));

@@ -6,42 +6,39 @@
 
 namespace forceshade::device {
 
-/// Where a library is looked for, and what to say to who does not have it.
+/// Where a library is looked for, and what to tell a user who does not have it.
 struct SoughtLibrary {
     std::string product;            // "Force Dimension SDK"
-    std::string variable;           // of the environment; where it is set, the file it names is taken and no other
+    std::string variable;           // of the environment; where it is set, only the file that it names is tried
     std::vector<std::string> names; // tried in this order where the dynamic linker looks
     std::string installation;       // one sentence: where it comes from and where to put it
 };
 
-/// A loaded library. Its code and its texts stay until the program ends, even when this is gone: threads that the
-/// vendor started may still be in it, and complaints point into it.
+/// A loaded library. It stays loaded until the program ends: threads that the vendor started may still run in it, and
+/// complaints point into it.
 class SharedLibrary {
 public:
     /// \throws DeviceAbsent: names what was tried and how to install it.
     explicit SharedLibrary(const SoughtLibrary& sought);
-    ~SharedLibrary();
-    SharedLibrary(const SharedLibrary&) = delete;
-    SharedLibrary& operator=(const SharedLibrary&) = delete;
 
     const std::string& file() const { return file_; } // as the dynamic linker found it
 
-    /// Sets `call` to the function of that name. \throws DeviceAbsent if there is none, with library and name.
-    template <typename Function> void load(Function*& call, const char* name) const {
-        call = reinterpret_cast<Function*>(needed(name));
-    }
+    /// A function of the library; becomes a pointer of whatever type it is assigned to.
+    struct Symbol {
+        void* address;
+        template <typename Function> operator Function*() const noexcept {
+            return reinterpret_cast<Function*>(address);
+        }
+    };
 
-    /// Likewise; null if there is none.
-    template <typename Function> void load_if_there(Function*& call, const char* name) const noexcept {
-        call = reinterpret_cast<Function*>(find(name));
-    }
+    /// \throws DeviceAbsent if there is none of that name, with library and name.
+    Symbol needed(const char* name) const;
+    /// Null if there is none.
+    Symbol optional(const char* name) const noexcept;
 
 private:
-    void* find(const char* name) const noexcept;
-    void* needed(const char* name) const;
-
     std::string product_, file_;
-    void* handle_ = nullptr;
+    void* handle_;
 };
 
 } // namespace forceshade::device

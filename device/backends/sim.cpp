@@ -1,4 +1,4 @@
-#include "device/backends/sim.h"
+#include "device/backends/devices.h"
 
 #include <algorithm>
 #include <atomic>
@@ -14,7 +14,7 @@ namespace {
 
 using reference::Vector;
 
-// As the hand takes them: of one path, in a closed loop.
+// As the hand follows them: in a closed loop.
 PreparedCase with_hand(PreparedCase prepared, double rate) {
     Scene& scene = prepared.one.scene;
     if (!scene.paths) {
@@ -38,42 +38,41 @@ public:
         facts_.name = "simulated hand and device";
         facts_.software = "exact zero-order hold";
         facts_.max_force = hand_.max_force;
+        facts_.rate = rate;
         facts_.simulated = true;
     }
 
     const DeviceFacts& facts() const noexcept override { return facts_; }
 
     Reading read() noexcept override {
-        const Vector<double> place(state_.x, state_.y, state_.z), away = place - target(state_.step);
-        const bool left = !(reference::dot(away, away) <= hand_.bound * hand_.bound);
+        const Vector<double> position(state_.x, state_.y, state_.z), offset = position - target(state_.step);
+        const bool left = !(reference::dot(offset, offset) <= hand_.bound * hand_.bound);
         if (left)
             begin();
         return {Answer::fresh, reference::measured(hand_, Vector<double>(state_.x, state_.y, state_.z)), left};
     }
 
     bool write(const glm::dvec3& force) noexcept override {
-        if (held_ > 0) {
-            --held_;
+        if (waits_ > 0) {
+            --waits_;
             return true;
         }
-        const Vector<double> shown =
-            halted_.load(std::memory_order_relaxed) ? Vector<double>(0) : Vector<double>(force);
-        const reference::PathSampled<double> sampled{{}, shown, {}};
+        const Vector<double> displayed(halted_.load(std::memory_order_relaxed) ? glm::dvec3(0) : force);
+        const reference::PathSampled<double> sampled{{}, displayed, {}};
         reference::advance_probe(state_, hand_, sampled, target(state_.step), target(state_.step + 1), 0U);
         reference::keep_sample(state_, sampled);
         return true;
     }
 
     void halt() noexcept override { halted_.store(true, std::memory_order_relaxed); }
-    const char* complaint() const noexcept override { return nullptr; }
 
 private:
     void begin() noexcept {
         state_ = reference::begin_state(input_.features, hand_, target(0));
-        held_ = still_;
+        waits_ = still_;
     }
 
-    // Positions come in windows while they are read from the file; the loop wants them without waiting.
+    // The file gives positions in windows; the loop wants them without waiting.
     void record() {
         constexpr std::size_t kWindow = std::size_t(1) << 16;
         const std::size_t steps = batch_.steps.front();
@@ -93,7 +92,7 @@ private:
 
     const PreparedCase prepared_;
     const std::uint64_t still_;
-    std::uint64_t held_ = 0; // samples for which the hand still holds still
+    std::uint64_t waits_ = 0; // samples for which the hand still holds still
     ScenePaths<double> paths_;
     const layout::PathInput<double> input_;
     const layout::HandParams<double> hand_;

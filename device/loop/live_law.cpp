@@ -12,9 +12,8 @@ namespace forceshade::device {
 
 namespace {
 
-template <typename T> LiveContact as_live(const PathContact<T>& felt) noexcept {
-    const reference::Contact<T>& contact = felt.contact;
-    return {glm::dvec3(contact.proxy), glm::dvec3(contact.force), double(contact.depth), contact.facet, felt.finished};
+template <typename T> LiveContact as_live(const reference::Contact<T>& contact, bool finished = true) noexcept {
+    return {glm::dvec3(contact.proxy), glm::dvec3(contact.force), double(contact.depth), contact.facet, finished};
 }
 
 // What every law has in common: the case and its tables.
@@ -43,9 +42,7 @@ public:
     void begin_path() noexcept override {}
 
     LiveContact at(const glm::dvec3& probe) noexcept override {
-        PathContact<T> felt;
-        felt.contact = reference::evaluate(this->law_, reference::Vector<T>(probe));
-        return as_live(felt);
+        return as_live(reference::evaluate(this->law_, reference::Vector<T>(probe)));
     }
 };
 
@@ -64,7 +61,8 @@ public:
         const reference::Vector<T> place = local(probe);
         if (!std::exchange(begun_, true))
             begin_probe(this->law_, around_, proxy_, place);
-        return as_live(follow_probe(this->law_, around_, proxy_, probe, place));
+        const PathContact<T> found = follow_probe(this->law_, around_, proxy_, probe, place);
+        return as_live(found.contact, found.finished);
     }
 
 private:
@@ -83,19 +81,13 @@ template <typename T> std::unique_ptr<LiveLaw> make(PreparedCase prepared) {
     return std::make_unique<SurfaceLaw<T>>(std::move(prepared));
 }
 
-std::uint64_t first_bits(const std::string& hex) {
-    std::uint64_t bits = 0;
-    std::from_chars(hex.data(), hex.data() + 16, bits, 16);
-    return bits;
-}
-
 } // namespace
 
 std::unique_ptr<LiveLaw> make_live_law(PreparedCase prepared) {
-    const std::uint64_t scene = first_bits(sha256_of(prepared.scene));
+    const std::string digest = sha256_of(prepared.scene);
     std::unique_ptr<LiveLaw> law = prepared.one.scene.precision == Precision::f32 ? make<float>(std::move(prepared))
                                                                                   : make<double>(std::move(prepared));
-    law->scene = scene;
+    std::from_chars(digest.data(), digest.data() + 16, law->scene, 16);
     return law;
 }
 

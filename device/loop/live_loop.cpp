@@ -1,7 +1,6 @@
 #include "device/loop/live_loop.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -26,7 +25,7 @@ void Watchdog::run(const std::stop_token& stop) noexcept {
     while (!stop.stop_requested()) {
         const std::int64_t fed = fed_.load(std::memory_order_relaxed), time = now();
         if (time - fed > patience_)
-            back_end_.rest(); // again and again: the loop's thread may be within the vendor's library
+            back_end_.rest(); // again and again: the loop's thread may be in the vendor's library
         sleep_until(std::min(std::max(fed + patience_, time + patience_ / 4), time + kLongest));
     }
 }
@@ -41,7 +40,7 @@ std::int32_t short_time(std::int64_t time) noexcept {
     return static_cast<std::int32_t>(std::clamp<std::int64_t>(time, 0, 2'147'483'647));
 }
 
-void make_larger(double& largest, double value) noexcept {
+void raise_to(double& largest, double value) noexcept {
     largest = value > largest ? value : largest;
 }
 
@@ -96,8 +95,17 @@ void LiveLoop::run() noexcept {
     ask_for_permissions();
     start_ = first_due_ = woken_ = now();
     computed_ = computed_so_far();
-    while (!is_over())
-        turn();
+    for (; !is_over(); ++tick_) {
+        Turn turn;
+        wait_until_due(turn);
+        if (read_position(turn)) {
+            display_force(turn);
+            record(turn);
+        } else
+            skip(turn);
+        if (turn.suspended)
+            at_rest_.store(true);
+    }
     back_end_.write(glm::dvec3(0));
     counts_->seconds = seconds(now() - start_);
     counts_->energy = safety_.energy();
@@ -113,7 +121,7 @@ bool LiveLoop::is_over() noexcept {
     return stop_.load(std::memory_order_relaxed) || end_.load(std::memory_order_relaxed) != LoopEnd::running;
 }
 
-void LiveLoop::await(Turn& turn) noexcept {
+void LiveLoop::wait_until_due(Turn& turn) noexcept {
     turn.due = due(tick_);
     if (settings_.real_time)
         sleep_until(turn.due);
@@ -146,15 +154,16 @@ void LiveLoop::begin_path(Turn& turn) noexcept {
 }
 
 // False: there has been no position yet.
-bool LiveLoop::take_position(Turn& turn) noexcept {
-    if (laws_.take()) {
+bool LiveLoop::read_position(Turn& turn) noexcept {
+    if (laws_.update()) {
         laws_.present().begin_path();
         begin_path(turn);
         status_.law_path.store(path_, std::memory_order_relaxed);
         status_.laws.fetch_add(1, std::memory_order_release);
-        safety_.come_up_anew(); // its surface may lie high above the probe
+        safety_.restart_ramp(); // its surface may lie high above the probe
     }
-    const Reading reading = back_end_.read();
+    Reading reading = back_end_.read();
+    reading.position -= settings_.origin;
     const std::int64_t read = now();
     turn.sample.reading = short_time(read - turn.begin);
     turn.now.time = settings_.real_time ? seconds(read - start_) : static_cast<double>(tick_) / settings_.rate;
@@ -164,7 +173,7 @@ bool LiveLoop::take_position(Turn& turn) noexcept {
         end_.store(LoopEnd::recording_over, std::memory_order_release);
         return false;
     }
-    const bool given = reading.answer == Answer::fresh || (reading.answer == Answer::held && begun_);
+    const bool given = reading.answer == Answer::fresh || (reading.answer == Answer::repeated && begun_);
     turn.now.is_position = given && laws_.present().reaches(reading.position);
     path_begins_ = path_begins_ || reading.begins_path; // with the next position, if this is none
     if (turn.now.is_position) {
@@ -178,69 +187,55 @@ bool LiveLoop::take_position(Turn& turn) noexcept {
     }
     const double passed = turn.now.time - std::exchange(last_time_, turn.now.time);
     // That the process stood still does not mean that the device was gone.
-    gone_ = given && begun_ && writes_ ? 0 : gone_ + std::min(passed, 0.1 * settings_.patience);
+    gone_ = given && begun_ && accepted_ ? 0 : gone_ + std::min(passed, 0.1 * settings_.patience);
     if (gone_ > settings_.patience)
         end_.store(LoopEnd::device_gone, std::memory_order_release);
     turn.now.probe = probe_;
     return begun_;
 }
 
-// Whether a sample is later than it may be, or the device has heard of no force for so long that it took the last one
-// away: the next one comes up from zero.
-bool LiveLoop::is_held_up(const Turn& turn, std::int64_t time) const noexcept {
-    return settings_.real_time && (seconds(time - turn.due) > settings_.limits.late * period_ ||
-                                   (written_ != 0 && seconds(time - written_) > back_end_.facts().silence));
-}
-
-void LiveLoop::feel(Turn& turn) noexcept {
+// The force of the law, what safety leaves of it, and how the device accepts that. A sample that is later than it may
+// be, or of which the device has heard so late that it dropped the last force, has none, and the next force comes up
+// from zero.
+void LiveLoop::display_force(Turn& turn) noexcept {
     LiveSample& sample = turn.sample;
+    const auto is_late = [&](std::int64_t time) {
+        return settings_.real_time && seconds(time - turn.due) > settings_.limits.late * period_;
+    };
     const std::int64_t begin = now();
     LiveLaw& law = laws_.present();
-    const LiveContact felt = law.reaches(probe_)
-                                 ? law.at(probe_)
-                                 : LiveContact{probe_, glm::dvec3(0), 0, layout::kNoFacet, true}; // a new law's
-    sample.happened |= felt.finished ? 0u : kUnfinished;
-    const bool contact = felt.facet != layout::kNoFacet;
-    glm::dvec3 force = safety_.passed(turn.now, felt.force, contact, sample.happened);
+    const LiveContact contact = law.reaches(probe_)
+                                    ? law.at(probe_)
+                                    : LiveContact{probe_, glm::dvec3(0), 0, layout::kNoFacet, true}; // a new law's
+    sample.happened |= contact.finished ? 0u : kUnfinished;
+    glm::dvec3 force = safety_.limit(turn.now, contact.force, contact.facet != layout::kNoFacet, sample.happened);
     const std::int64_t end = now();
-    if (is_held_up(turn, end)) { // since it woke, or the device has let go meanwhile
+    const bool let_go = settings_.real_time && written_ != 0 && seconds(end - written_) > back_end_.facts().silence;
+    if (let_go || is_late(end)) {
         sample.happened |= kTooLate;
-        safety_.refused();
+        safety_.drop_force();
         force = glm::dvec3(0);
     }
     sample.computing = short_time(end - begin);
     sample.probe = probe_;
-    sample.proxy = felt.proxy;
-    sample.force = felt.force;
-    sample.depth = felt.depth;
-    sample.facet = felt.facet;
+    sample.proxy = contact.proxy;
+    sample.force = contact.force;
+    sample.depth = contact.depth;
+    sample.facet = contact.facet;
     sample.scene = law.scene;
     sample.energy = safety_.energy();
-    writes_ = back_end_.write(force);
+    accepted_ = back_end_.write(force);
     turn.end = written_ = now();
-    sample.commanded = writes_ ? force : glm::dvec3(0);
-    sample.happened |= writes_ ? 0u : kFailed;
-    const bool late = settings_.real_time && seconds(turn.end - turn.due) > settings_.limits.late * period_;
+    sample.commanded = accepted_ ? force : glm::dvec3(0);
+    sample.happened |= accepted_ ? 0u : kFailed;
+    const bool late = is_late(turn.end);
     sample.happened |= late ? kTooLate : 0u; // the watchdog has let the device rest meanwhile
-    if (!writes_ || late)
-        safety_.refused();
+    if (!accepted_ || late)
+        safety_.drop_force();
     sample.writing = short_time(turn.end - end);
 }
 
-void LiveLoop::turn() noexcept {
-    Turn turn;
-    await(turn);
-    if (take_position(turn)) {
-        feel(turn);
-        keep(turn);
-    } else
-        wait(turn);
-    if (turn.suspended)
-        at_rest_.store(true);
-    ++tick_;
-}
-
-void LiveLoop::wait(const Turn& turn) noexcept {
+void LiveLoop::skip(const Turn& turn) noexcept {
     back_end_.write(glm::dvec3(0));
     written_ = now();
     computed_ = computed_so_far();
@@ -251,7 +246,7 @@ void LiveLoop::wait(const Turn& turn) noexcept {
     status_.seconds.store(turn.now.time, std::memory_order_relaxed);
 }
 
-void LiveLoop::keep(Turn& turn) noexcept {
+void LiveLoop::record(Turn& turn) noexcept {
     LiveSample& sample = turn.sample;
     sample.tick = tick_;
     sample.path = path_;
@@ -263,44 +258,37 @@ void LiveLoop::keep(Turn& turn) noexcept {
             sample.happened |= too_long ? kOverrun | kOwnOverrun : kOverrun;
         computed_ = computed;
     }
-    count(sample);
-    if (log_ != nullptr)
-        while (!log_->put(sample)) {
-            if (settings_.real_time || stop_.load(std::memory_order_relaxed)) {
-                ++counts_->lost;
-                break;
-            }
-            sleep_until(now() + 50'000);
-        }
-    tell(sample);
-}
-
-void LiveLoop::count(const LiveSample& sample) noexcept {
     LoopCounts& counts = *counts_;
     ++counts.samples;
     counts.in_contact += sample.facet != layout::kNoFacet;
     counts.paths = path_ + 1u;
     for (std::size_t i = 0; i < kHappenings.size(); ++i)
         counts.happened[i] += sample.happened >> i & 1u;
-    make_larger(counts.largest_force, magnitude(sample.force));
-    make_larger(counts.largest_commanded, magnitude(sample.commanded));
-    make_larger(counts.largest_depth, sample.depth);
-    make_larger(counts.largest_speed, safety_.speed());
-    make_larger(counts.largest_energy, sample.energy);
+    raise_to(counts.largest_force, magnitude(sample.force));
+    raise_to(counts.largest_commanded, magnitude(sample.commanded));
+    raise_to(counts.largest_depth, sample.depth);
+    raise_to(counts.largest_speed, safety_.speed());
+    raise_to(counts.largest_energy, sample.energy);
     counts.reading.add(sample.reading);
     counts.computing.add(sample.computing);
     counts.writing.add(sample.writing);
+    if (log_ != nullptr)
+        while (!log_->put(sample)) {
+            if (settings_.real_time || stop_.load(std::memory_order_relaxed)) {
+                ++counts.lost;
+                break;
+            }
+            sleep_until(now() + 50'000);
+        }
+    publish(sample);
 }
 
-void LiveLoop::tell(const LiveSample& sample) noexcept {
+void LiveLoop::publish(const LiveSample& sample) noexcept {
     constexpr auto relaxed = std::memory_order_relaxed;
-    const auto counted = [&](Happening what) {
-        return counts_->happened[static_cast<std::size_t>(std::countr_zero(unsigned(what)))];
-    };
     status_.samples.store(counts_->samples, relaxed);
-    status_.overruns.store(counted(kOverrun), relaxed);
-    status_.own_overruns.store(counted(kOwnOverrun), relaxed);
-    status_.clamped.store(counted(kClamped), relaxed);
+    status_.overruns.store(counts_->with(kOverrun), relaxed);
+    status_.own_overruns.store(counts_->with(kOwnOverrun), relaxed);
+    status_.clamped.store(counts_->with(kClamped), relaxed);
     status_.lost.store(counts_->lost, relaxed);
     status_.happened.store(sample.happened, relaxed);
     status_.seconds.store(sample.time, relaxed);

@@ -1,4 +1,4 @@
-// Takes the force away while the live loop does not come round.
+// The live loop: read the position, evaluate the law, limit the force for safety, write it, at a steady rate.
 #pragma once
 
 #include <atomic>
@@ -9,13 +9,14 @@
 
 #include "device/backends/back_end.h"
 #include "device/loop/live_law.h"
-#include "device/loop/outcome.h"
+#include "device/loop/permissions.h"
 #include "device/loop/safety.h"
 #include "device/loop/sample.h"
 
 namespace forceshade::device {
 
-/// A thread of its own, before the loop's if the system allows it: lets a device rest whose loop does not come round.
+/// A thread of its own, of higher priority than the loop's if the system allows it: lets the device rest while its loop
+/// is stuck.
 class Watchdog {
 public:
     /// `patience`, ns: the longest time between two calls of feed().
@@ -33,17 +34,14 @@ private:
     std::jthread thread_;
 };
 
-// The live loop: read the position, ask the law, let safety judge, write the force, at a steady rate.
-
-inline constexpr double kSlowestRate = 100, kFastestRate = 10000; /* Hz */
-
 struct LoopSettings {
     double rate = 1000;                   /* Hz: samples a second */
     bool real_time = true;                // false: as fast as possible; the time of a sample is its number / rate
     std::optional<std::uint64_t> samples; // after which it ends
-    double standstill = 10; /* s: a process that stood still for longer takes up its time where it wakes */
+    double standstill = 10; /* s: a process that stood still for longer restarts its clock where it wakes */
     double patience = 5;    /* s: without a position, or with a device that fails, after which it ends */
     std::optional<int> cpu; // to run on
+    glm::dvec3 origin{0};   /* m: where the scene's origin lies in the device's space */
     SafetyLimits limits;
 };
 
@@ -53,7 +51,7 @@ enum class LoopEnd { running, done, stopped, recording_over, device_gone };
 struct LoopStatus {
     std::atomic<std::uint64_t> samples = 0, waiting = 0, overruns = 0, own_overruns = 0, clamped = 0, lost = 0;
     std::atomic<std::uint32_t> happened = 0;           // to the last sample
-    std::atomic<std::uint32_t> laws = 0, law_path = 0; // new ones that were taken, and the path that the last one began
+    std::atomic<std::uint32_t> laws = 0, law_path = 0; // new ones that were used, and the path that the last one began
     std::atomic<double> seconds = 0, force = 0, depth = 0, energy = 0; /* s, N commanded, m, J */
 };
 
@@ -69,13 +67,13 @@ public:
     void start();
     void stop() noexcept { stop_.store(true, std::memory_order_relaxed); }
     LoopEnd end() const noexcept { return end_.load(std::memory_order_acquire); }
-    /// Waits for the end, which somebody must have brought about.
+    /// Waits for the end, which somebody must have caused.
     void join();
 
     /// Another law from the next sample on, which begins a path. From one thread.
     void offer(std::unique_ptr<LiveLaw> law) { laws_.offer(std::move(law)); }
     bool withdraw() { return laws_.withdraw(); }
-    /// No force as long as it is so; from a signal's handler, too.
+    /// No force while it is suspended; from a signal's handler, too.
     void suspend(bool suspended) noexcept {
         at_rest_.store(false);
         suspended_.store(suspended);
@@ -94,16 +92,13 @@ private:
 
     void run() noexcept;
     void ask_for_permissions() noexcept;
-    void turn() noexcept;
-    void wait(const Turn& turn) noexcept;
-    void await(Turn& turn) noexcept;
+    void wait_until_due(Turn& turn) noexcept;
     void begin_path(Turn& turn) noexcept;
-    bool take_position(Turn& turn) noexcept;
-    bool is_held_up(const Turn& turn, std::int64_t time) const noexcept;
-    void feel(Turn& turn) noexcept;
-    void keep(Turn& turn) noexcept;
-    void count(const LiveSample& sample) noexcept;
-    void tell(const LiveSample& sample) noexcept;
+    bool read_position(Turn& turn) noexcept;
+    void display_force(Turn& turn) noexcept;
+    void skip(const Turn& turn) noexcept;
+    void record(Turn& turn) noexcept;
+    void publish(const LiveSample& sample) noexcept;
     bool is_over() noexcept;
     std::int64_t due(std::uint64_t tick) const noexcept;
 
@@ -121,16 +116,16 @@ private:
     std::atomic<bool> stop_ = false, suspended_ = false, at_rest_ = false;
     std::atomic<LoopEnd> end_ = LoopEnd::running;
 
-    // The loop's own.
+    // Of the loop's thread alone.
     std::int64_t first_due_ = 0; /* ns: when sample 0 was due, and so much later as the process stood still */
     std::int64_t start_ = 0, woken_ = 0, computed_ = 0, written_ = 0; /* ns */
     std::uint64_t tick_ = 0;
     double last_time_ = 0;     /* s: of the last sample */
     double gone_ = 0;          /* s: since the device last answered as it should */
-    glm::dvec3 probe_{0};      /* m: the last one that was a position */
+    glm::dvec3 probe_{0};      /* m: the last valid position */
     bool begun_ = false;       // there was one
     bool path_begins_ = false; // one whose first position has not come yet
-    bool writes_ = true;       // the device took the last force
+    bool accepted_ = true;     // the device accepted the last force
     std::uint32_t path_ = 0;
 };
 

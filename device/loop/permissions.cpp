@@ -47,14 +47,8 @@ Permissions::One locked_memory() {
 }
 
 std::optional<int> last_allowed() {
-    cpu_set_t allowed;
-    CPU_ZERO(&allowed);
-    if (::sched_getaffinity(0, sizeof allowed, &allowed) != 0)
-        return std::nullopt;
-    for (int cpu = CPU_SETSIZE - 1; cpu >= 0; --cpu)
-        if (CPU_ISSET(cpu, &allowed))
-            return cpu;
-    return std::nullopt;
+    const std::vector<int> allowed = allowed_cpus();
+    return allowed.empty() ? std::nullopt : std::optional(allowed.back());
 }
 
 Permissions::One pinned(std::optional<int> cpu, bool first_come) {
@@ -72,6 +66,17 @@ Permissions::One pinned(std::optional<int> cpu, bool first_come) {
 }
 
 } // namespace
+
+std::vector<int> allowed_cpus() {
+    std::vector<int> allowed;
+    cpu_set_t set;
+    CPU_ZERO(&set);
+    if (::sched_getaffinity(0, sizeof set, &set) == 0)
+        for (int cpu = 0; cpu < CPU_SETSIZE; ++cpu)
+            if (CPU_ISSET(cpu, &set))
+                allowed.push_back(cpu);
+    return allowed;
+}
 
 Permissions ask_for_real_time(std::optional<int> cpu) {
     ::prctl(PR_SET_TIMERSLACK, 1UL); // ns; the default is 50 us for threads without SCHED_FIFO

@@ -1,14 +1,26 @@
-// What of the operating system's means for work in real time the live loop gets.
+// What the operating system allows the live loop for its work in real time.
 #pragma once
 
 #include <optional>
-
-#include "device/loop/outcome.h"
+#include <string>
+#include <vector>
 
 namespace forceshade::device {
+
+struct Permissions {
+    struct One {
+        std::string what; // "SCHED_FIFO"
+        bool granted = false;
+        std::string detail; // "priority 80", "Operation not permitted: ..." with what would help
+    };
+    std::vector<One> all;
+};
 
 /// For the calling thread, the live loop's: SCHED_FIFO, timers to the nanosecond, its CPU (`cpu`; where none is given
 /// the last one that it may use, if it has SCHED_FIFO), all memory of the process locked.
 Permissions ask_for_real_time(std::optional<int> cpu);
+
+/// That this process may run on, in ascending order; empty: the system does not say.
+std::vector<int> allowed_cpus();
 
 } // namespace forceshade::device

@@ -7,15 +7,10 @@ namespace forceshade::device {
 
 namespace {
 
-constexpr double kSpeedTime =
-    0.005; /* s: over which the speed is averaged, so that no jitter of a clock, no resolution looks fast */
-
-constexpr double kBearingTime = 0.5; /* s: ahead, so that the limit closes in smoothly on the lasting force */
+constexpr double kSpeedTime = 0.005; /* s: over which the speed is averaged, so that neither the jitter of a clock nor
+                                        the resolution of positions looks fast */
+constexpr double kBearingTime = 0.5; /* s: ahead, so that the limit approaches the lasting force smoothly */
 const double kKept = std::exp(-kBearingTime / kLastingTime); // of a mean square, over that time
-
-bool is_finite(const glm::dvec3& v) noexcept {
-    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
-}
 
 bool is_within(const glm::dvec3& v, const glm::dvec3& low, const glm::dvec3& high) noexcept {
     return v.x >= low.x && v.y >= low.y && v.z >= low.z && v.x <= high.x && v.y <= high.y && v.z <= high.z;
@@ -27,18 +22,18 @@ void Safety::follow(const Situation& now) noexcept {
     const double passed = begun_ ? std::max(now.time - last_time_, 0.0) : period_; // the motors bear all of it
     step_ = std::min(passed, period_);
     last_time_ = now.time;
-    heat_ += (1 - std::exp(-passed / kLastingTime)) * (reference::dot(shown_, shown_) - heat_);
+    heat_ += (1 - std::exp(-passed / kLastingTime)) * (reference::dot(displayed_, displayed_) - heat_);
     if (!now.is_position || now.answer != Answer::fresh) {
-        observer_.stay();
+        observer_.wait();
         return;
     }
     if (now.begins_path) {
-        refused(); // what was displayed belongs to another place
-        observer_.leap(now.probe);
+        drop_force(); // it belongs to another place
+        observer_.start_at(now.probe);
         speed_ = glm::dvec3(0);
         speed_size_ = 0;
     } else
-        observer_.find(now.probe);
+        observer_.move_to(now.probe);
     if (begun_ && !now.begins_path) {
         const double since = std::max(now.time - last_fresh_, 0.5 * period_);
         const glm::dvec3 speed = (now.probe - last_probe_) / since;
@@ -50,7 +45,7 @@ void Safety::follow(const Situation& now) noexcept {
     begun_ = true;
 }
 
-std::uint32_t Safety::judged(const Situation& now) noexcept {
+std::uint32_t Safety::find_faults(const Situation& now) const noexcept {
     std::uint32_t found = 0;
     if (now.answer == Answer::failed)
         found |= kFailed;
@@ -82,17 +77,13 @@ double Safety::gain(bool contact) noexcept {
     return gain_ * contact_gain_;
 }
 
-void Safety::come_up_anew() noexcept {
-    gain_ = 0;
+void Safety::drop_force() noexcept {
+    restart_ramp();
+    displayed_ = glm::dvec3(0);
+    observer_.display(displayed_);
 }
 
-void Safety::refused() noexcept {
-    come_up_anew();
-    shown_ = glm::dvec3(0);
-    observer_.show(shown_);
-}
-
-// N: the force after which, held for kBearingTime, the mean square is that of the lasting force.
+// N: the force that, displayed for kBearingTime, brings the mean square to that of the lasting force.
 double Safety::bearable() const noexcept {
     const double lasting = limits_.lasting_force;
     return std::isinf(lasting) ? lasting : std::sqrt(std::max(0.0, lasting * lasting - kKept * heat_) / (1 - kKept));
@@ -107,13 +98,12 @@ glm::dvec3 Safety::clamped(const glm::dvec3& force, std::uint32_t& happened) con
     return (most / size) * force;
 }
 
-// A force is given up at once and comes up slowly. What is kept of the one that is displayed is its share nearest to
-// the wanted one; from there it moves no further than it may. So it never is larger than the wanted one, nor against
-// it.
+// A force falls at once and rises slowly. What is kept of the displayed one is its share nearest to the wanted one;
+// from there it moves no further than it may. So it is never larger than the wanted one, nor against it.
 glm::dvec3 Safety::slewed(const glm::dvec3& wanted, std::uint32_t& happened) const noexcept {
-    const double square = reference::dot(shown_, shown_);
-    const double share = square > 0 ? std::clamp(reference::dot(shown_, wanted) / square, 0.0, 1.0) : 0;
-    const glm::dvec3 kept = share * shown_;
+    const double square = reference::dot(displayed_, displayed_);
+    const double share = square > 0 ? std::clamp(reference::dot(displayed_, wanted) / square, 0.0, 1.0) : 0;
+    const glm::dvec3 kept = share * displayed_;
     const glm::dvec3 rise = wanted - kept;
     const double most = std::isinf(limits_.slew) ? kUnknown : limits_.slew * step_, size = magnitude(rise);
     if (size <= most)
@@ -122,18 +112,18 @@ glm::dvec3 Safety::slewed(const glm::dvec3& wanted, std::uint32_t& happened) con
     return kept + (most / size) * rise;
 }
 
-glm::dvec3 Safety::passed(const Situation& now, const glm::dvec3& law, bool contact, std::uint32_t& happened) noexcept {
+glm::dvec3 Safety::limit(const Situation& now, const glm::dvec3& law, bool contact, std::uint32_t& happened) noexcept {
     follow(now);
-    happened |= judged(now);
+    happened |= find_faults(now);
     if (!is_finite(law))
         happened |= kNoNumber;
     if (happened & kForceless) {
-        refused();
-        return shown_;
+        drop_force();
+        return displayed_;
     }
     glm::dvec3 force = clamped(law, happened);
     const double share = gain(contact);
-    if (share < 1) { // of what may be displayed: a probe deep in the surface comes to it no sooner
+    if (share < 1) { // of what may be displayed: a probe deep in the surface reaches it no sooner
         force = share * force;
         happened |= contact ? kRamping : 0u;
     }
@@ -145,14 +135,14 @@ glm::dvec3 Safety::passed(const Situation& now, const glm::dvec3& law, bool cont
         force = clamped(force, happened);
     }
     force = slewed(force, happened);
-    if (!is_finite(force)) { // squares of the largest numbers are none
+    if (!is_finite(force)) { // squares of the largest numbers overflow
         happened |= kNoNumber;
         force = glm::dvec3(0);
         gain_ = 0;
     }
-    shown_ = force;
-    observer_.show(shown_);
-    return shown_;
+    displayed_ = force;
+    observer_.display(displayed_);
+    return displayed_;
 }
 
 } // namespace forceshade::device

@@ -1,4 +1,4 @@
-// What the live loop may do to a person and a device.
+// Between the law and the device: whether a force may be displayed, and how much of it.
 #pragma once
 
 #include <algorithm>
@@ -14,14 +14,14 @@
 
 namespace forceshade::device {
 
-/// On by default; an infinite limit is none. What is chosen where the user and the device say nothing.
+/// On by default; an infinite limit is none. The defaults hold where the user and the device say nothing.
 struct SafetyLimits {
     double max_force = kUnknown;     /* N: larger forces keep their direction */
-    double lasting_force = kUnknown; /* N: likewise what is displayed for longer, the root of its mean square */
-    double slew = 2000;              /* N/s: how fast the force may come up; what it falls, it falls at once */
-    double ramp = 0.2;               /* s: that the force takes to come up after the start and after a fault */
-    double contact_ramp = 0.005;     /* s: likewise after contact is made again */
-    double free_time = 0.05;         /* s: without contact, after which it is made again */
+    double lasting_force = kUnknown; /* N: likewise what is displayed for longer, as root mean square */
+    double slew = 2000;              /* N/s: how fast the force may rise; it falls at once */
+    double ramp = 0.2;               /* s: in which the force comes up after the start and after a fault */
+    double contact_ramp = 0.005;     /* s: likewise when contact is made again */
+    double free_time = 0.05;         /* s: without contact, after which the next is made again */
     double max_speed = 2;            /* m/s: of the probe */
     double stale = 0.02;             /* s: without a new position */
     double late = 20;                // periods that a sample may be late
@@ -40,66 +40,55 @@ inline constexpr double kUnwatchedForce = 0.5;
 /// s: over which the mean square of a force is taken. No vendor states it; motors warm up in minutes.
 inline constexpr double kLastingTime = 10;
 
-// How large a force is, as the oracle's hand says it (reference::commanded).
-
+/// Computed as the oracle's hand does it (reference::commanded).
 inline double magnitude(const glm::dvec3& v) noexcept {
     return std::sqrt(reference::dot(v, v));
 }
-
-// Time-domain passivity (Hannaford & Ryu 2002): the energy that the hand was given is counted, and what it should not
-// have got is taken back by damping.
 
 /// J: more than a device's largest force stores in a soft wall (8.5 N, 0.4 N/mm), which a hand may have back. What
 /// damping and friction took beyond that pays for no instability later.
 inline constexpr double kReserve = 0.1;
 
-/// The observer. A force is held from one sample to the next, so that its work over that way is known exactly, as far
-/// as positions are: nothing is estimated from speeds. A conservative law sampled at a rate gives energy, too. Between
-/// positions that come more seldom than samples the way counts with the mean of the forces.
+/// The energy that the hand is given, for time-domain passivity (Hannaford & Ryu 2002). A force acts from one sample to
+/// the next, so that its work over the displacement is known exactly, as far as positions are: nothing is estimated
+/// from speeds. A conservative law sampled at a rate gives energy, too. Between positions that come more seldom than
+/// samples the displacement counts with the mean of the forces.
 class EnergyObserver {
 public:
-    /// A sample has passed, and the probe is found at a place, m.
-    void find(const glm::dvec3& probe) noexcept {
-        stay();
-        way_ = begun_ ? probe - probe_ : glm::dvec3(0);
-        const double work = glm::dot(pushed_ / static_cast<double>(since_), way_);
+    /// A sample has passed, and the probe is at this position, m.
+    void move_to(const glm::dvec3& probe) noexcept {
+        wait();
+        const glm::dvec3 displacement = begun_ ? probe - probe_ : glm::dvec3(0);
+        const double work = glm::dot(sum_ / static_cast<double>(since_), displacement);
         energy_ += work;
         surplus_ = std::max(surplus_ + work, -kReserve);
         samples_ = since_;
-        begin_at(probe);
+        start_at(probe);
     }
     /// A sample has passed, and where the probe is now is not known.
-    void stay() noexcept {
-        pushed_ += shown_;
+    void wait() noexcept {
+        sum_ += force_;
         ++since_;
     }
-    /// The probe is somewhere else, and was not taken there.
-    void leap(const glm::dvec3& probe) noexcept {
-        way_ = glm::dvec3(0);
-        begin_at(probe);
-    }
-    /// The force shown from now on, N.
-    void show(const glm::dvec3& force) noexcept { shown_ = force; }
-
-    double energy() const noexcept { return energy_; } /* J: given to the hand since the start */
-    double surplus() const noexcept {
-        return surplus_;
-    }                                                           /* J: the same, but what the hand has put in counts only
-                                                                   up to kReserve: no more of it can come back */
-    const glm::dvec3& way() const noexcept { return way_; }     /* m: between the last two places */
-    std::uint64_t samples() const noexcept { return samples_; } // that it took
-    std::uint64_t since() const noexcept { return since_; }     // samples since the last place
-
-private:
-    void begin_at(const glm::dvec3& probe) noexcept {
+    /// The probe is at this position, m, but did not move there.
+    void start_at(const glm::dvec3& probe) noexcept {
         probe_ = probe;
-        pushed_ = glm::dvec3(0);
+        sum_ = glm::dvec3(0);
         since_ = 0;
         begun_ = true;
     }
+    /// The force displayed from now on, N.
+    void display(const glm::dvec3& force) noexcept { force_ = force; }
 
-    glm::dvec3 probe_{0}, way_{0}, shown_{0};
-    glm::dvec3 pushed_{0}; /* N: sum of the forces since the last place, one a sample */
+    double energy() const noexcept { return energy_; } /* J: given to the hand since the start */
+    /* J: likewise, but what the hand has put in counts only up to kReserve: no more of it can come back */
+    double surplus() const noexcept { return surplus_; }
+    std::uint64_t samples() const noexcept { return samples_; } // between the last two positions
+    std::uint64_t since() const noexcept { return since_; }     // samples since the last position
+
+private:
+    glm::dvec3 probe_{0}, force_{0};
+    glm::dvec3 sum_{0}; /* N: of the forces since the last position, one a sample */
     std::uint64_t samples_ = 1, since_ = 0;
     double energy_ = 0, surplus_ = 0;
     bool begun_ = false;
@@ -108,12 +97,12 @@ private:
 /// What the controller adds to a force.
 struct Damping {
     glm::dvec3 force{0}; /* N */
-    double energy = 0;   /* J: that it takes out in a sample if the probe goes on as it went */
+    double energy = 0;   /* J: that it dissipates in a sample if the probe keeps its speed */
 };
 
-/// Against the motion, as much as takes out within `period`, s, what was given too much, but at most `most`, N s/m.
+/// Against the motion, as much as dissipates within `period`, s, the energy given too much, but at most `most`, N s/m.
 /// `speed`, m/s, is to be a smooth one: of positions with a resolution the speed over a sample is a train of pulses,
-/// which damping would turn into a buzz. None once the probe's next place is overdue: then nothing is known of a
+/// which damping would turn into a buzz. None once the probe's next position is overdue: then nothing is known of a
 /// motion.
 inline Damping passive_damping(const EnergyObserver& observer, const glm::dvec3& speed, double period,
                                double most) noexcept {
@@ -124,14 +113,12 @@ inline Damping passive_damping(const EnergyObserver& observer, const glm::dvec3&
     return {-damping * speed, damping * square * period};
 }
 
-// Between the law and the device: whether a force may be displayed, and how much of it.
-
 /// What is known of a sample before its law is evaluated.
 struct Situation {
     Answer answer = Answer::failed;
-    glm::dvec3 probe{0};      /* m: the last position that was one, this sample's if there is one */
+    glm::dvec3 probe{0};      /* m: the last valid position, this sample's if there is one */
     bool is_position = false; // the device gave one, finite and within the law's reach
-    bool begins_path = false; // it follows from none before
+    bool begins_path = false; // the probe did not move here from the position before
     bool withheld = false;    // the device displays no force
     double time = 0;          /* s: when it was read */
     double late = 0;          // periods
@@ -144,19 +131,19 @@ public:
     Safety(const SafetyLimits& limits, double period) noexcept : limits_(limits), period_(period) {}
 
     /// The force, N, to be displayed for the law's at a sample; what happened is added to `happened`.
-    glm::dvec3 passed(const Situation& now, const glm::dvec3& force, bool contact, std::uint32_t& happened) noexcept;
+    glm::dvec3 limit(const Situation& now, const glm::dvec3& force, bool contact, std::uint32_t& happened) noexcept;
 
     /// The force comes up as after the start.
-    void come_up_anew() noexcept;
-    /// Nothing is displayed of the last force: it comes up anew.
-    void refused() noexcept;
+    void restart_ramp() noexcept { gain_ = 0; }
+    /// Nothing is displayed of the last force, and the next one comes up as after the start.
+    void drop_force() noexcept;
 
     double energy() const noexcept { return observer_.energy(); } /* J: given to the hand */
-    double damped() const noexcept { return damped_; }            /* J: taken out by the controller */
+    double damped() const noexcept { return damped_; }            /* J: dissipated by the controller */
     double speed() const noexcept { return speed_size_; }         /* m/s: of the probe, over the last milliseconds */
 
 private:
-    std::uint32_t judged(const Situation& now) noexcept;
+    std::uint32_t find_faults(const Situation& now) const noexcept;
     void follow(const Situation& now) noexcept;
     glm::dvec3 clamped(const glm::dvec3& force, std::uint32_t& happened) const noexcept;
     glm::dvec3 slewed(const glm::dvec3& wanted, std::uint32_t& happened) const noexcept;
@@ -166,7 +153,7 @@ private:
     const SafetyLimits limits_;
     const double period_; /* s */
     EnergyObserver observer_;
-    glm::dvec3 shown_{0};      /* N: last */
+    glm::dvec3 displayed_{0};  /* N: last */
     glm::dvec3 last_probe_{0}; /* m: the last fresh one */
     glm::dvec3 speed_{0};      /* m/s */
     double speed_size_ = 0;    /* m/s */

@@ -1,37 +1,27 @@
-// The time that the live loop goes by: the monotonic clock, which nobody sets.
+// One sample of the live loop: what is measured, what can happen to it, how it is counted, and the ring that carries it
+// to the log.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <bit>
 #include <cerrno>
 #include <cstddef>
 #include <cstdint>
-#include <ctime>
 #include <span>
 #include <string_view>
 #include <vector>
 
 #include <glm/vec3.hpp>
 
+#include "device/backends/back_end.h"
+
 namespace forceshade::device {
-
-inline constexpr std::int64_t kSecond = 1'000'000'000; /* ns */
-
-inline std::int64_t now_of(clockid_t clock) noexcept {
-    timespec time{};
-    ::clock_gettime(clock, &time);
-    return std::int64_t(time.tv_sec) * kSecond + time.tv_nsec;
-}
-
-/// ns, from an arbitrary beginning.
-inline std::int64_t now() noexcept {
-    return now_of(CLOCK_MONOTONIC);
-}
 
 /// ns that this thread has computed.
 inline std::int64_t computed_so_far() noexcept {
-    return now_of(CLOCK_THREAD_CPUTIME_ID);
+    return read_clock(CLOCK_THREAD_CPUTIME_ID);
 }
 
 /// Returns at a time of now(), or at once if it is over.
@@ -41,9 +31,8 @@ inline void sleep_until(std::int64_t time) noexcept {
     }
 }
 
-// How often a time occurred, counted as it passes: bins at most a thirty-second of their own value wide.
-
-/// Of times in ns, from 0 on. Adding neither allocates nor fails; 15 KiB.
+/// How often which times occurred, in ns from 0 on, in bins at most a thirty-second of their own value wide. Adding
+/// neither allocates nor fails; 15 KiB.
 class Histogram {
 public:
     static constexpr unsigned kFine = 5; // bits below the leading one that a bin tells apart
@@ -68,8 +57,7 @@ public:
         for (std::size_t bin = 0; bin < kBins; ++bin) {
             seen += bins_[bin];
             if (bins_[bin] > 0 && static_cast<double>(seen) >= wanted) {
-                const auto end = static_cast<double>(begin_of(bin + 1));
-                return end < static_cast<double>(largest_) ? end : static_cast<double>(largest_);
+                return static_cast<double>(std::min(begin_of(bin + 1), largest_));
             }
         }
         return 0;
@@ -100,22 +88,20 @@ private:
     double sum_ = 0;
 };
 
-// What is remembered of one sample of the live loop.
-
 /// What happened to a sample, as bits.
 enum Happening : std::uint32_t {
     kClamped = 1u << 0,     // the force was larger than allowed
     kSlewed = 1u << 1,      // it changed faster than allowed
     kRamping = 1u << 2,     // it is being brought up, after the start, a fault, or a while without contact
     kDamped = 1u << 3,      // the passivity controller took energy out
-    kNoNumber = 1u << 4,    // the law's force was no finite number: none was displayed
-    kBadPosition = 1u << 5, // the position was none: likewise
+    kNoNumber = 1u << 4,    // the law's force was not finite: none was displayed
+    kBadPosition = 1u << 5, // there was no valid position: likewise
     kStale = 1u << 6,       // there was no new one for too long: likewise
     kOutside = 1u << 7,     // it lay outside of the workspace: likewise
     kTooFast = 1u << 8,     // the probe moved faster than allowed: likewise
     kTooLate = 1u << 9,     // the sample came later than the watchdog allows: likewise; or the pause was so
-                            // long that the device has let go; the next force starts from none
-    kFailed = 1u << 10,     // the device did not take or give what it should
+                            // long that the device dropped the force; the next one starts from zero
+    kFailed = 1u << 10,     // the device gave no position or did not accept the force
     kUnfinished = 1u << 11, // the proxy could not come to rest
     kOverrun = 1u << 12,    // the sample ended after the next one was due
     kOwnOverrun = 1u << 13, // and would have, had it begun in time and never been interrupted
@@ -137,10 +123,10 @@ struct LiveSample {
     std::uint32_t path = 0;     // one more with each change of the scene or beginning of a recorded path
     std::uint32_t happened = 0; // Happening
     double time = 0;            /* s since the start: when the position had been read */
-    glm::dvec3 probe{0};        /* m: where the law was evaluated: the last position that was one */
+    glm::dvec3 probe{0};        /* m: where the law was evaluated: the last valid position */
     glm::dvec3 proxy{0};        /* m */
     glm::dvec3 force{0};        /* N: the law's */
-    glm::dvec3 commanded{0};    /* N: what was sent to the device; zero where it was not taken */
+    glm::dvec3 commanded{0};    /* N: sent to the device; zero where it did not accept it */
     double depth = 0;           /* m */
     double energy = 0;          /* J: given to the hand since the start */
     std::int64_t late = 0;      /* ns: the loop woke so long after the sample was due */
@@ -151,8 +137,31 @@ struct LiveSample {
     std::uint64_t scene = 0;    // LiveLaw::scene
 };
 
-// Samples on their way from the live loop to whoever writes them down: one thread puts, one takes, none waits.
+/// Counted by the loop as it runs.
+struct LoopCounts {
+    std::uint64_t samples = 0;                                // that the law was evaluated for
+    std::uint64_t waiting = 0;                                // before the device gave its first position; not logged
+    std::uint64_t in_contact = 0;                             // of the samples
+    std::uint64_t paths = 0;                                  // begun: scenes, and paths of a recording
+    std::array<std::uint64_t, kHappenings.size()> happened{}; // samples, by bit of Happening
+    std::uint64_t with(Happening what) const noexcept { return happened[unsigned(std::countr_zero(unsigned(what)))]; }
+    std::uint64_t lost = 0;                // samples that the log had no room for
+    double largest_force = 0;              /* N: the law's */
+    double largest_commanded = 0;          /* N */
+    double largest_depth = 0;              /* m */
+    double largest_speed = 0;              /* m/s */
+    double energy = 0;                     /* J: given to the hand, at the end */
+    double largest_energy = 0;             /* J: the most at any time */
+    double damped = 0;                     /* J: dissipated by the passivity controller */
+    Histogram reading, computing, writing; /* ns */
+    Histogram late;                        /* ns: after the sample was due; empty as fast as possible */
+    Histogram jitter;                      /* ns: how far the time between two samples was from the period; likewise */
+    double standstill = 0;                 /* s: of seconds, when the process stood still for so long
+                                              that samples did not become due */
+    double seconds = 0;                    /* s: by the clock */
+};
 
+/// Samples on their way from the live loop to the log: one thread puts, another reads, neither waits.
 class SampleRing {
 public:
     /// Room for so many samples at least; the memory is touched here, so that the loop never waits for a page.
@@ -163,29 +172,29 @@ public:
     /// False if there is no room: the sample is lost.
     bool put(const LiveSample& sample) noexcept {
         const std::size_t at = put_.load(std::memory_order_relaxed);
-        if (at - taken_.load(std::memory_order_acquire) == slots_.size())
+        if (at - read_.load(std::memory_order_acquire) == slots_.size())
             return false;
         slots_[at & mask_] = sample;
         put_.store(at + 1, std::memory_order_release);
         return true;
     }
 
-    /// The oldest samples that lie in a row; leave() gives their room back.
+    /// The oldest samples that lie in a row; release() frees their room.
     std::span<const LiveSample> look() const noexcept {
-        const std::size_t from = taken_.load(std::memory_order_relaxed);
+        const std::size_t from = read_.load(std::memory_order_relaxed);
         const std::size_t count = put_.load(std::memory_order_acquire) - from;
         const std::size_t first = from & mask_;
         return {slots_.data() + first, std::min(count, slots_.size() - first)};
     }
-    void leave(std::size_t count) noexcept {
-        taken_.store(taken_.load(std::memory_order_relaxed) + count, std::memory_order_release);
+    void release(std::size_t count) noexcept {
+        read_.store(read_.load(std::memory_order_relaxed) + count, std::memory_order_release);
     }
 
 private:
     std::vector<LiveSample> slots_;
     const std::size_t mask_;
     alignas(64) std::atomic<std::size_t> put_ = 0;
-    alignas(64) std::atomic<std::size_t> taken_ = 0;
+    alignas(64) std::atomic<std::size_t> read_ = 0;
 };
 
 } // namespace forceshade::device

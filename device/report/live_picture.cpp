@@ -5,9 +5,8 @@
 
 #include <fmt/format.h>
 
-#include "device/report/report_text.h"
+#include "device/report/text.h"
 #include "device/report/time_panel.h"
-#include "device/report/units.h"
 #include "host/picture/frame.h"
 
 namespace forceshade::device {

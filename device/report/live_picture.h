@@ -1,7 +1,7 @@
 // The end of a run as a picture: how often computing took how long, and how late samples were.
 #pragma once
 
-#include "device/loop/outcome.h"
+#include "device/report/report.h"
 #include "host/picture/picture.h"
 
 namespace forceshade::device {

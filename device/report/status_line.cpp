@@ -6,8 +6,7 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
 
-#include "device/report/units.h"
-#include "device/report/wrapped_lines.h"
+#include "device/report/text.h"
 #include "host/picture/canvas.h"
 
 namespace forceshade::device {

@@ -1,12 +1,55 @@
-// A histogram of times in a picture, its quantiles marked.
+// A histogram of times in a picture: its logarithmic axes, its bars, and its quantiles marked.
 #pragma once
 
+#include <cstdint>
+#include <span>
 #include <string>
+#include <vector>
 
-#include "device/report/time_axis.h"
+#include "device/loop/sample.h"
 #include "host/picture/canvas.h"
+#include "host/picture/ticks.h"
 
 namespace forceshade::device {
+
+struct Mark {
+    std::string label;
+    double at = 0;     // where the mark is, pixels
+    double width = 0;  // of the label, pixels
+    double centre = 0; // where the label's middle goes: set by place_labels
+    bool is_period = false;
+};
+
+/// Orders the marks along the axis and places their labels between `low` and `high` (pixels) as near to them as goes,
+/// `gap` apart, in the order of the marks. They fit if their widths and gaps do.
+void place_labels(std::vector<Mark>& marks, double low, double high, double gap);
+
+struct LogAxis {
+    double low = 0, high = 1; // powers of ten
+    /// Where a value lies, in [0, 1]; what is below the axis, 0 among it, at its begin.
+    double fraction(double value) const;
+};
+
+/// The axis that all times (ns) fit on, and a period (ns) if there is one; at least a decade, from a power of ten.
+LogAxis time_axis(std::span<const Histogram* const> shown, double period = 0);
+
+/// The axis of counts up to `most`, on which a count of one has a height.
+LogAxis count_axis(std::uint64_t most);
+
+/// A tick a power of ten; where they would crowd in `pixels` only some are labelled: "10 µs".
+picture::Axis time_ticks(const LogAxis& axis, double pixels);
+/// "1", "100", "10⁶".
+picture::Axis count_ticks(const LogAxis& axis, double pixels);
+/// Those at 2 to 9 times a power of ten, without labels.
+std::vector<double> minor_fractions(const LogAxis& axis);
+
+/// Times of [from, to) ns and how many there were.
+struct TimeBar {
+    std::uint64_t from = 0, to = 0, count = 0;
+};
+
+/// Neighbouring bins of a histogram put together, about `per_decade` of them to a power of ten; those with a count.
+std::vector<TimeBar> time_bars(const Histogram& times, unsigned per_decade);
 
 struct TimePanel {
     std::string title;

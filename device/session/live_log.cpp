@@ -20,10 +20,9 @@ namespace forceshade::device {
 namespace {
 
 constexpr std::size_t kText = std::size_t(1) << 18;   // bytes gathered before they are written
-constexpr std::size_t kAtOnce = 1024;                 // samples taken before their room is given back
+constexpr std::size_t kAtOnce = 1024;                 // samples read before their room is freed
 constexpr auto kPause = std::chrono::milliseconds(5); // between looks at an empty ring
-
-constexpr auto kPatience = std::chrono::seconds(2); // with a reader of a pipe that takes nothing, at the end
+constexpr auto kPatience = std::chrono::seconds(2);   // with a reader of a pipe that reads nothing, at the end
 
 // Empty, and nobody else's until it is closed. File systems that know no locks are none of our business.
 void make_ours(int descriptor, const std::filesystem::path& file) {
@@ -93,63 +92,45 @@ void LiveLog::run(const std::stop_token& stop) {
     stop_ = stop;
     while (true) {
         const bool last = stop.stop_requested(); // before the look: nothing is put after it
-        const std::span<const LiveSample> samples = ring_.look();
-        if (!samples.empty()) {
-            take(samples.first(std::min(samples.size(), kAtOnce)));
-            continue;
-        }
-        write_out();
-        if (last)
+        const std::span<const LiveSample> all = ring_.look(), samples = all.first(std::min(all.size(), kAtOnce));
+        for (const LiveSample& sample : samples)
+            add(sample);
+        pending_ += samples.size();
+        ring_.release(samples.size());
+        if (samples.empty() || text_.size() >= kText)
+            write_out();
+        if (samples.empty() && last)
             return;
-        std::this_thread::sleep_for(kPause);
+        if (samples.empty())
+            std::this_thread::sleep_for(kPause);
     }
 }
 
-void LiveLog::take(std::span<const LiveSample> samples) {
-    for (const LiveSample& sample : samples)
-        add(sample);
-    pending_ += samples.size();
-    ring_.leave(samples.size());
-    if (text_.size() >= kText)
-        write_out();
-}
-
-template <typename Number> void LiveLog::number(Number value, char after) {
-    char digits[40]; // the shortest form of a double has 24 at most
-    const char* const end = std::to_chars(digits, digits + sizeof digits, value).ptr;
-    text_.append(digits, static_cast<std::size_t>(end - digits));
-    text_ += after;
-}
-
-void LiveLog::real(double value) {
-    if (single_)
-        number(static_cast<float>(value));
-    else
-        number(value);
+template <typename... Numbers> void LiveLog::add_numbers(Numbers... values) {
+    const auto add_one = [this](auto value) {
+        char digits[40]; // the shortest form of a double has 24 at most
+        const char* const end = std::to_chars(digits, digits + sizeof digits, value).ptr;
+        text_.append(digits, static_cast<std::size_t>(end - digits));
+        text_ += ',';
+    };
+    (add_one(values), ...);
 }
 
 void LiveLog::add(const LiveSample& sample) {
-    number(sample.path);
-    number(sample.time);
-    for (int i = 0; i < 3; ++i)
-        real(sample.probe[i]); // where the law was evaluated
-    for (int i = 0; i < 3; ++i)
-        real(sample.proxy[i]);
-    for (int i = 0; i < 3; ++i)
-        real(sample.force[i]);
-    real(sample.depth);
+    const auto add_real = [this](double value) { // in the law's precision
+        single_ ? add_numbers(static_cast<float>(value)) : add_numbers(value);
+    };
+    add_numbers(sample.path, sample.time);
+    for (const glm::dvec3& vector : {sample.probe, sample.proxy, sample.force})
+        for (int i = 0; i < 3; ++i)
+            add_real(vector[i]);
+    add_real(sample.depth);
     if (sample.facet == layout::kNoFacet)
         text_ += "-1,";
     else
-        number(sample.facet);
-    for (int i = 0; i < 3; ++i)
-        number(sample.commanded[i]);
-    number(sample.energy);
-    number(sample.tick);
-    number(sample.late);
-    number(sample.reading);
-    number(sample.computing);
-    number(sample.writing);
+        add_numbers(sample.facet);
+    add_numbers(sample.commanded.x, sample.commanded.y, sample.commanded.z, sample.energy, sample.tick, sample.late,
+                sample.reading, sample.computing, sample.writing);
     bool first = true;
     for (std::size_t bit = 0; bit < kHappenings.size(); ++bit)
         if (sample.happened >> bit & 1u) {
@@ -181,7 +162,7 @@ void LiveLog::write_out() {
     text_.clear();
 }
 
-// Of a pipe. While the loop runs it may take its time: the ring keeps what comes, as long as it has room.
+// Of a pipe. While the loop runs it may be slow: the ring keeps what comes, as long as it has room.
 void LiveLog::await_reader() {
     pollfd pipe{descriptor_, POLLOUT, 0};
     constexpr int kLook = 20; /* ms */
@@ -193,7 +174,7 @@ void LiveLog::await_reader() {
         fail(ETIMEDOUT);
 }
 
-// A line that was cut off goes: what stays is whole.
+// Removes a line that was cut off: what stays is whole.
 void LiveLog::fail(int number) {
     failure_ = file_error("write", path_, number).what();
     if (::lseek(descriptor_, 0, SEEK_CUR) <= 0) // nothing stays that could be cut off: a pipe, a device

@@ -1,4 +1,4 @@
-// What the live loop felt, as a CSV file that is written while it runs.
+// The samples of the live loop as a CSV file that is written while it runs.
 #pragma once
 
 #include <atomic>
@@ -19,7 +19,7 @@ namespace forceshade::device {
 /// '+', and scene: the first 16 digits of the SHA-256 of the scene.
 ///
 /// The file stands under its own name from the start, in whole lines, so that a process that dies leaves what it
-/// wrote. When the disk takes no more, what comes is taken off the ring and counted as lost. A pipe whose reader is
+/// wrote. When the disk is full, what comes is dropped from the ring and counted as lost. A pipe whose reader is
 /// slow is waited for until the end and 2 s more.
 class LiveLog {
 public:
@@ -40,14 +40,11 @@ public:
 
 private:
     void run(const std::stop_token& stop);
-    void take(std::span<const LiveSample> samples);
     void add(const LiveSample& sample);
+    template <typename... Numbers> void add_numbers(Numbers... values);
     void write_out();
     void await_reader();
     void fail(int number);
-
-    template <typename Number> void number(Number value, char after = ',');
-    void real(double value); // in the law's precision
 
     using Clock = std::chrono::steady_clock;
 

@@ -4,7 +4,6 @@
 #include <exception>
 #include <system_error>
 #include <thread>
-#include <utility>
 
 #include <fmt/format.h>
 
@@ -13,61 +12,10 @@
 
 namespace forceshade::device {
 
-SceneWatch::SceneWatch(std::filesystem::path file, std::function<PreparedCase()> read, const Scene& first)
-    : file_(std::move(file)), read_(std::move(read)), first_(first), last_(stamp()), asked_(last_) {}
+namespace {
 
-SceneWatch::Stamp SceneWatch::stamp() const {
-    std::error_code ignored; // a file that is being replaced may be gone for a moment
-    return {std::filesystem::last_write_time(file_, ignored), std::filesystem::file_size(file_, ignored)};
-}
-
-bool SceneWatch::has_changed() {
-    const Stamp now = stamp();
-    if (std::exchange(asked_, now) != now || now == last_)
-        return false;
-    last_ = now;
-    return true;
-}
-
-SceneWatch::Change SceneWatch::look() {
-    Change change;
-    try {
-        if (last_.size == 0)
-            throw UsageError("its file is empty");
-        PreparedCase prepared = read_();
-        const Scene& scene = prepared.one.scene;
-        if (scene.precision != first_.precision)
-            throw UsageError("run.precision cannot change while the loop runs: its log has one precision");
-        change.moves_otherwise = scene.paths != first_.paths || scene.hand != first_.hand;
-        change.scene = prepared.scene;
-        change.law = make_live_law(std::move(prepared));
-    } catch (const std::exception& error) {
-        change.refusal = error.what();
-    }
-    return change;
-}
-
-std::optional<SceneChanges::Said> SceneChanges::look(LiveLoop& loop) {
-    constexpr int kLooks = 10; // between looks at the file
-    if (looks_++ % kLooks != 0 || !watch_.has_changed())
-        return std::nullopt;
-    SceneWatch::Change change = watch_.look();
-    if (!change.law)
-        return Said{fmt::format("the scene stays as it was: {}", change.refusal), true};
-    const std::optional<std::uint32_t> path = hand_over(loop, std::move(change.law));
-    if (!path) // the loop has ended, or does not come round
-        return std::nullopt;
-    take(*path, std::move(change.scene));
-    std::string said =
-        fmt::format("{} was read again, path {} from {:.3f} s on", name_, *path, loop.status().seconds.load());
-    if (change.moves_otherwise && has_hand_)
-        said += "; [paths] and [hand] stay as they were at the start";
-    said += keep(taken_.back());
-    return Said{said, false};
-}
-
-// The path that the law begins; none if the loop does not take it within a second.
-std::optional<std::uint32_t> SceneChanges::hand_over(LiveLoop& loop, std::unique_ptr<LiveLaw> law) {
+// The path that the law begins; none if the loop does not use it within a second.
+std::optional<std::uint32_t> hand_over(LiveLoop& loop, std::unique_ptr<LiveLaw> law) {
     const LoopStatus& status = loop.status();
     const std::uint32_t before = status.laws.load(std::memory_order_acquire);
     loop.offer(std::move(law));
@@ -81,31 +29,70 @@ std::optional<std::uint32_t> SceneChanges::hand_over(LiveLoop& loop, std::unique
     return std::nullopt;
 }
 
-void SceneChanges::take(std::uint32_t path, std::string toml) {
-    std::string sha256 = sha256_of(toml);
-    taken_.push_back({path, std::move(toml), std::move(sha256)});
+} // namespace
+
+SceneChanges::SceneChanges(const std::filesystem::path& file, const std::function<PreparedCase()>& read,
+                           const PreparedCase& first, std::filesystem::path beside, bool has_hand)
+    : file_(file), beside_(std::move(beside)), read_(read), first_(first.one.scene), has_hand_(has_hand),
+      last_(stamp()), asked_(last_), used_{{0, first.scene, sha256_of(first.scene)}} {}
+
+SceneChanges::Stamp SceneChanges::stamp() const {
+    std::error_code ignored; // a file that is being replaced may be gone for a moment
+    return {std::filesystem::last_write_time(file_, ignored), std::filesystem::file_size(file_, ignored)};
 }
 
-std::filesystem::path SceneChanges::file_of(std::uint32_t path) const {
-    return fmt::format("{}.scene-{}.toml", beside_.string(), path);
+PreparedCase SceneChanges::read_again() const {
+    if (last_.second == 0)
+        throw UsageError("its file is empty");
+    PreparedCase prepared = read_();
+    if (prepared.one.scene.precision != first_.precision)
+        throw UsageError("run.precision cannot change while the loop runs: its log has one precision");
+    return prepared;
 }
 
-void SceneChanges::write(const FeltScene& scene) const {
-    if (!beside_.empty())
-        write_file_atomically(file_of(scene.path), scene.toml);
-}
-
-void SceneChanges::keep_first() const {
-    write(taken_.front());
-}
-
-std::string SceneChanges::keep(const FeltScene& scene) const {
+std::optional<SceneChanges::Message> SceneChanges::look(LiveLoop& loop) {
+    constexpr int kLooks = 10; // between looks at the file
+    if (looks_++ % kLooks != 0)
+        return std::nullopt;
+    // Changed since the last look, and no more since the last question: an editor may empty it before it writes.
+    const Stamp present = stamp();
+    if (std::exchange(asked_, present) != present || present == last_)
+        return std::nullopt;
+    last_ = present;
+    std::unique_ptr<LiveLaw> law;
+    std::string toml;
+    bool moves_otherwise = false;
     try {
-        write(scene);
-        return beside_.empty() ? "" : fmt::format("; kept as {}", file_of(scene.path).filename().string());
-    } catch (const IoError& error) { // no reason to stop a loop
-        return fmt::format("; {}", error.what());
+        PreparedCase prepared = read_again();
+        const Scene& scene = prepared.one.scene;
+        moves_otherwise = scene.paths != first_.paths || scene.hand != first_.hand;
+        toml = prepared.scene;
+        law = make_live_law(std::move(prepared));
+    } catch (const std::exception& error) {
+        return Message{fmt::format("the scene stays as it was: {}", error.what()), true};
     }
+    const std::optional<std::uint32_t> path = hand_over(loop, std::move(law));
+    if (!path) // the loop has ended, or does not come round
+        return std::nullopt;
+    used_.push_back({*path, toml, sha256_of(toml)});
+    std::string text = fmt::format("{} was read again, path {} from {:.3f} s on", file_.filename().string(), *path,
+                                   loop.status().seconds.load());
+    if (moves_otherwise && has_hand_)
+        text += "; [paths] and [hand] stay as they were at the start";
+    try {
+        text += keep(used_.back());
+    } catch (const IoError& error) { // no reason to stop a loop
+        text += fmt::format("; {}", error.what());
+    }
+    return Message{text, false};
+}
+
+std::string SceneChanges::keep(const UsedScene& scene) const {
+    if (beside_.empty())
+        return "";
+    const std::filesystem::path file = fmt::format("{}.scene-{}.toml", beside_.string(), scene.path);
+    write_file_atomically(file, scene.toml);
+    return fmt::format("; kept as {}", file.filename().string());
 }
 
 } // namespace forceshade::device

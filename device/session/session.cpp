@@ -3,57 +3,46 @@
 #include <chrono>
 #include <cmath>
 #include <thread>
-#include <utility>
 
 #include <fmt/format.h>
 
-#include "device/loop/emergency.h"
+#include "device/backends/devices.h"
 #include "device/report/status_line.h"
-#include "device/session/interruption.h"
 #include "device/session/live_log.h"
-#include "device/session/open_device.h"
 #include "device/session/scene_changes.h"
+#include "device/session/signals.h"
 #include "host/program.h"
 
 namespace forceshade::device {
 
 namespace {
 
-std::string force_text(double force) {
-    return std::isinf(force) ? "none" : fmt::format("{:.6g} N", force);
-}
-std::string time_text(double time) {
-    return std::isinf(time) ? "none" : fmt::format("{:.6g} ms", 1000 * time);
-}
-
-} // namespace
-
-std::vector<std::pair<std::string, std::string>> limits_as_text(const SafetyLimits& limits) {
-    std::vector<std::pair<std::string, std::string>> texts{
-        {"largest force", force_text(limits.max_force)},
-        {"lasting force", force_text(limits.lasting_force)},
-        {"slew", std::isinf(limits.slew) ? "none" : fmt::format("{:.6g} N/s", limits.slew)},
-        {"ramp", time_text(limits.ramp)},
-        {"ramp at contact", time_text(limits.contact_ramp)},
-        {"speed", std::isinf(limits.max_speed) ? "none" : fmt::format("{:.6g} m/s", limits.max_speed)},
-        {"stale position", time_text(limits.stale)},
-        {"watchdog", std::isinf(limits.late) ? "none" : fmt::format("{:.6g} periods", limits.late)},
-        {"passivity", limits.passivity ? fmt::format("on, damping up to {:.6g} N s/m", limits.damping) : "off"}};
-    const auto side = [](double low, double high) { return fmt::format("{:.6g} to {:.6g} mm", 1e3 * low, 1e3 * high); };
-    if (!std::isinf(limits.low.x) || !std::isinf(limits.high.x))
-        texts.emplace_back("workspace",
-                           fmt::format("x {}, y {}, z {}", side(limits.low.x, limits.high.x),
-                                       side(limits.low.y, limits.high.y), side(limits.low.z, limits.high.z)));
-    else
-        texts.emplace_back("workspace", "none");
-    return texts;
-}
-
-namespace {
+using Clock = std::chrono::steady_clock;
 
 constexpr double kBuffered = 16;   /* s: of samples that wait for the disk */
 constexpr double kLongest = 3.2e7; /* s: a year */
 constexpr auto kLook = std::chrono::milliseconds(20);
+
+// By name, with units; "none" for a limit that is switched off.
+std::vector<std::pair<std::string, std::string>> limits_as_text(const SafetyLimits& limits) {
+    const auto text = [](double limit, const char* unit) {
+        return std::isinf(limit) ? "none" : fmt::format("{:.6g} {}", limit, unit);
+    };
+    const auto side = [](double low, double high) { return fmt::format("{:.6g} to {:.6g} mm", 1e3 * low, 1e3 * high); };
+    return {{"largest force", text(limits.max_force, "N")},
+            {"lasting force", text(limits.lasting_force, "N")},
+            {"slew", text(limits.slew, "N/s")},
+            {"ramp", text(1000 * limits.ramp, "ms")},
+            {"ramp at contact", text(1000 * limits.contact_ramp, "ms")},
+            {"speed", text(limits.max_speed, "m/s")},
+            {"stale position", text(1000 * limits.stale, "ms")},
+            {"watchdog", text(limits.late, "periods")},
+            {"passivity", limits.passivity ? fmt::format("on, damping up to {:.6g} N s/m", limits.damping) : "off"},
+            {"workspace", std::isinf(limits.low.x) && std::isinf(limits.high.x)
+                              ? "none"
+                              : fmt::format("x {}, y {}, z {}", side(limits.low.x, limits.high.x),
+                                            side(limits.low.y, limits.high.y), side(limits.low.z, limits.high.z))}};
+}
 
 double checked_rate(double rate) {
     if (rate >= kSlowestRate && rate <= kFastestRate)
@@ -99,19 +88,58 @@ std::string state_of(const LoopStatus& status, const char* withheld) {
     return happened & kRamping ? "ramping" : "";
 }
 
+// ": " and what the device complained of last, if it did.
+std::string complaint_of(const BackEnd& device) {
+    const char* const complaint = device.complaint();
+    return complaint != nullptr ? fmt::format(": {}", complaint) : "";
+}
+
+// Where the probe is when the device is opened.
+glm::dvec3 first_position(BackEnd& device, double patience) {
+    const auto end = Clock::now() + std::chrono::duration<double>(std::min(patience, 3600.0));
+    do {
+        check_interrupt();
+        const Reading reading = device.read();
+        if (reading.answer == Answer::fresh && is_finite(reading.position) && device.withheld() == nullptr)
+            return reading.position;
+        device.write(glm::dvec3(0)); // some devices answer only what they are told
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    } while (Clock::now() < end);
+    if (const char* const withheld = device.withheld())
+        throw DeviceAbsent(fmt::format("{} displays no force: {}", device.facts().name, withheld));
+    throw DeviceAbsent(fmt::format("{} tells no position{}", device.facts().name, complaint_of(device)));
+}
+
+// A state of the device that is remarked on when it changes, for at most some 20 troubles.
+template <typename State> struct Watched {
+    State state{}; // as it should be
+    std::size_t troubles = 0;
+
+    bool changes(State now) {
+        constexpr std::size_t kMost = 20;
+        if (std::exchange(state, now) == now || troubles == kMost)
+            return false;
+        troubles += now != State{};
+        return true;
+    }
+};
+
 class Session {
 public:
     explicit Session(const SessionOptions& options)
         : options_(checked(options)), line_(options.quiet), prepared_(options.read()), device_(opened()),
-          back_end_(*device_.back_end),
+          origin_(options.origin_here ? first_position(*device_, options.patience) : options.origin),
           scenes_(options.scene, options.read, prepared_, kept_stem(), options.device == "sim") {
-        for (const std::string& warning : {device_.warning, back_end_.facts().remark})
-            if (!warning.empty())
-                remark(warning);
-        settings_.rate = checked_rate(options.rate.value_or(device_.rate));
+        facts_ = device_->facts();
+        facts_.low -= origin_;
+        facts_.high -= origin_;
+        if (!facts_.remark.empty())
+            warn(facts_.remark);
+        settings_.rate = checked_rate(options.rate.value_or(facts_.rate));
         settings_.real_time = options.real_time;
         settings_.patience = options.patience;
         settings_.cpu = options.cpu;
+        settings_.origin = origin_;
         settings_.limits = limits();
         settings_.samples = samples_in(options.duration, settings_.rate);
         if (!options.log.empty()) {
@@ -120,46 +148,36 @@ public:
             log_.emplace(options.log, *ring_, prepared_.one.scene.precision, options.replace_log);
             scenes_.keep_first();
         }
-        loop_.emplace(back_end_, make_live_law(prepared_), settings_, ring_ ? &*ring_ : nullptr);
+        loop_.emplace(*device_, make_live_law(prepared_), settings_, ring_ ? &*ring_ : nullptr);
     }
 
     SessionResult run() {
-        SessionResult result;
         {
-            const Emergency emergency(back_end_);
-            const Suspension suspension(*loop_);
-            const Interruption interruption(*loop_);
-            start_quietly();
+            const Emergency emergency(*device_);
+            const LoopSignals signals(*loop_);
+            start();
             while (loop_->end() == LoopEnd::running) {
                 if (is_interrupted())
                     loop_->stop();
                 look_at_scene();
+                look_at_device();
                 show();
                 std::this_thread::sleep_for(kLook);
             }
             loop_->join();
-            back_end_.halt();
+            device_->halt();
         }
-        result.end = loop_->end();
-        result.interrupted = is_interrupted() && result.end == LoopEnd::stopped;
-        finish(result);
-        return result;
+        return finish();
     }
 
 private:
-    // Threads that are started have every signal from outside left to the main one.
-    OpenDevice open_quietly() const {
+    // Every signal from outside is left to the main thread, not to threads that are started here.
+    std::unique_ptr<BackEnd> opened() const {
         const QuietSignals quiet;
         return open_device(options_.device, prepared_, options_.rate, options_.limits.ramp);
     }
 
-    OpenDevice opened() const {
-        OpenDevice device = open_quietly();
-        device.back_end = place_device(std::move(device.back_end), options_.placement, options_.patience);
-        return device;
-    }
-
-    void start_quietly() {
+    void start() {
         const QuietSignals quiet;
         begun_ = Clock::now();
         loop_->start();
@@ -167,25 +185,23 @@ private:
 
     SafetyLimits limits() {
         SafetyLimits limits = options_.limits;
-        const DeviceFacts& facts = back_end_.facts();
-        limits.max_force = std::min(options_.max_force.value_or(kUnknown), facts.max_force);
+        limits.max_force = std::min(options_.max_force.value_or(kUnknown), facts_.max_force);
         if (std::isinf(limits.max_force) && !options_.max_force) {
             limits.max_force = kCautiousForce;
-            if (!facts.simulated)
-                remark(fmt::format("the device does not say how much force it displays: {} N at most; --max-force says "
-                                   "another limit",
-                                   kCautiousForce));
+            if (!facts_.simulated)
+                warn(fmt::format("the device does not say how much force it displays: {} N at most; --max-force says "
+                                 "another limit",
+                                 kCautiousForce));
         }
-        limits.lasting_force = options_.lasting_force.value_or(facts.lasting_force);
-        if (!facts.has_watchdog && !options_.without_watchdog && limits.max_force > kUnwatchedForce) {
+        limits.lasting_force = options_.lasting_force.value_or(facts_.lasting_force);
+        if (!facts_.has_watchdog && !options_.without_watchdog && limits.max_force > kUnwatchedForce) {
             limits.max_force = kUnwatchedForce;
-            remark(
-                fmt::format("{} N at most without the device's watchdog; --without-device-watchdog displays more all "
-                            "the same",
-                            kUnwatchedForce));
+            warn(fmt::format("{} N at most without the device's watchdog; --without-device-watchdog displays more all "
+                             "the same",
+                             kUnwatchedForce));
         }
-        limits.low = options_.workspace ? options_.workspace->first : facts.low;
-        limits.high = options_.workspace ? options_.workspace->second : facts.high;
+        limits.low = options_.workspace ? options_.workspace->first : facts_.low;
+        limits.high = options_.workspace ? options_.workspace->second : facts_.high;
         return limits;
     }
 
@@ -198,55 +214,33 @@ private:
         return options_.log.parent_path() / options_.log.stem();
     }
 
-    void remark(const std::string& text) {
+    void say(const std::string& text, const char* before = "") {
         remarks_.push_back(text);
-        line_.say("warning: " + text);
+        line_.say(before + text);
     }
+    void warn(const std::string& text) { say(text, "warning: "); }
+    void warn_now(const std::string& text) { warn(fmt::format("{:.3f} s: {}", loop_->status().seconds.load(), text)); }
 
     void look_at_scene() {
         if (!options_.watch)
             return;
-        const std::optional<SceneChanges::Said> said = scenes_.look(*loop_);
-        if (said && said->refused)
-            remark(said->text);
-        else if (said) {
-            remarks_.push_back(said->text);
-            line_.say(said->text);
-        }
+        if (const std::optional<SceneChanges::Message> message = scenes_.look(*loop_))
+            say(message->text, message->refused ? "warning: " : "");
     }
 
-    // When the device began to display no force, and why, and when it displays one again.
-    void watch_readiness() {
-        constexpr std::size_t kMost = 20; // remarks
-        const char* const withheld = back_end_.withheld();
-        if (std::exchange(withheld_, withheld) == withheld || reasons_ == kMost)
-            return;
-        reasons_ += withheld != nullptr ? 1 : 0;
-        const double time = loop_->status().seconds.load();
-        remark(withheld != nullptr ? fmt::format("{:.3f} s: no force: {}", time, withheld)
-                                   : fmt::format("{:.3f} s: the device displays forces again", time));
-    }
-
-    // When the device went, and when it came back.
-    void watch_device() {
-        constexpr std::size_t kMost = 20; // remarks
+    // When it fails or displays no force, and why, and when that is over.
+    void look_at_device() {
         const LoopStatus& now = loop_->status();
         const bool fails = (now.happened & kFailed) != 0 && now.samples > 0;
-        if (std::exchange(failed_, fails) == fails || failures_ == kMost)
-            return;
-        failures_ += fails ? 1 : 0;
-        const char* const complaint = back_end_.complaint();
-        if (fails)
-            remark(fmt::format("{:.3f} s: the device fails{}{}", now.seconds.load(), complaint != nullptr ? ": " : "",
-                               complaint != nullptr ? complaint : ""));
-        else
-            remark(fmt::format("{:.3f} s: the device answers again", now.seconds.load()));
+        if (fails_.changes(fails))
+            warn_now(fails ? "the device fails" + complaint_of(*device_) : "the device answers again");
+        const char* const withheld = device_->withheld();
+        if (withheld_.changes(withheld))
+            warn_now(withheld != nullptr ? fmt::format("no force: {}", withheld) : "the device displays forces again");
     }
 
     void show() {
         const LoopStatus& now = loop_->status();
-        watch_device();
-        watch_readiness();
         LiveStatus status;
         status.seconds = std::chrono::duration<double>(Clock::now() - begun_).count();
         const double passed = status.seconds - shown_seconds_;
@@ -261,16 +255,18 @@ private:
         status.late = now.overruns;
         status.clamped = now.clamped;
         status.lost = now.lost + (log_ ? log_->lost() : 0);
-        status.state = state_of(now, withheld_);
+        status.state = state_of(now, withheld_.state);
         line_.update(status);
     }
 
-    void finish(SessionResult& result) {
-        const char* const complaint = back_end_.complaint();
-        result.complaint = complaint != nullptr ? complaint : "";
+    SessionResult finish() {
+        SessionResult result;
+        result.end = loop_->end();
+        result.interrupted = is_interrupted() && result.end == LoopEnd::stopped;
+        result.complaint = complaint_of(*device_);
+        device_.reset(); // the device is closed before anything that is slow
         LiveOutcome& outcome = result.outcome;
-        outcome.facts = back_end_.facts();
-        device_.back_end.reset(); // the device is let go before anything that takes time
+        outcome.facts = facts_;
         outcome.counts = loop_->counts();
         outcome.permissions = loop_->permissions();
         if (log_) {
@@ -281,61 +277,46 @@ private:
             result.log_failure = log_->failure();
         }
         outcome.scene = options_.scene.filename().string();
-        outcome.scenes = scenes_.taken();
+        outcome.scenes = scenes_.used();
         outcome.precision = prepared_.one.scene.precision == Precision::f32 ? "f32" : "f64";
         outcome.device = options_.device;
         outcome.rate = settings_.rate;
         outcome.real_time = settings_.real_time;
         outcome.limits = limits_as_text(settings_.limits);
-        outcome.ended = ending(result);
-        const std::uint64_t again =
-            outcome.counts.paths - std::min<std::uint64_t>(outcome.counts.paths, outcome.scenes.size());
+        outcome.ended = result.end == LoopEnd::done             ? "after the time that was asked for"
+                        : result.end == LoopEnd::recording_over ? "at the end of the recording"
+                        : result.end == LoopEnd::device_gone    ? "because the device was gone" + result.complaint
+                                                                : "interrupted";
+        const std::uint64_t paths = outcome.counts.paths, again = paths - std::min(paths, outcome.scenes.size());
         if (again > 0 && options_.device == "sim")
             remarks_.push_back(fmt::format("the simulated hand lost its path {} and began again: it left paths.bound, "
                                            "having fallen off the surface or been thrown off",
                                            again == 1 ? "once" : fmt::format("{} times", again)));
         if (outcome.counts.standstill > 0)
-            remarks_.push_back(
-                fmt::format("the process stood still for {:.1f} s; the samples of that time did not become "
-                            "due",
-                            outcome.counts.standstill));
+            remarks_.push_back(fmt::format("the process stood still for {:.1f} s; the samples of that time did not "
+                                           "become due",
+                                           outcome.counts.standstill));
         if (outcome.counts.lost > 0)
-            remarks_.push_back(
-                "samples are missing in the log; on a mesh the rest of their paths does not replay to the "
-                "same forces");
+            remarks_.push_back("samples are missing in the log; on a mesh the rest of their paths does not replay to "
+                               "the same forces");
         outcome.remarks = remarks_;
+        return result;
     }
 
-    static std::string ending(const SessionResult& result) {
-        switch (result.end) {
-        case LoopEnd::done:
-            return "after the time that was asked for";
-        case LoopEnd::recording_over:
-            return "at the end of the recording";
-        case LoopEnd::device_gone:
-            return "because the device was gone" + (result.complaint.empty() ? "" : ": " + result.complaint);
-        case LoopEnd::running:
-        case LoopEnd::stopped:
-            break;
-        }
-        return "interrupted";
-    }
-
-    using Clock = std::chrono::steady_clock;
     const SessionOptions& options_;
     StatusLine line_;
     std::vector<std::string> remarks_;
     PreparedCase prepared_;
-    OpenDevice device_;
-    BackEnd& back_end_;
+    std::unique_ptr<BackEnd> device_;
+    const glm::dvec3 origin_; /* m: of the scene, in the device's space */
+    DeviceFacts facts_;       // in the scene's coordinates
     SceneChanges scenes_;
     LoopSettings settings_;
     std::optional<SampleRing> ring_;
     std::optional<LiveLog> log_;
     std::optional<LiveLoop> loop_; // before the log goes
-    bool failed_ = false;
-    const char* withheld_ = nullptr; // why the device displays no force
-    std::size_t failures_ = 0, reasons_ = 0;
+    Watched<bool> fails_;
+    Watched<const char*> withheld_; // why the device displays no force
     Clock::time_point begun_ = Clock::now();
     double rate_ = 0, shown_seconds_ = 0; /* Hz, s */
     std::uint64_t shown_samples_ = 0;

@@ -11,10 +11,12 @@
 #include "host/cli/command.h"
 #include "host/error.h"
 #include "host/output/files.h"
-#include "host/program.h"
+#include "host/paths/recorded.h"
 #include "host/referee/validate.h"
+#include "host/scene/cases.h"
 #include "host/scene/schema.h"
 #include "host/sweep/manifest.h"
+#include "host/sweep/sweep.h"
 
 namespace forceshade {
 
@@ -27,11 +29,11 @@ struct Finding {
 };
 
 // One try: what works, or what to do.
-template <typename Try> Finding examine(const std::string& what, const std::string& advice, Try&& attempt) {
+template <typename Try> Finding examine(const char* what, const char* advice, Try&& attempt, bool needed = true) {
     try {
-        return {true, fmt::format("{}: {}", what, attempt()), {}};
+        return {true, fmt::format("{}: {}", what, attempt()), {}, needed};
     } catch (const std::exception& error) {
-        return {false, fmt::format("{}: {}", what, error.what()), advice};
+        return {false, fmt::format("{}: {}", what, error.what()), advice, needed};
     }
 }
 
@@ -45,21 +47,21 @@ std::string list_usable_devices() {
     return fmt::format("{}", fmt::join(usable, ", "));
 }
 
+std::vector<Precision> precisions_of(const EngineReport& engine) {
+    return engine.f64 ? std::vector{Precision::f32, Precision::f64} : std::vector{Precision::f32};
+}
+
 // A small field in each precision, every voxel compared.
 std::string try_kernels(const CommonOptions& common, bool validation) {
     EngineOptions options = engine_options(common, false);
     options.validation = validation;
     const auto engine = make_engine(options);
-    CasePreparation preparation;
-    const PreparedCase prepared = preparation.prepare(parse_scene(
+    const PreparedCase prepared = CasePreparation().prepare(parse_scene(
         "[surface]\nkind = \"bump\"\nfacets = 3\n[force]\nshading = \"reference\"\n[grid]\nsize = [64, 4, 32]\n"
         "spacing = \"0.8 mm\"\n",
         "doctor"));
-    std::vector<Precision> precisions{Precision::f32};
-    if (engine->report().f64)
-        precisions.push_back(Precision::f64);
     std::uint64_t voxels = 0;
-    for (const Precision precision : precisions) {
+    for (const Precision precision : precisions_of(engine->report())) {
         const Comparison comparison = compare_case(*engine, prepared, precision);
         if (!comparison.passed)
             throw std::runtime_error(comparison.first_difference);
@@ -108,39 +110,34 @@ std::string try_cache() {
     return folder.string();
 }
 
-// What the live loop would be granted; tried in a thread that is gone afterwards.
-void examine_real_time(std::vector<Finding>& findings) {
+std::vector<Finding> examine_all(const CommonOptions& common) {
+    std::vector<Finding> findings{
+        {true,
+         fmt::format("program: forceshade {} on {}, {} cores", version(), cpu_name(),
+                     std::thread::hardware_concurrency()),
+         {}},
+        examine("font of the pictures",
+                "install the package fonts-dejavu-core; without it --also png uses another font", find_font),
+        examine("Vulkan devices",
+                "install a driver: package mesa-vulkan-drivers has the software one; ./host/run does it",
+                list_usable_devices),
+        examine("Vulkan driver", "forceshade gpus says why each device was refused",
+                [&] { return find_driver(common); }),
+        examine("kernels", "try another device (forceshade gpus), or work with --engine cpu",
+                [&] { return try_kernels(common, false); }),
+        examine(
+            "validation layers",
+            "only development needs them: package vulkan-validationlayers, which ./tests/run installs",
+            [&] { return try_kernels(common, true); }, false),
+        examine("compiled kernels are kept in",
+                "make the folder writable, or set XDG_CACHE_HOME; without it kernels are compiled at every start",
+                try_cache)};
+    // What the live loop would be granted; tried in a thread that is gone afterwards.
     device::Permissions permissions;
     std::thread([&] { permissions = device::ask_for_real_time(std::nullopt); }).join();
     for (const auto& [what, granted, detail] : permissions.all)
         findings.push_back({granted, fmt::format("live loop, {}: {}", what, detail),
                             "forceshade live works without, but samples may be late", false});
-}
-
-std::vector<Finding> examine_all(const CommonOptions& common) {
-    std::vector<Finding> findings;
-    findings.push_back({true,
-                        fmt::format("program: forceshade {} on {}, {} cores", version(), cpu_name(),
-                                    std::thread::hardware_concurrency()),
-                        {}});
-    findings.push_back(examine("font of the pictures",
-                               "install the package fonts-dejavu-core; without it --also png uses another font",
-                               find_font));
-    findings.push_back(examine("Vulkan devices",
-                               "install a driver: package mesa-vulkan-drivers has the software one; ./host/run does it",
-                               list_usable_devices));
-    findings.push_back(examine("Vulkan driver", "forceshade gpus says why each device was refused",
-                               [&] { return find_driver(common); }));
-    findings.push_back(examine("kernels", "try another device (forceshade gpus), or work with --engine cpu",
-                               [&] { return try_kernels(common, false); }));
-    findings.push_back(examine(
-        "validation layers", "only development needs them: package vulkan-validationlayers, which ./tests/run installs",
-        [&] { return try_kernels(common, true); }));
-    findings.back().needed = false;
-    findings.push_back(examine(
-        "compiled kernels are kept in",
-        "make the folder writable, or set XDG_CACHE_HOME; without it kernels are compiled at every start", try_cache));
-    examine_real_time(findings);
     return findings;
 }
 
@@ -200,7 +197,7 @@ std::string as_text(const std::vector<compute::DeviceReport>& devices) {
 int list_gpus(const CommonOptions& common) {
     const auto devices = compute::list_devices();
     print_data(common.json ? as_json(devices) : as_text(devices));
-    // Without any flag this is the device that a run would take; it throws where there is none.
+    // Without any flag this is the device that a run would use; it throws where there is none.
     const compute::DeviceReport& chosen = compute::choose_device(devices, common.gpu, common.precision == "f64");
     if (!common.quiet)
         remark("a run {} takes {} ({})\n", common.gpu.empty() ? "without --gpu" : "with this --gpu", chosen.index,
@@ -255,29 +252,99 @@ int print_schema(const SchemaArguments& arguments, const CommonOptions& common) 
     return 0;
 }
 
-void describe(Options& options, SchemaArguments& arguments) {
-    options.flag("--default-study", arguments.paper, "print the built-in study of the paper instead, to start from");
+struct ValidateArguments {
+    std::string study, only = "*";
+};
+
+// Single and double precision where the user asks for neither and the device has both.
+std::vector<Precision> precisions(const CommonOptions& common, const EngineReport& engine) {
+    if (!common.precision.empty())
+        return {common.precision == "f64" ? Precision::f64 : Precision::f32};
+    if (!engine.f64 && !common.quiet)
+        remark("{} has no double precision: only f32 is validated\n", engine.device);
+    return precisions_of(engine);
+}
+
+// Prints what was compared; true if all of it passed.
+bool print(const std::vector<Comparison>& fields, const std::vector<PathComparison>& paths, const CommonOptions& common,
+           const EngineReport& engine) {
+    const Totals voxels = totals_of(fields);
+    const PathTotals samples = totals_of(paths);
+    const bool passed = voxels.passed && samples.passed;
+    if (common.json) {
+        nlohmann::ordered_json json = nlohmann::ordered_json::parse(comparison_json(fields, engine));
+        if (!paths.empty()) {
+            json["paths"] = nlohmann::ordered_json::parse(path_comparison_json(paths));
+            json["samples"] = samples.samples;
+            json["samples_differing"] = samples.differing;
+            json["passed"] = passed;
+        }
+        print_data(json.dump(2) + "\n");
+        return passed;
+    }
+    std::string text;
+    if (!fields.empty())
+        text += comparison_table(fields) + fmt::format("{} voxels, {} differ\n", voxels.voxels, voxels.differing);
+    if (!paths.empty())
+        text +=
+            path_comparison_table(paths) + fmt::format("{} samples, {} differ\n", samples.samples, samples.differing);
+    print_data(text);
+    return passed;
+}
+
+int run(const ValidateArguments& arguments, const CommonOptions& common) {
+    const Study study = load_study(arguments.study, common);
+    const std::vector<const Case*> cases = cases_named(study, arguments.only);
+    const auto engine = make_engine(engine_options(common, common.precision == "f64"));
+    const std::vector<Precision> wanted = precisions(common, engine->report());
+    CasePreparation preparation;
+    std::vector<Comparison> fields;
+    std::vector<PathComparison> paths;
+    std::set<std::string> warned;
+    std::size_t all = 0;
+    for (const Case* one : cases)
+        all += wanted.size() * ((one->scene.field ? 1 : 0) + (one->scene.paths ? 1 : 0));
+    Progress progress("comparisons", all, common.quiet);
+    for (const Case* one : cases) {
+        PreparedCase prepared = preparation.prepare(*one);
+        add_recorded_digest(prepared);
+        for (const std::string& warning : prepared.warnings)
+            if (warned.insert(warning).second)
+                print_warnings({warning}, common);
+        for (const Precision precision : wanted) {
+            if (one->scene.field)
+                fields.push_back(compare_case(*engine, prepared, precision));
+            if (one->scene.paths)
+                paths.push_back(compare_paths(*engine, prepared, precision));
+            progress.update(fields.size() + paths.size(), one->name);
+        }
+    }
+    const bool passed = print(fields, paths, common, engine->report());
+    if (!passed && !common.quiet)
+        remark("a bound was exceeded on {}\n", engine->report().device);
+    return passed ? 0 : 1;
 }
 
 } // namespace
 
-void add_doctor_command(CommandLine& program) {
-    program.add("doctor", "Say what is installed, what works, and what to do about the rest", diagnose);
-}
-
-void add_gpus_command(CommandLine& program) {
+void add_check_commands(CommandLine& program) {
+    program.add<ValidateArguments>(
+        "validate", "Hold the device against the CPU oracle and the closed forms, on every voxel and every path", run,
+        [](Options& options, ValidateArguments& arguments) {
+            options.optional("SCENE-or-STUDY", arguments.study,
+                             "TOML file; without it the paper's study, which is built in");
+            options.optional("--only", arguments.only, "shell pattern of case names");
+        });
     program.add("gpus", "List the Vulkan devices and why one would be refused", list_gpus);
-}
-
-void add_devices_command(CommandLine& program) {
     program.add("devices", "List the haptic devices that live could drive here, and why not the others", list_devices)
         .footer("FORCESHADE_DHD_LIBRARY and FORCESHADE_HD_LIBRARY name the file of Force Dimension's and of 3D "
                 "Systems' library where the dynamic linker would not find it.");
-}
-
-void add_schema_command(CommandLine& program) {
+    program.add("doctor", "Say what is installed, what works, and what to do about the rest", diagnose);
     program.add<SchemaArguments>("schema", "Print every key of a scene or study, its unit, default and meaning",
-                                 print_schema, describe);
+                                 print_schema, [](Options& options, SchemaArguments& arguments) {
+                                     options.flag("--default-study", arguments.paper,
+                                                  "print the built-in study of the paper instead, to start from");
+                                 });
 }
 
 } // namespace forceshade

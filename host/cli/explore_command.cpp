@@ -32,38 +32,20 @@ struct ExploreArguments {
     std::filesystem::path summary() const { return stem().string() + ".paths.csv"; }
 };
 
-// The same file by whatever name; one that is not there is no other's.
-bool is_same_file(const std::filesystem::path& a, const std::filesystem::path& b) {
-    std::error_code ignored;
-    return std::filesystem::equivalent(a, b, ignored);
-}
-
 void check(const ExploreArguments& arguments, const std::string& recorded) {
     const std::string extension = std::filesystem::path(arguments.out).extension().string();
     if (extension != ".csv" && extension != ".exr")
         throw UsageError(fmt::format("--out {}: explored paths are an OpenEXR or a CSV file, so its name ends in .exr "
                                      "or .csv",
                                      arguments.out));
+    std::error_code ignored; // a file that is not there is no other one
     for (const std::string& input : {recorded, arguments.scene})
         for (const std::filesystem::path& written : {std::filesystem::path(arguments.out), arguments.summary()})
-            if (is_same_file(written, input))
+            if (std::filesystem::equivalent(written, input, ignored))
                 throw UsageError(
                     fmt::format("--out {} would replace {}, which is read; choose another name", arguments.out, input));
     if (arguments.metrics_only && !arguments.also.empty())
         throw UsageError("--metrics-only and --also exclude each other: there are no samples then");
-}
-
-void take_also(const ExploreArguments& arguments, PathRunOptions& options) {
-    for (const std::string& name : arguments.also) {
-        if (name != "npy" && name != "png")
-            throw UsageError(
-                fmt::format("--also {}: for paths there are npy and png, with a comma between them", name));
-        (name == "npy" ? options.npy : options.png) = true;
-    }
-}
-
-std::string plural(std::uint64_t count, const char* noun) {
-    return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s");
 }
 
 double share(std::uint64_t part, std::uint64_t whole) {
@@ -78,18 +60,18 @@ bool is_streamed(const ExploreArguments& arguments, const CommonOptions& common,
            std::filesystem::path(arguments.out).extension() == ".csv";
 }
 
-// Progress in bytes of a file that is read.
-class Megabytes {
+// A bar that appears once it is known how much there is to do, if that is worth watching.
+class LateProgress {
 public:
-    explicit Megabytes(bool quiet) : quiet_(quiet) {}
+    // Counts in `unit` of `what`.
+    LateProgress(const char* what, std::uint64_t unit, std::uint64_t worth_watching, bool quiet)
+        : what_(what), unit_(unit), worth_watching_(worth_watching), quiet_(quiet) {}
 
     void show(std::uint64_t done, std::uint64_t total) {
-        constexpr std::uint64_t kMegabyte = 1000000;
-        constexpr std::uint64_t kWorthWatching = 64; // MB: a second
-        done = std::min(done, total);                // a file may grow
+        done = std::min(done, total); // a file may grow
         if (!bar_)
-            bar_.emplace("MB", total / kMegabyte, quiet_ || total / kMegabyte < kWorthWatching);
-        if (done / kMegabyte > std::exchange(done_, done / kMegabyte))
+            bar_.emplace(what_, total / unit_, quiet_ || total / unit_ < worth_watching_);
+        if (done / unit_ > std::exchange(done_, done / unit_))
             bar_->update(done_, "");
         if (done == total)
             end();
@@ -97,14 +79,20 @@ public:
     void end() { bar_.reset(); }
 
 private:
+    const char* what_;
+    std::uint64_t unit_, worth_watching_, done_ = 0;
     bool quiet_;
     std::optional<Progress> bar_;
-    std::uint64_t done_ = 0; // MB
 };
+
+// Of a file that is read; 64 MB take a second.
+LateProgress reading_progress(const CommonOptions& common) {
+    return {"MB", 1000000, 64, common.quiet};
+}
 
 int stream(const ExploreArguments& arguments, const CommonOptions& common, const PreparedCase& prepared,
            const std::string& recorded) {
-    Megabytes bar(common.quiet);
+    LateProgress bar = reading_progress(common);
     const auto show = [&](std::uint64_t done, std::uint64_t total) { bar.show(done, total); };
     const PathRegion region = recorded_region(prepared);
     const ExploreResult result =
@@ -185,9 +173,8 @@ void print_outcome(const PathRecord& record, const std::string& out, const Engin
                record.fell > 0 ? fmt::format(", {} of them fell off the surface", record.fell) : "");
 }
 
-int take_paths(const ExploreArguments& arguments, const CommonOptions& common, const PreparedCase& prepared) {
-    constexpr std::uint64_t kWorthWatching = std::uint64_t(1) << 22; // steps: a second
-    const auto engine = make_engine(engine_options(common, prepared.one.scene.precision == Precision::f64));
+int run_all(const ExploreArguments& arguments, const CommonOptions& common, const PreparedCase& prepared) {
+    const auto engine = engine_for(common, prepared.one.scene);
     PathRunOptions options;
     options.stem = arguments.stem();
     if (!arguments.metrics_only)
@@ -195,20 +182,19 @@ int take_paths(const ExploreArguments& arguments, const CommonOptions& common, c
     if (!arguments.paths.empty())
         options.recorded = arguments.paths;
     options.threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
-    take_also(arguments, options);
-    Megabytes reading(common.quiet);
+    for (const std::string& name : arguments.also) {
+        if (name != "npy" && name != "png")
+            throw UsageError(
+                fmt::format("--also {}: for paths there are npy and png, with a comma between them", name));
+        (name == "npy" ? options.npy : options.png) = true;
+    }
+    LateProgress reading = reading_progress(common);
     options.reading = [&](std::uint64_t done, std::uint64_t total) { reading.show(done, total); };
-    std::optional<Progress> bar;
-    options.progress = [&, shown = std::uint64_t(0)](std::uint64_t done, std::uint64_t total) mutable {
-        if (done <= std::exchange(shown, done))
-            return;
-        if (!bar)
-            bar.emplace("steps", total, common.quiet || total < kWorthWatching);
-        bar->update(done, "");
-    };
+    LateProgress bar("steps", 1, std::uint64_t(1) << 22, common.quiet); // a second
+    options.progress = [&](std::uint64_t done, std::uint64_t total) { bar.show(done, total); };
     clear_stale_temporaries(options.stem.parent_path());
     const PathRecord record = run_paths(*engine, prepared, options);
-    bar.reset();
+    bar.end();
     const std::string out = arguments.metrics_only ? arguments.summary().filename().string() : arguments.out;
     print_warnings(record.warnings, common);
     if (!common.quiet)
@@ -228,9 +214,8 @@ void leave_out_the_hand(Case& one) {
 }
 
 int run(const ExploreArguments& arguments, const CommonOptions& common) {
-    std::vector<std::string> warnings;
     CasePreparation preparation;
-    Case one = read_scene(arguments.scene, overrides(common), &warnings);
+    Case one = load_scene(arguments.scene, common);
     if (arguments.open_loop) {
         if (arguments.paths.empty())
             throw UsageError("--open-loop takes the positions of --paths for the probe's: say which file");
@@ -239,7 +224,7 @@ int run(const ExploreArguments& arguments, const CommonOptions& common) {
     PreparedCase prepared = preparation.prepare(one);
     if (arguments.paths.empty())
         add_recorded_digest(prepared);
-    prepared.one.name = std::filesystem::path(arguments.out).stem().string(); // what pictures are headed with
+    prepared.one.name = std::filesystem::path(arguments.out).stem().string(); // the heading of pictures
     const Scene& scene = prepared.one.scene;
     const bool in_scene = scene.paths && scene.paths->kind == PathKind::recorded;
     const std::string recorded = !arguments.paths.empty() ? arguments.paths : in_scene ? scene.paths->path : "";
@@ -248,13 +233,12 @@ int run(const ExploreArguments& arguments, const CommonOptions& common) {
         throw UsageError(fmt::format("{}: nothing says where the probe goes: add a [paths] table, or give --paths with "
                                      "a CSV file of positions",
                                      arguments.scene));
-    print_warnings(warnings, common);
     if (prepared.images.mesh)
         print_warnings(warnings_of(scene.surface.mesh, *prepared.images.mesh, MeshUse::path), common);
     engine_options(common, false); // refuses --gpu beside --engine cpu
     if (is_streamed(arguments, common, scene, recorded))
         return stream(arguments, common, prepared, recorded);
-    return take_paths(arguments, common, prepared);
+    return run_all(arguments, common, prepared);
 }
 
 void describe(Options& options, ExploreArguments& arguments) {

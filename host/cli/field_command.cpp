@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <set>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -8,10 +7,7 @@
 #include "host/cli/command.h"
 #include "host/error.h"
 #include "host/output/files.h"
-#include "host/paths/path_run.h"
-#include "host/paths/recorded.h"
 #include "host/program.h"
-#include "host/referee/validate.h"
 #include "host/report/report.h"
 #include "host/scene/cases.h"
 #include "host/sweep/case_pipeline.h"
@@ -21,7 +17,7 @@ namespace forceshade {
 
 namespace {
 
-// An engine whose rows are counted as they pass: a large field takes long.
+// An engine whose rows are counted as they pass: a large field is slow.
 class WatchedEngine final : public Engine {
 public:
     WatchedEngine(Engine& engine, bool quiet) : engine_(engine), quiet_(quiet) {}
@@ -57,10 +53,8 @@ int run(const FieldArguments& arguments, const CommonOptions& common) {
     const std::filesystem::path volume = arguments.out;
     if (volume.extension() != ".exr")
         throw UsageError(fmt::format("--out {}: a volume is an OpenEXR file, so its name ends in .exr", arguments.out));
-    std::vector<std::string> warnings;
     CaseJob job;
-    CasePreparation preparation;
-    job.prepared = preparation.prepare(read_scene(arguments.scene, overrides(common), &warnings));
+    job.prepared = CasePreparation().prepare(load_scene(arguments.scene, common));
     if (!job.prepared.one.scene.field)
         throw UsageError(
             fmt::format("{}: this scene has [paths] and no [grid], so it has no field: add a [grid], or use "
@@ -69,10 +63,9 @@ int run(const FieldArguments& arguments, const CommonOptions& common) {
     job.prepared.one.scene.paths.reset(); // they are explore's
     job.volume = std::filesystem::absolute(volume);
     clear_stale_temporaries(job.volume.parent_path());
-    job.prepared.one.name = volume.stem().string(); // what pictures are headed with
-    warnings.insert(warnings.end(), job.prepared.warnings.begin(), job.prepared.warnings.end());
-    print_warnings(warnings, common);
-    const auto engine = make_engine(engine_options(common, job.prepared.one.scene.precision == Precision::f64));
+    job.prepared.one.name = volume.stem().string(); // the heading of pictures
+    print_warnings(job.prepared.warnings, common);
+    const auto engine = engine_for(common, job.prepared.one.scene);
     job.also = parse_also(arguments.also);
     bool given = false;
     CaseOutcome outcome;
@@ -135,32 +128,28 @@ std::string as_json(const SweepResult& result, const SweepOptions& options) {
     return json.dump(2) + "\n";
 }
 
-bool any_field(const Study& study) {
-    return std::ranges::any_of(study.cases, [](const Case& one) { return one.scene.field; });
-}
-
-// What --also png leaves, for the last remark.
-std::string picture_names(const Study& study) {
-    const bool paths = std::ranges::any_of(study.cases, [](const Case& one) { return one.scene.paths.has_value(); });
-    return fmt::format("{}{}", any_field(study) ? ", *.arrows.png, *.mosaic.png" : "", paths ? ", *.paths.png" : "");
+template <typename Has> bool any_case(const Study& study, Has&& has) {
+    return std::ranges::any_of(study.cases, [&](const Case& one) { return has(one.scene); });
 }
 
 void print_outcome(const SweepResult& result, const SweepOptions& options, const Study& study,
                    const std::filesystem::path& report) {
     if (options.shard)
         remark("shard {}/{}: ", options.shard->index, options.shard->count);
-    remark("{} case{}: {} computed{}, {} kept from before{}\n", result.chosen, result.chosen == 1 ? "" : "s",
-           result.computed,
+    remark("{}: {} computed{}, {} kept from before{}\n", plural(result.chosen, "case"), result.computed,
            result.computed ? fmt::format(" on {} in {}", result.account.engine_device, clock_text(result.account.wall))
                            : "",
            result.kept, result.failures.empty() ? "" : fmt::format(", {} failed", result.failures.size()));
-    if (any_field(study))
+    const bool fields = any_case(study, [](const Scene& scene) { return scene.field; });
+    const bool paths = any_case(study, [](const Scene& scene) { return scene.paths.has_value(); });
+    if (fields)
         remark("largest error against the oracle in double precision: {:.2g} of the largest force\n",
                result.largest_relative_error);
     const std::filesystem::path folder = std::filesystem::absolute(options.folder).lexically_normal();
-    remark("look at {} (in a browser), summary.csv (a row a case), manifest.json (everything known){} and *.exr beside "
-           "it\n",
-           (folder / report.filename()).string(), options.also.png ? picture_names(study) : "");
+    remark("look at {} (in a browser), summary.csv (a row a case), manifest.json (everything known){}{} and *.exr "
+           "beside it\n",
+           (folder / report.filename()).string(), options.also.png && fields ? ", *.arrows.png, *.mosaic.png" : "",
+           options.also.png && paths ? ", *.paths.png" : "");
 }
 
 int run(const SweepArguments& arguments, const CommonOptions& common) {
@@ -175,19 +164,15 @@ int run(const SweepArguments& arguments, const CommonOptions& common) {
     options.also = parse_also(arguments.also);
     options.shard = arguments.shard ? parse_shard(*arguments.shard) : slurm_shard();
     const Study study = load_study(arguments.study, common);
-    const EngineOptions engine = engine_options(common, any_f64(study));
+    const EngineOptions engine =
+        engine_options(common, any_case(study, [](const Scene& scene) { return scene.precision == Precision::f64; }));
     // Also where everything is there already: a device that was asked for must exist, and have computed it.
     if (!common.gpu.empty())
         options.device = compute::choose_device(compute::list_devices(), common.gpu, engine.needs_f64);
-    const SweepResult result = [&] {
-        try {
-            return run_sweep(
-                study, [&] { return make_engine(engine); }, engine.cpu, options);
-        } catch (const Interrupted&) {
-            remark("what was finished stays; the same command goes on from there\n");
-            throw;
-        }
-    }();
+    const SweepResult result = resumable([&] {
+        return run_sweep(
+            study, [&] { return make_engine(engine); }, engine.cpu, options);
+    });
     const report::ReportResult report = report::write_report(options.folder);
     if (!common.quiet)
         print_outcome(result, options, study, report.file);
@@ -212,107 +197,12 @@ void describe(Options& options, SweepArguments& arguments) {
                  "does not all have; volumes stay");
 }
 
-struct ValidateArguments {
-    std::string study, only = "*";
-};
-
-// Single and double precision where the user asks for neither and the device has both.
-std::vector<Precision> precisions(const CommonOptions& common, const EngineReport& engine) {
-    if (common.precision == "f32")
-        return {Precision::f32};
-    if (common.precision == "f64")
-        return {Precision::f64};
-    if (engine.f64)
-        return {Precision::f32, Precision::f64};
-    if (!common.quiet)
-        remark("{} has no double precision: only f32 is validated\n", engine.device);
-    return {Precision::f32};
-}
-
-// What was compared, and whether all of it passed.
-struct Compared {
-    std::vector<Comparison> fields;
-    std::vector<PathComparison> paths;
-
-    bool passed() const { return totals_of(fields).passed && totals_of(paths).passed; }
-};
-
-void print(const Compared& compared, const CommonOptions& common, const EngineReport& engine) {
-    const Totals voxels = totals_of(compared.fields);
-    const PathTotals samples = totals_of(compared.paths);
-    if (common.json) {
-        nlohmann::ordered_json json = nlohmann::ordered_json::parse(comparison_json(compared.fields, engine));
-        if (!compared.paths.empty()) {
-            json["paths"] = nlohmann::ordered_json::parse(path_comparison_json(compared.paths));
-            json["samples"] = samples.samples;
-            json["samples_differing"] = samples.differing;
-            json["passed"] = compared.passed();
-        }
-        print_data(json.dump(2) + "\n");
-        return;
-    }
-    std::string text;
-    if (!compared.fields.empty())
-        text +=
-            comparison_table(compared.fields) + fmt::format("{} voxels, {} differ\n", voxels.voxels, voxels.differing);
-    if (!compared.paths.empty())
-        text += path_comparison_table(compared.paths) +
-                fmt::format("{} samples, {} differ\n", samples.samples, samples.differing);
-    print_data(text);
-}
-
-int run(const ValidateArguments& arguments, const CommonOptions& common) {
-    const Study study = load_study(arguments.study, common);
-    const std::vector<const Case*> cases = cases_named(study, arguments.only);
-    const auto engine = make_engine(engine_options(common, common.precision == "f64"));
-    const std::vector<Precision> wanted = precisions(common, engine->report());
-    CasePreparation preparation;
-    Compared compared;
-    std::set<std::string> warned;
-    std::size_t all = 0;
-    for (const Case* one : cases)
-        all += wanted.size() * ((one->scene.field ? 1 : 0) + (one->scene.paths ? 1 : 0));
-    Progress progress("comparisons", all, common.quiet);
-    for (const Case* one : cases) {
-        PreparedCase prepared = preparation.prepare(*one);
-        add_recorded_digest(prepared);
-        for (const std::string& warning : prepared.warnings)
-            if (warned.insert(warning).second)
-                print_warnings({warning}, common);
-        for (const Precision precision : wanted) {
-            if (one->scene.field)
-                compared.fields.push_back(compare_case(*engine, prepared, precision));
-            if (one->scene.paths)
-                compared.paths.push_back(compare_paths(*engine, prepared, precision));
-            progress.update(compared.fields.size() + compared.paths.size(), one->name);
-        }
-    }
-    print(compared, common, engine->report());
-    if (!compared.passed() && !common.quiet)
-        remark("a bound was exceeded on {}\n", engine->report().device);
-    return compared.passed() ? 0 : 1;
-}
-
-void describe(Options& options, ValidateArguments& arguments) {
-    options.optional("SCENE-or-STUDY", arguments.study, "TOML file; without it the paper's study, which is built in");
-    options.optional("--only", arguments.only, "shell pattern of case names");
-}
-
 } // namespace
 
-void add_field_command(CommandLine& program) {
-    program.add<FieldArguments>("field", "Evaluate one scene into an EXR volume", run, describe);
-}
-
-void add_sweep_command(CommandLine& program) {
+void add_evaluation_commands(CommandLine& program) {
     program.add<SweepArguments>(
         "sweep", "Evaluate every case of a study into a folder; run again to finish or repair it", run, describe);
-}
-
-void add_validate_command(CommandLine& program) {
-    program.add<ValidateArguments>(
-        "validate", "Hold the device against the CPU oracle and the closed forms, on every voxel and every path", run,
-        describe);
+    program.add<FieldArguments>("field", "Evaluate one scene into an EXR volume", run, describe);
 }
 
 } // namespace forceshade

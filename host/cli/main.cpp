@@ -19,16 +19,15 @@ using namespace forceshade;
 
 int parse_and_run(int argc, char** argv) {
     CommandLine program;
-    for (const auto add : {add_sweep_command, add_field_command, add_explore_command, add_mesh_command,
-                           add_study_command, add_report_command, add_live_command, add_validate_command,
-                           add_gpus_command, add_devices_command, add_doctor_command, add_schema_command})
+    for (const auto add : {add_evaluation_commands, add_explore_command, add_mesh_command, add_study_commands,
+                           add_live_command, add_check_commands})
         add(program);
     const Command command = program.parse(argc, argv);
     spdlog::set_level(program.common.quiet ? spdlog::level::err : spdlog::level::info);
     return command();
 }
 
-// A stream that the caller has closed would be taken by the first file opened, and that file get its text.
+// A stream that the caller has closed would become the first file that is opened, which would get its text.
 void occupy_closed_streams() {
     for (const int descriptor : {0, 1, 2})
         if (::fcntl(descriptor, F_GETFD) < 0)

@@ -63,17 +63,16 @@ std::string as_json(const std::string& path, const Inspected& mesh) {
 std::string facet_kinds(const MeshFindings& found) {
     std::vector<std::string> kinds;
     if (found.triangles > 0)
-        kinds.push_back(fmt::format("{} triangle{}", found.triangles, found.triangles == 1 ? "" : "s"));
+        kinds.push_back(plural(found.triangles, "triangle"));
     if (found.quadrilaterals > 0)
-        kinds.push_back(fmt::format("{} quadrilateral{}", found.quadrilaterals, found.quadrilaterals == 1 ? "" : "s"));
+        kinds.push_back(plural(found.quadrilaterals, "quadrilateral"));
     if (found.others > 0)
         kinds.push_back(fmt::format("{} of up to {} corners", found.others, found.most_corners));
     return fmt::format("{} ({})", found.facets, fmt::join(kinds, ", "));
 }
 
 std::string topology(const MeshFindings& found) {
-    return fmt::format("{}, {} {}{}", found.closed ? "closed" : "open", found.components,
-                       found.components == 1 ? "piece" : "pieces",
+    return fmt::format("{}, {}{}", found.closed ? "closed" : "open", plural(found.components, "piece"),
                        !found.closed      ? ""
                        : found.volume > 0 ? ", oriented outward"
                        : found.volume < 0 ? ", oriented inward"
@@ -89,25 +88,28 @@ std::string as_text(const Inspected& mesh) {
     const double m = mesh.metres;
     const std::string unit = mesh.unit.empty() ? "file units" : "m";
     const glm::dvec3 size = (found.high - found.low) * m;
-    std::string text;
-    text += fmt::format("format         {}\n", mesh.file.format);
-    text += fmt::format("vertices       {}\n", found.vertices);
-    text += fmt::format("facets         {}\n", facet_kinds(found));
-    text += fmt::format("surface        {}\n", topology(found));
-    text += fmt::format("bounding box   {} to {} {}\n", triple(found.low * m), triple(found.high * m), unit);
-    text += fmt::format("size           {:.6g} x {:.6g} x {:.6g} {}\n", size.x, size.y, size.z, unit);
-    text += fmt::format("area           {:.6g} {}^2\n", found.area * m * m, unit);
-    text += fmt::format("volume         {:.6g} {}^3{}\n", found.volume * m * m * m, unit,
-                        found.closed ? "" : " (of an open surface: no meaning of its own)");
-    text +=
-        fmt::format("intersections  {}\n", !found.self_intersections
-                                               ? "not looked for in a mesh of this size"
-                                               : fmt::format("{}{}", found.more_self_intersections ? "at least " : "",
-                                                             *found.self_intersections));
+    const std::string intersections =
+        !found.self_intersections
+            ? "not looked for in a mesh of this size"
+            : fmt::format("{}{}", found.more_self_intersections ? "at least " : "", *found.self_intersections);
+    std::vector<std::pair<std::string, std::string>> rows{
+        {"format", mesh.file.format},
+        {"vertices", fmt::format("{}", found.vertices)},
+        {"facets", facet_kinds(found)},
+        {"surface", topology(found)},
+        {"bounding box", fmt::format("{} to {} {}", triple(found.low * m), triple(found.high * m), unit)},
+        {"size", fmt::format("{:.6g} x {:.6g} x {:.6g} {}", size.x, size.y, size.z, unit)},
+        {"area", fmt::format("{:.6g} {}^2", found.area * m * m, unit)},
+        {"volume", fmt::format("{:.6g} {}^3{}", found.volume * m * m * m, unit,
+                               found.closed ? "" : " (of an open surface: no meaning of its own)")},
+        {"intersections", intersections}};
     for (const std::string& warning : mesh.warnings)
-        text += fmt::format("warning        {}\n", warning);
+        rows.emplace_back("warning", warning);
     if (mesh.warnings.empty())
-        text += "warnings       none\n";
+        rows.emplace_back("warnings", "none");
+    std::string text;
+    for (const auto& [name, value] : rows)
+        text += fmt::format("{:<15}{}\n", name, value);
     return text;
 }
 
@@ -132,15 +134,15 @@ int run(const Arguments& arguments, const CommonOptions& common) {
     return 0;
 }
 
-void describe(Options& options, Arguments& arguments) {
-    options.required("FILE", arguments.file, "OBJ, OFF, PLY or STL");
-    options.optional("--unit", arguments.unit, "what a coordinate of 1 means, as mm or in; sizes are then in m");
-}
-
 } // namespace
 
 void add_mesh_command(CommandLine& program) {
-    program.add<Arguments>("mesh", "Say what is in a mesh file and what is wrong with it", run, describe);
+    program.add<Arguments>("mesh", "Say what is in a mesh file and what is wrong with it", run,
+                           [](Options& options, Arguments& arguments) {
+                               options.required("FILE", arguments.file, "OBJ, OFF, PLY or STL");
+                               options.optional("--unit", arguments.unit,
+                                                "what a coordinate of 1 means, as mm or in; sizes are then in m");
+                           });
 }
 
 } // namespace forceshade

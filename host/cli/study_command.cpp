@@ -26,7 +26,7 @@ struct KnownStudy {
     const char* name;
     const char* about;
     study::StudyData (*run)(study::StudyRun&);
-    const char* precision = ""; /* what it takes in place of the scene's; empty: the scene's */
+    const char* precision = ""; /* what it uses in place of the scene's; empty: the scene's */
 };
 
 constexpr std::array<KnownStudy, 4> kStudies{{
@@ -50,13 +50,10 @@ const KnownStudy& known_study(const std::string& name) {
             return one;
         names.push_back(one.name);
     }
-    const std::string_view meant = nearest(name, names);
-    throw UsageError(fmt::format("no study \"{}\"{}; there are {}", name,
-                                 meant.empty() ? "" : fmt::format(", did you mean {}?", meant),
-                                 fmt::join(names, ", ")));
+    refuse_unknown("study", name, names);
 }
 
-// The user's scene; its warnings go to stderr unless quiet.
+// The user's scene.
 std::optional<Case> scene_of(const KnownStudy& known, const StudyArguments& arguments, const CommonOptions& common) {
     if (*known.precision && !common.precision.empty())
         throw UsageError(
@@ -65,36 +62,15 @@ std::optional<Case> scene_of(const KnownStudy& known, const StudyArguments& argu
         throw UsageError("--precision is of a scene, and none is given; the study's own scenes are measured in both");
     if (arguments.scene.empty())
         return std::nullopt;
-    std::vector<std::string> warnings;
-    const std::vector<Override> replaced = overrides(common);
-    Case one = read_scene(arguments.scene, replaced, &warnings);
-    print_warnings(warnings, common);
-    return one;
+    return load_scene(arguments.scene, common);
 }
 
-// A coarse run in the place of a full one is not what everybody expects.
-void warn_of_full_run(const std::filesystem::path& folder, const CommonOptions& common) {
+// The study that a folder holds, if it can be read.
+std::optional<study::StudyData> study_in(const std::filesystem::path& folder) {
     try {
-        if (!study::read_data(folder).quick)
-            print_warnings({fmt::format("{} holds a full run, whose tables and figures become coarse ones; the same "
-                                        "command without --quick brings them back from {}",
-                                        folder.string(), (folder / study::kSteps).string())},
-                           common);
+        return study::read_data(folder);
     } catch (const Error&) {
-        // None is there that could be read.
-    }
-}
-
-// Nor is another scene's in the place of what is there.
-void warn_of_other_scene(const std::filesystem::path& folder, const std::string& scene, const CommonOptions& common) {
-    try {
-        if (study::read_data(folder).scene != scene)
-            print_warnings({fmt::format("{} holds this study of another scene, whose tables and figures are replaced; "
-                                        "name another --out to keep both",
-                                        folder.string())},
-                           common);
-    } catch (const Error&) {
-        // None is there that could be read.
+        return std::nullopt;
     }
 }
 
@@ -110,18 +86,19 @@ int run(const StudyArguments& arguments, const CommonOptions& common) {
     options.fresh = arguments.fresh;
     options.quiet = common.quiet;
     options.engine = engine_options(common, true);
-    if (options.quick)
-        warn_of_full_run(options.folder, common);
+    const std::optional<study::StudyData> before = study_in(options.folder);
+    if (before && options.quick && !before->quick)
+        print_warnings({fmt::format("{} holds a full run, whose tables and figures become coarse ones; the same "
+                                    "command without --quick brings them back from {}",
+                                    options.folder.string(), (options.folder / study::kSteps).string())},
+                       common);
     study::StudyRun study_run(known.name, options);
-    warn_of_other_scene(options.folder, study_run.scene() ? study_run.scene()->scene : std::string(), common);
-    study::StudyData data = [&] {
-        try {
-            return known.run(study_run);
-        } catch (const Interrupted&) {
-            remark("what was finished stays; the same command goes on from there\n");
-            throw;
-        }
-    }();
+    if (before && before->scene != (study_run.scene() ? study_run.scene()->scene : std::string()))
+        print_warnings({fmt::format("{} holds this study of another scene, whose tables and figures are replaced; "
+                                    "name another --out to keep both",
+                                    options.folder.string())},
+                       common);
+    study::StudyData data = resumable([&] { return known.run(study_run); });
     data.findings = study::findings_of(data);
     std::vector<std::string> warnings;
     for (const std::string& name : study::write_data(options.folder, data, plot::pictures(data)))
@@ -174,23 +151,18 @@ int run(const ReportArguments& arguments, const CommonOptions& common) {
     return written.troubles.empty() ? 0 : static_cast<int>(ExitCode::io);
 }
 
-void describe(Options& options, ReportArguments& arguments) {
-    options.required("DIR", arguments.folder, "folder that sweep or study wrote");
-}
-
 } // namespace
 
-void add_study_command(CommandLine& program) {
+void add_study_commands(CommandLine& program) {
     program.add<StudyArguments>("study",
                                 "Measure errors, run times, stability, energy or savings into a folder, with figures "
                                 "and a report; run again to go on",
                                 run, describe);
-}
-
-void add_report_command(CommandLine& program) {
     program.add<ReportArguments>(
         "report", "Write report.html of a folder of results: sweeps and studies, in one file that opens offline", run,
-        describe);
+        [](Options& options, ReportArguments& arguments) {
+            options.required("DIR", arguments.folder, "folder that sweep or study wrote");
+        });
 }
 
 } // namespace forceshade

@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include "device/backends/sim.h"
+#include "device/backends/devices.h"
 #include "device/loop/live_law.h"
 #include "device/loop/sample.h"
 #include "device/session/session.h"

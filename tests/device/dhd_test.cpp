@@ -1,7 +1,7 @@
 // Force Dimension's devices, by a stub of their library: axes, units, every call failing in turn, no force at the end.
 #include <thread>
 
-#include "device/backends/dhd.h"
+#include "device/backends/devices.h"
 #include "tests/device/stub_library.h"
 
 namespace forceshade::device::testing {
@@ -32,8 +32,8 @@ TEST_F(Dhd, tells_what_it_is) {
     EXPECT_EQ(device->complaint(), nullptr);
     stub_.most_force(-1); // no limit is set: the maker's own for an omega
     EXPECT_EQ(open_dhd("")->facts().max_force, 12);
-    EXPECT_EQ(find_dhd().devices, 1);
-    EXPECT_EQ(find_dhd().file, DHD_STUB);
+    EXPECT_EQ(find_dhd().devices.size(), 1u);
+    EXPECT_EQ(find_dhd().place, DHD_STUB);
 }
 
 // The vendor's x points to the user, y to the right, z up; ours x to the right, y away from the user, z up.
@@ -82,7 +82,7 @@ TEST_F(Dhd, is_chosen_by_its_index) {
         EXPECT_THROW(open_dhd(index), UsageError) << index;
     stub_.devices(0);
     expect_words(refusal(), {"DHD SDK 3.17.6.1", "0 devices", "udev", DHD_STUB});
-    EXPECT_EQ(find_dhd().devices, 0);
+    EXPECT_EQ(find_dhd().devices.size(), 0u);
 }
 
 TEST_F(Dhd, is_absent_when_what_it_needs_fails_at_opening) {
@@ -156,7 +156,7 @@ TEST_F(Dhd, tells_an_old_position_from_a_new_one) {
     stub_.place(0, 0, 0);
     stub_.fail("time guard", 1, 1);
     const Reading held = device->read();
-    EXPECT_EQ(held.answer, Answer::held);
+    EXPECT_EQ(held.answer, Answer::repeated);
     EXPECT_EQ(held.position, dvec3(0.02, -0.01, 0.03));
     EXPECT_EQ(device->read().answer, Answer::fresh);
     stub_.fail("saturation");

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include "device/loop/emergency.h"
+#include "device/session/signals.h"
 
 namespace forceshade::device {
 namespace {

@@ -6,7 +6,7 @@
 
 #include <glm/geometric.hpp>
 
-#include "device/backends/hd.h"
+#include "device/backends/devices.h"
 #include "tests/device/stub_library.h"
 
 namespace forceshade::device::testing {
@@ -59,14 +59,14 @@ TEST_F(Hd, tells_what_it_is) {
 }
 
 TEST_F(Hd, is_found_without_moving_it) {
-    const HdFound found = find_hd();
-    EXPECT_EQ(found.file, HD_STUB);
-    EXPECT_EQ(found.device, "Touch (serial number 8042)");
+    const DeviceKind found = find_hd();
+    EXPECT_EQ(found.place, HD_STUB);
+    EXPECT_EQ(found.name, "Touch (serial number 8042)");
     EXPECT_EQ(stub_.calls("hdEnable"), 0);
     EXPECT_EQ(stub_.calls("hdDisableDevice"), 1);
     stub_.devices(0);
-    EXPECT_EQ(find_hd().device, "");
-    expect_words(find_hd().complaint, {"Communication configuration error", "0x0303"});
+    EXPECT_EQ(find_hd().name, "");
+    expect_words(find_hd().problem, {"Communication configuration error", "0x0303"});
 }
 
 // The vendor's x points to the right, y up, z to the user; ours x to the right, y away from the user, z up. mm and m.
@@ -90,7 +90,7 @@ TEST_F(Hd, tells_a_new_position_from_an_old_one) {
     const auto device = open_hd("");
     EXPECT_TRUE(comes_true([&] { return device->read().answer == Answer::fresh; }));
     stub_.call<void(int)>("stub_freeze")(1);
-    EXPECT_TRUE(comes_true([&] { return device->read().answer == Answer::held; }));
+    EXPECT_TRUE(comes_true([&] { return device->read().answer == Answer::repeated; }));
     EXPECT_LT(glm::length(device->read().position - dvec3(0.01, -0.03, 0.02)), 1e-12);
     stub_.call<void(int)>("stub_freeze")(0);
     EXPECT_TRUE(comes_true([&] { return device->read().answer == Answer::fresh; }));

@@ -1,8 +1,7 @@
 // A library that is not there, is none, or lacks what is needed: said with what was tried and how to install it.
 #include <fstream>
 
-#include "device/backends/dhd.h"
-#include "device/backends/hd.h"
+#include "device/backends/devices.h"
 #include "device/backends/shared_library.h"
 #include "tests/device/stub_library.h"
 
@@ -56,12 +55,10 @@ TEST_F(Library, that_is_none_is_told_with_the_linkers_words) {
 TEST_F(Library, without_a_function_is_told_with_its_name) {
     ::setenv("FORCESHADE_TEST_LIBRARY", DHD_STUB, 1);
     const SharedLibrary library(kSought);
-    int (*call)() = nullptr;
-    library.load_if_there(call, "acmeOpen");
+    int (*call)() = library.optional("acmeOpen");
     EXPECT_EQ(call, nullptr);
-    expect_words(message_of<DeviceAbsent>([&] { library.load(call, "acmeOpen"); }),
-                 {DHD_STUB, "acmeOpen", "Acme toolkit"});
-    library.load(call, "dhdGetDeviceCount");
+    expect_words(message_of<DeviceAbsent>([&] { library.needed("acmeOpen"); }), {DHD_STUB, "acmeOpen", "Acme toolkit"});
+    call = library.needed("dhdGetDeviceCount");
     ASSERT_NE(call, nullptr);
     EXPECT_EQ(call(), 1);
 }

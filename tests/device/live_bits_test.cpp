@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "device/backends/sim.h"
+#include "device/backends/devices.h"
 #include "host/paths/scene_paths.h"
 #include "host/prepare/prepared_case.h"
 #include "host/reference/elementary.h"

@@ -13,9 +13,9 @@ namespace {
 using namespace testing;
 
 TEST(LiveLoop, ADeviceThatIsGoneIsWaitedForAndThenGivenUp) {
-    for (const Answer answer : {Answer::failed, Answer::held})
+    for (const Answer answer : {Answer::failed, Answer::repeated})
         for (const std::uint64_t fine : {0u, 100u}) {
-            if (answer == Answer::held && fine > 0)
+            if (answer == Answer::repeated && fine > 0)
                 continue; // it may rest
             ScriptedDevice device(
                 [&](std::uint64_t tick) {
@@ -77,7 +77,7 @@ TEST(LiveLoop, FaultsOfADeviceAreWithoutForceAtOnce) {
 TEST(LiveLoop, AStalePositionIsWithoutForce) {
     ScriptedDevice device(
         [](std::uint64_t tick) {
-            return tick < 100 ? deep(tick) : Reading{Answer::held, {0, 0, -1e-3}, false};
+            return tick < 100 ? deep(tick) : Reading{Answer::repeated, {0, 0, -1e-3}, false};
         },
         1000);
     SafetyLimits limits = no_limits();

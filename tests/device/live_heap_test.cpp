@@ -14,7 +14,7 @@
 
 #include <gtest/gtest.h>
 
-#include "device/backends/sim.h"
+#include "device/backends/devices.h"
 #include "tests/device/scripted_device.h"
 
 namespace {

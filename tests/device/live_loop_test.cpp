@@ -80,7 +80,7 @@ TEST(LiveLoop, APathThatBeginsMarksThatTheForceIsDropped) {
 TEST(LiveLoop, WaitsForTheFirstPosition) {
     ScriptedDevice device(
         [](std::uint64_t tick) {
-            return tick < 10   ? Reading{Answer::held, glm::dvec3(0), false}
+            return tick < 10   ? Reading{Answer::repeated, glm::dvec3(0), false}
                    : tick < 20 ? Reading{Answer::fresh, glm::dvec3(kNan), false}
                                : deep(tick);
         },

@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "device/backends/sim.h"
+#include "device/backends/devices.h"
 #include "tests/device/scripted_device.h"
 
 namespace forceshade::device {

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "device/loop/outcome.h"
+#include "device/report/report.h"
 
 namespace forceshade::device::test {
 

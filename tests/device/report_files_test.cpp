@@ -8,9 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "device/report/live_picture.h"
-#include "device/report/report_json.h"
-#include "device/report/report_text.h"
-#include "device/report/write_report.h"
+#include "device/report/report.h"
 #include "host/error.h"
 #include "tests/device/report_cases.h"
 

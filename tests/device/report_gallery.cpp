@@ -1,5 +1,5 @@
 // report_gallery FOLDER: the reports of every case, for a person to look at.
-#include "device/report/write_report.h"
+#include "device/report/report.h"
 #include "tests/device/report_cases.h"
 
 int main(int argc, char** argv) {

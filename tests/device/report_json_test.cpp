@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "device/report/report_json.h"
+#include "device/report/report.h"
 #include "host/program.h"
 #include "tests/device/report_cases.h"
 

@@ -7,8 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "device/report/live_picture.h"
-#include "device/report/marks.h"
-#include "device/report/time_axis.h"
+#include "device/report/time_panel.h"
 #include "tests/device/report_cases.h"
 
 namespace forceshade::device::test {

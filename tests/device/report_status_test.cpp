@@ -12,7 +12,7 @@
 #include <gtest/gtest.h>
 
 #include "device/report/status_line.h"
-#include "device/report/wrapped_lines.h"
+#include "device/report/text.h"
 
 namespace forceshade::device {
 namespace {

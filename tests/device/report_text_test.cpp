@@ -5,10 +5,8 @@
 
 #include <gtest/gtest.h>
 
-#include "device/report/count_rows.h"
-#include "device/report/report_text.h"
-#include "device/report/units.h"
-#include "device/report/wrapped_lines.h"
+#include "device/report/report.h"
+#include "device/report/text.h"
 #include "tests/device/report_cases.h"
 
 namespace forceshade::device::test {

@@ -1,0 +1,63 @@
+// The end of a run: in words for the person at the terminal, as JSON for a program, and as files.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "device/loop/permissions.h"
+#include "device/loop/sample.h"
+
+namespace forceshade::device {
+
+/// A scene that the loop used.
+struct UsedScene {
+    std::uint32_t path = 0; // that it began
+    std::string toml;       // resolved
+    std::string sha256;     // of that
+};
+
+/// A run and its results.
+struct LiveOutcome {
+    std::string scene;             // name of its file
+    std::vector<UsedScene> scenes; // what was in it, at the start and after each change
+    std::string precision;         // "f32" or "f64"
+    std::string device;            // as asked for: "sim", "haply:ws://..."
+    DeviceFacts facts;
+    double rate = 0;       /* Hz */
+    bool real_time = true; // false: as fast as possible
+    LoopCounts counts;
+    Permissions permissions;
+    std::vector<std::pair<std::string, std::string>> limits; // of safety, as text with units: ("max_force", "3 N")
+    std::string log;                                         // file name; empty: none was asked for
+    std::uint64_t logged = 0;                                // samples in it
+    std::string ended;                // why the run ended: "after 60 s", "interrupted", "the device is gone: ..."
+    std::vector<std::string> remarks; // what the user should know: refused scenes, losses, ...
+};
+
+/// Some 25 lines of at most 100 columns.
+std::string report_text(const LiveOutcome& outcome);
+
+/// "60000 samples in 60 s at 1 kHz", or as fast as possible; one sentence, for the picture too.
+std::string pace_text(const LiveOutcome& outcome, std::string_view micro = "u");
+/// "3 samples late (0.005 %), 0 of them by our own computing"; that none can be, as fast as possible.
+std::string lateness_text(const LiveOutcome& outcome);
+/// "clamped 12, ramping 200" without the late ones; "none".
+std::string events_text(const LoopCounts& counts);
+/// What was largest: "force 3.2 N by the law, 3 N commanded; ..."
+std::string extremes_text(const LoopCounts& counts, std::string_view micro = "u");
+/// "1.2 mJ given to the hand at the end, ..."
+std::string energy_text(const LoopCounts& counts, std::string_view micro = "u");
+
+/// Never throws on what a device says of itself: bad UTF-8 becomes U+FFFD.
+nlohmann::ordered_json report_json(const LiveOutcome& outcome);
+
+/// STEM.txt, STEM.json and STEM.png, each whole or not at all. Throws IoError.
+void write_live_report(const LiveOutcome& outcome, const std::filesystem::path& stem);
+
+} // namespace forceshade::device

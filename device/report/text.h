@@ -1,0 +1,66 @@
+// Text for a person: numbers with units, lines that fit a terminal, and how often which times occurred.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "device/loop/sample.h"
+
+namespace forceshade::device {
+
+struct NumberStyle {
+    bool zeros = false;           // behind the point: "1.20 us" and not "1.2 us", to stand in a column
+    std::string_view micro = "u"; // "µ" in a picture
+};
+
+/// `value` in the unit `base` to three significant digits: "412 ns", "-1.2 mJ", "3.4 kHz". Seconds and lengths have no
+/// prefix for thousands. No finite number is "unknown".
+std::string quantity(double value, std::string_view base, const NumberStyle& style = {});
+
+/// A time in ns.
+std::string time_text(double nanoseconds, const NumberStyle& style = {});
+
+/// " (0.5 %)", nothing of nothing. Never "0 %" of some, nor "100 %" of fewer than all.
+std::string share_text(std::uint64_t part, std::uint64_t whole);
+
+/// "1 sample", "2 samples".
+std::string counted(std::uint64_t count, std::string_view noun);
+
+inline constexpr std::size_t kColumns = 100;
+
+/// How many columns UTF-8 text takes, a character each.
+std::size_t columns_of(std::string_view text);
+
+/// No more than so many columns of it.
+std::string_view cut_to_columns(std::string_view text, std::size_t columns);
+
+class WrappedLines {
+public:
+    /// `label` in the first columns of the first line, the text beside it, broken at spaces, or anywhere if it must be.
+    /// What a terminal would not print is replaced.
+    void add(std::string_view label, std::string_view text);
+    /// A line as it is.
+    void add_line(std::string_view line);
+
+    const std::string& text() const noexcept { return text_; }
+
+private:
+    std::string text_;
+};
+
+struct NamedTimes {
+    std::string_view name;
+    const Histogram& times;
+};
+
+/// Lines of bars of '#' side by side, one row for the times from 1, 2 or 5 times a power of ten to the next, with
+/// counts; at least one '#' where there is any. Times up to 3 % short of the next row may count there: the histogram
+/// does not tell them apart. Rows without any are gathered, and so are the shortest times as long as they are no more
+/// than 1 %. Within 100 columns for up to two; empty where there is nothing to count.
+std::vector<std::string> count_rows(std::span<const NamedTimes> columns);
+
+} // namespace forceshade::device
