@@ -50,7 +50,7 @@ template <typename... Signals> std::array<Handled, sizeof...(Signals)> unhandled
 
 constexpr std::size_t kFaults = 6; // of the deadly ones, the first: handled whoever else wants them
 constexpr int kHaltTime = 50;      /* ms: that one thread's handler waits for another's */
-constexpr int kPatience = 1000;    /* ms: with a loop that does not come round */
+constexpr int kLoopPatience = 1000;    /* ms: with a loop that does not come round */
 
 auto deadly = unhandled(SIGABRT, SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGSYS, SIGQUIT, SIGTRAP, SIGUSR1, SIGUSR2, SIGALRM,
                         SIGVTALRM, SIGPROF, SIGXCPU, SIGIO, SIGPWR, SIGSTKFLT);
@@ -85,7 +85,7 @@ void suspend(int) {
     LiveLoop* const loop = running.load();
     if (loop != nullptr) {
         loop->suspend(true);
-        for (int waited = 0; !loop->is_at_rest() && waited < kPatience; ++waited)
+        for (int waited = 0; !loop->is_at_rest() && waited < kLoopPatience; ++waited)
             ::poll(nullptr, 0, 1);
     }
     ::raise(SIGSTOP);
