@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 
 #include "host/error.h"
-#include "host/mesh/structure_parts.h"
 #include "host/mesh/surface.h"
 
 namespace forceshade {
@@ -34,18 +33,16 @@ class Assembly {
 public:
     Assembly(const Mesh& mesh, unsigned threads)
         : mesh_(mesh), threads_(threads), frame_(frame_of(mesh.polygons)), surface_(make_surface(mesh, frame_)),
-          corners_(surface_ ? surface_->corners : mesh.triangles),
-          facets_(surface_ ? surface_->facets : mesh.triangle_facets),
-          normals_(surface_ ? surface_->normals : mesh.triangle_normals) {}
+          triangles_(surface_ ? *surface_ : mesh.triangles) {}
 
     void make_tree(unsigned leaf_triangles) {
         const std::vector<glm::dvec3>& vertices = mesh_.polygons.vertices;
-        order_.reserve(corners_.size());
-        for (std::size_t triangle = 0; triangle < corners_.size(); ++triangle) {
-            if (normals_[triangle] == glm::dvec3(0))
+        order_.reserve(triangles_.corners.size());
+        for (std::size_t triangle = 0; triangle < triangles_.corners.size(); ++triangle) {
+            if (triangles_.normals[triangle] == glm::dvec3(0))
                 continue;
             TreeItem item{{2, 2, 2}, static_cast<std::uint32_t>(triangle), {-2, -2, -2}, 0};
-            for (const uint corner : corners_[triangle]) {
+            for (const uint corner : triangles_.corners[triangle]) {
                 const glm::dvec3 at = frame_.local(vertices[corner]);
                 for (int axis = 0; axis < 3; ++axis) {
                     float& low = item.low[std::size_t(axis)];
@@ -72,10 +69,10 @@ public:
         parts_.triangle_facets.reserve(triangles);
         reals_.triangle_normals.reserve(3 * triangles);
         for (const TreeItem& item : order_) {
-            for (const uint corner : corners_[item.triangle])
+            for (const uint corner : triangles_.corners[item.triangle])
                 parts_.triangle_corners.push_back(number_of(corner));
-            parts_.triangle_facets.push_back(facets_[item.triangle]);
-            append(reals_.triangle_normals, normals_[item.triangle]);
+            parts_.triangle_facets.push_back(triangles_.facets[item.triangle]);
+            append(reals_.triangle_normals, triangles_.normals[item.triangle]);
         }
         order_ = {};
         parts_.facet_begins = mesh_.polygons.begins;
@@ -126,19 +123,13 @@ private:
     const Mesh& mesh_;
     unsigned threads_;
     MeshFrame frame_;
-    std::unique_ptr<const Surface> surface_; // null: the mesh's own triangles
-    const std::vector<std::array<uint, 3>>& corners_;
-    const std::vector<uint>& facets_;
-    const std::vector<glm::dvec3>& normals_;
+    std::optional<MeshTriangles> surface_; // none: the mesh's own triangles
+    const MeshTriangles& triangles_;
     std::vector<TreeItem> order_;
     std::vector<uint> numbers_, used_;
     MeshParts parts_;
     MeshReals<double> reals_;
 };
-
-template <typename T> std::size_t bytes_of(const std::vector<T>& table) {
-    return table.capacity() * sizeof(T);
-}
 
 /// The tables of one precision out of those of double.
 template <typename T>
@@ -147,9 +138,7 @@ std::shared_ptr<const MeshReals<T>> reals_as(const std::shared_ptr<const MeshRea
         return reals;
     } else {
         const auto rounded = [](const std::vector<double>& table) {
-            std::vector<T> result(table.size());
-            std::transform(table.begin(), table.end(), result.begin(), [](double x) { return static_cast<T>(x); });
-            return result;
+            return std::vector<T>(table.begin(), table.end());
         };
         return std::make_shared<const MeshReals<T>>(MeshReals<T>{
             rounded(reals->vertices), rounded(reals->vertex_normals), rounded(reals->vertex_pseudonormals),
@@ -160,13 +149,12 @@ std::shared_ptr<const MeshReals<T>> reals_as(const std::shared_ptr<const MeshRea
 } // namespace
 
 std::size_t MeshStructure::bytes() const {
-    const std::size_t of_parts = bytes_of(parts->nodes) + bytes_of(parts->triangle_corners) +
-                                 bytes_of(parts->triangle_facets) + bytes_of(parts->triangle_neighbours) +
-                                 bytes_of(parts->facet_begins) + bytes_of(parts->facet_corners);
-    const std::size_t of_reals = bytes_of(reals->vertices) + bytes_of(reals->vertex_normals) +
-                                 bytes_of(reals->vertex_pseudonormals) + bytes_of(reals->triangle_normals) +
-                                 bytes_of(reals->facet_normals) + bytes_of(reals->edge_pseudonormals);
-    return of_parts + of_reals + (winding ? bytes_of(winding->moments) + bytes_of(winding->rims) : 0);
+    const auto bytes_of = [](const auto&... tables) { return (... + (tables.capacity() * sizeof(tables.front()))); };
+    return bytes_of(parts->nodes, parts->triangle_corners, parts->triangle_facets, parts->triangle_neighbours,
+                    parts->facet_begins, parts->facet_corners) +
+           bytes_of(reals->vertices, reals->vertex_normals, reals->vertex_pseudonormals, reals->triangle_normals,
+                    reals->facet_normals, reals->edge_pseudonormals) +
+           (winding ? bytes_of(winding->moments, winding->rims) : 0);
 }
 
 MeshStructure build_structure(const Mesh& mesh, const StructureOptions& options) {
@@ -183,25 +171,24 @@ MeshStructure build_structure(const Mesh& mesh, const StructureOptions& options)
 }
 
 template <typename T> layout::MeshView<T> MeshTables<T>::view() const {
-    layout::MeshView<T> view;
-    view.params = params;
-    view.nodes = parts->nodes;
-    view.solid = parts->solid;
-    view.vertices = reals->vertices;
-    view.triangle_corners = parts->triangle_corners;
-    view.triangle_facets = parts->triangle_facets;
-    view.triangle_neighbours = parts->triangle_neighbours;
-    view.triangle_normals = reals->triangle_normals;
-    view.vertex_pseudonormals = reals->vertex_pseudonormals;
-    view.edge_pseudonormals = reals->edge_pseudonormals;
-    view.facet_begins = parts->facet_begins;
-    view.facet_corners = parts->facet_corners;
-    view.facet_normals = reals->facet_normals;
-    view.vertex_normals = reals->vertex_normals;
-    if (winding) {
-        view.moments = winding->moments;
-        view.rims = winding->rims;
-    }
+    layout::MeshView<T> view{params,
+                             parts->nodes,
+                             reals->vertices,
+                             parts->triangle_corners,
+                             parts->triangle_facets,
+                             parts->triangle_neighbours,
+                             reals->triangle_normals,
+                             reals->vertex_pseudonormals,
+                             reals->edge_pseudonormals,
+                             parts->facet_begins,
+                             parts->facet_corners,
+                             reals->facet_normals,
+                             reals->vertex_normals,
+                             parts->solid,
+                             {},
+                             {}};
+    if (winding)
+        view.moments = winding->moments, view.rims = winding->rims;
     return view;
 }
 

@@ -73,9 +73,4 @@ private:
     mutable std::vector<std::uint8_t> marks_;
 };
 
-extern template bool is_below(const PlanTriangle<float>&, const PlanBox<float>&, float);
-extern template bool is_below(const PlanTriangle<double>&, const PlanBox<double>&, double);
-extern template class TriangleList<float>;
-extern template class TriangleList<double>;
-
 } // namespace forceshade

@@ -15,24 +15,6 @@
 
 namespace forceshade {
 
-namespace {
-
-constexpr double kMargin = 0.05; // of the box's longest side
-
-} // namespace
-
-MeshBox bounding_box(const PolygonSoup& polygons) {
-    constexpr double kFar = std::numeric_limits<double>::infinity();
-    MeshBox box{{kFar, kFar, kFar}, {-kFar, -kFar, -kFar}};
-    for (const std::uint32_t corner : polygons.corners)
-        for (int axis = 0; axis < 3; ++axis) {
-            const auto i = static_cast<std::size_t>(axis);
-            box.low[i] = std::min(box.low[i], polygons.vertices[corner][axis]);
-            box.high[i] = std::max(box.high[i], polygons.vertices[corner][axis]);
-        }
-    return box;
-}
-
 std::shared_ptr<const SceneMesh> read_scene_mesh(const MeshSpec& spec) {
     PolygonFile file = read_polygons(spec.path);
     constexpr double kTriangleBytes =
@@ -69,29 +51,30 @@ std::vector<std::string> warnings_of(const MeshSpec& spec, const SceneMesh& mesh
 void check_mesh_fits(const Scene& scene, const SceneMesh& mesh) {
     if (scene.force.shading != Shading::barycentric)
         return;
-    const auto& begins = mesh.mesh.polygons.begins;
-    for (std::size_t facet = 0; facet + 1 < begins.size(); ++facet)
-        if (begins[facet + 1] - begins[facet] != 3)
+    const PolygonSoup& polygons = mesh.mesh.polygons;
+    for (std::size_t facet = 0; facet < polygons.facets(); ++facet)
+        if (polygons.corners_of(facet) != 3)
             throw UsageError(fmt::format("shading \"barycentric\" is for triangles, and facet {} of {} has {} corners: "
                                          "use \"mean_value\", which is the same on triangles",
-                                         facet, scene.surface.mesh.file, begins[facet + 1] - begins[facet]));
+                                         facet, scene.surface.mesh.file, polygons.corners_of(facet)));
 }
 
 GridSpec fitted_grid(std::uint64_t samples, const Mesh& mesh) {
+    constexpr double kMargin = 0.05; // of the box's longest side
     const MeshBox box = bounding_box(mesh.polygons);
-    double longest = 0; /* m */
-    for (std::size_t i = 0; i < 3; ++i)
-        longest = std::max(longest, box.high[i] - box.low[i]);
+    const glm::dvec3 sides = box.high - box.low; /* m */
+    const double longest = std::max({0.0, sides.x, sides.y, sides.z});
     GridSpec grid;
     const double spacing = samples > 1 ? (1 + kMargin) * longest / static_cast<double>(samples - 1) : longest;
-    for (std::size_t i = 0; i < 3; ++i) {
-        const double covered = box.high[i] - box.low[i] + kMargin * longest;
+    for (int axis = 0; axis < 3; ++axis) {
+        const auto i = static_cast<std::size_t>(axis);
         // A side as long as the longest one has as many samples, whatever the division rounds to.
+        const double covered = sides[axis] + kMargin * longest;
         const double count = std::ceil(covered / spacing - 1e-9) + 1; // infinite where the spacing underflows
         grid.size[i] = count < static_cast<double>(samples) ? static_cast<std::uint64_t>(count) : samples;
         grid.spacing[i] = spacing;
         const double half = spacing * static_cast<double>(grid.size[i] - 1) / 2;
-        grid.origin[i] = box.low[i] + (box.high[i] - box.low[i]) / 2 - half;
+        grid.origin[i] = box.low[axis] + sides[axis] / 2 - half;
     }
     if (grid.size[1] * grid.size[2] > kMostRows)
         throw UsageError(fmt::format("grid.samples = {} makes {} rows, y times z; an EXR holds up to {}", samples,

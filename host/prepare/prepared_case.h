@@ -34,13 +34,6 @@ struct SceneMesh {
     MeshFindings findings;
 };
 
-struct MeshBox {
-    std::array<double, 3> low, high; /* m */
-};
-
-/// Of the vertices that some facet uses.
-MeshBox bounding_box(const PolygonSoup& polygons);
-
 /// Reads the file that the spec names. \throws IoError, UsageError for a file in which the law has no meaning.
 std::shared_ptr<const SceneMesh> read_scene_mesh(const MeshSpec& spec);
 
@@ -105,9 +98,6 @@ public:
 /// The law of a scene. `prepared` must outlive it.
 /// \throws UsageError if a value leaves the range of T.
 template <typename T> std::unique_ptr<PathLaw<T>> make_path_law(const PreparedCase& prepared);
-
-extern template std::unique_ptr<PathLaw<float>> make_path_law<float>(const PreparedCase&);
-extern template std::unique_ptr<PathLaw<double>> make_path_law<double>(const PreparedCase&);
 
 // L6 to L9 as one probe meets them in the world: the god-object begins, and follows.
 
