@@ -105,7 +105,7 @@ public:
         Side side = Side::both;
         if (is_free(lists_[0], box, witness.point, kPlanTile, side))
             return;
-        lists_[1].take(lists_[0], places_);
+        lists_[1].select(lists_[0], places_);
         split(tile, 1, kPlanTile, side);
     }
 
@@ -221,37 +221,38 @@ private:
         }
     }
 
-    // The nearest triangle of each voxel, where too many may be.
-    void add_nearest(const SampleRange& range) {
-        const std::size_t first = candidates.size();
+    // Calls use(sample, bit), bit (z * 2 + y) * 2 + x in the range.
+    template <typename Use> void for_each_sample(const SampleRange& range, const Use& use) const {
         for (uint z = range.first[2]; z <= range.last[2]; ++z)
             for (uint y = range.first[1]; y <= range.last[1]; ++y)
-                for (uint x = range.first[0]; x <= range.last[0]; ++x) {
-                    const Vector<T> probe{input_.axes[0][x], input_.axes[1][y], input_.axes[2][z]};
-                    hint_ = reference::nearest(input_.mesh, probe, hint_).triangle;
-                    if (std::find(candidates.begin() + std::ptrdiff_t(first), candidates.end(), hint_) ==
-                        candidates.end())
-                        candidates.push_back(hint_);
-                }
+                for (uint x = range.first[0]; x <= range.last[0]; ++x)
+                    use(Vector<T>(input_.axes[0][x], input_.axes[1][y], input_.axes[2][z]),
+                        ((z - range.first[2]) * 2 + y - range.first[1]) * 2 + x - range.first[0]);
     }
 
-    // Bit (z * 2 + y) * 2 + x of each sample that is inside by the winding number.
+    // The nearest triangle of each voxel, where too many may be.
+    void add_nearest(const SampleRange& range) {
+        const auto first = std::ptrdiff_t(candidates.size());
+        for_each_sample(range, [&](const Vector<T>& sample, uint) {
+            hint_ = reference::nearest(input_.mesh, sample, hint_).triangle;
+            if (std::find(candidates.begin() + first, candidates.end(), hint_) == candidates.end())
+                candidates.push_back(hint_);
+        });
+    }
+
+    // The bit of each sample that is inside by the winding number.
     uint inside_bits(const SampleRange& range, Side side) const {
         uint bits = 0;
-        for (uint z = range.first[2]; z <= range.last[2]; ++z)
-            for (uint y = range.first[1]; y <= range.last[1]; ++y)
-                for (uint x = range.first[0]; x <= range.last[0]; ++x) {
-                    const Vector<T> probe{input_.axes[0][x], input_.axes[1][y], input_.axes[2][z]};
-                    const uint bit = ((z - range.first[2]) * 2 + y - range.first[1]) * 2 + x - range.first[0];
-                    if (side == Side::inside || reference::inside_by_winding(input_.mesh, probe))
-                        bits |= 1u << bit;
-                }
+        for_each_sample(range, [&](const Vector<T>& sample, uint bit) {
+            if (side == Side::inside || reference::inside_by_winding(input_.mesh, sample))
+                bits |= 1u << bit;
+        });
         return bits;
     }
 
     // By each sample's distance to a triangle that is near to it.
     void narrow_to_samples(const PlanBox<T>& box, const TriangleList<T>& list) {
-        long_list_.take(list, places_);
+        long_list_.select(list, places_);
         const std::array<std::size_t, 8> near = long_list_.near_corners(box);
         std::array<T, 8> limits;
         for (uint i = 0; i < 8; ++i) {
@@ -309,7 +310,7 @@ private:
                 leaf(eighth, box, list, eighth_side);
                 continue;
             }
-            lists_[level + 1].take(list, places_);
+            lists_[level + 1].select(list, places_);
             split(eighth, level + 1, half, eighth_side);
         }
     }

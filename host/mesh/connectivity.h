@@ -1,4 +1,4 @@
-// How the facets of a polygon mesh hang together.
+// How the facets of a polygon mesh are connected.
 #pragma once
 
 #include <cstddef>
@@ -11,7 +11,7 @@
 namespace forceshade {
 
 struct ConnectivityCounts {
-    std::size_t components = 0;            // pieces whose facets hang together by edges
+    std::size_t components = 0;            // pieces whose facets are connected by edges
     std::size_t boundary_edges = 0;        // of one facet
     std::size_t holes = 0;                 // loops of boundary edges
     std::size_t non_manifold_edges = 0;    // of more than two facets

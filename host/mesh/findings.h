@@ -23,7 +23,7 @@ struct MeshFindings : ConnectivityCounts {
     std::size_t degenerate_facets = 0;             // without area
     std::size_t redundant_facets = 0;              // that coincide with others and count for nothing
     std::size_t opposed_facets = 0;                // pairs that coincide, of opposite orientation, of which both count
-    std::size_t repeated_corner_facets = 0;        // that come to a vertex twice
+    std::size_t repeated_corner_facets = 0;        // that have a vertex twice
     std::optional<std::size_t> self_intersections; // pairs of triangles without a common corner that touch or cross
     bool more_self_intersections = false;          // the search was given up after those
     bool closed = false;                           // every edge has two facets, or another even number
@@ -43,7 +43,7 @@ enum class MeshUse {
     any,
     pseudonormal_field, // static, inside by pseudonormals
     winding_field,      // static, inside by the winding number
-    path,               // the god-object, which minds every facet and no inside
+    path,               // the god-object, which meets every facet and needs no inside
 };
 
 /// A sentence for each thing that is wrong, with its count and what it means for the laws; empty if nothing is.
@@ -55,12 +55,12 @@ void refuse_if_meaningless(const MeshFindings& findings, const std::string& mesh
 
 // Facets with the same corners, by place, and which of them count.
 
-/// Facets coincide if they come to the same places in the same or the opposite cyclic order.
+/// Facets coincide if they have the same places in the same or the opposite cyclic order.
 /// - The same order: a repeat of the first one in the file.
 /// - The opposite order, both with an area: of such a pair one is a stray if without it the edges match better. That
 ///   is, along more than half of the pair's edges the facets of the mesh run more often in its direction than in the
 ///   other, and along none less often. Strays that share edges with strays are found out one from the other.
-/// - Else a pair is a sheet of two sides, or a wall within a solid: no way to match edges tells either side from the
+/// - Else a pair is a sheet of two sides, or a wall within a solid: matching edges does not tell either side from the
 ///   other.
 struct CoincidentFacets {
     std::vector<std::uint32_t> redundant; /* ascending: repeats and strays; they count for nothing */

@@ -86,17 +86,14 @@ void sum_pseudonormals(const MeshParts& parts, MeshReals<double>& reals, const s
 
 bool has_firm_pseudonormals(const MeshParts& parts, const MeshReals<double>& reals) {
     constexpr double kFirm = 0x1p-14; // of the square of the length
-    for (std::size_t vertex = 0; vertex < reals.vertex_pseudonormals.size() / 3; ++vertex) {
-        const Vector sum = vector_at(reals.vertex_pseudonormals, vertex);
-        if (!(reference::dot(sum, sum) > kFirm))
+    const auto is_firm = [](const Vector& sum) { return reference::dot(sum, sum) > kFirm; };
+    for (std::size_t vertex = 0; vertex < reals.vertex_pseudonormals.size() / 3; ++vertex)
+        if (!is_firm(vector_at(reals.vertex_pseudonormals, vertex)))
             return false;
-    }
     for (std::size_t edge = 0; edge < parts.triangle_neighbours.size(); ++edge) {
         const uint across = parts.triangle_neighbours[edge];
-        if ((across & layout::kMeshManyBit) != 0) // a border too
-            return false;
-        const Vector sum = vector_at(reals.triangle_normals, edge / 3) + vector_at(reals.triangle_normals, across);
-        if (!(reference::dot(sum, sum) > kFirm))
+        if ((across & layout::kMeshManyBit) != 0 || // a border too
+            !is_firm(vector_at(reals.triangle_normals, edge / 3) + vector_at(reals.triangle_normals, across)))
             return false;
     }
     return true;

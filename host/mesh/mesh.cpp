@@ -240,19 +240,14 @@ void turn(double& first, double& second, const Turn& by) {
     second = by.sine * before + by.cosine * second;
 }
 
-void check(const MeshPlacement& placement) {
+void place(std::vector<glm::dvec3>& vertices, const MeshPlacement& placement) {
     const double factor = placement.unit * placement.scale;
     if (!(factor > 0) || !std::isfinite(factor))
         throw UsageError(fmt::format("a mesh's unit times its scale must be positive, got {} * {}", placement.unit,
                                      placement.scale));
-    for (std::size_t axis = 0; axis < 3; ++axis)
-        if (!std::isfinite(placement.rotate[axis]) || !std::isfinite(placement.translate[axis]))
-            throw UsageError("a mesh's rotation and translation must be finite");
-}
-
-void place(std::vector<glm::dvec3>& vertices, const MeshPlacement& placement) {
-    check(placement);
-    const double factor = placement.unit * placement.scale;
+    const auto is_finite = [](double value) { return std::isfinite(value); };
+    if (!std::ranges::all_of(placement.rotate, is_finite) || !std::ranges::all_of(placement.translate, is_finite))
+        throw UsageError("a mesh's rotation and translation must be finite");
     const std::array<Turn, 3> turns{turn_of(placement.rotate[0]), turn_of(placement.rotate[1]),
                                     turn_of(placement.rotate[2])};
     const glm::dvec3 shift(placement.translate[0], placement.translate[1], placement.translate[2]);

@@ -44,13 +44,13 @@ glm::dvec3 triangle_normal(const glm::dvec3& a, const glm::dvec3& b, const glm::
 std::vector<glm::dvec3> facet_normals(const Connectivity& mesh);
 
 /// The unit normal of each vertex (see VertexNormals). 0 where the facets' normals cancel to within 1e-12 of the sum of
-/// their weights, and where no facet with an area is. A facet that comes to a vertex twice counts once in `plain`, with
-/// the sum of its angles in `angle`; a reflex corner has an angle beyond pi. Facets in `left_out` (ascending) count for
-/// nothing.
+/// their weights, and where there is no facet with an area. A facet that has a vertex twice counts once in `plain`,
+/// with the sum of its angles in `angle`; a reflex corner has an angle beyond pi. Facets in `left_out` (ascending)
+/// count for nothing.
 std::vector<glm::dvec3> vertex_normals(const Connectivity& mesh, std::span<const glm::dvec3> facet_normals,
                                        VertexNormals weights, std::span<const std::uint32_t> left_out = {});
 
-/// The triangles that stand for a mesh's facets.
+/// The triangles that a mesh's facets are cut into.
 struct MeshTriangles {
     std::vector<std::array<std::uint32_t, 3>> corners; /* vertices, wound as their facet */
     std::vector<std::uint32_t> facets;                 /* of each triangle, ascending */

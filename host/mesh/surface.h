@@ -1,4 +1,4 @@
-// The triangles that stand for a mesh's facets, and those of them that the laws work on.
+// The triangles that a mesh's facets are cut into, and those of them that the laws use.
 #pragma once
 
 #include <algorithm>

@@ -202,7 +202,7 @@ void TriangleList<T>::fill(std::span<const layout::uint> ids, std::span<const Pl
     sample();
 }
 
-template <typename T> void TriangleList<T>::take(const TriangleList& all, std::span<const layout::uint> places) {
+template <typename T> void TriangleList<T>::select(const TriangleList& all, std::span<const layout::uint> places) {
     const std::size_t count = places.size();
     ids_.resize(count);
     for (std::size_t i = 0; i < count; ++i)
@@ -231,7 +231,7 @@ void TriangleList<T>::narrow(const PlanBox<T>& box, const Witness<T>& witness,
 
 // The places of all whose excess in scratch_ is not above 0.
 template <typename T> void TriangleList<T>::keep(std::size_t count, std::vector<layout::uint>& places) const {
-    // What goes mostly goes together: eight marks that are all 0 are passed at once.
+    // Triangles that are dropped mostly stand side by side: eight marks that are all 0 are passed at once.
     constexpr std::size_t kMarks = sizeof(std::uint64_t);
     marks_.resize(std::max(marks_.size(), count + kMarks));
     mark_kept(scratch_.data(), count, marks_.data());
