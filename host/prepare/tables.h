@@ -21,7 +21,7 @@ std::vector<T> facet_vertices(std::uint32_t facets, double half_width, double ra
 
 // G3: the gradients of a sampled height map at its nodes.
 
-/// The steepest gradient: its square is a normal number of T. The scene's check holds analytic maps to the same.
+/// The steepest gradient: its square is a normal number of T. The scene's check has the same limit for analytic maps.
 template <typename T> inline constexpr double kSteepestGradient = sizeof(T) == 4 ? kSteepestF32 : kSteepestF64;
 
 /// (dU/dx, dU/dy) pairs of a grid of samples that spans size_x by size_y metres between its outermost nodes. `samples`
