@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <cmath>
 #include <limits>
 #include <thread>
 #include <utility>
 
+#include "host/mesh/structure.h"
 #include "host/mesh/triangle_list.h"
 #include "host/reference/mesh_contact.h"
 #include "host/reference/mesh_nearest.h"
@@ -20,61 +20,31 @@ using layout::kMeshBlock;
 using layout::uint;
 using reference::Vector;
 
-constexpr layout::uint kPlanTile = 16; // samples along each side of what is planned as a whole
+constexpr uint kPlanTile = 16; // samples along each side of what is planned as a whole
 
 /// Samples of the grid, first to last along each axis.
 struct SampleRange {
-    std::array<layout::uint, 3> first, last;
+    std::array<uint, 3> first, last;
 };
 
 /// What threads share.
 template <typename T> struct PlanInput {
     layout::MeshView<T> mesh;
     std::array<std::span<const T>, 3> axes;
-    layout::uint inside; /* layout::kInside... */
-    T slack;             /* 1: what rounding to T can make of a distance, twice over */
+    uint inside; /* layout::kInside... */
+    T slack;     /* 1: what rounding to T can make of a distance, twice over */
     std::vector<PlanTriangle<T>> rows;
     bool visits_free = false; /* blocks without a voxel inside are listed too */
 
-    PlanBox<T> box(const SampleRange& range) const;
-};
-
-/// One thread's part in planning blocks: boxes of samples are halved along each axis, the list of triangles that may be
-/// nearest is narrowed with them, and boxes that are outside all of these go.
-template <typename T> class BlockWorker {
-public:
-    explicit BlockWorker(const PlanInput<T>& input) : input_(input) {}
-
-    /// Appends the blocks of a tile to what was found.
-    void plan(const SampleRange& tile);
-
-    std::vector<layout::MeshBlock> blocks; /* runs of `candidates` */
-    std::vector<layout::uint> candidates, inside;
-
-private:
-    static constexpr std::size_t kLevels = 4;  // of boxes that have lists: 16 to 4 samples, and what was collected
-    static constexpr std::size_t kLong = 48;   // lists beyond are narrowed to their samples
-    enum class Side { outside, inside, both }; // of the surface, as far as a box is wholly on one
-
-    void collect(const PlanBox<T>& box, const Witness<T>& witness);
-    Witness<T> witness_from(const PlanBox<T>& box, const reference::Vector<T>& point) const;
-    reference::TrianglePoint<T> nearest_on(layout::uint triangle, const reference::Vector<T>& point) const;
-    reference::Vector<T> point_near(const TriangleList<T>& list, const reference::Vector<T>& point);
-    bool is_outside(const TriangleList<T>& list, const PlanBox<T>& box) const;
-    Side side_of(const PlanBox<T>& box, const reference::Vector<T>& near);
-    bool is_free(const TriangleList<T>& list, const PlanBox<T>& box, const reference::Vector<T>& near,
-                 layout::uint side_length, Side& side);
-    void split(const SampleRange& range, std::size_t level, layout::uint side_length, Side side);
-    void leaf(const SampleRange& range, const PlanBox<T>& box, const TriangleList<T>& list, Side side);
-    void narrow_to_samples(const PlanBox<T>& box, const TriangleList<T>& list);
-    layout::uint inside_bits(const SampleRange& range, Side side) const;
-    void add_nearest(const SampleRange& range);
-
-    const PlanInput<T>& input_;
-    layout::uint hint_ = 0;
-    std::array<TriangleList<T>, kLevels> lists_;
-    TriangleList<T> long_list_;
-    std::vector<layout::uint> collected_, places_; // places_: of what was narrowed last, in its list
+    PlanBox<T> box(const SampleRange& range) const {
+        PlanBox<T> box;
+        for (int i = 0; i < 3; ++i) {
+            const auto axis = static_cast<std::size_t>(i);
+            box.low[i] = axes[axis][range.first[axis]];
+            box.high[i] = axes[axis][range.last[axis]];
+        }
+        return box;
+    }
 };
 
 // The squared radius of the least circle around a triangle.
@@ -117,247 +87,245 @@ template <typename T> PlanTriangle<T> plan_triangle(const layout::MeshView<T>& m
     return row;
 }
 
-template <typename T> PlanBox<T> PlanInput<T>::box(const SampleRange& range) const {
-    PlanBox<T> box;
-    for (int i = 0; i < 3; ++i) {
-        const auto axis = static_cast<std::size_t>(i);
-        box.low[i] = axes[axis][range.first[axis]];
-        box.high[i] = axes[axis][range.last[axis]];
+/// One thread's part in planning blocks: boxes of samples are halved along each axis, the list of triangles that may be
+/// nearest is narrowed with them, and boxes that are outside all of these go.
+template <typename T> class BlockWorker {
+public:
+    explicit BlockWorker(const PlanInput<T>& input) : input_(input) {}
+
+    /// Appends the blocks of a tile to what was found.
+    void plan(const SampleRange& tile) {
+        const PlanBox<T> box = input_.box(tile);
+        const auto nearest = reference::nearest(input_.mesh, box.centre(), hint_);
+        hint_ = nearest.triangle;
+        const Witness<T> witness = witness_from(box, Vector<T>(box.centre() + nearest.offset));
+        collect(box, witness);
+        lists_[0].fill(collected_, input_.rows);
+        lists_[0].narrow(box, witness, places_);
+        Side side = Side::both;
+        if (is_free(lists_[0], box, witness.point, kPlanTile, side))
+            return;
+        lists_[1].select(lists_[0], places_);
+        split(tile, 1, kPlanTile, side);
     }
-    return box;
-}
 
-template <typename T> Witness<T> BlockWorker<T>::witness_from(const PlanBox<T>& box, const Vector<T>& point) const {
-    const Vector<T> apart = box.centre() - point, half = box.half();
-    const T reach = std::sqrt(reference::dot(apart, apart)) + T(2) * std::sqrt(reference::dot(half, half));
-    return {point, T(4) * input_.slack * (reach + input_.slack)};
-}
+    std::vector<layout::MeshBlock> blocks; /* runs of `candidates` */
+    std::vector<uint> candidates, inside;
 
-template <typename T>
-reference::TrianglePoint<T> BlockWorker<T>::nearest_on(uint triangle, const Vector<T>& point) const {
-    const PlanTriangle<T>& row = input_.rows[triangle];
-    const auto corner = [&](std::size_t i) { return reference::vector_at(std::span<const T>(row.corners), i); };
-    return reference::nearest_on_triangle(point, corner(0), corner(1), corner(2), row.normal);
-}
+private:
+    static constexpr std::size_t kLevels = 4;  // of boxes that have lists: 16 to 4 samples, and what was collected
+    static constexpr std::size_t kLong = 48;   // lists beyond are narrowed to their samples
+    enum class Side { outside, inside, both }; // of the surface, as far as a box is wholly on one
 
-// A point of the surface that is near, and often the nearest.
-template <typename T> Vector<T> BlockWorker<T>::point_near(const TriangleList<T>& list, const Vector<T>& point) {
-    hint_ = list.ids()[list.near_one(point)];
-    return point + nearest_on(hint_, point).offset;
-}
-
-// Above the planes of all that may be nearest, and so of all that meet in the nearest point: outside by any
-// pseudonormal.
-template <typename T> bool BlockWorker<T>::is_outside(const TriangleList<T>& list, const PlanBox<T>& box) const {
-    return std::ranges::all_of(places_,
-                               [&](uint place) { return is_below(input_.rows[list.ids()[place]], box, input_.slack); });
-}
-
-// On which side a box is, told from its centre; `both` where that does not tell. Away from its surface a solid has one
-// side, and the winding number changes little. `near` is on the surface: where it is near enough, nothing is asked.
-template <typename T>
-typename BlockWorker<T>::Side BlockWorker<T>::side_of(const PlanBox<T>& box, const Vector<T>& near) {
-    const Vector<T> centre = box.centre(), half = box.half(), apart = near - centre;
-    const T radius = std::sqrt(reference::dot(half, half)) + input_.slack;
-    const auto is_apart = [&](T square) { return std::sqrt(square) > radius + input_.slack; };
-    if (!is_apart(reference::dot(apart, apart)))
-        return Side::both;
-    const auto nearest = reference::nearest(input_.mesh, centre, hint_);
-    hint_ = nearest.triangle;
-    if (!is_apart(nearest.square))
-        return Side::both;
-    if (input_.inside != layout::kInsideWinding)
-        return reference::inside_by_pseudonormal(input_.mesh, nearest) ? Side::inside : Side::outside;
-    const Vector<double> probe(centre);
-    const double winding = reference::winding_number(input_.mesh, probe);
-    const double change = reference::winding_change(input_.mesh, probe, static_cast<double>(radius));
-    if (!(std::abs(winding - 0.5) > change + kWindingDoubt))
-        return Side::both;
-    return winding > 0.5 ? Side::inside : Side::outside;
-}
-
-// True if no sample of the box can be inside. `side` is told as well, once it can be.
-template <typename T>
-bool BlockWorker<T>::is_free(const TriangleList<T>& list, const PlanBox<T>& box, const Vector<T>& near,
-                             uint side_length, Side& side) {
-    if (input_.visits_free)
-        return false;
-    if (input_.inside != layout::kInsideWinding) {
-        if (side == Side::inside)
-            return false;
-        if (is_outside(list, box))
-            return true;
-        // In small boxes the planes tell nearly as much, for less.
-        if (!input_.mesh.solid || side_length < kLeastSided)
-            return false;
+    Witness<T> witness_from(const PlanBox<T>& box, const Vector<T>& point) const {
+        const Vector<T> apart = box.centre() - point, half = box.half();
+        const T reach = std::sqrt(reference::dot(apart, apart)) + T(2) * std::sqrt(reference::dot(half, half));
+        return {point, T(4) * input_.slack * (reach + input_.slack)};
     }
-    if (side == Side::both)
-        side = side_of(box, near);
-    return side == Side::outside;
-}
 
-// Through the tree: the least of the excess over a node's box, along each axis at one of the box's ends or between.
-template <typename T> void BlockWorker<T>::collect(const PlanBox<T>& box, const Witness<T>& witness) {
-    const auto least = [&](int axis, T low, T high) {
-        const auto part = [&](T end) {
-            const T beyond = low - end > end - high ? low - end : end - high;
-            const T near = beyond > T(0) ? beyond : T(0), far = end - witness.point[axis];
-            return near * near - far * far;
+    reference::TrianglePoint<T> nearest_on(uint triangle, const Vector<T>& point) const {
+        const PlanTriangle<T>& row = input_.rows[triangle];
+        const auto corner = [&](std::size_t i) { return reference::vector_at(std::span<const T>(row.corners), i); };
+        return reference::nearest_on_triangle(point, corner(0), corner(1), corner(2), row.normal);
+    }
+
+    // A point of the surface that is near, and often the nearest.
+    Vector<T> point_near(const TriangleList<T>& list, const Vector<T>& point) {
+        hint_ = list.ids()[list.near_one(point)];
+        return point + nearest_on(hint_, point).offset;
+    }
+
+    // Above the planes of all that may be nearest, and so of all that meet in the nearest point: outside by any
+    // pseudonormal.
+    bool is_outside(const TriangleList<T>& list, const PlanBox<T>& box) const {
+        return std::ranges::all_of(
+            places_, [&](uint place) { return is_below(input_.rows[list.ids()[place]], box, input_.slack); });
+    }
+
+    // On which side a box is, told from its centre; `both` where that does not tell. Away from its surface a solid has
+    // one side, and the winding number changes little. `near` is on the surface: where it is near enough, nothing is
+    // asked.
+    Side side_of(const PlanBox<T>& box, const Vector<T>& near) {
+        const Vector<T> centre = box.centre(), half = box.half(), apart = near - centre;
+        const T radius = std::sqrt(reference::dot(half, half)) + input_.slack;
+        const auto is_apart = [&](T square) { return std::sqrt(square) > radius + input_.slack; };
+        if (!is_apart(reference::dot(apart, apart)))
+            return Side::both;
+        const auto nearest = reference::nearest(input_.mesh, centre, hint_);
+        hint_ = nearest.triangle;
+        if (!is_apart(nearest.square))
+            return Side::both;
+        if (input_.inside != layout::kInsideWinding)
+            return reference::inside_by_pseudonormal(input_.mesh, nearest) ? Side::inside : Side::outside;
+        const Vector<double> probe(centre);
+        const double winding = reference::winding_number(input_.mesh, probe);
+        const double change = reference::winding_change(input_.mesh, probe, static_cast<double>(radius));
+        if (!(std::abs(winding - 0.5) > change + kWindingDoubt))
+            return Side::both;
+        return winding > 0.5 ? Side::inside : Side::outside;
+    }
+
+    // True if no sample of the box can be inside. `side` is told as well, once it can be.
+    bool is_free(const TriangleList<T>& list, const PlanBox<T>& box, const Vector<T>& near, uint side_length,
+                 Side& side) {
+        if (input_.visits_free)
+            return false;
+        if (input_.inside != layout::kInsideWinding) {
+            if (side == Side::inside)
+                return false;
+            if (is_outside(list, box))
+                return true;
+            // In small boxes the planes tell nearly as much, for less.
+            if (!input_.mesh.solid || side_length < kLeastSided)
+                return false;
+        }
+        if (side == Side::both)
+            side = side_of(box, near);
+        return side == Side::outside;
+    }
+
+    // Through the tree: the least of the excess over a node's box, along each axis at one of the box's ends or between.
+    void collect(const PlanBox<T>& box, const Witness<T>& witness) {
+        const auto least = [&](int axis, T low, T high) {
+            const auto part = [&](T end) {
+                const T beyond = low - end > end - high ? low - end : end - high;
+                const T near = beyond > T(0) ? beyond : T(0), far = end - witness.point[axis];
+                return near * near - far * far;
+            };
+            const T at_low = part(box.low[axis]), at_high = part(box.high[axis]);
+            return at_low < at_high ? at_low : at_high;
         };
-        const T at_low = part(box.low[axis]), at_high = part(box.high[axis]);
-        return at_low < at_high ? at_low : at_high;
-    };
-    collected_.clear();
-    uint stack[reference::kMeshStack];
-    uint height = 0;
-    stack[height++] = 0;
-    while (height > 0) {
-        const layout::MeshNode& node = input_.mesh.nodes[stack[--height]];
-        T excess[layout::kMeshChildren];
-        for (uint i = 0; i < layout::kMeshChildren; ++i)
-            excess[i] = least(0, T(node.low_x[i]), T(node.high_x[i])) + least(1, T(node.low_y[i]), T(node.high_y[i])) +
-                        least(2, T(node.low_z[i]), T(node.high_z[i]));
-        for (uint i = 0; i < layout::kMeshChildren; ++i) {
-            const uint child = node.child[i];
-            if (child == layout::kMeshNoChild || excess[i] > witness.margin)
+        collected_.clear();
+        uint stack[reference::kMeshStack];
+        uint height = 0;
+        stack[height++] = 0;
+        while (height > 0) {
+            const layout::MeshNode& node = input_.mesh.nodes[stack[--height]];
+            T excess[layout::kMeshChildren];
+            for (uint i = 0; i < layout::kMeshChildren; ++i)
+                excess[i] = least(0, T(node.low_x[i]), T(node.high_x[i])) +
+                            least(1, T(node.low_y[i]), T(node.high_y[i])) +
+                            least(2, T(node.low_z[i]), T(node.high_z[i]));
+            for (uint i = 0; i < layout::kMeshChildren; ++i) {
+                const uint child = node.child[i];
+                if (child == layout::kMeshNoChild || excess[i] > witness.margin)
+                    continue;
+                if ((child & layout::kMeshLeaf) == 0) {
+                    stack[height++] = child;
+                    continue;
+                }
+                const uint run = child & ~layout::kMeshLeaf;
+                for (uint k = 0; k <= run % layout::kMeshLeafTriangles; ++k)
+                    collected_.push_back(run / layout::kMeshLeafTriangles + k);
+            }
+        }
+    }
+
+    // Calls use(sample, bit), bit (z * 2 + y) * 2 + x in the range.
+    template <typename Use> void for_each_sample(const SampleRange& range, const Use& use) const {
+        for (uint z = range.first[2]; z <= range.last[2]; ++z)
+            for (uint y = range.first[1]; y <= range.last[1]; ++y)
+                for (uint x = range.first[0]; x <= range.last[0]; ++x)
+                    use(Vector<T>(input_.axes[0][x], input_.axes[1][y], input_.axes[2][z]),
+                        ((z - range.first[2]) * 2 + y - range.first[1]) * 2 + x - range.first[0]);
+    }
+
+    // The nearest triangle of each voxel, where too many may be.
+    void add_nearest(const SampleRange& range) {
+        const auto first = std::ptrdiff_t(candidates.size());
+        for_each_sample(range, [&](const Vector<T>& sample, uint) {
+            hint_ = reference::nearest(input_.mesh, sample, hint_).triangle;
+            if (std::find(candidates.begin() + first, candidates.end(), hint_) == candidates.end())
+                candidates.push_back(hint_);
+        });
+    }
+
+    // The bit of each sample that is inside by the winding number.
+    uint inside_bits(const SampleRange& range, Side side) const {
+        uint bits = 0;
+        for_each_sample(range, [&](const Vector<T>& sample, uint bit) {
+            if (side == Side::inside || reference::inside_by_winding(input_.mesh, sample))
+                bits |= 1u << bit;
+        });
+        return bits;
+    }
+
+    // By each sample's distance to a triangle that is near to it.
+    void narrow_to_samples(const PlanBox<T>& box, const TriangleList<T>& list) {
+        long_list_.select(list, places_);
+        const std::array<std::size_t, 8> near = long_list_.near_corners(box);
+        std::array<T, 8> limits;
+        for (uint i = 0; i < 8; ++i) {
+            const Vector<T> sample{i & 1 ? box.high.x : box.low.x, i & 2 ? box.high.y : box.low.y,
+                                   i & 4 ? box.high.z : box.low.z};
+            const T square = nearest_on(long_list_.ids()[near[i]], sample).square;
+            limits[i] = square + T(4) * input_.slack * (std::sqrt(square) + input_.slack);
+        }
+        long_list_.narrow_corners(limits, places_);
+    }
+
+    // A block whose candidates stand at places_ of the list.
+    void leaf(const SampleRange& range, const PlanBox<T>& box, const TriangleList<T>& list, Side side) {
+        const bool winding = input_.inside == layout::kInsideWinding;
+        const uint bits = winding ? inside_bits(range, side) : 0;
+        if (winding && bits == 0 && !input_.visits_free)
+            return;
+        const bool is_long = places_.size() > kLong;
+        if (is_long)
+            narrow_to_samples(box, list);
+        const std::vector<uint>& ids = is_long ? long_list_.ids() : list.ids();
+        const auto first = static_cast<uint>(candidates.size());
+        if (places_.size() > kMostCandidates)
+            add_nearest(range);
+        else
+            for (const uint place : places_)
+                candidates.push_back(ids[place]);
+        blocks.push_back(
+            {range.first[0], range.first[1], range.first[2], first, static_cast<uint>(candidates.size()) - first});
+        if (winding)
+            inside.push_back(bits);
+    }
+
+    // The eighths of a box whose list stands at `level`.
+    void split(const SampleRange& range, std::size_t level, uint side_length, Side side) {
+        const uint half = side_length / 2;
+        for (uint part = 0; part < 8; ++part) {
+            SampleRange eighth;
+            bool empty = false;
+            for (std::size_t i = 0; i < 3; ++i) {
+                eighth.first[i] = range.first[i] + (part >> i & 1 ? half : 0);
+                eighth.last[i] = std::min(range.last[i], eighth.first[i] + half - 1);
+                empty = empty || eighth.first[i] > range.last[i];
+            }
+            if (empty)
                 continue;
-            if ((child & layout::kMeshLeaf) == 0) {
-                stack[height++] = child;
+            const PlanBox<T> box = input_.box(eighth);
+            const TriangleList<T>& list = lists_[level];
+            const Witness<T> witness = witness_from(box, point_near(list, box.centre()));
+            list.narrow(box, witness, places_);
+            Side eighth_side = side;
+            if (is_free(list, box, witness.point, half, eighth_side))
+                continue;
+            if (half == kMeshBlock) {
+                leaf(eighth, box, list, eighth_side);
                 continue;
             }
-            const uint run = child & ~layout::kMeshLeaf;
-            for (uint k = 0; k <= run % layout::kMeshLeafTriangles; ++k)
-                collected_.push_back(run / layout::kMeshLeafTriangles + k);
+            lists_[level + 1].select(list, places_);
+            split(eighth, level + 1, half, eighth_side);
         }
     }
-}
 
-// The nearest triangle of each voxel, where too many may be.
-template <typename T> void BlockWorker<T>::add_nearest(const SampleRange& range) {
-    const std::size_t first = candidates.size();
-    for (uint z = range.first[2]; z <= range.last[2]; ++z)
-        for (uint y = range.first[1]; y <= range.last[1]; ++y)
-            for (uint x = range.first[0]; x <= range.last[0]; ++x) {
-                const Vector<T> probe{input_.axes[0][x], input_.axes[1][y], input_.axes[2][z]};
-                hint_ = reference::nearest(input_.mesh, probe, hint_).triangle;
-                if (std::find(candidates.begin() + std::ptrdiff_t(first), candidates.end(), hint_) == candidates.end())
-                    candidates.push_back(hint_);
-            }
-}
-
-// Bit (z * 2 + y) * 2 + x of each sample that is inside by the winding number.
-template <typename T> uint BlockWorker<T>::inside_bits(const SampleRange& range, Side side) const {
-    uint bits = 0;
-    for (uint z = range.first[2]; z <= range.last[2]; ++z)
-        for (uint y = range.first[1]; y <= range.last[1]; ++y)
-            for (uint x = range.first[0]; x <= range.last[0]; ++x) {
-                const Vector<T> probe{input_.axes[0][x], input_.axes[1][y], input_.axes[2][z]};
-                const uint bit = ((z - range.first[2]) * 2 + y - range.first[1]) * 2 + x - range.first[0];
-                if (side == Side::inside || reference::inside_by_winding(input_.mesh, probe))
-                    bits |= 1u << bit;
-            }
-    return bits;
-}
-
-// By each sample's distance to a triangle that is near to it.
-template <typename T> void BlockWorker<T>::narrow_to_samples(const PlanBox<T>& box, const TriangleList<T>& list) {
-    long_list_.take(list, places_);
-    const std::array<std::size_t, 8> near = long_list_.near_corners(box);
-    std::array<T, 8> limits;
-    for (uint i = 0; i < 8; ++i) {
-        const Vector<T> sample{i & 1 ? box.high.x : box.low.x, i & 2 ? box.high.y : box.low.y,
-                               i & 4 ? box.high.z : box.low.z};
-        const T square = nearest_on(long_list_.ids()[near[i]], sample).square;
-        limits[i] = square + T(4) * input_.slack * (std::sqrt(square) + input_.slack);
-    }
-    long_list_.narrow_corners(limits, places_);
-}
-
-// A block whose candidates stand at places_ of the list.
-template <typename T>
-void BlockWorker<T>::leaf(const SampleRange& range, const PlanBox<T>& box, const TriangleList<T>& list, Side side) {
-    const bool winding = input_.inside == layout::kInsideWinding;
-    const uint bits = winding ? inside_bits(range, side) : 0;
-    if (winding && bits == 0 && !input_.visits_free)
-        return;
-    const bool is_long = places_.size() > kLong;
-    if (is_long)
-        narrow_to_samples(box, list);
-    const std::vector<uint>& ids = is_long ? long_list_.ids() : list.ids();
-    const auto first = static_cast<uint>(candidates.size());
-    if (places_.size() > kMostCandidates)
-        add_nearest(range);
-    else
-        for (const uint place : places_)
-            candidates.push_back(ids[place]);
-    blocks.push_back(
-        {range.first[0], range.first[1], range.first[2], first, static_cast<uint>(candidates.size()) - first});
-    if (winding)
-        inside.push_back(bits);
-}
-
-// The eighths of a box whose list stands at `level`.
-template <typename T>
-void BlockWorker<T>::split(const SampleRange& range, std::size_t level, uint side_length, Side side) {
-    const uint half = side_length / 2;
-    for (uint part = 0; part < 8; ++part) {
-        SampleRange eighth;
-        bool empty = false;
-        for (std::size_t i = 0; i < 3; ++i) {
-            eighth.first[i] = range.first[i] + (part >> i & 1 ? half : 0);
-            eighth.last[i] = std::min(range.last[i], eighth.first[i] + half - 1);
-            empty = empty || eighth.first[i] > range.last[i];
-        }
-        if (empty)
-            continue;
-        const PlanBox<T> box = input_.box(eighth);
-        const TriangleList<T>& list = lists_[level];
-        const Witness<T> witness = witness_from(box, point_near(list, box.centre()));
-        list.narrow(box, witness, places_);
-        Side eighth_side = side;
-        if (is_free(list, box, witness.point, half, eighth_side))
-            continue;
-        if (half == kMeshBlock) {
-            leaf(eighth, box, list, eighth_side);
-            continue;
-        }
-        lists_[level + 1].take(list, places_);
-        split(eighth, level + 1, half, eighth_side);
-    }
-}
-
-template <typename T> void BlockWorker<T>::plan(const SampleRange& tile) {
-    const PlanBox<T> box = input_.box(tile);
-    const auto nearest = reference::nearest(input_.mesh, box.centre(), hint_);
-    hint_ = nearest.triangle;
-    const Witness<T> witness = witness_from(box, Vector<T>(box.centre() + nearest.offset));
-    collect(box, witness);
-    lists_[0].fill(collected_, input_.rows);
-    lists_[0].narrow(box, witness, places_);
-    Side side = Side::both;
-    if (is_free(lists_[0], box, witness.point, kPlanTile, side))
-        return;
-    lists_[1].take(lists_[0], places_);
-    split(tile, 1, kPlanTile, side);
-}
+    const PlanInput<T>& input_;
+    uint hint_ = 0;
+    std::array<TriangleList<T>, kLevels> lists_;
+    TriangleList<T> long_list_;
+    std::vector<uint> collected_, places_; // places_: of what was narrowed last, in its list
+};
 
 // The blocks that a tile's worker found.
 struct TilePart {
     std::size_t worker = 0, first = 0, count = 0;
 };
-
-// Runs work(worker, index) for every index below count, shared out among threads.
-template <typename Work> void share_out(unsigned threads, std::size_t count, const Work& work) {
-    std::atomic<std::size_t> next{0};
-    const auto run = [&](unsigned worker) {
-        for (std::size_t i; (i = next++) < count;)
-            work(worker, i);
-    };
-    std::vector<std::jthread> helpers;
-    for (unsigned i = 1; i < threads; ++i)
-        helpers.emplace_back(run, i);
-    run(0);
-}
 
 std::size_t tiles_of(std::size_t samples) {
     return (samples + kPlanTile - 1) / kPlanTile;
@@ -421,7 +389,7 @@ template <typename T> struct BlockPlanner<T>::Implementation {
 
 template <typename T>
 BlockPlanner<T>::BlockPlanner(const layout::MeshView<T>& mesh, std::span<const T> x, std::span<const T> y,
-                              std::span<const T> z, layout::uint inside, unsigned threads, FreeSpace free) {
+                              std::span<const T> z, uint inside, unsigned threads, FreeSpace free) {
     if (threads == 0)
         threads = std::max(1u, std::thread::hardware_concurrency());
     T largest = T(1);

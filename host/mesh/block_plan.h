@@ -58,7 +58,4 @@ BlockPlan plan_blocks(const layout::MeshView<T>& mesh, std::span<const T> x, std
     return BlockPlanner<T>(mesh, x, y, z, inside, threads, free).plan(0, z.size());
 }
 
-extern template class BlockPlanner<float>;
-extern template class BlockPlanner<double>;
-
 } // namespace forceshade

@@ -2,21 +2,14 @@
 
 #include <algorithm>
 #include <numeric>
-#include <span>
 
 #include <OpenMesh/Core/Geometry/VectorT.hh>
 #include <OpenMesh/Core/Mesh/PolyMesh_ArrayKernelT.hh>
 #include <OpenMesh/Core/System/omstream.hh>
 
-namespace forceshade {
+#include "host/mesh/surface.h"
 
-class Connectivity::Structure {
-public:
-    virtual ~Structure() = default;
-    virtual ConnectivityCounts counts() const = 0;
-    virtual void outline(std::uint32_t facet, std::vector<std::uint32_t>& vertices) const = 0;
-    virtual void fan(std::uint32_t vertex, std::vector<FacetCorner>& corners) const = 0;
-};
+namespace forceshade {
 
 namespace {
 
@@ -64,10 +57,10 @@ template <typename Handle> std::uint32_t number(Handle handle) {
 
 class HalfEdges final : public Connectivity::Structure {
 public:
-    /// Null if OpenMesh cannot hold the polygons.
+    /// Null if OpenMesh cannot represent the polygons.
     static std::unique_ptr<const HalfEdges> build(const PolygonSoup& polygons) {
         constexpr std::size_t kMost = 0x7FFFFFFF / 2; // handles are ints
-        if (polygons.vertices.size() > kMost || polygons.corners.size() > kMost || takes_long(polygons))
+        if (polygons.vertices.size() > kMost || polygons.corners.size() > kMost || is_slow(polygons))
             return nullptr;
         auto result = std::make_unique<HalfEdges>();
         return result->add(polygons) ? std::move(result) : nullptr;
@@ -116,7 +109,7 @@ public:
 
 private:
     // Adding a facet searches all edges of its vertices.
-    static bool takes_long(const PolygonSoup& polygons) {
+    static bool is_slow(const PolygonSoup& polygons) {
         std::vector<std::uint32_t> facets_at(polygons.vertices.size(), 0);
         for (const std::uint32_t vertex : polygons.corners)
             ++facets_at[vertex];
@@ -171,42 +164,49 @@ public:
         ConnectivityCounts found;
         DisjointSets fans(polygons_.corners.size()); // corners of a vertex, joined across edges
         DisjointSets pieces(polygons_.facets());
-        std::vector<Side> sides = collect_sides(fans), border;
-        std::ranges::sort(sides, {}, [](const Side& side) { return std::pair(side.edge, side.begin); });
-        for (std::size_t i = 0, end = 0; i < sides.size(); i = end) {
-            while (end < sides.size() && sides[end].edge == sides[i].edge)
-                ++end;
-            const std::span<const Side> here = std::span(sides).subspan(i, end - i);
-            found.non_manifold_edges += here.size() > 2;
-            found.odd_edges += here.size() % 2;
-            found.misoriented_edges += here.size() == 2 && vertex(here[0].begin) == vertex(here[1].begin);
-            if (here.size() == 1)
-                border.push_back(here[0]);
-            for (const Side& side : here.subspan(1)) {
-                const bool same = vertex(side.begin) == vertex(here[0].begin);
-                fans.join(here[0].begin, same ? side.begin : side.end);
-                fans.join(here[0].end, same ? side.end : side.begin);
-                pieces.join(facet_of_[here[0].begin], facet_of_[side.begin]);
+        std::vector<std::uint32_t> border;
+        // An edge is numbered by the corner where a facet's side along it begins.
+        const auto ends = [&](std::size_t begin) {
+            const auto corner = static_cast<std::uint32_t>(begin);
+            return std::pair(vertex(corner), vertex(after(corner)));
+        };
+        for_each_bundle(polygons_.vertices.size(), polygons_.corners.size(), ends, [&](const auto& sides) {
+            const std::uint32_t first = sides[0], end = after(first);
+            if (vertex(first) == vertex(end)) {
+                for (const std::uint32_t side : sides)
+                    fans.join(side, after(side));
+                return;
             }
-        }
+            found.non_manifold_edges += sides.size() > 2;
+            found.odd_edges += sides.size() % 2;
+            found.misoriented_edges += sides.size() == 2 && vertex(first) == vertex(sides[1]);
+            if (sides.size() == 1)
+                border.push_back(first);
+            for (const std::uint32_t side : sides.subspan(1)) {
+                const bool same = vertex(side) == vertex(first);
+                fans.join(first, same ? side : after(side));
+                fans.join(end, same ? after(side) : side);
+                pieces.join(facet_of_[first], facet_of_[side]);
+            }
+        });
         found.components = pieces.count();
         found.boundary_edges = border.size();
         found.non_manifold_vertices = count_shared_vertices(fans);
         // Boundary edges that end in the same fan belong to the same loop.
         DisjointSets loops(polygons_.corners.size());
-        for (const Side& side : border)
-            loops.join(fans.find(side.begin), fans.find(side.end));
+        for (const std::uint32_t side : border)
+            loops.join(fans.find(side), fans.find(after(side)));
         std::vector<std::uint32_t> names;
-        for (const Side& side : border)
-            names.push_back(loops.find(fans.find(side.begin)));
+        for (const std::uint32_t side : border)
+            names.push_back(loops.find(fans.find(side)));
         std::ranges::sort(names);
         found.holes = names.size() - std::ranges::unique(names).size();
         return found;
     }
 
     void outline(std::uint32_t facet, std::vector<std::uint32_t>& vertices) const override {
-        vertices.assign(polygons_.corners.begin() + polygons_.begins[facet],
-                        polygons_.corners.begin() + polygons_.begins[facet + 1]);
+        const auto corners = polygons_.outline(facet);
+        vertices.assign(corners.begin(), corners.end());
     }
 
     void fan(std::uint32_t at, std::vector<FacetCorner>& corners) const override {
@@ -219,31 +219,11 @@ public:
     }
 
 private:
-    // One facet's side along an edge: the corners (places in PolygonSoup::corners) where it begins and ends.
-    struct Side {
-        std::uint64_t edge; // lesser vertex * 2^32 + greater vertex
-        std::uint32_t begin, end;
-    };
-
     std::uint32_t vertex(std::uint32_t corner) const { return polygons_.corners[corner]; }
 
     std::uint32_t after(std::uint32_t corner) const {
         const std::uint32_t facet = facet_of_[corner];
         return corner + 1 == polygons_.begins[facet + 1] ? polygons_.begins[facet] : corner + 1;
-    }
-
-    std::vector<Side> collect_sides(DisjointSets& fans) const {
-        std::vector<Side> sides;
-        sides.reserve(polygons_.corners.size());
-        for (std::uint32_t begin = 0; begin < polygons_.corners.size(); ++begin) {
-            const std::uint32_t end = after(begin);
-            const std::uint64_t a = vertex(begin), b = vertex(end);
-            if (a == b)
-                fans.join(begin, end);
-            else
-                sides.push_back({std::min(a, b) << 32 | std::max(a, b), begin, end});
-        }
-        return sides;
     }
 
     std::size_t count_shared_vertices(DisjointSets& fans) const {
@@ -267,20 +247,6 @@ Connectivity::Connectivity(const PolygonSoup& polygons, Method method) : polygon
     has_half_edges_ = structure_ != nullptr;
     if (!has_half_edges_)
         structure_ = std::make_unique<MatchedEdges>(polygons);
-}
-
-Connectivity::~Connectivity() = default;
-
-ConnectivityCounts Connectivity::counts() const {
-    return structure_->counts();
-}
-
-void Connectivity::outline(std::uint32_t facet, std::vector<std::uint32_t>& vertices) const {
-    structure_->outline(facet, vertices);
-}
-
-void Connectivity::fan(std::uint32_t vertex, std::vector<FacetCorner>& corners) const {
-    structure_->fan(vertex, corners);
 }
 
 } // namespace forceshade

@@ -1,4 +1,4 @@
-// How the facets of a polygon mesh hang together.
+// How the facets of a polygon mesh are connected.
 #pragma once
 
 #include <cstddef>
@@ -11,7 +11,7 @@
 namespace forceshade {
 
 struct ConnectivityCounts {
-    std::size_t components = 0;            // pieces whose facets hang together by edges
+    std::size_t components = 0;            // pieces whose facets are connected by edges
     std::size_t boundary_edges = 0;        // of one facet
     std::size_t holes = 0;                 // loops of boundary edges
     std::size_t non_manifold_edges = 0;    // of more than two facets
@@ -37,17 +37,19 @@ public:
 
     /// Converts implicitly, so that functions of the connectivity take polygons. The polygons must outlive it.
     Connectivity(const PolygonSoup& polygons, Method method = Method::half_edges_if_manifold);
-    ~Connectivity();
 
     const PolygonSoup& polygons() const noexcept { return polygons_; }
     bool has_half_edges() const noexcept { return has_half_edges_; }
-    ConnectivityCounts counts() const;
-    /// The vertices around a facet, from its first corner.
-    void outline(std::uint32_t facet, std::vector<std::uint32_t>& vertices) const;
-    /// The corners at a vertex, by facet and corner, so that sums over them have one order.
-    void fan(std::uint32_t vertex, std::vector<FacetCorner>& corners) const;
 
-    class Structure;
+    struct Structure {
+        virtual ~Structure() = default;
+        virtual ConnectivityCounts counts() const = 0;
+        /// The vertices around a facet, from its first corner.
+        virtual void outline(std::uint32_t facet, std::vector<std::uint32_t>& vertices) const = 0;
+        /// The corners at a vertex, by facet and corner, so that sums over them have one order.
+        virtual void fan(std::uint32_t vertex, std::vector<FacetCorner>& corners) const = 0;
+    };
+    const Structure* operator->() const noexcept { return structure_.get(); }
 
 private:
     const PolygonSoup& polygons_;

@@ -81,39 +81,6 @@ Kernel::Point_3 point(const glm::dvec3& v) {
     return {v.x, v.y, v.z};
 }
 
-class PairTest {
-public:
-    PairTest(std::span<const glm::dvec3> vertices, std::span<const std::uint32_t> places,
-             std::span<const std::array<std::uint32_t, 3>> triangles, std::size_t most_pairs)
-        : vertices_(vertices), places_(places), triangles_(triangles), most_pairs_(most_pairs) {}
-
-    // Needles round a vertex of high valence all overlap in their boxes: pairs grow with the square of their number.
-    void test(std::uint32_t a, std::uint32_t b) {
-        if (++near_ > 20'000'000 + 50 * triangles_.size())
-            throw GivenUp();
-        for (const std::uint32_t i : triangles_[a])
-            for (const std::uint32_t j : triangles_[b])
-                if (places_[i] == places_[j])
-                    return;
-        found_ += CGAL::do_intersect(triangle(a), triangle(b));
-        if (found_ >= most_pairs_ || ++tested_ >= 50 * most_pairs_)
-            throw GivenUp();
-    }
-
-    std::size_t found() const { return found_; }
-
-private:
-    Kernel::Triangle_3 triangle(std::uint32_t i) const {
-        const auto& [a, b, c] = triangles_[i];
-        return {point(vertices_[a]), point(vertices_[b]), point(vertices_[c])};
-    }
-
-    std::span<const glm::dvec3> vertices_;
-    std::span<const std::uint32_t> places_;
-    std::span<const std::array<std::uint32_t, 3>> triangles_;
-    std::size_t most_pairs_, found_ = 0, tested_ = 0, near_ = 0;
-};
-
 } // namespace
 
 glm::dvec3 exact_cross_direction(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
@@ -166,14 +133,30 @@ SelfIntersections count_self_intersections(std::span<const glm::dvec3> vertices,
         if (normals[i] != glm::dvec3(0))
             boxes.emplace_back(point(vertices[a]).bbox() + point(vertices[b]).bbox() + point(vertices[c]).bbox(), i);
     }
-    PairTest pairs(vertices, places, triangles, most_pairs);
+    SelfIntersections result;
+    std::size_t near = 0, tested = 0;
+    const auto triangle = [&](std::uint32_t i) {
+        const auto& [a, b, c] = triangles[i];
+        return Kernel::Triangle_3(point(vertices[a]), point(vertices[b]), point(vertices[c]));
+    };
+    // Needles round a vertex of high valence all overlap in their boxes: pairs grow with the square of their number.
+    const auto test = [&](const Box& one, const Box& other) {
+        if (++near > 20'000'000 + 50 * triangles.size())
+            throw GivenUp();
+        for (const std::uint32_t i : triangles[one.info()])
+            for (const std::uint32_t j : triangles[other.info()])
+                if (places[i] == places[j])
+                    return;
+        result.pairs += CGAL::do_intersect(triangle(one.info()), triangle(other.info()));
+        if (result.pairs >= most_pairs || ++tested >= 50 * most_pairs)
+            throw GivenUp();
+    };
     try {
-        CGAL::box_self_intersection_d(boxes.begin(), boxes.end(),
-                                      [&](const Box& a, const Box& b) { pairs.test(a.info(), b.info()); });
+        CGAL::box_self_intersection_d(boxes.begin(), boxes.end(), test);
     } catch (const GivenUp&) {
-        return {pairs.found(), false};
+        result.complete = false;
     }
-    return {pairs.found(), true};
+    return result;
 }
 
 } // namespace forceshade

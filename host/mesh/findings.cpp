@@ -1,11 +1,11 @@
 #include "host/mesh/findings.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <span>
 #include <unordered_map>
+#include <unordered_set>
 
 #include <fmt/format.h>
 
@@ -13,6 +13,7 @@
 #include "host/mesh/connectivity.h"
 #include "host/mesh/exact.h"
 #include "host/mesh/surface.h"
+#include "host/reference/elementary.h"
 
 namespace forceshade {
 
@@ -22,7 +23,7 @@ void count_kinds(const PolygonSoup& polygons, MeshFindings& found) {
     found.vertices = polygons.vertices.size();
     found.facets = polygons.facets();
     for (std::size_t facet = 0; facet < polygons.facets(); ++facet) {
-        const std::size_t corners = polygons.begins[facet + 1] - polygons.begins[facet];
+        const std::size_t corners = polygons.corners_of(facet);
         found.triangles += corners == 3;
         found.quadrilaterals += corners == 4;
         found.others += corners != 3 && corners != 4;
@@ -34,62 +35,39 @@ void measure_box(const PolygonSoup& polygons, MeshFindings& found) {
     std::vector<bool> used(polygons.vertices.size(), false);
     for (const std::uint32_t vertex : polygons.corners)
         used[vertex] = true;
-    bool first = true;
-    for (std::size_t i = 0; i < used.size(); ++i) {
-        if (!used[i]) {
-            ++found.unused_vertices;
-            continue;
-        }
-        const glm::dvec3& v = polygons.vertices[i];
-        for (int axis = 0; axis < 3; ++axis) {
-            found.low[axis] = first ? v[axis] : std::min(found.low[axis], v[axis]);
-            found.high[axis] = first ? v[axis] : std::max(found.high[axis], v[axis]);
-        }
-        first = false;
-    }
+    found.unused_vertices = static_cast<std::size_t>(std::ranges::count(used, false));
+    if (const MeshBox box = bounding_box(polygons); !polygons.corners.empty())
+        found.low = box.low, found.high = box.high;
 }
 
 void count_repeated_corners(const PolygonSoup& polygons, MeshFindings& found) {
-    std::vector<std::uint32_t> corners = polygons.corners;
+    std::vector<std::uint32_t> corners;
     for (std::size_t facet = 0; facet < polygons.facets(); ++facet) {
-        const auto mine =
-            std::span(corners).subspan(polygons.begins[facet], polygons.begins[facet + 1] - polygons.begins[facet]);
-        std::ranges::sort(mine);
-        found.repeated_corner_facets += std::ranges::adjacent_find(mine) != mine.end();
+        const auto outline = polygons.outline(facet);
+        corners.assign(outline.begin(), outline.end());
+        std::ranges::sort(corners);
+        found.repeated_corner_facets += std::ranges::adjacent_find(corners) != corners.end();
     }
 }
 
 // From the middle of the box, so that a mesh far from the origin loses no digits.
-void measure_surface(const PolygonSoup& polygons, const Triangles& triangles, MeshFindings& found) {
+void measure_surface(const PolygonSoup& polygons, const MeshTriangles& triangles, MeshFindings& found) {
     const glm::dvec3 middle = found.low + 0.5 * (found.high - found.low);
     double twice_area = 0, six_volumes = 0;
     for (const auto& [i, j, k] : triangles.corners) {
         const glm::dvec3 a = polygons.vertices[i] - middle;
-        const glm::dvec3 u = polygons.vertices[j] - polygons.vertices[i],
-                         v = polygons.vertices[k] - polygons.vertices[i];
-        const glm::dvec3 cross(u.y * v.z - u.z * v.y, u.z * v.x - u.x * v.z, u.x * v.y - u.y * v.x);
-        twice_area += std::hypot(cross.x, cross.y, cross.z);
-        six_volumes += a.x * cross.x + a.y * cross.y + a.z * cross.z;
+        const glm::dvec3 area = reference::cross<double>(polygons.vertices[j] - polygons.vertices[i],
+                                                         polygons.vertices[k] - polygons.vertices[i]);
+        twice_area += std::hypot(area.x, area.y, area.z);
+        six_volumes += reference::dot(a, area);
     }
     found.area = twice_area / 2;
     found.volume = six_volumes / 6;
 }
 
-void look_for_self_intersections(const PolygonSoup& polygons, const Triangles& triangles, MeshFindings& found) {
-    std::vector<glm::dvec3> normals;
-    normals.reserve(triangles.corners.size());
-    for (const auto& [a, b, c] : triangles.corners)
-        normals.push_back(triangle_normal(polygons.vertices[a], polygons.vertices[b], polygons.vertices[c]));
-    constexpr std::size_t kMostPairs = 100'000;
-    const SelfIntersections pairs =
-        count_self_intersections(polygons.vertices, weld(polygons), triangles.corners, normals, kMostPairs);
-    found.self_intersections = pairs.pairs;
-    found.more_self_intersections = !pairs.complete;
-}
-
 } // namespace
 
-MeshFindings inspect(const PolygonSoup& all, const InspectionLimits& limits) {
+MeshFindings inspect(const PolygonSoup& all, std::size_t self_intersection_triangles) {
     MeshFindings found;
     count_kinds(all, found);
     measure_box(all, found);
@@ -107,19 +85,18 @@ MeshFindings inspect(const PolygonSoup& all, const InspectionLimits& limits) {
     }
     const PolygonSoup& polygons = mesh->polygons();
 
-    const ConnectivityCounts connected = mesh->counts();
-    found.components = connected.components;
-    found.boundary_edges = connected.boundary_edges;
-    found.holes = connected.holes;
-    found.non_manifold_edges = connected.non_manifold_edges;
-    found.non_manifold_vertices = connected.non_manifold_vertices;
-    found.misoriented_edges = connected.misoriented_edges;
-    found.closed = found.facets > 0 && connected.odd_edges == 0;
+    static_cast<ConnectivityCounts&>(found) = (*mesh)->counts();
+    found.closed = found.facets > 0 && found.odd_edges == 0;
 
-    const Triangles triangles = triangulate(polygons, normals);
+    const MeshTriangles triangles = triangulate(polygons, normals);
     measure_surface(polygons, triangles, found);
-    if (triangles.corners.size() <= limits.self_intersection_triangles)
-        look_for_self_intersections(polygons, triangles, found);
+    if (triangles.corners.size() <= self_intersection_triangles) {
+        constexpr std::size_t kMostPairs = 100'000;
+        const SelfIntersections pairs = count_self_intersections(polygons.vertices, weld(polygons), triangles.corners,
+                                                                 triangles.normals, kMostPairs);
+        found.self_intersections = pairs.pairs;
+        found.more_self_intersections = !pairs.complete;
+    }
     return found;
 }
 
@@ -128,80 +105,6 @@ namespace {
 // "1 hole", "3 holes"
 std::string counted(std::size_t count, std::string_view one, std::string_view many) {
     return fmt::format("{} {}", count, count == 1 ? one : many);
-}
-
-// What an open surface means for what is done with it.
-std::string openness(MeshUse use) {
-    switch (use) {
-    case MeshUse::path:
-        return "the surface is open, and a proxy may slide round its rims";
-    case MeshUse::winding_field:
-        return "the surface is open; inside is where its winding number exceeds 1/2, which is nowhere near a sheet";
-    default:
-        return "the surface is open, so which side is inside is a matter of convention; inside = \"winding\" serves "
-               "closed shapes with holes best, and explore needs no inside";
-    }
-}
-
-void add_topology(const MeshFindings& found, MeshUse use, std::vector<std::string>& text) {
-    const bool field = use != MeshUse::path;
-    if (found.boundary_edges > 0)
-        text.push_back(fmt::format("{} along {}: {}", counted(found.boundary_edges, "boundary edge", "boundary edges"),
-                                   counted(found.holes, "hole or rim", "holes or rims"), openness(use)));
-    if (found.non_manifold_edges > 0)
-        text.push_back(fmt::format("{} of more than two facets{}", counted(found.non_manifold_edges, "edge", "edges"),
-                                   use == MeshUse::any || use == MeshUse::pseudonormal_field
-                                       ? ": near them what is inside may be wrong by pseudonormals; inside = "
-                                         "\"winding\" is the safer choice"
-                                       : ""));
-    if (found.non_manifold_vertices > 0)
-        text.push_back(fmt::format("{} where surfaces touch in a point only: shading mixes their normals there",
-                                   counted(found.non_manifold_vertices, "vertex", "vertices")));
-    if (found.misoriented_edges > 0)
-        text.push_back(
-            fmt::format("{} between facets of opposite orientation: {}shading cancels normals there",
-                        counted(found.misoriented_edges, "edge", "edges"),
-                        field ? "one of each two pushes the probe the wrong way in static fields, and " : ""));
-    if (found.components > 1)
-        text.push_back(fmt::format("{} separate pieces{}", found.components,
-                                   field ? ": in a static field the probe touches whichever is nearest" : ""));
-    if (field && found.closed && found.misoriented_edges == 0 && found.volume < 0)
-        text.push_back(fmt::format("the facets are oriented inward (the signed volume is negative): static forces {}; "
-                                   "reverse the facets",
-                                   use == MeshUse::winding_field ? "appear nowhere, since no winding number exceeds 1/2"
-                                                                 : "appear outside and not inside"));
-}
-
-void add_facets(const MeshFindings& found, MeshUse use, std::vector<std::string>& text) {
-    const bool by_normals = use == MeshUse::any || use == MeshUse::pseudonormal_field;
-    if (found.degenerate_facets > 0)
-        text.push_back(fmt::format("{} without area: left out, and what lies on both sides of them is joined",
-                                   counted(found.degenerate_facets, "facet", "facets")));
-    if (found.repeated_corner_facets > 0)
-        text.push_back(
-            fmt::format("{} coming to a vertex twice", counted(found.repeated_corner_facets, "facet", "facets")));
-    if (found.redundant_facets > 0)
-        text.push_back(fmt::format("{} given once more: left out", counted(found.redundant_facets, "facet", "facets")));
-    if (found.opposed_facets > 0)
-        text.push_back(
-            fmt::format("{} that coincide and face opposite ways: the first in the file is the one touched, and both "
-                        "weigh in the vertex normals{}",
-                        counted(found.opposed_facets, "pair of facets", "pairs of facets"),
-                        by_normals ? "; what is inside may be wrong wherever they are the nearest, and inside = "
-                                     "\"winding\", for which they cancel, is the safer choice"
-                                   : ""));
-    if (found.unused_vertices > 0)
-        text.push_back(
-            fmt::format("{} that no facet uses: ignored", counted(found.unused_vertices, "vertex", "vertices")));
-    if (found.more_self_intersections && *found.self_intersections == 0)
-        text.push_back("so many triangles lie close to each other that the search for self-intersections was given up");
-    if (found.self_intersections.value_or(0) > 0)
-        text.push_back(fmt::format("{}{} that touch or cross without a common corner{}",
-                                   found.more_self_intersections ? "at least " : "",
-                                   counted(*found.self_intersections, "pair of triangles", "pairs of triangles"),
-                                   use == MeshUse::path ? ""
-                                                        : ": in a static field the probe feels only the nearest "
-                                                          "surface, so parts within the solid are felt as well"));
 }
 
 } // namespace
@@ -215,9 +118,58 @@ bool is_solid(const MeshFindings& findings) {
 }
 
 std::vector<std::string> warnings(const MeshFindings& found, MeshUse use) {
+    const bool field = use != MeshUse::path, winding = use == MeshUse::winding_field;
+    const bool by_normals = use == MeshUse::any || use == MeshUse::pseudonormal_field;
     std::vector<std::string> text;
-    add_topology(found, use, text);
-    add_facets(found, use, text);
+    const auto say = [&](std::size_t count, std::string_view one, std::string_view many, std::string_view meaning) {
+        if (count > 0)
+            text.push_back(counted(count, one, many) + std::string(meaning));
+    };
+    const std::string openness =
+        !field ? "the surface is open, and a proxy may slide round its rims"
+        : winding
+            ? "the surface is open; inside is where its winding number exceeds 1/2, which is nowhere near a sheet"
+            : "the surface is open, so which side is inside is a matter of convention; inside = \"winding\" serves "
+              "closed shapes with holes best, and explore needs no inside";
+    say(found.boundary_edges, "boundary edge", "boundary edges",
+        fmt::format(" along {}: {}", counted(found.holes, "hole or rim", "holes or rims"), openness));
+    say(found.non_manifold_edges, "edge", "edges",
+        by_normals ? " of more than two facets: near them what is inside may be wrong by pseudonormals; inside = "
+                     "\"winding\" is the safer choice"
+                   : " of more than two facets");
+    say(found.non_manifold_vertices, "vertex", "vertices",
+        " where surfaces touch in a point only: shading mixes their normals there");
+    say(found.misoriented_edges, "edge", "edges",
+        fmt::format(" between facets of opposite orientation: {}shading cancels normals there",
+                    field ? "one of each two pushes the probe the wrong way in static fields, and " : ""));
+    if (found.components > 1)
+        say(found.components, "", "separate pieces",
+            field ? ": in a static field the probe touches whichever is nearest" : "");
+    if (field && found.closed && found.misoriented_edges == 0 && found.volume < 0)
+        text.push_back(fmt::format("the facets are oriented inward (the signed volume is negative): static forces {}; "
+                                   "reverse the facets",
+                                   winding ? "appear nowhere, since no winding number exceeds 1/2"
+                                           : "appear outside and not inside"));
+    say(found.degenerate_facets, "facet", "facets",
+        " without area: left out, and what lies on both sides of them is joined");
+    say(found.repeated_corner_facets, "facet", "facets", " coming to a vertex twice");
+    say(found.redundant_facets, "facet", "facets", " given once more: left out");
+    say(found.opposed_facets, "pair of facets", "pairs of facets",
+        fmt::format(" that coincide and face opposite ways: the first in the file is the one touched, and both "
+                    "weigh in the vertex normals{}",
+                    by_normals ? "; what is inside may be wrong wherever they are the nearest, and inside = "
+                                 "\"winding\", for which they cancel, is the safer choice"
+                               : ""));
+    say(found.unused_vertices, "vertex", "vertices", " that no facet uses: ignored");
+    if (found.more_self_intersections && *found.self_intersections == 0)
+        text.push_back("so many triangles lie close to each other that the search for self-intersections was given up");
+    say(found.self_intersections.value_or(0), "pair of triangles", "pairs of triangles",
+        fmt::format(" that touch or cross without a common corner{}",
+                    field ? ": in a static field the probe feels only the nearest surface, so parts within the solid "
+                            "are felt as well"
+                          : ""));
+    if (found.more_self_intersections && *found.self_intersections > 0)
+        text.back().insert(0, "at least ");
     return text;
 }
 
@@ -237,49 +189,6 @@ void refuse_if_meaningless(const MeshFindings& found, const std::string& mesh) {
 }
 
 namespace {
-
-constexpr std::uint32_t kFree = 0xFFFFFFFFu;
-
-/// A facet's corners by place, from the lowest one on towards the lower of the two beside it.
-class Cycle {
-public:
-    Cycle(const PolygonSoup& polygons, const std::vector<std::uint32_t>& places, std::size_t facet)
-        : corners_(&polygons.corners[polygons.begins[facet]]), places_(places),
-          count_(polygons.begins[facet + 1] - polygons.begins[facet]) {
-        for (std::size_t i = 1; i < count_; ++i)
-            if (place(i) < place(first_))
-                first_ = i;
-        backwards_ = place(first_ == 0 ? count_ - 1 : first_ - 1) < place(first_ + 1 == count_ ? 0 : first_ + 1);
-    }
-    bool backwards() const { return backwards_; }
-    std::uint64_t hash() const {
-        std::uint64_t hash = count_;
-        for (std::size_t i = 0; i < count_; ++i) {
-            hash = (hash ^ (*this)[i]) * 0x9E3779B97F4A7C15u;
-            hash ^= hash >> 29;
-        }
-        return hash;
-    }
-    /// Forwards or backwards.
-    bool coincides(const Cycle& other) const {
-        bool equal = count_ == other.count_;
-        for (std::size_t i = 0; equal && i < count_; ++i)
-            equal = (*this)[i] == other[i];
-        return equal;
-    }
-
-private:
-    std::uint32_t place(std::size_t corner) const { return places_[corners_[corner]]; }
-    std::uint32_t operator[](std::size_t i) const {
-        const std::size_t at = backwards_ ? first_ + count_ - i : first_ + i;
-        return place(at < count_ ? at : at - count_);
-    }
-
-    const std::uint32_t* corners_;
-    const std::vector<std::uint32_t>& places_;
-    std::size_t count_, first_ = 0;
-    bool backwards_;
-};
 
 struct Pair {
     std::uint32_t facets[2];
@@ -302,37 +211,45 @@ public:
 
 private:
     void match() {
-        const std::size_t slots = std::bit_ceil(2 * polygons_.facets() + 1);
-        std::vector<std::uint32_t> table(slots, kFree);
+        // Each facet's corners by place, from the lowest one on towards the lower of the two beside it.
+        std::vector<std::uint32_t> corners;
+        for (const std::uint32_t corner : polygons_.corners)
+            corners.push_back(places_[corner]);
+        const auto cycle = [&](std::size_t facet) {
+            return std::span(corners).subspan(polygons_.begins[facet], polygons_.corners_of(facet));
+        };
+        std::vector<bool> backwards(polygons_.facets());
+        std::unordered_set<std::uint32_t> turned; // facets that have coincided with one of the opposite order
+        FirstOfEqual cycles(polygons_.facets());
         for (std::uint32_t facet = 0; facet < polygons_.facets(); ++facet) {
-            if (polygons_.begins[facet] == polygons_.begins[facet + 1])
+            const auto mine = cycle(facet);
+            if (mine.empty())
                 continue;
-            const Cycle cycle(polygons_, places_, facet);
-            std::size_t slot = cycle.hash() & (slots - 1);
-            bool repeats = false;
-            std::uint32_t opposite = kFree;
-            for (; table[slot] != kFree && !repeats; slot = (slot + 1) & (slots - 1)) {
-                const Cycle other(polygons_, places_, table[slot]);
-                if (!other.coincides(cycle))
-                    continue;
-                repeats = other.backwards() == cycle.backwards();
-                opposite = repeats ? kFree : table[slot];
+            std::ranges::rotate(mine, std::ranges::min_element(mine));
+            backwards[facet] = mine.back() < mine[1 % mine.size()];
+            if (backwards[facet])
+                std::reverse(mine.begin() + 1, mine.end());
+            std::uint64_t hash = mine.size();
+            for (const std::uint32_t place : mine) {
+                hash = (hash ^ place) * 0x9E3779B97F4A7C15u;
+                hash ^= hash >> 29;
             }
-            if (repeats) {
+            const std::uint32_t first =
+                cycles.add(hash, facet, [&](std::uint32_t other) { return std::ranges::equal(cycle(other), mine); });
+            if (first == facet)
+                continue;
+            if (backwards[first] == backwards[facet] || !turned.insert(first).second)
                 found_.redundant.push_back(facet);
-                continue;
-            }
-            table[slot] = facet;
-            if (opposite != kFree && normals_[facet] != glm::dvec3(0))
-                pairs_.push_back({{opposite, facet}});
+            else if (normals_[facet] != glm::dvec3(0))
+                pairs_.push_back({{first, facet}});
         }
     }
 
     /// Calls use(start, end) for the places at the ends of a facet's edges.
     template <typename Use> void for_each_edge(std::uint32_t facet, const Use& use) const {
-        const std::uint32_t begin = polygons_.begins[facet], end = polygons_.begins[facet + 1];
-        for (std::uint32_t i = begin; i < end; ++i)
-            use(places_[polygons_.corners[i]], places_[polygons_.corners[i + 1 == end ? begin : i + 1]]);
+        const auto outline = polygons_.outline(facet);
+        for (std::size_t i = 0; i < outline.size(); ++i)
+            use(places_[outline[i]], places_[outline[i + 1 == outline.size() ? 0 : i + 1]]);
     }
 
     void find_strays() {
@@ -345,7 +262,7 @@ private:
             if (next != found_.redundant.end() && *next == facet)
                 ++next;
             else
-                walk(facet, 1);
+                count_directions(facet, 1);
         }
         std::vector<std::uint32_t> waiting(pairs_.size());
         for (std::uint32_t pair = 0; pair < pairs_.size(); ++pair)
@@ -358,7 +275,7 @@ private:
                 continue;
             pair.open = false;
             found_.redundant.push_back(pair.facets[stray]);
-            walk(pair.facets[stray], -1);
+            count_directions(pair.facets[stray], -1);
             for_each_edge(pair.facets[stray], [&](std::uint32_t start, std::uint32_t end) {
                 const auto& others = edges_[edge_of(start, end)].pairs;
                 waiting.insert(waiting.end(), others.begin(), others.end());
@@ -366,8 +283,8 @@ private:
         }
     }
 
-    /// Counts a facet's way along the edges of pairs.
-    void walk(std::uint32_t facet, long times) {
+    /// Counts a facet's direction along the edges of pairs.
+    void count_directions(std::uint32_t facet, long times) {
         for_each_edge(facet, [&](std::uint32_t start, std::uint32_t end) {
             if (const auto edge = edges_.find(edge_of(start, end)); edge != edges_.end() && start != end)
                 edge->second.surplus += start < end ? times : -times;
@@ -376,7 +293,7 @@ private:
 
     /// Which of a pair is a stray; -1 if none.
     int stray_of(const Pair& pair) const {
-        int edges = 0, more = 0, less = 0; // often along the first one's way
+        int edges = 0, more = 0, less = 0; // often in the first one's direction
         for_each_edge(pair.facets[0], [&](std::uint32_t start, std::uint32_t end) {
             const long surplus = edges_.find(edge_of(start, end))->second.surplus * (start < end ? 1 : -1);
             ++edges;
@@ -389,7 +306,7 @@ private:
     }
 
     struct Edge {
-        long surplus = 0; // how much more often facets walk from the lower place to the higher one than back
+        long surplus = 0; // how much more often facets run from the lower place to the higher one than back
         std::vector<std::uint32_t> pairs;
     };
 
@@ -418,8 +335,8 @@ PolygonSoup without_facets(const PolygonSoup& polygons, std::span<const std::uin
             ++next;
             continue;
         }
-        rest.corners.insert(rest.corners.end(), polygons.corners.begin() + polygons.begins[facet],
-                            polygons.corners.begin() + polygons.begins[facet + 1]);
+        const auto outline = polygons.outline(facet);
+        rest.corners.insert(rest.corners.end(), outline.begin(), outline.end());
         rest.end_facet();
     }
     return rest;

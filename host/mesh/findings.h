@@ -10,25 +10,20 @@
 
 #include <glm/vec3.hpp>
 
-#include "host/mesh/mesh.h"
+#include "host/mesh/connectivity.h"
 
 namespace forceshade {
 
 /// Lengths, areas and volumes are in the unit of the polygons' coordinates. Vertices that no facet uses count as unused
 /// and enter nothing else; redundant facets enter only the counts of facets.
-struct MeshFindings {
+struct MeshFindings : ConnectivityCounts {
     std::size_t vertices = 0, unused_vertices = 0;
     std::size_t facets = 0, triangles = 0, quadrilaterals = 0, others = 0;
     std::size_t most_corners = 0;                  // of a facet
-    std::size_t components = 0;                    // pieces whose facets hang together by edges
-    std::size_t boundary_edges = 0, holes = 0;     // edges of one facet, and the loops that they form
-    std::size_t non_manifold_edges = 0;            // of more than two facets
-    std::size_t non_manifold_vertices = 0;         // where facets do not make one fan, joined by edges
-    std::size_t misoriented_edges = 0;             // that two facets run through in the same direction
     std::size_t degenerate_facets = 0;             // without area
     std::size_t redundant_facets = 0;              // that coincide with others and count for nothing
     std::size_t opposed_facets = 0;                // pairs that coincide, of opposite orientation, of which both count
-    std::size_t repeated_corner_facets = 0;        // that come to a vertex twice
+    std::size_t repeated_corner_facets = 0;        // that have a vertex twice
     std::optional<std::size_t> self_intersections; // pairs of triangles without a common corner that touch or cross
     bool more_self_intersections = false;          // the search was given up after those
     bool closed = false;                           // every edge has two facets, or another even number
@@ -36,12 +31,9 @@ struct MeshFindings {
     glm::dvec3 low{0}, high{0};                    // corners of the bounding box
 };
 
-struct InspectionLimits {
-    std::size_t self_intersection_triangles = 200'000; // beyond, self-intersections are not looked for
-};
-
-/// Looks at everything; about 2 s for a million triangles. Corners must be in range and coordinates finite.
-MeshFindings inspect(const PolygonSoup& polygons, const InspectionLimits& limits = {});
+/// Looks at everything, for self-intersections among up to as many triangles; about 2 s for a million triangles.
+/// Corners must be in range and coordinates finite.
+MeshFindings inspect(const PolygonSoup& polygons, std::size_t self_intersection_triangles = 200'000);
 
 /// True if it is known that the facets bound one solid whose surface nowhere meets itself.
 bool is_solid(const MeshFindings& findings);
@@ -51,7 +43,7 @@ enum class MeshUse {
     any,
     pseudonormal_field, // static, inside by pseudonormals
     winding_field,      // static, inside by the winding number
-    path,               // the god-object, which minds every facet and no inside
+    path,               // the god-object, which meets every facet and needs no inside
 };
 
 /// A sentence for each thing that is wrong, with its count and what it means for the laws; empty if nothing is.
@@ -63,12 +55,12 @@ void refuse_if_meaningless(const MeshFindings& findings, const std::string& mesh
 
 // Facets with the same corners, by place, and which of them count.
 
-/// Facets coincide if they come to the same places in the same or the opposite cyclic order.
+/// Facets coincide if they have the same places in the same or the opposite cyclic order.
 /// - The same order: a repeat of the first one in the file.
 /// - The opposite order, both with an area: of such a pair one is a stray if without it the edges match better. That
-///   is, along more than half of the pair's edges the facets of the mesh walk more often its way than the other, and
-///   along none less often. Strays that share edges with strays are found out one from the other.
-/// - Else a pair is a sheet of two sides, or a wall within a solid: no way to match edges tells either side from the
+///   is, along more than half of the pair's edges the facets of the mesh run more often in its direction than in the
+///   other, and along none less often. Strays that share edges with strays are found out one from the other.
+/// - Else a pair is a sheet of two sides, or a wall within a solid: matching edges does not tell either side from the
 ///   other.
 struct CoincidentFacets {
     std::vector<std::uint32_t> redundant; /* ascending: repeats and strays; they count for nothing */

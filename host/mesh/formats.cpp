@@ -16,9 +16,7 @@ namespace forceshade::mesh_file {
 
 namespace {
 
-bool is_blank(char c) {
-    return c == ' ' || c == '\t' || c == '\v' || c == '\f';
-}
+constexpr std::string_view kBlanks = " \t\v\f";
 
 // std::from_chars leaves the value alone where it is beyond the range of double, on either side.
 double beyond_range(std::string_view word) {
@@ -58,8 +56,7 @@ bool TextLines::next(std::string_view& line) {
 bool TextLines::next_words(std::string_view& line) {
     while (next(line)) {
         line = line.substr(0, line.find('#'));
-        while (!line.empty() && is_blank(line.front()))
-            line.remove_prefix(1);
+        line.remove_prefix(std::min(line.find_first_not_of(kBlanks), line.size()));
         if (!line.empty())
             return true;
     }
@@ -67,18 +64,13 @@ bool TextLines::next_words(std::string_view& line) {
 }
 
 std::string_view take_word(std::string_view& line) {
-    std::size_t begin = 0;
-    while (begin < line.size() && is_blank(line[begin]))
-        ++begin;
-    std::size_t end = begin;
-    while (end < line.size() && !is_blank(line[end]))
-        ++end;
-    const std::string_view word = line.substr(begin, end - begin);
-    line.remove_prefix(end);
+    line.remove_prefix(std::min(line.find_first_not_of(kBlanks), line.size()));
+    const std::string_view word = line.substr(0, line.find_first_of(kBlanks));
+    line.remove_prefix(word.size());
     return word;
 }
 
-std::string quoted(std::string_view word) {
+std::string in_quotes(std::string_view word) {
     constexpr std::size_t kMost = 24;
     std::string text = "\"";
     for (const char c : word.substr(0, kMost))
@@ -100,6 +92,18 @@ bool parse_integer(std::string_view word, std::int64_t& value) {
     word = without_plus(word);
     const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
     return error == std::errc() && end == word.data() + word.size();
+}
+
+bool is_keyword(std::string_view word, std::string_view keyword) {
+    return std::ranges::equal(word, keyword,
+                              [](char a, char b) { return (a >= 'A' && a <= 'Z' ? a - 'A' + 'a' : a) == b; });
+}
+
+std::uint64_t read_bits(const char* bytes, std::size_t size, bool big_endian) {
+    std::uint64_t bits = 0;
+    for (std::size_t i = 0; i < size; ++i)
+        bits |= std::uint64_t{static_cast<unsigned char>(bytes[i])} << 8 * (big_endian ? size - 1 - i : i);
+    return bits;
 }
 
 // Wavefront OBJ: `v` and `f` statements; all others of the format have no bearing on the polygons.
@@ -125,7 +129,7 @@ public:
             else if (keyword == "f")
                 read_facet(line);
             else if (std::ranges::find(kOtherStatements, keyword) == kOtherStatements.end())
-                lines_.damaged("{} is no statement of an OBJ file", quoted(keyword));
+                lines_.damaged("{} is no statement of an OBJ file", in_quotes(keyword));
         }
         check_range();
         return std::move(soup_);
@@ -177,7 +181,7 @@ private:
         const std::size_t slash = word.find('/');
         if (!parse_integer(word.substr(0, slash), index) ||
             (slash != std::string_view::npos && !is_reference(word.substr(slash + 1))))
-            lines_.damaged("{} is no corner of a facet", quoted(word));
+            lines_.damaged("{} is no corner of a facet", in_quotes(word));
         if (index == 0 || index < -known || index > std::int64_t{0xFFFFFFFF})
             lines_.damaged("no vertex {}; there are {} so far, and the first is 1", index, known);
         if (index > highest_) {
@@ -188,8 +192,7 @@ private:
     }
 
     static bool is_reference(std::string_view text) {
-        return std::ranges::count(text, '/') <= 1 &&
-               std::ranges::all_of(text, [](char c) { return c == '/' || c == '-' || (c >= '0' && c <= '9'); });
+        return std::ranges::count(text, '/') <= 1 && text.find_first_not_of("/-0123456789") == std::string_view::npos;
     }
 
     void check_range() const {
@@ -207,8 +210,8 @@ private:
 
 } // namespace
 
-PolygonSoup read_obj(const Source& source) {
-    return ObjReader(source).read();
+PolygonFile read_obj(const Source& source) {
+    return {ObjReader(source).read(), "", "OBJ"};
 }
 
 // OFF, the Object File Format of Geomview, as text: OFF, COFF, NOFF, STOFF and their combinations.
@@ -257,16 +260,16 @@ private:
     void check_keyword(std::string_view keyword) const {
         const std::string_view prefix = keyword.substr(0, keyword.rfind("OFF"));
         if (!keyword.ends_with("OFF") || prefix.find_first_not_of("STCN4n") != std::string_view::npos)
-            lines_.damaged("an OFF file begins with OFF, not with {}", quoted(keyword));
+            lines_.damaged("an OFF file begins with OFF, not with {}", in_quotes(keyword));
         if (prefix.find('4') != std::string_view::npos || prefix.find('n') != std::string_view::npos)
             throw UsageError(
-                fmt::format("{}: {} has vertices of other than three coordinates", name_, quoted(keyword)));
+                fmt::format("{}: {} has vertices of other than three coordinates", name_, in_quotes(keyword)));
     }
 
     std::size_t announced(std::string_view word, std::string_view what) const {
         std::int64_t count = 0;
         if (!parse_integer(word, count) || count < 0)
-            lines_.damaged("expected the number of {}, got {}", what, quoted(word));
+            lines_.damaged("expected the number of {}, got {}", what, in_quotes(word));
         return static_cast<std::size_t>(count);
     }
 
@@ -303,7 +306,7 @@ private:
         }
         std::int64_t index = 0;
         if (!parse_integer(word, index))
-            lines_.damaged("{} is no vertex", quoted(word));
+            lines_.damaged("{} is no vertex", in_quotes(word));
         if (index < 0 || index >= static_cast<std::int64_t>(vertices_))
             lines_.damaged("no vertex {}; there are {}, and the first is 0", index, vertices_);
         return static_cast<std::uint32_t>(index);
@@ -318,8 +321,8 @@ private:
 
 } // namespace
 
-PolygonSoup read_off(const Source& source) {
-    return OffReader(source).read();
+PolygonFile read_off(const Source& source) {
+    return {OffReader(source).read(), "", "OFF"};
 }
 
 // STL, text and binary: triangles without vertices of their own.
@@ -328,11 +331,8 @@ namespace {
 
 constexpr std::size_t kHeader = 84, kTriangle = 50; // bytes
 
-std::uint32_t little_endian(const char* bytes) {
-    std::uint32_t value = 0;
-    for (int i = 3; i >= 0; --i)
-        value = value << 8 | static_cast<unsigned char>(bytes[i]);
-    return value;
+float read_float(const char* bytes) {
+    return std::bit_cast<float>(static_cast<std::uint32_t>(read_bits(bytes, 4)));
 }
 
 // Triangles whose vertices are their corners in order: corners of the same coordinates become one vertex.
@@ -363,7 +363,7 @@ PolygonSoup read_binary(const Source& source) {
             throw IoError(fmt::format("{}: {} bytes are too few for an STL file, and it is no text; it is damaged or "
                                       "truncated",
                                       source.name, size));
-        const std::uint64_t triangles = little_endian(source.bytes.data() + 80);
+        const std::uint64_t triangles = read_bits(source.bytes.data() + 80, 4);
         throw IoError(fmt::format("{}: a binary STL file that announces {} triangles has {} bytes, but this one has "
                                   "{}; it is damaged or truncated",
                                   source.name, triangles, kHeader + kTriangle * triangles, size));
@@ -373,16 +373,9 @@ PolygonSoup read_binary(const Source& source) {
     for (std::size_t begin = kHeader; begin < source.bytes.size(); begin += kTriangle)
         for (int corner = 1; corner <= 3; ++corner) { // behind the normal
             const char* const at = source.bytes.data() + begin + 12 * corner;
-            soup.vertices.emplace_back(std::bit_cast<float>(little_endian(at)),
-                                       std::bit_cast<float>(little_endian(at + 4)),
-                                       std::bit_cast<float>(little_endian(at + 8)));
+            soup.vertices.emplace_back(read_float(at), read_float(at + 4), read_float(at + 8));
         }
     return welded(std::move(soup));
-}
-
-bool is_keyword(std::string_view word, std::string_view keyword) {
-    return std::equal(word.begin(), word.end(), keyword.begin(), keyword.end(),
-                      [](char a, char b) { return (a >= 'A' && a <= 'Z' ? a - 'A' + 'a' : a) == b; });
 }
 
 class StlTextReader {
@@ -442,7 +435,7 @@ private:
         if (word.empty())
             return false;
         if (!is_keyword(word, keyword))
-            lines_.damaged("expected {}, got {}", keyword, quoted(word));
+            lines_.damaged("expected {}, got {}", keyword, in_quotes(word));
         take_word(line_);
         return true;
     }
@@ -455,14 +448,15 @@ private:
 } // namespace
 
 bool is_binary_stl(std::string_view bytes) {
-    return bytes.size() >= kHeader &&
-           bytes.size() == kHeader + kTriangle * std::uint64_t{little_endian(bytes.data() + 80)};
+    return bytes.size() >= kHeader && bytes.size() == kHeader + kTriangle * read_bits(bytes.data() + 80, 4);
 }
 
-PolygonSoup read_stl(const Source& source) {
+PolygonFile read_stl(const Source& source) {
     const std::size_t begin = source.bytes.find_first_not_of(" \t\r\n");
     const bool text = begin != std::string_view::npos && is_keyword(source.bytes.substr(begin, 5), "solid");
-    return text && !is_binary_stl(source.bytes) ? StlTextReader(source).read() : read_binary(source);
+    if (text && !is_binary_stl(source.bytes))
+        return {StlTextReader(source).read(), "", "STL (text)"};
+    return {read_binary(source), "", "STL (binary)"};
 }
 
 } // namespace forceshade::mesh_file

@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 
 #include "host/error.h"
-#include "host/mesh/mesh.h"
+#include "host/mesh/mesh_file.h"
 
 namespace forceshade::mesh_file {
 
@@ -19,18 +19,22 @@ struct Source {
     std::string_view bytes;
 };
 
-PolygonSoup read_obj(const Source& source);
-PolygonSoup read_off(const Source& source);
-PolygonSoup read_ply(const Source& source);
-PolygonSoup read_stl(const Source& source);
+/// All but the SHA-256.
+PolygonFile read_obj(const Source& source);
+PolygonFile read_off(const Source& source);
+PolygonFile read_ply(const Source& source);
+PolygonFile read_stl(const Source& source);
 
 /// True if the bytes have exactly the length that a binary STL file announces.
 bool is_binary_stl(std::string_view bytes);
 
-/// "PLY (text)", "PLY (binary, little endian)" or "PLY (binary, big endian)".
-std::string ply_flavour(const Source& source);
+/// True if the words are the same but for capitals; `keyword` has none.
+bool is_keyword(std::string_view word, std::string_view keyword);
 
-// Text files taken line by line and word by word, in no locale, with errors that name file and line.
+/// An integer of up to 8 bytes.
+std::uint64_t read_bits(const char* bytes, std::size_t size, bool big_endian = false);
+
+// Text files read line by line and word by word, in no locale, with errors that name file and line.
 
 /// The lines of a text, ended by LF, CR LF or CR; a byte order mark is skipped.
 class TextLines {
@@ -44,7 +48,7 @@ public:
     /// The next line that has words once a comment (from `#` on) is cut off, or false.
     bool next_words(std::string_view& line);
 
-    std::size_t line_number() const noexcept { return number_; } /* of the line last taken, from 1 */
+    std::size_t line_number() const noexcept { return number_; } /* of the line last read, from 1 */
     std::string_view rest() const noexcept { return text_; }
 
     /// Throws IoError: `bump.off:12: message`.
@@ -63,7 +67,7 @@ private:
 std::string_view take_word(std::string_view& line);
 
 /// A word for a message: in quotes, shortened, without control characters.
-std::string quoted(std::string_view word);
+std::string in_quotes(std::string_view word);
 
 /// True if the whole word is a number. Values beyond a double's range become infinite or 0, "nan" and "inf" are read.
 bool parse_number(std::string_view word, double& value);
@@ -77,7 +81,7 @@ glm::dvec3 read_coordinates(const TextLines& lines, const std::string& whose, co
     glm::dvec3 vertex;
     for (int axis = 0; axis < 3; ++axis)
         if (const std::string_view word = next_word(); !parse_number(word, vertex[axis]))
-            lines.damaged("{} is no coordinate{}", quoted(word), whose);
+            lines.damaged("{} is no coordinate{}", in_quotes(word), whose);
     return vertex;
 }
 

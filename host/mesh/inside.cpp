@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "host/mesh/structure_parts.h"
+#include "host/mesh/structure.h"
 #include "host/mesh/surface.h"
 #include "host/reference/elementary.h"
 
@@ -18,80 +18,18 @@ Vector vector_at(const std::vector<double>& table, std::size_t index) {
     return reference::vector_at<double>(table, index);
 }
 
-/// A triangle's edge, filed under the lower place of its ends.
-struct FiledEdge {
-    uint higher; // the other end
-    uint edge;   // 3 * triangle + i
-};
-
-/// All edges by lower place, then higher, then number; begins has where each place's edges begin.
-struct EdgeFile {
-    std::vector<uint> begins;
-    std::vector<FiledEdge> edges;
-};
-
-/// The corner at which an edge ends.
+/// The corner at which an edge (3 * triangle + i, the corner where it starts) ends.
 std::size_t following(std::size_t edge) {
     return edge % 3 == 2 ? edge - 2 : edge + 1;
 }
 
-EdgeFile file_edges(const std::vector<uint>& corners, const std::vector<uint>& places) {
-    EdgeFile file;
+/// Calls use(edges) with all edges between one pair of places, pair by pair.
+template <typename Use>
+void for_each_bundle(const std::vector<uint>& corners, const std::vector<uint>& places, const Use& use) {
     const auto ends = [&](std::size_t edge) {
-        const uint start = places[corners[edge]], end = places[corners[following(edge)]];
-        return std::pair{std::min(start, end), std::max(start, end)};
+        return std::pair(places[corners[edge]], places[corners[following(edge)]]);
     };
-    file.begins.assign(places.size() + 1, 0);
-    for (std::size_t edge = 0; edge < corners.size(); ++edge)
-        ++file.begins[ends(edge).first + 1];
-    for (std::size_t place = 0; place < places.size(); ++place)
-        file.begins[place + 1] += file.begins[place];
-    std::vector<uint> next(file.begins.begin(), file.begins.end() - 1);
-    file.edges.resize(corners.size());
-    for (std::size_t edge = 0; edge < corners.size(); ++edge) {
-        const auto [lower, higher] = ends(edge);
-        file.edges[next[lower]++] = {higher, static_cast<uint>(edge)};
-    }
-    for (std::size_t place = 0; place < places.size(); ++place)
-        std::sort(file.edges.begin() + file.begins[place], file.edges.begin() + file.begins[place + 1],
-                  [](const FiledEdge& one, const FiledEdge& other) {
-                      return one.higher < other.higher || (one.higher == other.higher && one.edge < other.edge);
-                  });
-    return file;
-}
-
-/// Calls use(begin, end) with all edges between one pair of places, pair by pair.
-template <typename Use> void for_each_bundle(const EdgeFile& file, const Use& use) {
-    for (std::size_t place = 0; place + 1 < file.begins.size(); ++place) {
-        const FiledEdge* end = file.edges.data() + file.begins[place + 1];
-        for (const FiledEdge* begin = file.edges.data() + file.begins[place]; begin != end;) {
-            const FiledEdge* next = begin;
-            while (next != end && next->higher == begin->higher)
-                ++next;
-            use(begin, next);
-            begin = next;
-        }
-    }
-}
-
-/// The edges of one and the same pair of places.
-void connect(const FiledEdge* begin, const FiledEdge* end, MeshParts& parts, MeshReals<double>& reals) {
-    if (end - begin == 1) {
-        parts.triangle_neighbours[begin->edge] = layout::kMeshBorder;
-        return;
-    }
-    if (end - begin == 2 && begin->edge / 3 != begin[1].edge / 3) {
-        parts.triangle_neighbours[begin->edge] = begin[1].edge / 3;
-        parts.triangle_neighbours[begin[1].edge] = begin->edge / 3;
-        return;
-    }
-    Vector sum(0.0);
-    for (const FiledEdge* edge = begin; edge != end; ++edge)
-        sum += vector_at(reals.triangle_normals, edge->edge / 3);
-    const auto entry = static_cast<uint>(reals.edge_pseudonormals.size() / 3);
-    reals.edge_pseudonormals.insert(reals.edge_pseudonormals.end(), {sum.x, sum.y, sum.z});
-    for (const FiledEdge* edge = begin; edge != end; ++edge)
-        parts.triangle_neighbours[edge->edge] = layout::kMeshManyBit | entry;
+    forceshade::for_each_bundle(places.size(), corners.size(), ends, use);
 }
 
 /// The angle between two edges, good for needles too.
@@ -103,9 +41,26 @@ double angle_between(const Vector& u, const Vector& v) {
 } // namespace
 
 void connect_edges(MeshParts& parts, MeshReals<double>& reals, const std::vector<uint>& places) {
-    parts.triangle_neighbours.resize(parts.triangle_corners.size());
-    for_each_bundle(file_edges(parts.triangle_corners, places),
-                    [&](const FiledEdge* begin, const FiledEdge* end) { connect(begin, end, parts, reals); });
+    std::vector<uint>& across = parts.triangle_neighbours;
+    across.resize(parts.triangle_corners.size());
+    for_each_bundle(parts.triangle_corners, places, [&](std::span<const uint> edges) {
+        if (edges.size() == 1) {
+            across[edges[0]] = layout::kMeshBorder;
+            return;
+        }
+        if (edges.size() == 2 && edges[0] / 3 != edges[1] / 3) {
+            across[edges[0]] = edges[1] / 3;
+            across[edges[1]] = edges[0] / 3;
+            return;
+        }
+        Vector sum(0.0);
+        for (const uint edge : edges)
+            sum += vector_at(reals.triangle_normals, edge / 3);
+        const auto entry = static_cast<uint>(reals.edge_pseudonormals.size() / 3);
+        reals.edge_pseudonormals.insert(reals.edge_pseudonormals.end(), {sum.x, sum.y, sum.z});
+        for (const uint edge : edges)
+            across[edge] = layout::kMeshManyBit | entry;
+    });
 }
 
 void sum_pseudonormals(const MeshParts& parts, MeshReals<double>& reals, const std::vector<uint>& places) {
@@ -131,17 +86,14 @@ void sum_pseudonormals(const MeshParts& parts, MeshReals<double>& reals, const s
 
 bool has_firm_pseudonormals(const MeshParts& parts, const MeshReals<double>& reals) {
     constexpr double kFirm = 0x1p-14; // of the square of the length
-    for (std::size_t vertex = 0; vertex < reals.vertex_pseudonormals.size() / 3; ++vertex) {
-        const Vector sum = vector_at(reals.vertex_pseudonormals, vertex);
-        if (!(reference::dot(sum, sum) > kFirm))
+    const auto is_firm = [](const Vector& sum) { return reference::dot(sum, sum) > kFirm; };
+    for (std::size_t vertex = 0; vertex < reals.vertex_pseudonormals.size() / 3; ++vertex)
+        if (!is_firm(vector_at(reals.vertex_pseudonormals, vertex)))
             return false;
-    }
     for (std::size_t edge = 0; edge < parts.triangle_neighbours.size(); ++edge) {
         const uint across = parts.triangle_neighbours[edge];
-        if ((across & layout::kMeshManyBit) != 0) // a border too
-            return false;
-        const Vector sum = vector_at(reals.triangle_normals, edge / 3) + vector_at(reals.triangle_normals, across);
-        if (!(reference::dot(sum, sum) > kFirm))
+        if ((across & layout::kMeshManyBit) != 0 || // a border too
+            !is_firm(vector_at(reals.triangle_normals, edge / 3) + vector_at(reals.triangle_normals, across)))
             return false;
     }
     return true;
@@ -149,16 +101,16 @@ bool has_firm_pseudonormals(const MeshParts& parts, const MeshReals<double>& rea
 
 namespace {
 
-/// Edges that triangles walk more often in one direction than in the other, three numbers each: two vertices and by how
-/// often.
+/// Edges that triangles run along more often in one direction than in the other, three numbers each: two vertices and
+/// by how often.
 std::vector<uint> find_rims(const MeshParts& parts, const std::vector<uint>& places) {
     std::vector<uint> rims;
     const std::vector<uint>& corners = parts.triangle_corners;
-    for_each_bundle(file_edges(corners, places), [&](const FiledEdge* begin, const FiledEdge* end) {
-        long surplus = 0;
-        for (const FiledEdge* edge = begin; edge != end; ++edge)
-            surplus += places[corners[edge->edge]] == edge->higher ? -1 : 1;
-        const uint start = corners[begin->edge], stop = corners[following(begin->edge)];
+    for_each_bundle(corners, places, [&](std::span<const uint> edges) {
+        const uint start = corners[edges[0]], stop = corners[following(edges[0])];
+        long surplus = 0; // towards the higher place
+        for (const uint edge : edges)
+            surplus += places[corners[edge]] == std::max(places[start], places[stop]) ? -1 : 1;
         if (surplus != 0 && places[start] != places[stop])
             rims.insert(rims.end(), {start, stop, static_cast<uint>(std::abs(surplus))});
     });
@@ -209,87 +161,69 @@ void add(const layout::MeshMoment& part, layout::MeshMoment& sum) {
     sum.radius = std::max(sum.radius, reference::length(Vector(t[0], t[1], t[2])) + part.radius);
 }
 
-/// Triangle by triangle and node by node, the deepest first.
-class Moments {
-public:
-    explicit Moments(const MeshStructure& structure) : structure_(structure) {
-        const std::vector<layout::MeshNode>& nodes = structure.parts->nodes;
-        moments_.resize(nodes.size());
-        areas_.resize(nodes.size());
-        for (std::size_t i = nodes.size(); i-- > 0;) // children stand behind their parents
-            sum(i);
+Part part_of_triangle(const MeshStructure& structure, std::size_t triangle) {
+    Vector corners[3];
+    for (std::size_t i = 0; i < 3; ++i)
+        corners[i] = vector_at(structure.reals->vertices, structure.parts->triangle_corners[3 * triangle + i]);
+    const Vector centre = (corners[0] + corners[1] + corners[2]) / 3.0;
+    const Vector area = reference::cross(Vector(corners[1] - corners[0]), Vector(corners[2] - corners[0])) / 2.0;
+    Part part{{{centre.x, centre.y, centre.z}, 0, {area.x, area.y, area.z}, {}, {}}, reference::length(area)};
+    double spread[3][3] = {}; // mean of x_j x_k over the triangle
+    for (const Vector& corner : corners) {
+        const Vector from = corner - centre;
+        part.moment.radius = std::max(part.moment.radius, reference::length(from));
+        for (int j = 0; j < 3; ++j)
+            for (int k = 0; k < 3; ++k)
+                spread[j][k] += from[j] * from[k] / 12;
     }
+    const double* d = part.moment.dipole;
+    for (std::size_t i = 0; i < 3; ++i)
+        for (std::size_t j = i; j < 3; ++j)
+            for (std::size_t k = j; k < 3; ++k)
+                part.moment.octupole[place(i, j, k)] =
+                    (d[i] * spread[j][k] + d[j] * spread[i][k] + d[k] * spread[i][j]) / 3;
+    return part;
+}
 
-    std::vector<layout::MeshMoment> take() { return std::move(moments_); }
-
-private:
-    Part part_of_triangle(std::size_t triangle) const {
-        Vector corners[3];
-        for (std::size_t i = 0; i < 3; ++i)
-            corners[i] = reference::vector_at<double>(structure_.reals->vertices,
-                                                      structure_.parts->triangle_corners[3 * triangle + i]);
-        const Vector centre = (corners[0] + corners[1] + corners[2]) / 3.0;
-        const Vector area = reference::cross(Vector(corners[1] - corners[0]), Vector(corners[2] - corners[0])) / 2.0;
-        Part part{{{centre.x, centre.y, centre.z}, 0, {area.x, area.y, area.z}, {}, {}}, reference::length(area)};
-        double spread[3][3] = {}; // mean of x_j x_k over the triangle
-        for (const Vector& corner : corners) {
-            const Vector from = corner - centre;
-            part.moment.radius = std::max(part.moment.radius, reference::length(from));
-            for (int j = 0; j < 3; ++j)
-                for (int k = 0; k < 3; ++k)
-                    spread[j][k] += from[j] * from[k] / 12;
+/// Of a node, from its triangles and from the nodes below it.
+Part part_of_node(const MeshStructure& structure, const layout::MeshNode& node, const std::vector<Part>& nodes) {
+    std::vector<Part> parts;
+    for (const uint child : node.child) {
+        if (child == layout::kMeshNoChild)
+            continue;
+        if ((child & layout::kMeshLeaf) == 0) {
+            parts.push_back(nodes[child]);
+            continue;
         }
-        const double* d = part.moment.dipole;
-        for (std::size_t i = 0; i < 3; ++i)
-            for (std::size_t j = i; j < 3; ++j)
-                for (std::size_t k = j; k < 3; ++k)
-                    part.moment.octupole[place(i, j, k)] =
-                        (d[i] * spread[j][k] + d[j] * spread[i][k] + d[k] * spread[i][j]) / 3;
-        return part;
+        const uint run = child & ~layout::kMeshLeaf;
+        for (uint i = 0; i <= run % layout::kMeshLeafTriangles; ++i)
+            parts.push_back(part_of_triangle(structure, run / layout::kMeshLeafTriangles + i));
     }
-
-    std::vector<Part> parts_of(const layout::MeshNode& node) const {
-        std::vector<Part> parts;
-        for (const uint child : node.child) {
-            if (child == layout::kMeshNoChild)
-                continue;
-            if ((child & layout::kMeshLeaf) == 0) {
-                parts.push_back({moments_[child], areas_[child]});
-                continue;
-            }
-            const uint run = child & ~layout::kMeshLeaf;
-            for (uint i = 0; i <= run % layout::kMeshLeafTriangles; ++i)
-                parts.push_back(part_of_triangle(run / layout::kMeshLeafTriangles + i));
-        }
-        return parts;
+    double area = 0;
+    Vector centre(0.0);
+    for (const Part& part : parts) {
+        area += part.area;
+        centre += part.area * vector_of(part.moment.centre);
     }
-
-    void sum(std::size_t index) {
-        const std::vector<Part> parts = parts_of(structure_.parts->nodes[index]);
-        double area = 0;
-        Vector centre(0.0);
-        for (const Part& part : parts) {
-            area += part.area;
-            centre += part.area * vector_of(part.moment.centre);
-        }
-        centre = area > 0 ? centre / area : vector_of(parts.front().moment.centre);
-        layout::MeshMoment moment{{centre.x, centre.y, centre.z}, 0, {}, {}, {}};
-        for (const Part& part : parts)
-            add(part.moment, moment);
-        moments_[index] = moment;
-        areas_[index] = area;
-    }
-
-    const MeshStructure& structure_;
-    std::vector<layout::MeshMoment> moments_;
-    std::vector<double> areas_;
-};
+    centre = area > 0 ? centre / area : vector_of(parts.front().moment.centre);
+    Part sum{{{centre.x, centre.y, centre.z}, 0, {}, {}, {}}, area};
+    for (const Part& part : parts)
+        add(part.moment, sum.moment);
+    return sum;
+}
 
 } // namespace
 
 std::shared_ptr<const MeshWinding> make_winding(const MeshStructure& structure) {
-    return std::make_shared<const MeshWinding>(
-        MeshWinding{Moments(structure).take(), find_rims(*structure.parts, weld(structure.reals->vertices))});
+    const std::vector<layout::MeshNode>& nodes = structure.parts->nodes;
+    std::vector<Part> parts(nodes.size());
+    for (std::size_t i = nodes.size(); i-- > 0;) // children stand behind their parents
+        parts[i] = part_of_node(structure, nodes[i], parts);
+    MeshWinding winding{{}, find_rims(*structure.parts, weld(structure.reals->vertices))};
+    winding.moments.reserve(parts.size());
+    for (const Part& part : parts)
+        winding.moments.push_back(part.moment);
+    return std::make_shared<const MeshWinding>(std::move(winding));
 }
 
 } // namespace forceshade

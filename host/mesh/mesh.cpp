@@ -13,10 +13,13 @@
 #include "host/mesh/exact.h"
 #include "host/mesh/findings.h"
 #include "host/mesh/surface.h"
+#include "host/reference/elementary.h"
 
 namespace forceshade {
 
 namespace {
+
+using reference::cross, reference::dot, reference::largest_coordinate;
 
 /// A number as the unevaluated sum of two doubles: differences and products of doubles without rounding (Dekker 1971,
 /// Knuth TAOCP 2, 4.2.2). Needs a compiler that neither contracts nor reorders.
@@ -28,11 +31,6 @@ struct Twofold {
 Twofold exact_sum(double a, double b) noexcept {
     const double sum = a + b, b_part = sum - a;
     return {sum, (a - (sum - b_part)) + (b - b_part)};
-}
-
-/// a - b, exactly.
-Twofold exact_difference(double a, double b) noexcept {
-    return exact_sum(a, -b);
 }
 
 /// a + b to about 2^-104 of |a| + |b|, its high part being the whole rounded to double.
@@ -57,15 +55,11 @@ using TwofoldVector = std::array<Twofold, 3>;
 // Products of edges outside this range are scaled first, so that nothing is lost to overflow and underflow.
 constexpr double kLargest = 1e70, kSmallest = 1e-70;
 
-double largest_component(const glm::dvec3& v) {
-    return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
-}
-
 TwofoldVector exact_edge(const glm::dvec3& from, const glm::dvec3& to) {
-    return {exact_difference(to.x, from.x), exact_difference(to.y, from.y), exact_difference(to.z, from.z)};
+    return {exact_sum(to.x, -from.x), exact_sum(to.y, -from.y), exact_sum(to.z, -from.z)};
 }
 
-double largest_component(const TwofoldVector& v) {
+double largest_coordinate(const TwofoldVector& v) {
     return std::max({std::abs(v[0].high), std::abs(v[1].high), std::abs(v[2].high)});
 }
 
@@ -89,10 +83,9 @@ int rescaling(double size) {
 }
 
 glm::dvec3 unit(glm::dvec3 v) {
-    if (const int exponent = rescaling(largest_component(v)); exponent != 0)
+    if (const int exponent = rescaling(largest_coordinate(v)); exponent != 0)
         v = {std::scalbn(v.x, exponent), std::scalbn(v.y, exponent), std::scalbn(v.z, exponent)};
-    const double square = v.x * v.x + v.y * v.y + v.z * v.z;
-    return square > 0 ? v / std::sqrt(square) : glm::dvec3(0);
+    return reference::normalised(v);
 }
 
 glm::dvec3 rounded(const TwofoldVector& v) {
@@ -104,7 +97,7 @@ glm::dvec3 newell_normal(const std::vector<glm::dvec3>& vertices, std::span<cons
     const glm::dvec3& first = vertices[outline[0]];
     double size = 0;
     for (const std::uint32_t vertex : outline.subspan(1))
-        size = std::max(size, largest_component(vertices[vertex] - first));
+        size = std::max(size, largest_coordinate(vertices[vertex] - first));
     const int exponent = rescaling(size);
     TwofoldVector total{}, previous = exact_edge(first, vertices[outline[1]]);
     scale(previous, exponent);
@@ -116,45 +109,40 @@ glm::dvec3 newell_normal(const std::vector<glm::dvec3>& vertices, std::span<cons
         const TwofoldVector part = cross(previous, next);
         for (std::size_t axis = 0; axis < 3; ++axis)
             total[axis] = sum(total[axis], part[axis]);
-        magnitude += largest_component(previous) * largest_component(next);
+        magnitude += largest_coordinate(previous) * largest_coordinate(next);
         previous = next;
     }
     const glm::dvec3 area = rounded(total);
-    return largest_component(area) > 0x1p-92 * magnitude ? unit(area) : glm::dvec3(0);
+    return largest_coordinate(area) > 0x1p-92 * magnitude ? unit(area) : glm::dvec3(0);
 }
 
 // The angle of a facet at a corner, from the edge that leaves it to the edge that comes in, about the facet's normal.
 double corner_angle(const glm::dvec3& previous, const glm::dvec3& here, const glm::dvec3& next,
                     const glm::dvec3& normal, bool triangle) {
     glm::dvec3 a = next - here, b = previous - here;
-    const double a_size = largest_component(a), b_size = largest_component(b);
+    const double a_size = largest_coordinate(a), b_size = largest_coordinate(b);
     if (!(a_size > 0) || !(b_size > 0))
         return 0;
     a /= a_size;
     b /= b_size;
-    const glm::dvec3 turn(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
-    const double cosine = a.x * b.x + a.y * b.y + a.z * b.z;
-    const double length = std::sqrt(turn.x * turn.x + turn.y * turn.y + turn.z * turn.z);
-    const double side = turn.x * normal.x + turn.y * normal.y + turn.z * normal.z;
-    if (triangle || side >= 0)
-        return std::atan2(length, cosine);
+    const glm::dvec3 turn = cross(a, b);
+    const double angle = std::atan2(reference::length(turn), dot(a, b));
     // A spike of no width is no full turn.
-    const double angle = std::atan2(length, cosine);
-    return angle < 1e-9 ? angle : 2 * M_PI - angle;
+    return triangle || dot(turn, normal) >= 0 || angle < 1e-9 ? angle : 2 * M_PI - angle;
 }
 
 } // namespace
 
 glm::dvec3 triangle_normal(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
     TwofoldVector u = exact_edge(a, b), v = exact_edge(a, c);
-    if (const int exponent = rescaling(std::max(largest_component(u), largest_component(v))); exponent != 0) {
+    if (const int exponent = rescaling(std::max(largest_coordinate(u), largest_coordinate(v))); exponent != 0) {
         scale(u, exponent);
         scale(v, exponent);
     }
     const glm::dvec3 area = rounded(cross(u, v));
-    const double size = largest_component(area);
+    const double size = largest_coordinate(area);
     // Twice the precision is enough unless cancellation has taken half of it; 0 is right where the edges are exact.
-    if (size > 0x1p-48 * largest_component(u) * largest_component(v) || (size == 0 && is_exact(u) && is_exact(v)))
+    if (size > 0x1p-48 * largest_coordinate(u) * largest_coordinate(v) || (size == 0 && is_exact(u) && is_exact(v)))
         return unit(area);
     return unit(exact_cross_direction(a, b, c));
 }
@@ -164,7 +152,7 @@ std::vector<glm::dvec3> facet_normals(const Connectivity& mesh) {
     std::vector<glm::dvec3> normals(mesh.polygons().facets(), glm::dvec3(0));
     std::vector<std::uint32_t> outline;
     for (std::uint32_t facet = 0; facet < normals.size(); ++facet) {
-        mesh.outline(facet, outline);
+        mesh->outline(facet, outline);
         if (outline.size() == 3)
             normals[facet] = triangle_normal(vertices[outline[0]], vertices[outline[1]], vertices[outline[2]]);
         else if (outline.size() > 3)
@@ -187,14 +175,14 @@ std::vector<glm::dvec3> vertex_normals(const Connectivity& mesh, std::span<const
     for (std::uint32_t vertex = 0; vertex < normals.size(); ++vertex) {
         glm::dvec3 sum(0);
         double all = 0;
-        mesh.fan(vertex, fan);
+        mesh->fan(vertex, fan);
         for (std::size_t i = 0; i < fan.size(); ++i) {
             const std::uint32_t facet = fan[i].facet;
             const bool again = i > 0 && fan[i - 1].facet == facet;
             if (!counts[facet] || (again && weights == VertexNormals::plain))
                 continue;
             const glm::dvec3& normal = facet_normals[facet];
-            const bool triangle = polygons.begins[facet + 1] - polygons.begins[facet] == 3;
+            const bool triangle = polygons.corners_of(facet) == 3;
             const double weight =
                 weights == VertexNormals::plain
                     ? 1
@@ -202,28 +190,31 @@ std::vector<glm::dvec3> vertex_normals(const Connectivity& mesh, std::span<const
             sum += weight * normal;
             all += weight;
         }
-        normals[vertex] = largest_component(sum) > 1e-12 * all ? unit(sum) : glm::dvec3(0);
+        normals[vertex] = largest_coordinate(sum) > 1e-12 * all ? unit(sum) : glm::dvec3(0);
     }
     return normals;
 }
 
-MeshFrame frame_of(const PolygonSoup& polygons) {
+MeshBox bounding_box(const PolygonSoup& polygons) {
     glm::dvec3 low(std::numeric_limits<double>::infinity()), high(-low);
     for (const std::uint32_t corner : polygons.corners) {
         low = glm::min(low, polygons.vertices[corner]);
         high = glm::max(high, polygons.vertices[corner]);
     }
+    return {low, high};
+}
+
+MeshFrame frame_of(const PolygonSoup& polygons) {
+    const auto [low, high] = bounding_box(polygons);
     const glm::dvec3 centre = low / 2.0 + high / 2.0;
     double reach = 0;
     for (int axis = 0; axis < 3; ++axis)
         reach = std::max({reach, centre[axis] - low[axis], high[axis] - centre[axis]});
-    if (!std::isfinite(reach))
-        throw UsageError("the mesh is too large: its bounding box is no finite number of metres");
     int exponent = 0;
     if (std::frexp(reach, &exponent) == 0.5)
         --exponent;
     const double scale = reach > 0 ? std::ldexp(1.0, exponent) : 1.0;
-    if (!std::isfinite(scale))
+    if (!std::isfinite(reach) || !std::isfinite(scale))
         throw UsageError("the mesh is too large: its bounding box is no finite number of metres");
     return {centre, scale};
 }
@@ -239,16 +230,8 @@ Turn turn_of(double angle) {
     const double quarters = angle / (M_PI / 2), nearest = std::nearbyint(quarters);
     if (std::abs(quarters - nearest) > 4e-16 * std::abs(quarters))
         return {std::cos(angle), std::sin(angle)};
-    switch (static_cast<int>(std::fmod(nearest, 4) + 4) % 4) {
-    case 0:
-        return {1, 0};
-    case 1:
-        return {0, 1};
-    case 2:
-        return {-1, 0};
-    default:
-        return {0, -1};
-    }
+    constexpr std::array<Turn, 4> kQuarters{{{1, 0}, {0, 1}, {-1, 0}, {0, -1}}};
+    return kQuarters[static_cast<std::size_t>(std::fmod(nearest, 4) + 4) % 4];
 }
 
 void turn(double& first, double& second, const Turn& by) {
@@ -257,20 +240,14 @@ void turn(double& first, double& second, const Turn& by) {
     second = by.sine * before + by.cosine * second;
 }
 
-void check(const MeshPlacement& placement) {
+void place(std::vector<glm::dvec3>& vertices, const MeshPlacement& placement) {
     const double factor = placement.unit * placement.scale;
     if (!(factor > 0) || !std::isfinite(factor))
         throw UsageError(fmt::format("a mesh's unit times its scale must be positive, got {} * {}", placement.unit,
                                      placement.scale));
-    for (int axis = 0; axis < 3; ++axis)
-        if (const auto i = static_cast<std::size_t>(axis);
-            !std::isfinite(placement.rotate[i]) || !std::isfinite(placement.translate[i]))
-            throw UsageError("a mesh's rotation and translation must be finite");
-}
-
-void place(std::vector<glm::dvec3>& vertices, const MeshPlacement& placement) {
-    check(placement);
-    const double factor = placement.unit * placement.scale;
+    const auto is_finite = [](double value) { return std::isfinite(value); };
+    if (!std::ranges::all_of(placement.rotate, is_finite) || !std::ranges::all_of(placement.translate, is_finite))
+        throw UsageError("a mesh's rotation and translation must be finite");
     const std::array<Turn, 3> turns{turn_of(placement.rotate[0]), turn_of(placement.rotate[1]),
                                     turn_of(placement.rotate[2])};
     const glm::dvec3 shift(placement.translate[0], placement.translate[1], placement.translate[2]);
@@ -289,20 +266,6 @@ void place(std::vector<glm::dvec3>& vertices, const MeshPlacement& placement) {
     }
 }
 
-std::vector<glm::dvec3> triangle_normals(const Mesh& mesh) {
-    const PolygonSoup& polygons = mesh.polygons;
-    std::vector<glm::dvec3> normals;
-    normals.reserve(mesh.triangles.size());
-    for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
-        const std::uint32_t facet = mesh.triangle_facets[i];
-        const auto& [a, b, c] = mesh.triangles[i];
-        normals.push_back(polygons.begins[facet + 1] - polygons.begins[facet] == 3
-                              ? mesh.facet_normals[facet]
-                              : triangle_normal(polygons.vertices[a], polygons.vertices[b], polygons.vertices[c]));
-    }
-    return normals;
-}
-
 } // namespace
 
 Mesh prepare_mesh(PolygonSoup polygons, const MeshPlacement& placement, VertexNormals weights) {
@@ -313,10 +276,7 @@ Mesh prepare_mesh(PolygonSoup polygons, const MeshPlacement& placement, VertexNo
     mesh.facet_normals = facet_normals(connected);
     mesh.redundant_facets = find_coincident(mesh.polygons, mesh.facet_normals).redundant;
     mesh.vertex_normals = vertex_normals(connected, mesh.facet_normals, weights, mesh.redundant_facets);
-    Triangles triangles = triangulate(mesh.polygons, mesh.facet_normals);
-    mesh.triangles = std::move(triangles.corners);
-    mesh.triangle_facets = std::move(triangles.facets);
-    mesh.triangle_normals = triangle_normals(mesh);
+    mesh.triangles = triangulate(mesh.polygons, mesh.facet_normals);
     return mesh;
 }
 

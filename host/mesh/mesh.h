@@ -21,13 +21,17 @@ struct PolygonSoup {
     std::vector<std::uint32_t> corners;
 
     std::size_t facets() const { return begins.size() - 1; }
+    std::uint32_t corners_of(std::size_t facet) const { return begins[facet + 1] - begins[facet]; }
+    std::span<const std::uint32_t> outline(std::size_t facet) const {
+        return std::span(corners).subspan(begins[facet], corners_of(facet));
+    }
     /// The corners added last are a facet.
     void end_facet() { begins.push_back(static_cast<std::uint32_t>(corners.size())); }
 };
 
 /// How the normals of a vertex's facets are weighted in the vertex's own (L7).
 enum class VertexNormals {
-    plain, // alike, as in the paper
+    plain, // equally, as in the paper
     angle  // by the facet's angle at the vertex, which does not depend on how a face was cut into facets
 };
 
@@ -40,22 +44,26 @@ glm::dvec3 triangle_normal(const glm::dvec3& a, const glm::dvec3& b, const glm::
 std::vector<glm::dvec3> facet_normals(const Connectivity& mesh);
 
 /// The unit normal of each vertex (see VertexNormals). 0 where the facets' normals cancel to within 1e-12 of the sum of
-/// their weights, and where no facet with an area is. A facet that comes to a vertex twice counts once in `plain`, with
-/// the sum of its angles in `angle`; a reflex corner has an angle beyond pi. Facets in `left_out` (ascending) count for
-/// nothing.
+/// their weights, and where there is no facet with an area. A facet that has a vertex twice counts once in `plain`,
+/// with the sum of its angles in `angle`; a reflex corner has an angle beyond pi. Facets in `left_out` (ascending)
+/// count for nothing.
 std::vector<glm::dvec3> vertex_normals(const Connectivity& mesh, std::span<const glm::dvec3> facet_normals,
                                        VertexNormals weights, std::span<const std::uint32_t> left_out = {});
 
+/// The triangles that a mesh's facets are cut into.
+struct MeshTriangles {
+    std::vector<std::array<std::uint32_t, 3>> corners; /* vertices, wound as their facet */
+    std::vector<std::uint32_t> facets;                 /* of each triangle, ascending */
+    std::vector<glm::dvec3> normals; /* 1: unit, good to a few ULP whatever the shape; 0 where there is no area */
+};
+
 /// A mesh prepared for the laws, in metres. Facets and vertices keep the order of the file.
 struct Mesh {
-    PolygonSoup polygons;                                /* m */
-    std::vector<std::uint32_t> redundant_facets;         /* ascending: coincide with others, count for nothing */
-    std::vector<glm::dvec3> facet_normals;               /* 1: unit Newell normals; 0 where a facet has no area */
-    std::vector<glm::dvec3> vertex_normals;              /* 1: unit, what L7 interpolates; 0 where they cancel */
-    std::vector<std::array<std::uint32_t, 3>> triangles; /* vertices; by facet */
-    std::vector<std::uint32_t> triangle_facets;          /* facet of each triangle, ascending */
-    std::vector<glm::dvec3> triangle_normals;            /* 1: unit, good to a few ULP whatever the triangle's shape; 0
-                                                            where it has no area */
+    PolygonSoup polygons;                        /* m */
+    std::vector<std::uint32_t> redundant_facets; /* ascending: coincide with others, count for nothing */
+    std::vector<glm::dvec3> facet_normals;       /* 1: unit Newell normals; 0 where a facet has no area */
+    std::vector<glm::dvec3> vertex_normals;      /* 1: unit, what L7 interpolates; 0 where they cancel */
+    MeshTriangles triangles;
 };
 
 /// Where a mesh stands in the world: scaled by unit * scale about the file's origin, then rotated about the fixed axes
@@ -70,6 +78,13 @@ struct MeshPlacement {
 /// Facets and vertices keep their order and numbers. How facets are cut into triangles: surface.h. Corners must be in
 /// range. \throws UsageError if unit * scale is not positive, or a coordinate is beyond 1e100 m or not finite
 Mesh prepare_mesh(PolygonSoup polygons, const MeshPlacement& placement, VertexNormals vertex_normals);
+
+struct MeshBox {
+    glm::dvec3 low, high; /* in the polygons' unit */
+};
+
+/// Of the vertices that some facet uses; infinite and inverted if there are none.
+MeshBox bounding_box(const PolygonSoup& polygons);
 
 /// (world - centre) / scale: centre the middle of the bounding box, scale the least power of two that leaves no
 /// coordinate beyond 1.

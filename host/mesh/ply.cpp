@@ -3,7 +3,6 @@
 #include <array>
 #include <bit>
 #include <cstdint>
-#include <cstring>
 #include <optional>
 #include <string>
 #include <utility>
@@ -19,6 +18,8 @@ namespace forceshade::mesh_file {
 namespace {
 
 enum class PlyEncoding { text, little, big };
+constexpr std::array<std::string_view, 3> kEncodings{"ascii", "binary_little_endian", "binary_big_endian"};
+constexpr std::array<const char*, 3> kFlavours{"PLY (text)", "PLY (binary, little endian)", "PLY (binary, big endian)"};
 enum class PlyType { int8, uint8, int16, uint16, int32, uint32, float32, float64 };
 
 struct PlyProperty {
@@ -56,33 +57,22 @@ bool is_integer(PlyType type) {
     return type != PlyType::float32 && type != PlyType::float64;
 }
 
-struct TypeName {
-    std::string_view name, other_name;
-    PlyType type;
-};
-
-constexpr std::array kTypes{
-    TypeName{"char", "int8", PlyType::int8},        TypeName{"uchar", "uint8", PlyType::uint8},
-    TypeName{"short", "int16", PlyType::int16},     TypeName{"ushort", "uint16", PlyType::uint16},
-    TypeName{"int", "int32", PlyType::int32},       TypeName{"uint", "uint32", PlyType::uint32},
-    TypeName{"float", "float32", PlyType::float32}, TypeName{"double", "float64", PlyType::float64}};
-
 PlyType parse_type(const TextLines& lines, std::string_view word) {
-    for (const TypeName& type : kTypes)
-        if (word == type.name || word == type.other_name)
-            return type.type;
-    lines.damaged("{} is no type of PLY", quoted(word));
+    constexpr std::string_view kNames[][2] = {{"char", "int8"},     {"uchar", "uint8"},   {"short", "int16"},
+                                              {"ushort", "uint16"}, {"int", "int32"},     {"uint", "uint32"},
+                                              {"float", "float32"}, {"double", "float64"}};
+    for (std::size_t i = 0; i < std::size(kNames); ++i)
+        if (word == kNames[i][0] || word == kNames[i][1])
+            return static_cast<PlyType>(i);
+    lines.damaged("{} is no type of PLY", in_quotes(word));
 }
 
 PlyEncoding parse_encoding(const TextLines& lines, std::string_view line) {
     const std::string_view encoding = take_word(line);
-    if (encoding == "ascii")
-        return PlyEncoding::text;
-    if (encoding == "binary_little_endian")
-        return PlyEncoding::little;
-    if (encoding == "binary_big_endian")
-        return PlyEncoding::big;
-    lines.damaged("no format {}; there are ascii, binary_little_endian and binary_big_endian", quoted(encoding));
+    for (std::size_t i = 0; i < kEncodings.size(); ++i)
+        if (encoding == kEncodings[i])
+            return static_cast<PlyEncoding>(i);
+    lines.damaged("no format {}; there are ascii, binary_little_endian and binary_big_endian", in_quotes(encoding));
 }
 
 PlyElement parse_element(const TextLines& lines, std::string_view line) {
@@ -91,8 +81,8 @@ PlyElement parse_element(const TextLines& lines, std::string_view line) {
     std::int64_t count = 0;
     const std::string_view word = take_word(line);
     if (element.name.empty() || !parse_integer(word, count) || count < 0)
-        lines.damaged("expected an element and how many there are of it, got {} {}", quoted(element.name),
-                      quoted(word));
+        lines.damaged("expected an element and how many there are of it, got {} {}", in_quotes(element.name),
+                      in_quotes(word));
     element.count = static_cast<std::uint64_t>(count);
     return element;
 }
@@ -139,7 +129,7 @@ PlyHeader read_ply_header(const std::string& file, std::string_view bytes) {
             header.lines = lines.line_number();
             return header;
         } else if (!keyword.empty() && keyword != "comment" && keyword != "obj_info") {
-            lines.damaged("{} does not belong into the header of a PLY file", quoted(keyword));
+            lines.damaged("{} does not belong into the header of a PLY file", in_quotes(keyword));
         }
     }
     lines.damaged("the file breaks off within its header");
@@ -152,29 +142,29 @@ public:
         : lines_(source.name, source.bytes.substr(header.bytes), header.lines) {}
 
     void begin_item(std::string_view what) {
+        std::string_view words;
         do {
             if (!lines_.next(line_))
                 fail("the file breaks off before {}", what);
-            std::string_view words = line_;
-            empty_ = take_word(words).empty();
-        } while (empty_);
+            words = line_;
+        } while (take_word(words).empty());
     }
     void end_item() {
         if (const std::string_view word = take_word(line_); !word.empty())
-            fail("{} behind the last property", quoted(word));
+            fail("{} behind the last property", in_quotes(word));
     }
     double number(PlyType) {
         double value = 0;
         const std::string_view word = take_word(line_);
         if (word.empty() || !parse_number(word, value))
-            fail("expected a number, got {}", quoted(word));
+            fail("expected a number, got {}", in_quotes(word));
         return value;
     }
     std::int64_t integer(PlyType) {
         std::int64_t value = 0;
         const std::string_view word = take_word(line_);
         if (!parse_integer(word, value))
-            fail("expected an integer, got {}", quoted(word));
+            fail("expected an integer, got {}", in_quotes(word));
         return value;
     }
     void skip(PlyType, std::uint64_t values) {
@@ -198,48 +188,26 @@ public:
 private:
     TextLines lines_;
     std::string_view line_;
-    bool empty_ = false;
 };
-
-template <typename T> T reversed(T value) {
-    auto bytes = std::bit_cast<std::array<std::byte, sizeof(T)>>(value);
-    std::ranges::reverse(bytes);
-    return std::bit_cast<T>(bytes);
-}
 
 class BinaryValues {
 public:
     BinaryValues(const Source& source, const PlyHeader& header)
         : name_(source.name), bytes_(source.bytes), at_(header.bytes),
-          swap_((header.encoding == PlyEncoding::little) != (std::endian::native == std::endian::little)) {}
+          big_endian_(header.encoding == PlyEncoding::big) {}
 
     void begin_item(std::string_view) {}
     void end_item() {}
     double number(PlyType type) {
-        switch (type) {
-        case PlyType::float32:
-            return static_cast<double>(take<float>());
-        case PlyType::float64:
-            return take<double>();
-        default:
-            return static_cast<double>(integer(type));
-        }
+        if (type == PlyType::float32)
+            return static_cast<double>(std::bit_cast<float>(static_cast<std::uint32_t>(next_bits(type))));
+        return type == PlyType::float64 ? std::bit_cast<double>(next_bits(type)) : static_cast<double>(integer(type));
     }
     std::int64_t integer(PlyType type) {
-        switch (type) {
-        case PlyType::int8:
-            return take<std::int8_t>();
-        case PlyType::uint8:
-            return take<std::uint8_t>();
-        case PlyType::int16:
-            return take<std::int16_t>();
-        case PlyType::uint16:
-            return take<std::uint16_t>();
-        case PlyType::int32:
-            return take<std::int32_t>();
-        default:
-            return take<std::uint32_t>();
-        }
+        const std::uint64_t bits = next_bits(type);
+        const std::size_t unused = 64 - 8 * size_of(type);
+        const bool is_signed = type == PlyType::int8 || type == PlyType::int16 || type == PlyType::int32;
+        return is_signed ? static_cast<std::int64_t>(bits << unused) >> unused : static_cast<std::int64_t>(bits);
     }
     void skip(PlyType type, std::uint64_t values) {
         need(values <= bytes_left() / size_of(type));
@@ -254,12 +222,11 @@ public:
     }
 
 private:
-    template <typename T> T take() {
-        need(sizeof(T) <= bytes_left());
-        T value;
-        std::memcpy(&value, bytes_.data() + at_, sizeof(T));
-        at_ += sizeof(T);
-        return swap_ ? reversed(value) : value;
+    std::uint64_t next_bits(PlyType type) {
+        const std::size_t size = size_of(type);
+        need(size <= bytes_left());
+        at_ += size;
+        return read_bits(bytes_.data() + at_ - size, size, big_endian_);
     }
     void need(bool there) const {
         if (!there)
@@ -269,7 +236,7 @@ private:
     std::string name_;
     std::string_view bytes_;
     std::size_t at_;
-    bool swap_;
+    bool big_endian_;
 };
 
 template <typename Values> class PlyReader {
@@ -305,7 +272,7 @@ private:
             if (item > 0 && element.count > left / item)
                 values_.fail("{} of element {} are announced, which {} bytes cannot hold; the file is "
                              "damaged or truncated",
-                             element.count, quoted(element.name), values_.bytes_left());
+                             element.count, in_quotes(element.name), values_.bytes_left());
             left -= item * element.count;
         }
     }
@@ -369,7 +336,7 @@ private:
             highest_ = std::max(highest_, index);
             soup_.corners.push_back(static_cast<std::uint32_t>(index));
         }
-        soup_.begins.push_back(static_cast<std::uint32_t>(soup_.corners.size()));
+        soup_.end_facet();
     }
 
     void skip(const PlyProperty& property) { values_.skip(property.type, property.list ? list_length(property) : 1); }
@@ -396,21 +363,11 @@ private:
 
 } // namespace
 
-PolygonSoup read_ply(const Source& source) {
+PolygonFile read_ply(const Source& source) {
     const PlyHeader header = read_ply_header(source.name, source.bytes);
-    return header.encoding == PlyEncoding::text ? PlyReader<TextValues>(source, header).read()
-                                                : PlyReader<BinaryValues>(source, header).read();
-}
-
-std::string ply_flavour(const Source& source) {
-    switch (read_ply_header(source.name, source.bytes).encoding) {
-    case PlyEncoding::text:
-        return "PLY (text)";
-    case PlyEncoding::little:
-        return "PLY (binary, little endian)";
-    default:
-        return "PLY (binary, big endian)";
-    }
+    PolygonSoup polygons = header.encoding == PlyEncoding::text ? PlyReader<TextValues>(source, header).read()
+                                                                : PlyReader<BinaryValues>(source, header).read();
+    return {std::move(polygons), "", kFlavours[static_cast<std::size_t>(header.encoding)]};
 }
 
 } // namespace forceshade::mesh_file

@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 
 #include "host/error.h"
-#include "host/mesh/structure_parts.h"
 #include "host/mesh/surface.h"
 
 namespace forceshade {
@@ -29,115 +28,70 @@ float rounded_up(double value) {
     return double(nearest) < value ? std::nextafter(nearest, 2.0f) : nearest;
 }
 
-/// Builds one structure, step by step.
-class Assembly {
-public:
-    Assembly(const Mesh& mesh, unsigned threads)
-        : mesh_(mesh), threads_(threads), frame_(frame_of(mesh.polygons)), surface_(make_surface(mesh, frame_)),
-          corners_(surface_ ? surface_->corners : mesh.triangles),
-          facets_(surface_ ? surface_->facets : mesh.triangle_facets),
-          normals_(surface_ ? surface_->normals : mesh.triangle_normals) {}
+void append(std::vector<double>& table, const glm::dvec3& vector) {
+    table.insert(table.end(), {vector.x, vector.y, vector.z});
+}
 
-    void make_tree(unsigned leaf_triangles) {
-        const std::vector<glm::dvec3>& vertices = mesh_.polygons.vertices;
-        order_.reserve(corners_.size());
-        for (std::size_t triangle = 0; triangle < corners_.size(); ++triangle) {
-            if (normals_[triangle] == glm::dvec3(0))
-                continue;
-            TreeItem item{{2, 2, 2}, static_cast<std::uint32_t>(triangle), {-2, -2, -2}, 0};
-            for (const uint corner : corners_[triangle]) {
-                const glm::dvec3 at = frame_.local(vertices[corner]);
-                for (int axis = 0; axis < 3; ++axis) {
-                    float& low = item.low[std::size_t(axis)];
-                    float& high = item.high[std::size_t(axis)];
-                    low = std::min(low, rounded_down(at[axis]));
-                    high = std::max(high, rounded_up(at[axis]));
-                }
+/// The triangles that have an area, with their boxes.
+std::vector<TreeItem> tree_items(const Mesh& mesh, const MeshTriangles& triangles, const MeshFrame& frame) {
+    std::vector<TreeItem> items;
+    items.reserve(triangles.corners.size());
+    for (std::size_t triangle = 0; triangle < triangles.corners.size(); ++triangle) {
+        if (triangles.normals[triangle] == glm::dvec3(0))
+            continue;
+        TreeItem item{{2, 2, 2}, static_cast<std::uint32_t>(triangle), {-2, -2, -2}, 0};
+        for (const uint corner : triangles.corners[triangle]) {
+            const glm::dvec3 at = frame.local(mesh.polygons.vertices[corner]);
+            for (int axis = 0; axis < 3; ++axis) {
+                float& low = item.low[std::size_t(axis)];
+                float& high = item.high[std::size_t(axis)];
+                low = std::min(low, rounded_down(at[axis]));
+                high = std::max(high, rounded_up(at[axis]));
             }
-            order_.push_back(item);
         }
-        if (order_.empty())
-            throw UsageError("the mesh has no facet with an area");
-        if (order_.size() >= kMostTriangles)
-            throw UsageError(
-                fmt::format("the mesh has {} triangles; fewer than {} are possible", order_.size(), kMostTriangles));
-        parts_.nodes = build_tree(order_, leaf_triangles, threads_);
+        items.push_back(item);
     }
+    if (items.empty())
+        throw UsageError("the mesh has no facet with an area");
+    if (items.size() >= kMostTriangles)
+        throw UsageError(
+            fmt::format("the mesh has {} triangles; fewer than {} are possible", items.size(), kMostTriangles));
+    return items;
+}
 
-    /// Triangles in the tree's order; vertices by first use, so that neighbours lie close in memory.
-    void number() {
-        numbers_.assign(mesh_.polygons.vertices.size(), kUnnumbered);
-        const std::size_t triangles = order_.size();
-        parts_.triangle_corners.reserve(3 * triangles);
-        parts_.triangle_facets.reserve(triangles);
-        reals_.triangle_normals.reserve(3 * triangles);
-        for (const TreeItem& item : order_) {
-            for (const uint corner : corners_[item.triangle])
-                parts_.triangle_corners.push_back(number_of(corner));
-            parts_.triangle_facets.push_back(facets_[item.triangle]);
-            append(reals_.triangle_normals, normals_[item.triangle]);
+/// Fills the tables but for neighbours and pseudonormals. Triangles in the tree's order; vertices by first use, so that
+/// neighbours lie close in memory.
+void number(const Mesh& mesh, const MeshTriangles& triangles, const MeshFrame& frame,
+            const std::vector<TreeItem>& items, MeshParts& parts, MeshReals<double>& reals) {
+    std::vector<uint> numbers(mesh.polygons.vertices.size(), kUnnumbered), used;
+    const auto number_of = [&](uint vertex) {
+        if (numbers[vertex] == kUnnumbered) {
+            numbers[vertex] = static_cast<uint>(used.size());
+            used.push_back(vertex);
         }
-        order_ = {};
-        parts_.facet_begins = mesh_.polygons.begins;
-        parts_.facet_corners.reserve(mesh_.polygons.corners.size());
-        for (const uint corner : mesh_.polygons.corners)
-            parts_.facet_corners.push_back(number_of(corner));
-        reals_.vertices.reserve(3 * used_.size());
-        reals_.vertex_normals.reserve(3 * used_.size());
-        for (const uint vertex : used_) {
-            append(reals_.vertices, frame_.local(mesh_.polygons.vertices[vertex]));
-            append(reals_.vertex_normals, mesh_.vertex_normals[vertex]);
-        }
-        reals_.facet_normals.reserve(3 * mesh_.facet_normals.size());
-        for (const glm::dvec3& normal : mesh_.facet_normals)
-            append(reals_.facet_normals, normal);
+        return numbers[vertex];
+    };
+    parts.triangle_corners.reserve(3 * items.size());
+    parts.triangle_facets.reserve(items.size());
+    reals.triangle_normals.reserve(3 * items.size());
+    for (const TreeItem& item : items) {
+        for (const uint corner : triangles.corners[item.triangle])
+            parts.triangle_corners.push_back(number_of(corner));
+        parts.triangle_facets.push_back(triangles.facets[item.triangle]);
+        append(reals.triangle_normals, triangles.normals[item.triangle]);
     }
-
-    void connect() {
-        const std::vector<uint> places = weld(reals_.vertices);
-        std::jthread other;
-        if (threads_ > 1)
-            other = std::jthread([&] { sum_pseudonormals(parts_, reals_, places); });
-        else
-            sum_pseudonormals(parts_, reals_, places);
-        connect_edges(parts_, reals_, places);
+    parts.facet_begins = mesh.polygons.begins;
+    parts.facet_corners.reserve(mesh.polygons.corners.size());
+    std::ranges::transform(mesh.polygons.corners, std::back_inserter(parts.facet_corners), number_of);
+    reals.vertices.reserve(3 * used.size());
+    reals.vertex_normals.reserve(3 * used.size());
+    for (const uint vertex : used) {
+        append(reals.vertices, frame.local(mesh.polygons.vertices[vertex]));
+        append(reals.vertex_normals, mesh.vertex_normals[vertex]);
     }
-
-    MeshStructure finish(bool solid) {
-        reals_.edge_pseudonormals.shrink_to_fit();
-        parts_.solid = solid && has_firm_pseudonormals(parts_, reals_);
-        return {frame_.centre, frame_.scale, std::make_shared<const MeshParts>(std::move(parts_)),
-                std::make_shared<const MeshReals<double>>(std::move(reals_)), nullptr};
-    }
-
-private:
-    static void append(std::vector<double>& table, const glm::dvec3& vector) {
-        table.insert(table.end(), {vector.x, vector.y, vector.z});
-    }
-
-    uint number_of(uint vertex) {
-        if (numbers_[vertex] == kUnnumbered) {
-            numbers_[vertex] = static_cast<uint>(used_.size());
-            used_.push_back(vertex);
-        }
-        return numbers_[vertex];
-    }
-
-    const Mesh& mesh_;
-    unsigned threads_;
-    MeshFrame frame_;
-    std::unique_ptr<const Surface> surface_; // null: the mesh's own triangles
-    const std::vector<std::array<uint, 3>>& corners_;
-    const std::vector<uint>& facets_;
-    const std::vector<glm::dvec3>& normals_;
-    std::vector<TreeItem> order_;
-    std::vector<uint> numbers_, used_;
-    MeshParts parts_;
-    MeshReals<double> reals_;
-};
-
-template <typename T> std::size_t bytes_of(const std::vector<T>& table) {
-    return table.capacity() * sizeof(T);
+    reals.facet_normals.reserve(3 * mesh.facet_normals.size());
+    for (const glm::dvec3& normal : mesh.facet_normals)
+        append(reals.facet_normals, normal);
 }
 
 /// The tables of one precision out of those of double.
@@ -147,9 +101,7 @@ std::shared_ptr<const MeshReals<T>> reals_as(const std::shared_ptr<const MeshRea
         return reals;
     } else {
         const auto rounded = [](const std::vector<double>& table) {
-            std::vector<T> result(table.size());
-            std::transform(table.begin(), table.end(), result.begin(), [](double x) { return static_cast<T>(x); });
-            return result;
+            return std::vector<T>(table.begin(), table.end());
         };
         return std::make_shared<const MeshReals<T>>(MeshReals<T>{
             rounded(reals->vertices), rounded(reals->vertex_normals), rounded(reals->vertex_pseudonormals),
@@ -160,48 +112,60 @@ std::shared_ptr<const MeshReals<T>> reals_as(const std::shared_ptr<const MeshRea
 } // namespace
 
 std::size_t MeshStructure::bytes() const {
-    const std::size_t of_parts = bytes_of(parts->nodes) + bytes_of(parts->triangle_corners) +
-                                 bytes_of(parts->triangle_facets) + bytes_of(parts->triangle_neighbours) +
-                                 bytes_of(parts->facet_begins) + bytes_of(parts->facet_corners);
-    const std::size_t of_reals = bytes_of(reals->vertices) + bytes_of(reals->vertex_normals) +
-                                 bytes_of(reals->vertex_pseudonormals) + bytes_of(reals->triangle_normals) +
-                                 bytes_of(reals->facet_normals) + bytes_of(reals->edge_pseudonormals);
-    return of_parts + of_reals + (winding ? bytes_of(winding->moments) + bytes_of(winding->rims) : 0);
+    const auto bytes_of = [](const auto&... tables) { return (... + (tables.capacity() * sizeof(tables.front()))); };
+    return bytes_of(parts->nodes, parts->triangle_corners, parts->triangle_facets, parts->triangle_neighbours,
+                    parts->facet_begins, parts->facet_corners) +
+           bytes_of(reals->vertices, reals->vertex_normals, reals->vertex_pseudonormals, reals->triangle_normals,
+                    reals->facet_normals, reals->edge_pseudonormals) +
+           (winding ? bytes_of(winding->moments, winding->rims) : 0);
 }
 
 MeshStructure build_structure(const Mesh& mesh, const StructureOptions& options) {
     if (mesh.polygons.corners.empty())
         throw UsageError("the mesh has no facets");
-    Assembly assembly(mesh, options.threads > 0 ? options.threads : std::max(1u, std::thread::hardware_concurrency()));
-    assembly.make_tree(std::clamp(options.leaf_triangles, 1u, layout::kMeshLeafTriangles));
-    assembly.number();
-    assembly.connect();
-    MeshStructure structure = assembly.finish(options.solid);
+    const unsigned threads = options.threads > 0 ? options.threads : std::max(1u, std::thread::hardware_concurrency());
+    const MeshFrame frame = frame_of(mesh.polygons);
+    MeshParts parts;
+    MeshReals<double> reals;
+    {
+        const std::optional<MeshTriangles> surface = make_surface(mesh, frame);
+        const MeshTriangles& triangles = surface ? *surface : mesh.triangles;
+        std::vector<TreeItem> items = tree_items(mesh, triangles, frame);
+        parts.nodes = build_tree(items, std::clamp(options.leaf_triangles, 1u, layout::kMeshLeafTriangles), threads);
+        number(mesh, triangles, frame, items, parts, reals);
+    }
+    const std::vector<uint> places = weld(reals.vertices);
+    share_out(std::min(threads, 2u), 2, [&](unsigned, std::size_t step) {
+        step == 0 ? sum_pseudonormals(parts, reals, places) : connect_edges(parts, reals, places);
+    });
+    reals.edge_pseudonormals.shrink_to_fit();
+    parts.solid = options.solid && has_firm_pseudonormals(parts, reals);
+    MeshStructure structure{frame.centre, frame.scale, std::make_shared<const MeshParts>(std::move(parts)),
+                            std::make_shared<const MeshReals<double>>(std::move(reals)), nullptr};
     if (options.winding)
         structure.winding = make_winding(structure);
     return structure;
 }
 
 template <typename T> layout::MeshView<T> MeshTables<T>::view() const {
-    layout::MeshView<T> view;
-    view.params = params;
-    view.nodes = parts->nodes;
-    view.solid = parts->solid;
-    view.vertices = reals->vertices;
-    view.triangle_corners = parts->triangle_corners;
-    view.triangle_facets = parts->triangle_facets;
-    view.triangle_neighbours = parts->triangle_neighbours;
-    view.triangle_normals = reals->triangle_normals;
-    view.vertex_pseudonormals = reals->vertex_pseudonormals;
-    view.edge_pseudonormals = reals->edge_pseudonormals;
-    view.facet_begins = parts->facet_begins;
-    view.facet_corners = parts->facet_corners;
-    view.facet_normals = reals->facet_normals;
-    view.vertex_normals = reals->vertex_normals;
-    if (winding) {
-        view.moments = winding->moments;
-        view.rims = winding->rims;
-    }
+    layout::MeshView<T> view{params,
+                             parts->nodes,
+                             reals->vertices,
+                             parts->triangle_corners,
+                             parts->triangle_facets,
+                             parts->triangle_neighbours,
+                             reals->triangle_normals,
+                             reals->vertex_pseudonormals,
+                             reals->edge_pseudonormals,
+                             parts->facet_begins,
+                             parts->facet_corners,
+                             reals->facet_normals,
+                             reals->vertex_normals,
+                             parts->solid,
+                             {},
+                             {}};
+    if (winding)
+        view.moments = winding->moments, view.rims = winding->rims;
     return view;
 }
 

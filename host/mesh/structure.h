@@ -1,7 +1,10 @@
 // A mesh made ready for the laws: its own frame, the tree over its triangles, and what inside and outside are told by.
 #pragma once
 
+#include <array>
+#include <atomic>
 #include <memory>
+#include <thread>
 #include <vector>
 
 #include "host/mesh/mesh.h"
@@ -75,11 +78,6 @@ template <typename T> struct MeshTables {
 /// number of T; a stiffness of 0 is allowed.
 template <typename T> MeshTables<T> make_mesh_tables(const MeshStructure& structure, double stiffness);
 
-extern template MeshTables<float> make_mesh_tables<float>(const MeshStructure&, double);
-extern template MeshTables<double> make_mesh_tables<double>(const MeshStructure&, double);
-extern template struct MeshTables<float>;
-extern template struct MeshTables<double>;
-
 /// A position in the mesh's frame, from m; in double, to be rounded once.
 inline glm::dvec3 to_mesh_frame(const MeshStructure& structure, const glm::dvec3& world) {
     return (world - structure.centre) / structure.scale;
@@ -87,5 +85,42 @@ inline glm::dvec3 to_mesh_frame(const MeshStructure& structure, const glm::dvec3
 
 /// For the generalized winding number: the moments of each node's triangles and the edges where the surface ends.
 std::shared_ptr<const MeshWinding> make_winding(const MeshStructure& structure);
+
+/// Runs work(thread, index) for every index below count, shared out among threads.
+template <typename Work> void share_out(unsigned threads, std::size_t count, const Work& work) {
+    std::atomic<std::size_t> next{0};
+    const auto run = [&](unsigned thread) {
+        for (std::size_t i; (i = next++) < count;)
+            work(thread, i);
+    };
+    std::vector<std::jthread> helpers;
+    for (unsigned i = 1; i < threads; ++i)
+        helpers.emplace_back(run, i);
+    run(0);
+}
+
+// The steps of build_structure: the tree over its triangles, and what lies across their edges.
+
+/// The box of a triangle, rounded outwards to single precision.
+struct TreeItem {
+    std::array<float, 3> low;
+    std::uint32_t triangle;
+    std::array<float, 3> high;
+    std::uint32_t unused;
+};
+
+/// Brings the items into the tree's order and returns its nodes, root first; leaves are runs of items. No path from the
+/// root has more than reference::kMeshTreeDepth nodes, whatever the items. The same for any number of threads.
+std::vector<layout::MeshNode> build_tree(std::vector<TreeItem>& items, unsigned leaf_triangles, unsigned threads);
+
+/// Fills parts.triangle_neighbours and reals.edge_pseudonormals. Edges are matched by the places of their ends.
+void connect_edges(MeshParts& parts, MeshReals<double>& reals, const std::vector<layout::uint>& places);
+
+/// Fills reals.vertex_pseudonormals: for each place the sum of its triangles' normals, weighted by the angle there
+/// (Baerentzen and Aanaes 2005).
+void sum_pseudonormals(const MeshParts& parts, MeshReals<double>& reals, const std::vector<layout::uint>& places);
+
+/// True if no edge's or vertex' pseudonormal is so short that rounding could turn what it says.
+bool has_firm_pseudonormals(const MeshParts& parts, const MeshReals<double>& reals);
 
 } // namespace forceshade

@@ -2,13 +2,11 @@
 // tree stays shallow enough, at the median from there on.
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <bit>
 #include <limits>
-#include <thread>
 #include <utility>
 
-#include "host/mesh/structure_parts.h"
+#include "host/mesh/structure.h"
 #include "host/reference/mesh_nearest.h"
 
 namespace forceshade {
@@ -17,11 +15,10 @@ namespace {
 
 using Float4 = float __attribute__((vector_size(16))); // x, y, z, and one that means nothing
 
+constexpr float kFar = std::numeric_limits<float>::infinity();
+
 struct Box {
-    Float4 low{std::numeric_limits<float>::infinity(), std::numeric_limits<float>::infinity(),
-               std::numeric_limits<float>::infinity(), std::numeric_limits<float>::infinity()};
-    Float4 high{-std::numeric_limits<float>::infinity(), -std::numeric_limits<float>::infinity(),
-                -std::numeric_limits<float>::infinity(), -std::numeric_limits<float>::infinity()};
+    Float4 low{kFar, kFar, kFar, kFar}, high{-kFar, -kFar, -kFar, -kFar};
 
     void include(Float4 other_low, Float4 other_high) {
         low = other_low < low ? other_low : low;
@@ -49,9 +46,8 @@ struct Range {
     }
 };
 
-using Whole = std::int32_t __attribute__((vector_size(16)));
+using Int4 = std::int32_t __attribute__((vector_size(16)));
 
-constexpr float kFar = std::numeric_limits<float>::infinity();
 constexpr int kBins = 16;
 constexpr float kLeastExtent = 1e-30f; // of doubled centroids, below which an axis is not worth splitting
 
@@ -71,10 +67,10 @@ struct Binning {
         low[3] = 0;
         per_unit[3] = 0;
     }
-    Whole bins(const Box& item) const {
+    Int4 bins(const Box& item) const {
         Float4 at = (item.low + item.high - low) * per_unit;
         at[3] = 0;
-        return __builtin_convertvector(at, Whole);
+        return __builtin_convertvector(at, Int4);
     }
     bool splits(int axis) const { return per_unit[axis] > 0; }
 };
@@ -114,7 +110,7 @@ Split best_split(const std::vector<TreeItem>& items, const Range& range, const B
     std::array<std::array<Bin, kBins>, 3> bins{};
     for (std::uint32_t i = range.first; i < range.first + range.count; ++i) {
         const Box item = box_of(items[i]);
-        const Whole at = binning.bins(item);
+        const Int4 at = binning.bins(item);
         for (int axis = 0; axis < 3; ++axis) {
             Bin& bin = bins[std::size_t(axis)][std::size_t(at[axis])];
             bin.box.include(item);
@@ -172,19 +168,41 @@ std::pair<Range, Range> split(std::vector<TreeItem>& items, const Range& range) 
     return {left, right};
 }
 
-constexpr std::uint32_t kTaskItems = 4096;
+/// A part of the tree that one thread builds, and the child of a node of the top that it is.
+struct Task {
+    Range range;
+    unsigned depth;
+    std::size_t parent, slot;
+    std::vector<layout::MeshNode> nodes;
+};
 
 class Builder {
 public:
     Builder(std::vector<TreeItem>& items, unsigned leaf) : items_(items), leaf_(leaf) {}
 
-    Range everything() const {
-        Range range;
-        for (const TreeItem& item : items_)
-            range.include(box_of(item));
-        return range;
+    /// Appends the node over the range and all below it; returns its index. Given `tasks`, children of no more than
+    /// `task_items` become tasks.
+    layout::uint build(const Range& range, unsigned depth, std::vector<layout::MeshNode>& nodes,
+                       std::vector<Task>* tasks = nullptr, std::uint32_t task_items = 0) const {
+        const auto index = static_cast<layout::uint>(nodes.size());
+        nodes.push_back(empty_node());
+        const std::vector<Range> parts = range.count <= leaf_ ? std::vector<Range>{range} : children(range, depth);
+        for (std::size_t i = 0; i < parts.size(); ++i) {
+            set_bounds(nodes[index], i, parts[i].box);
+            if (parts[i].count <= leaf_) {
+                nodes[index].child[i] =
+                    layout::kMeshLeaf | (parts[i].first * layout::kMeshLeafTriangles + parts[i].count - 1);
+            } else if (tasks && parts[i].count <= task_items) {
+                tasks->push_back({parts[i], depth + 1, index, i, {}});
+            } else {
+                const layout::uint child = build(parts[i], depth + 1, nodes, tasks, task_items);
+                nodes[index].child[i] = child;
+            }
+        }
+        return index;
     }
 
+private:
     /// The up to four parts that become a node's children.
     std::vector<Range> children(const Range& range, unsigned depth) const {
         // What a child at the next depth may hold so that medians still fit below it.
@@ -211,25 +229,6 @@ public:
         return parts;
     }
 
-    bool is_leaf(const Range& range) const { return range.count <= leaf_; }
-
-    static layout::uint leaf(const Range& range) {
-        return layout::kMeshLeaf | (range.first * layout::kMeshLeafTriangles + range.count - 1);
-    }
-
-    /// Appends the node over the range and all below it; returns its index.
-    layout::uint build(const Range& range, unsigned depth, std::vector<layout::MeshNode>& nodes) const {
-        const auto index = static_cast<layout::uint>(nodes.size());
-        nodes.push_back(empty_node());
-        const std::vector<Range> parts = is_leaf(range) ? std::vector<Range>{range} : children(range, depth);
-        for (std::size_t i = 0; i < parts.size(); ++i) {
-            set_bounds(nodes[index], i, parts[i].box);
-            const layout::uint child = is_leaf(parts[i]) ? leaf(parts[i]) : build(parts[i], depth + 1, nodes);
-            nodes[index].child[i] = child;
-        }
-        return index;
-    }
-
     static layout::MeshNode empty_node() {
         layout::MeshNode node;
         for (std::size_t i = 0; i < layout::kMeshChildren; ++i) {
@@ -249,69 +248,23 @@ public:
         node.high_z[i] = box.high[2];
     }
 
-private:
     std::vector<TreeItem>& items_;
     unsigned leaf_;
 };
-
-/// A part of the tree that one thread builds, and where it hangs.
-struct Task {
-    Range range;
-    unsigned depth;
-    std::size_t parent, slot;
-    std::vector<layout::MeshNode> nodes;
-};
-
-/// The top of the tree, down to parts small enough to be shared out. Their size depends on the mesh alone.
-std::vector<Task> build_top(const Builder& builder, const Range& everything, std::vector<layout::MeshNode>& nodes) {
-    struct Open {
-        Range range;
-        unsigned depth;
-    };
-    const std::uint32_t task_items = std::max(kTaskItems, everything.count / 16);
-    std::vector<Open> open{{everything, 0}};
-    std::vector<Task> tasks;
-    nodes.push_back(Builder::empty_node());
-    for (std::size_t index = 0; index < open.size(); ++index) {
-        const std::vector<Range> parts = builder.is_leaf(open[index].range)
-                                             ? std::vector<Range>{open[index].range}
-                                             : builder.children(open[index].range, open[index].depth);
-        const unsigned depth = open[index].depth + 1;
-        for (std::size_t i = 0; i < parts.size(); ++i) {
-            Builder::set_bounds(nodes[index], i, parts[i].box);
-            if (builder.is_leaf(parts[i])) {
-                nodes[index].child[i] = Builder::leaf(parts[i]);
-            } else if (parts[i].count <= task_items) {
-                tasks.push_back({parts[i], depth, index, i, {}});
-            } else {
-                nodes[index].child[i] = static_cast<layout::uint>(nodes.size());
-                nodes.push_back(Builder::empty_node());
-                open.push_back({parts[i], depth});
-            }
-        }
-    }
-    return tasks;
-}
-
-void run_tasks(const Builder& builder, std::vector<Task>& tasks, unsigned threads) {
-    std::atomic<std::size_t> next{0};
-    const auto work = [&] {
-        for (std::size_t i = next++; i < tasks.size(); i = next++)
-            builder.build(tasks[i].range, tasks[i].depth, tasks[i].nodes);
-    };
-    std::vector<std::jthread> others;
-    for (unsigned i = 1; i < threads; ++i)
-        others.emplace_back(work);
-    work();
-}
 
 } // namespace
 
 std::vector<layout::MeshNode> build_tree(std::vector<TreeItem>& items, unsigned leaf_triangles, unsigned threads) {
     const Builder builder(items, leaf_triangles);
     std::vector<layout::MeshNode> nodes;
-    std::vector<Task> tasks = build_top(builder, builder.everything(), nodes);
-    run_tasks(builder, tasks, threads);
+    std::vector<Task> tasks;
+    Range everything;
+    for (const TreeItem& item : items)
+        everything.include(box_of(item));
+    // The parts' size depends on the mesh alone, so the tree does not depend on the threads.
+    builder.build(everything, 0, nodes, &tasks, std::max(4096u, everything.count / 16));
+    share_out(threads, tasks.size(),
+              [&](unsigned, std::size_t i) { builder.build(tasks[i].range, tasks[i].depth, tasks[i].nodes); });
     std::size_t total = nodes.size();
     for (const Task& task : tasks)
         total += task.nodes.size();

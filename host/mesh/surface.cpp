@@ -11,12 +11,14 @@
 
 #include "host/error.h"
 #include "host/mesh/exact.h"
+#include "host/reference/elementary.h"
 
 namespace forceshade {
 
 namespace {
 
-constexpr std::uint32_t kFree = 0xFFFFFFFFu;
+using reference::cross, reference::dot;
+using Corners = std::array<std::uint32_t, 3>;
 
 // Equal for equal numbers, 0 and -0 too, and for the same NaN.
 std::uint64_t bits(double value) {
@@ -32,20 +34,16 @@ std::uint64_t mixed(std::uint64_t hash, double value) {
 
 std::vector<std::uint32_t> weld(std::span<const double> vertices) {
     const std::size_t count = vertices.size() / 3;
-    const std::size_t slots = std::bit_ceil(2 * count + 1);
-    std::vector<std::uint32_t> table(slots, kFree), places(count);
+    FirstOfEqual vertices_seen(count);
+    std::vector<std::uint32_t> places(count);
     for (std::size_t i = 0; i < count; ++i) {
         const double* at = &vertices[3 * i];
-        std::size_t slot = mixed(mixed(mixed(0, at[0]), at[1]), at[2]) & (slots - 1);
-        const auto differs = [&](std::uint32_t other) {
+        const auto equals = [&](std::uint32_t other) {
             const double* there = &vertices[3 * std::size_t(other)];
-            return !(bits(at[0]) == bits(there[0]) && bits(at[1]) == bits(there[1]) && bits(at[2]) == bits(there[2]));
+            return bits(at[0]) == bits(there[0]) && bits(at[1]) == bits(there[1]) && bits(at[2]) == bits(there[2]);
         };
-        while (table[slot] != kFree && differs(table[slot]))
-            slot = (slot + 1) & (slots - 1);
-        if (table[slot] == kFree)
-            table[slot] = static_cast<std::uint32_t>(i);
-        places[i] = table[slot];
+        places[i] =
+            vertices_seen.add(mixed(mixed(mixed(0, at[0]), at[1]), at[2]), static_cast<std::uint32_t>(i), equals);
     }
     return places;
 }
@@ -58,14 +56,6 @@ std::vector<std::uint32_t> weld(const PolygonSoup& polygons) {
 
 namespace {
 
-double dot(const glm::dvec3& a, const glm::dvec3& b) {
-    return a.x * b.x + a.y * b.y + a.z * b.z;
-}
-
-glm::dvec3 cross(const glm::dvec3& a, const glm::dvec3& b) {
-    return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
-
 class Triangulation {
 public:
     Triangulation(const PolygonSoup& polygons, std::span<const glm::dvec3> normals)
@@ -73,18 +63,24 @@ public:
         const std::size_t corners = polygons.corners.size(), facets = polygons.facets();
         triangles_.corners.reserve(corners > 2 * facets ? corners - 2 * facets : 0);
         triangles_.facets.reserve(triangles_.corners.capacity());
+        triangles_.normals.reserve(triangles_.corners.capacity());
     }
 
-    Triangles run() {
+    MeshTriangles run() {
         for (std::size_t facet = 0; facet < polygons_.facets(); ++facet) {
-            const std::uint32_t begin = polygons_.begins[facet], count = polygons_.begins[facet + 1] - begin;
-            corners_ = std::span(polygons_.corners).subspan(begin, count);
+            corners_ = polygons_.outline(facet);
             const bool has_area = normals_[facet] != glm::dvec3(0);
-            if (count == 4 && has_area)
+            if (corners_.size() == 4 && has_area)
                 cut_quadrilateral(normals_[facet]);
-            else if (count < 5 || !has_area || !cut_by_delaunay(normals_[facet]))
+            else if (corners_.size() < 5 || !has_area || !cut_by_delaunay(normals_[facet]))
                 cut_fan();
-            triangles_.facets.resize(triangles_.corners.size(), static_cast<std::uint32_t>(facet));
+            for (std::size_t i = triangles_.facets.size(); i < triangles_.corners.size(); ++i) {
+                const auto& [a, b, c] = triangles_.corners[i];
+                const auto& at = polygons_.vertices;
+                triangles_.facets.push_back(static_cast<std::uint32_t>(facet));
+                triangles_.normals.push_back(corners_.size() == 3 ? normals_[facet]
+                                                                  : triangle_normal(at[a], at[b], at[c]));
+            }
         }
         return std::move(triangles_);
     }
@@ -137,7 +133,8 @@ private:
         return true;
     }
 
-    // Onto two axes that make a right-handed frame with the normal; the one is across the normal's least component.
+    // Onto two axes that make a right-handed frame with the normal; one is perpendicular to the normal's least
+    // component.
     void project(const glm::dvec3& normal) {
         const double x = std::abs(normal.x), y = std::abs(normal.y), z = std::abs(normal.z);
         const glm::dvec3 least = x <= y && x <= z ? glm::dvec3(1, 0, 0)
@@ -155,57 +152,51 @@ private:
 
     const PolygonSoup& polygons_;
     std::span<const glm::dvec3> normals_;
-    Triangles triangles_;
+    MeshTriangles triangles_;
     std::span<const std::uint32_t> corners_; // of the facet at hand
     std::vector<std::array<double, 2>> projection_;
-    std::vector<std::array<std::uint32_t, 3>> cut_;
+    std::vector<Corners> cut_;
 };
 
 } // namespace
 
-Triangles triangulate(const PolygonSoup& polygons, std::span<const glm::dvec3> facet_normals) {
+MeshTriangles triangulate(const PolygonSoup& polygons, std::span<const glm::dvec3> facet_normals) {
     return Triangulation(polygons, facet_normals).run();
 }
 
 namespace {
 
-using Corners = std::array<std::uint32_t, 3>;
+enum class Shape : std::uint8_t { plain, needle, cap };
 
-double square(const glm::dvec3& v) {
-    return v.x * v.x + v.y * v.y + v.z * v.z;
-}
-
-enum class Kind : std::uint8_t { plain, needle, cap };
-
-/// Tells what a triangle is.
-class Sorting {
+/// Tells the shapes of a mesh's triangles.
+class ShapeTest {
 public:
-    Sorting(const Mesh& mesh, const MeshFrame& frame) : mesh_(mesh), frame_(frame) {
+    ShapeTest(const Mesh& mesh, const MeshFrame& frame) : mesh_(mesh), frame_(frame) {
         // Placing a mesh rounds each coordinate a few times; the shape of one far away is not known better.
         constexpr double kRoundings = 16 * std::numeric_limits<double>::epsilon(), kMost = 1e-6;
-        const glm::dvec3& centre = frame.centre;
-        const double farthest = std::max({std::abs(centre.x), std::abs(centre.y), std::abs(centre.z)});
-        height_ = std::min(kRoundings * (1 + farthest / frame.scale), kMost);
+        height_ = std::min(kRoundings * (1 + reference::largest_coordinate(frame.centre) / frame.scale), kMost);
         side_ = 1024 * height_;
         inverse_ = 1 / std::max(frame.scale, 0x1p-1000); // sides of a mesh that is smaller seem too short for caps
     }
 
-    Kind of(std::size_t triangle) const {
-        if (mesh_.triangle_normals[triangle] == glm::dvec3(0))
-            return Kind::cap;
+    Shape operator()(std::size_t triangle) const {
+        if (mesh_.triangles.normals[triangle] == glm::dvec3(0))
+            return Shape::cap;
         glm::dvec3 at[3], sides[3];
         for (std::size_t i = 0; i < 3; ++i)
-            at[i] = mesh_.polygons.vertices[mesh_.triangles[triangle][i]];
+            at[i] = mesh_.polygons.vertices[mesh_.triangles.corners[triangle][i]];
         double longest = 0, shortest = std::numeric_limits<double>::infinity();
         for (std::size_t i = 0; i < 3; ++i) {
             sides[i] = (at[(i + 1) % 3] - at[i]) * inverse_;
-            longest = std::max(longest, square(sides[i]));
-            shortest = std::min(shortest, square(sides[i]));
+            longest = std::max(longest, dot(sides[i], sides[i]));
+            shortest = std::min(shortest, dot(sides[i], sides[i]));
         }
-        if (shortest > side_ * side_)
-            return square(cross(sides[0], sides[1])) <= height_ * height_ * longest ? Kind::cap : Kind::plain;
+        if (shortest > side_ * side_) {
+            const glm::dvec3 area = cross(sides[0], sides[1]);
+            return dot(area, area) <= height_ * height_ * longest ? Shape::cap : Shape::plain;
+        }
         const glm::dvec3 a = frame_.local(at[0]), b = frame_.local(at[1]), c = frame_.local(at[2]);
-        return a == b || b == c || c == a ? Kind::needle : Kind::plain;
+        return a == b || b == c || c == a ? Shape::needle : Shape::plain;
     }
 
 private:
@@ -217,20 +208,20 @@ private:
 
 /// Cuts triangles where caps say that a vertex lies on an edge. Caps that rounding has made contradict each other, so
 /// that cutting would go in circles: nothing is looked at twice.
-class Closing {
+class CapCutter {
 public:
-    Closing(const PolygonSoup& polygons, std::size_t triangles)
+    CapCutter(const PolygonSoup& polygons, std::size_t triangles)
         : polygons_(polygons), places_(weld(polygons)), ends_(places_.size()),
           most_steps_(kMostSteps + kStepsPerTriangle * triangles) {}
 
-    void note(const Corners& cap, std::size_t name) {
+    void add_cap(const Corners& cap, std::size_t name) {
         std::vector<Corners> waiting{cap};
         while (!waiting.empty()) {
             const Corners corners = waiting.back();
             waiting.pop_back();
             if (same(corners[0], corners[1]) || same(corners[1], corners[2]) || same(corners[2], corners[0]))
                 continue;
-            if (!noted_.insert(key(corners)).second)
+            if (!seen_caps_.insert(key(corners)).second)
                 continue;
             count_step();
             const auto [start, middle, end] = along(corners);
@@ -270,8 +261,8 @@ public:
         }
     }
 
-    /// Another cap takes what was said of its sides into account, too.
-    void use_sides(const Corners& cap, std::size_t name) {
+    /// Marks what other caps say of this cap's sides as used, too.
+    void mark_sides(const Corners& cap, std::size_t name) {
         for (std::size_t side = 0; side < 3; ++side)
             if (const auto hint = hints_.find(edge(cap[side], cap[(side + 1) % 3]));
                 hint != hints_.end() && hint->second.name != name)
@@ -341,89 +332,47 @@ private:
     std::vector<std::uint32_t> places_;
     std::vector<bool> ends_;                        // by place: of edges with hints
     std::unordered_map<std::uint64_t, Hint> hints_; // by edge
-    std::set<Corners> noted_;                       // keys of caps
+    std::set<Corners> seen_caps_;                   // keys of caps
     std::size_t most_steps_, steps_ = 0;
-};
-
-class Making {
-public:
-    Making(const Mesh& mesh, const MeshFrame& frame) : mesh_(mesh), sorting_(mesh, frame) {}
-
-    std::unique_ptr<const Surface> run() {
-        std::size_t sound = 0;
-        while (sound < mesh_.triangles.size() && sorting_.of(sound) == Kind::plain)
-            ++sound;
-        if (sound == mesh_.triangles.size() && mesh_.redundant_facets.empty())
-            return nullptr;
-        collect();
-        if (kept_.empty())
-            return nullptr;
-        if (!caps_.empty())
-            close();
-        auto surface = std::make_unique<Surface>();
-        if (caps_.empty())
-            for (const std::size_t triangle : kept_)
-                append(*surface, mesh_.triangles[triangle], triangle);
-        for (const Piece& piece : pieces_)
-            append(*surface, piece.corners, piece.triangle);
-        return surface;
-    }
-
-private:
-    struct Piece {
-        std::size_t triangle;
-        Corners corners;
-    };
-
-    void collect() {
-        kept_.reserve(mesh_.triangles.size());
-        auto redundant = mesh_.redundant_facets.begin();
-        for (std::size_t triangle = 0; triangle < mesh_.triangles.size(); ++triangle) {
-            const std::uint32_t facet = mesh_.triangle_facets[triangle];
-            while (redundant != mesh_.redundant_facets.end() && *redundant < facet)
-                ++redundant;
-            if (redundant != mesh_.redundant_facets.end() && *redundant == facet)
-                continue;
-            const Kind kind = sorting_.of(triangle);
-            if (kind == Kind::plain)
-                kept_.push_back(triangle);
-            else if (kind == Kind::cap)
-                caps_.push_back(triangle);
-        }
-    }
-
-    void close() {
-        Closing closing(mesh_.polygons, mesh_.triangles.size());
-        for (const std::size_t cap : caps_)
-            closing.note(mesh_.triangles[cap], cap);
-        for (const std::size_t triangle : kept_)
-            closing.cut(mesh_.triangles[triangle], [&](const Corners& corners) {
-                pieces_.push_back({triangle, corners});
-            });
-        for (const std::size_t cap : caps_)
-            closing.use_sides(mesh_.triangles[cap], cap);
-        for (const std::size_t cap : caps_)
-            if (mesh_.triangle_normals[cap] != glm::dvec3(0) && !closing.was_used(mesh_.triangles[cap], cap))
-                pieces_.push_back({cap, mesh_.triangles[cap]});
-        std::ranges::stable_sort(pieces_, {}, &Piece::triangle);
-    }
-
-    void append(Surface& surface, const Corners& corners, std::size_t triangle) const {
-        surface.corners.push_back(corners);
-        surface.facets.push_back(mesh_.triangle_facets[triangle]);
-        surface.normals.push_back(mesh_.triangle_normals[triangle]);
-    }
-
-    const Mesh& mesh_;
-    Sorting sorting_;
-    std::vector<std::size_t> kept_, caps_;
-    std::vector<Piece> pieces_;
 };
 
 } // namespace
 
-std::unique_ptr<const Surface> make_surface(const Mesh& mesh, const MeshFrame& frame) {
-    return Making(mesh, frame).run();
+std::optional<MeshTriangles> make_surface(const Mesh& mesh, const MeshFrame& frame) {
+    const MeshTriangles& all = mesh.triangles;
+    const ShapeTest shape_of(mesh, frame);
+    std::vector<std::size_t> kept, caps;
+    auto redundant = mesh.redundant_facets.begin();
+    for (std::size_t triangle = 0; triangle < all.corners.size(); ++triangle) {
+        redundant = std::find_if(redundant, mesh.redundant_facets.end(),
+                                 [&](std::uint32_t facet) { return facet >= all.facets[triangle]; });
+        if (redundant != mesh.redundant_facets.end() && *redundant == all.facets[triangle])
+            continue;
+        const Shape shape = shape_of(triangle);
+        if (shape != Shape::needle)
+            (shape == Shape::plain ? kept : caps).push_back(triangle);
+    }
+    if (kept.empty() || (kept.size() == all.corners.size() && mesh.redundant_facets.empty()))
+        return std::nullopt;
+    std::vector<std::pair<std::size_t, Corners>> pieces; // of which triangle
+    CapCutter cutter(mesh.polygons, all.corners.size());
+    for (const std::size_t cap : caps)
+        cutter.add_cap(all.corners[cap], cap);
+    for (const std::size_t triangle : kept)
+        cutter.cut(all.corners[triangle], [&](const Corners& corners) { pieces.emplace_back(triangle, corners); });
+    for (const std::size_t cap : caps)
+        cutter.mark_sides(all.corners[cap], cap);
+    for (const std::size_t cap : caps)
+        if (all.normals[cap] != glm::dvec3(0) && !cutter.was_used(all.corners[cap], cap))
+            pieces.emplace_back(cap, all.corners[cap]);
+    std::ranges::stable_sort(pieces, {}, &std::pair<std::size_t, Corners>::first);
+    MeshTriangles surface;
+    for (const auto& [triangle, corners] : pieces) {
+        surface.corners.push_back(corners);
+        surface.facets.push_back(all.facets[triangle]);
+        surface.normals.push_back(all.normals[triangle]);
+    }
+    return surface;
 }
 
 } // namespace forceshade

@@ -1,15 +1,37 @@
-// The triangles that stand for a mesh's facets, and those of them that the laws work on.
+// The triangles that a mesh's facets are cut into, and those of them that the laws use.
 #pragma once
 
-#include <array>
+#include <algorithm>
+#include <bit>
 #include <cstdint>
-#include <memory>
+#include <numeric>
+#include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "host/mesh/mesh.h"
 
 namespace forceshade {
+
+/// Finds equal ones among numbered things by an open hash table.
+class FirstOfEqual {
+public:
+    explicit FirstOfEqual(std::size_t count) : table_(std::bit_ceil(2 * count + 1), kFree) {}
+
+    /// The number added first of those for which equals(number) is true; `number` itself if there is none.
+    template <typename Equals> std::uint32_t add(std::uint64_t hash, std::uint32_t number, const Equals& equals) {
+        std::size_t slot = hash & (table_.size() - 1);
+        for (; table_[slot] != kFree; slot = (slot + 1) & (table_.size() - 1))
+            if (equals(table_[slot]))
+                return table_[slot];
+        return table_[slot] = number;
+    }
+
+private:
+    static constexpr std::uint32_t kFree = 0xFFFFFFFFu;
+    std::vector<std::uint32_t> table_;
+};
 
 /// One representative for all vertices at the same place: the lowest. `vertices` has three numbers a vertex.
 std::vector<std::uint32_t> weld(std::span<const double> vertices);
@@ -21,10 +43,32 @@ inline std::uint64_t edge_of(std::uint32_t place, std::uint32_t other) noexcept 
     return place < other ? std::uint64_t(place) << 32 | other : std::uint64_t(other) << 32 | place;
 }
 
-struct Triangles {
-    std::vector<std::array<std::uint32_t, 3>> corners; /* vertices, wound as their facet */
-    std::vector<std::uint32_t> facets;                 /* of each triangle, ascending */
-};
+/// Calls use(numbers) for all edges between one pair of places, pair by pair, by the lower place, then the higher one;
+/// the numbers ascend. `ends(number)`: the places of an edge's two ends, below `places`.
+template <typename Ends, typename Use>
+void for_each_bundle(std::size_t places, std::size_t edges, const Ends& ends, const Use& use) {
+    struct FiledEdge {
+        std::uint32_t higher, number;
+    };
+    const auto lower = [&](std::size_t edge) { return std::min(ends(edge).first, ends(edge).second); };
+    std::vector<std::uint32_t> begins(places + 1, 0), bundle;
+    for (std::size_t edge = 0; edge < edges; ++edge)
+        ++begins[lower(edge) + 1];
+    std::partial_sum(begins.begin(), begins.end(), begins.begin());
+    std::vector<FiledEdge> filed(edges); // by lower place
+    std::vector<std::uint32_t> next(begins.begin(), begins.end() - 1);
+    for (std::size_t edge = 0; edge < edges; ++edge)
+        filed[next[lower(edge)]++] = {std::max(ends(edge).first, ends(edge).second), static_cast<std::uint32_t>(edge)};
+    for (std::size_t place = 0; place < places; ++place) {
+        const auto here = std::span(filed).subspan(begins[place], begins[place + 1] - begins[place]);
+        std::ranges::sort(here, {}, [](const FiledEdge& edge) { return std::pair(edge.higher, edge.number); });
+        for (auto edge = here.begin(); edge != here.end(); use(std::span<const std::uint32_t>(bundle))) {
+            bundle.clear();
+            for (const std::uint32_t higher = edge->higher; edge != here.end() && edge->higher == higher; ++edge)
+                bundle.push_back(edge->number);
+        }
+    }
+}
 
 /// K - 2 triangles for each facet of K corners, the same ones in every run:
 /// - a triangle as it is, from its first corner;
@@ -34,21 +78,14 @@ struct Triangles {
 /// - a fan from the first corner where that is impossible: the projection crosses or touches itself, or the facet has
 ///   no area.
 /// \param facet_normals unit Newell normals, 0 where a facet has no area
-Triangles triangulate(const PolygonSoup& polygons, std::span<const glm::dvec3> facet_normals);
+MeshTriangles triangulate(const PolygonSoup& polygons, std::span<const glm::dvec3> facet_normals);
 
-/// Triangles as in Mesh, facets ascending.
-struct Surface {
-    std::vector<std::array<std::uint32_t, 3>> corners;
-    std::vector<std::uint32_t> facets;
-    std::vector<glm::dvec3> normals;
-};
-
-/// The mesh's triangles without redundant facets and without needles of two equal corners (their two
-/// sides are one edge), closed over its caps. A cap has a corner on its longest side: exactly, or to within the
-/// rounding of the world's coordinates, where its normal is noise. It says that this corner lies on that side, and
-/// goes; every other triangle with that side is cut in two there, through caps of caps too, so that edges match whose
-/// triangles met across caps. The pieces keep plane, normal and facet. A cap with an area stays if nobody else has its
-/// longest side. \returns null if these are the mesh's triangles as they are
-std::unique_ptr<const Surface> make_surface(const Mesh& mesh, const MeshFrame& frame);
+/// The mesh's triangles without redundant facets and without needles of two equal corners (their two sides are one
+/// edge), closed over its caps. A cap has a corner on its longest side: exactly, or to within the rounding of the
+/// world's coordinates, where its normal is noise. It says that this corner lies on that side, and goes; every other
+/// triangle with that side is cut in two there, through caps of caps too, so that edges match whose triangles met
+/// across caps. The pieces keep plane, normal and facet. A cap with an area stays if no other triangle has its longest
+/// side. \returns nothing if these are the mesh's triangles as they are
+std::optional<MeshTriangles> make_surface(const Mesh& mesh, const MeshFrame& frame);
 
 } // namespace forceshade

@@ -132,6 +132,17 @@ template <typename T>
     }
 }
 
+template <typename T> Columns<T> pointers(const std::array<std::vector<T>, 10>& columns) {
+    Columns<T> result;
+    std::ranges::transform(columns, result.begin(), [](const std::vector<T>& column) { return column.data(); });
+    return result;
+}
+
+template <typename T> void grow(std::vector<T>& values, std::size_t count) {
+    if (values.size() < count)
+        values.resize(count + count / 2);
+}
+
 // 1 where an excess is not above 0, else 0.
 template <typename T>
 [[gnu::always_inline]] inline void mark(const T* __restrict worst, std::size_t count, std::uint8_t* __restrict marks) {
@@ -141,72 +152,32 @@ template <typename T>
 
 } // namespace
 
-// The loader picks the processor's own version, so these have external linkage.
-
-FS_WIDE void all_excesses(const Columns<float>& columns, std::size_t count, const Vector<float>& centre,
-                          const Vector<float>& side, const Vector<float>& witness, float limit, float* result) {
-    excesses(columns, count, centre, side, witness, limit, result);
-}
-
-FS_WIDE void all_excesses(const Columns<double>& columns, std::size_t count, const Vector<double>& centre,
-                          const Vector<double>& side, const Vector<double>& witness, double limit, double* result) {
-    excesses(columns, count, centre, side, witness, limit, result);
-}
-
-FS_WIDE void all_squares(const float* x, const float* y, const float* z, std::size_t count, const Vector<float>& point,
-                         float* result) {
-    squares(x, y, z, count, point, result);
-}
-
-FS_WIDE void all_squares(const double* x, const double* y, const double* z, std::size_t count,
-                         const Vector<double>& point, double* result) {
-    squares(x, y, z, count, point, result);
-}
-
-FS_WIDE std::size_t near_least_of(const float* values, std::size_t count) {
-    return near_least<std::int32_t>(values, count);
-}
-
-FS_WIDE std::size_t near_least_of(const double* values, std::size_t count) {
-    return near_least<std::int64_t>(values, count);
-}
-
-FS_WIDE void all_squares_to_corners(const Columns<float>& columns, std::size_t count, const Vector<float>& low,
-                                    const Vector<float>& high, float* rows) {
-    squares_to_corners(columns, count, low, high, rows);
-}
-
-FS_WIDE void all_squares_to_corners(const Columns<double>& columns, std::size_t count, const Vector<double>& low,
-                                    const Vector<double>& high, double* rows) {
-    squares_to_corners(columns, count, low, high, rows);
-}
-
-FS_WIDE void all_beyond_limits(const float* rows, const float* circle, std::size_t count,
-                               const std::array<float, 8>& limits, float* result) {
-    beyond_limits(rows, circle, count, limits, result);
-}
-
-FS_WIDE void all_beyond_limits(const double* rows, const double* circle, std::size_t count,
-                               const std::array<double, 8>& limits, double* result) {
-    beyond_limits(rows, circle, count, limits, result);
-}
-
-FS_WIDE void mark_kept(const float* worst, std::size_t count, std::uint8_t* marks) {
-    mark(worst, count, marks);
-}
-
-FS_WIDE void mark_kept(const double* worst, std::size_t count, std::uint8_t* marks) {
-    mark(worst, count, marks);
-}
-
-namespace {
-
-template <typename T> void grow(std::vector<T>& values, std::size_t count) {
-    if (values.size() < count)
-        values.resize(count + count / 2);
-}
-
-} // namespace
+// The loader picks the processor's own version, so these have external linkage and are no templates.
+#define FS_WIDE_LOOPS(T, Bits)                                                                                         \
+    FS_WIDE void all_excesses(const Columns<T>& columns, std::size_t count, const Vector<T>& centre,                   \
+                              const Vector<T>& side, const Vector<T>& witness, T limit, T* result) {                   \
+        excesses(columns, count, centre, side, witness, limit, result);                                                \
+    }                                                                                                                  \
+    FS_WIDE void all_squares(const T* x, const T* y, const T* z, std::size_t count, const Vector<T>& point,            \
+                             T* result) {                                                                              \
+        squares(x, y, z, count, point, result);                                                                        \
+    }                                                                                                                  \
+    FS_WIDE std::size_t near_least_of(const T* values, std::size_t count) {                                            \
+        return near_least<Bits>(values, count);                                                                        \
+    }                                                                                                                  \
+    FS_WIDE void all_squares_to_corners(const Columns<T>& columns, std::size_t count, const Vector<T>& low,            \
+                                        const Vector<T>& high, T* rows) {                                              \
+        squares_to_corners(columns, count, low, high, rows);                                                           \
+    }                                                                                                                  \
+    FS_WIDE void all_beyond_limits(const T* rows, const T* circle, std::size_t count, const std::array<T, 8>& limits,  \
+                                   T* result) {                                                                        \
+        beyond_limits(rows, circle, count, limits, result);                                                            \
+    }                                                                                                                  \
+    FS_WIDE void mark_kept(const T* worst, std::size_t count, std::uint8_t* marks) {                                   \
+        mark(worst, count, marks);                                                                                     \
+    }
+FS_WIDE_LOOPS(float, std::int32_t)
+FS_WIDE_LOOPS(double, std::int64_t)
 
 template <typename T> bool is_below(const PlanTriangle<T>& triangle, const PlanBox<T>& box, T slack) {
     const Vector<T>& n = triangle.normal;
@@ -231,7 +202,7 @@ void TriangleList<T>::fill(std::span<const layout::uint> ids, std::span<const Pl
     sample();
 }
 
-template <typename T> void TriangleList<T>::take(const TriangleList& all, std::span<const layout::uint> places) {
+template <typename T> void TriangleList<T>::select(const TriangleList& all, std::span<const layout::uint> places) {
     const std::size_t count = places.size();
     ids_.resize(count);
     for (std::size_t i = 0; i < count; ++i)
@@ -252,18 +223,15 @@ void TriangleList<T>::narrow(const PlanBox<T>& box, const Witness<T>& witness,
     const std::size_t count = size();
     scratch_.resize(std::max(scratch_.size(), count));
     const Vector<T> centre = box.centre(), side = box.high - box.low;
-    Columns<T> columns;
-    for (std::size_t c = 0; c < columns.size(); ++c)
-        columns[c] = columns_[c].data();
     const Vector<T> apart = centre - witness.point;
     const T limit = reference::dot(apart, apart) + witness.margin;
-    all_excesses(columns, count, centre, side, witness.point, limit, scratch_.data());
+    all_excesses(pointers(columns_), count, centre, side, witness.point, limit, scratch_.data());
     keep(count, places);
 }
 
 // The places of all whose excess in scratch_ is not above 0.
 template <typename T> void TriangleList<T>::keep(std::size_t count, std::vector<layout::uint>& places) const {
-    // What goes mostly goes together: eight marks that are all 0 are passed at once.
+    // Triangles that are dropped mostly stand side by side: eight marks that are all 0 are passed at once.
     constexpr std::size_t kMarks = sizeof(std::uint64_t);
     marks_.resize(std::max(marks_.size(), count + kMarks));
     mark_kept(scratch_.data(), count, marks_.data());
@@ -286,10 +254,7 @@ template <typename T> void TriangleList<T>::keep(std::size_t count, std::vector<
 template <typename T> std::array<std::size_t, 8> TriangleList<T>::near_corners(const PlanBox<T>& box) {
     const std::size_t count = size();
     grow(squares_, 8 * count);
-    Columns<T> columns;
-    for (std::size_t c = 0; c < columns.size(); ++c)
-        columns[c] = columns_[c].data();
-    all_squares_to_corners(columns, count, box.low, box.high, squares_.data());
+    all_squares_to_corners(pointers(columns_), count, box.low, box.high, squares_.data());
     std::array<std::size_t, 8> places;
     for (std::size_t k = 0; k < 8; ++k)
         places[k] = near_least_of(squares_.data() + k * count, count);

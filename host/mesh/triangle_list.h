@@ -49,7 +49,7 @@ public:
     /// Becomes these triangles of `rows`.
     void fill(std::span<const layout::uint> ids, std::span<const PlanTriangle<T>> rows);
     /// Becomes those of `all` at these places.
-    void take(const TriangleList& all, std::span<const layout::uint> places);
+    void select(const TriangleList& all, std::span<const layout::uint> places);
     /// The places of all that, by the witness, may be nearest to some point of the box.
     void narrow(const PlanBox<T>& box, const Witness<T>& witness, std::vector<layout::uint>& places) const;
     /// Per corner of the box, x running fastest, the place of a triangle one of whose corners is nearest to it; needs
@@ -72,10 +72,5 @@ private:
     mutable std::vector<T> scratch_;
     mutable std::vector<std::uint8_t> marks_;
 };
-
-extern template bool is_below(const PlanTriangle<float>&, const PlanBox<float>&, float);
-extern template bool is_below(const PlanTriangle<double>&, const PlanBox<double>&, double);
-extern template class TriangleList<float>;
-extern template class TriangleList<double>;
 
 } // namespace forceshade

@@ -43,7 +43,7 @@ Feature map_feature(const HeightMapSpec& map) {
 
 Feature mesh_feature(const SceneMesh& mesh) {
     const MeshBox box = bounding_box(mesh.mesh.polygons);
-    const auto middle = [&](std::size_t i) { return box.low[i] + (box.high[i] - box.low[i]) / 2; };
+    const auto middle = [&](int i) { return box.low[i] + (box.high[i] - box.low[i]) / 2; };
     return {{middle(0), middle(1)}, box.high[2], box.high[0] - box.low[0], box.high[1] - box.low[1]};
 }
 

@@ -87,7 +87,7 @@ std::vector<picture::LinePoint> facet_line(const SurfaceSpec& surface, Span x) {
 std::vector<picture::LinePoint> mesh_section(const Mesh& mesh, double y) {
     constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
     std::vector<picture::LinePoint> points;
-    for (const auto& triangle : mesh.triangles) {
+    for (const auto& triangle : mesh.triangles.corners) {
         std::vector<picture::LinePoint> cuts;
         for (std::size_t i = 0; i < 3; ++i) {
             const glm::dvec3 &from = mesh.polygons.vertices[triangle[i]],

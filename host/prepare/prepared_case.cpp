@@ -15,50 +15,6 @@
 
 namespace forceshade {
 
-namespace {
-
-constexpr double kMargin = 0.05; // of the box's longest side
-
-} // namespace
-
-MeshBox bounding_box(const PolygonSoup& polygons) {
-    constexpr double kFar = std::numeric_limits<double>::infinity();
-    MeshBox box{{kFar, kFar, kFar}, {-kFar, -kFar, -kFar}};
-    for (const std::uint32_t corner : polygons.corners)
-        for (int axis = 0; axis < 3; ++axis) {
-            const auto i = static_cast<std::size_t>(axis);
-            box.low[i] = std::min(box.low[i], polygons.vertices[corner][axis]);
-            box.high[i] = std::max(box.high[i], polygons.vertices[corner][axis]);
-        }
-    return box;
-}
-
-std::shared_ptr<const SceneMesh> read_scene_mesh(const MeshSpec& spec) {
-    PolygonFile file = read_polygons(spec.path);
-    constexpr double kTriangleBytes =
-        1100; // measured: of the structure, its tables in both precisions and on the device
-    const std::size_t triangles =
-        file.polygons.corners.size() - std::min(file.polygons.corners.size(), 2 * file.polygons.facets());
-    require_memory(spec.path, fmt::format("a mesh of {} triangles", triangles),
-                   kTriangleBytes * static_cast<double>(triangles));
-    auto mesh = std::make_shared<SceneMesh>();
-    mesh->sha256 = file.sha256;
-    mesh->findings = inspect(file.polygons);
-    refuse_if_meaningless(mesh->findings, spec.file);
-    MeshPlacement placement;
-    placement.unit = spec.unit;
-    placement.scale = spec.scale;
-    placement.rotate = spec.rotate;
-    placement.translate = spec.translate;
-    mesh->mesh = prepare_mesh(std::move(file.polygons), placement,
-                              spec.normals == NormalWeights::angle ? VertexNormals::angle : VertexNormals::plain);
-    StructureOptions options;
-    options.winding = spec.inside == InsideTest::winding;
-    options.solid = is_solid(mesh->findings);
-    mesh->structure = build_structure(mesh->mesh, options);
-    return mesh;
-}
-
 std::vector<std::string> warnings_of(const MeshSpec& spec, const SceneMesh& mesh, MeshUse use) {
     std::vector<std::string> result;
     for (const std::string& warning : warnings(mesh.findings, use))
@@ -66,32 +22,22 @@ std::vector<std::string> warnings_of(const MeshSpec& spec, const SceneMesh& mesh
     return result;
 }
 
-void check_mesh_fits(const Scene& scene, const SceneMesh& mesh) {
-    if (scene.force.shading != Shading::barycentric)
-        return;
-    const auto& begins = mesh.mesh.polygons.begins;
-    for (std::size_t facet = 0; facet + 1 < begins.size(); ++facet)
-        if (begins[facet + 1] - begins[facet] != 3)
-            throw UsageError(fmt::format("shading \"barycentric\" is for triangles, and facet {} of {} has {} corners: "
-                                         "use \"mean_value\", which is the same on triangles",
-                                         facet, scene.surface.mesh.file, begins[facet + 1] - begins[facet]));
-}
-
 GridSpec fitted_grid(std::uint64_t samples, const Mesh& mesh) {
+    constexpr double kMargin = 0.05; // of the box's longest side
     const MeshBox box = bounding_box(mesh.polygons);
-    double longest = 0; /* m */
-    for (std::size_t i = 0; i < 3; ++i)
-        longest = std::max(longest, box.high[i] - box.low[i]);
+    const glm::dvec3 sides = box.high - box.low; /* m */
+    const double longest = std::max({0.0, sides.x, sides.y, sides.z});
     GridSpec grid;
     const double spacing = samples > 1 ? (1 + kMargin) * longest / static_cast<double>(samples - 1) : longest;
-    for (std::size_t i = 0; i < 3; ++i) {
-        const double covered = box.high[i] - box.low[i] + kMargin * longest;
+    for (int axis = 0; axis < 3; ++axis) {
+        const auto i = static_cast<std::size_t>(axis);
         // A side as long as the longest one has as many samples, whatever the division rounds to.
+        const double covered = sides[axis] + kMargin * longest;
         const double count = std::ceil(covered / spacing - 1e-9) + 1; // infinite where the spacing underflows
         grid.size[i] = count < static_cast<double>(samples) ? static_cast<std::uint64_t>(count) : samples;
         grid.spacing[i] = spacing;
         const double half = spacing * static_cast<double>(grid.size[i] - 1) / 2;
-        grid.origin[i] = box.low[i] + (box.high[i] - box.low[i]) / 2 - half;
+        grid.origin[i] = box.low[axis] + sides[axis] / 2 - half;
     }
     if (grid.size[1] * grid.size[2] > kMostRows)
         throw UsageError(fmt::format("grid.samples = {} makes {} rows, y times z; an EXR holds up to {}", samples,
@@ -105,10 +51,10 @@ namespace {
 constexpr std::size_t kImages = 4;
 constexpr std::size_t kMeshes = 2;
 
-// The newest first; made by `read` unless it is there.
+// The file of a key, read unless it is in memory.
 template <typename Key, typename File, typename Read>
-std::shared_ptr<const File> kept(std::deque<std::pair<Key, std::shared_ptr<const File>>>& files, const Key& key,
-                                 std::size_t most, const Read& read) {
+std::shared_ptr<const File> cached(std::deque<std::pair<Key, std::shared_ptr<const File>>>& files, const Key& key,
+                                   std::size_t most, const Read& read) {
     const auto known = std::find_if(files.begin(), files.end(), [&](const auto& one) { return one.first == key; });
     if (known != files.end())
         return known->second;
@@ -116,6 +62,40 @@ std::shared_ptr<const File> kept(std::deque<std::pair<Key, std::shared_ptr<const
     if (files.size() > most)
         files.pop_back();
     return files.front().second;
+}
+
+// \throws IoError, UsageError for a file in which the law has no meaning
+std::shared_ptr<const SceneMesh> read_scene_mesh(const MeshSpec& spec) {
+    PolygonFile file = read_polygons(spec.path);
+    constexpr double kTriangleBytes =
+        1100; // measured: of the structure, its tables in both precisions and on the device
+    const std::size_t triangles =
+        file.polygons.corners.size() - std::min(file.polygons.corners.size(), 2 * file.polygons.facets());
+    require_memory(spec.path, fmt::format("a mesh of {} triangles", triangles),
+                   kTriangleBytes * static_cast<double>(triangles));
+    auto mesh = std::make_shared<SceneMesh>();
+    mesh->sha256 = file.sha256;
+    mesh->findings = inspect(file.polygons);
+    refuse_if_meaningless(mesh->findings, spec.file);
+    mesh->mesh =
+        prepare_mesh(std::move(file.polygons),
+                     {.unit = spec.unit, .scale = spec.scale, .rotate = spec.rotate, .translate = spec.translate},
+                     spec.normals == NormalWeights::angle ? VertexNormals::angle : VertexNormals::plain);
+    mesh->structure =
+        build_structure(mesh->mesh, {.winding = spec.inside == InsideTest::winding, .solid = is_solid(mesh->findings)});
+    return mesh;
+}
+
+// Barycentric shading is for triangles.
+void check_mesh_fits(const Scene& scene, const SceneMesh& mesh) {
+    if (scene.force.shading != Shading::barycentric)
+        return;
+    const PolygonSoup& polygons = mesh.mesh.polygons;
+    for (std::size_t facet = 0; facet < polygons.facets(); ++facet)
+        if (polygons.corners_of(facet) != 3)
+            throw UsageError(fmt::format("shading \"barycentric\" is for triangles, and facet {} of {} has {} corners: "
+                                         "use \"mean_value\", which is the same on triangles",
+                                         facet, scene.surface.mesh.file, polygons.corners_of(facet)));
 }
 
 void check_digest(const std::string& file, const std::string& expected, const std::string& found) {
@@ -129,8 +109,8 @@ void check_digest(const std::string& file, const std::string& expected, const st
 std::shared_ptr<const HeightImage> CasePreparation::image(HeightMapSpec& map) {
     if (map.function != MapFunction::file)
         return nullptr;
-    const auto image = kept(images_, map.path, kImages,
-                            [&] { return std::make_shared<const HeightImage>(read_height_image(map.path)); });
+    const auto image = cached(images_, map.path, kImages,
+                              [&] { return std::make_shared<const HeightImage>(read_height_image(map.path)); });
     check_digest(map.file, map.sha256, image->sha256);
     map.sha256 = image->sha256;
     return image;
@@ -139,7 +119,7 @@ std::shared_ptr<const HeightImage> CasePreparation::image(HeightMapSpec& map) {
 std::shared_ptr<const SceneMesh> CasePreparation::mesh(MeshSpec& spec) {
     MeshSpec placed = spec;
     placed.sha256.clear();
-    const auto mesh = kept(meshes_, placed, kMeshes, [&] { return read_scene_mesh(placed); });
+    const auto mesh = cached(meshes_, placed, kMeshes, [&] { return read_scene_mesh(placed); });
     check_digest(spec.file, spec.sha256, mesh->sha256);
     spec.sha256 = mesh->sha256;
     return mesh;
@@ -166,54 +146,20 @@ PreparedCase CasePreparation::prepare(const Case& one) {
     return prepared;
 }
 
-namespace {
-
-// L1 to L5: no history.
-template <typename T> class SurfaceLaw final : public PathLaw<T> {
-public:
-    explicit SurfaceLaw(const PreparedCase& prepared)
-        : tables_(make_tables<T>(prepared.one.scene, prepared.images, Extent::what_varies)), law_(tables_.law()) {}
-
-    PathContact<T> at(std::size_t, const glm::dvec3& probe) override {
-        PathContact<T> felt;
-        felt.contact = reference::evaluate(law_, reference::Vector<T>(probe));
-        return felt;
-    }
-
-private:
-    FieldTables<T> tables_;
-    layout::Law<T> law_; // points into the tables
-};
-
-// L6 to L9 along paths: the god-object, one for each path.
-template <typename T> class MeshPathLaw final : public PathLaw<T> {
-public:
-    explicit MeshPathLaw(const PreparedCase& prepared)
-        : tables_(make_tables<T>(prepared.one.scene, prepared.images, Extent::what_varies)), law_(tables_.law()) {}
-
-    PathContact<T> at(std::size_t path, const glm::dvec3& probe) override {
-        const reference::Vector<T> local = reference::to_mesh_frame(law_.mesh.params, reference::Vector<T>(probe));
-        if (!is_within_reach(local))
-            throw UsageError(
-                fmt::format("path position ({}, {}, {}) m is more than {:.0f} times the mesh's size from its "
-                            "centre, further than {} can follow; is the unit right?",
-                            probe.x, probe.y, probe.z, kMeshReach<T> / 2, std::is_same_v<T, float> ? "f32" : "f64"));
-        bool inside = false;
-        if (path == proxies_.size())
-            inside = begin_probe(law_, around_, proxies_.emplace_back(), local);
-        PathContact<T> felt = follow_probe(law_, around_, proxies_[path], probe, local);
-        felt.begins_inside = inside;
-        return felt;
-    }
-
-private:
-    FieldTables<T> tables_;
-    layout::Law<T> law_; // points into the tables
-    reference::Neighbourhood<T> around_;
-    std::vector<reference::GodObject<T>> proxies_; // by path
-};
-
-} // namespace
+template <typename T> PathContact<T> PathLaw<T>::at(std::size_t path, const glm::dvec3& probe) {
+    if (law_.features.surface != layout::kSurfaceMesh) // L1 to L5: no history
+        return {reference::evaluate(law_, reference::Vector<T>(probe))};
+    const reference::Vector<T> local = reference::to_mesh_frame(law_.mesh.params, reference::Vector<T>(probe));
+    if (!is_within_reach(local))
+        throw UsageError(fmt::format("path position ({}, {}, {}) m is more than {:.0f} times the mesh's size from its "
+                                     "centre, further than {} can follow; is the unit right?",
+                                     probe.x, probe.y, probe.z, kMeshReach<T> / 2,
+                                     std::is_same_v<T, float> ? "f32" : "f64"));
+    const bool inside = path == proxies_.size() && begin_probe(law_, around_, proxies_.emplace_back(), local);
+    PathContact<T> contact = follow_probe(law_, around_, proxies_[path], probe, local);
+    contact.begins_inside = inside;
+    return contact;
+}
 
 template <typename T> double largest_coordinate(const PreparedCase& prepared) {
     if (!prepared.images.mesh)
@@ -226,12 +172,12 @@ template double largest_coordinate<float>(const PreparedCase&);
 template double largest_coordinate<double>(const PreparedCase&);
 
 template <typename T> std::unique_ptr<PathLaw<T>> make_path_law(const PreparedCase& prepared) {
-    if (prepared.one.scene.surface.kind == SurfaceKind::mesh)
-        return std::make_unique<MeshPathLaw<T>>(prepared);
-    return std::make_unique<SurfaceLaw<T>>(prepared);
+    return std::make_unique<PathLaw<T>>(prepared);
 }
 
 template std::unique_ptr<PathLaw<float>> make_path_law<float>(const PreparedCase&);
 template std::unique_ptr<PathLaw<double>> make_path_law<double>(const PreparedCase&);
+template class PathLaw<float>;
+template class PathLaw<double>;
 
 } // namespace forceshade

@@ -34,21 +34,8 @@ struct SceneMesh {
     MeshFindings findings;
 };
 
-struct MeshBox {
-    std::array<double, 3> low, high; /* m */
-};
-
-/// Of the vertices that some facet uses.
-MeshBox bounding_box(const PolygonSoup& polygons);
-
-/// Reads the file that the spec names. \throws IoError, UsageError for a file in which the law has no meaning.
-std::shared_ptr<const SceneMesh> read_scene_mesh(const MeshSpec& spec);
-
 /// The findings with which what is done still has a meaning, a sentence each, after the file's name.
 std::vector<std::string> warnings_of(const MeshSpec& spec, const SceneMesh& mesh, MeshUse use);
-
-/// \throws UsageError if the scene asks for what the mesh has not: barycentric shading of facets that are no triangles.
-void check_mesh_fits(const Scene& scene, const SceneMesh& mesh);
 
 /// The grid of `samples` along the longest side of the mesh's bounding box and 5 %, about its centre, with as many
 /// samples along the other sides as cover the box and as much beyond it.
@@ -79,7 +66,7 @@ private:
 
 // A force law as a probe meets it that moves along paths: laws with a history keep one for each path.
 
-/// What a sample felt, in world coordinates.
+/// The contact of a sample, in world coordinates.
 template <typename T> struct PathContact {
     reference::Contact<T> contact; /* out of contact the proxy is the probe, the facet layout::kNoFacet */
     bool begins_inside =
@@ -96,18 +83,24 @@ template <typename T> double largest_coordinate(const PreparedCase& prepared);
 
 template <typename T> class PathLaw {
 public:
-    virtual ~PathLaw() = default;
+    explicit PathLaw(const PreparedCase& prepared)
+        : tables_(make_tables<T>(prepared.one.scene, prepared.images, Extent::what_varies)), law_(tables_.law()) {}
+    PathLaw(const PathLaw&) = delete;
+
     /// A probe, m, each coordinate rounded once to T. `path`: 0 or one more than any before begins a new path, others
     /// go on from where their last sample left them.
-    virtual PathContact<T> at(std::size_t path, const glm::dvec3& probe) = 0;
+    PathContact<T> at(std::size_t path, const glm::dvec3& probe);
+
+private:
+    FieldTables<T> tables_;
+    layout::Law<T> law_;                           // points into the tables
+    reference::Neighbourhood<T> around_;           // of a mesh: of the probe
+    std::vector<reference::GodObject<T>> proxies_; // of a mesh: by path
 };
 
 /// The law of a scene. `prepared` must outlive it.
 /// \throws UsageError if a value leaves the range of T.
 template <typename T> std::unique_ptr<PathLaw<T>> make_path_law(const PreparedCase& prepared);
-
-extern template std::unique_ptr<PathLaw<float>> make_path_law<float>(const PreparedCase&);
-extern template std::unique_ptr<PathLaw<double>> make_path_law<double>(const PreparedCase&);
 
 // L6 to L9 as one probe meets them in the world: the god-object begins, and follows.
 
@@ -131,12 +124,10 @@ PathContact<T> follow_probe(const layout::Law<T>& law, reference::Neighbourhood<
                             reference::GodObject<T>& proxy, const glm::dvec3& probe,
                             const reference::Vector<T>& local) noexcept {
     const auto rest = reference::update(law.mesh, proxy, around, local);
-    PathContact<T> felt;
-    felt.contact = reference::mesh_contact(law, rest, local);
-    if (felt.contact.facet == layout::kNoFacet)
-        felt.contact.proxy = reference::Vector<T>(probe); // not there and back through the mesh's frame
-    felt.finished = rest.finished;
-    return felt;
+    PathContact<T> contact{reference::mesh_contact(law, rest, local), false, rest.finished};
+    if (contact.contact.facet == layout::kNoFacet)
+        contact.contact.proxy = reference::Vector<T>(probe); // not there and back through the mesh's frame
+    return contact;
 }
 
 } // namespace forceshade

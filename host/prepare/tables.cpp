@@ -132,42 +132,35 @@ template <typename T> layout::MapParams<T> map_params(const HeightMapSpec& map, 
 }
 
 template <typename T> std::vector<T> gradients(const HeightMapSpec& map, const HeightImage* image) {
-    if (map.function != MapFunction::file)
-        return {};
-    return map_gradients<T>(image->samples, image->columns, image->rows, map.size[0], map.size[1], map.height,
-                            map.file);
+    return map.function != MapFunction::file ? std::vector<T>()
+                                             : map_gradients<T>(image->samples, image->columns, image->rows,
+                                                                map.size[0], map.size[1], map.height, map.file);
 }
 
-template <typename T> std::vector<T> axis(const GridSpec& grid, std::size_t which, bool whole) {
-    std::vector<T> samples(whole ? grid.size[which] : 1);
-    for (std::size_t i = 0; i < samples.size(); ++i)
-        samples[i] = rounded<T>(grid.origin[which] + grid.spacing[which] * static_cast<double>(i), "a grid coordinate");
+// The first `count` samples along an axis, (world - centre) / scale.
+template <typename T>
+std::vector<T> axis(const GridSpec& grid, std::size_t which, std::size_t count, double centre = 0, double scale = 1,
+                    const char* what = "a grid coordinate") {
+    std::vector<T> samples(count);
+    for (std::size_t i = 0; i < count; ++i)
+        samples[i] =
+            rounded<T>((grid.origin[which] + grid.spacing[which] * static_cast<double>(i) - centre) / scale, what);
     return samples;
 }
 
 // In the mesh's own frame, where single precision suffices however far the mesh is from the origin.
-template <typename T> std::vector<T> local_axis(const GridSpec& grid, std::size_t which, double centre, double scale) {
-    const double last = grid.origin[which] + grid.spacing[which] * static_cast<double>(grid.size[which] - 1);
-    const double farthest = std::max(std::abs(grid.origin[which] - centre), std::abs(last - centre)); /* m */
-    if (!(farthest <= kMeshReach<T> * scale))
+template <typename T> std::vector<T> local_axis(const GridSpec& grid, int which, const MeshStructure& mesh) {
+    const auto i = static_cast<std::size_t>(which);
+    const double centre = mesh.centre[which];
+    const double last = grid.origin[i] + grid.spacing[i] * static_cast<double>(grid.size[i] - 1);
+    const double farthest = std::max(std::abs(grid.origin[i] - centre), std::abs(last - centre)); /* m */
+    if (!(farthest <= kMeshReach<T> * mesh.scale))
         throw UsageError(fmt::format(
             "the grid reaches {:.3g} m from the mesh's centre along {}, and the mesh is about "
             "{:.3g} m in size: beyond {:.0f} sizes {} cannot tell its facets apart; move the grid "
             "or check the unit",
-            farthest, "xyz"[which], 2 * scale, kMeshReach<T> / 2, std::is_same_v<T, float> ? "f32" : "f64"));
-    std::vector<T> samples(grid.size[which]);
-    for (std::size_t i = 0; i < samples.size(); ++i)
-        samples[i] = rounded<T>((grid.origin[which] + grid.spacing[which] * static_cast<double>(i) - centre) / scale,
-                                "a grid coordinate, in sizes of the mesh,");
-    return samples;
-}
-
-template <typename T> void add_mesh(const Scene& scene, const SceneMesh& mesh, FieldTables<T>& tables) {
-    const MeshStructure& structure = mesh.structure;
-    tables.mesh = std::make_shared<const MeshTables<T>>(make_mesh_tables<T>(structure, scene.force.stiffness));
-    tables.x = local_axis<T>(scene.grid, 0, structure.centre.x, structure.scale);
-    tables.y = local_axis<T>(scene.grid, 1, structure.centre.y, structure.scale);
-    tables.z = local_axis<T>(scene.grid, 2, structure.centre.z, structure.scale);
+            farthest, "xyz"[which], 2 * mesh.scale, kMeshReach<T> / 2, std::is_same_v<T, float> ? "f32" : "f64"));
+    return axis<T>(grid, i, grid.size[i], centre, mesh.scale, "a grid coordinate, in sizes of the mesh,");
 }
 
 layout::uint mesh_shading(Shading shading) {
@@ -285,12 +278,17 @@ template <typename T> FieldTables<T> make_tables(const Scene& scene, const Scene
         tables.texture_gradients = gradients<T>(scene.texture->map, images.texture.get());
     }
     if (images.mesh) {
-        add_mesh(scene, *images.mesh, tables);
+        const MeshStructure& mesh = images.mesh->structure;
+        tables.mesh = std::make_shared<const MeshTables<T>>(make_mesh_tables<T>(mesh, scene.force.stiffness));
+        tables.x = local_axis<T>(scene.grid, 0, mesh);
+        tables.y = local_axis<T>(scene.grid, 1, mesh);
+        tables.z = local_axis<T>(scene.grid, 2, mesh);
         return tables;
     }
-    tables.x = axis<T>(scene.grid, 0, true);
-    tables.y = axis<T>(scene.grid, 1, extent == Extent::everything || depends_on_y(tables.features));
-    tables.z = axis<T>(scene.grid, 2, true);
+    const bool every_y = extent == Extent::everything || depends_on_y(tables.features);
+    tables.x = axis<T>(scene.grid, 0, scene.grid.size[0]);
+    tables.y = axis<T>(scene.grid, 1, every_y ? scene.grid.size[1] : 1);
+    tables.z = axis<T>(scene.grid, 2, scene.grid.size[2]);
     return tables;
 }
 

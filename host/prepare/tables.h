@@ -19,12 +19,9 @@ namespace forceshade {
 template <typename T>
 std::vector<T> facet_vertices(std::uint32_t facets, double half_width, double radius, FacetSpacing spacing);
 
-extern template std::vector<float> facet_vertices<float>(std::uint32_t, double, double, FacetSpacing);
-extern template std::vector<double> facet_vertices<double>(std::uint32_t, double, double, FacetSpacing);
-
 // G3: the gradients of a sampled height map at its nodes.
 
-/// The steepest gradient: its square is a normal number of T. The scene's check holds analytic maps to the same.
+/// The steepest gradient: its square is a normal number of T. The scene's check has the same limit for analytic maps.
 template <typename T> inline constexpr double kSteepestGradient = sizeof(T) == 4 ? kSteepestF32 : kSteepestF64;
 
 /// (dU/dx, dU/dy) pairs of a grid of samples that spans size_x by size_y metres between its outermost nodes. `samples`
@@ -35,11 +32,6 @@ template <typename T> inline constexpr double kSteepestGradient = sizeof(T) == 4
 template <typename T>
 std::vector<T> map_gradients(std::span<const double> samples, std::size_t columns, std::size_t rows, double size_x,
                              double size_y, double height, const std::string& file);
-
-extern template std::vector<float> map_gradients<float>(std::span<const double>, std::size_t, std::size_t, double,
-                                                        double, double, const std::string&);
-extern template std::vector<double> map_gradients<double>(std::span<const double>, std::size_t, std::size_t, double,
-                                                          double, double, const std::string&);
 
 // A scene made ready to evaluate: every table a law reads, rounded once from double to the run's precision.
 
@@ -86,8 +78,5 @@ bool depends_on_y(const layout::Features& features);
 
 /// What was left out of the kernel and why, one short phrase each, for the manifest and the volume's attributes.
 std::vector<std::string> omissions(const Scene& scene);
-
-extern template FieldTables<float> make_tables<float>(const Scene&, const SceneImages&, Extent);
-extern template FieldTables<double> make_tables<double>(const Scene&, const SceneImages&, Extent);
 
 } // namespace forceshade

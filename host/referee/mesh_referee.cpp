@@ -19,8 +19,8 @@ Real height(const Mesh& mesh, std::size_t triangle) {
     std::array<Real, 3> sides[3];
     Real longest = 0;
     for (std::size_t i = 0; i < 3; ++i) {
-        const glm::dvec3& start = mesh.polygons.vertices[mesh.triangles[triangle][i]];
-        const glm::dvec3& end = mesh.polygons.vertices[mesh.triangles[triangle][(i + 1) % 3]];
+        const glm::dvec3& start = mesh.polygons.vertices[mesh.triangles.corners[triangle][i]];
+        const glm::dvec3& end = mesh.polygons.vertices[mesh.triangles.corners[triangle][(i + 1) % 3]];
         sides[i] = {Real(end.x) - Real(start.x), Real(end.y) - Real(start.y), Real(end.z) - Real(start.z)};
         longest = std::max(longest, length(sides[i]));
     }
@@ -41,13 +41,13 @@ ChosenTriangles choose_triangles(const Mesh& mesh) {
     const Real noise = Real(4e-15) * farthest;
     ChosenTriangles chosen;
     std::vector<std::size_t> thin;
-    for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
-        if (std::ranges::binary_search(mesh.redundant_facets, mesh.triangle_facets[i]))
+    for (std::size_t i = 0; i < mesh.triangles.corners.size(); ++i) {
+        if (std::ranges::binary_search(mesh.redundant_facets, mesh.triangles.facets[i]))
             continue;
         chosen.once.push_back(i);
         const bool is_thin = !(height(mesh, i) > noise);
         chosen.noise = is_thin ? noise : chosen.noise;
-        if (mesh.triangle_normals[i] != glm::dvec3(0))
+        if (mesh.triangles.normals[i] != glm::dvec3(0))
             (is_thin ? thin : chosen.touched).push_back(i);
     }
     if (chosen.touched.empty())
@@ -137,12 +137,12 @@ MeshPoint MeshReferee::nearest(const glm::dvec3& world) const {
     const Vector probe = vector_of(world), here{}; // all relative to the probe: the world's origin may be far away
     const Real infinite = std::numeric_limits<Real>::infinity(),
                tolerance = std::max(size_ * Real(1e-16), chosen_.noise);
-    std::vector<Vector> points(mesh_.triangles.size());
+    std::vector<Vector> points(mesh_.triangles.corners.size());
     std::vector<Real> distances(points.size(), infinite);
     MeshPoint best{{}, {}, infinite, 0xFFFFFFFFu, {}, infinite};
     const auto corners_of = [&](std::size_t i, Vector(&corners)[3]) {
         for (std::size_t j = 0; j < 3; ++j)
-            corners[j] = vector_of(mesh_.polygons.vertices[mesh_.triangles[i][j]]) - probe;
+            corners[j] = vector_of(mesh_.polygons.vertices[mesh_.triangles.corners[i][j]]) - probe;
     };
     Vector corners[3];
     for (const std::size_t i : chosen_.touched) {
@@ -161,7 +161,7 @@ MeshPoint MeshReferee::nearest(const glm::dvec3& world) const {
             best.runner_up = std::min(best.runner_up, distances[i]);
             continue;
         }
-        best.facet = std::min(best.facet, mesh_.triangle_facets[i]);
+        best.facet = std::min(best.facet, mesh_.triangles.facets[i]);
         const Real filled = angle_filled(there, corners, tolerance);
         best.outward = best.outward + filled * unit(cross(corners[1] - corners[0], corners[2] - corners[0]));
     }
@@ -172,7 +172,7 @@ MeshPoint MeshReferee::nearest(const glm::dvec3& world) const {
 Real MeshReferee::winding_number(const glm::dvec3& world) const {
     Real sum = 0;
     for (const std::size_t number : chosen_.once) {
-        const auto& triangle = mesh_.triangles[number];
+        const auto& triangle = mesh_.triangles.corners[number];
         Vector u[3];
         for (std::size_t i = 0; i < 3; ++i)
             u[i] = unit(vector_of(mesh_.polygons.vertices[triangle[i]]) - vector_of(world));
@@ -188,7 +188,7 @@ int MeshReferee::crossings(const glm::dvec3& world) const {
         int count = 0;
         bool clear = true;
         for (const std::size_t number : chosen_.once) {
-            const auto& triangle = mesh_.triangles[number];
+            const auto& triangle = mesh_.triangles.corners[number];
             Vector corners[3];
             for (std::size_t i = 0; i < 3; ++i)
                 corners[i] = vector_of(mesh_.polygons.vertices[triangle[i]]) - from;
@@ -320,10 +320,10 @@ std::vector<Answer> MeshReferee::all_at(const glm::dvec3& world, Real tolerance)
             break;
         Vector corners[3];
         for (std::size_t j = 0; j < 3; ++j)
-            corners[j] = vector_of(mesh_.polygons.vertices[mesh_.triangles[i][j]]) - probe;
+            corners[j] = vector_of(mesh_.polygons.vertices[mesh_.triangles.corners[i][j]]) - probe;
         const Vector offset = on_triangle(Vector{}, corners[0], corners[1], corners[2]);
         if (length(offset) <= found.distance + tolerance)
-            answers.push_back(touching(mesh_.triangle_facets[i], offset, probe + offset));
+            answers.push_back(touching(mesh_.triangles.facets[i], offset, probe + offset));
     }
     return answers;
 }

@@ -1,6 +1,7 @@
 #include "host/scene/cases.h"
 
 #include <algorithm>
+#include <array>
 #include <map>
 #include <set>
 
@@ -13,91 +14,36 @@ namespace forceshade {
 
 namespace {
 
-std::size_t key_index(std::string_view path) {
-    return static_cast<std::size_t>(find_key(path));
+// A chosen value of a selector, 0 for what has none: the index of its choice.
+std::uint64_t chosen(const Selection& selection, std::string_view path) {
+    const Value* value = selection[key_index(path)];
+    return value ? value->integers.front() : 0;
 }
 
-struct Selectors {
-    std::size_t kind = key_index("surface.kind");
-    std::size_t function = key_index("surface.function");
-    std::size_t file = key_index("surface.file");
-    std::size_t shading = key_index("force.shading");
-    std::size_t texture_function = key_index("texture.function");
-    std::size_t texture_file = key_index("texture.file");
-    std::size_t paths_kind = key_index("paths.kind");
-    std::size_t loop = key_index("paths.loop");
-    std::size_t press = key_index("paths.press");
-    std::size_t push = key_index("paths.push");
-};
-
-const Selectors& selectors() {
-    static const Selectors indices;
-    return indices;
+std::uint32_t map_form(const Selection& selection, const std::string& table) {
+    if (selection[key_index(table + ".file")])
+        return kFormMapFile;
+    return std::uint32_t{kFormMapCylinder} << chosen(selection, table + ".function");
 }
 
-std::uint32_t map_form(const Value& function) {
-    return std::uint32_t{kFormMapCylinder} << function.integers.front();
-}
-
-std::uint32_t surface_form(const Value& kind, std::uint32_t map) {
-    switch (static_cast<SurfaceKind>(kind.integers.front())) {
-    case SurfaceKind::bump:
-        return kFormBump;
-    case SurfaceKind::cylinder_bump:
-        return kFormCylinderBump;
-    case SurfaceKind::mesh:
-        return kFormMesh;
-    case SurfaceKind::height_map:
-        break;
-    }
-    return map;
-}
-
-bool is_reference(const Value& shading) {
-    return static_cast<Shading>(shading.integers.front()) == Shading::reference;
-}
-
-std::vector<std::uint32_t> map_forms(const Entry* function, const Entry* file) {
-    if (file)
-        return {kFormMapFile};
-    std::vector<std::uint32_t> forms;
-    for (const Value& value : function->values)
-        forms.push_back(map_form(value));
-    return forms;
-}
-
-// Without paths a hand is what a scene says of it, with them it is needed in closed loop.
-Forms with_paths(Forms forms, std::uint32_t kind, bool closed_loop, bool hand) {
-    forms.paths = kind;
-    forms.closed_loop = kind != 0 && closed_loop;
-    forms.hand = kind != 0 ? closed_loop : hand;
-    return forms;
-}
-
-std::uint32_t path_form(const Value& kind) {
-    return 1u << kind.integers.front();
-}
-
-bool is_closed(const Value& loop) {
-    return static_cast<PathLoop>(loop.integers.front()) == PathLoop::closed;
-}
-
-// One form with every outcome that the paths allow.
-std::vector<Forms> with_paths(const Merged& merged, const Forms& form) {
-    const Selectors& s = selectors();
+// Of a choice of one value for each key.
+Forms forms_of(const Selection& selection, const Merged& merged) {
+    constexpr std::array<std::uint32_t, 4> kSurfaceForms{kFormBump, kFormCylinderBump, 0, kFormMesh};
+    const auto kind = static_cast<SurfaceKind>(chosen(selection, "surface.kind"));
+    Forms forms;
+    forms.surface = kind == SurfaceKind::height_map ? map_form(selection, "surface")
+                                                    : kSurfaceForms[static_cast<std::size_t>(kind)];
+    forms.texture = merged.texture ? map_form(selection, "texture") : 0;
+    forms.reference_shading = static_cast<Shading>(chosen(selection, "force.shading")) == Shading::reference;
+    forms.hand = merged.hand;
     if (!merged.paths)
-        return {with_paths(form, 0, false, merged.hand)};
-    std::vector<bool> loops;
-    if (const Entry* loop = merged.entries[s.loop])
-        for (const Value& value : loop->values)
-            loops.push_back(is_closed(value));
-    else
-        loops.push_back(merged.entries[s.press] || merged.entries[s.push]);
-    std::vector<Forms> result;
-    for (const Value& kind : merged.entries[s.paths_kind]->values)
-        for (const bool closed : loops)
-            result.push_back(with_paths(form, path_form(kind), closed, merged.hand));
-    return result;
+        return forms;
+    forms.paths = 1u << chosen(selection, "paths.kind");
+    forms.closed_loop = selection[key_index("paths.loop")]
+                            ? static_cast<PathLoop>(chosen(selection, "paths.loop")) == PathLoop::closed
+                            : selection[key_index("paths.press")] || selection[key_index("paths.push")];
+    forms.hand = forms.closed_loop; // without paths a hand is what a scene says of it, with them it is needed
+    return forms;
 }
 
 } // namespace
@@ -112,10 +58,7 @@ Merged merge(std::initializer_list<const Layer*> layers) {
         ++rank;
         if (!layer)
             continue;
-        merged.texture = merged.texture || layer->texture;
-        merged.paths = merged.paths || layer->paths;
-        merged.hand = merged.hand || layer->hand;
-        merged.grid = merged.grid || layer->grid;
+        merged.add(*layer);
         for (const Entry& entry : layer->entries) {
             merged.entries[entry.key] = &entry;
             merged.ranks[entry.key] = rank;
@@ -128,21 +71,22 @@ Merged merge(std::initializer_list<const Layer*> layers) {
 }
 
 std::vector<Forms> possible_forms(const Merged& merged) {
-    const Selectors& s = selectors();
-    const auto& entries = merged.entries;
-    std::vector<std::uint32_t> textures{0};
-    if (merged.texture)
-        textures = map_forms(entries[s.texture_function], entries[s.texture_file]);
+    std::vector<Selection> selections(1);
+    for (const Entry* entry : merged.entries)
+        selections.front().push_back(entry ? &entry->values.front() : nullptr);
+    for (const char* path :
+         {"surface.kind", "surface.function", "force.shading", "texture.function", "paths.kind", "paths.loop"}) {
+        const std::size_t key = key_index(path), before = selections.size();
+        std::set<std::uint64_t> seen{chosen(selections.front(), path)};
+        for (std::size_t i = 1; merged.entries[key] && i < merged.entries[key]->values.size(); ++i)
+            if (const Value& value = merged.entries[key]->values[i]; seen.insert(value.integers.front()).second)
+                for (std::size_t one = 0; one < before; ++one)
+                    selections.push_back(selections[one]), selections.back()[key] = &value;
+    }
     std::vector<Forms> result;
-    for (const Value& kind : entries[s.kind]->values)
-        for (const std::uint32_t map : map_forms(entries[s.function], entries[s.file]))
-            for (const std::uint32_t texture : textures)
-                for (const Value& shading : entries[s.shading]->values) {
-                    const Forms one{surface_form(kind, map), texture, is_reference(shading)};
-                    for (const Forms& forms : with_paths(merged, one))
-                        if (std::find(result.begin(), result.end(), forms) == result.end())
-                            result.push_back(forms);
-                }
+    for (const Selection& selection : selections)
+        if (const Forms forms = forms_of(selection, merged); std::ranges::find(result, forms) == result.end())
+            result.push_back(forms);
     return result;
 }
 
@@ -159,27 +103,16 @@ bool grid_fits_mesh(const Merged& merged) {
 }
 
 void drop_inapplicable(Selection& selection, const Merged& merged) {
-    const Selectors& s = selectors();
-    const std::uint32_t map = selection[s.file] ? std::uint32_t{kFormMapFile} : map_form(*selection[s.function]);
-    Forms forms{surface_form(*selection[s.kind], map), 0, is_reference(*selection[s.shading])};
-    if (merged.texture)
-        forms.texture =
-            selection[s.texture_file] ? std::uint32_t{kFormMapFile} : map_form(*selection[s.texture_function]);
-    const bool pressed = selection[s.press] || selection[s.push];
-    const bool closed = selection[s.loop] ? is_closed(*selection[s.loop]) : pressed;
-    forms = with_paths(forms, merged.paths ? path_form(*selection[s.paths_kind]) : 0, closed, merged.hand);
-    for (std::size_t i = 0; i < selection.size(); ++i)
-        if (!applies(schema_keys()[i], forms) || (schema_keys()[i].table == "grid" && merged.paths && !merged.grid))
-            selection[i] = nullptr;
+    const Forms forms = forms_of(selection, merged);
     const std::size_t samples = key_index("grid.samples");
-    if (!selection[samples])
-        return;
-    if (!grid_fits_mesh(merged)) {
-        selection[samples] = nullptr;
-        return;
-    }
+    const bool fits = grid_fits_mesh(merged);
+    const auto is_grid = [](std::size_t key) { return schema_keys()[key].table == "grid"; };
     for (std::size_t i = 0; i < selection.size(); ++i)
-        if (schema_keys()[i].table == "grid" && i != samples)
+        if (!applies(schema_keys()[i], forms) || (is_grid(i) && merged.paths && !merged.grid) ||
+            (i == samples && !fits))
+            selection[i] = nullptr;
+    for (std::size_t i = 0; i < selection.size(); ++i)
+        if (selection[samples] && is_grid(i) && i != samples)
             selection[i] = nullptr;
 }
 
@@ -220,11 +153,9 @@ bool is_safe(char c) {
 
 // "0.5 N/mm" -> "0.5N-mm", "1 µm" -> "1um".
 std::string safe_text(std::string_view text) {
-    static constexpr std::string_view kMicro[] = {"\u00b5", "\u03bc"};
     std::string result;
     for (std::size_t i = 0; i < text.size(); ++i) {
-        const bool micro = text.substr(i).starts_with(kMicro[0]) || text.substr(i).starts_with(kMicro[1]);
-        if (micro) {
+        if (text.substr(i).starts_with("\u00b5") || text.substr(i).starts_with("\u03bc")) {
             result += 'u';
             ++i;
         } else if (text[i] == '/') {
@@ -244,14 +175,7 @@ std::string hash_text(std::string_view text) {
     return fmt::format("{:016x}", hash).substr(16 - kHashDigits);
 }
 
-std::string lower_case(std::string text) {
-    for (char& c : text)
-        if (c >= 'A' && c <= 'Z')
-            c = static_cast<char>(c - 'A' + 'a');
-    return text;
-}
-
-// The value that stands for a key in comparisons: function and file are one choice, and a texture may be absent.
+// What is compared of a key: function and file are one choice, and a texture may be absent.
 std::string compared(const Selection& selection, std::size_t key) {
     for (std::size_t other = 0; other < selection.size(); ++other)
         if (replaces(key, other) && !selection[key] && selection[other])
@@ -300,8 +224,8 @@ std::string file_name_text(const Key& key, const Value& value) {
 }
 
 void fill_in(Case& one, const Selection& selection, const std::vector<std::size_t>& varying) {
-    const auto kind = static_cast<std::size_t>(find_key("surface.kind"));
-    const auto shading = static_cast<std::size_t>(find_key("force.shading"));
+    const auto kind = key_index("surface.kind");
+    const auto shading = key_index("force.shading");
     one.varied.emplace_back("kind", selection[kind]->texts.front());
     one.name = one.varied.front().second;
     for (const std::size_t key : varying) {

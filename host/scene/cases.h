@@ -11,12 +11,11 @@
 
 namespace forceshade {
 
-/// By key: the entry that holds after later layers have replaced earlier ones; null where the other of function and
-/// file holds.
-struct Merged {
+/// By key: the entry that applies after later layers have replaced earlier ones; null where the other of function and
+/// file applies.
+struct Merged : GivenTables {
     std::vector<const Entry*> entries;
-    std::vector<int> ranks;                                          // of the layer that gave the entry; 0: a default
-    bool texture = false, paths = false, hand = false, grid = false; // has such a table
+    std::vector<int> ranks; // of the layer that gave the entry; 0: a default
 };
 
 /// The defaults, then the layers in turn. Null layers are skipped. The layers must outlive the result.

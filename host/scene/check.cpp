@@ -31,11 +31,8 @@ constexpr Range kRangeF64{"f64", 1e-150, 1e150, 1e-150, 1e150, kSteepestF64};
 
 std::string length_text(double metres) {
     const double size = std::abs(metres);
-    if (size >= 1e3 && size < 1e6)
-        return fmt::format("{:.4g} km", metres / 1e3);
-    if (size < 1 && size >= 1e-3)
-        return fmt::format("{:.4g} mm", metres * 1e3);
-    return fmt::format("{:.4g} m", metres);
+    const bool km = size >= 1e3 && size < 1e6, mm = size < 1 && size >= 1e-3;
+    return fmt::format("{:.4g} {}", km ? metres / 1e3 : mm ? metres * 1e3 : metres, km ? "km" : mm ? "mm" : "m");
 }
 
 // The distance from a number to the next larger one.
@@ -43,8 +40,7 @@ double step_at(double magnitude, Precision precision) {
     if (precision == Precision::f64)
         return std::nextafter(magnitude, std::numeric_limits<double>::infinity()) - magnitude;
     const auto single = static_cast<float>(magnitude);
-    return static_cast<double>(std::nextafter(single, std::numeric_limits<float>::infinity())) -
-           static_cast<double>(single);
+    return double(std::nextafter(single, std::numeric_limits<float>::infinity())) - double(single);
 }
 
 class Checker {
@@ -73,7 +69,7 @@ public:
     }
 
 private:
-    const Value* find(std::string_view path) const { return selection_[static_cast<std::size_t>(find_key(path))]; }
+    const Value* find(std::string_view path) const { return selection_[key_index(path)]; }
 
     // The first of the keys that stands in the file; a default has no place.
     Location place(std::initializer_list<std::string> paths, std::size_t part = 0) const {
@@ -166,18 +162,17 @@ private:
     void check_force() const {
         check_stiffness("force.stiffness", scene_.force.stiffness);
         const Shading shading = scene_.force.shading;
-        const char* allowed = "none";
-        bool fits = shading == Shading::none;
-        if (scene_.surface.kind == SurfaceKind::bump) {
-            allowed = "none or reference";
-            fits = fits || shading == Shading::reference;
-        } else if (scene_.surface.kind == SurfaceKind::height_map) {
-            allowed = "none or height_map";
-            fits = fits || shading == Shading::height_map;
-        } else if (scene_.surface.kind == SurfaceKind::mesh) {
-            allowed = "none, morgenbesser, barycentric, mean_value or two_pass";
-            fits = fits || shading >= Shading::morgenbesser;
-        }
+        struct Fitting {
+            const char* names;
+            Shading first, last; // beside none
+        };
+        constexpr std::array<Fitting, 4> kFitting{
+            {{"none or reference", Shading::reference, Shading::reference},
+             {"none", Shading::none, Shading::none},
+             {"none or height_map", Shading::height_map, Shading::height_map},
+             {"none, morgenbesser, barycentric, mean_value or two_pass", Shading::morgenbesser, Shading::two_pass}}};
+        const auto& [allowed, first, last] = kFitting[static_cast<std::size_t>(scene_.surface.kind)];
+        const bool fits = shading == Shading::none || (shading >= first && shading <= last);
         if (!fits)
             fail(source_, place({"force.shading", "surface.kind"}),
                  fmt::format("shading \"{}\" does not fit kind \"{}\", whose shading is {}",
@@ -236,24 +231,22 @@ private:
     void check_sizes(const Key& key, const Value& value) const {
         if ((key.subject != Subject::paths && key.subject != Subject::hand) || key.kind != ValueKind::quantity)
             return;
-        const std::string_view unit = dimension_unit(key.dimension);
+        const std::string_view unit = dimension_info(key.dimension).unit;
         for (std::size_t i = 0; i < value.numbers.size(); ++i) {
             const double size = std::abs(value.numbers[i]);
-            if (size > range_.largest_length)
+            const bool large = size > range_.largest_length;
+            if (large || (needs_square(key) && size > 0 && size < range_.smallest_length))
                 fail(source_, value.parts[i],
-                     fmt::format("{} must be at most {:g} {} in {}; got {} {}", key.path(), range_.largest_length, unit,
-                                 range_.name, value.numbers[i], unit));
-            if (needs_square(key) && size > 0 && size < range_.smallest_length)
-                fail(source_, value.parts[i],
-                     fmt::format("{} must be at least {:g} {} in {}; got {} {}", key.path(), range_.smallest_length,
-                                 unit, range_.name, value.numbers[i], unit));
+                     fmt::format("{} must be at {} {:g} {} in {}; got {} {}", key.path(), large ? "most" : "least",
+                                 large ? range_.largest_length : range_.smallest_length, unit, range_.name,
+                                 value.numbers[i], unit));
         }
     }
 
     // What is divided by, or squared and compared.
     static bool needs_square(const Key& key) {
-        return key.name == "bound" || key.name == "quantisation" || key.name == "mass" || key.name == "rate" ||
-               key.name == "stretch";
+        constexpr std::string_view kNames[] = {"bound", "quantisation", "mass", "rate", "stretch"};
+        return std::ranges::find(kNames, key.name) != std::end(kNames);
     }
 
     void check_kind(const PathsSpec& paths) const {

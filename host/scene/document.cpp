@@ -1,6 +1,7 @@
 #include "host/scene/document.h"
 
 #include <algorithm>
+#include <array>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -19,19 +20,12 @@ using Override = std::pair<std::string, std::string>;
 
 constexpr std::string_view kVariant = "variant";
 
-std::vector<std::string> table_names() {
+// The names of tables, or of the keys of one, each once.
+std::vector<std::string> names_in(std::string_view Key::*name, std::string_view table = "") {
     std::vector<std::string> names;
     for (const Key& key : schema_keys())
-        if (std::find(names.begin(), names.end(), key.table) == names.end())
-            names.emplace_back(key.table);
-    return names;
-}
-
-std::vector<std::string> key_names(std::string_view table) {
-    std::vector<std::string> names;
-    for (const Key& key : schema_keys())
-        if (key.table == table)
-            names.emplace_back(key.name);
+        if ((table.empty() || key.table == table) && std::ranges::find(names, key.*name) == names.end())
+            names.emplace_back(key.*name);
     return names;
 }
 
@@ -42,13 +36,6 @@ std::string tables_with(std::string_view name) {
         if (key.name == name)
             tables.push_back(fmt::format("[{}]", key.table));
     return fmt::format("{}", fmt::join(tables, " or "));
-}
-
-void note_table(std::string_view table, Layer& layer) {
-    layer.texture = layer.texture || table == "texture";
-    layer.paths = layer.paths || table == "paths";
-    layer.hand = layer.hand || table == "hand";
-    layer.grid = layer.grid || table == "grid";
 }
 
 class LayerReader {
@@ -75,41 +62,39 @@ public:
 
 private:
     void read_table(const TomlMember& member) {
-        const std::vector<std::string> tables = table_names();
+        const std::vector<std::string> tables = names_in(&Key::table);
         if (std::find(tables.begin(), tables.end(), member.key) == tables.end())
             refuse_table(member, tables);
         if (member.value.type != Type::table)
             fail(source_, member.where,
                  fmt::format("[{}] is a table of keys; got {}", member.key, describe(member.value)));
-        note_table(member.key, layer_);
+        layer_.add(member.key);
         for (const TomlMember& item : member.value.members)
-            read_item(member.key, item);
+            read_item(member.key, "", item);
     }
 
     // A table within a table gives keys with a dot in their name.
-    void read_item(const std::string& table, const TomlMember& item) {
+    void read_item(const std::string& table, const std::string& prefix, const TomlMember& item) {
         if (item.key.find('.') != std::string::npos)
             refuse_key(item, table);
-        read_part(table, item);
-    }
-
-    void read_part(const std::string& table, const TomlMember& item) {
-        const bool has_parts = is_table_of_parts(table, item.key);
-        if (has_parts && item.value.type != Type::table && find_key(table + '.' + item.key) < 0)
+        const TomlMember named{prefix + item.key, item.where, item.value};
+        const int key = find_key(table + '.' + named.key);
+        const bool is_table = item.value.type == Type::table, has_parts = is_table_of_parts(table, named.key);
+        if (has_parts && !is_table && key < 0)
             fail(source_, item.where,
-                 fmt::format("{} is a table, for example {}; got {}", item.key,
-                             item.key == "transform" ? "{ scale = 2, translate = [\"1 mm\", \"0 m\", \"0 m\"] }"
-                                                     : "{ amplitude = \"0.1 mm\", frequency = \"10 Hz\" }",
+                 fmt::format("{} is a table, for example {}; got {}", named.key,
+                             named.key == "transform" ? "{ scale = 2, translate = [\"1 mm\", \"0 m\", \"0 m\"] }"
+                                                      : "{ amplitude = \"0.1 mm\", frequency = \"10 Hz\" }",
                              describe(item.value)));
-        if (!has_parts || item.value.type != Type::table)
-            return read_key(table, item);
+        if (!has_parts || !is_table) {
+            if (key < 0)
+                refuse_key(named, table);
+            return read_entry(static_cast<std::size_t>(key), named);
+        }
         if (item.value.members.empty())
-            fail(source_, item.where, fmt::format("{} is a table without a key", item.key));
+            fail(source_, item.where, fmt::format("{} is a table without a key", named.key));
         for (const TomlMember& part : item.value.members)
-            if (part.key.find('.') == std::string::npos)
-                read_part(table, {item.key + '.' + part.key, part.where, part.value});
-            else
-                refuse_key(part, table);
+            read_item(table, named.key + '.', part);
     }
 
     // Whether keys begin with this name and a dot.
@@ -117,13 +102,6 @@ private:
         const auto keys = schema_keys();
         return std::any_of(keys.begin(), keys.end(),
                            [&](const Key& key) { return key.table == table && key.name.starts_with(name + '.'); });
-    }
-
-    void read_key(const std::string& table, const TomlMember& item) {
-        const int key = find_key(table + '.' + item.key);
-        if (key < 0)
-            refuse_key(item, table);
-        read_entry(static_cast<std::size_t>(key), item);
     }
 
     [[noreturn]] void refuse_table(const TomlMember& member, std::vector<std::string> tables) const {
@@ -144,7 +122,7 @@ private:
     }
 
     [[noreturn]] void refuse_key(const TomlMember& member, const std::string& table) const {
-        const std::vector<std::string> names = key_names(table);
+        const std::vector<std::string> names = names_in(&Key::name, table);
         std::string hint = did_you_mean(member.key, names);
         if (const std::string with = tables_with(member.key); hint.empty() && !with.empty())
             hint = fmt::format("; it belongs in {}", with);
@@ -219,11 +197,11 @@ Layer read_overrides(std::span<const Override> overrides, const std::string& fol
             fail(source, {}, fmt::format("unknown key \"{}\"{}", path, did_you_mean(path, paths)));
         }
         const Key& key = schema_keys()[static_cast<std::size_t>(index)];
-        const auto key_index = static_cast<std::size_t>(index);
-        note_table(key.table, layer);
-        std::erase_if(layer.entries, [&](const Entry& e) { return e.key == key_index || replaces(key_index, e.key); });
+        const auto number = static_cast<std::size_t>(index);
+        layer.add(key.table);
+        std::erase_if(layer.entries, [&](const Entry& e) { return e.key == number || replaces(number, e.key); });
         layer.entries.push_back(
-            {key_index, read_values(key, override_member(key, text, source).value, source, folder), {}});
+            {number, read_values(key, override_member(key, text, source).value, source, folder), {}});
     }
     return layer;
 }
@@ -248,9 +226,26 @@ std::vector<Entry> read_defaults() {
 
 } // namespace
 
+void GivenTables::add(std::string_view table) {
+    add({table == "texture", table == "paths", table == "hand", table == "grid"});
+}
+
+void GivenTables::add(const GivenTables& other) {
+    texture |= other.texture;
+    paths |= other.paths;
+    hand |= other.hand;
+    grid |= other.grid;
+}
+
+std::vector<const Layer*> Document::layers() const {
+    std::vector<const Layer*> result{&base, &overrides};
+    for (const Layer& variant : variants)
+        result.push_back(&variant);
+    return result;
+}
+
 const Entry* Layer::find(std::size_t key) const {
-    const auto found =
-        std::find_if(entries.begin(), entries.end(), [key](const Entry& entry) { return entry.key == key; });
+    const auto found = std::ranges::find(entries, key, &Entry::key);
     return found == entries.end() ? nullptr : &*found;
 }
 
@@ -379,23 +374,14 @@ TomlNode convert(const toml::node& node, const std::string& source, int depth) {
 } // namespace
 
 std::string describe(const TomlNode& node) {
-    switch (node.type) {
-    case TomlNode::Type::string:
+    if (node.type == TomlNode::Type::string)
         return toml_string(node.text);
-    case TomlNode::Type::integer:
+    if (node.type == TomlNode::Type::integer)
         return fmt::format("{}", node.integer);
-    case TomlNode::Type::real:
+    if (node.type == TomlNode::Type::real)
         return fmt::format("{}", node.real);
-    case TomlNode::Type::boolean:
-        return "a boolean";
-    case TomlNode::Type::date:
-        return "a date or time";
-    case TomlNode::Type::array:
-        return "a list";
-    case TomlNode::Type::table:
-        break;
-    }
-    return "a table";
+    return std::array{
+        "", "", "", "a boolean", "a date or time", "a list", "a table"}[static_cast<std::size_t>(node.type)];
 }
 
 TomlNode parse_toml(std::string_view text, const std::string& source) {

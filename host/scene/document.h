@@ -21,13 +21,17 @@ struct Entry {
     Location where;
 };
 
-struct Layer {
+/// Tables without which a scene is another one: whether they are given, be it empty.
+struct GivenTables {
+    bool texture = false, paths = false, hand = false, grid = false;
+
+    void add(std::string_view table);
+    void add(const GivenTables& other);
+};
+
+struct Layer : GivenTables {
     Location where;
     std::vector<Entry> entries; // in file order
-    bool texture = false;       // has a [texture] table, be it empty
-    bool paths = false;         // likewise
-    bool hand = false;
-    bool grid = false;
 
     const Entry* find(std::size_t key) const;
 };
@@ -37,6 +41,9 @@ struct Document {
     Layer base;
     std::vector<Layer> variants;
     Layer overrides;
+
+    /// The base, the overrides, then the variants.
+    std::vector<const Layer*> layers() const;
 
     /// Keys given anywhere, in the order in which names and axes list them: tables by their first key, keys by their
     /// first place, the base and overrides before the variants. `function` and `file` share a place, since one stands

@@ -1,6 +1,7 @@
 #include "host/scene/schema.h"
 
 #include <array>
+#include <deque>
 #include <optional>
 #include <tuple>
 #include <type_traits>
@@ -47,20 +48,15 @@ constexpr std::uint32_t kMadeButWalks = kMade & ~bit(PathKind::random_walk);
 
 using Set = void (*)(Scene&, const Value&);
 
-template <typename T> void assign(T& to, const Value& value) {
-    if constexpr (std::is_enum_v<T>)
-        to = choice<T>(value);
-    else if constexpr (std::is_integral_v<T>)
-        to = static_cast<T>(value.integers.at(0));
+template <typename T> void assign(T& to, const Value& value, std::size_t part = 0) {
+    if constexpr (std::is_floating_point_v<T>)
+        to = value.numbers.at(part);
     else
-        to = value.numbers.at(0);
+        to = static_cast<T>(value.integers.at(part));
 }
-template <std::size_t n> void assign(std::array<double, n>& to, const Value& value) {
-    to = components<n>(value);
-}
-template <std::size_t n> void assign(std::array<std::uint64_t, n>& to, const Value& value) {
+template <typename T, std::size_t n> void assign(std::array<T, n>& to, const Value& value) {
     for (std::size_t i = 0; i < n; ++i)
-        to[i] = value.integers.at(i);
+        assign(to[i], value, i);
 }
 void assign(Spread& to, const Value& value) {
     to = fixed_spread(value.numbers.at(0));
@@ -116,18 +112,12 @@ template <auto member, Spread::Shape shape, double Spread::*number> void store_i
     assign(spread->*number, v);
 }
 
-// Of a member, by its type: the components that its key has.
-template <typename T> constexpr std::uint32_t count_of(const T*) {
-    return 1;
-}
-template <typename T, std::size_t n> constexpr std::uint32_t count_of(const std::array<T, n>*) {
-    return n;
-}
-template <typename T, std::size_t n> constexpr std::uint32_t count_of(const std::optional<std::array<T, n>>*) {
-    return n;
-}
+// The components that a member's key has, by the member's type.
+template <typename T> constexpr std::uint32_t kCount = 1;
+template <typename T, std::size_t n> constexpr std::uint32_t kCount<std::array<T, n>> = n;
+template <typename T> constexpr std::uint32_t kCount<std::optional<T>> = kCount<T>;
 template <typename Spec, typename T> constexpr std::uint32_t count_of(T Spec::*) {
-    return count_of(static_cast<const T*>(nullptr));
+    return kCount<T>;
 }
 
 /// What few rows say; what is left out, the table says.
@@ -190,11 +180,11 @@ public:
     /// It belongs to the table's file and sets nothing by itself.
     void digest(std::uint32_t forms) {
         add(ValueKind::digest, "sha256", "", nullptr,
-            "what the file's bytes must hash to; a list if `file` is one; left out: any", {.forms = forms})
+            "what the file's bytes must hash to; a list if `file` is one; left out: any",
+            {.forms = forms, .example = "\"(64 hexadecimal digits)\""})
             .axis = false;
     }
-    template <auto member>
-    void spread(Dimension dimension, const List<5>& names, Text default_text, Text doc, More more);
+    template <auto member> void spread(Dimension dimension, Text name, Text default_text, Text doc, More more);
     template <bool texture>
     void height_map(Text function, Text height, Text file, Set set_file, std::uint32_t file_forms);
 
@@ -205,24 +195,27 @@ private:
     std::uint32_t forms_;
 };
 
-// Keys whose value may differ from path to path: "speed" as a quantity, or as a table with mean and sd, or min and max.
-template <auto member>
-void Table::spread(Dimension dimension, const List<5>& names, Text default_text, Text doc, More more) {
+// Keys whose value may differ from path to path: "speed" as a quantity, or as a table with mean and sd, or min and max,
+// which replace each other.
+template <auto member> void Table::spread(Dimension dimension, Text name, Text default_text, Text doc, More more) {
     using enum Spread::Shape;
-    quantity<member>(dimension, names[0], default_text, doc, more);
-    const auto add_part = [&](std::size_t name, int option, Sign sign, Set set, Text meaning) {
-        more.option = option;
-        more.sign = sign;
-        quantity(dimension, names[name], "", set, meaning, more).spread_part = true;
-    };
+    static std::deque<std::string> part_names; // keys refer to them
+    more.choice = name;
+    quantity<member>(dimension, name, default_text, doc, more);
     const Sign sign = more.sign;
-    add_part(1, 1, sign, store_in_spread<member, normal, &Spread::value>,
+    const auto add_part = [&](const char* part, int option, Sign part_sign, Set set, Text meaning) {
+        more.option = option;
+        more.sign = part_sign;
+        part_names.push_back(std::string(name) + part);
+        quantity(dimension, part_names.back(), "", set, meaning, more).spread_part = true;
+    };
+    add_part(".mean", 1, sign, store_in_spread<member, normal, &Spread::value>,
              "the mean of a normal distribution, beside sd");
-    add_part(2, 1, kNotNegative, store_in_spread<member, normal, &Spread::sd>,
+    add_part(".sd", 1, kNotNegative, store_in_spread<member, normal, &Spread::sd>,
              "the standard deviation of a normal distribution, beside mean");
-    add_part(3, 2, sign, store_in_spread<member, uniform, &Spread::low>,
+    add_part(".min", 2, sign, store_in_spread<member, uniform, &Spread::low>,
              "the lower end of a uniform distribution, beside max");
-    add_part(4, 2, sign, store_in_spread<member, uniform, &Spread::high>,
+    add_part(".max", 2, sign, store_in_spread<member, uniform, &Spread::high>,
              "the upper end of a uniform distribution, beside min");
 }
 
@@ -235,7 +228,8 @@ void Table::height_map(Text function, Text height, Text file, Set set_file, std:
         "exp(-(x^2 + y^2) / radius^2); or give a file instead",
         {.forms = kFormAnalytic, .choice = kMapChoice})
         .choices = kMapFunctions;
-    add(ValueKind::file, "file", "", set_file, file, {.forms = file_forms, .choice = kMapChoice, .option = 1});
+    add(ValueKind::file, "file", "", set_file, file,
+        {.forms = file_forms, .example = "\"u.exr\"", .choice = kMapChoice, .option = 1});
     digest(file_forms);
     quantity(Dimension::length, "size", "[\"25.4 mm\", \"25.4 mm\"]", store_in_map<texture, &HeightMapSpec::size>,
              "the image's extent in x and y, between its outermost samples", {.forms = kFormMapFile, .sign = kPositive})
@@ -269,8 +263,8 @@ void add_surface(std::vector<Key>& keys) {
         "whether facets span equal arcs of the cylinder or equal steps of x (G2)", {.forms = kFormBump});
     surface.height_map<false>(
         "\"cylinder\"", "\"1 mm\"",
-        "of a height map an image (EXR or PNG), centred on the origin, its row 0 the largest y; of a mesh its "
-        "polygons (OBJ, OFF, PLY or STL); relative to this TOML file or absolute",
+        "of a height map an image (EXR or PNG), centred on the origin, its row 0 the largest y; of a mesh its polygons "
+        "(OBJ, OFF, PLY or STL); relative to this TOML file or absolute",
         [](Scene& s, const Value& v) {
             s.surface.kind == SurfaceKind::mesh ? store_file(s.surface.mesh, v) : store_file(s.surface.map, v);
         },
@@ -309,11 +303,10 @@ void add_force(std::vector<Key>& keys) {
         "depth", "\"vertical\"", kDepthReadings,
         "how the penetration into a facet is read: straight down, or along the facet's normal (L3)",
         {.forms = kFormBump, .subject = Subject::surface});
-    force.choice<&ForceSpec::reference>(
-        "reference", "\"normal\"", kReferenceDirections,
-        "the direction that the smooth cylinder lends: its surface's normal above the probe, or away from its "
-        "axis at the probe itself (L4)",
-        {.forms = kFormBump, .subject = Subject::shading});
+    force.choice<&ForceSpec::reference>("reference", "\"normal\"", kReferenceDirections,
+                                        "the direction that the smooth cylinder lends: its surface's normal above the "
+                                        "probe, or away from its axis at the probe itself (L4)",
+                                        {.forms = kFormBump, .subject = Subject::shading});
 
     Table texture(keys, "texture", Subject::texture, kFormAnalytic | kFormMapFile);
     texture.choice<&TextureSpec::effect>(
@@ -325,8 +318,8 @@ void add_force(std::vector<Key>& keys) {
                                               {.sign = kNotNegative});
     texture.height_map<true>(
         "\"sine\"", "\"0.1 mm\"",
-        "an EXR or PNG image of the height map, relative to this TOML file or absolute, centred on the origin; its "
-        "row 0 is the largest y",
+        "an EXR or PNG image of the height map, relative to this TOML file or absolute, centred on the origin; its row "
+        "0 is the largest y",
         [](Scene& s, const Value& v) { store_file(s.texture->map, v); }, kFormMapFile);
     texture.quantity(Dimension::length, "width", "\"2 mm\"", store_in_map<true, &HeightMapSpec::width>,
                      "the width of a bump or dip; the wavelength of a sine",
@@ -338,9 +331,9 @@ void add_force(std::vector<Key>& keys) {
 
 void add_grid(std::vector<Key>& keys) {
     Table grid(keys, "grid");
-    grid.integer<&GridSpec::size>("size", "[256, 64, 128]", kMostRows,
-                                  "voxels along x, y and z; an EXR holds up to 5592405 along x and 1073741822 rows, y "
-                                  "times z");
+    grid.integer<&GridSpec::size>(
+        "size", "[256, 64, 128]", kMostRows,
+        "voxels along x, y and z; an EXR holds up to 5592405 along x and 1073741822 rows, y times z");
     grid.integer<&GridSpec::samples>("samples", "128", 65536,
                                      "voxels along the longest side of a mesh's bounding box and 5 % more; the grid "
                                      "covers that box. Stands for size, origin and spacing",
@@ -356,11 +349,10 @@ void add_paths(std::vector<Key>& keys) {
     constexpr std::uint32_t kRecorded = bit(PathKind::recorded), kRaster = bit(PathKind::raster);
     constexpr std::string_view kDepthChoice = "depth"; // a depth, or the force that the hand presses with
     Table paths(keys, "paths", Subject::paths, kAllPaths);
-    paths.choice<&PathsSpec::kind>(
-        "kind", "\"strokes\"", kPathKinds,
-        "how the probe is meant to go: straight there and back, line after line, round a circle, in a spiral, up and "
-        "down, at random (band limited), from point to point (minimum jerk: Flash & Hogan 1985), or as recorded in a "
-        "file");
+    paths.choice<&PathsSpec::kind>("kind", "\"strokes\"", kPathKinds,
+                                   "how the probe is meant to go: straight there and back, line after line, round a "
+                                   "circle, in a spiral, up and down, at random (band limited), from point to point "
+                                   "(minimum jerk: Flash & Hogan 1985), or as recorded in a file");
     paths.add(ValueKind::file, "file", "", [](Scene& s, const Value& v) { store_file(*s.paths, v); },
               "recorded paths as CSV with a header and columns path, t, x, y, z (s, m), times of a path increasing; "
               "relative to this TOML file or absolute",
@@ -384,13 +376,13 @@ void add_paths(std::vector<Key>& keys) {
 
     // How it is driven.
     paths.spread<&PathsSpec::speed>(
-        Dimension::speed, {"speed", "speed.mean", "speed.sd", "speed.min", "speed.max"}, "\"100 mm/s\"",
-        "along the way; of a spiral at its largest radius, of taps the mean, of a random walk the root mean square, of "
-        "minimum jerk the mean over the mean distance of two points",
-        {.forms = kMade, .sign = kPositive, .choice = "speed"});
-    paths.spread<&PathsSpec::depth>(Dimension::length, {"depth", "depth.mean", "depth.sd", "depth.min", "depth.max"},
-                                    "\"1 mm\"", "below the plane or surface that the path follows; negative: above it",
-                                    {.forms = kMade, .choice = kDepthChoice});
+        Dimension::speed, "speed", "\"100 mm/s\"",
+        "along the path; of a spiral at its largest radius, of taps the mean, of a random walk the root mean square, "
+        "of minimum jerk the mean over the mean distance of two points",
+        {.forms = kMade, .sign = kPositive});
+    paths.spread<&PathsSpec::depth>(Dimension::length, "depth", "\"1 mm\"",
+                                    "below the plane or surface that the path follows; negative: above it",
+                                    {.forms = kMade});
     paths.quantity(Dimension::force, "press", "", store_drive<PathDrive::press, &PathsSpec::press>,
                    "instead of depth: the constant force that the hand presses down with, in closed loop; nothing else "
                    "then holds the probe along z but damping",
@@ -401,37 +393,30 @@ void add_paths(std::vector<Key>& keys) {
                   {.example = "[\"0 N\", \"0 N\", \"-1 N\"]", .choice = kDepthChoice, .option = 4})
         .count = 3;
     paths.spread<&PathsSpec::depth_back>(
-        Dimension::length, {"depth_back", "depth_back.mean", "depth_back.sd", "depth_back.min", "depth_back.max"}, "",
+        Dimension::length, "depth_back", "",
         "below the plane or surface on the way back; left out: as deep as on the way there",
-        {.forms = bit(PathKind::strokes), .example = "\"1 mm\"", .choice = "depth_back"});
+        {.forms = bit(PathKind::strokes), .example = "\"1 mm\""});
     paths.spread<&PathsSpec::heading>(
-        Dimension::angle, {"heading", "heading.mean", "heading.sd", "heading.min", "heading.max"}, "\"0 deg\"",
-        "the direction of strokes and lines, from x towards y; other paths are turned by it",
-        {.forms = kMadeButWalks, .choice = "heading"});
-    paths.spread<&PathsSpec::offset>(Dimension::length,
-                                     {"offset", "offset.mean", "offset.sd", "offset.min", "offset.max"}, "\"0 m\"",
+        Dimension::angle, "heading", "\"0 deg\"",
+        "the direction of strokes and lines, from x towards y; other paths are turned by it", {.forms = kMadeButWalks});
+    paths.spread<&PathsSpec::offset>(Dimension::length, "offset", "\"0 m\"",
                                      "of the path's middle from the centre, to the left of its heading",
-                                     {.forms = kMadeButWalks, .choice = "offset"});
+                                     {.forms = kMadeButWalks});
     paths.spread<&PathsSpec::tremor_amplitude>(
-        Dimension::length,
-        {"tremor.amplitude", "tremor.amplitude.mean", "tremor.amplitude.sd", "tremor.amplitude.min",
-         "tremor.amplitude.max"},
-        "\"0 m\"", "root mean square of the trembling on each axis, four harmonics within 20 % of its frequency",
-        {.forms = kMadeButWalks, .sign = kNotNegative, .choice = "tremor"});
+        Dimension::length, "tremor.amplitude", "\"0 m\"",
+        "root mean square of the trembling on each axis, four harmonics within 20 % of its frequency",
+        {.forms = kMadeButWalks, .sign = kNotNegative});
     paths.quantity<&PathsSpec::tremor_frequency>(
         Dimension::frequency, "tremor.frequency", "\"10 Hz\"",
         "of the trembling; that of a healthy hand has 8 to 12 Hz (Elble & Koller 1990)",
         {.forms = kMadeButWalks, .sign = kPositive});
 
     // Where it goes.
-    paths.length<&PathsSpec::centre>("centre", "",
-                                     "x and y of the paths' middle; left out: the origin, of a mesh the middle of its "
-                                     "box",
-                                     {.forms = kMade, .example = "[\"0 m\", \"0 m\"]"});
+    paths.length<&PathsSpec::centre>(
+        "centre", "", "x and y of the paths' middle; left out: the origin, of a mesh the middle of its box",
+        {.forms = kMade, .example = "[\"0 m\", \"0 m\"]"});
     paths.length<&PathsSpec::height>(
-        "height", "",
-        "z of the plane that depth is measured from; left out: 0, of a mesh the top of its "
-        "box",
+        "height", "", "z of the plane that depth is measured from; left out: 0, of a mesh the top of its box",
         {.forms = kMade, .example = "\"0 m\""});
     paths.choice<&PathsSpec::follow>("follow", "\"plane\"", kFollows,
                                      "whether depth is measured from that plane, or from the nominal surface of a bump "
@@ -439,10 +424,9 @@ void add_paths(std::vector<Key>& keys) {
                                      {.forms = kMade});
     paths.length<&PathsSpec::length>(
         "length", "",
-        "of a stroke or line from end to end, of a region along the heading, of a circle "
-        "or spiral the largest diameter; left out: 1.2 times the feature's width along x, "
-        "of a mesh its box's, but half of that box where a hand presses, which would fall "
-        "off its rim",
+        "of a stroke or line from end to end, of a region along the heading, of a circle or spiral the largest "
+        "diameter; left out: 1.2 times the feature's width along x, of a mesh its box's, but half of that box where a "
+        "hand presses, which would fall off its rim",
         {.forms = kMade & ~bit(PathKind::taps), .sign = kNotNegative, .example = "\"30 mm\""});
     paths.length<&PathsSpec::width>("width", "",
                                     "of a region across the heading; left out: the length, of a mesh 1.2 times its "
@@ -464,10 +448,10 @@ void add_paths(std::vector<Key>& keys) {
                                     "a probe further than this from its path has left: the loop is unstable there, and "
                                     "the path ends; left out: 10 times the length and at least 0.1 m",
                                     {.sign = kPositive, .example = "\"0.3 m\"", .closed_loop = true});
-    paths.length<&PathsSpec::stretch>("stretch", "",
-                                      "the way over which the steepest turn of the force is taken; left out: a "
-                                      "thousandth of the length",
-                                      {.sign = kPositive, .example = "\"0.03 mm\""});
+    paths.length<&PathsSpec::stretch>(
+        "stretch", "",
+        "the path length over which the steepest turn of the force is measured; left out: a thousandth of the length",
+        {.sign = kPositive, .example = "\"0.03 mm\""});
 }
 
 // The device's defaults are those of the Phantom that the paper used, the grip's those of a relaxed hand.
@@ -477,14 +461,14 @@ void add_hand(std::vector<Key>& keys) {
                                    "that the hand moves at the device's tip (Massie & Salisbury 1994: the Phantom's "
                                    "apparent mass is below 0.1 kg)",
                                    {.sign = kPositive});
-    hand.quantity<&HandSpec::damping>(Dimension::damping, "damping", "\"1 N s/m\"",
-                                      "of the device, against the world: a round value at which a wall of 2 N/mm is "
-                                      "just stable at 1 kHz by itself",
-                                      {.sign = kNotNegative});
+    hand.quantity<&HandSpec::damping>(
+        Dimension::damping, "damping", "\"1 N s/m\"",
+        "of the device, against the world: a round value at which a wall of 2 N/mm is just stable at 1 kHz by itself",
+        {.sign = kNotNegative});
     hand.quantity<&HandSpec::grip_stiffness>(
         Dimension::stiffness, "grip_stiffness", "\"500 N/m\"",
-        "of the spring that pulls the probe to its path; along z none with press or push. A round value, of the "
-        "size that is measured at fingertips (Hajian & Howe 1997)",
+        "of the spring that pulls the probe to its path; along z none with press or push. A round value, of the size "
+        "that is measured at fingertips (Hajian & Howe 1997)",
         {.sign = kNotNegative});
     hand.quantity<&HandSpec::grip_damping>(Dimension::damping, "grip_damping", "\"2 N s/m\"",
                                            "of the grip, against its path's speed: likewise", {.sign = kNotNegative});

@@ -1,9 +1,10 @@
 #include "host/scene/quantity.h"
 
 #include <algorithm>
-#include <array>
 #include <charconv>
 #include <cmath>
+#include <cstdint>
+#include <iterator>
 #include <numbers>
 #include <optional>
 #include <string>
@@ -18,6 +19,16 @@
 namespace forceshade {
 
 namespace {
+
+/// A product of powers of m, kg, s and rad. One such unit is numerator / denominator * 10^exponent * (pi / 180)^degrees
+/// SI units. The factor is stored as integers because a factor such as 1 mil = 254e-7 m is no binary number.
+struct Unit {
+    std::array<int, 4> powers{}; // of m, kg, s, rad
+    std::uint64_t numerator = 1;
+    std::uint64_t denominator = 1;
+    int exponent = 0;
+    int degrees = 0;
+};
 
 struct Symbol {
     std::string_view name;
@@ -62,16 +73,6 @@ std::optional<Unit> find_symbol(std::string_view name) {
     return std::nullopt;
 }
 
-std::vector<std::string> all_names() {
-    std::vector<std::string> names;
-    for (const Symbol& symbol : kSymbols) {
-        names.emplace_back(symbol.name);
-        for (const char prefix : symbol.prefixes)
-            names.push_back(fmt::format("{}{}", prefix, symbol.name));
-    }
-    return names;
-}
-
 [[noreturn]] void unknown_unit(std::string_view name) {
     for (std::size_t split = 1; split < name.size(); ++split) {
         const std::string_view first = name.substr(0, split);
@@ -80,7 +81,12 @@ std::vector<std::string> all_names() {
         if (!plural && find_symbol(first) && find_symbol(second))
             throw UsageError(fmt::format("unknown unit \"{}\": write \"{} {}\" for a product", name, first, second));
     }
-    const std::vector<std::string> names = all_names();
+    std::vector<std::string> names;
+    for (const Symbol& symbol : kSymbols) {
+        names.emplace_back(symbol.name);
+        for (const char prefix : symbol.prefixes)
+            names.push_back(fmt::format("{}{}", prefix, symbol.name));
+    }
     const std::string_view near = nearest(name, names);
     if (!near.empty())
         throw UsageError(fmt::format("unknown unit \"{}\": did you mean \"{}\"?", name, near));
@@ -110,121 +116,69 @@ std::string plain_ascii(std::string_view text) {
     return result;
 }
 
-class UnitParser {
-public:
-    explicit UnitParser(std::string_view text) : text_(text), rest_(text) {}
-
-    Unit parse() {
-        bool divide = false;
-        bool divided = false;
-        for (bool first = true;; first = false) {
-            skip_spaces();
-            const bool slash = take('/');
-            const bool star = !slash && !first && take('*');
-            skip_spaces();
-            if (rest_.empty() && !slash && !star)
-                return unit_;
-            if (divided && !slash)
-                throw UsageError(fmt::format("\"{}\" can be read in two ways: write products before the \"/\", "
-                                             "and \"/\" before each divisor",
-                                             text_));
-            divide = slash;
-            divided = divided || slash;
-            take_factor(divide);
-        }
-    }
-
-private:
-    void skip_spaces() {
-        while (!rest_.empty() && (rest_[0] == ' ' || rest_[0] == '\t'))
-            rest_.remove_prefix(1);
-    }
-
-    bool take(char c) {
-        if (rest_.empty() || rest_[0] != c)
-            return false;
-        rest_.remove_prefix(1);
-        return true;
-    }
-
-    void take_factor(bool divide) {
-        std::size_t length = 0;
-        while (length < rest_.size() && is_symbol_char(rest_[length]))
-            ++length;
+Unit parse_unit(std::string_view as_written) {
+    const std::string text = plain_ascii(as_written);
+    std::string_view rest = text;
+    const auto skip = [&](std::size_t characters) {
+        const std::string_view skipped = rest.substr(0, characters);
+        rest.remove_prefix(skipped.size());
+        return skipped;
+    };
+    const auto skip_spaces = [&] { skip(rest.find_first_not_of(" \t")); };
+    const auto skip_char = [&](char c) { return rest.starts_with(c) && !skip(1).empty(); };
+    Unit unit;
+    bool divided = false;
+    for (bool first = true;; first = false) {
+        skip_spaces();
+        const bool slash = skip_char('/');
+        const bool star = !slash && !first && skip_char('*');
+        skip_spaces();
+        if (rest.empty() && !slash && !star)
+            return unit;
+        if (divided && !slash)
+            throw UsageError(fmt::format("\"{}\" can be read in two ways: write products before the \"/\", "
+                                         "and \"/\" before each divisor",
+                                         text));
+        divided = divided || slash;
+        const auto length = std::ranges::find_if_not(rest, is_symbol_char) - rest.begin();
         if (length == 0)
-            throw UsageError(fmt::format("\"{}\" is not a unit; write for example \"N/mm\" or \"N s/m\"", text_));
-        const std::string_view name = rest_.substr(0, length);
-        rest_.remove_prefix(length);
+            throw UsageError(fmt::format("\"{}\" is not a unit; write for example \"N/mm\" or \"N s/m\"", text));
+        const std::string_view name = skip(static_cast<std::size_t>(length));
         const std::optional<Unit> factor = find_symbol(name);
         if (!factor)
             unknown_unit(name);
-        const int power = take_power();
-        apply(*factor, divide ? -power : power);
+        int power = 1;
+        if (skip_char('^')) {
+            const auto [end, error] = std::from_chars(rest.data(), rest.data() + rest.size(), power);
+            if (error != std::errc() || power < -9 || power > 9)
+                throw UsageError(fmt::format("a power in the unit \"{}\" is not an integer from -9 to 9", text));
+            skip(static_cast<std::size_t>(end - rest.data()));
+        }
+        power = slash ? -power : power;
+        for (std::size_t i = 0; i < unit.powers.size(); ++i)
+            unit.powers[i] += factor->powers[i] * power;
+        unit.exponent += factor->exponent * power;
+        unit.degrees += factor->degrees * power;
+        for (int i = 0; i < std::abs(power); ++i)
+            multiply(power > 0 ? unit.numerator : unit.denominator, factor->numerator, text);
     }
-
-    int take_power() {
-        if (!take('^'))
-            return 1;
-        int power = 0;
-        const auto [end, error] = std::from_chars(rest_.data(), rest_.data() + rest_.size(), power);
-        if (error != std::errc() || power < -9 || power > 9)
-            throw UsageError(fmt::format("a power in the unit \"{}\" is not an integer from -9 to 9", text_));
-        rest_.remove_prefix(static_cast<std::size_t>(end - rest_.data()));
-        return power;
-    }
-
-    void apply(const Unit& factor, int power) {
-        for (std::size_t i = 0; i < unit_.powers.size(); ++i)
-            unit_.powers[i] += factor.powers[i] * power;
-        unit_.exponent += factor.exponent * power;
-        unit_.degrees += factor.degrees * power;
-        for (int i = 0; i < power; ++i)
-            multiply(unit_.numerator, factor.numerator, text_);
-        for (int i = 0; i > power; --i)
-            multiply(unit_.denominator, factor.numerator, text_);
-    }
-
-    std::string_view text_;
-    std::string_view rest_;
-    Unit unit_;
-};
-
-} // namespace
-
-Unit parse_unit(std::string_view text) {
-    const std::string plain = plain_ascii(text);
-    return UnitParser(plain).parse();
 }
 
-namespace {
-
-struct DimensionInfo {
-    std::string_view name;
-    std::string_view article;
-    std::string_view example;
-    std::string_view unit;
-    std::array<int, 4> powers; // of m, kg, s, rad
-};
-
 constexpr std::array<DimensionInfo, 10> kDimensions{{
-    {"length", "a", "0.2 mm", "m", {1, 0, 0, 0}},
-    {"force", "a", "1 N", "N", {1, 1, -2, 0}},
-    {"stiffness", "a", "0.5 N/mm", "N/m", {0, 1, -2, 0}},
-    {"time", "a", "60 s", "s", {0, 0, 1, 0}},
-    {"frequency", "a", "1 kHz", "Hz", {0, 0, -1, 0}},
-    {"mass", "a", "0.1 kg", "kg", {0, 1, 0, 0}},
-    {"damping", "a", "1 N s/m", "N s/m", {0, 1, -1, 0}},
-    {"speed", "a", "100 mm/s", "m/s", {1, 0, -1, 0}},
-    {"angle", "an", "90 deg", "rad", {0, 0, 0, 1}},
-    {"force rate", "a", "2 N/ms", "N/s", {1, 1, -3, 0}},
+    {"length", "a length", "0.2 mm", "m", {1, 0, 0, 0}},
+    {"force", "a force", "1 N", "N", {1, 1, -2, 0}},
+    {"stiffness", "a stiffness", "0.5 N/mm", "N/m", {0, 1, -2, 0}},
+    {"time", "a time", "60 s", "s", {0, 0, 1, 0}},
+    {"frequency", "a frequency", "1 kHz", "Hz", {0, 0, -1, 0}},
+    {"mass", "a mass", "0.1 kg", "kg", {0, 1, 0, 0}},
+    {"damping", "a damping", "1 N s/m", "N s/m", {0, 1, -1, 0}},
+    {"speed", "a speed", "100 mm/s", "m/s", {1, 0, -1, 0}},
+    {"angle", "an angle", "90 deg", "rad", {0, 0, 0, 1}},
+    {"force rate", "a force rate", "2 N/ms", "N/s", {1, 1, -3, 0}},
 }};
 
 constexpr std::size_t kLongestQuantity = 256;
 constexpr int kLargestExponent = 100000; // far beyond any double, and far from overflow of the sum below
-
-const DimensionInfo& info(Dimension dimension) {
-    return kDimensions[static_cast<std::size_t>(dimension)];
-}
 
 bool is_digit(char c) {
     return c >= '0' && c <= '9';
@@ -235,47 +189,30 @@ struct Decimal {
     bool negative = false;
     std::string digits;
     int exponent = 0;
-    std::size_t length = 0; // characters of the text that it took
+    std::size_t length = 0; // characters of the text that it covers
 };
-
-std::size_t take_digits(std::string_view text, std::size_t at, std::string& digits) {
-    while (at < text.size() && is_digit(text[at]))
-        digits += text[at++];
-    return at;
-}
-
-std::size_t take_exponent(std::string_view text, std::size_t at, int& exponent) {
-    if (at >= text.size() || (text[at] != 'e' && text[at] != 'E'))
-        return at;
-    std::size_t first = at + 1;
-    const bool minus = first < text.size() && text[first] == '-';
-    if (first < text.size() && (text[first] == '-' || text[first] == '+'))
-        ++first;
-    if (first >= text.size() || !is_digit(text[first]))
-        return at; // no exponent but the beginning of a unit
-    int value = 0;
-    std::size_t end = first;
-    for (; end < text.size() && is_digit(text[end]); ++end)
-        value = std::min(kLargestExponent, value * 10 + (text[end] - '0'));
-    exponent += minus ? -value : value;
-    return end;
-}
 
 // Reads [+-]digits[.digits][e[+-]digits]; `length` is 0 if the text does not begin with a number.
 Decimal read_decimal(std::string_view text) {
-    Decimal number;
-    std::size_t at = 0;
-    if (!text.empty() && (text[0] == '+' || text[0] == '-'))
-        number.negative = text[at++] == '-';
-    at = take_digits(text, at, number.digits);
-    if (at < text.size() && text[at] == '.') {
-        const std::size_t whole = number.digits.size();
-        at = take_digits(text, at + 1, number.digits);
-        number.exponent = -static_cast<int>(number.digits.size() - whole);
-    }
-    if (number.digits.empty())
+    const std::size_t sign = text.starts_with('+') || text.starts_with('-');
+    double unused = 0;
+    const char* const begin = text.data() + sign;
+    const auto [end, error] = std::from_chars(begin, text.data() + text.size(), unused);
+    const std::string_view written(begin, static_cast<std::size_t>(end - begin));
+    if (error == std::errc::invalid_argument || !(is_digit(written[0]) || written[0] == '.')) // no infinity
         return {};
-    number.length = take_exponent(text, at, number.exponent);
+    Decimal number{text[0] == '-', "", 0, sign + written.size()};
+    const std::size_t e = written.find_first_of("eE"), point = std::min(written.find('.'), written.size());
+    const std::string_view digits = written.substr(0, e);
+    std::ranges::copy_if(digits, std::back_inserter(number.digits), is_digit);
+    if (e != written.npos) {
+        const std::string_view exponent = written.substr(e + (written[e + 1] == '+' ? 2 : 1));
+        if (std::from_chars(exponent.data(), exponent.data() + exponent.size(), number.exponent).ec != std::errc())
+            number.exponent = kLargestExponent * (exponent[0] == '-' ? -1 : 1);
+        number.exponent = std::clamp(number.exponent, -kLargestExponent, kLargestExponent);
+    }
+    if (point < digits.size())
+        number.exponent -= static_cast<int>(digits.size() - point - 1);
     return number;
 }
 
@@ -310,57 +247,43 @@ double convert(const Decimal& number, const Unit& unit) {
     return number.negative && value != 0 ? -value : value; // no negative zero: it would be a second text for one value
 }
 
-[[noreturn]] void refuse_number(std::string_view text, Dimension expected) {
+[[noreturn]] void refuse_number(std::string_view text, const DimensionInfo& info) {
     if (!text.empty() && is_digit(text[0]) && text.find(',') != std::string_view::npos)
-        throw UsageError(fmt::format("\"{}\": write a decimal point, as in \"{}\"", text, dimension_example(expected)));
-    throw UsageError(fmt::format("{} is a number and a unit, for example \"{}\"; got \"{}\"",
-                                 dimension_with_article(expected), dimension_example(expected), text));
+        throw UsageError(fmt::format("\"{}\": write a decimal point, as in \"{}\"", text, info.example));
+    throw UsageError(fmt::format("{} is a number and a unit, for example \"{}\"; got \"{}\"", info.with_article,
+                                 info.example, text));
 }
 
 std::string_view trimmed(std::string_view text) {
-    while (!text.empty() && (text.front() == ' ' || text.front() == '\t'))
-        text.remove_prefix(1);
-    while (!text.empty() && (text.back() == ' ' || text.back() == '\t'))
-        text.remove_suffix(1);
-    return text;
+    const std::size_t begin = text.find_first_not_of(" \t");
+    return begin == text.npos ? text.substr(0, 0) : text.substr(begin, text.find_last_not_of(" \t") - begin + 1);
 }
 
 } // namespace
 
-std::string_view dimension_name(Dimension dimension) {
-    return info(dimension).name;
-}
-
-std::string dimension_with_article(Dimension dimension) {
-    return fmt::format("{} {}", info(dimension).article, info(dimension).name);
-}
-
-std::string_view dimension_example(Dimension dimension) {
-    return info(dimension).example;
-}
-
-std::string_view dimension_unit(Dimension dimension) {
-    return info(dimension).unit;
+const DimensionInfo& dimension_info(Dimension dimension) {
+    return kDimensions[static_cast<std::size_t>(dimension)];
 }
 
 double parse_quantity(std::string_view text, Dimension expected) {
+    const DimensionInfo& info = dimension_info(expected);
     text = trimmed(text);
     if (text.size() > kLongestQuantity)
-        throw UsageError(fmt::format("{} of {} characters is too long; write for example \"{}\"",
-                                     dimension_with_article(expected), text.size(), dimension_example(expected)));
+        throw UsageError(fmt::format("{} of {} characters is too long; write for example \"{}\"", info.with_article,
+                                     text.size(), info.example));
     const Decimal number = read_decimal(text);
     if (number.length == 0)
-        refuse_number(text, expected);
+        refuse_number(text, info);
     const std::string_view unit_text = trimmed(text.substr(number.length));
     if (unit_text.empty())
-        throw UsageError(fmt::format("{} needs a unit, for example \"{}\"; got \"{}\"",
-                                     dimension_with_article(expected), dimension_example(expected), text));
+        throw UsageError(
+            fmt::format("{} needs a unit, for example \"{}\"; got \"{}\"", info.with_article, info.example, text));
     if (unit_text[0] == ',' || unit_text[0] == '.' || is_digit(unit_text[0]))
-        refuse_number(text, expected);
+        refuse_number(text, info);
     const Unit unit = parse_unit(unit_text);
-    if (unit.powers != info(expected).powers)
-        throw UsageError(fmt::format("\"{}\" is not {}; write for example \"{}\"", unit_text,
-                                     dimension_with_article(expected), dimension_example(expected)));
+    if (unit.powers != info.powers)
+        throw UsageError(
+            fmt::format("\"{}\" is not {}; write for example \"{}\"", unit_text, info.with_article, info.example));
     const double value = convert(number, unit);
     const bool zero = number.digits.find_first_not_of('0') == std::string::npos;
     if (!std::isfinite(value) || (value == 0 && !zero))

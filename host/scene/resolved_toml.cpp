@@ -53,9 +53,7 @@ bool may_stand_in_base(std::size_t key, const Document& document) {
 } // namespace
 
 std::vector<std::size_t> key_order(const Document& document) {
-    std::vector<const Layer*> layers{&document.base, &document.overrides};
-    for (const Layer& variant : document.variants)
-        layers.push_back(&variant);
+    const std::vector<const Layer*> layers = document.layers();
     std::vector<std::string_view> tables;
     for (const Layer* layer : layers)
         for (const Entry& entry : layer->entries)
@@ -107,7 +105,7 @@ public:
         text_ += fmt::format("{} = {}\n", path, literal);
     }
 
-    std::string take() { return std::move(text_); }
+    std::string text() { return std::move(text_); }
 
 private:
     std::string text_;
@@ -117,23 +115,25 @@ private:
 // "u.exr" -> digest, of the files whose digest is known.
 using Digests = std::map<std::string, std::string>;
 
-void add_digest(const HeightMapSpec& map, Digests& digests) {
-    if (map.function == MapFunction::file && !map.sha256.empty())
-        digests[map.path] = map.sha256;
-}
-
 Digests known_digests(const Study& study) {
     Digests digests;
+    const auto add = [&](const auto& file) {
+        if (!file.sha256.empty())
+            digests[file.path] = file.sha256;
+    };
     for (const Case& one : study.cases) {
-        add_digest(one.scene.surface.map, digests);
-        if (const MeshSpec& mesh = one.scene.surface.mesh; !mesh.sha256.empty())
-            digests[mesh.path] = mesh.sha256;
+        add(one.scene.surface.map);
+        add(one.scene.surface.mesh);
         if (one.scene.texture)
-            add_digest(one.scene.texture->map, digests);
-        if (one.scene.paths && !one.scene.paths->sha256.empty())
-            digests[one.scene.paths->path] = one.scene.paths->sha256;
+            add(one.scene.texture->map);
+        if (one.scene.paths)
+            add(*one.scene.paths);
     }
     return digests;
+}
+
+bool is_mesh(const Forms& forms) {
+    return forms.surface == kFormMesh;
 }
 
 // One value, or a list of them.
@@ -149,18 +149,6 @@ std::string literal(const Key& key, const Entry& entry) {
         values.push_back(value.one_for_all && entry.values.size() > 1 ? fmt::format("[{}]", text) : text);
     }
     // An axis of one vector must not look like a vector of vectors.
-    return axis_literal(values);
-}
-
-// The digests of an entry's files, if all are known.
-std::string digest_literal(const Entry& entry, const Digests& digests) {
-    std::vector<std::string> values;
-    for (const Value& value : entry.values) {
-        const auto known = digests.find(value.path);
-        if (known == digests.end() && value.sha256.empty())
-            return "";
-        values.push_back(toml_string(known == digests.end() ? value.sha256 : known->second));
-    }
     return axis_literal(values);
 }
 
@@ -181,7 +169,7 @@ public:
                 print_base(*entry);
         for (const Layer& variant : document_.variants)
             print_variant(variant);
-        return writer_.take();
+        return writer_.text();
     }
 
 private:
@@ -230,14 +218,11 @@ private:
 
     // Paths without a grid in the text mean paths only: then its defaults must be left to be defaults.
     bool any_paths() const {
-        const auto has = [](const Layer& layer) { return layer.paths; };
-        return has(document_.base) || has(document_.overrides) ||
-               std::any_of(document_.variants.begin(), document_.variants.end(), has);
+        return std::ranges::any_of(document_.layers(), [](const Layer* layer) { return layer->paths; });
     }
 
-    // Where a mesh's grid may be made from its box, what was given last holds: defaults are then left to be defaults.
+    // Where a mesh's grid may be made from its box, what was given last applies: defaults are then not written.
     bool stands_in_base(std::size_t index, bool given) const {
-        const auto is_mesh = [](const Forms& one) { return one.surface == kFormMesh; };
         const bool fits = grid_fits_mesh(base_);
         if (index == samples_)
             return fits && (given || std::all_of(forms_.begin(), forms_.end(), is_mesh));
@@ -246,42 +231,36 @@ private:
         return given || !fits || std::none_of(forms_.begin(), forms_.end(), is_mesh);
     }
 
-    // What a variant says of the grid must not hold over an override that comes to stand in the base.
-    bool yields_to_override(std::size_t key) const {
-        const auto& given = document_.overrides.entries;
-        return key == samples_ && std::any_of(given.begin(), given.end(), [](const Entry& entry) {
-                   return schema_keys()[entry.key].table == "grid";
-               });
+    // Overrides go into the base: what a variant says of their keys, or of samples beside the grid, must not replace
+    // them.
+    bool is_overridden(std::size_t key) const {
+        return std::ranges::any_of(document_.overrides.entries, [&](const Entry& entry) {
+            return entry.key == key || replaces(entry.key, key) ||
+                   (key == samples_ && schema_keys()[entry.key].table == "grid");
+        });
     }
 
     void print_base(const Entry& entry) {
         const Key& key = schema_keys()[entry.key];
         writer_.add(key.table, key.name, literal(key, entry));
-        if (const std::string digest = digest_literal(entry, digests_); key.kind == ValueKind::file && !digest.empty())
+        if (const std::string digest = digest_literal(entry); !digest.empty())
             writer_.add(key.table, "sha256", digest);
     }
 
     void print_variant(const Layer& variant) {
         writer_.begin_variant();
-        const auto overridden = [&](std::size_t key) {
-            const auto& entries = document_.overrides.entries;
-            return std::any_of(entries.begin(), entries.end(),
-                               [key](const Entry& entry) { return entry.key == key || replaces(entry.key, key); });
-        };
         const std::vector<Forms> forms = possible_forms(merge({&document_.base, &variant, &document_.overrides}));
         std::set<std::string_view> printed; // tables
         for (const Entry& entry : variant.entries) {
             const Key& key = schema_keys()[entry.key];
-            if (overridden(entry.key) || yields_to_override(entry.key) || !applies_to_any(key, forms))
+            if (is_overridden(entry.key) || !applies_to_any(key, forms))
                 continue;
-            const auto is_mesh = [](const Forms& one) { return one.surface == kFormMesh; };
             const bool all_mesh = std::all_of(forms.begin(), forms.end(), is_mesh);
             if (key.table == "grid" && entry.key != samples_ && document_.overrides.find(samples_) && all_mesh)
                 continue;
             printed.insert(key.table);
             writer_.add_dotted(key.path(), literal(key, entry));
-            if (const std::string digest = digest_literal(entry, digests_);
-                key.kind == ValueKind::file && !digest.empty())
+            if (const std::string digest = digest_literal(entry); !digest.empty())
                 writer_.add_dotted(fmt::format("{}.sha256", key.table), digest);
         }
         const Entry* samples = document_.overrides.find(samples_);
@@ -295,9 +274,22 @@ private:
                 writer_.add_dotted(table, "{}");
     }
 
+    // The digests of an entry's files, if all are known; empty for other entries.
+    std::string digest_literal(const Entry& entry) const {
+        std::vector<std::string> values;
+        for (const Value& value : entry.values) {
+            const auto known = digests_.find(value.path);
+            const std::string& digest = known == digests_.end() ? value.sha256 : known->second;
+            if (digest.empty())
+                return "";
+            values.push_back(toml_string(digest));
+        }
+        return axis_literal(values);
+    }
+
     const Document& document_;
     Digests digests_;
-    std::size_t samples_ = static_cast<std::size_t>(find_key("grid.samples"));
+    std::size_t samples_ = key_index("grid.samples");
     Merged base_;
     std::vector<Forms> forms_; // of all cases
     TomlWriter writer_;
@@ -319,7 +311,7 @@ std::string resolved_toml(const Case& one) {
         if (!sha256.empty())
             writer.add(setting.table, "sha256", toml_string(sha256));
     }
-    return writer.take();
+    return writer.text();
 }
 
 std::string resolved_toml(const Study& study) {

@@ -152,7 +152,7 @@ struct PathsSpec {
     std::optional<double> lift;    /* m: of taps, above the surface at the top */
     double start_depth = 0;        /* m: closed loop: below the target at the start */
     std::optional<double> bound;   /* m: closed loop: further from the target is unstable */
-    std::optional<double> stretch; /* m: the way that a turn of the force is counted over */
+    std::optional<double> stretch; /* m: the path length over which a turn of the force is measured */
 
     bool closed() const { return loop ? *loop == PathLoop::closed : drive != PathDrive::depth; }
     friend bool operator==(const PathsSpec&, const PathsSpec&) = default;

@@ -1,6 +1,5 @@
 #include "host/scene/schema.h"
 
-#include <bit>
 #include <vector>
 
 #include <fmt/format.h>
@@ -19,12 +18,18 @@ std::string join_or(const std::vector<std::string_view>& names) {
     return fmt::format("{} or {}", fmt::join(names.begin(), names.end() - 1, ", "), names.back());
 }
 
-// The names of the height maps among some forms, "file" included.
+// The names whose bits are set, `first` being the first one's.
+std::vector<std::string_view> names_of(std::uint32_t forms, std::span<const std::string_view> names,
+                                       std::uint32_t first) {
+    std::vector<std::string_view> result;
+    for (std::size_t i = 0; i < names.size(); ++i)
+        if (forms & (first << i))
+            result.push_back(names[i]);
+    return result;
+}
+
 std::vector<std::string_view> map_names(std::uint32_t forms) {
-    std::vector<std::string_view> names;
-    for (std::size_t i = 0; i < kMapFunctions.size(); ++i)
-        if (forms & (kFormMapCylinder << i))
-            names.push_back(kMapFunctions[i]);
+    std::vector<std::string_view> names = names_of(forms, kMapFunctions, kFormMapCylinder);
     if (forms & kFormMapFile)
         names.push_back("file");
     return names;
@@ -34,15 +39,12 @@ std::string describe_path_forms(const Key& key, const Forms& forms) {
     if (forms.paths == 0)
         return "a scene without [paths]";
     if (key.subject == Subject::paths && (key.forms & forms.paths) == 0)
-        return fmt::format("kind \"{}\"", kPathKinds[static_cast<std::size_t>(std::countr_zero(forms.paths))]);
+        return fmt::format("kind \"{}\"", names_of(forms.paths, kPathKinds, 1).front());
     return "an open loop";
 }
 
 std::string describe_path_applicability(const Key& key) {
-    std::vector<std::string_view> kinds;
-    for (std::size_t i = 0; i < kPathKinds.size(); ++i)
-        if (key.forms & (1u << i))
-            kinds.push_back(kPathKinds[i]);
+    const std::vector<std::string_view> kinds = names_of(key.forms, kPathKinds, 1);
     const std::string_view loop = key.closed_loop ? "a closed loop" : "";
     if (kinds.size() == kPathKinds.size())
         return std::string(loop);
@@ -117,11 +119,7 @@ std::string describe_applicability(const Key& key) {
         return "a closed loop";
     if (key.subject == Subject::paths)
         return describe_path_applicability(key);
-    std::vector<std::string_view> kinds;
-    if (key.forms & kFormBump)
-        kinds.push_back(kSurfaceKinds[0]);
-    if (key.forms & kFormCylinderBump)
-        kinds.push_back(kSurfaceKinds[1]);
+    std::vector<std::string_view> kinds = names_of(key.forms, std::span(kSurfaceKinds).first(2), kFormBump);
     if (key.forms & kFormMesh)
         kinds.push_back(kSurfaceKinds[3]);
     const std::string maps = join_or(map_names(key.forms));
@@ -141,7 +139,7 @@ constexpr std::size_t kLineWidth = 100;
 std::string type_name(const Key& key) {
     constexpr const char* kNames[] = {"", "", "number", "integer", "choice", "list of choices", "file", "digest"};
     if (key.kind == ValueKind::quantity || key.kind == ValueKind::unit)
-        return fmt::format("{}{}", key.kind == ValueKind::unit ? "unit of " : "", dimension_name(key.dimension));
+        return fmt::format("{}{}", key.kind == ValueKind::unit ? "unit of " : "", dimension_info(key.dimension).name);
     return kNames[static_cast<std::size_t>(key.kind)];
 }
 
@@ -183,11 +181,7 @@ void add_key(const Key& key, std::string& result) {
     add_comment(
         fmt::format("    {}{}", describe_values(key), applicability.empty() ? "" : fmt::format(" ({})", applicability)),
         result);
-    const bool image = key.kind == ValueKind::file && key.example.empty();
-    const std::string_view example = image                           ? "\"u.exr\""
-                                     : key.kind == ValueKind::digest ? "\"(64 hexadecimal digits)\""
-                                     : !key.example.empty()          ? key.example
-                                                                     : key.default_text;
+    const std::string_view example = key.example.empty() ? key.default_text : key.example;
     result += fmt::format("{}{} = {}\n", applies(key, Forms{}) ? "" : "# ", key.name, example);
 }
 
@@ -235,10 +229,8 @@ std::string schema_json() {
         row["default"] =
             key.default_text.empty() ? nlohmann::ordered_json() : nlohmann::ordered_json(std::string(key.default_text));
         if (key.kind == ValueKind::quantity) {
-            row["unit"] = std::string(dimension_unit(key.dimension));
-            row["sign"] = key.sign == Sign::positive       ? "positive"
-                          : key.sign == Sign::not_negative ? "not_negative"
-                                                           : "any";
+            row["unit"] = std::string(dimension_info(key.dimension).unit);
+            row["sign"] = std::array{"any", "not_negative", "positive"}[static_cast<std::size_t>(key.sign)];
         }
         if (key.kind == ValueKind::integer) {
             row["minimum"] = key.smallest;

@@ -89,6 +89,11 @@ std::vector<Key> make_keys();
 /// The index in schema_keys() of "table.name", or -1.
 int find_key(std::string_view path);
 
+/// The index of a key that exists.
+inline std::size_t key_index(std::string_view path) {
+    return static_cast<std::size_t>(find_key(path));
+}
+
 bool applies(const Key& key, const Forms& forms);
 
 /// `kind "height_map" with function "sine"`.

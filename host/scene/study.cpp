@@ -74,7 +74,7 @@ private:
     // A mesh's grid is made from its box or given, not both in one place.
     void refuse_two_grids(const Stack& stack) const {
         const auto is_mesh = [](const Forms& one) { return one.surface == kFormMesh; };
-        const auto samples = static_cast<std::size_t>(find_key("grid.samples"));
+        const auto samples = key_index("grid.samples");
         const Merged& merged = stack.merged;
         if (merged.ranks[samples] == 0 || !std::all_of(stack.forms.begin(), stack.forms.end(), is_mesh))
             return;
@@ -88,10 +88,7 @@ private:
     // Results name files by their base name alone.
     void refuse_equal_file_names() const {
         std::map<std::string, std::string> path_of;
-        std::vector<const Layer*> layers{&document_->base, &document_->overrides};
-        for (const Layer& variant : document_->variants)
-            layers.push_back(&variant);
-        for (const Layer* layer : layers)
+        for (const Layer* layer : document_->layers())
             for (const Entry& entry : layer->entries)
                 for (const Value& value : entry.values) {
                     const std::string name = std::filesystem::path(value.path).filename().string();

@@ -30,6 +30,8 @@ namespace {
 // Beyond this nobody meant anything, and the table of distances stays small.
 constexpr std::size_t kLongestWord = 64;
 
+} // namespace
+
 std::string lower_case(std::string_view text) {
     std::string result(text);
     for (char& c : result)
@@ -37,8 +39,6 @@ std::string lower_case(std::string_view text) {
             c = static_cast<char>(c - 'A' + 'a');
     return result;
 }
-
-} // namespace
 
 std::size_t edit_distance(std::string_view first, std::string_view second) {
     const std::size_t columns = second.size() + 1;
@@ -146,34 +146,44 @@ private:
         value.parts.push_back(node.where);
         switch (key_.kind) {
         case ValueKind::quantity:
-            return read_quantity(node, value);
         case ValueKind::unit:
-            return read_unit(node, value);
+            read_quantity(node, value);
+            break;
         case ValueKind::number:
             return read_number(node, value);
         case ValueKind::integer:
             return read_integer(node, value);
         case ValueKind::choice:
         case ValueKind::choices:
-            return read_choice(node, value);
+            read_choice(node, value);
+            break;
         case ValueKind::file:
-            return read_file(node, value);
+            read_file(node, value);
+            break;
         case ValueKind::digest:
-            return read_digest(node, value);
+            check_digest(node);
         }
+        value.texts.push_back(node.text);
     }
 
+    // Or a unit: "mm", or as much of it as 1 means: "25 mm".
     void read_quantity(const TomlNode& node, Value& value) {
-        const std::string kind = dimension_with_article(key_.dimension);
-        const std::string_view example = dimension_example(key_.dimension);
+        const DimensionInfo& info = dimension_info(key_.dimension);
+        const bool is_unit = key_.kind == ValueKind::unit;
+        if (is_unit && node.type != Type::string)
+            refuse(node, fmt::format("{} is the name of {} unit in quotes, for example \"mm\"; got {}", key_.name,
+                                     info.with_article, describe(node)));
         if (node.type == Type::integer || node.type == Type::real)
-            refuse(node, fmt::format("{} needs a unit, for example \"{}\"; got {}", kind, example, describe(node)));
-        if (node.type != Type::string)
-            refuse(node, fmt::format("{} is {} with a unit, for example \"{}\"; got {}", key_.name, kind, example,
+            refuse(node, fmt::format("{} needs a unit, for example \"{}\"; got {}", info.with_article, info.example,
                                      describe(node)));
+        if (node.type != Type::string)
+            refuse(node, fmt::format("{} is {} with a unit, for example \"{}\"; got {}", key_.name, info.with_article,
+                                     info.example, describe(node)));
+        const bool has_number =
+            !node.text.empty() && (node.text.front() == '.' || (node.text.front() >= '0' && node.text.front() <= '9'));
         double number = 0;
         try {
-            number = parse_quantity(node.text, key_.dimension);
+            number = parse_quantity(is_unit && !has_number ? "1 " + node.text : node.text, key_.dimension);
         } catch (const UsageError& error) {
             refuse(node, error.what());
         }
@@ -182,26 +192,6 @@ private:
         if (key_.sign == Sign::not_negative && !(number >= 0))
             refuse(node, fmt::format("{} must not be negative, got {}", key_.name, node.text));
         value.numbers.push_back(number);
-        value.texts.push_back(node.text);
-    }
-
-    // "mm", or as much of it as 1 means: "25 mm".
-    void read_unit(const TomlNode& node, Value& value) {
-        if (node.type != Type::string)
-            refuse(node, fmt::format("{} is the name of {} unit in quotes, for example \"mm\"; got {}", key_.name,
-                                     dimension_with_article(key_.dimension), describe(node)));
-        const bool has_number =
-            !node.text.empty() && (node.text.front() == '.' || (node.text.front() >= '0' && node.text.front() <= '9'));
-        double number = 0;
-        try {
-            number = parse_quantity(has_number ? node.text : "1 " + node.text, key_.dimension);
-        } catch (const UsageError& error) {
-            refuse(node, error.what());
-        }
-        if (!(number > 0))
-            refuse(node, fmt::format("{} must be positive, got {}", key_.name, node.text));
-        value.numbers.push_back(number);
-        value.texts.push_back(node.text);
     }
 
     void read_number(const TomlNode& node, Value& value) {
@@ -236,7 +226,6 @@ private:
             refuse(node, fmt::format("{}; got {}{}", all, describe(node), did_you_mean(node.text, names)));
         }
         value.integers.push_back(static_cast<std::uint64_t>(found - key_.choices.begin()));
-        value.texts.push_back(node.text);
     }
 
     void read_file(const TomlNode& node, Value& value) {
@@ -249,30 +238,20 @@ private:
             refuse(node, fmt::format("{} names no file", describe(node)));
         value.path =
             (std::filesystem::absolute(folder_.empty() ? "." : folder_) / node.text).lexically_normal().string();
-        value.texts.push_back(node.text);
     }
 
-    void read_digest(const TomlNode& node, Value& value) {
+    void check_digest(const TomlNode& node) const {
         const auto is_hex = [](char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f'); };
         if (node.type != Type::string || node.text.size() != 64 ||
             !std::all_of(node.text.begin(), node.text.end(), is_hex))
             refuse(node, fmt::format("{} is 64 lower-case hexadecimal digits in quotes, as sha256sum prints them",
                                      key_.name));
-        value.texts.push_back(node.text);
     }
 
     const Key& key_;
     const std::string& source_;
     const std::string& folder_;
 };
-
-// For a key that is a list itself, only a list of lists is an axis.
-bool is_axis(const ValueReader& reader, const TomlNode& node) {
-    if (node.type != Type::array)
-        return false;
-    const auto is_array = [](const TomlNode& item) { return item.type == Type::array; };
-    return !reader.is_vector() || std::any_of(node.items.begin(), node.items.end(), is_array);
-}
 
 } // namespace
 
@@ -303,13 +282,15 @@ std::string literal(const Key& key, const Value& value) {
 std::vector<Value> read_values(const Key& key, const TomlNode& node, const std::string& source,
                                const std::string& folder) {
     ValueReader reader(key, source, folder);
-    if (!is_axis(reader, node))
+    // For a key that is a list itself, only a list of lists is an axis.
+    const auto is_array = [](const TomlNode& item) { return item.type == Type::array; };
+    if (!is_array(node) || (reader.is_vector() && std::none_of(node.items.begin(), node.items.end(), is_array)))
         return {reader.read_one(node)};
     if (node.items.empty())
         reader.refuse(node, fmt::format("empty list: {} needs at least one value", key.name));
     std::vector<Value> values;
     for (const TomlNode& item : node.items) {
-        if (item.type == Type::array && !reader.is_vector())
+        if (is_array(item) && !reader.is_vector())
             reader.refuse(item,
                           fmt::format("a sweep axis of {} is a list of single values; got a list in it", key.name));
         values.push_back(reader.read_one(item));

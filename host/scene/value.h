@@ -1,7 +1,6 @@
 // Where in a configuration something stands, and errors that say so.
 #pragma once
 
-#include <array>
 #include <compare>
 #include <cstddef>
 #include <cstdint>
@@ -26,6 +25,9 @@ std::string location_prefix(std::string_view source, Location location);
 [[noreturn]] void fail(std::string_view source, Location location, const std::string& message);
 
 // Finds the word that somebody meant who misspelt one.
+
+/// Of ASCII; other bytes stay as they are.
+std::string lower_case(std::string_view text);
 
 /// Damerau-Levenshtein distance (optimal string alignment): insertions, deletions, changes and swaps of neighbours, in
 /// bytes.
@@ -66,18 +68,5 @@ std::string plain_text(const Value& value, char separator);
 /// empty). Throws UsageError `source:line:column: message` if it is of a wrong type, unit, length or range.
 std::vector<Value> read_values(const Key& key, const TomlNode& node, const std::string& source,
                                const std::string& folder);
-
-// What the setters of the schema's keys have in common: a value's content as a member of a scene.
-
-template <typename Enum> Enum choice(const Value& value) {
-    return static_cast<Enum>(value.integers.at(0));
-}
-
-template <std::size_t n> std::array<double, n> components(const Value& value) {
-    std::array<double, n> result;
-    for (std::size_t i = 0; i < n; ++i)
-        result[i] = value.numbers.at(i);
-    return result;
-}
 
 } // namespace forceshade

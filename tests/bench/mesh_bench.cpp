@@ -21,7 +21,7 @@ constexpr double kQueries = 0.5e6;      // 1/s, wanted at least
 /// A sphere of 1 310 720 triangles.
 void build(benchmark::State& state) {
     const Mesh mesh = shapes::mesh_of(shapes::icosphere(8));
-    const double millions = double(mesh.triangles.size()) * 1e-6;
+    const double millions = double(mesh.triangles.corners.size()) * 1e-6;
     std::vector<double> times;
     std::size_t bytes = 0;
     for (auto _ : state) {

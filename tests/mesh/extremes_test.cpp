@@ -307,7 +307,7 @@ TEST(Extremes, ReentrantEdgesSharperThanARightAngle) {
     // As single triangles, too: no vertex in common, all edges found by place.
     const Mesh cut = shapes::mesh_of(block);
     PolygonSoup heap;
-    for (const auto& triangle : cut.triangles) {
+    for (const auto& triangle : cut.triangles.corners) {
         const auto first = static_cast<std::uint32_t>(heap.vertices.size());
         for (const std::uint32_t corner : triangle)
             heap.vertices.push_back(cut.polygons.vertices[corner]);

@@ -47,13 +47,13 @@ class Random {
 public:
     double uniform() { return (double(random_()) + 0.5) / 2147483648.0 - 1; }
     glm::dvec3 below_a_triangle(const Mesh& mesh) {
-        const std::size_t triangle = random_() % mesh.triangles.size();
+        const std::size_t triangle = random_() % mesh.triangles.corners.size();
         glm::dvec3 corners[3];
         for (std::size_t i = 0; i < 3; ++i)
-            corners[i] = mesh.polygons.vertices[mesh.triangles[triangle][i]];
+            corners[i] = mesh.polygons.vertices[mesh.triangles.corners[triangle][i]];
         const double size = std::sqrt(reference::dot(Vector(corners[1] - corners[0]), Vector(corners[1] - corners[0])));
         return (corners[0] + corners[1] + corners[2]) / 3.0 -
-               0.3 * size * std::abs(uniform()) * mesh.triangle_normals[triangle];
+               0.3 * size * std::abs(uniform()) * mesh.triangles.normals[triangle];
     }
     glm::dvec3 within(double reach) { return {reach * uniform(), reach * uniform(), reach * uniform()}; }
 
@@ -109,7 +109,7 @@ TEST(MeshContact, OfASphereFarAwayIsTheReferees) {
 
 TEST(MeshContact, OfSpotIsTheReferees) {
     Oracle oracle(read_polygons(FORCESHADE_TEST_DATA "/spot.obj").polygons);
-    hold_against_referee(oracle, 30, oracle.mesh.triangles.size() == oracle.mesh.polygons.facets());
+    hold_against_referee(oracle, 30, oracle.mesh.triangles.corners.size() == oracle.mesh.polygons.facets());
 }
 
 TEST(MeshContact, OfRandomPolyhedraIsTheReferees) {
@@ -197,7 +197,7 @@ TEST(MeshContact, DirectionIsContinuousAcrossEdges) {
     for (const PolygonSoup& polygons : {shapes::icosphere(2), shapes::cube()}) {
         Oracle oracle(polygons);
         for (const uint shading : {layout::kShadingBarycentric, layout::kShadingMeanValue}) {
-            if (shading == layout::kShadingBarycentric && oracle.mesh.triangles.size() != polygons.facets())
+            if (shading == layout::kShadingBarycentric && oracle.mesh.triangles.corners.size() != polygons.facets())
                 continue;
             oracle.law.features.shading = shading;
             const MeshParts& parts = *oracle.structure.parts;

@@ -37,11 +37,11 @@ double twice_area_z(const Mesh& mesh, const Corners& triangle) {
 // A triangulation of a plane polygon: every triangle has its orientation, and the areas add up.
 void expect_tiling(const Mesh& mesh, double twice_area) {
     double sum = 0;
-    for (const Corners& triangle : mesh.triangles) {
+    for (const Corners& triangle : mesh.triangles.corners) {
         EXPECT_GT(twice_area_z(mesh, triangle), 0);
         sum += twice_area_z(mesh, triangle);
     }
-    EXPECT_EQ(mesh.triangles.size(), mesh.polygons.corners.size() - 2);
+    EXPECT_EQ(mesh.triangles.corners.size(), mesh.polygons.corners.size() - 2);
     EXPECT_NEAR(sum, twice_area, 1e-12 * twice_area);
 }
 
@@ -77,24 +77,24 @@ TEST(Placement, RefusesWhatIsNoPlacement) {
 TEST(Triangles, OfTrianglesAreThemselves) {
     const PolygonSoup sphere = shapes::icosphere(1);
     const Mesh mesh = prepared(sphere);
-    ASSERT_EQ(mesh.triangles.size(), sphere.facets());
-    for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
-        EXPECT_EQ(mesh.triangles[i],
+    ASSERT_EQ(mesh.triangles.corners.size(), sphere.facets());
+    for (std::uint32_t i = 0; i < mesh.triangles.corners.size(); ++i) {
+        EXPECT_EQ(mesh.triangles.corners[i],
                   (Corners{sphere.corners[3 * i], sphere.corners[3 * i + 1], sphere.corners[3 * i + 2]}));
-        EXPECT_EQ(mesh.triangle_facets[i], i);
-        EXPECT_EQ(mesh.triangle_normals[i], mesh.facet_normals[i]);
+        EXPECT_EQ(mesh.triangles.facets[i], i);
+        EXPECT_EQ(mesh.triangles.normals[i], mesh.facet_normals[i]);
     }
 }
 
 TEST(Triangles, OfAQuadrilateralHaveTheShorterDiagonal) {
-    EXPECT_EQ(prepared(polygon({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}})).triangles,
+    EXPECT_EQ(prepared(polygon({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}})).triangles.corners,
               (std::vector<Corners>{{0, 1, 2}, {0, 2, 3}}));
-    EXPECT_EQ(prepared(polygon({{0, 0, 0}, {1, 0, 0}, {3, 3, 0}, {0, 1, 0}})).triangles,
+    EXPECT_EQ(prepared(polygon({{0, 0, 0}, {1, 0, 0}, {3, 3, 0}, {0, 1, 0}})).triangles.corners,
               (std::vector<Corners>{{0, 1, 3}, {1, 2, 3}}));
     // From a reflex corner, though the other diagonal is shorter.
-    EXPECT_EQ(prepared(polygon({{0, 0, 0}, {4, -1, 0}, {1, 0, 0}, {4, 1, 0}})).triangles,
+    EXPECT_EQ(prepared(polygon({{0, 0, 0}, {4, -1, 0}, {1, 0, 0}, {4, 1, 0}})).triangles.corners,
               (std::vector<Corners>{{0, 1, 2}, {0, 2, 3}}));
-    EXPECT_EQ(prepared(polygon({{4, -1, 0}, {1, 0, 0}, {4, 1, 0}, {0, 0, 0}})).triangles,
+    EXPECT_EQ(prepared(polygon({{4, -1, 0}, {1, 0, 0}, {4, 1, 0}, {0, 0, 0}})).triangles.corners,
               (std::vector<Corners>{{0, 1, 3}, {1, 2, 3}}));
 }
 
@@ -111,14 +111,14 @@ TEST(Triangles, OfAStarTileIt) {
     }
     expect_tiling(prepared(polygon(vertices)), twice_area);
     const Mesh again = prepared(polygon(vertices));
-    EXPECT_EQ(again.triangles, prepared(polygon(vertices)).triangles);
+    EXPECT_EQ(again.triangles.corners, prepared(polygon(vertices)).triangles.corners);
 }
 
 TEST(Triangles, KeepTheirFacetsOrientation) {
     for (const glm::dvec3& axis : {glm::dvec3(1, 0, 0), glm::dvec3(0, -1, 0), glm::dvec3(0.5, 0.6, -0.7)}) {
         const Mesh prism = prepared(shapes::moved(shapes::many_gon_prism(9), glm::dvec3(1), axis));
-        for (std::size_t i = 0; i < prism.triangles.size(); ++i) {
-            const glm::dvec3 &n = prism.triangle_normals[i], &f = prism.facet_normals[prism.triangle_facets[i]];
+        for (std::size_t i = 0; i < prism.triangles.corners.size(); ++i) {
+            const glm::dvec3 &n = prism.triangles.normals[i], &f = prism.facet_normals[prism.triangles.facets[i]];
             EXPECT_GT(n.x * f.x + n.y * f.y + n.z * f.z, 0.999999);
         }
     }
@@ -126,13 +126,13 @@ TEST(Triangles, KeepTheirFacetsOrientation) {
 
 TEST(Triangles, OfWhatCannotBeCutAreAFan) {
     const Mesh star = prepared(polygon({{1, 0, 0}, {-0.8, 0.6, 0}, {0.3, -0.95, 0}, {0.3, 0.95, 0}, {-0.8, -0.6, 0}}));
-    EXPECT_EQ(star.triangles, (std::vector<Corners>{{0, 1, 2}, {0, 2, 3}, {0, 3, 4}}));
+    EXPECT_EQ(star.triangles.corners, (std::vector<Corners>{{0, 1, 2}, {0, 2, 3}, {0, 3, 4}}));
     PolygonSoup twice = polygon({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {-1, 2, 0}});
     twice.corners[3] = 1;
-    EXPECT_EQ(prepared(twice).triangles.size(), 3u);
+    EXPECT_EQ(prepared(twice).triangles.corners.size(), 3u);
     const Mesh line = prepared(polygon({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {3, 0, 0}, {1, 0, 0}}));
-    EXPECT_EQ(line.triangles.size(), 3u);
-    EXPECT_EQ(line.triangle_normals[0], glm::dvec3(0));
+    EXPECT_EQ(line.triangles.corners.size(), 3u);
+    EXPECT_EQ(line.triangles.normals[0], glm::dvec3(0));
 }
 
 TEST(Triangles, OfManyCornersTakeNoTime) {
@@ -140,7 +140,7 @@ TEST(Triangles, OfManyCornersTakeNoTime) {
     const Mesh mesh = prepared(shapes::many_gon_prism(65537));
     EXPECT_LT(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(),
               5); // 0.2 s, or 1 s sanitized
-    EXPECT_EQ(mesh.triangles.size(), mesh.polygons.corners.size() - 2 * mesh.polygons.facets());
+    EXPECT_EQ(mesh.triangles.corners.size(), mesh.polygons.corners.size() - 2 * mesh.polygons.facets());
 }
 
 // A plane facet cut into triangles far from the origin and in any unit stays plane.
@@ -148,11 +148,12 @@ TEST(Triangles, DoNotDependOnPlaceAndUnit) {
     const PolygonSoup prism = shapes::many_gon_prism(33);
     const Mesh here = prepared(prism);
     for (const double unit : {0x1p-40, 0x1p-10, 0x1p30})
-        EXPECT_EQ(prepared(prism, {.unit = unit, .scale = 1, .rotate = {}, .translate = {}}).triangles, here.triangles);
+        EXPECT_EQ(prepared(prism, {.unit = unit, .scale = 1, .rotate = {}, .translate = {}}).triangles.corners,
+                  here.triangles.corners);
     const Mesh far = prepared(prism, {.unit = 1, .scale = 1, .rotate = {}, .translate = {1e6, 2e6, -3e6}});
     for (std::size_t i = 0; i < far.facet_normals.size(); ++i)
         EXPECT_LT(glm::dvec3(far.facet_normals[i] - here.facet_normals[i]).x, 1e-8);
-    EXPECT_EQ(far.triangles.size(), here.triangles.size());
+    EXPECT_EQ(far.triangles.corners.size(), here.triangles.corners.size());
 }
 
 } // namespace

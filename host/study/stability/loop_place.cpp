@@ -122,9 +122,9 @@ LoopPlace mesh_place(const std::shared_ptr<const SceneMesh>& mesh, bool shaded) 
     place.hand.grip_stiffness = kGrip;
     constexpr std::size_t kTriangle = 2 * (kCapCells + 2); // of the cell beside the middle, towards +x and +y
     glm::dvec3 middle(0);
-    for (const std::uint32_t corner : mesh->mesh.triangles[kTriangle])
+    for (const std::uint32_t corner : mesh->mesh.triangles.corners[kTriangle])
         middle += mesh->mesh.polygons.vertices[corner] / 3.0;
-    const glm::dvec3 normal = mesh->mesh.triangle_normals[kTriangle];
+    const glm::dvec3 normal = mesh->mesh.triangles.normals[kTriangle];
     place.rest = middle - place.depth * normal;
     feel_around(place, normal);
     return place;
