@@ -1,11 +1,11 @@
 #include "host/paths/explore.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 
 #include <fmt/format.h>
 
+#include "host/clock.h"
 #include "host/norm.h"
 #include "host/paths/path_files.h"
 #include "host/paths/path_reader.h"
@@ -92,14 +92,14 @@ private:
     }
 
     void evaluate() {
-        const auto start = std::chrono::steady_clock::now();
+        const Clock::time_point start = Clock::now();
         numbers_.clear();
         felt_.clear();
         for (const PathSample& sample : samples_) {
             numbers_.push_back(census_.add(sample));
             felt_.push_back(law_->at(numbers_.back(), sample.probe));
         }
-        result_.law_seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+        result_.law_seconds += seconds_since(start);
     }
 
     void add(const PathSample& sample, std::size_t number, const PathContact<T>& felt) {

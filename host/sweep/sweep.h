@@ -1,13 +1,13 @@
 // How far long work has come: a bar with the time left on a terminal, now and then a line elsewhere, on stderr.
 #pragma once
 
-#include <chrono>
 #include <cstddef>
 #include <filesystem>
 #include <optional>
 #include <string>
 
 #include "compute/device.h"
+#include "host/clock.h"
 #include "host/engine/engine.h"
 #include "host/scene/study.h"
 #include "host/sweep/case_pipeline.h"
@@ -28,7 +28,6 @@ public:
     void say(const std::string& line);
 
 private:
-    using Clock = std::chrono::steady_clock;
     void clear();
 
     std::string what_;
