@@ -10,5 +10,9 @@ namespace forceshade {
 inline double norm(double x, double y, double z) {
     return std::hypot(std::hypot(x, y), z);
 }
+/// Of a vector with members x, y and z.
+template <typename Vector> double norm(const Vector& v) {
+    return norm(double(v.x), double(v.y), double(v.z));
+}
 
 } // namespace forceshade

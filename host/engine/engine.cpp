@@ -1,7 +1,6 @@
 #include "host/engine/engine.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cstdlib>
 #include <fstream>
 #include <thread>
@@ -9,6 +8,7 @@
 #include <spdlog/spdlog.h>
 
 #include "compute/kernels.h"
+#include "host/clock.h"
 #include "host/mesh/block_plan.h"
 #include "host/output/files.h"
 #include "host/reference/field.h"
@@ -60,12 +60,6 @@ void write_pipeline_cache(const std::filesystem::path& folder, const std::string
 }
 
 namespace {
-
-using Clock = std::chrono::steady_clock;
-
-double seconds_since(Clock::time_point start) {
-    return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 // The CPU oracle. Times what lies between the callbacks.
 class CpuEngine final : public Engine {

@@ -6,30 +6,11 @@
 #include <mutex>
 #include <thread>
 
-#include <Iex.h>
 #include <fmt/core.h>
 
 #include "host/error.h"
 
 namespace forceshade::exr {
-
-void WriteStream::write(const char bytes[], int count) {
-    try {
-        file_.write(std::string_view(bytes, static_cast<std::size_t>(count)));
-    } catch (const IoError& error) {
-        failure_ = failure_ ? failure_ : error;
-        throw Iex::IoExc(error.what()); // OpenEXR cleans up only after its own kind
-    }
-}
-
-void WriteStream::seekp(std::uint64_t position) {
-    try {
-        file_.seek(position);
-    } catch (const IoError& error) {
-        failure_ = failure_ ? failure_ : error;
-        throw Iex::IoExc(error.what());
-    }
-}
 
 namespace {
 
@@ -269,18 +250,19 @@ std::optional<std::string> Image::text(const char* name) const {
     return std::string(bytes, static_cast<std::size_t>(length));
 }
 
-std::optional<exr_attr_v3d_t> Image::vector(const char* name) const {
-    exr_attr_v3d_t value{};
-    const bool there = exr_attr_get_v3d(context_->handle, 0, name, &value) == EXR_ERR_SUCCESS;
+template <typename Value, typename Get> std::optional<Value> Image::attribute(const char* name, const Get& get) const {
+    Value value{};
+    const bool there = get(context_->handle, 0, name, &value) == EXR_ERR_SUCCESS;
     context_->complaint.clear();
     return there ? std::optional(value) : std::nullopt;
 }
 
+std::optional<exr_attr_v3d_t> Image::vector(const char* name) const {
+    return attribute<exr_attr_v3d_t>(name, exr_attr_get_v3d);
+}
+
 std::optional<exr_attr_v3i_t> Image::integers(const char* name) const {
-    exr_attr_v3i_t value{};
-    const bool there = exr_attr_get_v3i(context_->handle, 0, name, &value) == EXR_ERR_SUCCESS;
-    context_->complaint.clear();
-    return there ? std::optional(value) : std::nullopt;
+    return attribute<exr_attr_v3i_t>(name, exr_attr_get_v3i);
 }
 
 void Image::read(std::size_t which, std::int32_t first, std::int32_t last, int threads,

@@ -3,20 +3,14 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
-#include <mutex>
 #include <span>
 
-#include <ImfChannelList.h>
-#include <ImfPartType.h>
-#include <ImfStringAttribute.h>
-#include <ImfThreading.h>
-#include <ImfVecAttribute.h>
 #include <fmt/core.h>
 #include <half.h>
 
 #include "host/error.h"
 #include "host/output/exr_image.h"
-#include "host/output/exr_writer.h"
+#include "host/output/exr_layout.h"
 #include "host/output/files.h"
 #include "host/output/rows.h"
 #include "host/scene/scene.h"
@@ -35,19 +29,14 @@ const char* unit_of(std::uint32_t channel) {
     return channel == layout::kChannelForce || channel == layout::kChannelUnshaded ? "N" : "m";
 }
 
-// In the order of Compression: as OpenEXR's two libraries call them.
-constexpr std::array kWritten{Imf::NO_COMPRESSION, Imf::ZIPS_COMPRESSION, Imf::ZIP_COMPRESSION, Imf::PXR24_COMPRESSION};
-constexpr std::array kRead{EXR_COMPRESSION_NONE, EXR_COMPRESSION_ZIPS, EXR_COMPRESSION_ZIP, EXR_COMPRESSION_PXR24};
+// In the order of Compression.
+constexpr std::array kCompressions{EXR_COMPRESSION_NONE, EXR_COMPRESSION_ZIPS, EXR_COMPRESSION_ZIP,
+                                   EXR_COMPRESSION_PXR24};
 
 std::optional<Compression> compression_from(exr_compression_t compression) {
-    const auto found = std::ranges::find(kRead, compression);
-    return found == kRead.end() ? std::nullopt : std::optional(static_cast<Compression>(found - kRead.begin()));
-}
-
-Imf::PixelType pixel_of(PixelFormat format) {
-    if (format == PixelFormat::id)
-        return Imf::UINT;
-    return format == PixelFormat::half ? Imf::HALF : Imf::FLOAT;
+    const auto found = std::ranges::find(kCompressions, compression);
+    return found == kCompressions.end() ? std::nullopt
+                                        : std::optional(static_cast<Compression>(found - kCompressions.begin()));
 }
 
 } // namespace
@@ -85,59 +74,11 @@ void require_possible(const VolumeHeader& header) {
             "a grid of {} samples along x is wider than the {} that an EXR holds: make it smaller", nx, kMostColumns));
 }
 
-Imf::Header make_image_header(const Part& part, std::uint64_t width, std::uint64_t rows, Compression compression) {
-    Imf::Header header(static_cast<int>(width), static_cast<int>(rows), 1.0f, Imath::V2f(0, 0), 1.0f, Imf::INCREASING_Y,
-                       kWritten[static_cast<std::size_t>(compression)]);
-    header.setName(name_of_channel(part.channel));
-    header.setType(Imf::SCANLINEIMAGE);
-    for (const char* name : part.channels)
-        header.channels().insert(name, Imf::Channel(pixel_of(part.format)));
-    return header;
-}
-
-void insert_text(Imf::Header& header, const Part& part, const std::string& scene, const std::string& version,
-                 const std::string& omitted) {
-    header.insert("forceshade.units", Imf::StringAttribute(std::string("m ") + part.unit));
-    header.insert("forceshade.scene", Imf::StringAttribute(scene));
-    header.insert("forceshade.version", Imf::StringAttribute(version));
-    header.insert("forceshade.omitted", Imf::StringAttribute(omitted));
-}
-
-Imf::Header make_header(const Part& part, const VolumeHeader& volume) {
-    Imf::Header header = make_image_header(part, volume.size[0], volume.size[1] * volume.size[2], volume.compression);
-    const auto vector_of = [](const std::array<double, 3>& v) { return Imf::V3dAttribute({v[0], v[1], v[2]}); };
-    const auto size_of = [&](int axis) { return static_cast<int>(volume.size[static_cast<std::size_t>(axis)]); };
-    header.insert("forceshade.grid", Imf::V3iAttribute({size_of(0), size_of(1), size_of(2)}));
-    header.insert("forceshade.origin", vector_of(volume.origin));
-    header.insert("forceshade.spacing", vector_of(volume.spacing));
-    insert_text(header, part, volume.scene, volume.version, volume.omitted);
-    return header;
-}
-
-Imf::FrameBuffer frame_of(const Part& part, std::uint64_t width, std::uint64_t first, std::uint64_t count,
-                          const std::byte* bytes) {
-    Imf::FrameBuffer frame;
-    const Imath::V2i corner(0, static_cast<int>(first));
-    for (std::size_t c = 0; c < part.channels.size(); ++c)
-        frame.insert(part.channels[c],
-                     Imf::Slice::Make(pixel_of(part.format), bytes + c * bytes_of(part.format), corner,
-                                      static_cast<std::int64_t>(width), static_cast<std::int64_t>(count),
-                                      part.sample_bytes(), part.sample_bytes() * width));
-    return frame;
-}
-
 std::uint64_t rows_per_group(std::uint64_t width, std::uint64_t rows) {
     constexpr std::uint64_t kGroupBytes = 4 << 20;
     const std::uint64_t most = kGroupBytes / (width * 3 * sizeof(float));
     return std::min(std::max(most / kBlockRows, std::uint64_t{1}) * kBlockRows,
                     (rows + kBlockRows - 1) / kBlockRows * kBlockRows);
-}
-
-void require_workers(int threads) {
-    static std::mutex mutex;
-    const std::lock_guard lock(mutex);
-    if (Imf::globalThreadCount() < threads)
-        Imf::setGlobalThreadCount(threads);
 }
 
 namespace {
@@ -148,7 +89,7 @@ exr_pixel_type_t type_of(PixelFormat format) {
     return format == PixelFormat::half ? EXR_PIXEL_HALF : EXR_PIXEL_FLOAT;
 }
 
-bool is_alike(const Layer& layer, const Part& part, std::uint64_t width, std::uint64_t rows) {
+bool has_layout(const Layer& layer, const Part& part, std::uint64_t width, std::uint64_t rows) {
     if (layer.tiled || layer.data.min.x != 0 || layer.data.min.y != 0 || layer.columns() != width ||
         layer.rows() != rows || layer.channels.size() != part.channels.size())
         return false;
@@ -208,7 +149,7 @@ std::vector<std::uint64_t> checksums_of(const std::filesystem::path& file, const
     std::vector<std::uint64_t> checksums;
     for (std::size_t i = 0; i < sheet.parts.size(); ++i) {
         const Part& part = sheet.parts[i];
-        if (i >= image.layers().size() || !is_alike(image.layers()[i], part, sheet.width, sheet.rows))
+        if (i >= image.layers().size() || !has_layout(image.layers()[i], part, sheet.width, sheet.rows))
             image.damaged(fmt::format("its part {} is laid out in another way than it was written",
                                       name_of_channel(part.channel)));
         const std::size_t row_bytes = sheet.width * part.sample_bytes();
@@ -227,12 +168,35 @@ std::vector<std::uint64_t> checksums_of(const std::filesystem::path& file, const
 } // namespace exr
 
 struct VolumeReader::State {
-    State(const std::filesystem::path& path_, int threads);
+    State(const std::filesystem::path& path_, int threads)
+        : path(path_), file(path_), image(file, path_), header(read_header(threads)), parts(exr::parts_of(header)) {
+        for (std::size_t i = 0; i < parts.size(); ++i)
+            require_layout(image.layers()[i], parts[i]);
+    }
 
     VolumeHeader read_header(int threads) const;
-    void require_alike(const exr::Layer& found, const exr::Part& part) const;
-    [[noreturn]] void foreign(const std::string& what) const;
-    void read(std::uint32_t channel, std::uint64_t first, std::uint64_t count, std::byte* target);
+    void require_layout(const exr::Layer& found, const exr::Part& part) const {
+        if (!exr::has_layout(found, part, header.size[0], rows()) ||
+            exr::compression_from(found.compression) != header.compression ||
+            found.name != name_of_channel(part.channel))
+            refuse(fmt::format("its part {} is laid out in another way", name_of_channel(part.channel)));
+    }
+    [[noreturn]] void refuse(const std::string& why) const {
+        throw IoError(fmt::format("cannot read {}: it is no volume of this program, {}", path.string(), why));
+    }
+
+    std::uint64_t rows() const { return header.size[1] * header.size[2]; }
+    template <typename Value>
+    void read(std::uint32_t channel, std::uint64_t first, std::uint64_t count, std::vector<Value>& values) {
+        const auto part = std::ranges::find(parts, channel, &exr::Part::channel);
+        const bool there = part != parts.end() && (part->format == PixelFormat::id) == !std::is_same_v<Value, float>;
+        if (!there || count > rows() || first > rows() - count)
+            refuse(fmt::format("it lacks {} in rows {} to {}", name_of_channel(channel), first, first + count));
+        values.resize(count * header.size[0] * components_of(channel));
+        if (count > 0)
+            exr::read_rows(image, static_cast<std::size_t>(part - parts.begin()), *part, first, count, true,
+                           header.threads, std::as_writable_bytes(std::span(values)).data());
+    }
 
     std::filesystem::path path;
     ReadableFile file;
@@ -241,47 +205,24 @@ struct VolumeReader::State {
     std::vector<exr::Part> parts;
 };
 
-namespace {
-
-std::uint32_t channel_named(const std::string& name) {
-    for (const std::uint32_t channel : exr::kChannels)
-        if (name == name_of_channel(channel))
-            return channel;
-    return 0;
-}
-
-} // namespace
-
-void VolumeReader::State::foreign(const std::string& what) const {
-    throw IoError(fmt::format("cannot read {}: it is no volume of this program, {}", path.string(), what));
-}
-
-VolumeReader::State::State(const std::filesystem::path& path_, int threads)
-    : path(path_), file(path_), image(file, path_), header(read_header(threads)), parts(exr::parts_of(header)) {
-    for (std::size_t i = 0; i < parts.size(); ++i)
-        require_alike(image.layers()[i], parts[i]);
-}
-
 VolumeHeader VolumeReader::State::read_header(int threads) const {
     VolumeHeader found;
     const exr::Layer& first = image.layers().front();
-    const auto text = [&](const char* name) {
-        const auto value = image.text(name);
+    const auto require = [&](auto value, const char* name) {
         if (!value)
-            foreign(fmt::format("it lacks {}", name));
+            refuse(fmt::format("it lacks {}", name));
         return *value;
     };
+    const auto text = [&](const char* name) { return require(image.text(name), name); };
     const auto vector = [&](const char* name) {
-        const auto value = image.vector(name);
-        if (!value)
-            foreign(fmt::format("it lacks {}", name));
-        return std::array{value->x, value->y, value->z};
+        const auto value = require(image.vector(name), name);
+        return std::array{value.x, value.y, value.z};
     };
-    const auto grid = image.integers("forceshade.grid");
-    if (!grid || grid->x < 1 || grid->y < 1 || grid->z < 1)
-        foreign("it lacks forceshade.grid");
-    found.size = {static_cast<std::uint64_t>(grid->x), static_cast<std::uint64_t>(grid->y),
-                  static_cast<std::uint64_t>(grid->z)};
+    const auto grid = require(image.integers("forceshade.grid"), "forceshade.grid");
+    if (grid.x < 1 || grid.y < 1 || grid.z < 1)
+        refuse("it lacks forceshade.grid");
+    found.size = {static_cast<std::uint64_t>(grid.x), static_cast<std::uint64_t>(grid.y),
+                  static_cast<std::uint64_t>(grid.z)};
     found.origin = vector("forceshade.origin");
     found.spacing = vector("forceshade.spacing");
     found.scene = text("forceshade.scene");
@@ -290,33 +231,22 @@ VolumeHeader VolumeReader::State::read_header(int threads) const {
     found.threads = threads;
     const auto compression = exr::compression_from(first.compression);
     if (!compression)
-        foreign("its compression is another");
+        refuse("its compression is another");
     found.compression = *compression;
     const auto red = first.find("R");
     found.pixel = red && first.channels[*red].type == EXR_PIXEL_HALF ? PixelType::half : PixelType::float32;
     found.channels = 0;
     for (const exr::Layer& layer : image.layers())
-        found.channels |= channel_named(layer.name);
+        for (const std::uint32_t channel : exr::kChannels)
+            found.channels |= layer.name == name_of_channel(channel) ? channel : 0;
     if (!(found.channels & layout::kChannelForce) || exr::parts_of(found).size() != image.layers().size())
-        foreign("its parts are others");
+        refuse("its parts are others");
     try {
         exr::require_possible(found);
     } catch (const UsageError& error) {
-        foreign(error.what());
+        refuse(error.what());
     }
     return found;
-}
-
-void VolumeReader::State::require_alike(const exr::Layer& found, const exr::Part& part) const {
-    if (!exr::is_alike(found, part, header.size[0], header.size[1] * header.size[2]) ||
-        exr::compression_from(found.compression) != header.compression || found.name != name_of_channel(part.channel))
-        foreign(fmt::format("its part {} is laid out in another way", name_of_channel(part.channel)));
-}
-
-void VolumeReader::State::read(std::uint32_t channel, std::uint64_t first, std::uint64_t count, std::byte* target) {
-    const auto found = std::ranges::find(parts, channel, &exr::Part::channel);
-    exr::read_rows(image, static_cast<std::size_t>(found - parts.begin()), *found, first, count, true, header.threads,
-                   target);
 }
 
 VolumeReader::VolumeReader(const std::filesystem::path& path, int threads)
@@ -327,24 +257,15 @@ const VolumeHeader& VolumeReader::header() const noexcept {
     return state_->header;
 }
 std::uint64_t VolumeReader::rows() const noexcept {
-    return state_->header.size[1] * state_->header.size[2];
+    return state_->rows();
 }
 
 void VolumeReader::read(std::uint32_t channel, std::uint64_t first, std::uint64_t count, std::vector<float>& values) {
-    const bool there = (state_->header.channels & channel) && channel != layout::kChannelFacet;
-    if (!there || count > rows() || first > rows() - count)
-        state_->foreign(fmt::format("it lacks {} in rows {} to {}", name_of_channel(channel), first, first + count));
-    values.resize(count * state_->header.size[0] * components_of(channel));
-    if (count > 0)
-        state_->read(channel, first, count, std::as_writable_bytes(std::span(values)).data());
+    state_->read(channel, first, count, values);
 }
 
 void VolumeReader::read_ids(std::uint64_t first, std::uint64_t count, std::vector<std::uint32_t>& ids) {
-    if (!(state_->header.channels & layout::kChannelFacet) || count > rows() || first > rows() - count)
-        state_->foreign(fmt::format("it lacks facet in rows {} to {}", first, first + count));
-    ids.resize(count * state_->header.size[0]);
-    if (count > 0)
-        state_->read(layout::kChannelFacet, first, count, std::as_writable_bytes(std::span(ids)).data());
+    state_->read(layout::kChannelFacet, first, count, ids);
 }
 
 } // namespace forceshade

@@ -15,18 +15,22 @@
 
 namespace forceshade {
 
-struct VolumeHeader {
-    std::array<std::uint64_t, 3> size{};            /* samples along x, y, z */
-    std::array<double, 3> origin{};                 /* m: voxel (i, j, k) samples origin + spacing * (i, j, k) */
-    std::array<double, 3> spacing{};                /* m */
-    std::uint32_t channels = layout::kChannelForce; /* layout::kChannel... bits; force is always among them */
+/// How the file of a field or of paths is written, and what it tells of the run.
+struct ExrOptions {
     Compression compression = Compression::zip;
-    PixelType pixel = PixelType::float32; /* of all channels but the facet ids */
+    PixelType pixel = PixelType::float32; /* of a field all but the facet ids; of paths force and depth: others float */
     std::string scene;                    /* the resolved TOML */
     std::string version;                  /* of the program */
     std::string omitted;                  /* what the scene did not need */
     int threads = 0;                      /* that compress this file; 0: it asks for no parallel work */
-    bool allow_non_finite = false;        /* else NaN and infinity are refused */
+};
+
+struct VolumeHeader : ExrOptions {
+    std::array<std::uint64_t, 3> size{};            /* samples along x, y, z */
+    std::array<double, 3> origin{};                 /* m: voxel (i, j, k) samples origin + spacing * (i, j, k) */
+    std::array<double, 3> spacing{};                /* m */
+    std::uint32_t channels = layout::kChannelForce; /* layout::kChannel... bits; force is always among them */
+    bool allow_non_finite = false;                  /* else NaN and infinity are refused */
 };
 
 /// Peak memory is about 20 MiB plus a few rows, whatever the grid. The bytes of the file depend on the header and the
@@ -75,17 +79,11 @@ private:
 // Explored paths as an OpenEXR file: width = steps of the longest path, height = paths; parts `force` (R, G, B),
 // `position`, `depth` (Z), `facet` (id), `proxy`. Written in a stream, read back before it gets its name.
 
-struct PathVolumeHeader {
+struct PathVolumeHeader : ExrOptions {
     std::uint64_t steps = 0;    /* of the longest path */
     std::uint64_t paths = 0;    /* in the file */
     double rate = 0;            /* 1/s: samples a second; 0: they come at times of their own */
     std::uint32_t channels = 0; /* layout::kChannel... bits; force and position are always among them */
-    Compression compression = Compression::zip;
-    PixelType pixel = PixelType::float32; /* of force and depth; positions and proxies are always float */
-    std::string scene;                    /* the resolved TOML */
-    std::string version;                  /* of the program */
-    std::string omitted;                  /* what the scene did not need */
-    int threads = 0;                      /* that compress this file; 0: it asks for no parallel work */
 };
 
 /// Behind a path's end reals are NaN, facets layout::kNoFacet; elsewhere NaN and infinity are refused. Peak memory is

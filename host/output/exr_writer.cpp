@@ -1,65 +1,209 @@
-#include "host/output/exr_writer.h"
+#include "host/output/exr_volume.h"
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cstring>
+#include <functional>
 #include <limits>
+#include <mutex>
+#include <new>
+#include <optional>
 #include <span>
 #include <stdexcept>
 #include <utility>
 
+#include <Iex.h>
+#include <ImfChannelList.h>
 #include <ImfDoubleAttribute.h>
+#include <ImfFrameBuffer.h>
+#include <ImfIO.h>
+#include <ImfMultiPartOutputFile.h>
+#include <ImfOutputPart.h>
+#include <ImfPartType.h>
+#include <ImfStringAttribute.h>
+#include <ImfThreading.h>
 #include <ImfVecAttribute.h>
 #include <fmt/core.h>
 
+#include "host/clock.h"
 #include "host/error.h"
-#include "host/output/exr_volume.h"
+#include "host/output/exr_layout.h"
+#include "host/output/files.h"
 #include "host/output/rows.h"
 
-namespace forceshade::exr {
+namespace forceshade {
 
 namespace {
 
-double now() {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+using exr::Part, exr::Sheet;
+
+// In the order of Compression.
+constexpr std::array kCompressions{Imf::NO_COMPRESSION, Imf::ZIPS_COMPRESSION, Imf::ZIP_COMPRESSION,
+                                   Imf::PXR24_COMPRESSION};
+
+Imf::PixelType pixel_of(PixelFormat format) {
+    if (format == PixelFormat::id)
+        return Imf::UINT;
+    return format == PixelFormat::half ? Imf::HALF : Imf::FLOAT;
 }
 
-} // namespace
-
-Stopwatch::Stopwatch(double& sum) : sum_(sum), start_(now()) {}
-Stopwatch::~Stopwatch() {
-    sum_ += now() - start_;
+// The part's header, without its grid or paths: nothing in it depends on the day or the machine.
+Imf::Header make_header(const Part& part, std::uint64_t width, std::uint64_t rows, Compression compression,
+                        const ExrOptions& options) {
+    Imf::Header header(static_cast<int>(width), static_cast<int>(rows), 1.0f, Imath::V2f(0, 0), 1.0f, Imf::INCREASING_Y,
+                       kCompressions[static_cast<std::size_t>(compression)]);
+    header.setName(name_of_channel(part.channel));
+    header.setType(Imf::SCANLINEIMAGE);
+    for (const char* name : part.channels)
+        header.channels().insert(name, Imf::Channel(pixel_of(part.format)));
+    header.insert("forceshade.units", Imf::StringAttribute(std::string("m ") + part.unit));
+    header.insert("forceshade.scene", Imf::StringAttribute(options.scene));
+    header.insert("forceshade.version", Imf::StringAttribute(options.version));
+    header.insert("forceshade.omitted", Imf::StringAttribute(options.omitted));
+    return header;
 }
 
-PartRows::PartRows(const Part& part_, std::size_t bytes)
-    : part(part_), rows(bytes), watch(components_of(part.channel)) {}
-
-RowsWriter::RowsWriter(const std::filesystem::path& path, Sheet sheet, bool allow_non_finite)
-    : sheet_(std::move(sheet)), allow_non_finite_(allow_non_finite), file_(path), stream_(file_),
-      group_rows_(rows_per_group(sheet_.width, sheet_.rows)) {
-    require_workers(sheet_.threads);
-    for (const Part& part : sheet_.parts)
-        parts_.emplace_back(part, std::min(group_rows_, sheet_.rows) * sheet_.width * part.sample_bytes());
-    guarded(stream_, "write", path, [&] {
-        output_ = std::make_unique<Imf::MultiPartOutputFile>(
-            stream_, sheet_.headers.data(), static_cast<int>(sheet_.headers.size()), false, sheet_.threads);
-        for (std::size_t i = 0; i < parts_.size(); ++i)
-            parts_[i].output.emplace(*output_, static_cast<int>(i));
-    });
+// Describes `count` rows at `bytes`, the first of which is row `first`; pixel type as in the file.
+Imf::FrameBuffer frame_of(const Part& part, std::uint64_t width, std::uint64_t first, std::uint64_t count,
+                          const std::byte* bytes) {
+    Imf::FrameBuffer frame;
+    const Imath::V2i corner(0, static_cast<int>(first));
+    for (std::size_t c = 0; c < part.channels.size(); ++c)
+        frame.insert(part.channels[c],
+                     Imf::Slice::Make(pixel_of(part.format), bytes + c * bytes_of(part.format), corner,
+                                      static_cast<std::int64_t>(width), static_cast<std::int64_t>(count),
+                                      part.sample_bytes(), part.sample_bytes() * width));
+    return frame;
 }
 
-void RowsWriter::advance() {
-    if (++group_count_ == group_rows_)
-        flush_group();
+// Sees to it that OpenEXR's workers, which all files share, are at least `threads`.
+void require_workers(int threads) {
+    static std::mutex mutex;
+    const std::lock_guard lock(mutex);
+    if (Imf::globalThreadCount() < threads)
+        Imf::setGlobalThreadCount(threads);
 }
 
-void RowsWriter::repeat() {
-    const std::uint64_t previous = (group_count_ + group_rows_ - 1) % group_rows_; // a full group stays in memory
-    for (PartRows& rows : parts_)
-        std::memmove(target(rows), rows.rows.data() + previous * row_bytes(rows), row_bytes(rows));
-    advance();
+// OpenEXR's stream into our file. OpenEXR retells some exceptions and swallows those in its destructors, so the first
+// failure is kept here.
+class WriteStream final : public Imf::OStream {
+public:
+    explicit WriteStream(TemporaryFile& file) : Imf::OStream(file.path().c_str()), file_(file) {}
+    void write(const char bytes[], int count) override {
+        keep_failure([&] { file_.write(std::string_view(bytes, static_cast<std::size_t>(count))); });
+    }
+    std::uint64_t tellp() override { return file_.tell(); }
+    void seekp(std::uint64_t position) override {
+        keep_failure([&] { file_.seek(position); });
+    }
+
+    // Runs `work` and turns what OpenEXR throws into an IoError: the stream's own failure if there is one, else `cannot
+    // write PATH: what OpenEXR says`. Our own errors pass.
+    template <typename Work> void guard(const Work& work) const {
+        try {
+            work();
+        } catch (const Error&) {
+            throw;
+        } catch (const std::bad_alloc&) {
+            throw IoError(fmt::format("cannot write {}: out of memory", file_.path().string()));
+        } catch (const std::exception& error) {
+            if (failure_)
+                throw IoError(*failure_);
+            throw IoError(fmt::format("cannot write {}: {}", file_.path().string(), error.what()));
+        }
+    }
+
+private:
+    template <typename Work> void keep_failure(const Work& work) {
+        try {
+            work();
+        } catch (const IoError& error) {
+            failure_ = failure_ ? failure_ : error;
+            throw Iex::IoExc(error.what()); // OpenEXR cleans up only after its own kind
+        }
+    }
+
+    TemporaryFile& file_;
+    std::optional<IoError> failure_;
+};
+
+// Adds the time that `work` takes to a sum, s.
+template <typename Work> void timed(double& sum, const Work& work) {
+    const Clock::time_point start = Clock::now();
+    work();
+    sum += seconds_since(start);
 }
+
+// The rows of one part on their way to OpenEXR.
+struct PartRows {
+    PartRows(const Part& part_, std::size_t bytes) : part(part_), rows(bytes), watch(components_of(part.channel)) {}
+
+    Part part;
+    std::vector<std::byte> rows; // a group
+    PixelWatch watch;
+    PixelChecksum checksum;
+    std::optional<Imf::OutputPart> output;
+};
+
+using PlaceText = std::function<std::string(const Voxel&)>;
+
+// The rows of an image of several parts, handed to OpenEXR group by group, and read back before the file gets its name.
+// Memory is a group of rows a part. The bytes of the file depend on the sheet and the rows alone.
+class RowsWriter {
+public:
+    // Throws IoError.
+    RowsWriter(const std::filesystem::path& path, Sheet sheet, bool allow_non_finite)
+        : sheet_(std::move(sheet)), allow_non_finite_(allow_non_finite), file_(path), stream_(file_),
+          group_rows_(exr::rows_per_group(sheet_.width, sheet_.rows)) {
+        require_workers(sheet_.threads);
+        for (const Part& part : sheet_.parts)
+            parts_.emplace_back(part, std::min(group_rows_, sheet_.rows) * sheet_.width * part.sample_bytes());
+        stream_.guard([&] {
+            output_ = std::make_unique<Imf::MultiPartOutputFile>(
+                stream_, sheet_.headers.data(), static_cast<int>(sheet_.headers.size()), false, sheet_.threads);
+            for (std::size_t i = 0; i < parts_.size(); ++i)
+                parts_[i].output.emplace(*output_, static_cast<int>(i));
+        });
+    }
+
+    std::vector<PartRows>& parts() noexcept { return parts_; }
+    // Where the part's next row goes: width * sample_bytes.
+    std::byte* target(PartRows& rows) { return rows.rows.data() + group_count_ * row_bytes(rows); }
+    // The next row of every part is in its place.
+    void advance() {
+        if (++group_count_ == group_rows_)
+            flush_group();
+    }
+    // The row before stands once more.
+    void repeat() {
+        const std::uint64_t previous = (group_count_ + group_rows_ - 1) % group_rows_; // a full group stays in memory
+        for (PartRows& rows : parts_)
+            std::memmove(target(rows), rows.rows.data() + previous * row_bytes(rows), row_bytes(rows));
+        advance();
+    }
+    // Flushes to disk, reads back and compares, hashes, renames. `place` tells where a watched value stands, as "voxel
+    // (1, 2, 3)". Throws as VolumeWriter::finish.
+    VolumeResult finish(const PlaceText& place);
+
+    VolumeTimings timings;
+
+private:
+    std::size_t row_bytes(const PartRows& rows) const { return sheet_.width * rows.part.sample_bytes(); }
+    void flush_group();
+    bool refused() const;
+    void throw_if_refused(const PlaceText& place) const;
+    void read_back();
+
+    Sheet sheet_;
+    bool allow_non_finite_;
+    TemporaryFile file_;
+    WriteStream stream_;
+    std::unique_ptr<Imf::MultiPartOutputFile> output_; // before the parts: they refer to it
+    std::vector<PartRows> parts_;
+    std::uint64_t group_rows_;
+    std::uint64_t group_first_ = 0; // row of the file
+    std::uint64_t group_count_ = 0; // rows in the group so far
+};
 
 // An image that will be refused is only watched to its end, so that the message can name its largest value.
 void RowsWriter::flush_group() {
@@ -67,7 +211,7 @@ void RowsWriter::flush_group() {
         if (refused() || group_count_ == 0)
             break;
         rows.checksum.update(std::span(rows.rows).first(group_count_ * row_bytes(rows)));
-        guarded(stream_, "write", file_.path(), [&] {
+        stream_.guard([&] {
             rows.output->setFrameBuffer(
                 frame_of(rows.part, sheet_.width, group_first_, group_count_, rows.rows.data()));
             rows.output->writePixels(static_cast<int>(group_count_));
@@ -87,7 +231,7 @@ bool RowsWriter::refused() const {
     return false;
 }
 
-void RowsWriter::throw_if_refused(const std::function<std::string(const Voxel&)>& place) const {
+void RowsWriter::throw_if_refused(const PlaceText& place) const {
     for (const PartRows& rows : parts_) {
         const auto& [value, at, found] = rows.watch.first_non_finite();
         if (found && !allow_non_finite_)
@@ -105,17 +249,8 @@ void RowsWriter::throw_if_refused(const std::function<std::string(const Voxel&)>
     }
 }
 
-// OpenEXR writes the blocks' offsets from destructors, which swallow what goes wrong; but after a failure the file
-// cannot be flushed or published any more.
-void RowsWriter::close() {
-    flush_group();
-    for (PartRows& rows : parts_)
-        rows.output.reset();
-    output_.reset();
-}
-
 void RowsWriter::read_back() {
-    const std::vector<std::uint64_t> found = checksums_of(file_.temporary_path(), file_.path(), sheet_);
+    const std::vector<std::uint64_t> found = exr::checksums_of(file_.temporary_path(), file_.path(), sheet_);
     for (std::size_t i = 0; i < parts_.size(); ++i)
         if (found.size() != parts_.size() || found[i] != parts_[i].checksum.value())
             throw IoError(fmt::format("cannot write {}: read back from the disk, the part {} differs from what was "
@@ -123,30 +258,22 @@ void RowsWriter::read_back() {
                                       file_.path().string(), name_of_channel(parts_[i].part.channel)));
 }
 
-VolumeResult RowsWriter::finish(const std::function<std::string(const Voxel&)>& place) {
+VolumeResult RowsWriter::finish(const PlaceText& place) {
     throw_if_refused(place);
     VolumeResult result;
-    {
-        const Stopwatch stopwatch(timings.encode);
-        close();
-    }
-    {
-        const Stopwatch stopwatch(timings.flush);
-        file_.flush_to_disk();
-    }
-    {
-        const Stopwatch stopwatch(timings.read_back);
-        read_back();
-    }
-    {
-        const Stopwatch stopwatch(timings.hash);
-        result.sha256 = sha256_of_file(file_.temporary_path());
-        result.bytes = std::filesystem::file_size(file_.temporary_path());
-    }
-    {
-        const Stopwatch stopwatch(timings.flush);
-        file_.publish();
-    }
+    // OpenEXR writes the blocks' offsets from destructors, which swallow what goes wrong; but after a failure the file
+    // cannot be flushed or published any more.
+    timed(timings.encode, [&] {
+        flush_group();
+        for (PartRows& rows : parts_)
+            rows.output.reset();
+        output_.reset();
+    });
+    timed(timings.flush, [&] { file_.flush_to_disk(); });
+    timed(timings.read_back, [&] { read_back(); });
+    timed(timings.hash, [&] { result.sha256 = sha256_of_file(file_.temporary_path()); });
+    result.bytes = std::filesystem::file_size(file_.temporary_path());
+    timed(timings.flush, [&] { file_.publish(); });
     result.timings = timings;
     const WatchedValue& longest = parts_.front().watch.longest();
     result.largest_force = longest.value;
@@ -156,17 +283,19 @@ VolumeResult RowsWriter::finish(const std::function<std::string(const Voxel&)>& 
     return result;
 }
 
-} // namespace forceshade::exr
-
-namespace forceshade {
-
-namespace {
-
-exr::Sheet sheet_of(const VolumeHeader& volume) {
+Sheet sheet_of(const VolumeHeader& volume) {
     exr::require_possible(volume);
-    exr::Sheet sheet{volume.size[0], volume.size[1] * volume.size[2], exr::parts_of(volume), {}, volume.threads};
-    for (const exr::Part& part : sheet.parts)
-        sheet.headers.push_back(exr::make_header(part, volume));
+    const auto [nx, ny, nz] = volume.size;
+    Sheet sheet{nx, ny * nz, exr::parts_of(volume), {}, volume.threads};
+    const auto vector_of = [](const std::array<double, 3>& v) { return Imf::V3dAttribute({v[0], v[1], v[2]}); };
+    for (const Part& part : sheet.parts) {
+        Imf::Header header = make_header(part, nx, ny * nz, volume.compression, volume);
+        header.insert("forceshade.grid",
+                      Imf::V3iAttribute({static_cast<int>(nx), static_cast<int>(ny), static_cast<int>(nz)}));
+        header.insert("forceshade.origin", vector_of(volume.origin));
+        header.insert("forceshade.spacing", vector_of(volume.spacing));
+        sheet.headers.push_back(header);
+    }
     return sheet;
 }
 
@@ -176,70 +305,59 @@ struct VolumeWriter::State {
     State(const std::filesystem::path& path, const VolumeHeader& volume)
         : rows(path, sheet_of(volume), volume.allow_non_finite), order(volume.size) {}
 
-    template <typename real> void write(const layout::FieldChunk<real>& chunk, std::size_t repeat_y);
-    VolumeResult finish();
+    template <typename real> void write(const layout::FieldChunk<real>& chunk, std::size_t repeat_y) {
+        for (std::size_t row = 0; row < chunk.z_count * chunk.y_count; ++row) {
+            for (PartRows& part : rows.parts())
+                convert_row(chunk, row, repeat_y, part);
+            rows.advance();
+            for (std::size_t copy = 1; copy < repeat_y; ++copy)
+                rows.repeat();
+        }
+    }
 
-private:
     template <typename real>
-    void convert_row(const layout::FieldChunk<real>& chunk, std::size_t row, std::size_t repeat, exr::PartRows& part);
+    void convert_row(const layout::FieldChunk<real>& chunk, std::size_t row, std::size_t repeat, PartRows& part) {
+        std::byte* target = rows.target(part);
+        const std::size_t components = components_of(part.part.channel);
+        const std::size_t first = row * chunk.x_pitch * components, count = chunk.x_count * components;
+        if (part.part.format == PixelFormat::id) {
+            std::memcpy(target, ids_of(chunk).subspan(first, count).data(), count * sizeof(layout::uint));
+            return;
+        }
+        const std::span<const real> values = values_of(chunk, part.part.channel).subspan(first, count);
+        std::span<const float> floats;
+        if constexpr (std::is_same_v<real, float>) {
+            floats = values;
+        } else {
+            rounded.resize(count);
+            for (std::size_t i = 0; i < count; ++i)
+                rounded[i] = static_cast<float>(values[i]);
+            floats = rounded;
+        }
+        part.watch.add(floats, chunk.y_first + row % chunk.y_count, chunk.z_first + row / chunk.y_count, repeat);
+        encode_row(floats, part.part.format, target);
+    }
 
-    exr::RowsWriter rows;
+    RowsWriter rows;
     RowOrder order;
     std::vector<float> rounded; // one row of doubles, as floats
 };
-
-template <typename real> void VolumeWriter::State::write(const layout::FieldChunk<real>& chunk, std::size_t repeat_y) {
-    const exr::Stopwatch stopwatch(rows.timings.encode);
-    order.accept(chunk, repeat_y);
-    for (std::size_t row = 0; row < chunk.z_count * chunk.y_count; ++row) {
-        for (exr::PartRows& part : rows.parts())
-            convert_row(chunk, row, repeat_y, part);
-        rows.advance();
-        for (std::size_t copy = 1; copy < repeat_y; ++copy)
-            rows.repeat();
-    }
-}
-
-template <typename real>
-void VolumeWriter::State::convert_row(const layout::FieldChunk<real>& chunk, std::size_t row, std::size_t repeat,
-                                      exr::PartRows& part) {
-    std::byte* target = rows.target(part);
-    const std::size_t components = components_of(part.part.channel);
-    const std::size_t first = row * chunk.x_pitch * components, count = chunk.x_count * components;
-    if (part.part.format == PixelFormat::id) {
-        std::memcpy(target, ids_of(chunk).subspan(first, count).data(), count * sizeof(layout::uint));
-        return;
-    }
-    const std::span<const real> values = values_of(chunk, part.part.channel).subspan(first, count);
-    std::span<const float> floats;
-    if constexpr (std::is_same_v<real, float>) {
-        floats = values;
-    } else {
-        rounded.resize(count);
-        for (std::size_t i = 0; i < count; ++i)
-            rounded[i] = static_cast<float>(values[i]);
-        floats = rounded;
-    }
-    part.watch.add(floats, chunk.y_first + row % chunk.y_count, chunk.z_first + row / chunk.y_count, repeat);
-    encode_row(floats, part.part.format, target);
-}
-
-VolumeResult VolumeWriter::State::finish() {
-    order.require_complete();
-    return rows.finish(
-        [](const Voxel& voxel) { return fmt::format("voxel ({}, {}, {})", voxel[0], voxel[1], voxel[2]); });
-}
 
 VolumeWriter::VolumeWriter(const std::filesystem::path& path, const VolumeHeader& header)
     : state_(std::make_unique<State>(path, header)) {}
 VolumeWriter::~VolumeWriter() = default;
 
 void VolumeWriter::write(const AnyFieldChunk& any, std::size_t repeat_y) {
-    std::visit([&](const auto& chunk) { state_->write(chunk, repeat_y); }, any);
+    timed(state_->rows.timings.encode, [&] {
+        state_->order.accept(any, repeat_y);
+        std::visit([&](const auto& chunk) { state_->write(chunk, repeat_y); }, any);
+    });
 }
 
 VolumeResult VolumeWriter::finish() {
-    return state_->finish();
+    state_->order.require_complete();
+    return state_->rows.finish(
+        [](const Voxel& voxel) { return fmt::format("voxel ({}, {}, {})", voxel[0], voxel[1], voxel[2]); });
 }
 
 namespace {
@@ -265,22 +383,21 @@ bool is_exact(std::uint32_t channel) {
     return channel == layout::kChannelPosition || channel == layout::kChannelProxy;
 }
 
-exr::Sheet sheet_of(const PathVolumeHeader& header) {
+Sheet sheet_of(const PathVolumeHeader& header) {
     require_possible(header);
-    exr::Sheet sheet{header.steps, header.paths, {}, {}, header.threads};
+    Sheet sheet{header.steps, header.paths, {}, {}, header.threads};
     for (const std::uint32_t channel : kPathChannels) {
         if (!(header.channels & channel) && channel != layout::kChannelForce && channel != layout::kChannelPosition)
             continue;
         const bool exact = is_exact(channel);
         const Compression compression =
             exact && header.compression == Compression::pxr24 ? Compression::zip : header.compression;
-        const exr::Part part = exr::make_part(channel, exact ? PixelType::float32 : header.pixel, compression);
-        Imf::Header image = exr::make_image_header(part, header.steps, header.paths, compression);
+        const Part part = exr::make_part(channel, exact ? PixelType::float32 : header.pixel, compression);
+        Imf::Header image = make_header(part, header.steps, header.paths, compression, header);
         image.insert("forceshade.paths",
                      Imf::V2iAttribute({static_cast<int>(header.steps), static_cast<int>(header.paths)}));
         if (header.rate > 0)
             image.insert("forceshade.rate", Imf::DoubleAttribute(header.rate));
-        exr::insert_text(image, part, header.scene, header.version, header.omitted);
         sheet.parts.push_back(part);
         sheet.headers.push_back(image);
     }
@@ -298,9 +415,8 @@ struct PathVolumeWriter::State {
             next + paths.path_count > header.paths)
             throw std::logic_error(fmt::format("step {} of path {} is not what follows step {} of {}", paths.step_first,
                                                paths.path_first, step, next));
-        const exr::Stopwatch stopwatch(rows.timings.encode);
         for (std::size_t path = 0; path < paths.path_count; ++path) {
-            for (exr::PartRows& part : rows.parts())
+            for (PartRows& part : rows.parts())
                 convert_row(paths, path, part);
             step = paths.step_first + paths.pitch;
             if (!paths.ends(path))
@@ -312,7 +428,7 @@ struct PathVolumeWriter::State {
     }
 
     // The samples, and where the path ends with them what fills its row up.
-    template <typename T> void convert_row(const PathRows<T>& paths, std::size_t path, exr::PartRows& part) {
+    template <typename T> void convert_row(const PathRows<T>& paths, std::size_t path, PartRows& part) {
         const std::size_t components = components_of(part.part.channel);
         const std::size_t first = path * paths.pitch, samples = paths.samples(path);
         const std::size_t width = paths.ends(path) ? header.steps - paths.step_first : samples;
@@ -332,7 +448,7 @@ struct PathVolumeWriter::State {
     }
 
     PathVolumeHeader header;
-    exr::RowsWriter rows;
+    RowsWriter rows;
     std::uint64_t next = 0;        // path
     std::uint64_t step = 0;        // of it, the next
     std::vector<float> rounded;    // a row, or a part of one
@@ -344,7 +460,7 @@ PathVolumeWriter::PathVolumeWriter(const std::filesystem::path& path, const Path
 PathVolumeWriter::~PathVolumeWriter() = default;
 
 void PathVolumeWriter::write(const AnyPathRows& any) {
-    std::visit([&](const auto& rows) { state_->write(rows); }, any);
+    timed(state_->rows.timings.encode, [&] { std::visit([&](const auto& rows) { state_->write(rows); }, any); });
 }
 
 VolumeResult PathVolumeWriter::finish() {

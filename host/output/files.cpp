@@ -14,7 +14,7 @@
 #include <unistd.h>
 #include <utility>
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 #include <openssl/evp.h>
 #include <xxhash.h>
 
@@ -53,17 +53,6 @@ const char* advice(bool writing, int number) {
         return "";
     }
 }
-
-} // namespace
-
-IoError file_error(const char* verb, const std::filesystem::path& path, int number) {
-    const char* reason = ::strerrordesc_np(number);
-    const bool writing = std::string_view(verb) == "write";
-    return IoError(fmt::format("cannot {} {}: {}{}", verb, path.string(), reason ? reason : "unknown error",
-                               advice(writing, number)));
-}
-
-namespace {
 
 constexpr std::size_t kBufferBytes = 1 << 20;
 constexpr std::size_t kLongestName = 200; /* bytes of NAME kept in a temporary's name: file systems allow 255 in all */
@@ -112,6 +101,13 @@ int flush_folder(const std::filesystem::path& folder) {
 }
 
 } // namespace
+
+IoError file_error(const char* verb, const std::filesystem::path& path, int number) {
+    const char* reason = ::strerrordesc_np(number);
+    const bool writing = std::string_view(verb) == "write";
+    return IoError(fmt::format("cannot {} {}: {}{}", verb, path.string(), reason ? reason : "unknown error",
+                               advice(writing, number)));
+}
 
 TemporaryFile::TemporaryFile(std::filesystem::path final_path) : path_(std::move(final_path)) {
     const std::string name = path_.filename().string();
@@ -266,41 +262,33 @@ void write_file_atomically(const std::filesystem::path& path, std::string_view t
 
 namespace {
 
-void require(bool succeeded) {
-    if (!succeeded)
-        throw std::runtime_error("OpenSSL offers no SHA-256");
-}
+// SHA-256 of what arrives piece by piece.
+class Sha256 {
+public:
+    Sha256() { require(context_ && EVP_DigestInit_ex(context_.get(), EVP_sha256(), nullptr) == 1); }
 
-} // namespace
+    void update(std::span<const std::byte> bytes) {
+        require(EVP_DigestUpdate(context_.get(), bytes.data(), bytes.size()) == 1);
+    }
 
-struct Sha256::State {
-    EVP_MD_CTX* context = EVP_MD_CTX_new();
-    ~State() { EVP_MD_CTX_free(context); }
+    // 64 lower-case hex digits; once, and nothing may follow.
+    std::string finish() {
+        std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
+        unsigned size = 0;
+        require(EVP_DigestFinal_ex(context_.get(), digest.data(), &size) == 1);
+        return fmt::format("{:02x}", fmt::join(std::span(digest).first(size), ""));
+    }
+
+private:
+    static void require(bool succeeded) {
+        if (!succeeded)
+            throw std::runtime_error("OpenSSL offers no SHA-256");
+    }
+
+    std::unique_ptr<EVP_MD_CTX, void (*)(EVP_MD_CTX*)> context_{EVP_MD_CTX_new(), EVP_MD_CTX_free};
 };
 
-Sha256::Sha256() : state_(std::make_unique<State>()) {
-    require(state_->context && EVP_DigestInit_ex(state_->context, EVP_sha256(), nullptr) == 1);
-}
-Sha256::~Sha256() = default;
-Sha256::Sha256(Sha256&&) noexcept = default;
-Sha256& Sha256::operator=(Sha256&&) noexcept = default;
-
-void Sha256::update(std::span<const std::byte> bytes) {
-    require(EVP_DigestUpdate(state_->context, bytes.data(), bytes.size()) == 1);
-}
-
-std::string Sha256::finish() {
-    std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
-    unsigned size = 0;
-    require(EVP_DigestFinal_ex(state_->context, digest.data(), &size) == 1);
-    constexpr std::string_view kHex = "0123456789abcdef";
-    std::string text;
-    for (unsigned i = 0; i < size; ++i) {
-        text += kHex[digest[i] >> 4];
-        text += kHex[digest[i] & 15];
-    }
-    return text;
-}
+} // namespace
 
 std::string sha256_of(std::span<const std::byte> bytes) {
     Sha256 hash;
@@ -334,26 +322,18 @@ bool file_is_intact(const std::filesystem::path& path, const std::string& expect
     }
 }
 
-struct PixelChecksum::State {
-    XXH3_state_t* state = XXH3_createState();
-    ~State() { XXH3_freeState(state); }
-};
-
-PixelChecksum::PixelChecksum() : state_(std::make_unique<State>()) {
-    if (!state_->state)
+PixelChecksum::PixelChecksum() : state_(XXH3_createState(), [](XXH3_state_s* state) { XXH3_freeState(state); }) {
+    if (!state_)
         throw std::bad_alloc();
-    XXH3_64bits_reset(state_->state);
+    XXH3_64bits_reset(state_.get());
 }
-PixelChecksum::~PixelChecksum() = default;
-PixelChecksum::PixelChecksum(PixelChecksum&&) noexcept = default;
-PixelChecksum& PixelChecksum::operator=(PixelChecksum&&) noexcept = default;
 
 void PixelChecksum::update(std::span<const std::byte> bytes) {
-    XXH3_64bits_update(state_->state, bytes.data(), bytes.size());
+    XXH3_64bits_update(state_.get(), bytes.data(), bytes.size());
 }
 
 std::uint64_t PixelChecksum::value() const {
-    return XXH3_64bits_digest(state_->state);
+    return XXH3_64bits_digest(state_.get());
 }
 
 } // namespace forceshade

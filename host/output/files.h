@@ -13,6 +13,8 @@
 
 #include "host/error.h"
 
+struct XXH3_state_s; // of xxHash
+
 namespace forceshade {
 
 /// `cannot write results/a.exr: No space left on device; free space there or choose another folder`.
@@ -94,35 +96,15 @@ std::string sha256_of_file(const std::filesystem::path& path);
 /// intact.
 bool file_is_intact(const std::filesystem::path& path, const std::string& expected_sha256);
 
-/// SHA-256 of what arrives piece by piece.
-class Sha256 {
-public:
-    Sha256();
-    ~Sha256();
-    Sha256(Sha256&&) noexcept;
-    Sha256& operator=(Sha256&&) noexcept;
-    void update(std::span<const std::byte> bytes);
-    /// 64 lower-case hex digits; once, and nothing may follow.
-    std::string finish();
-
-private:
-    struct State;
-    std::unique_ptr<State> state_;
-};
-
 /// XXH3-64 of what arrives piece by piece: catches damage, not malice.
 class PixelChecksum {
 public:
     PixelChecksum();
-    ~PixelChecksum();
-    PixelChecksum(PixelChecksum&&) noexcept;
-    PixelChecksum& operator=(PixelChecksum&&) noexcept;
     void update(std::span<const std::byte> bytes);
     std::uint64_t value() const;
 
 private:
-    struct State;
-    std::unique_ptr<State> state_;
+    std::unique_ptr<XXH3_state_s, void (*)(XXH3_state_s*)> state_;
 };
 
 /// A file as accounts name it.

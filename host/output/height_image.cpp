@@ -21,6 +21,11 @@
 
 namespace forceshade {
 
+namespace {
+
+constexpr std::uint64_t kMostHeightSamples = 1ull << 28;
+
+// Throws UsageError if an image announces too many samples, or more than fit into the memory that is allowed.
 void require_height_size(const ReadableFile& file, std::uint64_t columns, std::uint64_t rows) {
     if (columns == 0 || rows == 0 || columns > kMostHeightSamples / rows)
         throw UsageError(fmt::format("{}: a height map of {} x {} samples cannot be used: between 1 and {} samples are "
@@ -31,30 +36,9 @@ void require_height_size(const ReadableFile& file, std::uint64_t columns, std::u
                    kSampleBytes * static_cast<double>(columns * rows));
 }
 
-HeightImage read_height_image(const std::filesystem::path& path) {
-    const ReadableFile file(path);
-    constexpr std::array<unsigned char, 8> kPng{0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
-    constexpr std::array<unsigned char, 4> kExr{0x76, 0x2f, 0x31, 0x01};
-    std::array<std::byte, 8> magic{};
-    if (file.read_some(0, magic) == 0)
-        throw IoError(fmt::format("cannot read {}: it is empty", path.string()));
-    HeightImage image;
-    if (std::memcmp(magic.data(), kPng.data(), kPng.size()) == 0)
-        image = read_height_png(file);
-    else if (std::memcmp(magic.data(), kExr.data(), kExr.size()) == 0)
-        image = read_height_exr(file);
-    else
-        throw UsageError(fmt::format("{}: neither a PNG nor an OpenEXR image: convert the height map to one of them",
-                                     path.string()));
-    image.sha256 = sha256_of_file(path);
-    return image;
-}
-
-namespace {
-
 constexpr double kFullScale = 4294967295.0; // of an integer pixel
 
-/// The channels to read: one, or three that must be alike.
+/// The channels to read: one, or three that must be equal.
 std::vector<std::size_t> choose_channels(const ReadableFile& file, const exr::Layer& layer) {
     const auto y = layer.find("Y"), red = layer.find("R"), green = layer.find("G"), blue = layer.find("B");
     std::vector<std::size_t> chosen;
@@ -94,50 +78,23 @@ double value_of(exr_pixel_type_t type, std::span<const std::byte> values, std::s
     return type == EXR_PIXEL_UINT ? bits / kFullScale : static_cast<double>(std::bit_cast<float>(bits));
 }
 
-/// Lines of pixels on their way into a height map.
-class HeightLines {
-public:
-    HeightLines(const ReadableFile& file, const exr::Layer& layer, HeightImage& image)
-        : file_(file), layer_(layer), chosen_(choose_channels(file, layer)), image_(image) {}
-
-    void take(const exr::Line& line) const {
-        const std::size_t row = exr::Layer::extent(layer_.display.min.y, line.y) - 1;
-        const std::size_t width =
-            line.values[chosen_.front()].size() / layer_.channels[chosen_.front()].bytes(); // not sub-sampled
-        for (std::size_t i = 0; i < width; ++i) {
-            const std::int64_t x = line.x + static_cast<std::int64_t>(i);
-            if (x < layer_.display.min.x || x > layer_.display.max.x)
-                continue;
-            const auto column = static_cast<std::size_t>(x - layer_.display.min.x);
-            image_.samples[row * image_.columns + column] = height(line, i, row, column);
-        }
+/// The value of a pixel, if it can be a height.
+double height_at(const ReadableFile& file, const exr::Layer& layer, const std::vector<std::size_t>& chosen,
+                 const exr::Line& line, std::size_t index, std::size_t row, std::size_t column) {
+    const auto value = [&](std::size_t c) { return value_of(layer.channels[c].type, line.values[c], index); };
+    const double first = value(chosen.front());
+    for (const std::size_t c : chosen) {
+        if (!std::isfinite(value(c)))
+            throw UsageError(fmt::format("{}: the pixel in row {}, column {} is {}: a height must be finite",
+                                         file.path().string(), row, column, value(c)));
+        if (value(c) != first)
+            throw UsageError(
+                fmt::format("{}: the pixel in row {}, column {} is coloured: a height map must be grey (R, "
+                            "G and B alike)",
+                            file.path().string(), row, column));
     }
-
-private:
-    /// The value of a pixel, if it can be a height.
-    double height(const exr::Line& line, std::size_t index, std::size_t row, std::size_t column) const {
-        const auto value = [&](std::size_t c) { return value_of(layer_.channels[c].type, line.values[c], index); };
-        const double first = value(chosen_.front());
-        for (const std::size_t c : chosen_) {
-            if (!std::isfinite(value(c)))
-                throw UsageError(fmt::format("{}: the pixel in row {}, column {} is {}: a height must be finite",
-                                             file_.path().string(), row, column, value(c)));
-            if (value(c) != first)
-                throw UsageError(
-                    fmt::format("{}: the pixel in row {}, column {} is coloured: a height map must be grey (R, G "
-                                "and B alike)",
-                                file_.path().string(), row, column));
-        }
-        return first;
-    }
-
-    const ReadableFile& file_;
-    const exr::Layer& layer_;
-    std::vector<std::size_t> chosen_;
-    HeightImage& image_;
-};
-
-} // namespace
+    return first;
+}
 
 HeightImage read_height_exr(const ReadableFile& file) {
     exr::Image source(file, file.path());
@@ -149,16 +106,26 @@ HeightImage read_height_exr(const ReadableFile& file) {
     image.rows = exr::Layer::extent(layer.display.min.y, layer.display.max.y);
     require_height_size(file, image.columns, image.rows);
     require_height_size(file, layer.columns(), layer.rows());
-    const HeightLines lines(file, layer, image);
+    const std::vector<std::size_t> chosen = choose_channels(file, layer);
     image.samples.assign(image.columns * image.rows, 0.0);
+    const auto add_line = [&](const exr::Line& line) {
+        const exr::Channel& channel = layer.channels[chosen.front()];
+        const std::size_t row = exr::Layer::extent(layer.display.min.y, line.y) - 1;
+        const std::size_t width = line.values[chosen.front()].size() / channel.bytes(); // not sub-sampled
+        for (std::size_t i = 0; i < width; ++i) {
+            const std::int64_t x = line.x + static_cast<std::int64_t>(i);
+            if (x < layer.display.min.x || x > layer.display.max.x)
+                continue;
+            const auto column = static_cast<std::size_t>(x - layer.display.min.x);
+            image.samples[row * image.columns + column] = height_at(file, layer, chosen, line, i, row, column);
+        }
+    };
     const std::int32_t first = std::max(layer.display.min.y, layer.data.min.y);
     const std::int32_t last = std::min(layer.display.max.y, layer.data.max.y);
     if (first <= last)
-        source.read(0, first, last, 1, [&](const exr::Line& line) { lines.take(line); });
+        source.read(0, first, last, 1, add_line);
     return image;
 }
-
-namespace {
 
 /// libpng reports errors by a long jump. It only ever jumps back into one of the methods marked below, which hold
 /// nothing that would have to be destroyed; all memory belongs to this object.
@@ -316,8 +283,23 @@ HeightImage PngDecoder::decode() {
 
 } // namespace
 
-HeightImage read_height_png(const ReadableFile& file) {
-    return PngDecoder(file).decode();
+HeightImage read_height_image(const std::filesystem::path& path) {
+    const ReadableFile file(path);
+    constexpr std::array<unsigned char, 8> kPng{0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
+    constexpr std::array<unsigned char, 4> kExr{0x76, 0x2f, 0x31, 0x01};
+    std::array<std::byte, 8> magic{};
+    if (file.read_some(0, magic) == 0)
+        throw IoError(fmt::format("cannot read {}: it is empty", path.string()));
+    HeightImage image;
+    if (std::memcmp(magic.data(), kPng.data(), kPng.size()) == 0)
+        image = PngDecoder(file).decode();
+    else if (std::memcmp(magic.data(), kExr.data(), kExr.size()) == 0)
+        image = read_height_exr(file);
+    else
+        throw UsageError(fmt::format("{}: neither a PNG nor an OpenEXR image: convert the height map to one of them",
+                                     path.string()));
+    image.sha256 = sha256_of_file(path);
+    return image;
 }
 
 } // namespace forceshade

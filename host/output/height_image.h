@@ -2,12 +2,9 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <vector>
-
-#include "host/output/reading.h"
 
 namespace forceshade {
 
@@ -19,22 +16,11 @@ struct HeightImage {
 };
 
 /// Reads a grey image; the format is told by its contents. Integers are fractions of their full scale (a white PNG
-/// pixel is 1), without gamma; floats are taken as they are. Of an EXR the channel Y is taken, else its only channel,
-/// else R if the colours are alike. The map covers the display window: pixels outside of the data window are 0. At most
+/// pixel is 1), without gamma; floats are used as they are. Of an EXR the channel Y is used, else its only channel,
+/// else R if the colours are equal. The map covers the display window: pixels outside of the data window are 0. At most
 /// 2^28 samples, and what fits into the memory that is allowed (require_memory). Throws IoError for files that
 /// are missing, truncated or damaged; UsageError for pictures that are no height map, with the row and column (from 0)
 /// of a coloured, infinite or NaN pixel.
 HeightImage read_height_image(const std::filesystem::path& path);
-
-// The two decoders behind read_height_image, and what they agree on.
-
-constexpr std::uint64_t kMostHeightSamples = 1ull << 28;
-
-/// Both leave `sha256` empty.
-HeightImage read_height_png(const ReadableFile& file);
-HeightImage read_height_exr(const ReadableFile& file);
-
-/// Throws UsageError if an image announces too many samples, or more than fit into the memory that is allowed.
-void require_height_size(const ReadableFile& file, std::uint64_t columns, std::uint64_t rows);
 
 } // namespace forceshade

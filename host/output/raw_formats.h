@@ -1,4 +1,4 @@
-// A channel's rows as raw little-endian numbers at the file's current position; for the formats without compression.
+// The formats without compression: NPY, VTI and CSV.
 #pragma once
 
 #include <array>
@@ -7,10 +7,11 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
-#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include <fmt/format.h>
 
 #include "host/output/files.h"
 #include "host/output/rows.h"
@@ -20,14 +21,6 @@
 namespace forceshade {
 
 static_assert(std::endian::native == std::endian::little, "files are written in memory order");
-
-/// Bytes of one component of a channel.
-std::size_t component_bytes(std::uint32_t channel, Precision precision);
-
-/// Writes the chunk's rows of a channel, each repeat_y times, reals converted to `precision`. Throws IoError.
-template <typename real>
-void write_rows(TemporaryFile& file, const layout::FieldChunk<real>& chunk, std::uint32_t channel, std::size_t repeat_y,
-                Precision precision);
 
 /// Flushes, hashes, publishes.
 VolumeResult publish_raw(TemporaryFile& file);
@@ -42,32 +35,30 @@ public:
     /// `channel` is one layout::kChannel... bit; reals are stored as '<f4' or '<f8', ids as '<u4'. Throws IoError.
     NpyWriter(const std::filesystem::path& path, const std::array<std::uint64_t, 3>& size, std::uint32_t channel,
               Precision precision);
-    ~NpyWriter() override;
     void write(const AnyFieldChunk& chunk, std::size_t repeat_y) override;
     VolumeResult finish() override;
 
 private:
-    struct State;
-    std::unique_ptr<State> state_;
+    TemporaryFile file_;
+    RowOrder order_;
+    std::uint32_t channel_;
+    Precision precision_;
 };
 
 // Comma-separated values as RFC 4180 quotes them; numbers print so that they read back exactly, in every locale.
 
-/// One line at a time: `row.add("a,b").add(0.1); row.end();` Lines end in a single line feed.
+/// One line at a time: `row.add("a,b").add(0.1).end();` Lines end in a single line feed; the last is to be ended.
 class CsvText {
 public:
     CsvText& add(std::string_view text); /* quoted where it holds a comma, a quote or a line break */
     CsvText& add(const char* text) { return add(std::string_view(text)); }
-    CsvText& add(double value); /* shortest text that reads back to the same double */
-    CsvText& add(float value);
+    CsvText& add(std::floating_point auto value) { return add(fmt::format("{}", value)); } /* reads back the same */
     CsvText& add(std::integral auto value) { return add(std::string_view(std::to_string(value))); }
-    void end();
+    void end() { text_.back() = '\n'; } // in place of the last comma
     const std::string& text() const noexcept { return text_; }
 
 private:
-    void separate();
     std::string text_;
-    bool first_ = true;
 };
 
 // A field as ParaView's ImageData (.vti): raw appended arrays named as the channels, origin and spacing in metres,
@@ -85,13 +76,22 @@ class VtiWriter final : public ChunkSink {
 public:
     /// Throws IoError.
     VtiWriter(const std::filesystem::path& path, const VtiHeader& header);
-    ~VtiWriter() override;
     void write(const AnyFieldChunk& chunk, std::size_t repeat_y) override;
     VolumeResult finish() override;
 
 private:
-    struct State;
-    std::unique_ptr<State> state_;
+    struct Array {
+        std::uint32_t channel;
+        std::uint64_t bytes;    /* of all samples */
+        std::uint64_t position; /* in the file, where the next rows go */
+    };
+
+    std::string make_xml() const;
+
+    TemporaryFile file_;
+    RowOrder order_;
+    VtiHeader header_;
+    std::vector<Array> arrays_;
 };
 
 } // namespace forceshade

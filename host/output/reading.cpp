@@ -15,8 +15,6 @@
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
-#include <nlohmann/json.hpp>
-
 #include "host/error.h"
 #include "host/output/files.h"
 
@@ -39,6 +37,37 @@ constexpr std::array<std::pair<std::string_view, double>, 8> kUnits{{{"kB", 1e3}
 std::string in_words(double bytes, double (*rounded)(double)) {
     return bytes < 0x1p30 ? fmt::format("{:.0f} MiB", rounded(bytes / 0x1p20))
                           : fmt::format("{:.1f} GiB", rounded(bytes / 0x1p30 * 10) / 10);
+}
+
+FileStamp stamp_of(const struct stat& status) {
+    return {status.st_dev, status.st_ino, static_cast<std::uint64_t>(status.st_size), status.st_mtim.tv_sec,
+            status.st_mtim.tv_nsec};
+}
+
+constexpr std::size_t kDeepest = 32;
+constexpr std::size_t kMostMembers = 1000;
+
+// Brackets and colons outside of strings; whether they fit together, the parser finds out.
+bool is_modest(std::string_view text) {
+    std::array<std::size_t, kDeepest + 1> members{};
+    std::size_t depth = 0;
+    bool quoted = false;
+    for (std::size_t at = 0; at < text.size(); ++at) {
+        const char c = text[at];
+        if (c == '"')
+            quoted = !quoted;
+        else if (quoted)
+            at += c == '\\';
+        else if ((c == '[' || c == '{') && ++depth > kDeepest)
+            return false;
+        else if (c == '[' || c == '{')
+            members[depth] = 0;
+        else if ((c == ']' || c == '}') && depth > 0)
+            --depth;
+        else if (c == ':' && ++members[depth] > kMostMembers)
+            return false;
+    }
+    return true;
 }
 
 } // namespace
@@ -69,15 +98,6 @@ void require_memory(const std::filesystem::path& file, const std::string& what, 
                                      file.string(), what, in_words(bytes, std::ceil), in_words(most, std::floor),
                                      in_words(bytes, std::ceil)));
 }
-
-namespace {
-
-FileStamp stamp_of(const struct stat& status) {
-    return {status.st_dev, status.st_ino, static_cast<std::uint64_t>(status.st_size), status.st_mtim.tv_sec,
-            status.st_mtim.tv_nsec};
-}
-
-} // namespace
 
 FileStamp stamp_of(const std::filesystem::path& path) {
     struct stat status {};
@@ -130,36 +150,6 @@ std::string read_file(const std::filesystem::path& path) {
     text.resize(file.read_some(0, std::as_writable_bytes(std::span(text))));
     return text;
 }
-
-namespace {
-
-constexpr std::size_t kDeepest = 32;
-constexpr std::size_t kMostMembers = 1000;
-
-// Brackets and colons outside of strings; whether they fit together, the parser finds out.
-bool is_modest(std::string_view text) {
-    std::array<std::size_t, kDeepest + 1> members{};
-    std::size_t depth = 0;
-    bool quoted = false;
-    for (std::size_t at = 0; at < text.size(); ++at) {
-        const char c = text[at];
-        if (c == '"')
-            quoted = !quoted;
-        else if (quoted)
-            at += c == '\\';
-        else if ((c == '[' || c == '{') && ++depth > kDeepest)
-            return false;
-        else if (c == '[' || c == '{')
-            members[depth] = 0;
-        else if ((c == ']' || c == '}') && depth > 0)
-            --depth;
-        else if (c == ':' && ++members[depth] > kMostMembers)
-            return false;
-    }
-    return true;
-}
-
-} // namespace
 
 Json parse_json(std::string_view text) {
     return is_modest(text) ? Json::parse(text, nullptr, false) : Json(Json::value_t::discarded);

@@ -29,17 +29,17 @@ std::string complaint(const PathRecord& record, const std::string& name, const s
 
 namespace {
 
-// A list of fields serves both directions: `field(name, member)` puts a member into JSON, or takes it out.
+// A list of fields serves both directions: `field(name, member)` writes a member into JSON, or reads it.
 
-struct Put {
+struct JsonWriter {
     Json& json;
     template <typename T> void operator()(const char* name, const T& value) const { json[name] = value; }
-    Put part(const char* name) const { return {json[name]}; }
+    JsonWriter part(const char* name) const { return {json[name]}; }
 };
-struct Take {
+struct JsonReader {
     const Json& json;
     template <typename T> void operator()(const char* name, T& value) const { json.at(name).get_to(value); }
-    Take part(const char* name) const { return {json.at(name)}; }
+    JsonReader part(const char* name) const { return {json.at(name)}; }
 };
 
 template <typename Field, typename Engine, typename Volume>
@@ -117,14 +117,14 @@ Json to_json(const CaseRecord& record) {
     for (const FileRecord& file : record.inputs)
         json["inputs"].push_back({{"name", file.name}, {"sha256", file.sha256}});
     json["precision"] = record.precision;
-    list_engine(Put{json["engine"]}, record.engine);
+    list_engine(JsonWriter{json["engine"]}, record.engine);
     json["files"] = Json::array();
     for (const FileRecord& file : record.files)
         json["files"].push_back({{"name", file.name}, {"sha256", file.sha256}, {"bytes", file.bytes}});
-    list_case(Put{json}, record);
+    list_case(JsonWriter{json}, record);
     json["oracle"]["relative_error"] = record.error.relative();
     if (record.paths)
-        list_paths(Put{json["paths"]}, *record.paths);
+        list_paths(JsonWriter{json["paths"]}, *record.paths);
     return json;
 }
 
@@ -137,12 +137,12 @@ CaseRecord from_json(const Json& json) {
     for (const Json& file : json.at("inputs"))
         record.inputs.push_back({file.at("name"), file.at("sha256"), 0});
     record.precision = json.at("precision");
-    list_engine(Take{json.at("engine")}, record.engine);
+    list_engine(JsonReader{json.at("engine")}, record.engine);
     for (const Json& file : json.at("files"))
         record.files.push_back({file.at("name"), file.at("sha256"), file.at("bytes")});
-    list_case(Take{json}, record);
+    list_case(JsonReader{json}, record);
     if (json.contains("paths"))
-        list_paths(Take{json.at("paths")}, record.paths.emplace());
+        list_paths(JsonReader{json.at("paths")}, record.paths.emplace());
     return record;
 }
 

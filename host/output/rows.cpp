@@ -43,18 +43,22 @@ const char* name_of_channel(std::uint32_t channel) {
     }
 }
 
-template <typename real> void RowOrder::accept(const layout::FieldChunk<real>& chunk, std::size_t repeat_y) {
-    const auto [nx, ny, nz] = size_;
-    const bool repeated = repeat_y > 1;
-    const bool whole_layers = chunk.y_first == 0 && (repeated ? chunk.y_count == 1 : chunk.y_count == ny);
-    const bool in_order = chunk.z_first * ny + chunk.y_first == next_row_;
-    const bool inside = chunk.x_count == nx && chunk.x_pitch >= nx && chunk.y_first + chunk.y_count <= ny &&
-                        chunk.z_first + chunk.z_count <= nz;
-    if (!in_order || !inside || !(whole_layers || (chunk.z_count == 1 && !repeated)) || (repeated && repeat_y != ny))
-        throw std::logic_error(fmt::format("chunk of y {}+{}, z {}+{} is not what follows row {} of {} x {} x {}",
-                                           chunk.y_first, chunk.y_count, chunk.z_first, chunk.z_count, next_row_, nx,
-                                           ny, nz));
-    next_row_ += chunk.z_count * chunk.y_count * (repeated ? repeat_y : 1);
+void RowOrder::accept(const AnyFieldChunk& any, std::size_t repeat_y) {
+    const auto accept = [&](const auto& chunk) {
+        const auto [nx, ny, nz] = size_;
+        const bool repeated = repeat_y > 1;
+        const bool whole_layers = chunk.y_first == 0 && (repeated ? chunk.y_count == 1 : chunk.y_count == ny);
+        const bool in_order = chunk.z_first * ny + chunk.y_first == next_row_;
+        const bool inside = chunk.x_count == nx && chunk.x_pitch >= nx && chunk.y_first + chunk.y_count <= ny &&
+                            chunk.z_first + chunk.z_count <= nz;
+        const bool one_layer = chunk.z_count == 1 && !repeated;
+        if (!in_order || !inside || !(whole_layers || one_layer) || (repeated && repeat_y != ny))
+            throw std::logic_error(fmt::format("chunk of y {}+{}, z {}+{} is not what follows row {} of {} x {} x {}",
+                                               chunk.y_first, chunk.y_count, chunk.z_first, chunk.z_count, next_row_,
+                                               nx, ny, nz));
+        next_row_ += chunk.z_count * chunk.y_count * (repeated ? repeat_y : 1);
+    };
+    std::visit(accept, any);
 }
 
 void RowOrder::require_complete() const {
@@ -81,8 +85,6 @@ template <typename real> std::span<const layout::uint> ids_of(const layout::Fiel
     return require_samples(chunk.facet, chunk, layout::kChannelFacet);
 }
 
-template void RowOrder::accept(const layout::FieldChunk<float>&, std::size_t);
-template void RowOrder::accept(const layout::FieldChunk<double>&, std::size_t);
 template std::span<const float> values_of(const layout::FieldChunk<float>&, std::uint32_t);
 template std::span<const double> values_of(const layout::FieldChunk<double>&, std::uint32_t);
 template std::span<const layout::uint> ids_of(const layout::FieldChunk<float>&);
@@ -192,8 +194,6 @@ void PixelWatch::add_non_finite(std::span<const float> values, const Voxel& firs
 
 namespace {
 
-constexpr std::size_t kMostPaths = 16384; // tables of more need not be there at once
-
 // Where the steps of a chunk go in rows of `width` samples.
 struct Window {
     std::size_t paths, pitch, first, count, width;
@@ -236,40 +236,6 @@ std::size_t path_sample_bytes(layout::uint channels, std::size_t real_bytes) {
     return bytes + (channels & layout::kChannelFacet ? sizeof(layout::uint) : 0);
 }
 
-template <typename T> std::size_t samples_that_fit(const layout::PathInput<T>& input) {
-    const bool mesh = input.law.features.surface == layout::kSurfaceMesh;
-    const std::size_t bytes = path_sample_bytes(input.features.channels, sizeof(T));
-    return bytes ? kRowBytes / bytes : mesh ? kMeshMetricSamples : kMetricSamples;
-}
-template std::size_t samples_that_fit<float>(const layout::PathInput<float>&);
-template std::size_t samples_that_fit<double>(const layout::PathInput<double>&);
-
-template <typename T> std::size_t paths_that_fit(const layout::PathInput<T>& input) {
-    constexpr std::size_t kAbreast = 256; // fewer leave a device idle
-    if (input.features.motion == layout::kMotionRecorded)
-        return kMostPaths;
-    const std::size_t least = input.features.channels ? 1 : kAbreast;
-    return std::clamp(samples_that_fit(input) / input.steps, least, kMostPaths);
-}
-template std::size_t paths_that_fit<float>(const layout::PathInput<float>&);
-template std::size_t paths_that_fit<double>(const layout::PathInput<double>&);
-
-template <typename T> layout::PathBatch<T> BatchedSource<T>::batch(std::size_t first, std::size_t count) {
-    layout::PathBatch<T> batch = paths_.batch(first, std::min(count, most_));
-    lengths_.assign(batch.steps.begin(), batch.steps.end());
-    if (batch.steps.empty())
-        lengths_.assign(batch.count, static_cast<layout::uint>(steps_));
-    batch.longest = *std::ranges::max_element(lengths_);
-    longest_ = batch.longest;
-    inside_.clear();
-    for (const layout::ProxyStart<T>& proxy : batch.proxies)
-        inside_.push_back(proxy.inside != 0);
-    return batch;
-}
-
-template <typename T>
-RowGatherer<T>::RowGatherer(const BatchedSource<T>& source, Take take) : source_(source), take_(std::move(take)) {}
-
 template <typename T> void RowGatherer<T>::add(const layout::PathChunk<T>& chunk) {
     if (chunk.step_first != next_step_ || chunk.path_count != source_.lengths().size())
         throw std::logic_error(fmt::format("steps from {} of {} paths are not what follows step {} of {}",
@@ -278,22 +244,20 @@ template <typename T> void RowGatherer<T>::add(const layout::PathChunk<T>& chunk
     const std::size_t begin = alone ? chunk.step_first : 0; // of the rows
     const std::size_t width = alone ? chunk.step_count : source_.longest();
     const Window window{chunk.path_count, chunk.pitch, chunk.step_first - begin, chunk.step_count, width};
-    transpose(window, chunk.position, 3, rows_.position);
-    transpose(window, chunk.force, 3, rows_.force);
-    transpose(window, chunk.depth, 1, rows_.depth);
-    transpose(window, chunk.facet, 1, rows_.facet);
-    transpose(window, chunk.proxy, 3, rows_.proxy);
+    transpose(window, chunk.position, 3, position_);
+    transpose(window, chunk.force, 3, force_);
+    transpose(window, chunk.depth, 1, depth_);
+    transpose(window, chunk.facet, 1, facet_);
+    transpose(window, chunk.proxy, 3, proxy_);
     next_step_ += chunk.step_count;
     const bool whole = next_step_ >= source_.longest();
     if (whole)
         next_step_ = 0;
     if (whole || alone)
-        take_({chunk.path_first, chunk.path_count, width, source_.lengths(), rows_.position, rows_.force, rows_.depth,
-               rows_.facet, rows_.proxy, begin});
+        receive_({chunk.path_first, chunk.path_count, width, source_.lengths(), position_, force_, depth_, facet_,
+                  proxy_, begin});
 }
 
-template class BatchedSource<float>;
-template class BatchedSource<double>;
 template class RowGatherer<float>;
 template class RowGatherer<double>;
 

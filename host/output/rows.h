@@ -48,7 +48,7 @@ public:
     virtual VolumeResult finish() = 0;
 };
 
-// What all sinks do alike with a chunk: check that its rows are the next ones, and find the values of a channel.
+// What all sinks do with a chunk: check that its rows are the next ones, and find the values of a channel.
 
 /// Reals (or ids) a sample of a channel: 3 for vectors, else 1.
 constexpr std::size_t components_of(std::uint32_t channel) {
@@ -63,7 +63,7 @@ class RowOrder {
 public:
     explicit RowOrder(const std::array<std::uint64_t, 3>& size) : size_(size) {}
     /// Throws std::logic_error unless the chunk's rows are the next ones.
-    template <typename real> void accept(const layout::FieldChunk<real>& chunk, std::size_t repeat_y);
+    void accept(const AnyFieldChunk& chunk, std::size_t repeat_y);
     /// Throws std::logic_error unless every row has come.
     void require_complete() const;
 
@@ -181,9 +181,20 @@ inline constexpr std::size_t kMeshMetricSamples = std::size_t(1) << 22;
 std::size_t path_sample_bytes(layout::uint channels, std::size_t real_bytes);
 
 /// The samples of a batch whose rows fit into kRowBytes, or whose metrics come soon enough.
-template <typename T> std::size_t samples_that_fit(const layout::PathInput<T>& input);
+template <typename T> std::size_t samples_that_fit(const layout::PathInput<T>& input) {
+    const bool mesh = input.law.features.surface == layout::kSurfaceMesh;
+    const std::size_t bytes = path_sample_bytes(input.features.channels, sizeof(T));
+    return bytes ? kRowBytes / bytes : mesh ? kMeshMetricSamples : kMetricSamples;
+}
 /// The paths of such a batch, at least 1. Of recorded paths, whose lengths differ, their source knows better how many.
-template <typename T> std::size_t paths_that_fit(const layout::PathInput<T>& input);
+template <typename T> std::size_t paths_that_fit(const layout::PathInput<T>& input) {
+    constexpr std::size_t kMostPaths = 16384; // tables of more need not be there at once
+    constexpr std::size_t kLanes = 256;       // fewer leave a device idle
+    if (input.features.motion == layout::kMotionRecorded)
+        return kMostPaths;
+    const std::size_t least = input.features.channels ? 1 : kLanes;
+    return std::clamp(samples_that_fit(input) / input.steps, least, kMostPaths);
+}
 
 /// Gives an engine fewer paths at a time than it asks for, tells it how long the longest of them is, and remembers of
 /// them what metrics do not say.
@@ -193,7 +204,17 @@ public:
     BatchedSource(layout::PathSource<T>& paths, std::size_t steps, std::size_t most)
         : paths_(paths), steps_(steps), most_(most) {}
 
-    layout::PathBatch<T> batch(std::size_t first, std::size_t count) override;
+    layout::PathBatch<T> batch(std::size_t first, std::size_t count) override {
+        layout::PathBatch<T> batch = paths_.batch(first, std::min(count, most_));
+        lengths_.assign(batch.steps.begin(), batch.steps.end());
+        if (batch.steps.empty())
+            lengths_.assign(batch.count, static_cast<layout::uint>(steps_));
+        longest_ = batch.longest = *std::ranges::max_element(lengths_);
+        inside_.clear();
+        for (const layout::ProxyStart<T>& proxy : batch.proxies)
+            inside_.push_back(proxy.inside != 0);
+        return batch;
+    }
     std::span<const T> positions(std::size_t step, std::size_t steps) override { return paths_.positions(step, steps); }
 
     /// Of the present batch: the samples of each path and of the longest, and whether a path began behind the surface
@@ -211,28 +232,22 @@ private:
 
 template <typename T> class RowGatherer {
 public:
-    using Take = std::function<void(const PathRows<T>&)>;
-    /// `take` receives every batch of paths when its last step has come, of a batch of one path every chunk. `source`
+    using Receiver = std::function<void(const PathRows<T>&)>;
+    /// `receive` gets every batch of paths when its last step has come, of a batch of one path every chunk. `source`
     /// gives the chunks' batches.
-    RowGatherer(const BatchedSource<T>& source, Take take);
+    RowGatherer(const BatchedSource<T>& source, Receiver receive) : source_(source), receive_(std::move(receive)) {}
 
     /// The next steps of a batch. \throws std::logic_error if they come out of order.
     void add(const layout::PathChunk<T>& chunk);
 
 private:
-    struct Buffer {
-        std::vector<T> position, force, depth, proxy;
-        std::vector<layout::uint> facet;
-    };
-
     const BatchedSource<T>& source_;
-    Take take_;
+    Receiver receive_;
     std::size_t next_step_ = 0;
-    Buffer rows_;
+    std::vector<T> position_, force_, depth_, proxy_;
+    std::vector<layout::uint> facet_;
 };
 
-extern template class BatchedSource<float>;
-extern template class BatchedSource<double>;
 extern template class RowGatherer<float>;
 extern template class RowGatherer<double>;
 

@@ -1,11 +1,11 @@
 #include "host/paths/explore.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 
 #include <fmt/format.h>
 
+#include "host/clock.h"
 #include "host/norm.h"
 #include "host/paths/path_files.h"
 #include "host/paths/path_reader.h"
@@ -29,15 +29,15 @@ template <typename T> struct PathTrack {
 
     PathTrack(std::uint64_t number, bool began_inside) : id(number), inside(began_inside) {}
 
-    // The next sample: when, s, where the probe is, m, and what it feels. As reference::take_step in open loop.
-    void add(double time, const reference::Vector<T>& probe, const reference::Contact<T>& felt, bool finished,
+    // The next sample: when, s, where the probe is, m, and its contact. As reference::take_step in open loop.
+    void add(double time, const reference::Vector<T>& probe, const reference::Contact<T>& touch, bool finished,
              T stretch) {
         if (steps == 0)
             state = reference::state_at(probe);
-        const reference::PathSampled<T> sampled{probe, felt.force, felt};
-        reference::add_sample(state.metrics, felt, felt.force);
+        const reference::PathSampled<T> sampled{probe, touch.force, touch};
+        reference::add_sample(state.metrics, touch, touch.force);
         state.metrics.unfinished += finished ? 0 : 1;
-        contact.add(time, felt.facet != layout::kNoFacet);
+        contact.add(time, touch.facet != layout::kNoFacet);
         reference::add_turn_at(state, sampled, stretch);
         reference::add_between(state, sampled);
         reference::keep_sample(state, sampled);
@@ -58,10 +58,10 @@ public:
             check_interrupt();
             evaluate();
             for (std::size_t i = 0; i < samples_.size(); ++i)
-                add(samples_[i], numbers_[i], felt_[i]);
+                add(samples_[i], numbers_[i], contacts_[i]);
             progress(reader_.csv().bytes_read(), reader_.csv().bytes());
         }
-        warn();
+        add_warnings();
         summarise();
         writer_.publish();
         summary_.finish();
@@ -70,7 +70,7 @@ public:
     }
 
 private:
-    void warn() {
+    void add_warnings() {
         const std::string& source = reader_.csv().source();
         if (reader_.csv().ends_open())
             result_.warnings.push_back(
@@ -92,34 +92,34 @@ private:
     }
 
     void evaluate() {
-        const auto start = std::chrono::steady_clock::now();
+        const Clock::time_point start = Clock::now();
         numbers_.clear();
-        felt_.clear();
+        contacts_.clear();
         for (const PathSample& sample : samples_) {
             numbers_.push_back(census_.add(sample));
-            felt_.push_back(law_->at(numbers_.back(), sample.probe));
+            contacts_.push_back(law_->at(numbers_.back(), sample.probe));
         }
-        result_.law_seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+        result_.law_seconds += seconds_since(start);
     }
 
-    void add(const PathSample& sample, std::size_t number, const PathContact<T>& felt) {
-        const reference::Vector<T>& force = felt.contact.force;
+    void add(const PathSample& sample, std::size_t number, const PathContact<T>& found) {
+        const reference::Vector<T>& force = found.contact.force;
         const double size = norm(double(force.x), double(force.y), double(force.z));
         if (!std::isfinite(size))
             fail(reader_.csv().source(), {sample.line, 1},
                  fmt::format("the force at ({}, {}, {}) m is no finite number of this precision", sample.probe.x,
                              sample.probe.y, sample.probe.z));
         ++result_.samples;
-        result_.in_contact += felt.contact.facet != layout::kNoFacet;
-        result_.unfinished += !felt.finished;
-        if (felt.begins_inside && inside_++ == 0)
+        result_.in_contact += found.contact.facet != layout::kNoFacet;
+        result_.unfinished += !found.finished;
+        if (found.begins_inside && inside_++ == 0)
             first_inside_ = sample.line;
         result_.largest_force = std::max(result_.largest_force, size);
         const reference::Vector<T> probe(sample.probe); // where the law was evaluated
         if (number == tracks_.size())
-            tracks_.push_back(PathTrack<T>(sample.path, felt.begins_inside));
-        tracks_[number].add(sample.time, probe, felt.contact, felt.finished, T(stretch_));
-        writer_.add(sample.path, sample.time, probe, felt.contact);
+            tracks_.push_back(PathTrack<T>(sample.path, found.begins_inside));
+        tracks_[number].add(sample.time, probe, found.contact, found.finished, T(stretch_));
+        writer_.add(sample.path, sample.time, probe, found.contact);
     }
 
     const float stretch_; // m
@@ -131,7 +131,7 @@ private:
     std::vector<PathTrack<T>> tracks_; // by path
     std::vector<PathSample> samples_;
     std::vector<std::size_t> numbers_; // of their paths
-    std::vector<PathContact<T>> felt_;
+    std::vector<PathContact<T>> contacts_;
     std::uint64_t inside_ = 0; // paths that begin there
     std::uint32_t first_inside_ = 0;
     ExploreResult result_;

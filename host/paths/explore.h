@@ -1,4 +1,4 @@
-// Takes a probe along recorded paths and writes what it feels, row by row in the order of the file, on the oracle.
+// Moves a probe along recorded paths and writes its contacts, row by row in the order of the file, on the oracle.
 #pragma once
 
 #include <cstdint>

@@ -281,8 +281,8 @@ void set_spiral(const PathsSpec& paths, const PathRegion& region, double turns, 
     motion.radius_step = phase_of_turns(turns / (2 * static_cast<double>(paths.lines)));
 }
 
-// The way there and back, or once about, m; 0 for what has none.
-double round_way(const PathsSpec& paths, const PathRegion& region, double depth) {
+// The length of a round, there and back or once about, m; 0 for what has none.
+double round_length(const PathsSpec& paths, const PathRegion& region, double depth) {
     switch (paths.kind) {
     case PathKind::strokes:
     case PathKind::raster:
@@ -348,8 +348,8 @@ double mean_distance(double side, double other) {
 PathPace path_pace(const PathsSpec& paths, const PathRegion& region, const PathDraws& draws) {
     const double speed = draws.value(paths.speed, Draw::speed, true);
     const double depth = paths.drive == PathDrive::depth ? draws.value(paths.depth, Draw::depth) : 0;
-    const double way = round_way(paths, region, depth);
-    return {speed, way > 0 ? speed / (way * paths.rate) : 0};
+    const double length = round_length(paths, region, depth);
+    return {speed, length > 0 ? speed / (length * paths.rate) : 0};
 }
 
 layout::MotionParams<double> path_motion(const PathsSpec& paths, const PathRegion& region, const PathDraws& draws) {

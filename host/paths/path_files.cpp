@@ -1,7 +1,6 @@
 #include "host/paths/path_files.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -55,14 +54,14 @@ template <typename T> void add_rounds(PathFigures& figures, const layout::PathMe
 template <typename T> PathFigures figures_of(const layout::PathMetrics<T>& metrics, const PathFacts& facts) {
     constexpr double kMillimetres = 1000; // in a metre
     const bool unstable = metrics.unstable_step != layout::kNever;
-    const std::uint64_t felt = unstable ? metrics.unstable_step : facts.steps;
+    const std::uint64_t samples = unstable ? metrics.unstable_step : facts.steps;
     PathFigures figures;
     figures.steps = facts.steps;
     figures.contact_time = facts.times ? facts.times->contact : double(metrics.contact_samples) / facts.rate;
     figures.largest_force = double(metrics.largest_force);
-    if (felt > 0)
+    if (samples > 0)
         figures.rms_force =
-            std::sqrt(std::max(whole(metrics.force_square, metrics.force_square_rest), 0.0) / double(felt));
+            std::sqrt(std::max(whole(metrics.force_square, metrics.force_square_rest), 0.0) / double(samples));
     figures.largest_turn = angle_of(double(metrics.largest_turn));
     figures.steepest_turn =
         angle_of(double(metrics.steepest_turn)) / (std::sqrt(double(metrics.steepest_way)) * kMillimetres);
@@ -84,25 +83,6 @@ template <typename T> PathFigures figures_of(const layout::PathMetrics<T>& metri
 
 template PathFigures figures_of<float>(const layout::PathMetrics<float>&, const PathFacts&);
 template PathFigures figures_of<double>(const layout::PathMetrics<double>&, const PathFacts&);
-
-void NumberRow::separate() {
-    if (!first_)
-        text_ += ',';
-    first_ = false;
-}
-
-template <typename T> void NumberRow::add(T value) {
-    separate();
-    char digits[40]; // the shortest form of a double has 24 at most
-    text_.append(digits, std::to_chars(digits, digits + sizeof digits, value).ptr);
-}
-
-void NumberRow::write(TemporaryFile& file) {
-    text_ += '\n';
-    file.write(text_);
-    text_.clear();
-    first_ = true;
-}
 
 const char* path_summary_header() {
     return "path,steps,contact_time_s,largest_force_N,rms_force_N,largest_turn_deg,steepest_turn_deg_per_mm,work_J,"
@@ -158,17 +138,17 @@ PathWriter::PathWriter(const std::filesystem::path& path) : file_(path) {
 
 template <typename T>
 void PathWriter::add(std::uint64_t path, double time, const reference::Vector<T>& probe,
-                     const reference::Contact<T>& felt) {
+                     const reference::Contact<T>& contact) {
     row_.add(path);
     row_.add(time);
-    for (const reference::Vector<T>& vector : {probe, felt.proxy, felt.force})
+    for (const reference::Vector<T>& vector : {probe, contact.proxy, contact.force})
         for (const T component : {vector.x, vector.y, vector.z})
             row_.add(component);
-    row_.add(felt.depth);
-    if (felt.facet == layout::kNoFacet)
+    row_.add(contact.depth);
+    if (contact.facet == layout::kNoFacet)
         row_.add(-1);
     else
-        row_.add(felt.facet);
+        row_.add(contact.facet);
     row_.write(file_);
 }
 template void PathWriter::add<float>(std::uint64_t, double, const reference::Vector<float>&,
@@ -186,13 +166,13 @@ void PathCsvWriter::write(const AnyPathRows& any) {
             for (std::size_t i = 0; i < rows.samples(row); ++i) {
                 const std::uint64_t path = rows.path_first + row;
                 const std::size_t at = row * rows.pitch + i;
-                const reference::Contact<T> felt{rows.depth[at],
-                                                 reference::vector_at(rows.force, at),
-                                                 {},
-                                                 reference::vector_at(rows.proxy, at),
-                                                 rows.facet[at]};
+                const reference::Contact<T> contact{rows.depth[at],
+                                                    reference::vector_at(rows.force, at),
+                                                    {},
+                                                    reference::vector_at(rows.proxy, at),
+                                                    rows.facet[at]};
                 writer_.add(labels_.id(path), labels_.time(path, rows.step_first + i),
-                            reference::vector_at(rows.position, at), felt);
+                            reference::vector_at(rows.position, at), contact);
             }
     };
     std::visit(add, any);
@@ -251,6 +231,14 @@ struct OnLine {
     double height; /* m */
     double angle;  /* deg: of the normal, from z towards x */
 };
+
+// True if a height can be read off the line at every x: no pieces, x increasing.
+bool is_graph(const std::vector<picture::LinePoint>& line) {
+    for (std::size_t i = 1; i < line.size(); ++i)
+        if (!(line[i].x > line[i - 1].x))
+            return false;
+    return !line.empty();
+}
 
 std::optional<OnLine> on_line(const std::vector<picture::LinePoint>& line, double x) {
     const auto after = std::upper_bound(line.begin(), line.end(), x,
@@ -324,13 +312,6 @@ picture::Picture PathCollector::draw(const std::string& name, const picture::Sur
     if (!note.empty())
         drawing.notes.push_back(note);
     return picture::draw_paths(drawing);
-}
-
-bool is_graph(const std::vector<picture::LinePoint>& line) {
-    for (std::size_t i = 1; i < line.size(); ++i)
-        if (!(line[i].x > line[i - 1].x))
-            return false;
-    return !line.empty();
 }
 
 Following following(const std::vector<picture::DrawnPath>& paths, const std::vector<picture::LinePoint>& line) {

@@ -1,6 +1,7 @@
 // What a path was like, in numbers that people read, and what is left of paths: CSV, NPY, and what a picture shows.
 #pragma once
 
+#include <charconv>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -79,23 +80,25 @@ struct PathFacts {
 
 template <typename T> PathFigures figures_of(const layout::PathMetrics<T>& metrics, const PathFacts& facts);
 
-extern template PathFigures figures_of<float>(const layout::PathMetrics<float>&, const PathFacts&);
-extern template PathFigures figures_of<double>(const layout::PathMetrics<double>&, const PathFacts&);
-
 // STEM.paths.csv: a row for each path, what it was like.
 
 /// A row of a CSV file of numbers, each the shortest that reads back as the same number.
 class NumberRow {
 public:
-    template <typename T> void add(T value);
-    void add_empty() { separate(); }
+    template <typename T> void add(T value) {
+        char digits[40]; // the shortest form of a double has 24 at most
+        text_.append(digits, std::to_chars(digits, digits + sizeof digits, value).ptr) += ',';
+    }
+    void add_empty() { text_ += ','; }
     /// Ends the row, and begins the next.
-    void write(TemporaryFile& file);
+    void write(TemporaryFile& file) {
+        text_.back() = '\n'; // in place of the last comma
+        file.write(text_);
+        text_.clear();
+    }
 
 private:
-    void separate();
     std::string text_;
-    bool first_ = true;
 };
 
 /// Columns carry their unit in their name; a cell is empty where a number has no meaning.
@@ -118,7 +121,7 @@ private:
 /// The file's header line.
 const char* path_summary_header();
 
-// Explored paths as a CSV file: where the probe was, and what it felt there.
+// Explored paths as a CSV file: where the probe was, and the contact there.
 
 /// Columns path,t,x,y,z,gx,gy,gz,fx,fy,fz,depth,facet (s, m, N); x, y, z are where the law was evaluated, g is the
 /// proxy, facet -1 out of contact. Nothing stands under the final name until publish() or finish().
@@ -127,7 +130,7 @@ public:
     /// \throws IoError, as do the others.
     explicit PathWriter(const std::filesystem::path& path);
     template <typename T>
-    void add(std::uint64_t path, double time, const reference::Vector<T>& probe, const reference::Contact<T>& felt);
+    void add(std::uint64_t path, double time, const reference::Vector<T>& probe, const reference::Contact<T>& contact);
     void publish() { file_.publish(); }
     /// Publishes, and reads the file once more for its hash.
     VolumeResult finish();
@@ -187,7 +190,7 @@ public:
         double from = 0, to = 0, y = 0;
     };
     Reach reach() const;
-    /// The picture of them. `paths` in all.
+    /// The picture of them.
     picture::Picture draw(const std::string& name, const picture::SurfaceLines& surface) const;
 
 private:
@@ -210,8 +213,5 @@ struct Following {
 
 /// Of a line whose x increases; no samples where there is none.
 Following following(const std::vector<picture::DrawnPath>& paths, const std::vector<picture::LinePoint>& line);
-
-/// True if a height can be read off the line at every x: no pieces, x increasing.
-bool is_graph(const std::vector<picture::LinePoint>& line);
 
 } // namespace forceshade

@@ -19,6 +19,7 @@
 #include "host/picture/surface_lines.h"
 #include "host/program.h"
 #include "host/referee/path_oracle.h"
+#include "host/referee/validate.h"
 
 namespace forceshade {
 
@@ -28,24 +29,26 @@ constexpr layout::uint kSampled = layout::kChannelForce | layout::kChannelPositi
                                   layout::kChannelFacet | layout::kChannelProxy;
 constexpr layout::uint kAlways = layout::kChannelForce | layout::kChannelPosition;
 
-} // namespace
-
 bool is_csv(const std::filesystem::path& path) {
     return path.extension() == ".csv";
 }
 
+// What must be computed for the files; `asked`: the scene's channels.
 layout::uint channels_for(const PathRunOptions& options, layout::uint asked) {
     if (options.samples.empty())
         return 0;
     return is_csv(options.samples) ? kSampled : (asked & kSampled) | kAlways;
 }
 
-std::filesystem::path recorded_file(const Scene& scene, const PathRunOptions& options) {
-    if (options.recorded)
-        return *options.recorded;
-    if (scene.paths && scene.paths->kind == PathKind::recorded)
-        return scene.paths->path;
-    return {};
+} // namespace
+
+void set_options(ExrOptions& options, const PreparedCase& prepared, const Scene& written, int threads) {
+    options.compression = written.output.compression;
+    options.pixel = written.output.pixel;
+    options.scene = prepared.scene;
+    options.version = version();
+    options.omitted = fmt::format("{}", fmt::join(omissions(written), "; "));
+    options.threads = threads;
 }
 
 std::vector<std::string> path_file_names(const PathRunOptions& options, layout::uint channels) {
@@ -72,8 +75,11 @@ double rate_of(const Scene& scene) {
 // Null: the paths are generated.
 template <typename T>
 std::shared_ptr<const RecordedFile> read_paths(const PreparedCase& prepared, const PathRunOptions& options) {
-    const std::filesystem::path file = recorded_file(prepared.one.scene, options);
-    return file.empty() ? nullptr : read_recorded<T>(prepared, file, options.reading);
+    const std::optional<PathsSpec>& spec = prepared.one.scene.paths;
+    const bool recorded = spec && spec->kind == PathKind::recorded;
+    if (!options.recorded && !recorded)
+        return nullptr;
+    return read_recorded<T>(prepared, options.recorded.value_or(spec ? spec->path : ""), options.reading);
 }
 
 // Reads the file alongside of an engine's rows, and sums up of each path how long it was in contact.
@@ -83,11 +89,11 @@ public:
         : file_(std::move(file)), cursor_(*file_), later_(*file_) {}
 
     // The times of these rows, which come in order; they need the channel of facets.
-    template <typename T> void take(const PathRows<T>& rows);
+    template <typename T> void add(const PathRows<T>& rows);
 
-    // s: of a sample of the rows taken last.
+    // s: of a sample of the rows added last.
     double at(std::uint64_t path, std::uint64_t step) const;
-    // s: how long a path of the rows taken last was in contact, once they end it.
+    // s: how long a path of the rows added last was in contact, once they end it.
     double contact_time(std::uint64_t path) const { return contact_[path - first_].total(); }
     // s: of a sample of a path, wherever it is; paths come in order.
     double later(std::uint64_t path, std::uint64_t step);
@@ -103,7 +109,7 @@ private:
     std::uint64_t later_path_ = 0, later_begin_ = 0; // a path, and its first sample in the file
 };
 
-template <typename T> void RecordedTimes::take(const PathRows<T>& rows) {
+template <typename T> void RecordedTimes::add(const PathRows<T>& rows) {
     first_ = rows.path_first;
     step_first_ = rows.step_first;
     if (rows.step_first == 0)
@@ -135,40 +141,70 @@ struct NamedSink {
     std::unique_ptr<PathSink> sink;
 };
 
-template <typename T> class Run {
-public:
-    Run(Engine& engine, const PreparedCase& prepared, const PathRunOptions& options)
-        : engine_(engine), prepared_(prepared), options_(options), file_(read_paths<T>(prepared, options)),
-          paths_(prepared, file_), alike_(prepared, file_), input_(paths_.input()), rate_(rate_of(prepared.one.scene)),
-          written_(channels_for(options, prepared.one.scene.output.channels)) {
-        // How long a recorded path was in contact is known from its samples alone.
-        input_.features.channels = file_ ? written_ | layout::kChannelFacet : written_;
-        source_.emplace(paths_, input_.steps, paths_that_fit(input_));
-        input_.source = &*source_;
-        for (ScenePaths<T>* paths : {&paths_, &alike_})
-            paths->limit_batches(samples_that_fit(input_));
-        layout::PathInput<T> same = alike_.input();
-        same.features.channels = input_.features.channels;
-        oracle_.emplace(prepared, same, engine.report().software);
-        gatherer_.emplace(*source_, [this](const PathRows<T>& rows) { take(rows); });
-        if (file_)
-            times_.emplace(file_);
-        total_ = file_ ? file_->samples() : std::uint64_t(input_.paths) * input_.steps;
-        open_files();
+// An engine's paths, and the oracle with paths of its own.
+template <typename T> struct EngineAndOracle {
+    // `most` as for PathOracle.
+    EngineAndOracle(const PreparedCase& prepared, const std::shared_ptr<const RecordedFile>& file,
+                    layout::uint channels, bool exact_bits, std::uint64_t most)
+        : paths(prepared, file), same(prepared, file), input(input_of(paths, channels)),
+          source(paths, input.steps, paths_that_fit(input)),
+          oracle(prepared, input_of(same, channels), exact_bits, most) {
+        input.source = &source;
+        for (ScenePaths<T>* each : {&paths, &same})
+            each->limit_batches(samples_that_fit(input));
     }
 
+    static layout::PathInput<T> input_of(ScenePaths<T>& from, layout::uint channels) {
+        layout::PathInput<T> made = from.input();
+        made.features.channels = channels;
+        return made;
+    }
+
+    ScenePaths<T> paths, same; // the engine's, and the oracle's
+    layout::PathInput<T> input;
+    BatchedSource<T> source;
+    PathOracle<T> oracle;
+};
+
+template <typename T> class Run : EngineAndOracle<T> {
+public:
+    Run(Engine& engine, const PreparedCase& prepared, const PathRunOptions& options)
+        : Run(engine, prepared, options, read_paths<T>(prepared, options)) {}
+
     PathRecord run() {
-        record_.paths = input_.paths;
-        record_.steps = input_.steps;
-        record_.stretch = paths_.stretch();
+        record_.paths = input.paths;
+        record_.steps = input.steps;
+        record_.stretch = paths.stretch();
         record_.engine_times = engine_.explore(
-            input_, [this](const layout::PathChunk<T>& chunk) { take(chunk); },
-            [this](std::size_t first, std::span<const layout::PathMetrics<T>> metrics) { take(first, metrics); });
+            input, [this](const layout::PathChunk<T>& chunk) { receive(chunk); },
+            [this](std::size_t first, std::span<const layout::PathMetrics<T>> metrics) { receive(first, metrics); });
         finish();
         return record_;
     }
 
 private:
+    using Base = EngineAndOracle<T>;
+    using Base::input, Base::oracle, Base::paths, Base::source;
+
+    Run(Engine& engine, const PreparedCase& prepared, const PathRunOptions& options,
+        std::shared_ptr<const RecordedFile> file)
+        : Base(prepared, file, channels_of(prepared, options, file != nullptr), engine.report().software,
+               kComparedSamples),
+          engine_(engine), prepared_(prepared), options_(options), file_(std::move(file)),
+          rate_(rate_of(prepared.one.scene)), written_(channels_for(options, prepared.one.scene.output.channels)),
+          total_(file_ ? file_->samples() : std::uint64_t(input.paths) * input.steps),
+          gatherer_(source, [this](const PathRows<T>& rows) { receive(rows); }) {
+        if (file_)
+            times_.emplace(file_);
+        open_files();
+    }
+
+    // How long a recorded path was in contact is known from its samples alone.
+    static layout::uint channels_of(const PreparedCase& prepared, const PathRunOptions& options, bool recorded) {
+        const layout::uint written = channels_for(options, prepared.one.scene.output.channels);
+        return recorded ? written | layout::kChannelFacet : written;
+    }
+
     std::filesystem::path beside(const std::string& kind) const { return options_.stem.string() + kind; }
 
     void open_files() {
@@ -184,11 +220,11 @@ private:
                 if (written_ & channel) {
                     const std::filesystem::path file =
                         beside(fmt::format("{}.{}.npy", options_.label, name_of_channel(channel)));
-                    add_sink(file, std::make_unique<PathNpyWriter>(file, input_.paths, input_.steps, channel,
-                                                                   scene.precision));
+                    add_sink(file,
+                             std::make_unique<PathNpyWriter>(file, input.paths, input.steps, channel, scene.precision));
                 }
         if (options_.png)
-            collector_.emplace(input_.paths, input_.steps);
+            collector_.emplace(input.paths, input.steps);
     }
 
     void add_sink(const std::filesystem::path& file, std::unique_ptr<PathSink> sink) {
@@ -198,18 +234,13 @@ private:
     PathVolumeHeader header() const {
         const Scene& scene = prepared_.one.scene;
         PathVolumeHeader header;
-        header.steps = input_.steps;
-        header.paths = input_.paths;
-        header.rate = file_ && input_.features.loop == layout::kLoopOpen ? 0 : rate_;
+        header.steps = input.steps;
+        header.paths = input.paths;
+        header.rate = file_ && input.features.loop == layout::kLoopOpen ? 0 : rate_;
         header.channels = written_;
-        header.compression = scene.output.compression;
-        header.pixel = scene.output.pixel;
-        header.scene = prepared_.scene;
-        header.version = version();
         Scene of_paths = scene;
         of_paths.field = false;
-        header.omitted = fmt::format("{}", fmt::join(omissions(of_paths), "; "));
-        header.threads = options_.threads;
+        set_options(header, prepared_, of_paths, options_.threads);
         return header;
     }
 
@@ -223,18 +254,18 @@ private:
                 [this](std::uint64_t path, std::uint64_t step) { return time_of(path, step); }};
     }
 
-    void take(const layout::PathChunk<T>& chunk) {
+    void receive(const layout::PathChunk<T>& chunk) {
         check_interrupt();
-        if (input_.features.channels != 0)
-            gatherer_->add(chunk);
+        if (input.features.channels != 0)
+            gatherer_.add(chunk);
         progress(std::min(batch_samples(), chunk.path_count * (chunk.step_first + chunk.step_count)));
     }
 
-    void take(const PathRows<T>& rows) {
+    void receive(const PathRows<T>& rows) {
         if (times_)
-            times_->take(rows);
+            times_->add(rows);
         require_finite(rows);
-        oracle_->compare(rows);
+        oracle.compare(rows);
         for (NamedSink& sink : sinks_) {
             check_interrupt();
             sink.sink->write(rows);
@@ -261,14 +292,14 @@ private:
                                 options_.stem.string(), id_of(path), where));
     }
 
-    void take(std::size_t first, std::span<const layout::PathMetrics<T>> metrics) {
+    void receive(std::size_t first, std::span<const layout::PathMetrics<T>> metrics) {
         check_interrupt();
-        oracle_->compare(first, metrics);
-        const bool closed = input_.features.loop == layout::kLoopClosed;
+        oracle.compare(first, metrics);
+        const bool closed = input.features.loop == layout::kLoopClosed;
         for (std::size_t i = 0; i < metrics.size(); ++i) {
-            const bool inside = !source_->inside().empty() && source_->inside()[i];
+            const bool inside = !source.inside().empty() && source.inside()[i];
             const PathFigures figures =
-                figures_of(metrics[i], {source_->lengths()[i], rate_, closed, inside, times_of(first + i, metrics[i])});
+                figures_of(metrics[i], {source.lengths()[i], rate_, closed, inside, times_of(first + i, metrics[i])});
             if (!std::isfinite(figures.largest_force + figures.rms_force + figures.work + figures.steepest_turn))
                 refuse(first + i, "");
             summary_->add(id_of(first + i), figures);
@@ -286,7 +317,7 @@ private:
     }
 
     std::uint64_t batch_samples() const {
-        return std::accumulate(source_->lengths().begin(), source_->lengths().end(), std::uint64_t(0));
+        return std::accumulate(source.lengths().begin(), source.lengths().end(), std::uint64_t(0));
     }
 
     void count(const PathFigures& figures, std::uint64_t contact) {
@@ -324,8 +355,8 @@ private:
         check_interrupt();
         if (file_)
             file_->require_unchanged();
-        record_.error = oracle_->error();
-        record_.warnings = paths_.warnings();
+        record_.error = oracle.error();
+        record_.warnings = paths.warnings();
         if (record_.in_contact > 0) {
             const double samples = double(record_.in_contact);
             record_.mean_depth = depth_ / samples;
@@ -357,14 +388,10 @@ private:
     const PreparedCase& prepared_;
     const PathRunOptions& options_;
     std::shared_ptr<const RecordedFile> file_; // null: the paths are generated
-    ScenePaths<T> paths_, alike_;              // the engine's, and the oracle's
-    layout::PathInput<T> input_;
-    double rate_;                        /* 1/s */
-    layout::uint written_;               // channels
-    std::uint64_t total_ = 0, done_ = 0; // samples: in all, and of the batches before
-    std::optional<BatchedSource<T>> source_;
-    std::optional<PathOracle<T>> oracle_;
-    std::optional<RowGatherer<T>> gatherer_;
+    double rate_;                              /* 1/s */
+    layout::uint written_;                     // channels
+    std::uint64_t total_ = 0, done_ = 0;       // samples: in all, and of the batches before
+    RowGatherer<T> gatherer_;
     std::optional<RecordedTimes> times_;
     std::vector<NamedSink> sinks_; // the samples first, if there are any
     std::optional<PathSummary> summary_;
@@ -387,34 +414,26 @@ template <typename T> void compare_in(Engine& engine, const PreparedCase& prepar
     const PathsSpec& spec = *prepared.one.scene.paths;
     const bool recorded = spec.kind == PathKind::recorded;
     const std::shared_ptr<const RecordedFile> file = recorded ? read_recorded<T>(prepared, spec.path) : nullptr;
-    ScenePaths<T> paths(prepared, file), alike(prepared, file);
-    layout::PathInput<T> input = paths.input(), same = alike.input();
-    input.features.channels = same.features.channels = kSampled;
-    for (ScenePaths<T>* each : {&paths, &alike})
-        each->limit_batches(samples_that_fit(input));
-    BatchedSource<T> source(paths, input.steps, paths_that_fit(input));
-    input.source = &source;
-    PathOracle<T> oracle(prepared, same, engine.report().software, 0);
-    ProxySides<T> sides(prepared, std::uint64_t(input.paths) * input.steps, input.features.loop == layout::kLoopClosed);
-    RowGatherer<T> gatherer(source, [&](const PathRows<T>& rows) {
-        oracle.compare(rows);
+    EngineAndOracle<T> both(prepared, file, kSampled, engine.report().software, 0);
+    ProxySides<T> sides(prepared, std::uint64_t(both.input.paths) * both.input.steps,
+                        both.input.features.loop == layout::kLoopClosed);
+    RowGatherer<T> gatherer(both.source, [&](const PathRows<T>& rows) {
+        both.oracle.compare(rows);
         sides.check(rows);
     });
     engine.explore(
-        input,
+        both.input,
         [&](const layout::PathChunk<T>& chunk) {
             check_interrupt();
             gatherer.add(chunk);
         },
-        [&](std::size_t first, std::span<const layout::PathMetrics<T>> metrics) { oracle.compare(first, metrics); });
+        [&](std::size_t first, std::span<const layout::PathMetrics<T>> metrics) {
+            both.oracle.compare(first, metrics);
+        });
     if (file)
         file->require_unchanged();
-    comparison.error = oracle.error();
+    comparison.error = both.oracle.error();
     comparison.sides = sides.count();
-}
-
-const char* name_of(Precision precision) {
-    return precision == Precision::f32 ? "f32" : "f64";
 }
 
 const std::string& first_of(const PathComparison& one) {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "host/engine/engine.h"
+#include "host/output/exr_volume.h"
 #include "host/output/record.h"
 #include "host/prepare/prepared_case.h"
 #include "host/referee/path_oracle.h"
@@ -33,13 +34,8 @@ struct PathRunOptions {
 inline constexpr std::array kPathChannels{layout::kChannelForce, layout::kChannelPosition, layout::kChannelDepth,
                                           layout::kChannelFacet, layout::kChannelProxy};
 
-bool is_csv(const std::filesystem::path& path);
-
-/// What must be computed for the files; `asked`: the scene's channels.
-layout::uint channels_for(const PathRunOptions& options, layout::uint asked);
-
-/// Of positions; empty: the paths are generated.
-std::filesystem::path recorded_file(const Scene& scene, const PathRunOptions& options);
+/// What the EXR of a case's field or paths tells and how it is written; `written`: the part of the scene that it holds.
+void set_options(ExrOptions& options, const PreparedCase& prepared, const Scene& written, int threads);
 
 /// The names of the files of a run, the samples first.
 std::vector<std::string> path_file_names(const PathRunOptions& options, layout::uint channels);
@@ -52,7 +48,7 @@ std::vector<std::string> path_file_names(const PathRunOptions& options, layout::
 /// compute::DeviceError, Error (exit 1) for forces that are no finite numbers.
 PathRecord run_paths(Engine& engine, const PreparedCase& prepared, const PathRunOptions& options);
 
-// An engine's paths held against the oracle in the same precision, every sample of a scene's, and on a closed mesh
+// An engine's paths compared with the oracle in the same precision, every sample of a scene's, and on a closed mesh
 // against the winding number.
 
 struct PathComparison {
@@ -63,7 +59,7 @@ struct PathComparison {
     bool passed = false;
 };
 
-/// Takes every path of a case that has some through the engine, with all channels. \throws compute::DeviceError,
+/// Moves the engine along every path of a case that has some, with all channels. \throws compute::DeviceError,
 /// UsageError, IoError, Interrupted.
 PathComparison compare_paths(Engine& engine, const PreparedCase& prepared, Precision precision);
 

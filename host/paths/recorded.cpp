@@ -17,66 +17,53 @@ namespace {
 
 constexpr std::size_t kAhead = 4096; // samples read at once
 constexpr std::size_t kMostSteps = 1000000000;
+constexpr std::uint64_t kSteps = 4;                         // most that a batch takes for each of its samples
+constexpr std::uint64_t kFewSteps = std::uint64_t(1) << 18; // of a batch: computed in no time anyway
 
 } // namespace
-
-// What the first reading needs to know beside what it finds.
-class RecordedFile::Count {
-public:
-    Count(const PathReader& from, const RecordedOptions& with)
-        : reader(from), options(with), census(from.csv().source(), with.period) {}
-
-    const std::string& source() const { return reader.csv().source(); }
-
-    const PathReader& reader;
-    const RecordedOptions& options;
-    PathCensus census;
-    std::vector<PathSample> samples{}; // the next of the file
-};
 
 RecordedFile::RecordedFile(const std::filesystem::path& file, const RecordedOptions& options)
     : path_(file), largest_coordinate_(options.largest_coordinate) {
     PathReader reader(file, options.largest_coordinate);
     stamp_ = reader.csv().file().stamp();
-    Count found(reader, options);
-    for (reader.read(found.samples, kAhead); !found.samples.empty(); reader.read(found.samples, kAhead)) {
+    PathCensus census(reader.csv().source(), options.period);
+    std::vector<PathSample> samples;
+    for (reader.read(samples, kAhead); !samples.empty(); reader.read(samples, kAhead)) {
         check_interrupt();
-        count(found);
+        count(samples, census);
+        if (census.first_return() && samples_ > options.most_interleaved)
+            fail(reader.csv().source(), {*census.first_return(), 1},
+                 fmt::format("a path goes on here after samples of another; in a file of more than {} samples each "
+                             "path's stand together: sort it by path",
+                             options.most_interleaved));
+        if (samples_ <= options.most_kept)
+            kept_.insert(kept_.end(), samples.begin(), samples.end());
+        else
+            std::vector<PathSample>().swap(kept_);
         if (options.progress)
             options.progress(reader.csv().bytes_read(), reader.csv().bytes());
     }
-    ids_ = found.census.ids();
+    ids_ = census.ids();
     if (reader.csv().ends_open())
-        warnings_.push_back(location_prefix(found.source(), reader.csv().end()) +
+        warnings_.push_back(location_prefix(reader.csv().source(), reader.csv().end()) +
                             "the last line has no line feed: if the file was cut off, its last number may be too");
-    if (found.census.first_return())
+    if (census.first_return())
         keep_interleaved();
 }
 
-void RecordedFile::count(Count& count) {
-    for (const PathSample& sample : count.samples) {
-        const std::size_t path = count.census.add(sample);
-        if (path == steps_.size()) {
-            if (path == kRecordedPaths)
-                fail(count.source(), {sample.line, 1},
-                     fmt::format("more than {} paths; split the file", kRecordedPaths));
+void RecordedFile::count(const std::vector<PathSample>& samples, PathCensus& census) {
+    for (const PathSample& sample : samples) {
+        const std::size_t path = census.add(sample);
+        if (path == kRecordedPaths)
+            fail(path_.string(), {sample.line, 1}, fmt::format("more than {} paths; split the file", kRecordedPaths));
+        if (path == steps_.size())
             steps_.push_back(0);
-        }
         if (++steps_[path] > kMostSteps)
-            fail(count.source(), {sample.line, 1},
+            fail(path_.string(), {sample.line, 1},
                  fmt::format("path {} has more than {} samples; split it", sample.path, kMostSteps));
         longest_ = std::max<std::size_t>(longest_, steps_[path]);
     }
-    samples_ += count.samples.size();
-    if (count.census.first_return() && samples_ > count.options.most_interleaved)
-        fail(count.source(), {*count.census.first_return(), 1},
-             fmt::format("a path goes on here after samples of another; in a file of more than {} samples each path's "
-                         "stand together: sort it by path",
-                         count.options.most_interleaved));
-    if (samples_ <= count.options.most_kept)
-        kept_.insert(kept_.end(), count.samples.begin(), count.samples.end());
-    else
-        std::vector<PathSample>().swap(kept_);
+    samples_ += samples.size();
 }
 
 // Samples in the order of the file become samples path by path.
@@ -125,7 +112,7 @@ void RecordedCursor::restart() {
     path_ = 0;
     path_end_ = file_.steps().front();
     begun_ = true;
-    taken_ = 0;
+    used_ = 0;
     ahead_.clear();
     if (file_.kept().empty())
         reader_ = file_.open();
@@ -140,18 +127,18 @@ const PathSample& RecordedCursor::next() {
         path_end_ += file_.steps()[++path_];
     if (!file_.kept().empty())
         return file_.kept()[at_++];
-    if (taken_ == ahead_.size())
+    if (used_ == ahead_.size())
         read_ahead();
-    if (ahead_.empty() || ahead_[taken_].path != file_.ids()[path_])
+    if (ahead_.empty() || ahead_[used_].path != file_.ids()[path_])
         file_.refuse_change();
     ++at_;
-    return ahead_[taken_++];
+    return ahead_[used_++];
 }
 
 // All of it was right when the file was read first.
 void RecordedCursor::read_ahead() {
     check_interrupt();
-    taken_ = 0;
+    used_ = 0;
     try {
         reader_->read(ahead_, kAhead);
     } catch (const UsageError&) {
@@ -172,13 +159,6 @@ void RecordedCursor::go_to(std::uint64_t sample) {
         path_end_ += file_.steps()[++path_];
 }
 
-namespace {
-
-constexpr std::uint64_t kSteps = 4;                         // most that a batch takes for each of its samples
-constexpr std::uint64_t kFewSteps = std::uint64_t(1) << 18; // of a batch: taken in no time anyway
-
-} // namespace
-
 template <typename T> std::size_t RecordedPaths<T>::select(std::size_t first, std::size_t count) {
     const std::span<const layout::uint> steps = file_->steps();
     if (first < first_) {
@@ -190,27 +170,27 @@ template <typename T> std::size_t RecordedPaths<T>::select(std::size_t first, st
     std::uint64_t samples = 0, longest = 0;
     for (count_ = 0; count_ < count && first_ + count_ < steps.size(); ++count_) {
         const std::uint64_t own = steps[first_ + count_];
-        const std::uint64_t taken = (count_ + 1) * std::max(longest, own);
-        if (count_ > 0 && taken > std::min<std::uint64_t>(most_, std::max(kFewSteps, kSteps * (samples + own))))
+        const std::uint64_t all = (count_ + 1) * std::max(longest, own);
+        if (count_ > 0 && all > std::min<std::uint64_t>(most_, std::max(kFewSteps, kSteps * (samples + own))))
             break;
         samples += own;
         longest = std::max(longest, own);
     }
     places_.clear();
-    held_ = begin_;
+    kept_from_ = begin_;
     return count_;
 }
 
-// Reads on until the samples [begin, end) of the file are held, and forgets those before.
-template <typename T> void RecordedPaths<T>::hold(std::uint64_t begin, std::uint64_t end) {
-    const std::uint64_t gone = std::min<std::uint64_t>(std::max(begin, held_) - held_, places_.size());
+// Reads on until the samples [begin, end) of the file are in memory, and forgets those before.
+template <typename T> void RecordedPaths<T>::keep(std::uint64_t begin, std::uint64_t end) {
+    const std::uint64_t gone = std::min<std::uint64_t>(std::max(begin, kept_from_) - kept_from_, places_.size());
     places_.erase(places_.begin(), places_.begin() + static_cast<std::ptrdiff_t>(gone));
-    held_ += gone;
+    kept_from_ += gone;
     if (places_.empty())
-        held_ = begin;
-    if (held_ + places_.size() < end)
-        cursor_.go_to(held_ + places_.size());
-    while (held_ + places_.size() < end)
+        kept_from_ = begin;
+    if (kept_from_ + places_.size() < end)
+        cursor_.go_to(kept_from_ + places_.size());
+    while (kept_from_ + places_.size() < end)
         places_.emplace_back(cursor_.next().probe);
 }
 
@@ -221,9 +201,9 @@ template <typename T> std::span<const T> RecordedPaths<T>::positions(std::size_t
     for (std::size_t path = 0; path < count_; begin += file_->steps()[first_ + path++]) {
         const std::size_t end = std::min<std::size_t>(step + steps, file_->steps()[first_ + path]);
         if (!kept && step < end)
-            hold(count_ == 1 ? begin + step : begin_, begin + end);
+            keep(count_ == 1 ? begin + step : begin_, begin + end);
         for (std::size_t i = step; i < end; ++i) {
-            const Place place = kept ? Place(file_->kept()[begin + i].probe) : places_[begin + i - held_];
+            const Place place = kept ? Place(file_->kept()[begin + i].probe) : places_[begin + i - kept_from_];
             T* const out = &window_[3 * ((i - step) * count_ + path)];
             out[0] = place.x;
             out[1] = place.y;

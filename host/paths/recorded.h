@@ -17,9 +17,9 @@
 
 namespace forceshade {
 
-/// Samples of a file whose paths are interleaved, at most: they are held in memory.
+/// Samples of a file whose paths are interleaved, at most: they are kept in memory.
 inline constexpr std::size_t kInterleavedSamples = std::size_t(1) << 22;
-/// Samples of a file that is held in memory although it need not be, at most.
+/// Samples of a file that is kept in memory although it need not be, at most.
 inline constexpr std::size_t kKeptSamples = std::size_t(1) << 16;
 /// Paths of a file, at most.
 inline constexpr std::size_t kRecordedPaths = std::size_t(1) << 24;
@@ -59,8 +59,7 @@ public:
     [[noreturn]] void refuse_change() const;
 
 private:
-    class Count;
-    void count(Count& count);
+    void count(const std::vector<PathSample>& samples, PathCensus& census);
     void keep_interleaved();
 
     std::filesystem::path path_;
@@ -93,7 +92,7 @@ private:
     const RecordedFile& file_;
     std::unique_ptr<PathReader> reader_; // of a file that is not kept
     std::vector<PathSample> ahead_;
-    std::size_t taken_ = 0;      // of ahead_
+    std::size_t used_ = 0;       // of ahead_
     std::uint64_t at_ = 0;       // the next sample
     std::size_t path_ = 0;       // whose it is
     std::uint64_t path_end_ = 0; // where it ends
@@ -107,7 +106,7 @@ struct PreparedCase;
 /// Samples of a batch of several recorded paths, at most, each counted as long as the longest.
 inline constexpr std::size_t kRecordedSamples = std::size_t(1) << 20;
 
-/// Paths as an engine asks for them. Of a file that is not kept a batch of several paths is held in memory; one path
+/// Paths as an engine asks for them. Of a file that is not kept a batch of several paths is in memory; one path
 /// that is longer than a batch may be goes by in windows. Positions are rounded once to T.
 template <typename T> class RecordedPaths {
 public:
@@ -131,15 +130,15 @@ public:
 private:
     using Place = reference::Vector<T>;
 
-    void hold(std::uint64_t begin, std::uint64_t end);
+    void keep(std::uint64_t begin, std::uint64_t end);
 
     std::shared_ptr<const RecordedFile> file_;
     RecordedCursor cursor_;
     std::size_t most_;
     std::size_t first_ = 0, count_ = 0; // selected paths
     std::uint64_t begin_ = 0;           // the first selected sample of the file
-    std::vector<Place> places_;         // path by path, from sample held_ on
-    std::uint64_t held_ = 0;
+    std::vector<Place> places_;         // path by path, from sample kept_from_ on
+    std::uint64_t kept_from_ = 0;
     std::vector<T> window_;
 };
 

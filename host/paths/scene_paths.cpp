@@ -39,44 +39,12 @@ layout::PathFeatures features_of(const PathsSpec& paths, std::uint32_t channels)
 } // namespace
 
 template <typename T>
-std::shared_ptr<const RecordedFile>
-read_recorded(const PreparedCase& prepared, const std::filesystem::path& file,
-              const std::function<void(std::uint64_t done, std::uint64_t total)>& progress) {
-    const std::optional<PathsSpec>& paths = prepared.one.scene.paths;
-    RecordedOptions options;
-    options.largest_coordinate = largest_coordinate<T>(prepared);
-    options.period = paths && paths->closed() ? 1 / paths->rate : 0;
-    options.progress = progress;
-    return std::make_shared<const RecordedFile>(file, options);
-}
-
-template <typename T> ScenePaths<T>::ScenePaths(const PreparedCase& prepared) : spec_(paths_of(prepared)) {
-    prepare(prepared);
-    if (spec_.kind == PathKind::recorded)
-        take_recorded(read_recorded<T>(prepared, spec_.path));
-}
-
-template <typename T>
 ScenePaths<T>::ScenePaths(const PreparedCase& prepared, std::shared_ptr<const RecordedFile> recorded)
     : spec_(recorded ? prepared.one.scene.paths.value_or(PathsSpec{}) : paths_of(prepared)) {
     if (recorded) {
         spec_.kind = PathKind::recorded;
         spec_.follow = PathFollow::plane;
     }
-    prepare(prepared);
-    if (recorded)
-        take_recorded(std::move(recorded));
-}
-
-template <typename T> void ScenePaths<T>::take_recorded(std::shared_ptr<const RecordedFile> file) {
-    spec_.count = file->paths();
-    spec_.steps = file->longest();
-    recorded_ = std::make_unique<RecordedPaths<T>>(std::move(file));
-}
-
-template <typename T> ScenePaths<T>::~ScenePaths() = default;
-
-template <typename T> void ScenePaths<T>::prepare(const PreparedCase& prepared) {
     const Scene& scene = prepared.one.scene;
     region_ = path_region(spec_, prepared);
     tables_ = make_tables<T>(scene, prepared.images, Extent::what_varies);
@@ -90,6 +58,13 @@ template <typename T> void ScenePaths<T>::prepare(const PreparedCase& prepared) 
                                      "follow: at most {:.3g} m; are the units right?",
                                      farthest, std::is_same_v<T, float> ? "f32" : "f64",
                                      largest_coordinate<T>(prepared)));
+    if (spec_.kind != PathKind::recorded)
+        return;
+    if (!recorded)
+        recorded = read_recorded<T>(prepared, spec_.path);
+    spec_.count = recorded->paths();
+    spec_.steps = recorded->longest();
+    recorded_ = std::make_unique<RecordedPaths<T>>(std::move(recorded));
 }
 
 template <typename T> layout::PathInput<T> ScenePaths<T>::input() {
@@ -115,10 +90,6 @@ template <typename T> std::vector<std::string> ScenePaths<T>::warnings() const {
                         "as in speed = {{ mean = \"100 mm/s\", sd = \"20 mm/s\" }}, or say count = 1",
                         spec_.count));
     return warnings;
-}
-
-template <typename T> std::shared_ptr<const RecordedFile> ScenePaths<T>::recorded() const {
-    return recorded_ ? recorded_->file() : nullptr;
 }
 
 template <typename T> void ScenePaths<T>::limit_batches(std::size_t samples) {
@@ -205,12 +176,6 @@ template <typename T> std::span<const T> ScenePaths<T>::positions(std::size_t st
     return recorded_ ? recorded_->positions(step, steps) : std::span<const T>{};
 }
 
-template std::shared_ptr<const RecordedFile>
-read_recorded<float>(const PreparedCase&, const std::filesystem::path&,
-                     const std::function<void(std::uint64_t, std::uint64_t)>&);
-template std::shared_ptr<const RecordedFile>
-read_recorded<double>(const PreparedCase&, const std::filesystem::path&,
-                      const std::function<void(std::uint64_t, std::uint64_t)>&);
 template class ScenePaths<float>;
 template class ScenePaths<double>;
 
@@ -338,12 +303,12 @@ template <typename T> layout::AxisMap<T> rounded_map(const layout::AxisMap<doubl
 } // namespace
 
 template <typename T> layout::HandParams<T> hand_params(const HandSpec& hand, const PathsSpec& paths, double bound) {
-    const bool held = paths.drive == PathDrive::depth; // along z
     const double period = 1 / paths.rate;
     Axis axis{hand.mass, hand.damping + hand.grip_damping, hand.grip_stiffness};
     layout::HandParams<T> params{};
     params.lateral = rounded_map<T>(axis_map(axis, period));
-    axis.stiffness = held ? hand.grip_stiffness : 0;
+    axis.stiffness =
+        paths.drive == PathDrive::depth ? hand.grip_stiffness : 0; // a hand that presses has no spring there
     params.vertical = rounded_map<T>(axis_map(axis, period));
     params.rate = rounded<T>(paths.rate, "paths.rate");
     params.period = rounded<T>(period, "1 / paths.rate");

@@ -8,36 +8,39 @@
 #include <vector>
 
 #include "host/paths/motions.h"
+#include "host/paths/recorded.h"
 #include "host/prepare/prepared_case.h"
 #include "host/scene/scene.h"
 #include "shaders/shared/law.h"
 
 namespace forceshade {
 
-class RecordedFile;
-template <typename T> class RecordedPaths;
-
 /// Reads a file of recorded paths for a scene: its positions must be within reach of the scene in T, its times keep to
 /// the rate where the loop is closed. `progress` as in RecordedOptions. \throws as RecordedFile.
 template <typename T>
 std::shared_ptr<const RecordedFile>
 read_recorded(const PreparedCase& prepared, const std::filesystem::path& file,
-              const std::function<void(std::uint64_t done, std::uint64_t total)>& progress = {});
+              const std::function<void(std::uint64_t done, std::uint64_t total)>& progress = {}) {
+    const std::optional<PathsSpec>& paths = prepared.one.scene.paths;
+    RecordedOptions options;
+    options.largest_coordinate = largest_coordinate<T>(prepared);
+    options.period = paths && paths->closed() ? 1 / paths->rate : 0;
+    options.progress = progress;
+    return std::make_shared<const RecordedFile>(file, options);
+}
 
 /// Owns what a layout::PathInput only points to. A batch's tables are made when it is asked for, in double, and rounded
 /// once to T; a path depends on the seed and its number alone, neither on its batch nor on T but for that rounding.
 template <typename T> class ScenePaths final : public layout::PathSource<T> {
 public:
-    /// `prepared` must outlive it. \throws UsageError for a scene without [paths] or with values beyond T, IoError.
-    explicit ScenePaths(const PreparedCase& prepared);
-    /// With the paths of a file in place of those of the scene, whose loop, drive, rate and hand hold; null: as above.
-    ScenePaths(const PreparedCase& prepared, std::shared_ptr<const RecordedFile> recorded);
-    ~ScenePaths() override;
+    /// `prepared` must outlive it. `recorded`: the paths of a file in place of those of the scene, whose loop, drive,
+    /// rate and hand are used. \throws UsageError for a scene without [paths] or with values beyond T, IoError.
+    explicit ScenePaths(const PreparedCase& prepared, std::shared_ptr<const RecordedFile> recorded = nullptr);
 
     /// Points to this. Channels are those of the scene's output that paths have, and the position.
     layout::PathInput<T> input();
 
-    /// m: the way that a turn of the force is counted over.
+    /// m: the distance that a turn of the force is counted over.
     double stretch() const { return region_.stretch; }
 
     /// Paths of a mesh that began behind its surface, of those whose batch was made.
@@ -45,8 +48,6 @@ public:
 
     /// What is remarkable in the recorded file, `file:line:column: ...`, or in what is generated.
     std::vector<std::string> warnings() const;
-    /// Null: not recorded.
-    std::shared_ptr<const RecordedFile> recorded() const;
     /// Batches of recorded paths have at most so many samples, each path counted as long as the longest.
     void limit_batches(std::size_t samples);
 
@@ -54,8 +55,6 @@ public:
     std::span<const T> positions(std::size_t step, std::size_t steps) override;
 
 private:
-    void prepare(const PreparedCase& prepared);
-    void take_recorded(std::shared_ptr<const RecordedFile> file);
     void generate(layout::PathBatch<T>& batch);
     void add_path(std::size_t first, std::size_t path, std::size_t count);
     void start_proxies(const layout::PathBatch<T>& batch);
@@ -77,12 +76,6 @@ private:
 
 extern template class ScenePaths<float>;
 extern template class ScenePaths<double>;
-extern template std::shared_ptr<const RecordedFile>
-read_recorded<float>(const PreparedCase&, const std::filesystem::path&,
-                     const std::function<void(std::uint64_t, std::uint64_t)>&);
-extern template std::shared_ptr<const RecordedFile>
-read_recorded<double>(const PreparedCase&, const std::filesystem::path&,
-                      const std::function<void(std::uint64_t, std::uint64_t)>&);
 
 // Generated paths that cannot be what the scene says at its rate.
 

@@ -1,6 +1,9 @@
-// Which triangles of a mesh the referee looks at.
+// L6 to L9 on a mesh, derived differently from the oracle: in the world's metres, in extended precision, by plain loops
+// over all triangles, regions of the plane instead of clamped edges, angles instead of tangents, and no topology.
+// Shares no code with oracle or kernels.
 #pragma once
 
+#include <array>
 #include <functional>
 #include <vector>
 
@@ -9,6 +12,7 @@
 
 namespace forceshade::brute {
 
+/// Which triangles of a mesh the referee looks at.
 struct ChosenTriangles {
     std::vector<std::size_t> once;    /* all but those of redundant facets */
     std::vector<std::size_t> touched; /* of these, what has a height beyond rounding; all with an area if none has */
@@ -16,12 +20,6 @@ struct ChosenTriangles {
 };
 
 ChosenTriangles choose_triangles(const Mesh& mesh);
-
-// L6 to L9 on a mesh, derived differently from the oracle: in the world's metres, in extended precision, by plain loops
-// over all triangles, regions of the plane instead of clamped edges, angles instead
-// of tangents, and no topology. Shares no code with oracle or kernels.
-
-using Vector = std::array<Real, 3>;
 
 enum class MeshShading { none, morgenbesser, barycentric, mean_value, two_pass };
 enum class MeshInside { pseudonormal, winding };
@@ -70,6 +68,8 @@ public:
     Vector facet_normal(std::uint32_t facet) const;
 
 private:
+    /// Relative to a place: the world's origin may be far away.
+    std::array<Vector, 3> corners_of(std::size_t triangle, const Vector& place) const;
     bool is_inside(const glm::dvec3& world, const MeshPoint& nearest) const;
     Answer touching(std::uint32_t facet, const Vector& offset, const Vector& point) const;
     Vector interpolated(std::uint32_t facet, const Vector& point) const;

@@ -37,42 +37,38 @@ void OracleCheck::add(const layout::FieldChunk<double>& chunk) {
 }
 
 // Both sides round, so the bound counts twice.
-bool OracleCheck::is_beyond(const Triple& force, double off, const Triple& probe) {
+bool OracleCheck::is_beyond(const glm::dvec3& force, double off, const glm::dvec3& probe) {
     if (exact_bits_)
         return true;
-    const auto [x, y, z] = probe;
     if (exact_.features.surface == layout::kSurfaceMesh) {
         Reading computed;
         computed.force = force;
-        return mesh_bound().compare(computed, {x, y, z}, 1, layout::kChannelForce) == Verdict::beyond;
+        return mesh_bound().compare(computed, probe, 1, layout::kChannelForce) == Verdict::beyond;
     }
     if (!bound_)
         bound_.emplace(prepared_, prepared_.one.scene.precision);
-    return !(off <= 2 * bound_->at(x, y, z).force);
+    return !(off <= 2 * bound_->at(probe.x, probe.y, probe.z).force);
 }
 
 // Whether single precision rounded the probe, or the edge, so that it is on the other side of an edge of a surface that
 // is no mesh.
-bool OracleCheck::crosses_edge(const Triple& force, const Triple& truth, const Triple& exact_probe,
-                               const Triple& probe) {
+bool OracleCheck::crosses_edge(const glm::dvec3& force, const glm::dvec3& truth, const glm::dvec3& exact_probe,
+                               const glm::dvec3& probe) {
     constexpr double kSurely = 0x1p-18; // of the force: an error of less is no jump worth the look
-    const auto apart = [](const Triple& a, const Triple& b) { return norm(a[0] - b[0], a[1] - b[1], a[2] - b[2]); };
-    if (exact_.features.surface == layout::kSurfaceMesh || !single_ ||
-        !(apart(force, truth) > kSurely * norm(truth[0], truth[1], truth[2])))
+    if (exact_.features.surface == layout::kSurfaceMesh || !single_ || !(norm(force - truth) > kSurely * norm(truth)))
         return false;
     if (!bound_)
         bound_.emplace(prepared_, prepared_.one.scene.precision);
     if (!rounded_)
         rounded_ =
             make_tables<double>(rounded_scene<float>(prepared_.one.scene), prepared_.images, Extent::what_varies);
-    const auto force_at = [law = exact_.law()](const Triple& place) {
-        const auto there = reference::evaluate(law, {place[0], place[1], place[2]}).force;
-        return Triple{there.x, there.y, there.z};
+    const auto force_at = [law = exact_.law()](const glm::dvec3& place) {
+        return reference::evaluate(law, place).force;
     };
-    const double allowed = bound_->at(probe[0], probe[1], probe[2]).force;
-    if (apart(force, truth) <= allowed)
+    const double allowed = bound_->at(probe.x, probe.y, probe.z).force;
+    if (norm(force - truth) <= allowed)
         return false;
-    if (apart(force, force_at(probe)) <= allowed)
+    if (norm(force - force_at(probe)) <= allowed)
         return jumps_between(exact_probe, probe, force_at);
     Reading computed;
     computed.force = force;
@@ -94,35 +90,28 @@ template <typename T> void OracleCheck::compare(const layout::FieldChunk<T>& chu
         if ((z * exact_.y.size() + y) % every_)
             continue;
         for (std::size_t x = 0; x < chunk.x_count; ++x) {
-            const T* const force = &chunk.force[3 * (row * chunk.x_pitch + x)];
-            const reference::Contact<T> contact = reference::evaluate(law, {same.x[x], same.y[y], same.z[z]});
-            const reference::Contact<double> exact_contact =
-                reference::evaluate(exact, {exact_.x[x], exact_.y[y], exact_.z[z]});
-            const reference::Vector<T>& expected = contact.force;
-            const reference::Vector<double>& truth = exact_contact.force;
-            const Triple computed{double(force[0]), double(force[1]), double(force[2])};
-            const Triple probe{double(same.x[x]), double(same.y[y]), double(same.z[z])};
-            const T bits[3] = {expected.x, expected.y, expected.z};
-            if (std::memcmp(force, bits, sizeof(bits)) != 0) {
+            const glm::vec<3, T> probe(same.x[x], same.y[y], same.z[z]);
+            const glm::dvec3 exact_probe(exact_.x[x], exact_.y[y], exact_.z[z]);
+            const reference::Contact<T> contact = reference::evaluate(law, probe);
+            const reference::Contact<double> exact_contact = reference::evaluate(exact, exact_probe);
+            const T* const stored = &chunk.force[3 * (row * chunk.x_pitch + x)];
+            const glm::dvec3 force(stored[0], stored[1], stored[2]), &truth = exact_contact.force;
+            const T bits[3] = {contact.force.x, contact.force.y, contact.force.z};
+            if (std::memcmp(stored, bits, sizeof(bits)) != 0) {
                 ++error_.differing;
-                const double apart = norm(double(force[0]) - double(expected.x), double(force[1]) - double(expected.y),
-                                          double(force[2]) - double(expected.z));
-                error_.beyond += is_beyond(computed, apart, probe);
+                error_.beyond += is_beyond(force, norm(force - glm::dvec3(contact.force)), glm::dvec3(probe));
             }
-            const double off = norm(double(force[0]) - truth.x, double(force[1]) - truth.y, double(force[2]) - truth.z);
+            const double off = norm(force - truth);
             ++error_.compared;
-            error_.largest_force = std::max(error_.largest_force, norm(truth.x, truth.y, truth.z));
+            error_.largest_force = std::max(error_.largest_force, norm(truth));
             if (exact_.features.surface == layout::kSurfaceMesh &&
-                (contact.facet != exact_contact.facet ||
-                 mesh_bound().is_ambiguous(computed, {probe[0], probe[1], probe[2]}, {truth.x, truth.y, truth.z}))) {
+                (contact.facet != exact_contact.facet || mesh_bound().is_ambiguous(force, glm::dvec3(probe), truth)))
                 ++error_.on_edge;
-                continue;
-            }
-            if (crosses_edge(computed, {truth.x, truth.y, truth.z}, {exact_.x[x], exact_.y[y], exact_.z[z]}, probe)) {
+            else if (crosses_edge(force, truth, exact_probe, glm::dvec3(probe)))
                 ++error_.on_edge;
-                continue;
-            }
-            error_.largest = std::isnan(off) ? std::numeric_limits<double>::infinity() : std::max(error_.largest, off);
+            else
+                error_.largest =
+                    std::isnan(off) ? std::numeric_limits<double>::infinity() : std::max(error_.largest, off);
         }
     }
 }

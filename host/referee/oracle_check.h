@@ -22,8 +22,9 @@ public:
 
 private:
     template <typename T> void compare(const layout::FieldChunk<T>& chunk, const FieldTables<T>& same);
-    bool is_beyond(const Triple& force, double off, const Triple& probe);
-    bool crosses_edge(const Triple& force, const Triple& truth, const Triple& exact_probe, const Triple& probe);
+    bool is_beyond(const glm::dvec3& force, double off, const glm::dvec3& probe);
+    bool crosses_edge(const glm::dvec3& force, const glm::dvec3& truth, const glm::dvec3& exact_probe,
+                      const glm::dvec3& probe);
     MeshBound& mesh_bound();
 
     const PreparedCase& prepared_;

@@ -38,13 +38,20 @@ template <typename T> struct DisplayedReferee {
     static layout::uint facet(const reference::Column<T>& column) { return OracleReferee<T>::facet(column); }
 };
 
-} // namespace
+// How far rounding may take a sample of a path on hardware from the oracle's, derived a priori, on an analytic surface.
+// What is computed is compared with the law at the very place where it was computed (RoundingBound, both sides round,
+// edges excused as by is_on_edge()); what the device can display of it adds 16 u of its largest force.
+//
+// Where an open loop's probe is follows from numbers without rounding (phases, random words, steps) in one chain. With
+// u the unit roundoff and S the sum of all lengths that a motion is made of (middle, half sides, depths, lift, every
+// harmonic's amplitude), a coordinate is off by at most (128 + 2 harmonics) u S: the longest chain is that of a
+// minimum-jerk stretch, 40 u for the share of the distance (its division 2.5 ULP, its derivative below 2, the
+// polynomial's terms up to 15), twice that for points two half sides apart, and the turn into the world; a sum of
+// harmonics rounds twice for each. One that follows the surface is off by what the surface's height changes over that,
+// and by the height's own error. Recorded places are copied and must be the very same.
 
-template <typename T>
-PathBound<T>::PathBound(const PreparedCase& prepared)
-    : bound_(prepared, std::is_same_v<T, float> ? Precision::f32 : Precision::f64) {}
-
-template <typename T> double PathBound<T>::size(const layout::PathBatch<T>& one) {
+// m: the sum of lengths S of one path's motion, the only one of the batch.
+template <typename T> double sum_of_lengths(const layout::PathBatch<T>& one) {
     double sum = 0;
     for (const layout::MotionParams<T>& motion : one.motions)
         for (const T length : {motion.centre_x, motion.centre_y, motion.centre_z, motion.reach, motion.across,
@@ -55,47 +62,8 @@ template <typename T> double PathBound<T>::size(const layout::PathBatch<T>& one)
     return sum;
 }
 
-template <typename T>
-double PathBound<T>::place(const layout::PathFeatures& features, double size, const Triple& at) const {
-    if (features.motion == layout::kMotionRecorded && features.harmonics == 0)
-        return 0;
-    const double off = (128.0 + 2.0 * features.harmonics) * kRoundoff<T> * size; // m
-    double above = 0;
-    if (features.follow == layout::kFollowSurface) {
-        const layout::Law<double> law = bound_.law();
-        const double height = reference::nominal_height(law, at[0]);
-        for (const double x : {at[0] - off, at[0] + off})
-            above = std::max(above, std::abs(reference::nominal_height(law, x) - height));
-        above += bound_.at(at[0], at[1], at[2]).depth;
-    }
-    return 2 * (std::sqrt(3.0) * off + above);
-}
-
-template <typename T>
-bool PathBound<T>::allows(const layout::Law<T>& law, const layout::HandParams<T>* hand, const Reading& computed,
-                          const Triple& probe, layout::uint channels) const {
-    const DisplayedReferee<T> referee{{law}, hand};
-    const auto [x, y, z] = probe;
-    const Reading truth = referee.at(referee.column(x, y), z);
-    Bound displayed;
-    if (hand)
-        displayed.force = displayed.magnitude =
-            16 * kRoundoff<T> * norm(truth.force[0], truth.force[1], truth.force[2]);
-    return !first_misfit(computed, truth, 2 * bound_.at(x, y, z) + displayed, channels) ||
-           is_on_edge<T>(computed, probe, referee, bound_, 2, channels);
-}
-
-template class PathBound<float>;
-template class PathBound<double>;
-
-namespace {
-
-template <typename T> Triple vector_of(std::span<const T> values, std::size_t at) {
-    return {double(values[3 * at]), double(values[3 * at + 1]), double(values[3 * at + 2])};
-}
-
-double apart(const Triple& a, const Triple& b) {
-    return norm(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
+template <typename T> glm::dvec3 vector_of(std::span<const T> values, std::size_t at) {
+    return glm::dvec3(reference::vector_at(values, at));
 }
 
 template <typename Value>
@@ -104,6 +72,70 @@ bool same(std::span<const Value> computed, std::size_t at, std::span<const Value
     return computed.empty() ||
            std::memcmp(&computed[components * at], &oracle[components * other], components * sizeof(Value)) == 0;
 }
+
+// Copies the tables of the chosen paths, of several recorded ones all positions.
+template <typename T> class ChosenPaths final : public layout::PathSource<T> {
+public:
+    // `steps` of the longest path. `from` must outlive this.
+    ChosenPaths(const layout::PathInput<T>& from, std::vector<std::size_t> chosen)
+        : from_(from), chosen_(std::move(chosen)) {}
+
+    layout::PathBatch<T> batch(std::size_t first, std::size_t count) override {
+        count_ = count;
+        if (count == 1) {
+            layout::PathBatch<T> one = from_.source->batch(chosen_[first], 1);
+            one.first = first;
+            return one;
+        }
+        const std::size_t harmonics = from_.features.harmonics;
+        motions_.clear();
+        steps_.clear();
+        proxies_.clear();
+        amplitudes_.assign(3 * harmonics * count, T(0));
+        phases_.assign(3 * harmonics * count, 0);
+        phase_steps_ = phases_;
+        positions_.clear();
+        for (std::size_t i = 0; i < count; ++i)
+            add(from_.source->batch(chosen_[first + i], 1), i);
+        return {first, count, motions_, amplitudes_, phases_, phase_steps_, steps_, proxies_};
+    }
+
+    std::span<const T> positions(std::size_t step, std::size_t steps) override {
+        if (count_ == 1)
+            return from_.source->positions(step, steps);
+        return std::span<const T>(positions_).subspan(3 * step * count_);
+    }
+
+private:
+    bool is_recorded() const { return from_.features.motion == layout::kMotionRecorded; }
+
+    void add(const layout::PathBatch<T>& one, std::size_t i) {
+        motions_.insert(motions_.end(), one.motions.begin(), one.motions.end());
+        steps_.insert(steps_.end(), one.steps.begin(), one.steps.end());
+        proxies_.insert(proxies_.end(), one.proxies.begin(), one.proxies.end());
+        for (std::size_t h = 0; h < one.amplitudes.size(); ++h) {
+            amplitudes_[h * count_ + i] = one.amplitudes[h];
+            phases_[h * count_ + i] = one.phases[h];
+            phase_steps_[h * count_ + i] = one.phase_steps[h];
+        }
+        if (!is_recorded())
+            return;
+        const std::size_t steps = one.steps.empty() ? from_.steps : std::size_t(one.steps.front());
+        const std::span<const T> places = from_.source->positions(0, steps);
+        positions_.resize(std::max(positions_.size(), 3 * steps * count_), T(0));
+        for (std::size_t step = 0; step < steps; ++step)
+            for (std::size_t c = 0; c < 3; ++c)
+                positions_[3 * (step * count_ + i) + c] = places[3 * step + c];
+    }
+
+    const layout::PathInput<T>& from_;
+    std::vector<std::size_t> chosen_;
+    std::size_t count_ = 0;
+    std::vector<layout::MotionParams<T>> motions_;
+    std::vector<T> amplitudes_, positions_;
+    std::vector<layout::uint> phases_, phase_steps_, steps_;
+    std::vector<layout::ProxyStart<T>> proxies_;
+};
 
 } // namespace
 
@@ -162,7 +194,7 @@ PathOracle<T>::PathOracle(const PreparedCase& prepared, const layout::PathInput<
                           std::uint64_t most)
     : input_(input), exact_bits_(exact_bits) {
     if (!exact_bits)
-        bound_.emplace(prepared);
+        bound_.emplace(prepared, std::is_same_v<T, float> ? Precision::f32 : Precision::f64);
     const std::uint64_t samples = std::uint64_t(input.paths) * input.steps;
     every_ = most == 0 ? 1 : std::max<std::uint64_t>(1, (samples + most - 1) / most);
 }
@@ -181,7 +213,7 @@ template <typename T> void PathOracle<T>::begin(std::size_t first, std::size_t c
         return;
     const bool recorded = input_.features.motion == layout::kMotionRecorded && input_.features.harmonics == 0;
     for (const std::size_t path : batch_->chosen)
-        batch_->sizes.push_back(recorded ? 0 : PathBound<T>::size(input_.source->batch(path, 1)));
+        batch_->sizes.push_back(recorded ? 0 : sum_of_lengths(input_.source->batch(path, 1)));
 }
 
 template <typename T> void PathOracle<T>::compare(const PathRows<T>& rows) {
@@ -219,11 +251,11 @@ void PathOracle<T>::compare_sample(const PathRows<T>& rows, const layout::PathCh
     const auto [chosen, path, step, at, other] = sample;
     ++error_.samples;
     const bool has_force = !rows.force.empty(); // else the engine only told where there is contact
-    const Triple force = has_force ? vector_of(rows.force, at) : Triple{};
-    const Triple expected = has_force ? vector_of(oracle.force, other) : Triple{};
-    const double off = apart(force, expected);
+    const glm::dvec3 force = has_force ? vector_of(rows.force, at) : glm::dvec3(0);
+    const glm::dvec3 expected = has_force ? vector_of(oracle.force, other) : glm::dvec3(0);
+    const double off = norm(force - expected);
     error_.largest = std::isnan(off) ? std::numeric_limits<double>::infinity() : std::max(error_.largest, off);
-    error_.largest_force = std::max(error_.largest_force, norm(expected[0], expected[1], expected[2]));
+    error_.largest_force = std::max(error_.largest_force, norm(expected));
     if (same(rows.force, at, oracle.force, other, 3) && same(rows.position, at, oracle.position, other, 3) &&
         same(rows.proxy, at, oracle.proxy, other, 3) && same(rows.depth, at, oracle.depth, other, 1) &&
         same(rows.facet, at, oracle.facet, other, 1))
@@ -233,17 +265,17 @@ void PathOracle<T>::compare_sample(const PathRows<T>& rows, const layout::PathCh
         return;
     ++error_.beyond;
     note(fmt::format("path {}, step {}: force ({:.9g}, {:.9g}, {:.9g}) N, the oracle says ({:.9g}, {:.9g}, {:.9g}) N",
-                     path, step, force[0], force[1], force[2], expected[0], expected[1], expected[2]));
+                     path, step, force.x, force.y, force.z, expected.x, expected.y, expected.z));
 }
 
 // On hardware. `off`, N: |F - F_oracle|.
 template <typename T>
 bool PathOracle<T>::differs_beyond(const PathRows<T>& rows, const layout::PathChunk<T>& oracle, const Sample& sample,
                                    double off) {
-    const Triple meant = vector_of(oracle.position, sample.other);
+    const glm::dvec3 meant = vector_of(oracle.position, sample.other);
     const bool open = input_.features.loop == layout::kLoopOpen;
-    const bool elsewhere = open && !(apart(vector_of(rows.position, sample.at), meant) <=
-                                     bound_->place(input_.features, batch_->sizes[sample.chosen], meant));
+    const bool elsewhere = open && !(norm(vector_of(rows.position, sample.at) - meant) <=
+                                     place_error(batch_->sizes[sample.chosen], meant));
     if (input_.law.features.surface != layout::kSurfaceMesh)
         return elsewhere || is_beyond(rows, sample);
     batch_->mesh_off[sample.chosen] += open && !(off <= 1e-3 * error_.largest_force);
@@ -260,7 +292,39 @@ template <typename T> void PathOracle<T>::end_mesh_paths() {
     }
 }
 
-// What was felt, held against the law at the very position where it was felt.
+// m: how far apart two roundings of an open loop's place may be.
+template <typename T> double PathOracle<T>::place_error(double size, const glm::dvec3& at) const {
+    const layout::PathFeatures& features = input_.features;
+    if (features.motion == layout::kMotionRecorded && features.harmonics == 0)
+        return 0;
+    const double off = (128.0 + 2.0 * features.harmonics) * kRoundoff<T> * size; // m
+    double above = 0;
+    if (features.follow == layout::kFollowSurface) {
+        const layout::Law<double> law = bound_->law();
+        const double height = reference::nominal_height(law, at.x);
+        for (const double x : {at.x - off, at.x + off})
+            above = std::max(above, std::abs(reference::nominal_height(law, x) - height));
+        above += bound_->at(at.x, at.y, at.z).depth;
+    }
+    return 2 * (std::sqrt(3.0) * off + above);
+}
+
+// Whether that is what the law gives at the probe, or rounding may have made of it. `hand`: of a closed loop, else
+// null.
+template <typename T>
+bool PathOracle<T>::is_allowed(const layout::HandParams<T>* hand, const Reading& computed, const glm::dvec3& probe,
+                               layout::uint channels) const {
+    const DisplayedReferee<T> referee{{input_.law}, hand};
+    const double x = probe.x, y = probe.y, z = probe.z;
+    const Reading truth = referee.at(referee.column(x, y), z);
+    Bound displayed;
+    if (hand)
+        displayed.force = displayed.magnitude = 16 * kRoundoff<T> * norm(truth.force);
+    return !first_misfit(computed, truth, 2 * bound_->at(x, y, z) + displayed, channels) ||
+           is_on_edge<T>(computed, probe, referee, *bound_, 2, channels);
+}
+
+// What was computed, compared with the law at the very position where it was computed.
 template <typename T> bool PathOracle<T>::is_beyond(const PathRows<T>& rows, const Sample& sample) {
     const bool closed = input_.features.loop == layout::kLoopClosed;
     Reading computed;
@@ -280,17 +344,17 @@ template <typename T> bool PathOracle<T>::is_beyond(const PathRows<T>& rows, con
     }
     const std::vector<layout::HandParams<T>>& hands = batch_->hands;
     const layout::HandParams<T>* const hand = closed ? &hands[hands.size() > 1 ? sample.chosen : 0] : nullptr;
-    return !bound_->allows(input_.law, hand, computed, vector_of(rows.position, sample.at), channels) &&
+    return !is_allowed(hand, computed, vector_of(rows.position, sample.at), channels) &&
            !(closed && has_left(rows, sample));
 }
 
-// A probe that left its bound stays where it was and feels nothing.
+// A probe that left its bound stays where it was, without force.
 template <typename T> bool PathOracle<T>::has_left(const PathRows<T>& rows, const Sample& sample) const {
     if (sample.step == 0)
         return false;
     const T* const here = &rows.position[3 * sample.at];
     const T* const before = sample.step > rows.step_first ? here - 3 : &batch_->positions[3 * sample.chosen];
-    return std::memcmp(here, before, 3 * sizeof(T)) == 0 && vector_of(rows.force, sample.at) == Triple{};
+    return std::memcmp(here, before, 3 * sizeof(T)) == 0 && vector_of(rows.force, sample.at) == glm::dvec3(0);
 }
 
 template <typename T>

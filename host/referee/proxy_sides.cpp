@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "host/mesh/structure.h"
+#include "host/norm.h"
 #include "host/prepare/prepared_case.h"
 #include "host/program.h"
 #include "host/reference/god_object.h"
@@ -22,10 +23,6 @@ constexpr double kFurther = 8;  // how far from a proxy in contact its side is t
 constexpr double kWhole = 1e-2; // how far a winding number may be from a whole one: the tree's are good to 1e-4
 
 using Point = reference::Vector<double>;
-
-double length_of(const Point& v) {
-    return std::hypot(std::hypot(v.x, v.y), v.z);
-}
 
 std::optional<int> whole(double winding) {
     const double nearest = std::nearbyint(winding);
@@ -55,7 +52,7 @@ template <typename T> struct ProxySides<T>::Surface {
 
     std::optional<int> by_tree(const Point& place, double nearest) const {
         const auto found = reference::nearest(law.mesh, place);
-        return length_of(found.offset) > nearest ? whole(reference::winding_number(law.mesh, place)) : std::nullopt;
+        return norm(found.offset) > nearest ? whole(reference::winding_number(law.mesh, place)) : std::nullopt;
     }
 
     std::optional<int> by_loops(const Point& place, double nearest) const {
@@ -66,13 +63,13 @@ template <typename T> struct ProxySides<T>::Surface {
     }
 
     // Whether facets around a proxy face both ways along a direction by more than one part in kFurther.
-    bool faces_both_ways(const Point& proxy, const Point& way, double reach) const {
+    bool faces_both_ways(const Point& proxy, const Point& towards, double reach) const {
         bool ahead = false, back = false;
         for (const brute::Answer& answer : referee.all_at(to_world(proxy), reach * structure.scale)) {
             if (answer.facet == layout::kNoFacet)
                 continue;
             const glm::dvec3& normal = mesh.facet_normals[answer.facet];
-            const double rate = normal.x * way.x + normal.y * way.y + normal.z * way.z;
+            const double rate = reference::dot(normal, towards);
             ahead = ahead || rate > 1 / kFurther;
             back = back || rate < -1 / kFurther;
         }
@@ -165,18 +162,18 @@ template <typename T> void ProxySides<T>::begin(const Sample& sample, Path& path
 template <typename T> void ProxySides<T>::check_sample(const Sample& sample, Path& path) {
     const Surface& surface = *surface_;
     const Point proxy = surface.to_frame(sample.proxy);
-    if (!std::isfinite(length_of(proxy)) || !std::isfinite(length_of(Point(sample.probe))))
+    if (!std::isfinite(norm(proxy)) || !std::isfinite(norm(Point(sample.probe))))
         return;
     if (sample.step == 0)
         begin(sample, path);
     const double tolerance = surface.tolerance(proxy, sample.probe);
-    Point place = proxy, way(0.0);
+    Point place = proxy, towards(0.0);
     double nearest = tolerance;
     if (sample.touching) {
-        way = surface.to_frame(sample.proxy) - surface.to_frame(sample.probe);
-        const double depth = length_of(way);
-        way = depth > tolerance ? way / depth : Point(0.0); // less deep, rounding may turn it round
-        place = proxy + kFurther * tolerance * way;
+        towards = surface.to_frame(sample.proxy) - surface.to_frame(sample.probe);
+        const double depth = norm(towards);
+        towards = depth > tolerance ? towards / depth : Point(0.0); // less deep, rounding may turn it round
+        place = proxy + kFurther * tolerance * towards;
         nearest = 2 * tolerance;
     }
     const bool chosen = count_.samples++ % brute_every_ == 0;
@@ -190,7 +187,7 @@ template <typename T> void ProxySides<T>::check_sample(const Sample& sample, Pat
     }
     const bool differs = side && path.side && *side != *path.side;
     const bool narrow = differs && sample.touching && !path.other &&
-                        (!looks || surface.faces_both_ways(proxy, way, (kFurther + 1) * tolerance));
+                        (!looks || surface.faces_both_ways(proxy, towards, (kFurther + 1) * tolerance));
     if (!side || narrow) {
         ++count_.near;
         return;

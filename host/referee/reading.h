@@ -1,44 +1,37 @@
 // What an engine or a referee says of one voxel, channel by channel, and how far two of them are apart.
 #pragma once
 
-#include <array>
 #include <bit>
 #include <cstdint>
 #include <string>
 #include <type_traits>
+
+#include <glm/vec3.hpp>
 
 #include "host/referee/referee.h"
 #include "host/reference/contact.h"
 
 namespace forceshade {
 
-using Triple = std::array<double, 3>;
-
 struct Reading {
-    Triple force{}, unshaded{}; /* N */
-    Triple proxy{};             /* m */
-    double depth = 0;           /* m */
+    glm::dvec3 force{0}, unshaded{0}; /* N */
+    glm::dvec3 proxy{0};              /* m */
+    double depth = 0;                 /* m */
     layout::uint facet = layout::kNoFacet;
 };
 
-template <typename T> Reading reading_of(const reference::Contact<T>& contact) {
-    const auto triple = [](const reference::Vector<T>& value) {
-        return Triple{double(value.x), double(value.y), double(value.z)};
-    };
-    return {triple(contact.force), triple(contact.unshaded), triple(contact.proxy), double(contact.depth),
+/// Of a reference::Contact or a brute::Answer.
+template <typename Contact> Reading reading_of(const Contact& contact) {
+    return {glm::dvec3(contact.force), glm::dvec3(contact.unshaded), glm::dvec3(contact.proxy), double(contact.depth),
             contact.facet};
 }
 
-Reading reading_of(const brute::Answer& answer);
-
 /// Channels that the chunk lacks stay empty.
 template <typename T> Reading reading_of(const layout::FieldChunk<T>& chunk, std::size_t sample) {
-    const auto triple = [&](std::span<const T> channel) {
-        return channel.empty() ? Triple{}
-                               : Triple{double(channel[3 * sample]), double(channel[3 * sample + 1]),
-                                        double(channel[3 * sample + 2])};
+    const auto vector = [&](std::span<const T> channel) {
+        return channel.empty() ? glm::dvec3(0) : glm::dvec3(reference::vector_at(channel, sample));
     };
-    return {triple(chunk.force), triple(chunk.unshaded), triple(chunk.proxy),
+    return {vector(chunk.force), vector(chunk.unshaded), vector(chunk.proxy),
             chunk.depth.empty() ? 0 : double(chunk.depth[sample]),
             chunk.facet.empty() ? layout::kNoFacet : chunk.facet[sample]};
 }
@@ -55,9 +48,6 @@ struct Bound {
 /// The sum of the bounds.
 Bound operator+(const Bound& a, const Bound& b);
 Bound operator*(double factor, const Bound& bound);
-
-/// N: |F - F_truth|.
-double force_error(const Reading& computed, const Reading& truth);
 
 /// The first of `channels` (layout::kChannel... bits) in which a reading is further from the truth than the bound
 /// allows; 0 if there is none. A facet must be the very same.

@@ -62,12 +62,8 @@ Real angle_of_circle(Real radius, Real x) {
     return std::atan2(x, rise_of_circle(radius, x));
 }
 
-std::array<Real, 3> tilted(Real angle) {
+Vector tilted(Real angle) {
     return {std::sin(angle), 0, std::cos(angle)};
-}
-
-std::array<Real, 3> scaled(Real factor, const std::array<Real, 3>& vector) {
-    return {factor * vector[0], factor * vector[1], factor * vector[2]};
 }
 
 } // namespace
@@ -160,14 +156,14 @@ Answer Referee::cylinder_bump(const Column& column, Real z) const {
     const Real cylinder = std::max(Real(0), -power / (radius_ + distance));
     if (plane == 0 && cylinder == 0)
         return answer;
-    const std::array<Real, 3> outward = distance > 0 ? tilted(std::atan2(column.x, rise)) : tilted(0);
+    const Vector outward = distance > 0 ? tilted(std::atan2(column.x, rise)) : tilted(0);
     answer.depth = std::max(plane, cylinder);
     answer.facet = cylinder >= plane ? 0 : 1;
-    answer.force = scaled(Real(scene_.force.stiffness) * cylinder, outward);
-    answer.force[2] += Real(scene_.force.stiffness) * plane;
-    answer.proxy[2] = 0;
+    answer.force = Real(scene_.force.stiffness) * cylinder * outward;
+    answer.force.z += Real(scene_.force.stiffness) * plane;
+    answer.proxy.z = 0;
     if (cylinder >= plane)
-        answer.proxy = {column.x + cylinder * outward[0], column.y, z + cylinder * outward[2]};
+        answer.proxy = {column.x + cylinder * outward.x, column.y, z + cylinder * outward.z};
     return answer;
 }
 
@@ -178,19 +174,19 @@ Answer Referee::facets(const Column& column, Real z) const {
     if (!(vertical > 0))
         return answer;
     const bool normal_depth = scene_.force.depth == DepthReading::normal;
-    const std::array<Real, 3> normal = tilted(column.facet_angle);
+    const Vector normal = tilted(column.facet_angle);
     answer.depth = normal_depth ? vertical * std::cos(column.facet_angle) : vertical;
     answer.facet = column.facet;
-    answer.proxy[2] = column.height;
+    answer.proxy.z = column.height;
     if (normal_depth)
-        answer.proxy = {column.x + answer.depth * normal[0], column.y, z + answer.depth * normal[2]};
-    std::array<Real, 3> direction = column.smooth;
+        answer.proxy = {column.x + answer.depth * normal.x, column.y, z + answer.depth * normal.z};
+    Vector direction = column.smooth;
     if (scene_.force.shading == Shading::none)
         direction = normal;
     else if (scene_.force.shading == Shading::reference && scene_.force.reference == ReferenceDirection::radial)
         direction = column.on_bump ? tilted(std::atan2(column.x, z + axis_depth_)) : tilted(0);
-    answer.force = scaled(Real(scene_.force.stiffness) * answer.depth, direction);
-    answer.unshaded = scaled(Real(scene_.force.stiffness) * answer.depth, normal);
+    answer.force = Real(scene_.force.stiffness) * answer.depth * direction;
+    answer.unshaded = Real(scene_.force.stiffness) * answer.depth * normal;
     return answer;
 }
 
@@ -199,9 +195,9 @@ Answer Referee::at(const Column& column, double z) const {
     Answer answer = superposed ? cylinder_bump(column, z) : facets(column, z);
     if (superposed)
         answer.unshaded = answer.force;
-    for (std::size_t i = 0; i < 2; ++i) {
-        answer.force[i] -= texture_stiffness() * answer.depth * column.texture[i];
-        answer.unshaded[i] -= texture_stiffness() * answer.depth * column.texture[i];
+    for (Vector* force : {&answer.force, &answer.unshaded}) {
+        force->x -= texture_stiffness() * answer.depth * column.texture[0];
+        force->y -= texture_stiffness() * answer.depth * column.texture[1];
     }
     return answer;
 }

@@ -4,18 +4,20 @@
 #include <array>
 #include <cstdint>
 
+#include <glm/vec3.hpp>
+
 #include "host/prepare/tables.h"
 #include "host/scene/scene.h"
 
 namespace forceshade::brute {
 
 using Real = long double;
+using Vector = glm::vec<3, Real>;
 
 struct Answer {
-    std::array<Real, 3> force{};    /* N */
-    std::array<Real, 3> unshaded{}; /* N */
-    std::array<Real, 3> proxy{};    /* m */
-    Real depth = 0;                 /* m */
+    Vector force{0}, unshaded{0}; /* N */
+    Vector proxy{0};              /* m */
+    Real depth = 0;               /* m */
     std::uint32_t facet = 0xFFFFFFFFu;
 };
 
@@ -28,10 +30,10 @@ struct Column {
     Real x, y;
     bool on_bump = false;
     std::uint32_t facet = 0;
-    Real height = 0;                     /* m: nominal surface */
-    Real facet_angle = 0;                /* rad: of the facet's normal from z towards x */
-    std::array<Real, 3> smooth{0, 0, 1}; /* unit normal of the smooth shape above the probe */
-    std::array<Real, 2> texture{};       /* gradient of the texture */
+    Real height = 0;               /* m: nominal surface */
+    Real facet_angle = 0;          /* rad: of the facet's normal from z towards x */
+    Vector smooth{0, 0, 1};        /* unit normal of the smooth shape above the probe */
+    std::array<Real, 2> texture{}; /* gradient of the texture */
 };
 
 /// The gradient of a height map at (x, y) in m; `image` that of a map from a file.

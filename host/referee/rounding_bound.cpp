@@ -218,12 +218,12 @@ FacetShape shape_of(const layout::MeshView<double>& mesh, layout::uint facet) {
         const Vector a = reference::vector_at(mesh.vertices, from) - origin;
         const Vector b = reference::vector_at(mesh.vertices, to) - origin;
         area = area + reference::cross(a, b);
-        longest = std::max(longest, norm(b.x - a.x, b.y - a.y, b.z - a.z));
+        longest = std::max(longest, norm(b - a));
         sum = sum + reference::vector_at(mesh.vertex_normals, from);
     }
     const Vector middle = reference::normalised(sum);
     const Vector normal = reference::vector_at(mesh.facet_normals, facet);
-    FacetShape shape{longest > 0 ? norm(area.x, area.y, area.z) / 2 / longest : 0, 1, 1};
+    FacetShape shape{longest > 0 ? norm(area) / 2 / longest : 0, 1, 1};
     for (layout::uint i = first; i < end; ++i) {
         const Vector own = reference::vector_at(mesh.vertex_normals, mesh.facet_corners[i]);
         shape.shortest = std::min(shape.shortest, reference::dot(own, middle));
@@ -344,12 +344,12 @@ Verdict MeshBound::compare(const Reading& computed, const Vector& probe, double 
     return Verdict::beyond;
 }
 
-bool MeshBound::is_ambiguous(const Triple& computed, const Vector& probe, const Triple& exact) const {
-    const double off = norm(computed[0] - exact[0], computed[1] - exact[1], computed[2] - exact[2]);
+bool MeshBound::is_ambiguous(const Vector& computed, const Vector& probe, const Vector& exact) const {
+    const double off = norm(computed - exact);
     // Few voxels are so far off that it is worth asking.
     if (off <= std::abs(law_.mesh.params.stiffness) * reach(probe))
         return false;
-    const auto verdict = [&](const Triple& force) {
+    const auto verdict = [&](const Vector& force) {
         Reading reading;
         reading.force = force;
         return compare(reading, probe, 1, layout::kChannelForce);

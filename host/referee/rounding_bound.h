@@ -79,20 +79,16 @@ struct ClosedFormReferee {
 
 /// Whether force(place) jumps between two places a rounding apart: however often the line is halved, one half of it
 /// keeps most of the difference.
-template <typename Force> bool jumps_between(Triple from, Triple to, const Force& force) {
-    const auto apart = [](const Triple& a, const Triple& b) { return norm(a[0] - b[0], a[1] - b[1], a[2] - b[2]); };
-    Triple at_from = force(from), at_to = force(to);
-    const double whole = apart(at_from, at_to);
+template <typename Force> bool jumps_between(glm::dvec3 from, glm::dvec3 to, const Force& force) {
+    glm::dvec3 at_from = force(from), at_to = force(to);
+    const double whole = norm(at_from - at_to);
     for (int i = 0; i < 8; ++i) {
-        Triple middle;
-        for (std::size_t axis = 0; axis < 3; ++axis)
-            middle[axis] = from[axis] + (to[axis] - from[axis]) / 2;
-        const Triple at_middle = force(middle);
-        const bool in_first = apart(at_from, at_middle) > apart(at_middle, at_to);
+        const glm::dvec3 middle = from + (to - from) / 2.0, at_middle = force(middle);
+        const bool in_first = norm(at_from - at_middle) > norm(at_middle - at_to);
         (in_first ? to : from) = middle;
         (in_first ? at_to : at_from) = at_middle;
     }
-    return apart(at_from, at_to) > whole / 2;
+    return norm(at_from - at_to) > whole / 2;
 }
 
 /// The number that many steps of T beyond `value`.
@@ -106,12 +102,12 @@ template <typename T> double stepped(double value, int steps) {
 
 /// L2: the other of two solids that are equally deep but for `tolerance`, m: which of them a voxel names is a matter of
 /// rounding, and its proxy lies on the one that it names.
-inline std::optional<Reading> other_solid(const Reading& reading, const layout::Law<double>& law, const Triple& probe,
-                                          double tolerance) {
+inline std::optional<Reading> other_solid(const Reading& reading, const layout::Law<double>& law,
+                                          const glm::dvec3& probe, double tolerance) {
     if (law.features.surface != layout::kSurfaceCylinderBump || reading.facet == layout::kNoFacet)
         return std::nullopt;
     const layout::LawParams<double>& params = law.params;
-    const auto [x, y, z] = probe;
+    const double x = probe.x, y = probe.y, z = probe.z;
     const reference::Radial<double> radial = reference::radial_at(params, x, z);
     const double power = (params.half_width - x) * (params.half_width + x) - z * (z + 2 * params.centre_depth);
     const double cylinder = power / (params.radius + radial.distance);
@@ -139,9 +135,9 @@ bool is_facet_near(layout::uint facet, const layout::Law<double>& law, const Ref
 /// True if the referee gives a reading at a point so near to the probe that rounding may have moved it there: a few
 /// steps of T away, or as far up or down as the depth may be off. `sides` is how many of the two round.
 template <typename T, typename Referee>
-bool is_on_edge(const Reading& computed, const Triple& probe, const Referee& referee, const RoundingBound& bound,
+bool is_on_edge(const Reading& computed, const glm::dvec3& probe, const Referee& referee, const RoundingBound& bound,
                 double sides, layout::uint channels) {
-    const auto [x, y, z] = probe;
+    const double x = probe.x, y = probe.y, z = probe.z;
     const layout::Law<double> law = bound.law();
     const Bound here = bound.at(x, y, z);
     const double reach = 1.01 * sides * here.depth; /* m */
@@ -191,7 +187,8 @@ public:
 
     /// True if rounding, of the probe's position too, decides which point of the mesh an exact force near `probe`
     /// and one computed there belong to: the difference between them then says nothing.
-    bool is_ambiguous(const Triple& computed, const reference::Vector<double>& probe, const Triple& exact) const;
+    bool is_ambiguous(const glm::dvec3& computed, const reference::Vector<double>& probe,
+                      const glm::dvec3& exact) const;
 
     /// The bound where the law touches a given point of a facet.
     Bound at(const reference::Vector<double>& probe, const reference::MeshTouch<double>& touch) const;

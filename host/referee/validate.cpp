@@ -59,10 +59,6 @@ template Scene rounded_scene<double>(const Scene&);
 
 namespace {
 
-const char* precision_name(Precision precision) {
-    return precision == Precision::f32 ? "f32" : "f64";
-}
-
 nlohmann::ordered_json to_json(const Comparison& one, const Distance& distance) {
     return {{"largest_error_N", distance.largest},
             {"relative_error", one.relative(distance)},
@@ -91,11 +87,11 @@ std::string comparison_table(const std::vector<Comparison>& comparisons) {
     text += fmt::format("{:<{}}  {:>4}  {:>10}  {:>8}  {:>7}  {:>11}  {:>11}  {:>8}  {:>11}  {}\n", "", width, "", "",
                         "differ", "", "N", "oracle f64", "voxels", "closed form", "");
     for (const Comparison& one : comparisons)
-        text += fmt::format("{:<{}}  {:>4}  {:>10}  {:>8}  {:>7}  {:>11.4g}  {:>11.2e}  {:>8}  {:>11.2e}  {}\n",
-                            one.name, width, precision_name(one.precision), one.voxels, one.differing, one.largest_ulp,
-                            one.largest_force, one.relative(one.oracle),
-                            one.boundary + one.oracle.boundary + one.closed_form.boundary,
-                            one.relative(one.closed_form), one.passed ? "ok" : "FAILED: " + one.first_difference);
+        text +=
+            fmt::format("{:<{}}  {:>4}  {:>10}  {:>8}  {:>7}  {:>11.4g}  {:>11.2e}  {:>8}  {:>11.2e}  {}\n", one.name,
+                        width, name_of(one.precision), one.voxels, one.differing, one.largest_ulp, one.largest_force,
+                        one.relative(one.oracle), one.boundary + one.oracle.boundary + one.closed_form.boundary,
+                        one.relative(one.closed_form), one.passed ? "ok" : "FAILED: " + one.first_difference);
     return text + "errors are the largest |F - F_referee| over the largest |F|; boundary voxels are not among them: "
                   "rounding took them to the other side of an edge\n";
 }
@@ -110,7 +106,7 @@ std::string comparison_json(const std::vector<Comparison>& comparisons, const En
     json["cases"] = nlohmann::ordered_json::array();
     for (const Comparison& one : comparisons)
         json["cases"].push_back({{"case", one.name},
-                                 {"precision", precision_name(one.precision)},
+                                 {"precision", name_of(one.precision)},
                                  {"voxels", one.voxels},
                                  {"differing", one.differing},
                                  {"largest_ulp", one.largest_ulp},
@@ -134,7 +130,7 @@ struct VoxelIndex {
     std::size_t x, y, z;
 };
 
-template <typename T> Triple probe_at(const FieldTables<T>& tables, VoxelIndex at) {
+template <typename T> glm::dvec3 probe_at(const FieldTables<T>& tables, VoxelIndex at) {
     return {double(tables.x[at.x]), double(tables.y[at.y]), double(tables.z[at.z])};
 }
 
@@ -186,8 +182,8 @@ public:
 
     // Both sides round.
     Finding against_same_precision(const Reading& computed, const Reading& expected, VoxelIndex at) const {
-        const Triple probe = probe_at(tables_, at);
-        const Bound allowed = 2 * bound_.at(probe[0], probe[1], probe[2]);
+        const glm::dvec3 probe = probe_at(tables_, at);
+        const Bound allowed = 2 * bound_.at(probe.x, probe.y, probe.z);
         const layout::uint misfit = first_misfit(computed, expected, allowed, channels());
         if (!misfit)
             return {Verdict::within, expected};
@@ -214,8 +210,8 @@ private:
     template <typename Referee, typename Column>
     Finding against(const Reading& computed, VoxelIndex at, const Column& column, const Referee& exact,
                     const Referee& rounded) const {
-        const Triple probe = probe_at(tables_, at);
-        const auto [x, y, z] = probe;
+        const glm::dvec3 probe = probe_at(tables_, at);
+        const double x = probe.x, y = probe.y, z = probe.z;
         const Reading truth = exact.at(column, exact_.z[at.z]);
         const Bound allowed = bound_.at(x, y, z);
         const layout::uint misfit = first_misfit(computed, truth, allowed, channels());
@@ -224,8 +220,8 @@ private:
         // The error counts against the true position; the bound holds at the position that was rounded to T, which may
         // lie on the other side of an edge.
         const bool fits = !first_misfit(computed, exact.at(exact.column(x, y), z), allowed, channels());
-        const auto force_at = [&](const Triple& place) {
-            return exact.at(exact.column(place[0], place[1]), place[2]).force;
+        const auto force_at = [&](const glm::dvec3& place) {
+            return exact.at(exact.column(place.x, place.y), place.z).force;
         };
         const bool on_edge = fits ? jumps_between(probe_at(exact_, at), probe, force_at)
                                   : is_on_edge<T>(computed, probe, rounded, bound_, 1, channels());
@@ -309,15 +305,15 @@ public:
     }
 
     Finding against_same_precision(const Reading& computed, const Reading& expected, VoxelIndex at) const {
-        return {bound_.compare(computed, point_at(tables_, at), 1, channels_), expected,
+        return {bound_.compare(computed, probe_at(tables_, at), 1, channels_), expected,
                 first_misfit(computed, expected, {}, channels_)};
     }
 
     // The error counts against the true position; the bound holds at the position that was rounded to T. Where rounding
     // chose another facet, the difference says nothing of errors.
     Finding against_oracle(const Reading& computed, layout::uint facet, VoxelIndex at, Hints& hints) const {
-        const Reading truth = reading_of(reference::mesh_contact(exact_law_, point_at(exact_, at), hints.exact));
-        const Point probe = point_at(tables_, at);
+        const Reading truth = reading_of(reference::mesh_contact(exact_law_, probe_at(exact_, at), hints.exact));
+        const Point probe = probe_at(tables_, at);
         Verdict verdict = bound_.compare(computed, probe, 1, channels_);
         if (verdict == Verdict::within &&
             (facet != truth.facet || bound_.is_ambiguous(computed.force, probe, truth.force)))
@@ -329,7 +325,7 @@ public:
     std::optional<Finding> against_closed_form(const Reading& computed, VoxelIndex at) const {
         if (((at.z * tables_.y.size() + at.y) * tables_.x.size() + at.x) % every_ != 0)
             return std::nullopt;
-        const Point probe = point_at(tables_, at);
+        const Point probe = probe_at(tables_, at);
         const Reading truth = reading_of(referee_.at(world_of(probe)));
         if (fits_brute(computed, truth, probe))
             return Finding{Verdict::within, truth};
@@ -343,15 +339,9 @@ public:
 private:
     using Point = reference::Vector<double>;
 
-    template <typename U> static Point point_at(const FieldTables<U>& tables, VoxelIndex at) {
-        return {double(tables.x[at.x]), double(tables.y[at.y]), double(tables.z[at.z])};
-    }
-
     bool fits_brute(const Reading& computed, const Reading& truth, const Point& probe) const {
         const layout::MeshParams<double>& frame = exact_law_.mesh.params;
-        const Point proxy((truth.proxy[0] - frame.centre_x) / frame.scale,
-                          (truth.proxy[1] - frame.centre_y) / frame.scale,
-                          (truth.proxy[2] - frame.centre_z) / frame.scale);
+        const Point proxy = (truth.proxy - centre()) / frame.scale;
         const bool touching = truth.depth > 0;
         const reference::MeshTouch<double> touch{touching ? truth.facet : 0, Point(proxy - probe), proxy,
                                                  truth.depth / frame.scale};
@@ -364,14 +354,14 @@ private:
     // One, and as many as the rounding of the probe's place in the world comes to.
     double sides_of(const Point& probe) const {
         const layout::MeshParams<double>& frame = exact_law_.mesh.params;
-        const double placed = 2 * kDoubleRoundoff * norm(frame.centre_x, frame.centre_y, frame.centre_z) / frame.scale;
+        const double placed = 2 * kDoubleRoundoff * norm(centre()) / frame.scale;
         return 1 + placed / bound_.reach(probe);
     }
 
-    glm::dvec3 world_of(const Point& probe) const {
+    glm::dvec3 world_of(const Point& probe) const { return probe * exact_law_.mesh.params.scale + centre(); }
+    Point centre() const {
         const layout::MeshParams<double>& frame = exact_law_.mesh.params;
-        return {probe.x * frame.scale + frame.centre_x, probe.y * frame.scale + frame.centre_y,
-                probe.z * frame.scale + frame.centre_z};
+        return {frame.centre_x, frame.centre_y, frame.centre_z};
     }
 
     FieldTables<T> tables_;
@@ -416,7 +406,7 @@ void merge(Comparison& into, const Comparison& from) {
         into.first_difference = from.first_difference;
 }
 
-// Some voxels held against all referees of a case; one for each thread.
+// Some voxels compared with all referees of a case; one for each thread.
 template <typename T, typename Referees> struct VoxelComparison {
     const Referees& referees;
     bool exact_bits;
@@ -441,8 +431,8 @@ private:
         const std::optional<Finding> closed_form = referees.against_closed_form(computed, at);
         if (closed_form)
             add(*closed_form, computed, at, result.closed_form, Referees::kClosedForm);
-        const Triple& force = (Referees::kOracleTellsForce ? oracle : *closed_form).truth.force;
-        result.largest_force = std::max(result.largest_force, norm(force[0], force[1], force[2]));
+        const Finding& telling = Referees::kOracleTellsForce ? oracle : *closed_form;
+        result.largest_force = std::max(result.largest_force, norm(telling.truth.force));
     }
 
     // Where the bits must be the oracle's, nothing else is said of them.
@@ -469,7 +459,7 @@ private:
             ++distance.boundary;
             return;
         }
-        const double off = force_error(computed, finding.truth);
+        const double off = norm(computed.force - finding.truth.force);
         if (off > distance.largest || std::isnan(off))
             distance.largest = off;
         if (finding.verdict == Verdict::within)

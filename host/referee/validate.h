@@ -1,4 +1,4 @@
-// An engine held against the oracle in the same precision, the oracle in double, and the closed forms (of a mesh a loop
+// An engine compared with the oracle in the same precision, the oracle in double, and the closed forms (of a mesh a loop
 // over all triangles), on every voxel of a case.
 #pragma once
 
@@ -10,6 +10,10 @@
 #include "host/scene/scene.h"
 
 namespace forceshade {
+
+inline const char* name_of(Precision precision) {
+    return precision == Precision::f32 ? "f32" : "f64";
+}
 
 /// The scene with its edges and radii rounded to T as a kernel's tables round them, so that a referee of the rounded
 /// scene puts a voxel of rounded position on the same side of every edge as a kernel without error does. A voxel

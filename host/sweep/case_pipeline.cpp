@@ -12,6 +12,7 @@
 #include "host/picture/picture.h"
 #include "host/picture/surface_lines.h"
 #include "host/program.h"
+#include "host/referee/validate.h"
 
 namespace forceshade {
 
@@ -27,12 +28,7 @@ VolumeHeader volume_header(const PreparedCase& prepared, int threads) {
     header.origin = scene.grid.origin;
     header.spacing = scene.grid.spacing;
     header.channels = scene.output.channels | layout::kChannelForce;
-    header.compression = scene.output.compression;
-    header.pixel = scene.output.pixel;
-    header.scene = prepared.scene;
-    header.version = version();
-    header.omitted = fmt::format("{}", fmt::join(omissions(scene), "; "));
-    header.threads = threads;
+    set_options(header, prepared, scene, threads);
     return header;
 }
 
@@ -139,7 +135,7 @@ CaseRecord empty_record(const PreparedCase& prepared) {
     record.name = prepared.one.name;
     record.parameters = prepared.one.varied;
     record.inputs = inputs_of(scene);
-    record.precision = scene.precision == Precision::f32 ? "f32" : "f64";
+    record.precision = name_of(scene.precision);
     record.omitted = omissions(scene);
     return record;
 }

@@ -1,4 +1,5 @@
-// What this process and its machine are, for accounts of runs.
+// The account of a sweep's folder, manifest.json and summary.csv, and what goes into it: this process, its machine and
+// its share of the study.
 #pragma once
 
 #include <cstddef>
@@ -32,8 +33,6 @@ Shard parse_shard(const std::string& text);
 /// The shard that Slurm's array variables name, if they are set. \throws UsageError if they make no sense: a task that
 /// then took the whole study would do the others' work too.
 std::optional<Shard> slurm_shard();
-
-// The account of a sweep's folder: manifest.json and summary.csv, made of the records of its cases.
 
 /// What a run of the program cost; stands in the manifest only.
 struct RunAccount {

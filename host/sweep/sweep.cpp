@@ -1,7 +1,6 @@
 #include "host/sweep/sweep.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <set>
@@ -61,13 +60,11 @@ void Progress::say(const std::string& line) {
 void Progress::update(std::size_t done, const std::string& now) {
     if (quiet_ || total_ == 0)
         return;
-    const Clock::time_point time = Clock::now();
-    const double since_last = std::chrono::duration<double>(time - last_).count();
     const bool last = done == total_;
-    if (!last && since_last < (terminal_ ? kDrawEvery : kLineEvery))
+    if (!last && seconds_since(last_) < (terminal_ ? kDrawEvery : kLineEvery))
         return;
-    last_ = time;
-    const double elapsed = std::chrono::duration<double>(time - start_).count();
+    last_ = Clock::now();
+    const double elapsed = seconds_since(start_);
     const double left = done ? elapsed * static_cast<double>(total_ - done) / static_cast<double>(done) : 0;
     const std::string tail = last ? fmt::format("{}/{} {} in {}", done, total_, what_, clock_text(elapsed))
                                   : fmt::format("{}/{} {}, {} left  {}", done, total_, what_, clock_text(left), now);
@@ -243,7 +240,7 @@ void compute_missing(Engine& engine, const std::vector<const Case*>& missing,
 
 SweepResult run_sweep(const Study& study, const std::function<std::unique_ptr<Engine>()>& make, bool cpu_engine,
                       const SweepOptions& options) {
-    const auto start = std::chrono::steady_clock::now();
+    const Clock::time_point start = Clock::now();
     const double cpu_start = cpu_seconds();
     const std::vector<const Case*> chosen = choose(study, options);
     if (!options.replace)
@@ -278,7 +275,7 @@ SweepResult run_sweep(const Study& study, const std::function<std::unique_ptr<En
     const auto finish = [&] {
         result.account.computed = result.computed;
         result.account.kept = result.kept;
-        result.account.wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+        result.account.wall = seconds_since(start);
         result.account.cpu = cpu_seconds() - cpu_start;
         result.account.peak_memory = peak_memory();
         write_manifest(options.folder, study, prepared.fingerprints, missing.empty() ? nullptr : &result.account);

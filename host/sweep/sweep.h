@@ -1,13 +1,13 @@
-// How far long work has come: a bar with the time left on a terminal, now and then a line elsewhere, on stderr.
+// A study evaluated into a folder: finishes what is missing, keeps what is intact, shares the work out among shards.
 #pragma once
 
-#include <chrono>
 #include <cstddef>
 #include <filesystem>
 #include <optional>
 #include <string>
 
 #include "compute/device.h"
+#include "host/clock.h"
 #include "host/engine/engine.h"
 #include "host/scene/study.h"
 #include "host/sweep/case_pipeline.h"
@@ -15,6 +15,7 @@
 
 namespace forceshade {
 
+/// How far long work has come, on stderr: a bar with the time left on a terminal, now and then a line elsewhere.
 class Progress {
 public:
     /// `total` steps of `what` ("cases"). Silent if `quiet`.
@@ -28,7 +29,6 @@ public:
     void say(const std::string& line);
 
 private:
-    using Clock = std::chrono::steady_clock;
     void clear();
 
     std::string what_;
@@ -39,8 +39,6 @@ private:
 
 /// "0:07", "12:40", "3:05:00".
 std::string clock_text(double seconds);
-
-// A study evaluated into a folder: finishes what is missing, keeps what is intact, shares the work out among shards.
 
 struct SweepOptions {
     std::filesystem::path folder;

@@ -5,10 +5,10 @@
 #include <optional>
 
 #include "compute/kernels.h"
-#include "host/referee/god_object_referee.h"
 #include "host/reference/god_object.h"
 #include "host/reference/path_step.h"
 #include "tests/gpu/path_case.h"
+#include "tests/mesh/god_object_referee.h"
 #include "tests/mesh/god_object_walks.h"
 #include "tests/unit/laws.h"
 

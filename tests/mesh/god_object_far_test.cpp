@@ -5,8 +5,8 @@
 #include <glm/geometric.hpp>
 #include <gtest/gtest.h>
 
-#include "host/referee/god_object_referee.h"
 #include "host/reference/god_object.h"
+#include "tests/mesh/god_object_referee.h"
 #include "tests/mesh/god_object_walks.h"
 
 namespace forceshade {

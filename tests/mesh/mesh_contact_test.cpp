@@ -62,7 +62,7 @@ private:
 };
 
 glm::dvec3 vector_of(const brute::Vector& v) {
-    return {double(v[0]), double(v[1]), double(v[2])};
+    return glm::dvec3(v);
 }
 
 /// Holds probes against the referee; near a medial axis, where the least rounding decides, only the depth.

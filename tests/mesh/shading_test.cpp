@@ -120,7 +120,7 @@ TEST(Shading, EqualsTheRefereesAngles) {
                 const brute::Vector expected = referee.direction(0, {at.x, at.y, at.z});
                 const Vector found = facet.direction(shading, at);
                 for (int axis = 0; axis < 3; ++axis)
-                    EXPECT_NEAR(found[axis], double(expected[std::size_t(axis)]), 2e-14);
+                    EXPECT_NEAR(found[axis], double(expected[axis]), 2e-14);
             }
         }
     }

@@ -26,9 +26,9 @@ void expect_agreement(const Scene& scene, const SceneImages& images = {}) {
         const double scale =
             1e-12 * (1 + norm(double(answer.force[0]), double(answer.force[1]), double(answer.force[2])));
         for (int k = 0; k < 3; ++k) {
-            EXPECT_NEAR(oracle.force[k], double(answer.force[std::size_t(k)]), scale);
-            EXPECT_NEAR(oracle.unshaded[k], double(answer.unshaded[std::size_t(k)]), scale);
-            EXPECT_NEAR(oracle.proxy[k], double(answer.proxy[std::size_t(k)]), 1e-14);
+            EXPECT_NEAR(oracle.force[k], double(answer.force[k]), scale);
+            EXPECT_NEAR(oracle.unshaded[k], double(answer.unshaded[k]), scale);
+            EXPECT_NEAR(oracle.proxy[k], double(answer.proxy[k]), 1e-14);
         }
         EXPECT_NEAR(oracle.depth, double(answer.depth), 1e-14);
         EXPECT_EQ(oracle.facet, answer.facet);

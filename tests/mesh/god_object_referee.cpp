@@ -1,4 +1,4 @@
-#include "host/referee/god_object_referee.h"
+#include "tests/mesh/god_object_referee.h"
 
 #include <algorithm>
 #include <cmath>

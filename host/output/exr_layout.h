@@ -1,0 +1,51 @@
+// How volumes are laid out in an EXR's parts, for what writes them and what reads them; only for .cpp files that use
+// OpenEXR.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <vector>
+
+#include <ImfHeader.h>
+
+#include "host/output/exr_volume.h"
+#include "host/output/rows.h"
+
+namespace forceshade::exr {
+
+/// One part of a volume; its rows in memory are tight, samples interleaved by component.
+struct Part {
+    std::uint32_t channel = 0;         /* layout::kChannel... */
+    std::vector<const char*> channels; /* names in the file, by component */
+    const char* unit = "";             /* of the samples */
+    PixelFormat format = PixelFormat::float32;
+
+    std::size_t sample_bytes() const { return channels.size() * bytes_of(format); }
+};
+
+Part make_part(std::uint32_t channel, PixelType pixel, Compression compression);
+
+/// The parts of a volume in file order.
+std::vector<Part> parts_of(const VolumeHeader& header);
+
+/// Throws UsageError if no EXR can hold such a grid.
+void require_possible(const VolumeHeader& header);
+
+/// Rows that are handed to OpenEXR at once: a multiple of every compression's block, about 4 MiB of force.
+/// It decides how the parts' blocks interleave in the file, so it may depend on nothing but the image's size.
+std::uint64_t rows_per_group(std::uint64_t width, std::uint64_t rows);
+
+/// An image of several parts, ready to be written.
+struct Sheet {
+    std::uint64_t width = 0, rows = 0;
+    std::vector<Part> parts;
+    std::vector<Imf::Header> headers; /* of the parts */
+    int threads = 0;                  /* that compress this file; 0: it asks for no parallel work */
+};
+
+/// The checksum of the decoded pixels of each part, in file order, read from `file`. Throws IoError naming `path`.
+std::vector<std::uint64_t> checksums_of(const std::filesystem::path& file, const std::filesystem::path& path,
+                                        const Sheet& sheet);
+
+} // namespace forceshade::exr
