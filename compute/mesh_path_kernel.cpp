@@ -148,9 +148,9 @@ template <typename T> std::size_t Batch<T>::finish_updates(const FinishUpdates<T
         real(layout::kWalkRealReach, path) = update.reach;
         word(layout::kWalkWordContact, path) = update.triangle;
         word(layout::kWalkWordConstraints, path) = update.count | (update.cornered ? layout::kConstraintCornered : 0) |
-                                            (update.touching ? layout::kContactTouching : 0) |
-                                            (update.back ? layout::kContactBack : 0) |
-                                            (update.finished ? 0 : layout::kContactUnfinished);
+                                                   (update.touching ? layout::kContactTouching : 0) |
+                                                   (update.back ? layout::kContactBack : 0) |
+                                                   (update.finished ? 0 : layout::kContactUnfinished);
         word(layout::kWalkWordPhase, path) = layout::kPhaseContact;
     }
     flush(layout::kMeshPathBindWalkReals);

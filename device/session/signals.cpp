@@ -48,9 +48,9 @@ template <typename... Signals> std::array<Handled, sizeof...(Signals)> unhandled
     return {Handled{signals}...};
 }
 
-constexpr std::size_t kFaults = 6; // of the deadly ones, the first: handled whoever else wants them
-constexpr int kHaltTime = 50;      /* ms: that one thread's handler waits for another's */
-constexpr int kLoopPatience = 1000;    /* ms: with a loop that does not come round */
+constexpr std::size_t kFaults = 6;  // of the deadly ones, the first: handled whoever else wants them
+constexpr int kHaltTime = 50;       /* ms: that one thread's handler waits for another's */
+constexpr int kLoopPatience = 1000; /* ms: with a loop that does not come round */
 
 auto deadly = unhandled(SIGABRT, SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGSYS, SIGQUIT, SIGTRAP, SIGUSR1, SIGUSR2, SIGALRM,
                         SIGVTALRM, SIGPROF, SIGXCPU, SIGIO, SIGPWR, SIGSTKFLT);

@@ -18,7 +18,7 @@ namespace forceshade {
 namespace {
 
 constexpr std::uint64_t kSamples = std::uint64_t(1) << 14; // looked at, about: half a second
-constexpr std::uint64_t kBudget = 1'000'000;               // triangles that loops may look at: some seconds
+constexpr std::uint64_t kLoopBudget = 1'000'000;           // triangles that loops may look at: some seconds
 constexpr double kFurther = 8;  // how far from a proxy in contact its side is told, in tolerances
 constexpr double kWhole = 1e-2; // how far a winding number may be from a whole one: the tree's are good to 1e-4
 
@@ -109,7 +109,7 @@ ProxySides<T>::ProxySides(const PreparedCase& prepared, std::uint64_t samples, b
     count_.closed = structure.winding->rims.empty();
     if (!count_.closed)
         return;
-    affordable_ = std::max<std::uint64_t>(1, kBudget / structure.triangles());
+    affordable_ = std::max<std::uint64_t>(1, kLoopBudget / structure.triangles());
     brute_every_ = samples / every_ / affordable_ + 1;
     auto surface = std::make_unique<Surface>(prepared.images.mesh->mesh, structure);
     surface->law.features.inside = prepared.one.scene.surface.mesh.inside == InsideTest::winding

@@ -241,7 +241,7 @@ private:
 };
 
 constexpr double kDoubleRoundoff = 0x1p-53;
-constexpr std::uint64_t kBudget = 20'000'000; // triangles that the brute referee may look at: some seconds
+constexpr std::uint64_t kBruteBudget = 20'000'000; // triangles that the brute referee may look at: some seconds
 
 brute::MeshShading brute_shading(Shading shading) {
     switch (shading) {
@@ -292,7 +292,7 @@ public:
           exact_law_(exact_.law()), referee_(prepared.images.mesh->mesh, brute_law(prepared)),
           bound_(prepared, kPrecision<T>), channels_(tables_.features.channels) {
         const std::uint64_t voxels = std::uint64_t(tables_.x.size()) * tables_.y.size() * tables_.z.size();
-        const std::uint64_t affordable = std::max<std::uint64_t>(1, kBudget / law_.mesh.params.triangles);
+        const std::uint64_t affordable = std::max<std::uint64_t>(1, kBruteBudget / law_.mesh.params.triangles);
         every_ = std::max<std::uint64_t>(1, voxels / affordable);
     }
 

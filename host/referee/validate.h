@@ -1,5 +1,5 @@
-// An engine compared with the oracle in the same precision, the oracle in double, and the closed forms (of a mesh a loop
-// over all triangles), on every voxel of a case.
+// An engine compared with the oracle in the same precision, the oracle in double, and the closed forms (of a mesh a
+// loop over all triangles), on every voxel of a case.
 #pragma once
 
 #include <string>

@@ -331,7 +331,8 @@ void finish_update(const layout::MeshView<T>& mesh, Neighbourhood<T>& neighbourh
     one.touching = contact.touching;
     one.finished = contact.finished;
     one.triangle = contact.touching ? contact.triangles[0] : 0;
-    one.reach = contact.touching || !(largest_coordinate(state.proxy) <= T(kRegion)) ? T(0) : free_reach(mesh, state.proxy);
+    one.reach =
+        contact.touching || !(largest_coordinate(state.proxy) <= T(kRegion)) ? T(0) : free_reach(mesh, state.proxy);
     one.back =
         contact.touching && dot(contact.normals[0], vector_at(mesh.triangle_normals, contact.triangles[0])) < T(0);
 }

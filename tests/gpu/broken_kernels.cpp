@@ -187,9 +187,7 @@ Kernels kernels_of(test::Break which) {
 }
 
 #define FS_MESH_PATH_KERNELS(name)                                                                                     \
-    {                                                                                                                  \
-        words::name##_mesh_path_f32, words::name##_mesh_path_f64                                                       \
-    }
+    { words::name##_mesh_path_f32, words::name##_mesh_path_f64 }
 
 MeshPathKernels mesh_path_kernels_of(test::Break which) {
     switch (which) {
