@@ -6,9 +6,10 @@ here=$(cd "$(dirname "$0")/../.." && pwd)
 [ "$(id -u)" = 0 ] && command -v debootstrap >/dev/null || exit 77
 archive=${1:-$here/$("$here/host/bundle")}
 root=$(mktemp -d)
-trap 'rm -rf "$root"' EXIT
+trap 'umount "$root/proc" 2>/dev/null || true; rm -rf "$root"' EXIT
 debootstrap --variant=minbase bookworm "$root" >"$root.log" 2>&1 || { cat "$root.log"; exit 77; }
 rm -f "$root.log"
+mount -t proc proc "$root/proc" || exit 77 # a program finds the folder it lies in there
 
 mkdir "$root/opt/bundle"
 tar -C "$root/opt/bundle" --strip-components=1 -xf "$archive"
