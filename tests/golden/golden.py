@@ -23,6 +23,7 @@ patch = 'kind = "mesh"\nfile = "%s"\ninside = "winding"'
 grid = 'size = [64, 8, 40]\norigin = ["-20 mm", "-4 mm", "-8 mm"]\nspacing = "0.61 mm"'
 box = 'size = [40, 24, 24]\norigin = ["-13 mm", "-13 mm", "-3 mm"]\nspacing = "0.57 mm"'
 sine = '[texture]\nstiffness = "0.2 N/mm"\nfunction = "sine"\nwidth = "2 mm"\nheight = "0.1 mm"\n'
+dimple = '[texture]\nstiffness = "0.2 N/mm"\nfunction = "gaussian"\nradius = "5 mm"\nheight = "0.1 mm"\n'
 bumpy = sine.replace('stiffness = "0.2 N/mm"', 'effect = "normal"')
 analytic = {"cylinder": 'radius = "600 mil"\nwidth = "1000 mil"', "dip": 'radius = "600 mil"\nwidth = "1000 mil"',
             "sine": 'width = "9 mm"\nheight = "1 mm"', "gaussian": 'radius = "5 mm"\nheight = "1 mm"'}
@@ -39,6 +40,7 @@ def fields():
     yield "bump-radial", scene(bump % 2, 'shading = "reference"\nreference = "radial"')
     yield "bump-equal-x", scene(bump % 5 + '\nfacet_spacing = "equal_x"', 'shading = "reference"')
     yield "bump-textured", scene(bump % 2, 'shading = "reference"', sine, box)
+    yield "bump-dimpled", scene(bump % 2, 'shading = "reference"', dimple, box)
     yield "cylinder", scene(cylinder)
     for function, size in analytic.items():
         yield f"map-{function}", scene(height_map % (function, size), 'shading = "height_map"', "", box)
