@@ -150,7 +150,6 @@ void main() {
     exact_zero = real(mesh.zero);
     least_reach = square_of(real(chunk.stretch));
     uint pause = chunk.pause;
-    spent_limit = chunk.limit;
     spent = 0u;
     is_left = false;
     uint path = listed_path();
@@ -189,7 +188,7 @@ void main() {
         bool complete = found || left;
         if (!complete) {
             walk_on();
-            is_left = is_left || (!walk_runs && !walk_rests) || spent > spent_limit;
+            is_left = is_left || (!walk_runs && !walk_rests) || spent > chunk.limit;
             if (walk_rests)
                 rest = contact_at_rest();
             complete = walk_rests && !is_left;

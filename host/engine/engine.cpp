@@ -186,7 +186,7 @@ private:
     template <typename T> compute::FieldTimes run_kernel(const PathWork<T>& work, EngineTimes&) {
         if (work.input.law.features.surface != layout::kSurfaceMesh)
             return paths_.on(device_).explore(work.input, work.take, work.take_metrics);
-        // What kernels leave is the oracle's: few steps need its many cases.
+        // What the kernel leaves is the oracle's: few steps need its many cases.
         const compute::FinishUpdates<T> finish = [&](std::span<layout::MeshUpdate<T>> updates) {
             reference::finish_updates(work.input.law.mesh, updates, std::thread::hardware_concurrency());
         };

@@ -11,9 +11,8 @@ layout(push_constant) uniform Push { MeshPathChunkParams chunk; };
 
 // Zero, and unknown to the compiler where a sign of zero may come of it.
 real exact_zero;
-// Loops run so far, and those that may be run: drivers may end more of them in silence.
+// Loops run so far: drivers may end more than some of them in silence.
 uint spent;
-uint spent_limit;
 bool is_left; // the host must find the contact of this step
 
 Triangle triangle_at(uint triangle) {

@@ -117,7 +117,7 @@ TEST_F(MeshPath, AimedAtCornersAndEdges) {
         }
 }
 
-// Strokes through a model of edges that fold either way: the host finishes many updates, and the kernels go on from
+// Strokes through a model of edges that fold either way: the host finishes many updates, and the kernel goes on from
 // them.
 TEST_F(MeshPath, TheHostFinishesRestsAtEdges) {
     const MeshStructure structure =
@@ -136,16 +136,16 @@ TEST_F(MeshPath, TheHostFinishesRestsAtEdges) {
     EXPECT_GT(finished(MeshPathCase<double>(structure, shape)), 400u);
 }
 
-// On these walks come to edges in many pieces, and some without neighbours.
-TEST_F(MeshPath, WalksToEdgesInPieces) {
+// Where walks come to edges, some run out of loops on the way.
+TEST_F(MeshPath, WalksToEdgesWithFewLoops) {
     compute::MeshPathOptions options;
     options.limit = 300;
-    compute::MeshPathKernel pieces(device(), options);
+    compute::MeshPathKernel few(device(), options);
     std::vector<walks::Terrain> terrains{{"spot", read_polygons(FORCESHADE_DATA "/spot.obj").polygons},
                                          {"narrow folds", walks::pit(24, 0.3), 24, glm::dvec3(0, 0, -0.3)}};
     for (const walks::Terrain& terrain : terrains)
         for (const compute::MeshPathTimes& times :
-             {wander<float>(terrain, pieces, 200), wander<double>(terrain, pieces, 200)}) {
+             {wander<float>(terrain, few, 200), wander<double>(terrain, few, 200)}) {
             EXPECT_GT(times.host_updates, 10u) << terrain.name;
         }
 }
