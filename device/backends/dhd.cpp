@@ -19,11 +19,11 @@ using Clock = std::chrono::steady_clock;
 
 constexpr unsigned char kWatchdog = 255;                        // in 125 us: 32 ms, the longest there is
 constexpr Clock::duration kGap = std::chrono::milliseconds(30); // after such a pause the watchdog may have bitten
-constexpr double kSilence = 0.025; /* s: likewise, for the loop, which is to notice first */
+constexpr double kDhdSilence = 0.025; /* s: likewise, for the loop, which is to notice first */
 constexpr Clock::duration kAsk = std::chrono::milliseconds(20); // between questions for the status
 constexpr int kDoorPatience = 20;                               /* ms */
 constexpr int kDisplayTime = 2;                                 /* ms: until a force that was written is displayed */
-constexpr double kFarthest = 3;                                 /* m: no device reaches further */
+constexpr double kDhdReach = 3;                                 /* m: no device reaches further */
 
 /// A door that one thread passes at a time, none waiting for long: who is in the vendor's library. Safe in a signal's
 /// handler, where a mutex is not: the interrupted thread may be the one inside, and is then not waited for.
@@ -57,7 +57,7 @@ glm::dvec3 to_world(double x, double y, double z) {
 
 // False also for what is no number.
 bool is_reachable(const glm::dvec3& at) {
-    return std::abs(at.x) <= kFarthest && std::abs(at.y) <= kFarthest && std::abs(at.z) <= kFarthest;
+    return std::abs(at.x) <= kDhdReach && std::abs(at.y) <= kDhdReach && std::abs(at.z) <= kDhdReach;
 }
 
 // What the maker states of a type of device.
@@ -240,7 +240,7 @@ private:
         });
         const Model& model = known == kModels.end() ? kUnknownModel : *known;
         facts.max_force = model.force;
-        facts.silence = kSilence;
+        facts.silence = kDhdSilence;
         facts.low = glm::dvec3(-model.reach);
         facts.high = glm::dvec3(model.reach);
         const double limit = library_.get_max_force ? library_.get_max_force(id_) : -1;
@@ -262,7 +262,7 @@ private:
             throw DeviceAbsent(
                 fmt::format("{} tells the position ({}, {}, {}): its SDK gives metres, and no device reaches "
                             "further than {} m",
-                            facts_.name, x, y, z, kFarthest));
+                            facts_.name, x, y, z, kDhdReach));
     }
 
     // The loop writes forces all the time; should the process stop, the device drops the force by itself.

@@ -20,7 +20,7 @@ constexpr double kInverse3Force = 4;
 /// m: from the device's origin, further than which its arm does not reach, however it is mounted. Its workspace, 460 mm
 /// wide, 510 mm high and 230 mm deep, is no box.
 constexpr double kReach = 0.6;
-constexpr double kSilence = 0.045; /* s: a little less than the other thread waits for a force (haply_link.cpp) */
+constexpr double kHaplySilence = 0.045; /* s: a little less than the other thread waits for a force (haply_link.cpp) */
 
 constexpr std::string_view kHowToGet =
     "Install and start it (Haply Hub or the Inverse Service package, docs.haply.co; on Linux: "
@@ -112,7 +112,7 @@ DeviceFacts facts_of(const HaplyFinding& finding, const HaplyDevice& device) {
     std::string type = device.type.empty() ? "inverse3" : device.type;
     if (type == "inverse3")
         facts.max_force = kInverse3Force;
-    facts.silence = kSilence;
+    facts.silence = kHaplySilence;
     facts.low = glm::dvec3(-kReach);
     facts.high = glm::dvec3(kReach);
     type.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(type.front())));

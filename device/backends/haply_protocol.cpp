@@ -45,7 +45,7 @@ void set(HaplyOptions& options, std::string_view key, std::string_view value) {
 using Json = nlohmann::json;
 using Dialect = HaplyOptions::Dialect;
 
-constexpr double kFarthest = 10; /* m: no hand-held device reaches so far: such numbers are no position */
+constexpr double kHaplyReach = 10; /* m: no hand-held device reaches so far: such numbers are no position */
 
 Json parse(std::string_view text) {
     return Json::parse(text.begin(), text.end(), nullptr, false);
@@ -108,7 +108,7 @@ std::optional<glm::dvec3> position_of(const Json* value) {
         if (coordinate == nullptr || !coordinate->is_number())
             return std::nullopt;
         position[i] = coordinate->get<double>();
-        if (!(std::abs(position[i]) <= kFarthest))
+        if (!(std::abs(position[i]) <= kHaplyReach))
             return std::nullopt;
     }
     return position;

@@ -16,12 +16,12 @@ constexpr int kFramePatience = 20;    /* ms: for a frame of 1 ms */
 constexpr int kEndPatience = 200;     /* ms */
 constexpr int kStartPatience = 2000;  /* ms: for the first position */
 constexpr int kMostFailures = 100;    // frames without a position at the start
-constexpr double kFarthest = 3;       /* m: no device reaches further */
+constexpr double kHdReach = 3;        /* m: no device reaches further */
 constexpr double kUnknownReach = 0.5; /* m: of a device that states no workspace */
 constexpr double kMillimetre = 1e-3;  /* m */
 
 /// If no force was put for this long, none is displayed: three samples of the slowest loop, 100 Hz, and then some.
-constexpr std::int64_t kSilence = 50'000'000; /* ns */
+constexpr std::int64_t kHdSilence = 50'000'000; /* ns */
 
 /// What runs in the vendor's scheduler: reads the position and displays the newest force, once a millisecond.
 class Servo {
@@ -39,9 +39,9 @@ public:
     /// By the live thread: true and the newest frame, if there is one since the last.
     bool take(Frame& frame) noexcept { return frames_.take(frame); }
 
-    /// By the live thread: false, with a complaint, if the scheduler has not called for as long as kSilence.
+    /// By the live thread: false, with a complaint, if the scheduler has not called for as long as kHdSilence.
     bool runs() noexcept {
-        if (now() - called_ <= kSilence)
+        if (now() - called_ <= kHdSilence)
             return true;
         complaint_ = "the OpenHaptics scheduler does not run any more";
         return false;
@@ -88,7 +88,7 @@ private:
         library_.get_doublev(HdValue::current_position, at);
         const Frame frame{kMillimetre * glm::dvec3(at[0], -at[2], at[1]), succeeded()};
         commands_.take(command_);
-        const bool old = time - command_.time > kSilence || command_.time <= rested_;
+        const bool old = time - command_.time > kHdSilence || command_.time <= rested_;
         const bool silent = halted_; // asked as late as can be
         const glm::dvec3 force = silent || old || !frame.told ? glm::dvec3(0) : command_.force;
         const double axes[3]{force.x, force.z, -force.y};
@@ -247,7 +247,7 @@ private:
         DeviceFacts facts;
         facts.name = name_of(library_);
         facts.software = software_of(library_);
-        facts.silence = 0.9e-9 * static_cast<double>(kSilence); // the loop's clock and the servo's are read apart
+        facts.silence = 0.9e-9 * static_cast<double>(kHdSilence); // the loop's clock and the servo's are read apart
         read_forces(facts);
         read_workspace(facts);
         calibrate(facts);
@@ -346,10 +346,10 @@ private:
                 fmt::format("{} tells no position: {}", facts_.name, why ? why : "its scheduler does not run"));
         }
         const glm::dvec3& at = frame.position;
-        const auto reached = [](double along) { return std::abs(along) <= kFarthest; }; // and is a number
+        const auto reached = [](double along) { return std::abs(along) <= kHdReach; }; // and is a number
         if (!reached(at.x) || !reached(at.y) || !reached(at.z))
             throw DeviceAbsent(fmt::format("{} tells the position ({}, {}, {}) mm: no device reaches further than {} m",
-                                           facts_.name, 1e3 * at.x, 1e3 * at.z, -1e3 * at.y, kFarthest));
+                                           facts_.name, 1e3 * at.x, 1e3 * at.z, -1e3 * at.y, kHdReach));
         position_ = at;
     }
 

@@ -12,9 +12,8 @@ namespace forceshade {
 namespace {
 
 using layout::uint;
-using Vector = reference::Vector<double>;
 
-Vector vector_at(const std::vector<double>& table, std::size_t index) {
+glm::dvec3 vector_at(const std::vector<double>& table, std::size_t index) {
     return reference::vector_at<double>(table, index);
 }
 
@@ -33,8 +32,8 @@ void for_each_bundle(const std::vector<uint>& corners, const std::vector<uint>& 
 }
 
 /// The angle between two edges, good for needles too.
-double angle_between(const Vector& u, const Vector& v) {
-    const Vector normal = reference::cross(u, v);
+double angle_between(const glm::dvec3& u, const glm::dvec3& v) {
+    const glm::dvec3 normal = reference::cross(u, v);
     return std::atan2(std::sqrt(reference::dot(normal, normal)), reference::dot(u, v));
 }
 
@@ -53,7 +52,7 @@ void connect_edges(MeshParts& parts, MeshReals<double>& reals, const std::vector
             across[edges[1]] = edges[0] / 3;
             return;
         }
-        Vector sum(0.0);
+        glm::dvec3 sum(0.0);
         for (const uint edge : edges)
             sum += vector_at(reals.triangle_normals, edge / 3);
         const auto entry = static_cast<uint>(reals.edge_pseudonormals.size() / 3);
@@ -68,10 +67,10 @@ void sum_pseudonormals(const MeshParts& parts, MeshReals<double>& reals, const s
     sums.assign(reals.vertices.size(), 0.0);
     for (std::size_t triangle = 0; triangle < parts.triangle_facets.size(); ++triangle) {
         const uint* corners = &parts.triangle_corners[3 * triangle];
-        Vector at[3];
+        glm::dvec3 at[3];
         for (std::size_t i = 0; i < 3; ++i)
             at[i] = vector_at(reals.vertices, corners[i]);
-        const Vector normal = vector_at(reals.triangle_normals, triangle);
+        const glm::dvec3 normal = vector_at(reals.triangle_normals, triangle);
         for (std::size_t i = 0; i < 3; ++i) {
             const double angle = angle_between(at[(i + 1) % 3] - at[i], at[(i + 2) % 3] - at[i]);
             double* sum = &sums[3 * std::size_t(places[corners[i]])];
@@ -86,7 +85,7 @@ void sum_pseudonormals(const MeshParts& parts, MeshReals<double>& reals, const s
 
 bool has_firm_pseudonormals(const MeshParts& parts, const MeshReals<double>& reals) {
     constexpr double kFirm = 0x1p-14; // of the square of the length
-    const auto is_firm = [](const Vector& sum) { return reference::dot(sum, sum) > kFirm; };
+    const auto is_firm = [](const glm::dvec3& sum) { return reference::dot(sum, sum) > kFirm; };
     for (std::size_t vertex = 0; vertex < reals.vertex_pseudonormals.size() / 3; ++vertex)
         if (!is_firm(vector_at(reals.vertex_pseudonormals, vertex)))
             return false;
@@ -117,7 +116,7 @@ std::vector<uint> find_rims(const MeshParts& parts, const std::vector<uint>& pla
     return rims;
 }
 
-Vector vector_of(const double (&numbers)[3]) {
+glm::dvec3 vector_of(const double (&numbers)[3]) {
     return {numbers[0], numbers[1], numbers[2]};
 }
 
@@ -158,19 +157,20 @@ void add(const layout::MeshMoment& part, layout::MeshMoment& sum) {
                         3;
         }
     }
-    sum.radius = std::max(sum.radius, reference::length(Vector(t[0], t[1], t[2])) + part.radius);
+    sum.radius = std::max(sum.radius, reference::length(glm::dvec3(t[0], t[1], t[2])) + part.radius);
 }
 
 Part part_of_triangle(const MeshStructure& structure, std::size_t triangle) {
-    Vector corners[3];
+    glm::dvec3 corners[3];
     for (std::size_t i = 0; i < 3; ++i)
         corners[i] = vector_at(structure.reals->vertices, structure.parts->triangle_corners[3 * triangle + i]);
-    const Vector centre = (corners[0] + corners[1] + corners[2]) / 3.0;
-    const Vector area = reference::cross(Vector(corners[1] - corners[0]), Vector(corners[2] - corners[0])) / 2.0;
+    const glm::dvec3 centre = (corners[0] + corners[1] + corners[2]) / 3.0;
+    const glm::dvec3 area =
+        reference::cross(glm::dvec3(corners[1] - corners[0]), glm::dvec3(corners[2] - corners[0])) / 2.0;
     Part part{{{centre.x, centre.y, centre.z}, 0, {area.x, area.y, area.z}, {}, {}}, reference::length(area)};
     double spread[3][3] = {}; // mean of x_j x_k over the triangle
-    for (const Vector& corner : corners) {
-        const Vector from = corner - centre;
+    for (const glm::dvec3& corner : corners) {
+        const glm::dvec3 from = corner - centre;
         part.moment.radius = std::max(part.moment.radius, reference::length(from));
         for (int j = 0; j < 3; ++j)
             for (int k = 0; k < 3; ++k)
@@ -200,7 +200,7 @@ Part part_of_node(const MeshStructure& structure, const layout::MeshNode& node, 
             parts.push_back(part_of_triangle(structure, run / layout::kMeshLeafTriangles + i));
     }
     double area = 0;
-    Vector centre(0.0);
+    glm::dvec3 centre(0.0);
     for (const Part& part : parts) {
         area += part.area;
         centre += part.area * vector_of(part.moment.centre);

@@ -17,12 +17,7 @@ constexpr double kMostPlotHeight = 860; // pixels
 constexpr double kLeastPlotSide = 40;
 constexpr double kLeastArrowPitch = 44; // pixels between arrows
 constexpr double kLongestArrow = 90;
-constexpr double kBarGap = 34;
 constexpr std::string_view kNoForce = "no force in this slice";
-constexpr Rgb8 kQuietInk{110, 110, 110};
-constexpr TextStyle kAxisStyle{kTextSize, false, Horizontal::centre, Vertical::top, false};
-constexpr TextStyle kUpAxisStyle{kTextSize, false, Horizontal::right, Vertical::middle, true};
-constexpr TextStyle kNoteStyle{kTextSize, false, Horizontal::centre, Vertical::middle, false};
 
 struct ArrowPlot {
     const FieldSlice& slice;

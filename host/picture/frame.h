@@ -12,6 +12,11 @@ namespace forceshade::picture {
 
 inline constexpr double kSheetWidth = 1400; // pixels
 inline constexpr double kMargin = 24;
+inline constexpr double kBarGap = 34; // between a plot and its colour bar
+inline constexpr Rgb8 kQuietInk{110, 110, 110};
+inline constexpr TextStyle kAxisStyle{kTextSize, false, Horizontal::centre, Vertical::top, false};
+inline constexpr TextStyle kUpAxisStyle{kTextSize, false, Horizontal::right, Vertical::middle, true};
+inline constexpr TextStyle kNoteStyle{kTextSize, false, Horizontal::centre, Vertical::middle, false};
 
 /// The axes of a slice in the plane of the picture, at most kMaxAspect apart in length.
 struct PlaneAxes {

@@ -8,9 +8,9 @@
 namespace forceshade::picture {
 namespace {
 
-constexpr double kItemGap = 34; // pixels between items
-constexpr double kSignGap = 8;  // between a sign and its text
-constexpr double kRowHeight = 28;
+constexpr double kLegendGap = 34; // pixels between items
+constexpr double kSignGap = 8;    // between a sign and its text
+constexpr double kLegendRow = 28;
 constexpr double kSwatch = 18;
 constexpr double kLineLength = 44;
 constexpr Rgb8 kSmoothColour{200, 20, 60};
@@ -40,9 +40,9 @@ std::vector<Point> place_items(const std::vector<LegendItem>& items, double widt
     Point next;
     for (const LegendItem& item : items) {
         if (next.x > 0 && next.x + item_width(item) > width)
-            next = {0, next.y + kRowHeight};
+            next = {0, next.y + kLegendRow};
         places.push_back(next);
-        next.x += item_width(item) + kItemGap;
+        next.x += item_width(item) + kLegendGap;
     }
     return places;
 }
@@ -77,13 +77,13 @@ void draw_sign(Canvas& canvas, const LegendItem& item, Point middle_left) {
 } // namespace
 
 double legend_height(const std::vector<LegendItem>& items, double width) {
-    return items.empty() ? 0 : place_items(items, width).back().y + kRowHeight;
+    return items.empty() ? 0 : place_items(items, width).back().y + kLegendRow;
 }
 
 void draw_legend(Canvas& canvas, const std::vector<LegendItem>& items, Point upper_left, double width) {
     const std::vector<Point> places = place_items(items, width);
     for (std::size_t i = 0; i < items.size(); ++i) {
-        const Point middle{upper_left.x + places[i].x, upper_left.y + places[i].y + kRowHeight / 2};
+        const Point middle{upper_left.x + places[i].x, upper_left.y + places[i].y + kLegendRow / 2};
         draw_sign(canvas, items[i], middle);
         canvas.text(items[i].text, {middle.x + sign_width(items[i]) + kSignGap, middle.y}, kLegendStyle);
     }

@@ -15,12 +15,8 @@ namespace {
 constexpr double kMostTilesHeight = 1000; // pixels, of all tiles together
 constexpr double kMostTileWidth = 900;
 constexpr double kLeastTileSide = 8;
-constexpr double kBarGap = 34;
-constexpr Rgb8 kQuietInk{110, 110, 110};
+constexpr TextStyle kLabelStyle{kSmallTextSize, false, Horizontal::centre, Vertical::middle, false};
 constexpr TextStyle kTileStyle{kSmallTextSize, false, Horizontal::left, Vertical::bottom, false};
-constexpr TextStyle kAxisStyle{kTextSize, false, Horizontal::centre, Vertical::top, false};
-constexpr TextStyle kUpAxisStyle{kTextSize, false, Horizontal::right, Vertical::middle, true};
-constexpr TextStyle kNoteStyle{kSmallTextSize, false, Horizontal::centre, Vertical::middle, false};
 
 struct Mosaic {
     std::span<const MagnitudeSlice> tiles;
@@ -82,7 +78,7 @@ void arrange(Mosaic& mosaic, double available_width) {
 
 std::string empty_text(double width) {
     for (const char* text : {"no force in this slice", "no force", "0 N"})
-        if (measure(text, kNoteStyle).width + 8 <= width)
+        if (measure(text, kLabelStyle).width + 8 <= width)
             return text;
     return "";
 }
@@ -96,8 +92,8 @@ void draw_tile(Canvas& canvas, const Mosaic& mosaic, std::size_t i) {
     canvas.outline({box.x - 0.5, box.y - 0.5, box.width + 1, box.height + 1}, {});
     canvas.text(mosaic.labels[i], {box.x, box.y - 4}, kTileStyle);
     const Census census = take_census(slice.magnitude);
-    if (census.zero == census.samples && box.height >= measure("0", kNoteStyle).height)
-        canvas.text(empty_text(box.width), {box.x + box.width / 2, box.y + box.height / 2}, kNoteStyle, kQuietInk);
+    if (census.zero == census.samples && box.height >= measure("0", kLabelStyle).height)
+        canvas.text(empty_text(box.width), {box.x + box.width / 2, box.y + box.height / 2}, kLabelStyle, kQuietInk);
     const bool lowest = i + mosaic.columns >= mosaic.tiles.size();
     draw_bottom_ticks(canvas, box, mosaic.horizontal, lowest);
     draw_left_ticks(canvas, box, mosaic.vertical, i % mosaic.columns == 0);

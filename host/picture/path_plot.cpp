@@ -21,9 +21,7 @@ constexpr double kSignLength = 44;
 constexpr double kItemGap = 30;
 constexpr double kHardlyWide = 0.1;    // of the height
 constexpr double kLeastBreadth = 2e-3; // m: of what has neither width nor height
-constexpr TextStyle kAxisStyle{kTextSize, false, Horizontal::centre, Vertical::top, false};
-constexpr TextStyle kUpAxisStyle{kTextSize, false, Horizontal::centre, Vertical::middle, true};
-constexpr TextStyle kNoteStyle{kTextSize, false, Horizontal::centre, Vertical::middle, false};
+constexpr TextStyle kUpTitleStyle{kTextSize, false, Horizontal::centre, Vertical::middle, true};
 constexpr TextStyle kItemStyle{kTextSize, false, Horizontal::left, Vertical::middle, false};
 // Told apart without red-green vision (Okabe and Ito 2008).
 constexpr std::array<Rgb8, 6> kPathColours{Rgb8{0, 114, 178},   Rgb8{230, 159, 0},  Rgb8{0, 158, 115},
@@ -112,7 +110,7 @@ public:
         horizontal_ = fit_horizontal(axes_, kSheetWidth - 200);
         vertical_ = fit_vertical(axes_, kSectionHeight);
         angles_ = angle_axis(angle_);
-        left_ = kMargin + measure("0", kUpAxisStyle).width + 10 +
+        left_ = kMargin + measure("0", kUpTitleStyle).width + 10 +
                 std::max(left_labels_width(vertical_), left_labels_width(angles_));
         const double width = std::floor(kSheetWidth - kMargin - left_);
         const double stretch = (x_.high - x_.low) / width / ((z_.high - z_.low) / kSectionHeight);
@@ -225,8 +223,8 @@ private:
         canvas.outline({panel.box.x - 0.5, panel.box.y - 0.5, panel.box.width + 1, panel.box.height + 1}, {});
         draw_left_ticks(canvas, panel.box, up, true);
         draw_bottom_ticks(canvas, panel.box, horizontal_, true);
-        canvas.text(title, {kMargin + measure("0", kUpAxisStyle).width / 2, panel.box.y + panel.box.height / 2},
-                    kUpAxisStyle);
+        canvas.text(title, {kMargin + measure("0", kUpTitleStyle).width / 2, panel.box.y + panel.box.height / 2},
+                    kUpTitleStyle);
         if (names_x)
             canvas.text(
                 horizontal_.title,

@@ -11,10 +11,9 @@
 namespace forceshade::plot {
 namespace {
 
-constexpr double kTickSize = 11, kTitleSize = 12; /* px */
-constexpr double kLine = 14;                      /* px from line to line of a tick's label */
-constexpr double kLongest = 170;                  /* px, of a word along an axis */
-constexpr double kSlant = 40;                     /* degrees, of words that do not fit side by side */
+constexpr double kLine = 14;     /* px from line to line of a tick's label */
+constexpr double kLongest = 170; /* px, of a word along an axis */
+constexpr double kSlant = 40;    /* degrees, of words that do not fit side by side */
 constexpr double kSlope = kSlant * std::numbers::pi / 180;
 
 std::vector<Tick> x_ticks(const Axes& axes) {
@@ -137,13 +136,13 @@ double draw_axes(Sheet& sheet, const Axes& axes, bool grid) {
     sheet.svg.rect(axes.plot, "axis");
     if (!axes.y_label.empty())
         sheet.svg.text(kMargin + 10, axes.plot.y + axes.plot.height / 2,
-                       shortened(axes.y_label, kTitleSize, axes.plot.height + 80),
-                       {.anchor = Anchor::middle, .size = kTitleSize, .rotate = -90});
+                       shortened(axes.y_label, kAxisTitleSize, axes.plot.height + 80),
+                       {.anchor = Anchor::middle, .size = kAxisTitleSize, .rotate = -90});
     if (axes.x_label.empty())
         return labels_end + 4;
     sheet.svg.text(axes.plot.x + axes.plot.width / 2, labels_end + 20,
-                   shortened(axes.x_label, kTitleSize, axes.plot.width + 60),
-                   {.anchor = Anchor::middle, .size = kTitleSize});
+                   shortened(axes.x_label, kAxisTitleSize, axes.plot.width + 60),
+                   {.anchor = Anchor::middle, .size = kAxisTitleSize});
     return labels_end + 24;
 }
 

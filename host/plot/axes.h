@@ -11,6 +11,7 @@ namespace forceshade::plot {
 
 inline constexpr double kWidth = 760; /* px, of every figure */
 inline constexpr double kMargin = 14;
+inline constexpr double kTickSize = 11, kAxisTitleSize = 12; /* px, of text */
 
 /// A figure while it is drawn.
 struct Sheet {

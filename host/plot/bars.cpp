@@ -15,7 +15,7 @@
 namespace forceshade::plot {
 namespace {
 
-constexpr double kHeight = 340, kWidest = 54, kValueSize = 10; /* px */
+constexpr double kBarsHeight = 340, kWidest = 54, kValueSize = 10; /* px */
 
 struct Bars {
     const study::Figure& figure;
@@ -143,7 +143,7 @@ double draw_bars(Sheet& sheet, const study::Figure& figure, const study::StudyDa
                  figure.y.label,
                  {}};
     const std::vector<CurveLine> curves = curve_lines(figure, data, bars.series.words);
-    lay_out(bars.axes, top, kHeight, 0);
+    lay_out(bars.axes, top, kBarsHeight, 0);
     bars.labelled = have_room(bars);
     const double axes_end = draw_axes(sheet, bars.axes, true);
     add_clip(sheet, bars.axes.plot);

@@ -7,13 +7,13 @@
 #include <fmt/format.h>
 
 #include "host/picture/colour_map.h"
+#include "host/plot/axes.h"
 #include "host/plot/text_size.h"
 
 namespace forceshade::plot {
 namespace {
 
 constexpr std::size_t kBands = 128;
-constexpr double kTickSize = 11, kTitleSize = 12; /* px */
 
 std::string hex(const picture::Rgb8& colour) {
     return fmt::format("#{:02x}{:02x}{:02x}", colour.r, colour.g, colour.b);
@@ -94,8 +94,8 @@ double ColourScale::draw(Svg& svg, const Box& bar, const std::string& label) con
         svg.text(bar.right() + 8, y + 4, tick.label, {.size = kTickSize});
         right = std::max(right, bar.right() + 8 + text_width(tick.label, kTickSize));
     }
-    svg.text(right + 18, bar.y + bar.height / 2, shortened(label, kTitleSize, bar.height + 40),
-             {.anchor = Anchor::middle, .size = kTitleSize, .rotate = -90});
+    svg.text(right + 18, bar.y + bar.height / 2, shortened(label, kAxisTitleSize, bar.height + 40),
+             {.anchor = Anchor::middle, .size = kAxisTitleSize, .rotate = -90});
     return right + 24;
 }
 

@@ -16,9 +16,9 @@
 namespace forceshade::plot {
 namespace {
 
-constexpr double kHeight = 380, kRow = 26, kLeast = 90; /* px */
-constexpr double kScaleBar = 124;                       /* px at the right */
-constexpr std::size_t kMostTooltips = 5000;             // cells; more would make the file large
+constexpr double kMapHeight = 380, kRow = 26, kLeast = 90; /* px */
+constexpr double kScaleBar = 124;                          /* px at the right */
+constexpr std::size_t kMostTooltips = 5000;                // cells; more would make the file large
 
 // Sample places in order and the edges of the cells about them: midway between neighbours on the axis.
 struct Cells {
@@ -174,7 +174,7 @@ std::vector<LegendEntry> legend_of(const Map& map, std::size_t empty, const std:
 }
 
 double height_of(const AxisData& y, const Cells& lines) {
-    return y.words.empty() ? kHeight : std::max(kLeast, kRow * static_cast<double>(lines.centres.size()));
+    return y.words.empty() ? kMapHeight : std::max(kLeast, kRow * static_cast<double>(lines.centres.size()));
 }
 
 } // namespace

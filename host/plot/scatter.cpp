@@ -13,7 +13,7 @@
 namespace forceshade::plot {
 namespace {
 
-constexpr double kHeight = 380, kLabelSize = 11; /* px */
+constexpr double kScatterHeight = 380, kLabelSize = 11; /* px */
 
 struct Scatter {
     const study::Figure& figure;
@@ -180,7 +180,7 @@ double draw_scatter(Sheet& sheet, const study::Figure& figure, const study::Stud
               {}};
     s.curves = curve_lines(figure, data, s.series.words);
     set_scales(s);
-    lay_out(s.axes, top, kHeight, 0);
+    lay_out(s.axes, top, kScatterHeight, 0);
     const double axes_end = draw_axes(sheet, s.axes, true);
     add_clip(sheet, s.axes.plot);
     draw_curves(sheet, s.axes, s.curves, false);

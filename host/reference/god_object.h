@@ -354,4 +354,13 @@ void finish_updates(const layout::MeshView<T>& mesh, std::span<layout::MeshUpdat
     work();
 }
 
+#define FORCESHADE_GOD_OBJECT(SPECIFIER, T)                                                                            \
+    SPECIFIER template GodObjectContact<T> update(const layout::MeshView<T>&, GodObject<T>&, Neighbourhood<T>&,        \
+                                                  const Vector<T>&, const NoTrace&) noexcept;                          \
+    SPECIFIER template layout::ProxyStart<T> proxy_start(const layout::Law<T>&, Neighbourhood<T>&,                     \
+                                                         const Vector<T>&) noexcept;                                   \
+    SPECIFIER template void finish_updates(const layout::MeshView<T>&, std::span<layout::MeshUpdate<T>>, unsigned);
+FORCESHADE_GOD_OBJECT(extern, float) // compiled once, in god_object.cpp
+FORCESHADE_GOD_OBJECT(extern, double)
+
 } // namespace forceshade::reference

@@ -19,7 +19,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::size_t kMostCases = 256;
+constexpr std::size_t kMostVolumes = 256;
 constexpr std::uint64_t kMostSamples = 1u << 19; /* of a volume, however few volumes there are */
 constexpr std::uint64_t kLeastSamples = 512;
 
@@ -150,7 +150,7 @@ std::string about_data(const std::vector<Packed>& packed, std::size_t left_out) 
 std::string viewer_section(const std::filesystem::path& root, const Contents& contents,
                            std::vector<std::string>& troubles, std::size_t budget) {
     std::vector<Wanted> wanted = wanted_volumes(root, contents);
-    const std::size_t left_out = wanted.size() - std::min(wanted.size(), kMostCases);
+    const std::size_t left_out = wanted.size() - std::min(wanted.size(), kMostVolumes);
     wanted.resize(wanted.size() - left_out);
     const std::vector<Packed> packed = pack_within(root, wanted, budget, troubles);
     if (packed.empty())

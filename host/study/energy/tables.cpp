@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "host/study/data/rows.h"
+#include "host/study/energy/scenes.h"
 
 namespace forceshade::study {
 namespace {
@@ -67,7 +68,6 @@ const Printed kPrinted[] = {
     {"plane and cylinder superposed, work", "superposed", 0, "work_mJ", {0, 0, 0}, 1e-9},
     {"unshaded plane, work", "facets", 1, "work_mJ", {0, 0, 0}, 1e-9},
     {"flat shaded plane, eta", "shaded", 1, "eta", {0.25, 0.24, 0.22}, 5e-3}};
-constexpr double kPaperRadii[] = {600, 1000, 1400}; /* mil */
 
 bool is_row(const Table& loops, std::size_t row, const std::string& scheme, unsigned facets, double radius) {
     const auto radius_here = loops.number(row, "radius_mil");
@@ -99,14 +99,14 @@ struct Point {
     double facets, error, eta;
 };
 
-struct Scheme {
+struct SchemeErrors {
     std::string name, group;
     std::vector<Point> points;
 };
 
 /// Of each scheme at the compared radius, in the order of their rows, those with facets.
-std::vector<Scheme> schemes_of(const Table& loops) {
-    std::vector<Scheme> schemes;
+std::vector<SchemeErrors> schemes_of(const Table& loops) {
+    std::vector<SchemeErrors> schemes;
     for (std::size_t row = 0; row < loops.rows.size(); ++row) {
         const auto error = loops.number(row, "direction_rms_deg"), eta = loops.number(row, "eta"),
                    facets = loops.number(row, "facets"), radius = loops.number(row, "radius_mil");
@@ -114,7 +114,7 @@ std::vector<Scheme> schemes_of(const Table& loops) {
             loops.word(row, "surface") == "plane as mesh")
             continue;
         const std::string name = loops.word(row, "scheme");
-        auto found = std::ranges::find(schemes, name, &Scheme::name);
+        auto found = std::ranges::find(schemes, name, &SchemeErrors::name);
         if (found == schemes.end())
             found = schemes.insert(found, {name, loops.word(row, "group"), {}});
         found->points.push_back({*facets, *error, *eta});
@@ -198,9 +198,9 @@ Table equal_error_table(const Table& loops) {
                  {"direction_rms_deg", "deg", "The direction error that it has with them."},
                  {"eta", "1", "Gained energy over effort with them."}},
                 {}};
-    const std::vector<Scheme> schemes = schemes_of(loops);
+    const std::vector<SchemeErrors> schemes = schemes_of(loops);
     for (const double level : kLevels)
-        for (const Scheme& scheme : schemes)
+        for (const SchemeErrors& scheme : schemes)
             if (const auto point = coarsest(scheme.points, level))
                 table.rows.push_back({level, scheme.group, scheme.name, point->facets, point->error, cell(point->eta)});
     return table;

@@ -7,12 +7,15 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "host/engine/engine.h"
 #include "host/study/error_time/subject.h"
 
 namespace forceshade::study::error_time {
+
+template <typename T> constexpr const char* kPrecision = std::is_same_v<T, float> ? "f32" : "f64";
 
 /// Forces at places of the world.
 struct Evaluated {

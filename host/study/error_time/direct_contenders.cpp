@@ -10,7 +10,6 @@ namespace forceshade::study::error_time {
 namespace {
 
 template <typename T> using Vector = reference::Vector<T>;
-template <typename T> constexpr const char* kPrecision = std::is_same_v<T, float> ? "f32" : "f64";
 
 template <typename T> std::vector<float> numbers_of(const std::vector<Vector<T>>& forces) {
     std::vector<float> numbers;

@@ -11,7 +11,6 @@ namespace forceshade::study::error_time {
 namespace {
 
 using Json = nlohmann::ordered_json;
-using Vector = reference::Vector<double>;
 
 Json to_json(const std::optional<Summary>& summary) {
     return summary ? Json::array({summary->rms, summary->p999, summary->largest}) : Json();
@@ -37,7 +36,7 @@ std::optional<Summary> summary_of(std::vector<double> values) {
     return Summary{std::sqrt(squares / count), values[place], values.back()};
 }
 
-ForceErrors force_errors(std::span<const Vector> forces, std::span<const Vector> truth) {
+ForceErrors force_errors(std::span<const glm::dvec3> forces, std::span<const glm::dvec3> truth) {
     ForceErrors errors;
     std::vector<double> directions, magnitudes, vectors;
     for (std::size_t i = 0; i < truth.size(); ++i) {

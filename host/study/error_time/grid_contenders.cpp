@@ -15,7 +15,6 @@ namespace {
 
 constexpr std::size_t kMostCompared = 32768; // voxels
 
-template <typename T> constexpr const char* kPrecision = std::is_same_v<T, float> ? "f32" : "f64";
 template <typename T> using Consume = std::function<void(const layout::FieldChunk<T>&)>;
 
 template <typename T> struct Grid {

@@ -10,8 +10,6 @@
 namespace forceshade::study::error_time {
 namespace {
 
-template <typename T> constexpr const char* kPrecision = std::is_same_v<T, float> ? "f32" : "f64";
-
 /// Takes all paths through their law; returns the seconds that it took.
 template <typename T>
 using Explore = std::function<double(const layout::PathInput<T>&, const reference::TakePaths<T>&)>;

@@ -16,7 +16,7 @@ constexpr std::size_t kTries = 64;         // places drawn for each that is kept
 constexpr std::size_t kStroke = 256;       // probes of a stroke
 constexpr std::size_t kMeshPlaces = 2048;  // from which strokes over a mesh are chosen
 constexpr std::size_t kOthers = 32;        // places of which a stroke goes to the nearest
-constexpr std::size_t kFewPlaces = 64;     // fewer are not enough
+constexpr std::size_t kFewShallow = 64;    // fewer are not enough
 constexpr double kShallow = 0.05;          // of the grid's longest side
 constexpr std::uint64_t kLongestSide = 64; // voxels of a kernel's grid
 constexpr double kMostSamples = 6e6;       // of a volume
@@ -120,7 +120,7 @@ std::vector<glm::dvec3> touching_places(const PreparedCase& scene, std::size_t c
     }
     if (all.empty())
         throw UsageError("nothing in the scene's [grid] is in contact: there is no force whose error could be told");
-    if (shallow.size() >= kFewPlaces)
+    if (shallow.size() >= kFewShallow)
         return shallow;
     all.resize(std::min(all.size(), count));
     return all;

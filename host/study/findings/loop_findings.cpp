@@ -13,7 +13,7 @@ namespace forceshade::study {
 namespace {
 
 constexpr const char* kPlane = "plane";
-constexpr double kPromised = 1; // %: of the median disagreement on the plane
+constexpr double kMedianPromised = 1; // %: of the median disagreement on the plane
 
 // A row of the limits in which a limit was found.
 struct Limit {
@@ -102,8 +102,8 @@ std::string about_plane(const std::vector<Limit>& limits) {
     return fmt::format(
         "On the plane the stiffness at which paths stop decaying {} K_crit, by {:.2g} % in the median and "
         "{:.2g} % at worst over {} loops of different mass, damping, rate and delay{}.",
-        middle <= kPromised ? "agrees with" : "lies beside", middle, worst, plane.size(),
-        middle <= kPromised ? "" : fmt::format(": more than the {} % that is promised", kPromised));
+        middle <= kMedianPromised ? "agrees with" : "lies beside", middle, worst, plane.size(),
+        middle <= kMedianPromised ? "" : fmt::format(": more than the {} % that is promised", kMedianPromised));
 }
 
 // The damping that the most surfaces were taken through, all other things the same; the least of several.

@@ -18,7 +18,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr double kLeastShown = 1e-17; /* errors of 0 are shown there */
 
-const std::vector<Column> kColumns{
+const std::vector<Column> kNumberColumns{
     {"surface", "", "Surface and shading; bump and mesh have 8 facets or cells where nothing else is said."},
     {"axis", "", "Which parameter is varied; all others are plain."},
     {"value", "unit of the axis", "Its value."},
@@ -144,10 +144,10 @@ std::vector<Step> number_steps(StudyRun& run) {
 }
 
 void add_number(StudyData& data, const std::vector<Json>& results) {
-    Table number{"number", "Where a precision leaves the truth", kColumns, {}};
+    Table number{"number", "Where a precision leaves the truth", kNumberColumns, {}};
     for (const Json& result : results)
         for (const Json& row : result)
-            number.rows.push_back(row_of(kColumns, row));
+            number.rows.push_back(row_of(kNumberColumns, row));
     data.tables.push_back(promises_table(number));
     data.tables.push_back(promised_table(data.tables.back()));
     data.tables.push_back(failures_table(number));

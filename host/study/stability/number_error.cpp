@@ -92,10 +92,6 @@ Forces by_referee(const PreparedCase& home) {
     return forces;
 }
 
-double size_of(const Vector& v) {
-    return std::hypot(v.x, v.y, v.z);
-}
-
 /// Sums over the fields of a case, in N.
 struct Sums {
     double largest = 0, off = 0, step = 0, step_off = -1, bound = 0;

@@ -30,10 +30,6 @@ Numbers numbers_of(Precision precision) {
                : Numbers{0x1p-53, std::numeric_limits<double>::denorm_min(), std::numeric_limits<double>::max()};
 }
 
-double size_of(const Vector& v) {
-    return std::hypot(v.x, v.y, v.z);
-}
-
 /// Of the surface below the probe: height and slope.
 struct Below {
     double height = 0, slope = 0;
@@ -55,9 +51,9 @@ Below below(const layout::Law<double>& law, const Vector& place) {
 /// Of a mesh of the bump: how much a force turns between two facets that are equally near, N, if rounding leaves open
 /// which of them is for more than a voxel in a thousand.
 double facet_turn(const SurfaceSpec& surface, double force, double depth, double off) {
-    constexpr double kShare = 1e-3;
+    constexpr double kSteepShare = 1e-3;
     const double cell = surface.width / surface.facets, radius = surface.radius; /* m */
-    return 2 * off * radius > kShare * cell * cell ? 2 * force * (cell / radius) * (depth / radius) : 0;
+    return 2 * off * radius > kSteepShare * cell * cell ? 2 * force * (cell / radius) * (depth / radius) : 0;
 }
 
 /// How much a rounded x turns the force of a sine, N.

@@ -1,6 +1,7 @@
 // What rounding lets one expect of a force: the conditions, as formulas.
 #pragma once
 
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -8,6 +9,10 @@
 #include "host/study/energy/loop_work.h"
 
 namespace forceshade::study {
+
+inline double size_of(const Vector& v) {
+    return std::hypot(v.x, v.y, v.z);
+}
 
 struct Expected {
     double most = 0;       /* N: of all voxels so far */
