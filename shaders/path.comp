@@ -70,8 +70,7 @@ Facet remembered_facet_at(real x) {
                  on_facets ? remembered_slope.normal_z : ONE, on_facets ? remembered_id : law.facets);
 }
 
-// The nominal surface from which a motion's depth may be measured: L1 to L5.
-// The nominal surface, m, from which a motion that follows it measures its depth.
+// L1 to L5: the nominal surface, m, from which a motion that follows it measures its depth.
 real nominal_height(real x) {
     if (SURFACE == kSurfaceBump)
         return remembered_facet_at(x).height;

@@ -64,7 +64,7 @@ template <typename T> PathFigures figures_of(const layout::PathMetrics<T>& metri
             std::sqrt(std::max(whole(metrics.force_square, metrics.force_square_rest), 0.0) / double(samples));
     figures.largest_turn = angle_of(double(metrics.largest_turn));
     figures.steepest_turn =
-        angle_of(double(metrics.steepest_turn)) / (std::sqrt(double(metrics.steepest_way)) * kMillimetres);
+        angle_of(double(metrics.steepest_turn)) / (std::sqrt(double(metrics.steepest_distance)) * kMillimetres);
     figures.work = whole(metrics.work, metrics.work_rest);
     figures.effort = whole(metrics.effort, metrics.effort_rest);
     if (figures.effort > 0)

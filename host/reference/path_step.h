@@ -37,13 +37,13 @@ template <typename T>
 AxisMotion<T> advance_axis_with_friction(const layout::AxisMap<T>& map, const AxisPush<T>& push, T coulomb,
                                          T period) noexcept {
     const T pull = push.force - push.spring * push.error;
-    const T way = push.speed != T(0) ? push.speed : pull;
-    const bool held = push.speed == T(0) && !(std::abs(pull) > coulomb);
-    const T friction = way > T(0) ? coulomb : -coulomb;
+    const T direction = push.speed != T(0) ? push.speed : pull;
+    const bool sticks = push.speed == T(0) && !(std::abs(pull) > coulomb);
+    const T friction = direction > T(0) ? coulomb : -coulomb;
     const AxisMotion<T> motion = advance_axis(map, push, push.force - friction);
     const bool turns = push.speed * motion.speed < T(0);
     const T stop = T(0.5) * period * push.speed * (push.speed / (push.speed - motion.speed));
-    return {held ? T(0) : turns ? stop : motion.shift, held || turns ? T(0) : motion.speed};
+    return {sticks ? T(0) : turns ? stop : motion.shift, sticks || turns ? T(0) : motion.speed};
 }
 
 /// The position that the device reports, m.
@@ -106,7 +106,7 @@ template <typename T> void add_to(T& sum, T& rest, T value) noexcept {
 
 template <typename T> layout::PathMetrics<T> no_metrics() noexcept {
     layout::PathMetrics<T> metrics{};
-    metrics.steepest_way = T(1);
+    metrics.steepest_distance = T(1);
     metrics.largest_round = -std::numeric_limits<T>::max();
     metrics.least_round = std::numeric_limits<T>::max();
     metrics.unstable_step = layout::kNever;
@@ -144,8 +144,8 @@ template <typename T> T angle_square(T chord_square) noexcept {
 }
 
 /// A sample's place, m, and the force's direction there and at the sample before. Its turn is counted from an anchor,
-/// over the way from there but no less than a stretch; then the anchor moves on. So no way of a few roundings is
-/// divided by. `directed`: in contact, and there is a force.
+/// over the distance from there but no less than a stretch; then the anchor moves on. So no distance of a few roundings
+/// is divided by. `directed`: in contact, and there is a force.
 template <typename T>
 void add_turn(layout::PathState<T>& state, const Vector<T>& place, const Vector<T>& before, const Vector<T>& direction,
               bool directed, T stretch) noexcept {
@@ -156,13 +156,13 @@ void add_turn(layout::PathState<T>& state, const Vector<T>& place, const Vector<
     metrics.largest_turn = both && square > metrics.largest_turn ? square : metrics.largest_turn;
     const Vector<T> anchor{state.anchor_x, state.anchor_y, state.anchor_z};
     const Vector<T> from{state.anchor_force_x, state.anchor_force_y, state.anchor_force_z};
-    const Vector<T> way = place - anchor;
-    const T reach = dot(way, way), least = stretch * stretch, over = reach > least ? reach : least;
+    const Vector<T> displacement = place - anchor;
+    const T reach = dot(displacement, displacement), least = stretch * stretch, over = reach > least ? reach : least;
     const Vector<T> swing = direction - from;
     const T chord = dot(swing, swing), angle = angle_square(chord);
-    if (both && angle * metrics.steepest_way > state.steepest * over) {
+    if (both && angle * metrics.steepest_distance > state.steepest * over) {
         metrics.steepest_turn = chord;
-        metrics.steepest_way = over;
+        metrics.steepest_distance = over;
         state.steepest = angle;
     }
     if (!both || reach >= least) {
@@ -256,9 +256,9 @@ template <typename T> void add_turn_at(layout::PathState<T>& state, const PathSa
 /// Open loop: adds the work, J, since the last sample; the first is where the path begins, and adds none.
 template <typename T> T add_between(layout::PathState<T>& state, const PathSampled<T>& sampled) noexcept {
     const Vector<T> last{state.force_x, state.force_y, state.force_z};
-    const Vector<T> way{sampled.position.x - state.measured_x, sampled.position.y - state.measured_y,
-                        sampled.position.z - state.measured_z};
-    const T work = T(0.5) * dot(Vector<T>(last + sampled.force), way);
+    const Vector<T> displacement{sampled.position.x - state.measured_x, sampled.position.y - state.measured_y,
+                                 sampled.position.z - state.measured_z};
+    const T work = T(0.5) * dot(Vector<T>(last + sampled.force), displacement);
     add_work(state.metrics, work);
     return work;
 }

@@ -60,14 +60,14 @@ Eight squares(Points points) {
     return sums(x, y, z);
 }
 
-// Of four probes of one z. `ahead` is start . way: how far back the probe lies, so that its foot is at -ahead.
-real4 edge_square(real4 ahead, Points start, real z, real3 way, real length_square, real4 start_square,
+// Of four probes of one z. `ahead` is start . side: how far back the probe lies, so that its foot is at -ahead.
+real4 edge_square(real4 ahead, Points start, real z, real3 side, real length_square, real4 start_square,
                   real4 end_square, out bvec4 within) {
     precise real4 along = -ahead;
     precise real4 share = along / length_square;
-    precise real4 foot_x = start.x.xyxy + share * real4(way.x);
-    precise real4 foot_y = start.y.xxyy + share * real4(way.y);
-    precise real4 foot_z = z + share * real4(way.z);
+    precise real4 foot_x = start.x.xyxy + share * real4(side.x);
+    precise real4 foot_y = start.y.xxyy + share * real4(side.y);
+    precise real4 foot_z = z + share * real4(side.z);
     precise real4 square = foot_x * foot_x + foot_y * foot_y + foot_z * foot_z;
     bvec4 behind_end = lessThan(along, real4(length_square));
     bvec4 past_start = greaterThan(along, real4(ZERO));
@@ -75,12 +75,12 @@ real4 edge_square(real4 ahead, Points start, real z, real3 way, real length_squa
     return mix(start_square, mix(end_square, square, behind_end), past_start);
 }
 
-EdgeSquares edge_squares(Points start, real3 way, real length_square, Eight start_square, Eight end_square) {
-    Eight ahead = products(start, way);
+EdgeSquares edge_squares(Points start, real3 side, real length_square, Eight start_square, Eight end_square) {
+    Eight ahead = products(start, side);
     EdgeSquares edge;
-    edge.square.first = edge_square(ahead.first, start, start.z.x, way, length_square, start_square.first,
+    edge.square.first = edge_square(ahead.first, start, start.z.x, side, length_square, start_square.first,
                                     end_square.first, edge.first_within);
-    edge.square.second = edge_square(ahead.second, start, start.z.y, way, length_square, start_square.second,
+    edge.square.second = edge_square(ahead.second, start, start.z.y, side, length_square, start_square.second,
                                      end_square.second, edge.second_within);
     return edge;
 }

@@ -31,14 +31,14 @@ EdgePoint nearest_on_edge(real3 start, real3 end, real3 edge, real length_square
     bool backwards = walked_backwards(edge);
     real3 from = backwards ? end : start;
     real3 to = backwards ? start : end;
-    real3 way = backwards ? -edge : edge;
-    precise real along = -product(from, way);
+    real3 directed = backwards ? -edge : edge;
+    precise real along = -product(from, directed);
     if (!(along > ZERO))
         return EdgePoint(from, product(from, from), backwards ? kEnd : kStart);
     if (!(along < length_square))
         return EdgePoint(to, product(to, to), backwards ? kStart : kEnd);
     precise real share = along / length_square;
-    real3 offset = sum(from, scaled(share, way));
+    real3 offset = sum(from, scaled(share, directed));
     return EdgePoint(offset, product(offset, offset), kWithin);
 }
 

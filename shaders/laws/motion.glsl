@@ -73,11 +73,11 @@ Place raster_place(MotionParams motion, uint step) {
     precise real crossed = real(int(within - motion.run)) / real(int(motion.turn));
     real share = running ? ran : ONE;
     real turned = running ? exact_zero : crossed;
-    precise real way = share * real(2.0LF) - ONE;
-    precise real back = -way;
+    precise real forth = share * real(2.0LF) - ONE;
+    precise real back = -forth;
     real here = raster_line(motion, index);
     real next = raster_line(motion, index + 1u);
-    precise real along = motion.reach * ((index & 1u) == 0u ? way : back);
+    precise real along = motion.reach * ((index & 1u) == 0u ? forth : back);
     precise real across = motion.across * (here + turned * (next - here));
     precise real above = -motion.depth;
     return Place(along, across, above);
@@ -236,6 +236,6 @@ real late_share(MotionParams motion, uint step) {
     return share;
 }
 
-// Whether a round ends at `round_end`; a spiral does not come back to where it was, nor a probe that is held by a hand.
+// Whether a round ends at `round_end`; a spiral does not come back to where it was, nor a probe in a hand.
 const bool ENDS_AT_A_PLACE =
     LOOP == kLoopOpen && (MOTION == kMotionStrokes || MOTION == kMotionCircle || MOTION == kMotionTaps);

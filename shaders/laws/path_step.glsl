@@ -24,19 +24,19 @@ AxisMotion moved(AxisMap map, AxisPush push, real force) {
     return AxisMotion(shift, speed);
 }
 
-// Coulomb friction opposes the motion with a constant force. What would be turned round within the sample is held
+// Coulomb friction opposes the motion with a constant force. What would reverse within the sample stays
 // where it stops, as if it slowed down evenly; what rests moves only if it is pushed harder than the friction holds.
 AxisMotion moved_with_friction(AxisMap map, AxisPush push, real coulomb, real period) {
     precise real pull = push.force - push.spring * push.error;
-    real way = push.speed != ZERO ? push.speed : pull;
-    bool held = push.speed == ZERO && !(abs(pull) > coulomb);
+    real direction = push.speed != ZERO ? push.speed : pull;
+    bool sticks = push.speed == ZERO && !(abs(pull) > coulomb);
     precise real back = -coulomb;
-    precise real force = push.force - (way > ZERO ? coulomb : back);
+    precise real force = push.force - (direction > ZERO ? coulomb : back);
     AxisMotion motion = moved(map, push, force);
     precise real turning = push.speed * motion.speed;
     bool turns = turning < ZERO;
     precise real stop = real(0.5LF) * period * push.speed * (push.speed / (push.speed - motion.speed));
-    return AxisMotion(held ? exact_zero : turns ? stop : motion.shift, held || turns ? exact_zero : motion.speed);
+    return AxisMotion(sticks ? exact_zero : turns ? stop : motion.shift, sticks || turns ? exact_zero : motion.speed);
 }
 
 AxisMotion axis_moved(AxisMap map, AxisPush push, HandParams hand) {
@@ -103,7 +103,7 @@ Carried carried(HandParams hand, Carried now, real3 target, real3 target_speed, 
 // What is remembered of a path. What does not count is selected away: on a software device a branch costs as much as both
 // its sides.
 
-real least_reach; // m^2: square of the least way that a turn of the force is counted over
+real least_reach; // m^2: square of the least distance that a turn of the force is counted over
 
 // Adds to a sum that keeps what rounding takes from it (Kahan).
 void add_to(inout real total, inout real rest, real value, bool counts) {
@@ -152,8 +152,8 @@ real square_of(real value) {
     return square;
 }
 
-// The force's direction at a sample, and at the one before. Its turn is counted from an anchor, over the way from there
-// but no less than a stretch; then the anchor moves on. So no way of a few roundings is divided by.
+// The force's direction at a sample, and at the one before. Its turn is counted from an anchor, over the distance from there
+// but no less than a stretch; then the anchor moves on. So no distance of a few roundings is divided by.
 void add_turn(inout PathState state, real3 place, real3 before, real3 direction, bool directed) {
     bool both = state.directed != 0u && directed;
     real3 turn = difference(direction, before);
@@ -161,17 +161,17 @@ void add_turn(inout PathState state, real3 place, real3 before, real3 direction,
     state.metrics.largest_turn = both && square > state.metrics.largest_turn ? square : state.metrics.largest_turn;
     real3 anchor = real3(state.anchor_x, state.anchor_y, state.anchor_z);
     real3 from = real3(state.anchor_force_x, state.anchor_force_y, state.anchor_force_z);
-    real3 way = difference(place, anchor);
-    precise real reach = product(way, way);
+    real3 displacement = difference(place, anchor);
+    precise real reach = product(displacement, displacement);
     real over = reach > least_reach ? reach : least_reach;
     real3 swing = difference(direction, from);
     precise real chord = product(swing, swing);
     real angle = angle_square(chord);
-    precise real one = angle * state.metrics.steepest_way;
+    precise real one = angle * state.metrics.steepest_distance;
     precise real other = state.steepest * over;
     bool steeper = both && one > other;
     state.metrics.steepest_turn = steeper ? chord : state.metrics.steepest_turn;
-    state.metrics.steepest_way = steeper ? over : state.metrics.steepest_way;
+    state.metrics.steepest_distance = steeper ? over : state.metrics.steepest_distance;
     state.steepest = steeper ? angle : state.steepest;
     bool moves = !both || reach >= least_reach;
     state.anchor_x = moves ? place.x : anchor.x;
@@ -256,9 +256,9 @@ real3 probe_at(PathState state, HandParams hand, real3 target) {
 
 // Open loop: adds the work, J, since the last sample; the first is where the path begins, and adds none.
 real add_between(inout PathState state, PathSample taken) {
-    real3 way = difference(taken.position, real3(state.measured_x, state.measured_y, state.measured_z));
+    real3 displacement = difference(taken.position, real3(state.measured_x, state.measured_y, state.measured_z));
     real3 forces = sum(real3(state.force_x, state.force_y, state.force_z), taken.force);
-    precise real work = real(0.5LF) * product(forces, way);
+    precise real work = real(0.5LF) * product(forces, displacement);
     add_work(state.metrics, work);
     return work;
 }

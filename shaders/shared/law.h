@@ -132,7 +132,7 @@ template <typename real> struct PathInput {
     std::size_t paths = 0;
     std::size_t steps = 0; // of the longest
     PathSource<real>* source = nullptr;
-    float stretch = 1e-3f; // m: the least way that a turn of the force is counted over
+    float stretch = 1e-3f; // m: the least distance that a turn of the force is counted over
 };
 
 // Some steps of some consecutive paths: sample (step, path) stands at step * pitch + path. Channels that were not asked

@@ -287,7 +287,7 @@ struct PathChunkParams {
     uint steps;       // of a path, where it has no length of its own
     uint own_lengths; // 1: each path has one
     uint own_hands;   // 1: each path has a hand of its own
-    float stretch;    // m: the least way that a turn of the force is counted over
+    float stretch;    // m: the least distance that a turn of the force is counted over
 };
 
 // A harmonic motion added along one axis of one path.
@@ -363,7 +363,7 @@ FS_STRUCT PathMetrics {
     real force_square_rest; // N^2
     real largest_turn;      // 1: square of the difference of the unit forces of two samples in a row, both in contact
     real steepest_turn;     // 1: square of the chord of the force's steepest turn since an anchor
-    real steepest_way;      // m^2: square of the way that it took, no less than the stretch
+    real steepest_distance; // m^2: square of the distance it took, no less than the stretch
     real least_depth;       // m: in contact
     real largest_depth;     // m
     real depth;             // m: sum over the samples in contact

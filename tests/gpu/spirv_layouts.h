@@ -148,7 +148,7 @@ template <typename real> std::vector<Expected> metrics_members() {
             FS_MEMBER(Metrics, force_square_rest),
             FS_MEMBER(Metrics, largest_turn),
             FS_MEMBER(Metrics, steepest_turn),
-            FS_MEMBER(Metrics, steepest_way),
+            FS_MEMBER(Metrics, steepest_distance),
             FS_MEMBER(Metrics, least_depth),
             FS_MEMBER(Metrics, largest_depth),
             FS_MEMBER(Metrics, depth),

@@ -17,7 +17,7 @@
 #include "host/output/exr_volume.h"
 #include "host/paths/path_files.h"
 #include "tests/io/folder.h"
-#include "tests/path_output/sample_paths.h"
+#include "tests/paths/sample_paths.h"
 
 namespace forceshade::testing {
 namespace {

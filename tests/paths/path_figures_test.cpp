@@ -28,7 +28,7 @@ TEST(PathFigures, turns_are_angles_and_sums_keep_their_rests) {
     for (const double depth : {0.001, 0.003})
         reference::add_sample(metrics, contact_at(depth), up);
     metrics.largest_turn = metrics.steepest_turn = 2;
-    metrics.steepest_way = 1e-6;
+    metrics.steepest_distance = 1e-6;
     reference::add_work(metrics, 0.5);
     reference::add_work(metrics, -0.25);
     const PathFigures figures = figures_of(metrics, {4, 10, false, true});

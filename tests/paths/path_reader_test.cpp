@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 
 #include "host/paths/path_reader.h"
-#include "tests/explore/path_workplace.h"
+#include "tests/paths/path_workplace.h"
 
 namespace forceshade::testing {
 namespace {

@@ -8,8 +8,8 @@
 
 #include "host/paths/explore.h"
 #include "host/paths/path_files.h"
-#include "tests/explore/path_workplace.h"
 #include "tests/io/picture.h"
+#include "tests/paths/path_workplace.h"
 
 namespace forceshade::testing {
 namespace {

@@ -2,7 +2,7 @@
 #include <random>
 
 #include "host/paths/path_reader.h"
-#include "tests/explore/path_workplace.h"
+#include "tests/paths/path_workplace.h"
 
 namespace forceshade::testing {
 namespace {

@@ -7,8 +7,8 @@
 
 #include <fmt/format.h>
 
-#include "tests/explore/path_workplace.h"
-#include "tests/explore/polygons.h"
+#include "tests/paths/path_workplace.h"
+#include "tests/paths/polygons.h"
 
 namespace forceshade::testing {
 namespace {
