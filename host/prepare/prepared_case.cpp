@@ -19,6 +19,13 @@ std::vector<std::string> warnings_of(const MeshSpec& spec, const SceneMesh& mesh
     std::vector<std::string> result;
     for (const std::string& warning : warnings(mesh.findings, use))
         result.push_back(fmt::format("{}: {}", spec.file, warning));
+    constexpr double kFarthestReach = 10; // m
+    const MeshBox box = bounding_box(mesh.mesh.polygons);
+    const glm::dvec3 sides = box.high - box.low;
+    if (const double longest = std::max({sides.x, sides.y, sides.z}); longest > kFarthestReach)
+        result.push_back(fmt::format("{}: is {:.3g} m across, which no hand spans; unit = \"mm\" if its numbers are "
+                                     "millimetres, or transform.scale",
+                                     spec.file, longest));
     return result;
 }
 

@@ -1,4 +1,4 @@
-// G2: where the facets of a bump begin.
+// A scene as the laws read it: facets of a bump (G2), gradients of a height map (G3), the arrays of a mesh, in T.
 #pragma once
 
 #include <cstddef>
@@ -18,8 +18,6 @@ namespace forceshade {
 /// Computed in double and rounded once to T. `half_width` is a, `radius` R >= a, both in m.
 template <typename T>
 std::vector<T> facet_vertices(std::uint32_t facets, double half_width, double radius, FacetSpacing spacing);
-
-// G3: the gradients of a sampled height map at its nodes.
 
 /// The steepest gradient: its square is a normal number of T. The scene's check has the same limit for analytic maps.
 template <typename T> inline constexpr double kSteepestGradient = sizeof(T) == 4 ? kSteepestF32 : kSteepestF64;
