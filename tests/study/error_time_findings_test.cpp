@@ -127,21 +127,21 @@ TEST(ErrorTimeFindings, TellOrders) {
     Made made;
     EXPECT_TRUE(says(made.text("orders"), "3 of 3 observed orders")) << made.text("orders");
     EXPECT_TRUE(says(made.text("order_at_depth"),
-                     "order 2.00 in the cell size, for probes pressed in with order 1.00: the proxy"));
+                     "order 2.00 of the cell size on the surface, but only with order 1.00 for a probe"));
     made.measured.series[0].errors = {2, 1};
     EXPECT_TRUE(says(made.text("orders"), "2 of 3 observed orders"));
     EXPECT_TRUE(says(made.text("orders"), "\"patch of triangles, mean_value\": 1.00 where 2 is expected"));
-    EXPECT_TRUE(says(made.text("order_at_depth"), "depth does not matter"));
+    EXPECT_TRUE(says(made.text("order_at_depth"), "and with order 1.00"));
 }
 
 TEST(ErrorTimeFindings, TellSpacingsAndTheTable) {
     Made made;
-    EXPECT_TRUE(says(made.text("lookup_spacing_1"), "up to a spacing of 0.4 mm (1 %)"))
+    EXPECT_TRUE(says(made.text("lookup_spacing_1"), "at spacings up to 0.4 mm (1 %, "))
         << made.text("lookup_spacing_1");
     made.measured.lookups[1].error.rms = 0.02;
-    EXPECT_TRUE(says(made.text("lookup_spacing_1"), "up to a spacing of 0.2 mm (0.5 %)"));
+    EXPECT_TRUE(says(made.text("lookup_spacing_1"), "at spacings up to 0.2 mm (0.5 %, "));
     made.measured.lookups[3].error.rms = 0.03;
-    EXPECT_TRUE(says(made.text("lookup_spacing_1"), "at 0.2 mm it is still 3 % off"));
+    EXPECT_TRUE(says(made.text("lookup_spacing_1"), "at 0.2 mm it is 3 % off "));
     EXPECT_TRUE(says(made.text("interpolation"), "all 3 printed values agree"));
     made.measured.patches[0].found[1] = 3.6;
     EXPECT_TRUE(says(made.text("interpolation"), "1 of 3 printed values"));

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <optional>
 
 #include <fmt/format.h>
@@ -163,16 +164,11 @@ void add_depth(std::vector<Finding>& findings, const StudyData& data) {
     const auto depth = order_of(orders, "mesh, mean_value, static");
     if (!surface || !depth)
         return;
-    const bool loses = *depth < *surface - 0.5;
     findings.push_back(
         {"order_at_depth",
-         fmt::format(
-             "On the surface the direction of mean_value converges with order {:.2f} in the cell size, for probes "
-             "pressed in with "
-             "order {:.2f}{}.",
-             *surface, *depth,
-             loses ? ": the proxy turns by less than the probe does, by depth over radius of the flat facets' error"
-                   : ": depth does not matter")});
+         fmt::format("The direction error of mean_value falls with order {:.2f} of the cell size on the surface, {} "
+                     "order {:.2f} for a probe that presses in.",
+                     *surface, *depth < *surface - 0.5 ? "but only with" : "and with", *depth)});
 }
 
 void add_interpolation(std::vector<Finding>& findings, const StudyData& data) {
@@ -209,35 +205,28 @@ void add_spacing(std::vector<Finding>& findings, const StudyData& data) {
         return;
     std::size_t number = 0;
     for (const std::string& surface : words_of(*table, "surface")) {
-        std::vector<std::pair<double, double>> worst; // spacing, error
+        std::map<double, std::pair<double, std::string>> worst; // by spacing: error, place
         for (const std::size_t row : rows_where(*table, {{"surface", surface}, {"method", "trilinear"}})) {
             const auto spacing = table->number(row, "spacing_m"), error = table->number(row, "error_rms_1");
-            if (!spacing || !error)
-                continue;
-            const auto known = std::ranges::find_if(worst, [&](const auto& one) { return one.first == *spacing; });
-            if (known == worst.end())
-                worst.emplace_back(*spacing, *error);
-            else
-                known->second = std::max(known->second, *error);
+            if (spacing && error && *error > worst[*spacing].first)
+                worst[*spacing] = {*error, table->word(row, "place")};
         }
-        std::ranges::sort(worst);
         if (worst.empty())
             continue;
-        std::optional<std::pair<double, double>> enough;
-        for (const auto& one : worst)
-            if (one.second <= kWithin)
-                enough = one;
-            else
-                break;
+        const auto text = [&](auto one, const char* sentence) {
+            const auto& [spacing, error] = *one;
+            const char* const where = error.second == "edge"       ? "across edges"
+                                      : error.second == "boundary" ? "at the boundary of contact"
+                                                                   : "between edges";
+            return fmt::format(fmt::runtime(sentence), surface, spacing * 1e3, 100 * error.first, where);
+        };
+        const auto fails = std::ranges::find_if(worst, [&](const auto& one) { return one.second.first > kWithin; });
         findings.push_back({fmt::format("lookup_spacing_{}", ++number),
-                            enough ? fmt::format("A trilinear volume of the {} is within 1 % RMS also across edges and "
-                                                 "the boundary of contact up to a "
-                                                 "spacing of {:g} mm ({:.2g} %).",
-                                                 surface, enough->first * 1e3, 100 * enough->second)
-                                   : fmt::format("No trilinear volume of the {} that was tried is within 1 % RMS "
-                                                 "across edges and the boundary of "
-                                                 "contact: at {:g} mm it is still {:.2g} % off there.",
-                                                 surface, worst.front().first * 1e3, 100 * worst.front().second)});
+                            fails == worst.begin()
+                                ? text(fails, "No trilinear volume of the {} that was tried is within 1 % RMS "
+                                              "everywhere: at {:g} mm it is {:.2g} % off {}.")
+                                : text(std::prev(fails), "A trilinear volume of the {} is within 1 % RMS "
+                                                         "everywhere at spacings up to {:g} mm ({:.2g} %, {}).")});
     }
 }
 
