@@ -2,19 +2,13 @@
 // while the results of another are consumed. Knows nothing of what is computed, and shows no Vulkan type.
 #pragma once
 
-#include <chrono>
 #include <span>
 
 #include "compute/inputs.h"
 #include "compute/kernels.h"
+#include "host/clock.h"
 
 namespace forceshade::compute {
-
-using Clock = std::chrono::steady_clock;
-
-inline double seconds_since(Clock::time_point start) {
-    return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 using Bytes = std::span<const std::byte>;
 

@@ -308,7 +308,7 @@ private:
         step_.reset();
         late_ = false;
         const LinePointer line = line_ = std::make_shared<Line>(io_);
-        arm(limit_, milliseconds_of(options_.wait), [this] { lose("the Inverse Service takes up no connection"); });
+        arm(limit_, milliseconds_of(options_.wait), [this] { lose("the Inverse Service accepts no connection"); });
         line->dial(address_, milliseconds(0),
                    on(line, "the Inverse Service is not there",
                       [this, line](const std::string& inventory) { begin(line, inventory); }));

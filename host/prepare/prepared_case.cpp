@@ -105,6 +105,18 @@ void check_mesh_fits(const Scene& scene, const SceneMesh& mesh) {
                                          facet, scene.surface.mesh.file, polygons.corners_of(facet)));
 }
 
+// Who makes the default grid finer and changes nothing else of it sees a part of the bump.
+void warn_of_part(const Scene& scene, std::vector<std::string>& warnings) {
+    const bool bump = scene.surface.kind == SurfaceKind::bump || scene.surface.kind == SurfaceKind::cylinder_bump;
+    const GridSpec& grid = scene.grid;
+    const double end = grid.origin[0] + grid.spacing[0] * static_cast<double>(grid.size[0] - 1);
+    if (bump && scene.field && grid.origin == GridSpec{}.origin && grid.size == GridSpec{}.size &&
+        end < scene.surface.width / 2)
+        warnings.push_back(fmt::format("the grid ends at x = {:.4g} mm, the bump at {:.4g} mm: beside grid.spacing "
+                                       "set grid.size or grid.origin",
+                                       1e3 * end, 500 * scene.surface.width));
+}
+
 void check_digest(const std::string& file, const std::string& expected, const std::string& found) {
     if (!expected.empty() && expected != found)
         throw UsageError(fmt::format("{} is not the file that the scene means: its SHA-256 is {}, the scene says {}",
@@ -140,6 +152,7 @@ PreparedCase CasePreparation::prepare(const Case& one) {
         prepared.images.map = image(scene.surface.map);
     if (scene.texture)
         prepared.images.texture = image(scene.texture->map);
+    warn_of_part(scene, prepared.warnings);
     if (scene.surface.kind == SurfaceKind::mesh) {
         prepared.images.mesh = mesh(scene.surface.mesh);
         const bool winding = scene.surface.mesh.inside == InsideTest::winding;

@@ -1,17 +1,10 @@
 #include "host/study/omission/field_side.h"
 
-#include <chrono>
-
+#include "host/clock.h"
 #include "host/referee/oracle_check.h"
 
 namespace forceshade::study {
 namespace {
-
-using Clock = std::chrono::steady_clock;
-
-double seconds_since(Clock::time_point start) {
-    return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 // A chunk's channel into the whole grid's, each of its rows `repeats` times.
 template <typename Value, typename T>
