@@ -4,11 +4,11 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <thread>
 #include <utility>
 
 #include "host/mesh/structure.h"
 #include "host/mesh/triangle_list.h"
+#include "host/reference/chunks.h"
 #include "host/reference/mesh_contact.h"
 #include "host/reference/mesh_nearest.h"
 
@@ -390,8 +390,7 @@ template <typename T> struct BlockPlanner<T>::Implementation {
 template <typename T>
 BlockPlanner<T>::BlockPlanner(const layout::MeshView<T>& mesh, std::span<const T> x, std::span<const T> y,
                               std::span<const T> z, uint inside, unsigned threads, FreeSpace free) {
-    if (threads == 0)
-        threads = std::max(1u, std::thread::hardware_concurrency());
+    threads = reference::threads_for(threads);
     T largest = T(1);
     for (const auto axis : {x, y, z})
         largest = std::max({largest, std::abs(axis.front()), std::abs(axis.back())});
@@ -400,7 +399,7 @@ BlockPlanner<T>::BlockPlanner(const layout::MeshView<T>& mesh, std::span<const T
     constexpr std::size_t kRun = 4096;
     auto& rows = made->input.rows;
     rows.resize(mesh.triangle_facets.size());
-    share_out(threads, (rows.size() + kRun - 1) / kRun, [&](unsigned, std::size_t run) {
+    reference::share_out(threads, (rows.size() + kRun - 1) / kRun, [&](std::size_t, std::size_t run) {
         for (std::size_t t = run * kRun; t < std::min(rows.size(), (run + 1) * kRun); ++t)
             rows[t] = plan_triangle(mesh, t, T(1) + largest);
     });
@@ -418,7 +417,7 @@ template <typename T> BlockPlan BlockPlanner<T>::plan(std::size_t z_first, std::
     const std::size_t first_layer = z_first / kPlanTile, layers = tiles_of(ends[2]) - first_layer;
     std::vector<BlockWorker<T>> workers(threads, BlockWorker<T>(input));
     std::vector<TilePart> parts(across * along * layers);
-    share_out(threads, parts.size(), [&](unsigned worker, std::size_t index) {
+    reference::share_out(threads, parts.size(), [&](std::size_t worker, std::size_t index) {
         const std::array<std::size_t, 3> at{index % across, index / across % along,
                                             first_layer + index / across / along};
         SampleRange tile;

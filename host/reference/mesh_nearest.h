@@ -91,6 +91,25 @@ TrianglePoint<T> nearest_on_triangle(const Vector<T>& probe, const Vector<T>& a,
     return {point.square, point.offset, layout::kMeshCorner + corner};
 }
 
+template <typename T> struct Triangle {
+    Vector<T> corners[3];
+    Vector<T> normal; /* unit, 0 without area */
+};
+
+template <typename T>
+[[gnu::always_inline]] inline Triangle<T> triangle_at(const layout::MeshView<T>& mesh, layout::uint triangle) noexcept {
+    const std::size_t first = 3 * std::size_t(triangle);
+    return {{vector_at(mesh.vertices, mesh.triangle_corners[first]),
+             vector_at(mesh.vertices, mesh.triangle_corners[first + 1]),
+             vector_at(mesh.vertices, mesh.triangle_corners[first + 2])},
+            vector_at(mesh.triangle_normals, triangle)};
+}
+
+template <typename T>
+TrianglePoint<T> nearest_on_triangle(const Vector<T>& point, const Triangle<T>& triangle) noexcept {
+    return nearest_on_triangle(point, triangle.corners[0], triangle.corners[1], triangle.corners[2], triangle.normal);
+}
+
 // Squared distances to triangles side by side, as many as a 16-byte vector holds: to the last bit what
 // nearest_on_triangle() gives, without its branches, so that most triangles of a leaf are ruled out cheaply.
 
@@ -152,7 +171,7 @@ EdgeLanes<T> edge_lanes(const VectorLanes<T>& start, const VectorLanes<T>& end, 
     return {square, length_square, after & before, ~(dot<T>(cross<T>(normal, edge), start) <= zero)};
 }
 
-/// The triangles first to first + kTrianglesAbreast - 1, each no further than `last`, which stands for those beyond.
+/// The triangles first to first + kLanes - 1, each no further than `last`, which stands for those beyond.
 template <typename T>
 Lanes<T> square_lanes(const layout::MeshView<T>& mesh, layout::uint first, layout::uint last,
                       const Vector<T>& probe) noexcept {
@@ -224,16 +243,6 @@ template <typename T> T prune_slack(T largest) noexcept {
     return T(64) * std::numeric_limits<T>::epsilon() * (T(1) + largest);
 }
 
-template <typename T>
-TrianglePoint<T> nearest_on_triangle(const layout::MeshView<T>& mesh, layout::uint triangle,
-                                     const Vector<T>& probe) noexcept {
-    const std::size_t first = 3 * std::size_t(triangle);
-    return nearest_on_triangle(probe, vector_at(mesh.vertices, mesh.triangle_corners[first]),
-                               vector_at(mesh.vertices, mesh.triangle_corners[first + 1]),
-                               vector_at(mesh.vertices, mesh.triangle_corners[first + 2]),
-                               vector_at(mesh.triangle_normals, triangle));
-}
-
 /// Which of two triangles comes first among equals.
 template <typename T>
 bool comes_before(const layout::MeshView<T>& mesh, layout::uint one, layout::uint other) noexcept {
@@ -245,7 +254,7 @@ bool comes_before(const layout::MeshView<T>& mesh, layout::uint one, layout::uin
 template <typename T>
 bool keep_nearer(const layout::MeshView<T>& mesh, layout::uint triangle, const Vector<T>& probe,
                  Nearest<T>& best) noexcept {
-    const TrianglePoint<T> point = nearest_on_triangle(mesh, triangle, probe);
+    const TrianglePoint<T> point = nearest_on_triangle(probe, triangle_at(mesh, triangle));
     if (point.square > best.square)
         return false;
     const layout::uint facet = mesh.triangle_facets[triangle];
@@ -362,7 +371,7 @@ Nearest<T> nearest_from(const layout::MeshView<T>& mesh, const Vector<T>& probe,
 template <typename T>
 Nearest<T> nearest(const layout::MeshView<T>& mesh, const Vector<T>& probe, layout::uint hint = 0) noexcept {
     constexpr T kSingleReach = T(64); // further out single precision would hardly prune
-    const TrianglePoint<T> point = nearest_on_triangle(mesh, hint, probe);
+    const TrianglePoint<T> point = nearest_on_triangle(probe, triangle_at(mesh, hint));
     const Nearest<T> start{hint, mesh.triangle_facets[hint], point.feature, point.offset, point.square};
     if (std::is_same_v<T, float> || largest_coordinate(probe) < kSingleReach)
         return nearest_from<float>(mesh, probe, start);
