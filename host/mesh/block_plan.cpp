@@ -374,17 +374,6 @@ void put_in_order(const std::vector<BlockWorker<T>>& workers, const std::vector<
 template <typename T> struct BlockPlanner<T>::Implementation {
     PlanInput<T> input;
     unsigned threads;
-
-    std::uint64_t voxels(const std::vector<layout::MeshBlock>& blocks, std::size_t z_end) const {
-        const auto clipped = [](std::size_t samples, uint first) {
-            return std::min<std::uint64_t>(kMeshBlock, samples - first);
-        };
-        std::uint64_t sum = 0;
-        for (const layout::MeshBlock& block : blocks)
-            sum += clipped(input.axes[0].size(), block.x) * clipped(input.axes[1].size(), block.y) *
-                   clipped(z_end, block.z);
-        return sum;
-    }
 };
 
 template <typename T>
@@ -432,7 +421,11 @@ template <typename T> BlockPlan BlockPlanner<T>::plan(std::size_t z_first, std::
     });
     BlockPlan plan;
     put_in_order(workers, parts, plan);
-    plan.voxels_evaluated = implementation_->voxels(plan.blocks, ends[2]);
+    const auto clipped = [&](std::size_t axis, uint first) {
+        return std::min<std::uint64_t>(kMeshBlock, ends[axis] - first);
+    };
+    for (const layout::MeshBlock& block : plan.blocks)
+        plan.voxels_evaluated += clipped(0, block.x) * clipped(1, block.y) * clipped(2, block.z);
     return plan;
 }
 

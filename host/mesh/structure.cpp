@@ -175,10 +175,9 @@ template <typename T> MeshTables<T> make_mesh_tables(const MeshStructure& struct
     const glm::vec<3, T> centre(structure.centre);
     if (!std::isnormal(static_cast<T>(structure.scale)) || !(std::isnormal(rounded) || stiffness == 0) ||
         !std::isfinite(centre.x + centre.y + centre.z))
-        throw UsageError(
-            fmt::format("a stiffness of {} N/m on a mesh of about {} m makes forces that {} precision cannot "
-                        "hold; a normal number of newtons would be right",
-                        stiffness, structure.scale, sizeof(T) == sizeof(float) ? "single" : "double"));
+        throw UsageError(fmt::format("a stiffness of {} N/m on a mesh of about {} m makes forces that {} precision "
+                                     "cannot hold; a normal number of newtons would be right",
+                                     stiffness, structure.scale, sizeof(T) == sizeof(float) ? "single" : "double"));
     MeshTables<T> tables{{}, structure.parts, reals_as<T>(structure.reals), structure.winding};
     tables.params.centre_x = centre.x;
     tables.params.centre_y = centre.y;

@@ -1,6 +1,5 @@
-// The generalized winding number (Jacobson et al. 2013): how often a surface, open ones too, goes round a point. Far
-// parts through their moments (Barill et al. 2018), near triangles exactly (van Oosterom & Strackee 1983). Always in
-// double, whatever the tables' precision, and on the host only: kernels receive bits.
+// L6 static, L7 and L9 on a mesh: whether a probe is inside, the vertex normals interpolated at a point of a facet, and
+// the force. From the interpolation on step for step as shaders/laws/mesh_contact.glsl.
 #pragma once
 
 #include <cmath>
@@ -13,6 +12,10 @@
 #include "shaders/shared/law.h"
 
 namespace forceshade::reference {
+
+// The generalized winding number (Jacobson et al. 2013): how often a surface, open ones too, goes round a point. Far
+// parts through their moments (Barill et al. 2018), near triangles exactly (van Oosterom & Strackee 1983). Always in
+// double, whatever the tables' precision, and on the host only: kernels receive bits.
 
 /// A part is far beyond so many times its radius. The winding number is then good to 1e-4 (tests: 4e-5 at worst).
 constexpr double kWindingReach = 5;
@@ -110,7 +113,7 @@ double winding_change(const layout::MeshView<T>& mesh, const Vector<double>& pro
     return change;
 }
 
-// L7: the vertex normals of a facet, interpolated at a point of it, step for step as shaders/laws/mesh_contact.glsl.
+// L7: the vertex normals of a facet, interpolated at a point of it.
 
 /// A corner of a facet, seen from the point to be shaded.
 template <typename T> struct MeshCorner {
@@ -218,8 +221,7 @@ Vector<T> shading_direction(const layout::MeshView<T>& mesh, layout::uint shadin
     }
 }
 
-// L6 static with L7 to L9: depth, force, proxy and facet of a probe in a mesh, step for step as
-// shaders/laws/mesh_contact.glsl.
+// L6 static with L7 to L9: depth, force, proxy and facet of a probe in a mesh.
 
 /// A point of the mesh's frame in m.
 template <typename T> Vector<T> to_world(const layout::MeshParams<T>& params, const Vector<T>& point) noexcept {

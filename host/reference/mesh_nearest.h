@@ -1,5 +1,5 @@
-// L6: the point of one triangle nearest to a probe, step for step as shaders/laws/mesh_triangle.glsl. Right for slivers
-// and for triangles without area, since edges are clamped and the face is not believed beyond its longest edge.
+// L6: the point of a triangle, and of a mesh through its tree, that is nearest to a probe, step for step as
+// shaders/laws/mesh_triangle.glsl; and whether the probe is inside.
 #pragma once
 
 #include <cmath>
@@ -57,7 +57,7 @@ EdgePoint<T> nearest_on_edge(const Vector<T>& start, const Vector<T>& end, const
 /// L6: the nearest point of the triangle a, b, c with this unit normal (0 if it has none). The face counts if the
 /// probe's foot is on the inner side of every edge and, along the longest edge (the first of equals), strictly
 /// between its ends: else rounding would extend the tip of a sliver. Otherwise the nearest edge does, the first of
-/// equals.
+/// equals. Right for slivers and for triangles without area, since edges are clamped.
 template <typename T>
 TrianglePoint<T> nearest_on_triangle(const Vector<T>& probe, const Vector<T>& a, const Vector<T>& b, const Vector<T>& c,
                                      const Vector<T>& normal) noexcept {

@@ -70,10 +70,15 @@ Merged merge(std::initializer_list<const Layer*> layers) {
     return merged;
 }
 
-std::vector<Forms> possible_forms(const Merged& merged) {
-    std::vector<Selection> selections(1);
+Selection first_values(const Merged& merged) {
+    Selection selection;
     for (const Entry* entry : merged.entries)
-        selections.front().push_back(entry ? &entry->values.front() : nullptr);
+        selection.push_back(entry ? &entry->values.front() : nullptr);
+    return selection;
+}
+
+std::vector<Forms> possible_forms(const Merged& merged) {
+    std::vector<Selection> selections{first_values(merged)};
     for (const char* path :
          {"surface.kind", "surface.function", "force.shading", "texture.function", "paths.kind", "paths.loop"}) {
         const std::size_t key = key_index(path), before = selections.size();

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <initializer_list>
 #include <limits>
+#include <tuple>
 
 #include <fmt/format.h>
 
@@ -157,18 +158,14 @@ private:
     void check_force() const {
         check_stiffness("force.stiffness", scene_.force.stiffness);
         const Shading shading = scene_.force.shading;
-        struct Fitting {
-            const char* names;
-            Shading first, last; // beside none
-        };
-        constexpr std::array<Fitting, 4> kFitting{
+        // By surface: the first and the last that fit beside none.
+        constexpr std::array<std::tuple<const char*, Shading, Shading>, 4> kFitting{
             {{"none or reference", Shading::reference, Shading::reference},
              {"none", Shading::none, Shading::none},
              {"none or height_map", Shading::height_map, Shading::height_map},
              {"none, morgenbesser, barycentric, mean_value or two_pass", Shading::morgenbesser, Shading::two_pass}}};
         const auto& [allowed, first, last] = kFitting[static_cast<std::size_t>(scene_.surface.kind)];
-        const bool fits = shading == Shading::none || (shading >= first && shading <= last);
-        if (!fits)
+        if (shading != Shading::none && (shading < first || shading > last))
             fail(source_, place({"force.shading", "surface.kind"}),
                  "shading \"{}\" does not fit kind \"{}\", whose shading is {}", find("force.shading")->texts.front(),
                  find("surface.kind")->texts.front(), allowed);

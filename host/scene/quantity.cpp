@@ -8,7 +8,6 @@
 #include <numbers>
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -56,11 +55,9 @@ constexpr std::array<Symbol, 10> kSymbols{{
 
 // Of an SI prefix.
 int prefix_exponent(char prefix) {
-    constexpr std::pair<char, int> kPrefixes[] = {{'p', -12}, {'n', -9}, {'u', -6}, {'m', -3},
-                                                  {'c', -2},  {'k', 3},  {'M', 6},  {'G', 9}};
-    return std::find_if(std::begin(kPrefixes), std::end(kPrefixes),
-                        [&](const auto& one) { return one.first == prefix; })
-        ->second;
+    constexpr std::string_view kPrefixes = "pnumckMG";
+    constexpr std::array<int, 8> kExponents{-12, -9, -6, -3, -2, 3, 6, 9};
+    return kExponents[kPrefixes.find(prefix)];
 }
 
 std::optional<Unit> find_symbol(std::string_view name) {

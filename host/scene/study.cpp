@@ -158,11 +158,7 @@ private:
                 fail(source(), axis->where, "the axes cross to more than {} cases; split the study", kMostCases);
         combinations_ += count;
         for (std::size_t number = 0; number < count; ++number) {
-            Selection selection;
-            for (std::size_t key = 0; key < stack.merged.entries.size(); ++key) {
-                const Entry* entry = stack.merged.entries[key];
-                selection.push_back(entry ? &entry->values.front() : nullptr);
-            }
+            Selection selection = first_values(stack.merged);
             std::size_t rest = number;
             for (std::size_t i = axis_entries.size(); i-- > 0;) {
                 const Entry& axis = *axis_entries[i];
