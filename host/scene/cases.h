@@ -1,4 +1,4 @@
-// Which value each key has: layers merged, and one value chosen from each axis.
+// The cases of a study: layers merged, one value chosen from each axis, the scene that comes of it, checked and named.
 #pragma once
 
 #include <string>

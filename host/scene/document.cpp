@@ -7,7 +7,6 @@
 #include <fmt/ranges.h>
 #include <toml++/toml.h>
 
-#include "host/error.h"
 #include "host/scene/schema.h"
 #include "host/scene/value.h"
 

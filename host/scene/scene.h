@@ -1,4 +1,4 @@
-// What a scene may ask for: what an EXR image can hold, and slopes whose squares are still numbers.
+// A scene: one case of a study, resolved, in SI units (m, N, N/m, rad); and the limits of what it may ask for.
 #pragma once
 
 #include <array>
@@ -18,7 +18,7 @@ inline constexpr std::uint64_t kMostRows = 2147483647u / 2 - 1;
 inline constexpr double kSteepestF32 = 1e15;
 inline constexpr double kSteepestF64 = 1e150;
 
-// A scene: one case of a study, resolved, in SI units (m, N, N/m, rad). What is evaluated, where, and what is written.
+// What is evaluated, where, and what is written.
 
 enum class SurfaceKind { bump, cylinder_bump, height_map, mesh };
 enum class FacetSpacing { equal_arc, equal_x };

@@ -1,4 +1,4 @@
-// Where in a configuration something stands, and errors that say so.
+// Values of a configuration: where each stands, errors that say so, what it means, and the word that was meant.
 #pragma once
 
 #include <compare>
