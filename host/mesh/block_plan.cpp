@@ -195,30 +195,19 @@ private:
             const T at_low = part(box.low[axis]), at_high = part(box.high[axis]);
             return at_low < at_high ? at_low : at_high;
         };
+        const auto meets = [&](const layout::MeshNode& node, uint i) {
+            const T excess = least(0, T(node.low_x[i]), T(node.high_x[i])) +
+                             least(1, T(node.low_y[i]), T(node.high_y[i])) +
+                             least(2, T(node.low_z[i]), T(node.high_z[i]));
+            return !(excess > witness.margin);
+        };
         collected_.clear();
-        uint stack[reference::kMeshStack];
-        uint height = 0;
-        stack[height++] = 0;
-        while (height > 0) {
-            const layout::MeshNode& node = input_.mesh.nodes[stack[--height]];
-            T excess[layout::kMeshChildren];
-            for (uint i = 0; i < layout::kMeshChildren; ++i)
-                excess[i] = least(0, T(node.low_x[i]), T(node.high_x[i])) +
-                            least(1, T(node.low_y[i]), T(node.high_y[i])) +
-                            least(2, T(node.low_z[i]), T(node.high_z[i]));
-            for (uint i = 0; i < layout::kMeshChildren; ++i) {
-                const uint child = node.child[i];
-                if (child == layout::kMeshNoChild || excess[i] > witness.margin)
-                    continue;
-                if ((child & layout::kMeshLeaf) == 0) {
-                    stack[height++] = child;
-                    continue;
-                }
-                const uint run = child & ~layout::kMeshLeaf;
-                for (uint k = 0; k <= run % layout::kMeshLeafTriangles; ++k)
-                    collected_.push_back(run / layout::kMeshLeafTriangles + k);
-            }
-        }
+        reference::visit_tree(
+            input_.mesh, [](uint) { return true; }, meets,
+            [&](uint triangle, uint end) {
+                for (; triangle < end; ++triangle)
+                    collected_.push_back(triangle);
+            });
     }
 
     // Calls use(sample, bit), bit (z * 2 + y) * 2 + x in the range.

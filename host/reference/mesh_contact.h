@@ -60,30 +60,21 @@ inline double solid_angle(const layout::MeshMoment& moment, const Vector<double>
 /// 1 inside a closed surface, 0 outside; needs mesh.moments. The probe is in the mesh's frame.
 template <typename T> double winding_number(const layout::MeshView<T>& mesh, const Vector<double>& probe) noexcept {
     double sum = 0;
-    layout::uint stack[kMeshStack];
-    layout::uint height = 0;
-    stack[height++] = 0;
-    while (height > 0) {
-        const layout::uint index = stack[--height];
+    const auto is_near = [&](layout::uint index) {
         const layout::MeshMoment& moment = mesh.moments[index];
         const Vector<double> away = Vector<double>(moment.centre[0], moment.centre[1], moment.centre[2]) - probe;
         const double square = dot(away, away);
-        if (square > kWindingReach * kWindingReach * moment.radius * moment.radius) {
-            sum += solid_angle(moment, away, square);
-            continue;
-        }
-        for (const layout::uint child : mesh.nodes[index].child) {
-            if (child == layout::kMeshNoChild)
-                continue;
-            if ((child & layout::kMeshLeaf) == 0) {
-                stack[height++] = child;
-                continue;
-            }
-            const layout::uint run = child & ~layout::kMeshLeaf;
-            for (layout::uint i = 0; i <= run % layout::kMeshLeafTriangles; ++i)
-                sum += solid_angle(mesh, run / layout::kMeshLeafTriangles + i, probe);
-        }
-    }
+        if (!(square > kWindingReach * kWindingReach * moment.radius * moment.radius))
+            return true;
+        sum += solid_angle(moment, away, square);
+        return false;
+    };
+    const auto add_run = [&](layout::uint triangle, layout::uint end) {
+        for (; triangle < end; ++triangle)
+            sum += solid_angle(mesh, triangle, probe);
+    };
+    visit_tree(
+        mesh, is_near, [](const layout::MeshNode&, layout::uint) { return true; }, add_run);
     return sum / (4 * std::numbers::pi);
 }
 

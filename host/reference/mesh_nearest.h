@@ -231,6 +231,39 @@ template <typename T> struct Nearest {
 constexpr layout::uint kMeshTreeDepth = 48;
 constexpr layout::uint kMeshStack = 3 * kMeshTreeDepth + 1;
 
+inline layout::uint leaf_begin(layout::uint child) noexcept {
+    return (child & ~layout::kMeshLeaf) / layout::kMeshLeafTriangles;
+}
+
+/// Calls visit(first, end) for the run of triangles that a leaf is.
+template <typename Visit> void visit_leaf(layout::uint child, Visit&& visit) noexcept {
+    const layout::uint first = leaf_begin(child);
+    visit(first, first + child % layout::kMeshLeafTriangles + 1);
+}
+
+/// Calls visit(first, end) for the runs of triangles below the nodes that enters(index) lets in, and there below the
+/// children that meets(node, i). Of several children the last one's come first, but for a node's own runs.
+template <typename T, typename Enters, typename Meets, typename Visit>
+void visit_tree(const layout::MeshView<T>& mesh, const Enters& enters, const Meets& meets, Visit&& visit) {
+    layout::uint stack[kMeshStack];
+    layout::uint height = 0;
+    stack[height++] = 0;
+    while (height > 0) {
+        const layout::uint index = stack[--height];
+        if (!enters(index))
+            continue;
+        const layout::MeshNode& node = mesh.nodes[index];
+        for (layout::uint i = 0; i < layout::kMeshChildren; ++i) {
+            if (node.child[i] == layout::kMeshNoChild || !meets(node, i))
+                continue;
+            if ((node.child[i] & layout::kMeshLeaf) == 0)
+                stack[height++] = node.child[i];
+            else
+                visit_leaf(node.child[i], visit);
+        }
+    }
+}
+
 /// What rounding to T can make of a distance from a probe none of whose coordinates is beyond `largest`, twice over.
 /// With u half an epsilon and L = 1 + largest, to first order:
 /// - an edge: coordinates differ from exact ones by u (|S| + 2|e| + |r|) <= 6 sqrt(3) u L, the root of the square by

@@ -223,16 +223,6 @@ inline void fetch([[maybe_unused]] const void* address) noexcept {
 #endif
 }
 
-inline layout::uint leaf_begin(layout::uint child) noexcept {
-    return (child & ~layout::kMeshLeaf) / layout::kMeshLeafTriangles;
-}
-
-/// Calls visit(first, end) for the run of triangles that a leaf is.
-template <typename Visit> void visit_leaf(layout::uint child, Visit&& visit) noexcept {
-    const layout::uint first = leaf_begin(child);
-    visit(first, first + child % layout::kMeshLeafTriangles + 1);
-}
-
 /// Bit i of the result: child i of the node meets the box. Places without a child have boxes that meet nothing.
 inline unsigned children_meeting(const layout::MeshNode& node, const MoveBox& box) noexcept {
     const auto meets = [&](const float* low, const float* high, int axis) {
@@ -350,20 +340,9 @@ void visit_along(const layout::MeshView<T>& mesh, const Move<T>& move, Visit&& v
     Vector<T> inverse;
     for (int i = 0; i < 3; ++i)
         inverse[i] = std::abs(move.displacement[i]) * kSteep > T(1) ? T(1) / move.displacement[i] : kSteep;
-    layout::uint stack[kMeshStack];
-    layout::uint height = 0;
-    stack[height++] = 0;
-    while (height > 0) {
-        const layout::MeshNode& node = mesh.nodes[stack[--height]];
-        for (unsigned i = 0; i < layout::kMeshChildren; ++i) {
-            if (node.child[i] == layout::kMeshNoChild || !meets_move(node, i, move, inverse))
-                continue;
-            if ((node.child[i] & layout::kMeshLeaf) == 0)
-                stack[height++] = node.child[i];
-            else
-                visit_leaf(node.child[i], visit);
-        }
-    }
+    visit_tree(
+        mesh, [](layout::uint) { return true; },
+        [&](const layout::MeshNode& node, layout::uint i) { return meets_move(node, i, move, inverse); }, visit);
 }
 
 /// Calls visit(first, end) for the leaves known around that meet a box, which must contain the move's. False if not all
