@@ -4,11 +4,11 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <thread>
 #include <utility>
 
 #include "host/mesh/structure.h"
 #include "host/mesh/triangle_list.h"
+#include "host/reference/chunks.h"
 #include "host/reference/mesh_contact.h"
 #include "host/reference/mesh_nearest.h"
 
@@ -195,30 +195,19 @@ private:
             const T at_low = part(box.low[axis]), at_high = part(box.high[axis]);
             return at_low < at_high ? at_low : at_high;
         };
+        const auto meets = [&](const layout::MeshNode& node, uint i) {
+            const T excess = least(0, T(node.low_x[i]), T(node.high_x[i])) +
+                             least(1, T(node.low_y[i]), T(node.high_y[i])) +
+                             least(2, T(node.low_z[i]), T(node.high_z[i]));
+            return !(excess > witness.margin);
+        };
         collected_.clear();
-        uint stack[reference::kMeshStack];
-        uint height = 0;
-        stack[height++] = 0;
-        while (height > 0) {
-            const layout::MeshNode& node = input_.mesh.nodes[stack[--height]];
-            T excess[layout::kMeshChildren];
-            for (uint i = 0; i < layout::kMeshChildren; ++i)
-                excess[i] = least(0, T(node.low_x[i]), T(node.high_x[i])) +
-                            least(1, T(node.low_y[i]), T(node.high_y[i])) +
-                            least(2, T(node.low_z[i]), T(node.high_z[i]));
-            for (uint i = 0; i < layout::kMeshChildren; ++i) {
-                const uint child = node.child[i];
-                if (child == layout::kMeshNoChild || excess[i] > witness.margin)
-                    continue;
-                if ((child & layout::kMeshLeaf) == 0) {
-                    stack[height++] = child;
-                    continue;
-                }
-                const uint run = child & ~layout::kMeshLeaf;
-                for (uint k = 0; k <= run % layout::kMeshLeafTriangles; ++k)
-                    collected_.push_back(run / layout::kMeshLeafTriangles + k);
-            }
-        }
+        reference::visit_tree(
+            input_.mesh, [](uint) { return true; }, meets,
+            [&](uint triangle, uint end) {
+                for (; triangle < end; ++triangle)
+                    collected_.push_back(triangle);
+            });
     }
 
     // Calls use(sample, bit), bit (z * 2 + y) * 2 + x in the range.
@@ -374,24 +363,12 @@ void put_in_order(const std::vector<BlockWorker<T>>& workers, const std::vector<
 template <typename T> struct BlockPlanner<T>::Implementation {
     PlanInput<T> input;
     unsigned threads;
-
-    std::uint64_t voxels(const std::vector<layout::MeshBlock>& blocks, std::size_t z_end) const {
-        const auto clipped = [](std::size_t samples, uint first) {
-            return std::min<std::uint64_t>(kMeshBlock, samples - first);
-        };
-        std::uint64_t sum = 0;
-        for (const layout::MeshBlock& block : blocks)
-            sum += clipped(input.axes[0].size(), block.x) * clipped(input.axes[1].size(), block.y) *
-                   clipped(z_end, block.z);
-        return sum;
-    }
 };
 
 template <typename T>
 BlockPlanner<T>::BlockPlanner(const layout::MeshView<T>& mesh, std::span<const T> x, std::span<const T> y,
                               std::span<const T> z, uint inside, unsigned threads, FreeSpace free) {
-    if (threads == 0)
-        threads = std::max(1u, std::thread::hardware_concurrency());
+    threads = reference::threads_for(threads);
     T largest = T(1);
     for (const auto axis : {x, y, z})
         largest = std::max({largest, std::abs(axis.front()), std::abs(axis.back())});
@@ -400,7 +377,7 @@ BlockPlanner<T>::BlockPlanner(const layout::MeshView<T>& mesh, std::span<const T
     constexpr std::size_t kRun = 4096;
     auto& rows = made->input.rows;
     rows.resize(mesh.triangle_facets.size());
-    share_out(threads, (rows.size() + kRun - 1) / kRun, [&](unsigned, std::size_t run) {
+    reference::share_out(threads, (rows.size() + kRun - 1) / kRun, [&](std::size_t, std::size_t run) {
         for (std::size_t t = run * kRun; t < std::min(rows.size(), (run + 1) * kRun); ++t)
             rows[t] = plan_triangle(mesh, t, T(1) + largest);
     });
@@ -418,7 +395,7 @@ template <typename T> BlockPlan BlockPlanner<T>::plan(std::size_t z_first, std::
     const std::size_t first_layer = z_first / kPlanTile, layers = tiles_of(ends[2]) - first_layer;
     std::vector<BlockWorker<T>> workers(threads, BlockWorker<T>(input));
     std::vector<TilePart> parts(across * along * layers);
-    share_out(threads, parts.size(), [&](unsigned worker, std::size_t index) {
+    reference::share_out(threads, parts.size(), [&](std::size_t worker, std::size_t index) {
         const std::array<std::size_t, 3> at{index % across, index / across % along,
                                             first_layer + index / across / along};
         SampleRange tile;
@@ -433,7 +410,11 @@ template <typename T> BlockPlan BlockPlanner<T>::plan(std::size_t z_first, std::
     });
     BlockPlan plan;
     put_in_order(workers, parts, plan);
-    plan.voxels_evaluated = implementation_->voxels(plan.blocks, ends[2]);
+    const auto clipped = [&](std::size_t axis, uint first) {
+        return std::min<std::uint64_t>(kMeshBlock, ends[axis] - first);
+    };
+    for (const layout::MeshBlock& block : plan.blocks)
+        plan.voxels_evaluated += clipped(0, block.x) * clipped(1, block.y) * clipped(2, block.z);
     return plan;
 }
 

@@ -126,11 +126,10 @@ std::vector<std::string> warnings(const MeshFindings& found, MeshUse use) {
             text.push_back(counted(count, one, many) + std::string(meaning));
     };
     const std::string openness =
-        !field ? "the surface is open, and a proxy may slide round its rims"
-        : winding
-            ? "the surface is open; inside is where its winding number exceeds 1/2, which is nowhere near a sheet"
-            : "the surface is open, so which side is inside is a matter of convention; inside = \"winding\" serves "
-              "closed shapes with holes best, and explore needs no inside";
+        !field    ? "the surface is open, and a proxy may slide round its rims"
+        : winding ? "the surface is open; inside is where its winding number exceeds 1/2, which is nowhere near a sheet"
+                  : "the surface is open, so which side is inside is a matter of convention; inside = \"winding\" "
+                    "serves closed shapes with holes best, and explore needs no inside";
     say(found.boundary_edges, "boundary edge", "boundary edges",
         fmt::format(" along {}: {}", counted(found.holes, "hole or rim", "holes or rims"), openness));
     say(found.non_manifold_edges, "edge", "edges",
@@ -146,17 +145,16 @@ std::vector<std::string> warnings(const MeshFindings& found, MeshUse use) {
         say(found.components, "", "separate pieces",
             field ? ": in a static field the probe touches whichever is nearest" : "");
     if (field && found.closed && found.misoriented_edges == 0 && found.volume < 0)
-        text.push_back(fmt::format("the facets are oriented inward (the signed volume is negative): static forces {}; "
-                                   "reverse the facets",
-                                   winding ? "appear nowhere, since no winding number exceeds 1/2"
-                                           : "appear outside and not inside"));
+        text.push_back(fmt::format(
+            "the facets are oriented inward (the signed volume is negative): static forces {}; reverse the facets",
+            winding ? "appear nowhere, since no winding number exceeds 1/2" : "appear outside and not inside"));
     say(found.degenerate_facets, "facet", "facets",
         " without area: left out, and what lies on both sides of them is joined");
     say(found.repeated_corner_facets, "facet", "facets", " coming to a vertex twice");
     say(found.redundant_facets, "facet", "facets", " given once more: left out");
     say(found.opposed_facets, "pair of facets", "pairs of facets",
-        fmt::format(" that coincide and face opposite ways: the first in the file is the one touched, and both "
-                    "weigh in the vertex normals{}",
+        fmt::format(" that coincide and face opposite ways: the first in the file is the one touched, and both weigh "
+                    "in the vertex normals{}",
                     by_normals ? "; what is inside may be wrong wherever they are the nearest, and inside = "
                                  "\"winding\", for which they cancel, is the safer choice"
                                : ""));
@@ -178,14 +176,13 @@ void refuse_if_meaningless(const MeshFindings& found, const std::string& mesh) {
         throw UsageError(fmt::format(
             "{}: no facets, so there is nothing to touch; a mesh needs one or more (was the file cut off?)", mesh));
     if (!std::isfinite(found.area) || !std::isfinite(found.volume))
-        throw UsageError(
-            fmt::format("{}: coordinates up to ({}, {}, {}) are so large that areas and volumes overflow; is "
-                        "this the right file?",
-                        mesh, found.high.x, found.high.y, found.high.z));
+        throw UsageError(fmt::format(
+            "{}: coordinates up to ({}, {}, {}) are so large that areas and volumes overflow; is this the right file?",
+            mesh, found.high.x, found.high.y, found.high.z));
     if (found.degenerate_facets == found.facets)
-        throw UsageError(fmt::format("{}: none of the {} facets has an area, so no force has a direction; is this the "
-                                     "right file?",
-                                     mesh, found.facets));
+        throw UsageError(
+            fmt::format("{}: none of the {} facets has an area, so no force has a direction; is this the right file?",
+                        mesh, found.facets));
 }
 
 namespace {

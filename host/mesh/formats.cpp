@@ -168,9 +168,7 @@ private:
         for (std::string_view word = take_word(line); !word.empty(); word = take_word(line), ++count)
             soup_.corners.push_back(corner(word));
         if (count < 3)
-            lines_.damaged("a facet has three corners or more, got {}; the file is damaged or breaks off "
-                           "here",
-                           count);
+            lines_.damaged("a facet has three corners or more, got {}; the file is damaged or breaks off here", count);
         soup_.end_facet();
     }
 
@@ -252,9 +250,9 @@ private:
         const std::size_t left = lines_.rest().size();
         // `0 0 0` and `3 0 1 2` with their line ends are the shortest lines, but for the last one's end.
         if (vertices_ > left / 6 + 1 || facets_ > left / 8 + 1 || vertices_ * 6 + facets_ * 8 > left + 1)
-            lines_.damaged("{} vertices and {} facets are announced, which {} bytes cannot hold; the file "
-                           "is damaged or truncated",
-                           vertices_, facets_, left);
+            lines_.damaged(
+                "{} vertices and {} facets are announced, which {} bytes cannot hold; the file is damaged or truncated",
+                vertices_, facets_, left);
     }
 
     void check_keyword(std::string_view keyword) const {
@@ -289,8 +287,7 @@ private:
         next_line(fmt::format("facet {} of {}", soup_.facets(), facets_));
         const std::size_t count = announced(take_word(line_), "corners of a facet");
         if (count < 3 || count > line_.size() / 2 + lines_.rest().size() / 2)
-            lines_.damaged("a facet with {} corners; it has three or more, and no more than the file's "
-                           "bytes can hold",
+            lines_.damaged("a facet with {} corners; it has three or more, and no more than the file's bytes can hold",
                            count);
         for (std::size_t corner = 0; corner < count; ++corner)
             soup_.corners.push_back(read_corner());
@@ -360,9 +357,9 @@ PolygonSoup read_binary(const Source& source) {
     if (!is_binary_stl(source.bytes)) {
         const std::size_t size = source.bytes.size();
         if (size < kHeader)
-            throw IoError(fmt::format("{}: {} bytes are too few for an STL file, and it is no text; it is damaged or "
-                                      "truncated",
-                                      source.name, size));
+            throw IoError(
+                fmt::format("{}: {} bytes are too few for an STL file, and it is no text; it is damaged or truncated",
+                            source.name, size));
         const std::uint64_t triangles = read_bits(source.bytes.data() + 80, 4);
         throw IoError(fmt::format("{}: a binary STL file that announces {} triangles has {} bytes, but this one has "
                                   "{}; it is damaged or truncated",

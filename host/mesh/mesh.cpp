@@ -260,9 +260,9 @@ void place(std::vector<glm::dvec3>& vertices, const MeshPlacement& placement) {
         v += shift;
         constexpr double kFarthest = 1e100; // m: volumes and squares stay finite
         if (!(std::abs(v.x) < kFarthest && std::abs(v.y) < kFarthest && std::abs(v.z) < kFarthest))
-            throw UsageError(fmt::format("vertex {} (counted from 1) lies at ({}, {}, {}) m; a coordinate may not be "
-                                         "beyond {} m",
-                                         i + 1, v.x, v.y, v.z, kFarthest));
+            throw UsageError(
+                fmt::format("vertex {} (counted from 1) lies at ({}, {}, {}) m; a coordinate may not be beyond {} m",
+                            i + 1, v.x, v.y, v.z, kFarthest));
     }
 }
 

@@ -69,9 +69,9 @@ void refuse_what_is_not_finite(const std::string& name, const PolygonSoup& polyg
     for (std::size_t i = 0; i < polygons.vertices.size(); ++i) {
         const glm::dvec3& vertex = polygons.vertices[i];
         if (!std::isfinite(vertex.x) || !std::isfinite(vertex.y) || !std::isfinite(vertex.z))
-            throw UsageError(fmt::format("{}: vertex {} of {} (counted from 1) is ({}, {}, {}); every coordinate must "
-                                         "be a finite number",
-                                         name, i + 1, polygons.vertices.size(), vertex.x, vertex.y, vertex.z));
+            throw UsageError(fmt::format(
+                "{}: vertex {} of {} (counted from 1) is ({}, {}, {}); every coordinate must be a finite number", name,
+                i + 1, polygons.vertices.size(), vertex.x, vertex.y, vertex.z));
     }
 }
 

@@ -270,9 +270,9 @@ private:
             for (const PlyProperty& property : element.properties)
                 item += Values::least_bytes(property.list ? property.count_type : property.type);
             if (item > 0 && element.count > left / item)
-                values_.fail("{} of element {} are announced, which {} bytes cannot hold; the file is "
-                             "damaged or truncated",
-                             element.count, in_quotes(element.name), values_.bytes_left());
+                values_.fail(
+                    "{} of element {} are announced, which {} bytes cannot hold; the file is damaged or truncated",
+                    element.count, in_quotes(element.name), values_.bytes_left());
             left -= item * element.count;
         }
     }

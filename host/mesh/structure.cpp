@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <thread>
 
 #include <fmt/format.h>
 
 #include "host/error.h"
 #include "host/mesh/surface.h"
+#include "host/reference/chunks.h"
 
 namespace forceshade {
 
@@ -123,7 +123,7 @@ std::size_t MeshStructure::bytes() const {
 MeshStructure build_structure(const Mesh& mesh, const StructureOptions& options) {
     if (mesh.polygons.corners.empty())
         throw UsageError("the mesh has no facets");
-    const unsigned threads = options.threads > 0 ? options.threads : std::max(1u, std::thread::hardware_concurrency());
+    const unsigned threads = reference::threads_for(options.threads);
     const MeshFrame frame = frame_of(mesh.polygons);
     MeshParts parts;
     MeshReals<double> reals;
@@ -135,7 +135,7 @@ MeshStructure build_structure(const Mesh& mesh, const StructureOptions& options)
         number(mesh, triangles, frame, items, parts, reals);
     }
     const std::vector<uint> places = weld(reals.vertices);
-    share_out(std::min(threads, 2u), 2, [&](unsigned, std::size_t step) {
+    reference::share_out(std::min(threads, 2u), 2, [&](std::size_t, std::size_t step) {
         step == 0 ? sum_pseudonormals(parts, reals, places) : connect_edges(parts, reals, places);
     });
     reals.edge_pseudonormals.shrink_to_fit();
@@ -175,10 +175,9 @@ template <typename T> MeshTables<T> make_mesh_tables(const MeshStructure& struct
     const glm::vec<3, T> centre(structure.centre);
     if (!std::isnormal(static_cast<T>(structure.scale)) || !(std::isnormal(rounded) || stiffness == 0) ||
         !std::isfinite(centre.x + centre.y + centre.z))
-        throw UsageError(
-            fmt::format("a stiffness of {} N/m on a mesh of about {} m makes forces that {} precision cannot "
-                        "hold; a normal number of newtons would be right",
-                        stiffness, structure.scale, sizeof(T) == sizeof(float) ? "single" : "double"));
+        throw UsageError(fmt::format("a stiffness of {} N/m on a mesh of about {} m makes forces that {} precision "
+                                     "cannot hold; a normal number of newtons would be right",
+                                     stiffness, structure.scale, sizeof(T) == sizeof(float) ? "single" : "double"));
     MeshTables<T> tables{{}, structure.parts, reals_as<T>(structure.reals), structure.winding};
     tables.params.centre_x = centre.x;
     tables.params.centre_y = centre.y;

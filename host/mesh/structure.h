@@ -2,9 +2,7 @@
 #pragma once
 
 #include <array>
-#include <atomic>
 #include <memory>
-#include <thread>
 #include <vector>
 
 #include "host/mesh/mesh.h"
@@ -85,19 +83,6 @@ inline glm::dvec3 to_mesh_frame(const MeshStructure& structure, const glm::dvec3
 
 /// For the generalized winding number: the moments of each node's triangles and the edges where the surface ends.
 std::shared_ptr<const MeshWinding> make_winding(const MeshStructure& structure);
-
-/// Runs work(thread, index) for every index below count, shared out among threads.
-template <typename Work> void share_out(unsigned threads, std::size_t count, const Work& work) {
-    std::atomic<std::size_t> next{0};
-    const auto run = [&](unsigned thread) {
-        for (std::size_t i; (i = next++) < count;)
-            work(thread, i);
-    };
-    std::vector<std::jthread> helpers;
-    for (unsigned i = 1; i < threads; ++i)
-        helpers.emplace_back(run, i);
-    run(0);
-}
 
 // The steps of build_structure: the tree over its triangles, and what lies across their edges.
 

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "host/mesh/structure.h"
+#include "host/reference/chunks.h"
 #include "host/reference/mesh_nearest.h"
 
 namespace forceshade {
@@ -263,8 +264,9 @@ std::vector<layout::MeshNode> build_tree(std::vector<TreeItem>& items, unsigned 
         everything.include(box_of(item));
     // The parts' size depends on the mesh alone, so the tree does not depend on the threads.
     builder.build(everything, 0, nodes, &tasks, std::max(4096u, everything.count / 16));
-    share_out(threads, tasks.size(),
-              [&](unsigned, std::size_t i) { builder.build(tasks[i].range, tasks[i].depth, tasks[i].nodes); });
+    reference::share_out(threads, tasks.size(), [&](std::size_t, std::size_t i) {
+        builder.build(tasks[i].range, tasks[i].depth, tasks[i].nodes);
+    });
     std::size_t total = nodes.size();
     for (const Task& task : tasks)
         total += task.nodes.size();

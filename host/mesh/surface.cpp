@@ -168,43 +168,32 @@ namespace {
 
 enum class Shape : std::uint8_t { plain, needle, cap };
 
-/// Tells the shapes of a mesh's triangles.
-class ShapeTest {
-public:
-    ShapeTest(const Mesh& mesh, const MeshFrame& frame) : mesh_(mesh), frame_(frame) {
-        // Placing a mesh rounds each coordinate a few times; the shape of one far away is not known better.
-        constexpr double kRoundings = 16 * std::numeric_limits<double>::epsilon(), kMost = 1e-6;
-        height_ = std::min(kRoundings * (1 + reference::largest_coordinate(frame.centre) / frame.scale), kMost);
-        side_ = 1024 * height_;
-        inverse_ = 1 / std::max(frame.scale, 0x1p-1000); // sides of a mesh that is smaller seem too short for caps
+Shape shape_of(const Mesh& mesh, std::size_t triangle, const MeshFrame& frame) {
+    // Placing a mesh rounds each coordinate a few times; the shape of one far away is not known better.
+    constexpr double kRoundings = 16 * std::numeric_limits<double>::epsilon(), kMost = 1e-6;
+    if (mesh.triangles.normals[triangle] == glm::dvec3(0))
+        return Shape::cap;
+    // Of the frame: a cap's height at most, its shorter sides at least.
+    const double most_height =
+        std::min(kRoundings * (1 + reference::largest_coordinate(frame.centre) / frame.scale), kMost);
+    const double least_side = 1024 * most_height;
+    const double inverse = 1 / std::max(frame.scale, 0x1p-1000); // sides of a smaller mesh seem too short for caps
+    glm::dvec3 at[3], sides[3];
+    for (std::size_t i = 0; i < 3; ++i)
+        at[i] = mesh.polygons.vertices[mesh.triangles.corners[triangle][i]];
+    double longest = 0, shortest = std::numeric_limits<double>::infinity(); // squares
+    for (std::size_t i = 0; i < 3; ++i) {
+        sides[i] = (at[(i + 1) % 3] - at[i]) * inverse;
+        longest = std::max(longest, dot(sides[i], sides[i]));
+        shortest = std::min(shortest, dot(sides[i], sides[i]));
     }
-
-    Shape operator()(std::size_t triangle) const {
-        if (mesh_.triangles.normals[triangle] == glm::dvec3(0))
-            return Shape::cap;
-        glm::dvec3 at[3], sides[3];
-        for (std::size_t i = 0; i < 3; ++i)
-            at[i] = mesh_.polygons.vertices[mesh_.triangles.corners[triangle][i]];
-        double longest = 0, shortest = std::numeric_limits<double>::infinity();
-        for (std::size_t i = 0; i < 3; ++i) {
-            sides[i] = (at[(i + 1) % 3] - at[i]) * inverse_;
-            longest = std::max(longest, dot(sides[i], sides[i]));
-            shortest = std::min(shortest, dot(sides[i], sides[i]));
-        }
-        if (shortest > side_ * side_) {
-            const glm::dvec3 area = cross(sides[0], sides[1]);
-            return dot(area, area) <= height_ * height_ * longest ? Shape::cap : Shape::plain;
-        }
-        const glm::dvec3 a = frame_.local(at[0]), b = frame_.local(at[1]), c = frame_.local(at[2]);
-        return a == b || b == c || c == a ? Shape::needle : Shape::plain;
+    if (shortest > least_side * least_side) {
+        const glm::dvec3 area = cross(sides[0], sides[1]);
+        return dot(area, area) <= most_height * most_height * longest ? Shape::cap : Shape::plain;
     }
-
-private:
-    const Mesh& mesh_;
-    const MeshFrame& frame_;
-    double height_, side_; // 1, of the frame: a cap's height at most, its shorter sides at least
-    double inverse_;       // 1/m: of the frame's scale
-};
+    const glm::dvec3 a = frame.local(at[0]), b = frame.local(at[1]), c = frame.local(at[2]);
+    return a == b || b == c || c == a ? Shape::needle : Shape::plain;
+}
 
 /// Cuts triangles where caps say that a vertex lies on an edge. Caps that rounding has made contradict each other, so
 /// that cutting would go in circles: nothing is looked at twice.
@@ -340,7 +329,6 @@ private:
 
 std::optional<MeshTriangles> make_surface(const Mesh& mesh, const MeshFrame& frame) {
     const MeshTriangles& all = mesh.triangles;
-    const ShapeTest shape_of(mesh, frame);
     std::vector<std::size_t> kept, caps;
     auto redundant = mesh.redundant_facets.begin();
     for (std::size_t triangle = 0; triangle < all.corners.size(); ++triangle) {
@@ -348,7 +336,7 @@ std::optional<MeshTriangles> make_surface(const Mesh& mesh, const MeshFrame& fra
                                  [&](std::uint32_t facet) { return facet >= all.facets[triangle]; });
         if (redundant != mesh.redundant_facets.end() && *redundant == all.facets[triangle])
             continue;
-        const Shape shape = shape_of(triangle);
+        const Shape shape = shape_of(mesh, triangle, frame);
         if (shape != Shape::needle)
             (shape == Shape::plain ? kept : caps).push_back(triangle);
     }

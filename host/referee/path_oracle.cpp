@@ -149,7 +149,7 @@ template <typename T> struct PathOracle<T>::Batch {
         input.hands = hands;
         input.source = &source;
         if (!chosen.empty())
-            walk.begin(0, chosen.size());
+            walk->begin(0, chosen.size());
     }
 
     static std::vector<std::size_t> choose(std::size_t first, std::size_t count, std::size_t every) {
@@ -176,7 +176,7 @@ template <typename T> struct PathOracle<T>::Batch {
     std::vector<layout::HandParams<T>> hands;
     layout::PathInput<T> input;
     reference::PathOptions options{};
-    reference::PathWalk<T> walk{input, options};
+    std::unique_ptr<reference::PathWalk<T>> walk = reference::make_path_walk(input, options);
     std::size_t step = 0;                // the next
     std::vector<std::uint64_t> mesh_off; // of each chosen path
     std::vector<double> sizes;           // m: of each chosen path's motion, where its places are held against bounds
@@ -221,13 +221,13 @@ template <typename T> void PathOracle<T>::compare(const PathRows<T>& rows) {
         begin(rows.path_first, rows.path_count);
     if (batch_->chosen.empty())
         return;
-    const std::size_t end = std::min(rows.step_first + rows.pitch, batch_->walk.steps());
+    const std::size_t end = std::min(rows.step_first + rows.pitch, batch_->walk->steps());
     while (batch_->step < end) {
-        const layout::PathChunk<T> oracle = batch_->walk.walk(end - batch_->step);
+        const layout::PathChunk<T> oracle = batch_->walk->walk(end - batch_->step);
         compare(rows, oracle);
         batch_->step += oracle.step_count;
     }
-    if (end == batch_->walk.steps())
+    if (end == batch_->walk->steps())
         end_mesh_paths();
     else if (!exact_bits_ && !rows.position.empty())
         for (std::size_t i = 0; i < batch_->chosen.size(); ++i)
@@ -375,9 +375,9 @@ template <typename T> void PathOracle<T>::compare(std::size_t first, std::span<c
                                            metrics.size(), first));
     if (batch_->chosen.empty())
         return;
-    for (; batch_->step < batch_->walk.steps(); check_interrupt())
-        batch_->step += batch_->walk.walk(batch_->walk.steps()).step_count;
-    const std::vector<layout::PathMetrics<T>> oracle = batch_->walk.metrics();
+    for (; batch_->step < batch_->walk->steps(); check_interrupt())
+        batch_->step += batch_->walk->walk(batch_->walk->steps()).step_count;
+    const std::vector<layout::PathMetrics<T>> oracle = batch_->walk->metrics();
     for (std::size_t i = 0; i < batch_->chosen.size(); ++i) {
         ++error_.paths;
         if (input_.features.channels == 0)

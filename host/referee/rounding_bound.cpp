@@ -330,7 +330,7 @@ Verdict MeshBound::compare(const Reading& computed, const Vector& probe, double 
     if (either && fits_free())
         return Verdict::on_edge;
     for (layout::uint triangle = 0; triangle < mesh.params.triangles; ++triangle) {
-        const auto point = reference::nearest_on_triangle(mesh, triangle, probe);
+        const auto point = reference::nearest_on_triangle(probe, reference::triangle_at(mesh, triangle));
         if (!(std::sqrt(point.square) <= nearest + slack))
             continue;
         const layout::uint facet = mesh.triangle_facets[triangle];

@@ -23,10 +23,6 @@ template <typename T> Radial<T> radial_at(const layout::LawParams<T>& params, T 
     return {{x / distance, T(0), rise / distance}, distance};
 }
 
-template <typename T> Vector<T> along(T magnitude, const Vector<T>& direction) noexcept {
-    return {magnitude * direction.x, magnitude * direction.y, magnitude * direction.z};
-}
-
 /// L8: the tangential force of the texture, added to any law.
 template <typename T>
 Vector<T> textured(const layout::Law<T>& law, const Vector<T>& force, T depth, Gradient<T> texture) noexcept {
@@ -84,8 +80,8 @@ template <typename T> Contact<T> facet_contact(const layout::Law<T>& law, const 
         direction = radial_at(law.params, column.x, z).direction;
     contact.depth = depth;
     contact.facet = column.facet.id;
-    contact.force = textured(law, along(magnitude, direction), depth, column.texture);
-    contact.unshaded = textured(law, along(magnitude, normal), depth, column.texture);
+    contact.force = textured(law, Vector<T>(magnitude * direction), depth, column.texture);
+    contact.unshaded = textured(law, Vector<T>(magnitude * normal), depth, column.texture);
     return contact;
 }
 

@@ -20,9 +20,4 @@ template <typename T>
 void evaluate_field(const layout::FieldInput<T>& input, const FieldOptions& options,
                     const std::function<void(const layout::FieldChunk<T>&)>& consume);
 
-extern template void evaluate_field<float>(const layout::FieldInput<float>&, const FieldOptions&,
-                                           const std::function<void(const layout::FieldChunk<float>&)>&);
-extern template void evaluate_field<double>(const layout::FieldInput<double>&, const FieldOptions&,
-                                            const std::function<void(const layout::FieldChunk<double>&)>&);
-
 } // namespace forceshade::reference

@@ -2,11 +2,7 @@
 // to rest continues and when it stays, how its path begins, and the force that it gives.
 #pragma once
 
-#include <algorithm>
-#include <atomic>
-#include <thread>
-#include <vector>
-
+#include "host/reference/chunks.h"
 #include "host/reference/god_object_rest.h"
 #include "host/reference/god_object_walk.h"
 #include "host/reference/mesh_contact.h"
@@ -178,13 +174,7 @@ private:
 };
 
 /// The state of one path, in the mesh's frame. As constructed: a path that has not begun.
-template <typename T> struct GodObject {
-    Vector<T> proxy{T(0)};              /* a skin away from every triangle; the probe itself out of contact */
-    layout::uint triangles[3]{0, 0, 0}; /* that constrained it at the last update */
-    layout::uint count = 0;
-    bool cornered = false; /* rested at a corner or an edge */
-    bool started = false;
-};
+template <typename T> struct GodObject : Rest<T> { bool started = false; };
 
 /// Begins a path: the proxy is the probe, or a skin away from what it touches, on the side where it is; in front of a
 /// triangle if it is on it exactly.
@@ -219,8 +209,7 @@ void begin_path(const layout::MeshView<T>& mesh, GodObject<T>& state, Neighbourh
 template <typename T, typename Trace>
 GodObjectContact<T> follow(const layout::MeshView<T>& mesh, GodObject<T>& state, Neighbourhood<T>& neighbourhood,
                            const Vector<T>& probe, const Trace& trace) noexcept {
-    Rest<T> rest{
-        state.proxy, {state.triangles[0], state.triangles[1], state.triangles[2]}, state.count, state.cornered};
+    Rest<T> rest = state;
     Walk<T, Trace> walk(mesh, neighbourhood, state.proxy, probe, trace);
     RestSolver<T, Walk<T, Trace>> solver(mesh, neighbourhood, probe, walk);
     GodObjectContact<T> contact = solver.run(rest);
@@ -341,17 +330,13 @@ void finish_update(const layout::MeshView<T>& mesh, Neighbourhood<T>& neighbourh
 template <typename T>
 void finish_updates(const layout::MeshView<T>& mesh, std::span<layout::MeshUpdate<T>> updates, unsigned threads) {
     constexpr std::size_t kShare = 16; // that a thread takes at once
-    std::atomic<std::size_t> next{0};
-    const auto work = [&] {
-        Neighbourhood<T> neighbourhood;
-        for (std::size_t begin; (begin = kShare * next++) < updates.size();)
-            for (layout::MeshUpdate<T>& one : updates.subspan(begin, std::min(kShare, updates.size() - begin)))
-                finish_update(mesh, neighbourhood, one);
-    };
-    std::vector<std::jthread> helpers;
-    for (std::size_t i = 1; i < std::min<std::size_t>(threads, updates.size() / kShare); ++i)
-        helpers.emplace_back(work);
-    work();
+    const std::size_t used = std::clamp<std::size_t>(updates.size() / kShare, 1, std::max(threads, 1u));
+    std::vector<Neighbourhood<T>> neighbourhoods(used);
+    share_out(used, (updates.size() + kShare - 1) / kShare, [&](std::size_t thread, std::size_t share) {
+        for (layout::MeshUpdate<T>& one :
+             updates.subspan(share * kShare).first(std::min(kShare, updates.size() - share * kShare)))
+            finish_update(mesh, neighbourhoods[thread], one);
+    });
 }
 
 #define FORCESHADE_GOD_OBJECT(SPECIFIER, T)                                                                            \

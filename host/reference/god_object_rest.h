@@ -229,22 +229,29 @@ void add_facet(const layout::MeshView<T>& mesh, layout::uint triangle, const Vec
     contact.touching = true;
 }
 
+/// The planes of up to three triangles that constrain a proxy.
+template <typename T> struct ConstrainingFaces {
+    layout::uint triangles[3];
+    Vector<T> normals[3];
+    layout::uint count = 0;
+};
+
 /// The facets whose planes keep the probe back, and the nearest point to the probe in front of them: the proxy without
 /// its skin.
 template <typename T>
-GodObjectContact<T> contact_of(const layout::MeshView<T>& mesh, const layout::uint* triangles, const Vector<T>* normals,
-                               layout::uint count, const Vector<T>& probe) noexcept {
+GodObjectContact<T> contact_of(const layout::MeshView<T>& mesh, const ConstrainingFaces<T>& faces,
+                               const Vector<T>& probe) noexcept {
     GodObjectContact<T> contact = out_of_contact(probe);
     HalfSpace<T> planes[3];
-    for (layout::uint i = 0; i < count; ++i) {
-        const std::size_t corner = mesh.triangle_corners[3 * std::size_t(triangles[i])];
-        planes[i] = {normals[i], dot(normals[i], vector_at(mesh.vertices, corner) - probe), i};
+    for (layout::uint i = 0; i < faces.count; ++i) {
+        const std::size_t corner = mesh.triangle_corners[3 * std::size_t(faces.triangles[i])];
+        planes[i] = {faces.normals[i], dot(faces.normals[i], vector_at(mesh.vertices, corner) - probe), i};
     }
     const T tolerance = touch_tolerance(probe);
     Projection<T> projection;
     project(Vector<T>(T(0)), one_tolerance(tolerance), projection, [&](const Vector<T>& shift, HalfSpace<T>& space) {
         T most = tolerance;
-        for (layout::uint i = 0; i < count; ++i) {
+        for (layout::uint i = 0; i < faces.count; ++i) {
             const T violation = planes[i].slack - dot(planes[i].normal, shift);
             if (violation > most) {
                 most = violation;
@@ -256,24 +263,17 @@ GodObjectContact<T> contact_of(const layout::MeshView<T>& mesh, const layout::ui
     contact.proxy = probe + projection.vector;
     for (layout::uint i = 0; i < projection.count; ++i) {
         const layout::uint source = projection.active[i].source;
-        add_facet(mesh, triangles[source], normals[source], contact);
+        add_facet(mesh, faces.triangles[source], faces.normals[source], contact);
     }
     return contact;
 }
 
-/// The planes of up to three triangles that constrain a proxy.
-template <typename T> struct ConstrainingFaces {
-    layout::uint triangles[3];
-    Vector<T> normals[3];
-    layout::uint count = 0;
-};
-
 /// Where a proxy rests, all that is kept of it.
 template <typename T> struct Rest {
-    Vector<T> proxy;
-    layout::uint triangles[3]; /* that constrain it */
-    layout::uint count;
-    bool cornered; /* by edges or corners, or three faces */
+    Vector<T> proxy{T(0)};              /* a skin away from every triangle; the probe itself out of contact */
+    layout::uint triangles[3]{0, 0, 0}; /* that constrain it */
+    layout::uint count = 0;
+    bool cornered = false; /* by edges or corners, or three faces */
 };
 
 /// Whether the proxy is in front of the surface: of that feature, of the triangles that constrain it, which is nearest.
@@ -407,7 +407,7 @@ GodObjectContact<T> contact_at_corner(const layout::MeshView<T>& mesh, Neighbour
     for (const bool both_sides : {false, true}) {
         const ConstrainingFaces<T> all =
             constraining_faces(mesh, neighbourhood, rest.proxy, View{front, both_sides}, probe);
-        const GodObjectContact<T> contact = contact_of(mesh, all.triangles, all.normals, all.count, probe);
+        const GodObjectContact<T> contact = contact_of(mesh, all, probe);
         if (contact.touching ? is_at_proxy(mesh, neighbourhood, rest.proxy, contact) : both_sides)
             return contact;
     }
@@ -437,7 +437,7 @@ GodObjectContact<T> contact_at_faces(const layout::MeshView<T>& mesh, Neighbourh
         const Touch<T>& touch = walk.touch(resting.active[0].source);
         touch_one(mesh, touch.index, touch.face, touch.triangle.corners[0], probe, contact);
     } else {
-        contact = contact_of(mesh, faces.triangles, faces.normals, faces.count, probe);
+        contact = contact_of(mesh, faces, probe);
     }
     if (!contact.touching || is_at_proxy(mesh, neighbourhood, walk.proxy(), contact))
         return contact;

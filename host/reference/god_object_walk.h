@@ -172,9 +172,8 @@ private:
         return false;
     }
 
-    /// The same for a probe far off, of whose displacement into the planes little may be left along
-    /// them. Finds the point
-    /// itself, so that what rounding makes of it stays the same wherever the proxy is.
+    /// The same for a probe far off, of whose displacement into the planes little may be left along them. Finds the
+    /// point itself, so that what rounding makes of it stays the same wherever the proxy is.
     void find_long_displacement(const Vector<T>& proxy, const Vector<T>& probe) noexcept {
         constexpr T kRounding = T(8) * std::numeric_limits<T>::epsilon();
         const T push = Skin<T>::kRest + kRounding * largest_coordinate(probe);

@@ -27,24 +27,6 @@ template <typename T> struct Skin {
     static constexpr T kRest = kWidth * T(0.015625);                       /* moves shorter than this are none */
 };
 
-template <typename T> struct Triangle {
-    Vector<T> corners[3];
-    Vector<T> normal; /* unit, 0 without area */
-};
-
-template <typename T>
-[[gnu::always_inline]] inline Triangle<T> triangle_at(const layout::MeshView<T>& mesh, layout::uint triangle) noexcept {
-    const std::size_t first = 3 * std::size_t(triangle);
-    return {{vector_at(mesh.vertices, mesh.triangle_corners[first]),
-             vector_at(mesh.vertices, mesh.triangle_corners[first + 1]),
-             vector_at(mesh.vertices, mesh.triangle_corners[first + 2])},
-            vector_at(mesh.triangle_normals, triangle)};
-}
-
-template <typename T> TrianglePoint<T> nearest_on_triangle(const Vector<T>& point, const Triangle<T>& triangle) {
-    return nearest_on_triangle(point, triangle.corners[0], triangle.corners[1], triangle.corners[2], triangle.normal);
-}
-
 /// from + t * move for t in [0, until].
 template <typename T> struct Move {
     Vector<T> from, displacement;

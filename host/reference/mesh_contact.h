@@ -1,6 +1,5 @@
-// The generalized winding number (Jacobson et al. 2013): how often a surface, open ones too, goes round a point. Far
-// parts through their moments (Barill et al. 2018), near triangles exactly (van Oosterom & Strackee 1983). Always in
-// double, whatever the tables' precision, and on the host only: kernels receive bits.
+// L6 static, L7 and L9 on a mesh: whether a probe is inside, the vertex normals interpolated at a point of a facet, and
+// the force. From the interpolation on step for step as shaders/laws/mesh_contact.glsl.
 #pragma once
 
 #include <cmath>
@@ -13,6 +12,10 @@
 #include "shaders/shared/law.h"
 
 namespace forceshade::reference {
+
+// The generalized winding number (Jacobson et al. 2013): how often a surface, open ones too, goes round a point. Far
+// parts through their moments (Barill et al. 2018), near triangles exactly (van Oosterom & Strackee 1983). Always in
+// double, whatever the tables' precision, and on the host only: kernels receive bits.
 
 /// A part is far beyond so many times its radius. The winding number is then good to 1e-4 (tests: 4e-5 at worst).
 constexpr double kWindingReach = 5;
@@ -57,30 +60,21 @@ inline double solid_angle(const layout::MeshMoment& moment, const Vector<double>
 /// 1 inside a closed surface, 0 outside; needs mesh.moments. The probe is in the mesh's frame.
 template <typename T> double winding_number(const layout::MeshView<T>& mesh, const Vector<double>& probe) noexcept {
     double sum = 0;
-    layout::uint stack[kMeshStack];
-    layout::uint height = 0;
-    stack[height++] = 0;
-    while (height > 0) {
-        const layout::uint index = stack[--height];
+    const auto is_near = [&](layout::uint index) {
         const layout::MeshMoment& moment = mesh.moments[index];
         const Vector<double> away = Vector<double>(moment.centre[0], moment.centre[1], moment.centre[2]) - probe;
         const double square = dot(away, away);
-        if (square > kWindingReach * kWindingReach * moment.radius * moment.radius) {
-            sum += solid_angle(moment, away, square);
-            continue;
-        }
-        for (const layout::uint child : mesh.nodes[index].child) {
-            if (child == layout::kMeshNoChild)
-                continue;
-            if ((child & layout::kMeshLeaf) == 0) {
-                stack[height++] = child;
-                continue;
-            }
-            const layout::uint run = child & ~layout::kMeshLeaf;
-            for (layout::uint i = 0; i <= run % layout::kMeshLeafTriangles; ++i)
-                sum += solid_angle(mesh, run / layout::kMeshLeafTriangles + i, probe);
-        }
-    }
+        if (!(square > kWindingReach * kWindingReach * moment.radius * moment.radius))
+            return true;
+        sum += solid_angle(moment, away, square);
+        return false;
+    };
+    const auto add_run = [&](layout::uint triangle, layout::uint end) {
+        for (; triangle < end; ++triangle)
+            sum += solid_angle(mesh, triangle, probe);
+    };
+    visit_tree(
+        mesh, is_near, [](const layout::MeshNode&, layout::uint) { return true; }, add_run);
     return sum / (4 * std::numbers::pi);
 }
 
@@ -110,7 +104,7 @@ double winding_change(const layout::MeshView<T>& mesh, const Vector<double>& pro
     return change;
 }
 
-// L7: the vertex normals of a facet, interpolated at a point of it, step for step as shaders/laws/mesh_contact.glsl.
+// L7: the vertex normals of a facet, interpolated at a point of it.
 
 /// A corner of a facet, seen from the point to be shaded.
 template <typename T> struct MeshCorner {
@@ -218,8 +212,7 @@ Vector<T> shading_direction(const layout::MeshView<T>& mesh, layout::uint shadin
     }
 }
 
-// L6 static with L7 to L9: depth, force, proxy and facet of a probe in a mesh, step for step as
-// shaders/laws/mesh_contact.glsl.
+// L6 static with L7 to L9: depth, force, proxy and facet of a probe in a mesh.
 
 /// A point of the mesh's frame in m.
 template <typename T> Vector<T> to_world(const layout::MeshParams<T>& params, const Vector<T>& point) noexcept {

@@ -1,5 +1,5 @@
-// L6: the point of one triangle nearest to a probe, step for step as shaders/laws/mesh_triangle.glsl. Right for slivers
-// and for triangles without area, since edges are clamped and the face is not believed beyond its longest edge.
+// L6: the point of a triangle, and of a mesh through its tree, that is nearest to a probe, step for step as
+// shaders/laws/mesh_triangle.glsl; and whether the probe is inside.
 #pragma once
 
 #include <cmath>
@@ -57,7 +57,7 @@ EdgePoint<T> nearest_on_edge(const Vector<T>& start, const Vector<T>& end, const
 /// L6: the nearest point of the triangle a, b, c with this unit normal (0 if it has none). The face counts if the
 /// probe's foot is on the inner side of every edge and, along the longest edge (the first of equals), strictly
 /// between its ends: else rounding would extend the tip of a sliver. Otherwise the nearest edge does, the first of
-/// equals.
+/// equals. Right for slivers and for triangles without area, since edges are clamped.
 template <typename T>
 TrianglePoint<T> nearest_on_triangle(const Vector<T>& probe, const Vector<T>& a, const Vector<T>& b, const Vector<T>& c,
                                      const Vector<T>& normal) noexcept {
@@ -89,6 +89,25 @@ TrianglePoint<T> nearest_on_triangle(const Vector<T>& probe, const Vector<T>& a,
         return {point.square, point.offset, layout::kMeshEdge + nearest};
     const layout::uint corner = point.place == EdgePlace::start ? nearest : (nearest + 1) % 3;
     return {point.square, point.offset, layout::kMeshCorner + corner};
+}
+
+template <typename T> struct Triangle {
+    Vector<T> corners[3];
+    Vector<T> normal; /* unit, 0 without area */
+};
+
+template <typename T>
+[[gnu::always_inline]] inline Triangle<T> triangle_at(const layout::MeshView<T>& mesh, layout::uint triangle) noexcept {
+    const std::size_t first = 3 * std::size_t(triangle);
+    return {{vector_at(mesh.vertices, mesh.triangle_corners[first]),
+             vector_at(mesh.vertices, mesh.triangle_corners[first + 1]),
+             vector_at(mesh.vertices, mesh.triangle_corners[first + 2])},
+            vector_at(mesh.triangle_normals, triangle)};
+}
+
+template <typename T>
+TrianglePoint<T> nearest_on_triangle(const Vector<T>& point, const Triangle<T>& triangle) noexcept {
+    return nearest_on_triangle(point, triangle.corners[0], triangle.corners[1], triangle.corners[2], triangle.normal);
 }
 
 // Squared distances to triangles side by side, as many as a 16-byte vector holds: to the last bit what
@@ -152,7 +171,7 @@ EdgeLanes<T> edge_lanes(const VectorLanes<T>& start, const VectorLanes<T>& end, 
     return {square, length_square, after & before, ~(dot<T>(cross<T>(normal, edge), start) <= zero)};
 }
 
-/// The triangles first to first + kTrianglesAbreast - 1, each no further than `last`, which stands for those beyond.
+/// The triangles first to first + kLanes - 1, each no further than `last`, which stands for those beyond.
 template <typename T>
 Lanes<T> square_lanes(const layout::MeshView<T>& mesh, layout::uint first, layout::uint last,
                       const Vector<T>& probe) noexcept {
@@ -212,6 +231,39 @@ template <typename T> struct Nearest {
 constexpr layout::uint kMeshTreeDepth = 48;
 constexpr layout::uint kMeshStack = 3 * kMeshTreeDepth + 1;
 
+inline layout::uint leaf_begin(layout::uint child) noexcept {
+    return (child & ~layout::kMeshLeaf) / layout::kMeshLeafTriangles;
+}
+
+/// Calls visit(first, end) for the run of triangles that a leaf is.
+template <typename Visit> void visit_leaf(layout::uint child, Visit&& visit) noexcept {
+    const layout::uint first = leaf_begin(child);
+    visit(first, first + child % layout::kMeshLeafTriangles + 1);
+}
+
+/// Calls visit(first, end) for the runs of triangles below the nodes that enters(index) lets in, and there below the
+/// children that meets(node, i). Of several children the last one's come first, but for a node's own runs.
+template <typename T, typename Enters, typename Meets, typename Visit>
+void visit_tree(const layout::MeshView<T>& mesh, const Enters& enters, const Meets& meets, Visit&& visit) {
+    layout::uint stack[kMeshStack];
+    layout::uint height = 0;
+    stack[height++] = 0;
+    while (height > 0) {
+        const layout::uint index = stack[--height];
+        if (!enters(index))
+            continue;
+        const layout::MeshNode& node = mesh.nodes[index];
+        for (layout::uint i = 0; i < layout::kMeshChildren; ++i) {
+            if (node.child[i] == layout::kMeshNoChild || !meets(node, i))
+                continue;
+            if ((node.child[i] & layout::kMeshLeaf) == 0)
+                stack[height++] = node.child[i];
+            else
+                visit_leaf(node.child[i], visit);
+        }
+    }
+}
+
 /// What rounding to T can make of a distance from a probe none of whose coordinates is beyond `largest`, twice over.
 /// With u half an epsilon and L = 1 + largest, to first order:
 /// - an edge: coordinates differ from exact ones by u (|S| + 2|e| + |r|) <= 6 sqrt(3) u L, the root of the square by
@@ -222,16 +274,6 @@ constexpr layout::uint kMeshStack = 3 * kMeshTreeDepth + 1;
 /// Together below 64 u L = 32 epsilons.
 template <typename T> T prune_slack(T largest) noexcept {
     return T(64) * std::numeric_limits<T>::epsilon() * (T(1) + largest);
-}
-
-template <typename T>
-TrianglePoint<T> nearest_on_triangle(const layout::MeshView<T>& mesh, layout::uint triangle,
-                                     const Vector<T>& probe) noexcept {
-    const std::size_t first = 3 * std::size_t(triangle);
-    return nearest_on_triangle(probe, vector_at(mesh.vertices, mesh.triangle_corners[first]),
-                               vector_at(mesh.vertices, mesh.triangle_corners[first + 1]),
-                               vector_at(mesh.vertices, mesh.triangle_corners[first + 2]),
-                               vector_at(mesh.triangle_normals, triangle));
 }
 
 /// Which of two triangles comes first among equals.
@@ -245,7 +287,7 @@ bool comes_before(const layout::MeshView<T>& mesh, layout::uint one, layout::uin
 template <typename T>
 bool keep_nearer(const layout::MeshView<T>& mesh, layout::uint triangle, const Vector<T>& probe,
                  Nearest<T>& best) noexcept {
-    const TrianglePoint<T> point = nearest_on_triangle(mesh, triangle, probe);
+    const TrianglePoint<T> point = nearest_on_triangle(probe, triangle_at(mesh, triangle));
     if (point.square > best.square)
         return false;
     const layout::uint facet = mesh.triangle_facets[triangle];
@@ -362,7 +404,7 @@ Nearest<T> nearest_from(const layout::MeshView<T>& mesh, const Vector<T>& probe,
 template <typename T>
 Nearest<T> nearest(const layout::MeshView<T>& mesh, const Vector<T>& probe, layout::uint hint = 0) noexcept {
     constexpr T kSingleReach = T(64); // further out single precision would hardly prune
-    const TrianglePoint<T> point = nearest_on_triangle(mesh, hint, probe);
+    const TrianglePoint<T> point = nearest_on_triangle(probe, triangle_at(mesh, hint));
     const Nearest<T> start{hint, mesh.triangle_facets[hint], point.feature, point.offset, point.square};
     if (std::is_same_v<T, float> || largest_coordinate(probe) < kSingleReach)
         return nearest_from<float>(mesh, probe, start);

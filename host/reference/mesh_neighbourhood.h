@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <bit>
 #include <cstdint>
+#include <cstring>
 #include <limits>
 
 #include "host/reference/mesh_cast.h"
@@ -62,8 +63,8 @@ template <typename T> MoveBox box_ahead(const Move<T>& move, float reach) noexce
 template <typename T> struct CloseTriangles {
     static constexpr layout::uint kMost = 64;
     static constexpr layout::uint kFew = 16, kMany = 32;
-    static constexpr layout::uint kRow = 4;      /* checked together */
-    static constexpr layout::uint kPatience = 8; /* moves that pass before the next box is tried */
+    static constexpr layout::uint kRow = kLanes<float>; /* checked together */
+    static constexpr layout::uint kPatience = 8;        /* moves that pass before the next box is tried */
     // What single precision makes of heights within the box is less than 20 roundings of its longest side.
     static constexpr float kRounding = 0x1p-18F;
     // What T makes of the height above a plane whose corner is far off.
@@ -157,35 +158,33 @@ template <typename T> CloseMove seen_from_middle(const CloseTriangles<T>& close,
     return seen;
 }
 
+/// Bit i of the result: lane i of the mask is set.
+inline unsigned bits_of(LaneMask<float> mask) noexcept {
+#if defined(__SSE2__)
+    return static_cast<unsigned>(_mm_movemask_ps(std::bit_cast<__m128>(mask)));
+#else
+    unsigned bits = 0;
+    for (unsigned i = 0; i < kLanes<float>; ++i)
+        bits |= static_cast<unsigned>(mask[i] != 0) << i;
+    return bits;
+#endif
+}
+
+inline Lanes<float> lanes_at(const float* numbers) noexcept {
+    Lanes<float> lanes;
+    std::memcpy(&lanes, numbers, sizeof lanes);
+    return lanes;
+}
+
 /// Bit i of the result: the move may come within kCulled of the plane of triangle i of a row.
 template <typename T>
 unsigned row_meeting(const CloseTriangles<T>& close, layout::uint row, const CloseMove& move) noexcept {
-#if defined(__SSE2__)
-    const __m128 x = _mm_loadu_ps(&close.normal_x[row]), y = _mm_loadu_ps(&close.normal_y[row]);
-    const __m128 z = _mm_loadu_ps(&close.normal_z[row]);
-    const auto product = [&](const float* v) {
-        return _mm_add_ps(_mm_add_ps(_mm_mul_ps(x, _mm_set1_ps(v[0])), _mm_mul_ps(y, _mm_set1_ps(v[1]))),
-                          _mm_mul_ps(z, _mm_set1_ps(v[2])));
-    };
-    const __m128 begin = _mm_sub_ps(product(move.from), _mm_loadu_ps(&close.offset[row]));
-    const __m128 end = _mm_add_ps(begin, product(move.displacement));
-    const __m128 above = _mm_cmpgt_ps(_mm_min_ps(begin, end), _mm_set1_ps(close.margin));
-    const __m128 under = _mm_cmplt_ps(_mm_max_ps(begin, end), _mm_set1_ps(-close.margin));
-    return ~static_cast<unsigned>(_mm_movemask_ps(_mm_or_ps(above, under))) & 15U;
-#else
-    unsigned meeting = 0;
-    for (unsigned i = 0; i < CloseTriangles<T>::kRow; ++i) {
-        const layout::uint place = row + i;
-        const auto product = [&](const float* v) {
-            return close.normal_x[place] * v[0] + close.normal_y[place] * v[1] + close.normal_z[place] * v[2];
-        };
-        const float begin = product(move.from) - close.offset[place], end = begin + product(move.displacement);
-        const bool apart =
-            ((begin > close.margin) & (end > close.margin)) | ((begin < -close.margin) & (end < -close.margin));
-        meeting |= static_cast<unsigned>(!apart) << i;
-    }
-    return meeting;
-#endif
+    const Lanes<float> x = lanes_at(&close.normal_x[row]), y = lanes_at(&close.normal_y[row]);
+    const Lanes<float> z = lanes_at(&close.normal_z[row]);
+    const Lanes<float> begin = (x * move.from[0] + y * move.from[1] + z * move.from[2]) - lanes_at(&close.offset[row]);
+    const Lanes<float> end = begin + (x * move.displacement[0] + y * move.displacement[1] + z * move.displacement[2]);
+    const Lanes<float> lower = begin < end ? begin : end, upper = begin > end ? begin : end;
+    return ~bits_of((lower > close.margin) | (upper < -close.margin)) & 15U;
 }
 
 /// Writes the triangles whose planes a move may come within kCulled of, and returns their number. The move must stay
@@ -224,39 +223,13 @@ inline void fetch([[maybe_unused]] const void* address) noexcept {
 #endif
 }
 
-inline layout::uint leaf_begin(layout::uint child) noexcept {
-    return (child & ~layout::kMeshLeaf) / layout::kMeshLeafTriangles;
-}
-
-/// Calls visit(first, end) for the run of triangles that a leaf is.
-template <typename Visit> void visit_leaf(layout::uint child, Visit&& visit) noexcept {
-    const layout::uint first = leaf_begin(child);
-    visit(first, first + child % layout::kMeshLeafTriangles + 1);
-}
-
 /// Bit i of the result: child i of the node meets the box. Places without a child have boxes that meet nothing.
 inline unsigned children_meeting(const layout::MeshNode& node, const MoveBox& box) noexcept {
-#if defined(__SSE2__)
-    const auto not_above = [](const float* low, float high) {
-        return _mm_cmple_ps(_mm_loadu_ps(low), _mm_set1_ps(high));
+    const auto meets = [&](const float* low, const float* high, int axis) {
+        return (lanes_at(low) <= box.high[axis]) & (lanes_at(high) >= box.low[axis]);
     };
-    const auto not_below = [](const float* high, float low) {
-        return _mm_cmpge_ps(_mm_loadu_ps(high), _mm_set1_ps(low));
-    };
-    const __m128 x = _mm_and_ps(not_above(node.low_x, box.high[0]), not_below(node.high_x, box.low[0]));
-    const __m128 y = _mm_and_ps(not_above(node.low_y, box.high[1]), not_below(node.high_y, box.low[1]));
-    const __m128 z = _mm_and_ps(not_above(node.low_z, box.high[2]), not_below(node.high_z, box.low[2]));
-    return static_cast<unsigned>(_mm_movemask_ps(_mm_and_ps(_mm_and_ps(x, y), z)));
-#else
-    unsigned meeting = 0;
-    for (unsigned i = 0; i < layout::kMeshChildren; ++i) {
-        const bool meets = (node.low_x[i] <= box.high[0]) & (node.high_x[i] >= box.low[0]) &
-                           (node.low_y[i] <= box.high[1]) & (node.high_y[i] >= box.low[1]) &
-                           (node.low_z[i] <= box.high[2]) & (node.high_z[i] >= box.low[2]);
-        meeting |= static_cast<unsigned>(meets) << i;
-    }
-    return meeting;
-#endif
+    return bits_of(meets(node.low_x, node.high_x, 0) & meets(node.low_y, node.high_y, 1) &
+                   meets(node.low_z, node.high_z, 2));
 }
 
 /// Calls visit(node, i) for every leaf that meets the box, until it returns false; then, or if the box is so large that
@@ -367,20 +340,9 @@ void visit_along(const layout::MeshView<T>& mesh, const Move<T>& move, Visit&& v
     Vector<T> inverse;
     for (int i = 0; i < 3; ++i)
         inverse[i] = std::abs(move.displacement[i]) * kSteep > T(1) ? T(1) / move.displacement[i] : kSteep;
-    layout::uint stack[kMeshStack];
-    layout::uint height = 0;
-    stack[height++] = 0;
-    while (height > 0) {
-        const layout::MeshNode& node = mesh.nodes[stack[--height]];
-        for (unsigned i = 0; i < layout::kMeshChildren; ++i) {
-            if (node.child[i] == layout::kMeshNoChild || !meets_move(node, i, move, inverse))
-                continue;
-            if ((node.child[i] & layout::kMeshLeaf) == 0)
-                stack[height++] = node.child[i];
-            else
-                visit_leaf(node.child[i], visit);
-        }
-    }
+    visit_tree(
+        mesh, [](layout::uint) { return true; },
+        [&](const layout::MeshNode& node, layout::uint i) { return meets_move(node, i, move, inverse); }, visit);
 }
 
 /// Calls visit(first, end) for the leaves known around that meet a box, which must contain the move's. False if not all

@@ -1,5 +1,5 @@
-// Random numbers by counter (Philox 4x32-10: Salmon, Moraes, Dror & Shaw 2011): the same for a key and a counter
-// wherever they are drawn. Step for step as shaders/laws/motion.glsl.
+// The intended motion of a path: random numbers by counter, where it is at a step, and where its rounds end. Step for
+// step as shaders/laws/motion.glsl.
 #pragma once
 
 #include <array>
@@ -10,7 +10,8 @@
 
 namespace forceshade::reference {
 
-/// Four random words for a key and a counter.
+/// Four random words for a key and a counter, the same wherever they are drawn (Philox 4x32-10: Salmon, Moraes, Dror &
+/// Shaw 2011).
 inline std::array<layout::uint, 4> philox(std::array<layout::uint, 4> counter,
                                           std::array<layout::uint, 2> key) noexcept {
     constexpr int kRounds = 10;
@@ -25,8 +26,7 @@ inline std::array<layout::uint, 4> philox(std::array<layout::uint, 4> counter,
     return counter;
 }
 
-// Where the intended motion of a path is at a step, step for step as shaders/laws/motion.glsl. Phases are whole
-// numbers, so nothing drifts, and a step needs none before it.
+// Where the motion is at a step. Phases are whole numbers, so nothing drifts, and a step needs none before it.
 
 /// A place in the motion's own frame, m: along the heading, to its left, and above the surface.
 template <typename T> struct Place { T along = T(0), across = T(0), above = T(0); };
@@ -212,8 +212,8 @@ T late_share(const layout::PathFeatures& features, const layout::MotionParams<T>
     return T(static_cast<std::int32_t>(late)) * per_phase_step;
 }
 
-/// Whether a round ends at round_end(); a spiral does not come back to where it was, nor a probe that is held by a
-/// hand.
+/// Whether a round ends at round_end(); a spiral does not come back to where it was, nor a probe that a
+/// hand moves.
 inline bool ends_at_a_place(const layout::PathFeatures& features) noexcept {
     return features.loop == layout::kLoopOpen &&
            (features.motion == layout::kMotionStrokes || features.motion == layout::kMotionCircle ||

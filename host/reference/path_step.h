@@ -1,5 +1,6 @@
-// The hand and the device over one sample: mass, damping and spring, stepped exactly (laws: sampled stability). Step
-// for step as shaders/laws/path_step.glsl.
+// One step of an exploration path, open or closed loop: the hand and the device over a sample (mass, damping and
+// spring, stepped exactly), what is remembered of a path, and where the probe is, what it feels and where it goes next.
+// Step for step as shaders/laws/path_step.glsl.
 #pragma once
 
 #include <limits>
@@ -58,14 +59,14 @@ template <typename T> Vector<T> measured(const layout::HandParams<T>& hand, cons
 /// The force, N, that the device displays of the one that the law gives: no larger than it can; none if that is no
 /// finite number.
 template <typename T> Vector<T> commanded(const layout::HandParams<T>& hand, const Vector<T>& law_force) noexcept {
-    const Vector<T> force{hand.gain * law_force.x, hand.gain * law_force.y, hand.gain * law_force.z};
+    const Vector<T> force = hand.gain * law_force;
     const T size = std::sqrt(dot(force, force));
     if (size <= hand.max_force)
         return force;
     if (!(size <= std::numeric_limits<T>::max()))
         return Vector<T>(T(0));
     const T share = hand.max_force / size;
-    return {share * force.x, share * force.y, share * force.z};
+    return share * force;
 }
 
 /// Where a probe is, and how fast.
@@ -94,7 +95,7 @@ ProbeState<T> advance_hand(const layout::HandParams<T>& hand, const ProbeState<T
     return next;
 }
 
-// What is remembered of a path, step for step as shaders/laws/path_step.glsl.
+// What is remembered of a path.
 
 /// Adds to a sum that keeps what rounding takes from it (Kahan).
 template <typename T> void add_to(T& sum, T& rest, T value) noexcept {
@@ -130,7 +131,7 @@ void add_sample(layout::PathMetrics<T>& metrics, const Contact<T>& contact, cons
     ++metrics.contact_samples;
 }
 
-/// About the square of an angle from that of its chord, to tell which of two turns over ways of different length is the
+/// About the square of an angle from that of its chord, to tell which of two turns over different distances is the
 /// steeper: the angle is within 4e-4 of itself up to 45 degrees, 4e-3 up to 90, 0.05 up to 180. A chord of a few
 /// roundings, as an unshaded facet has from sample to sample, is its own angle to the last bit; its powers would be
 /// denormal, which many processors are slow with.
@@ -141,6 +142,13 @@ template <typename T> T angle_square(T chord_square) noexcept {
     const T square = base * base;
     const T more = T(0.0890539) + T(0.00343149) * (square * base);
     return counts ? base + square * more : chord_square;
+}
+
+/// Writes a vector to where its numbers are kept.
+template <typename T> void put(const Vector<T>& vector, T& x, T& y, T& z) noexcept {
+    x = vector.x;
+    y = vector.y;
+    z = vector.z;
 }
 
 /// A sample's place, m, and the force's direction there and at the sample before. Its turn is counted from an anchor,
@@ -166,12 +174,8 @@ void add_turn(layout::PathState<T>& state, const Vector<T>& place, const Vector<
         state.steepest = angle;
     }
     if (!both || reach >= least) {
-        state.anchor_x = place.x;
-        state.anchor_y = place.y;
-        state.anchor_z = place.z;
-        state.anchor_force_x = direction.x;
-        state.anchor_force_y = direction.y;
-        state.anchor_force_z = direction.z;
+        put(place, state.anchor_x, state.anchor_y, state.anchor_z);
+        put(direction, state.anchor_force_x, state.anchor_force_y, state.anchor_force_z);
     }
     state.directed = directed ? 1 : 0;
 }
@@ -205,8 +209,7 @@ void add_speed(layout::PathMetrics<T>& metrics, const Vector<T>& speed, layout::
         metrics.late_speed = size > metrics.late_speed ? size : metrics.late_speed;
 }
 
-// One step of an exploration path, open or closed loop: where the probe is, what it feels, where it goes next. Step for
-// step as shaders/laws/path_step.glsl.
+// The step.
 
 /// What a law made of a sample.
 template <typename T> struct LawContact {
@@ -224,9 +227,8 @@ template <typename T> struct PathSampled {
 /// A path before its first step, with the probe at a place, m.
 template <typename T> layout::PathState<T> state_at(const Vector<T>& place) noexcept {
     layout::PathState<T> state{};
-    state.x = state.measured_x = place.x;
-    state.y = state.measured_y = place.y;
-    state.z = state.measured_z = place.z;
+    put(place, state.x, state.y, state.z);
+    put(place, state.measured_x, state.measured_y, state.measured_z);
     state.metrics = no_metrics<T>();
     return state;
 }
@@ -256,8 +258,7 @@ template <typename T> void add_turn_at(layout::PathState<T>& state, const PathSa
 /// Open loop: adds the work, J, since the last sample; the first is where the path begins, and adds none.
 template <typename T> T add_between(layout::PathState<T>& state, const PathSampled<T>& sampled) noexcept {
     const Vector<T> last{state.force_x, state.force_y, state.force_z};
-    const Vector<T> displacement{sampled.position.x - state.measured_x, sampled.position.y - state.measured_y,
-                                 sampled.position.z - state.measured_z};
+    const Vector<T> displacement = sampled.position - Vector<T>{state.measured_x, state.measured_y, state.measured_z};
     const T work = T(0.5) * dot(Vector<T>(last + sampled.force), displacement);
     add_work(state.metrics, work);
     return work;
@@ -275,12 +276,8 @@ T advance_probe(layout::PathState<T>& state, const layout::HandParams<T>& hand, 
     const T work = dot(applied, Vector<T>(after.place - now.place));
     add_work(state.metrics, work);
     add_speed(state.metrics, after.speed, state.step, steps);
-    state.x = after.place.x;
-    state.y = after.place.y;
-    state.z = after.place.z;
-    state.speed_x = after.speed.x;
-    state.speed_y = after.speed.y;
-    state.speed_z = after.speed.z;
+    put(after.place, state.x, state.y, state.z);
+    put(after.speed, state.speed_x, state.speed_y, state.speed_z);
     return work;
 }
 
@@ -298,12 +295,8 @@ T late_work(const layout::PathInput<T>& input, const layout::MotionParams<T>& mo
 
 /// What the next sample needs of this one.
 template <typename T> void keep_sample(layout::PathState<T>& state, const PathSampled<T>& sampled) noexcept {
-    state.measured_x = sampled.position.x;
-    state.measured_y = sampled.position.y;
-    state.measured_z = sampled.position.z;
-    state.force_x = sampled.force.x;
-    state.force_y = sampled.force.y;
-    state.force_z = sampled.force.z;
+    put(sampled.position, state.measured_x, state.measured_y, state.measured_z);
+    put(sampled.force, state.force_x, state.force_y, state.force_z);
     ++state.step;
 }
 

@@ -1,10 +1,6 @@
 #include "host/reference/paths.h"
 
-#include <algorithm>
-#include <atomic>
-#include <thread>
-#include <vector>
-
+#include "host/reference/chunks.h"
 #include "host/reference/contact.h"
 #include "host/reference/god_object.h"
 #include "host/reference/path_step.h"
@@ -12,69 +8,28 @@
 namespace forceshade::reference {
 namespace {
 
-// Samples of some steps of a batch, and what they are told to.
-template <typename T> struct Samples {
-    std::vector<T> position, force, depth, proxy;
-    std::vector<layout::uint> facet;
-
-    void resize(layout::uint channels, std::size_t count) {
-        position.resize(channels & layout::kChannelPosition ? 3 * count : 0);
-        force.resize(channels & layout::kChannelForce ? 3 * count : 0);
-        depth.resize(channels & layout::kChannelDepth ? count : 0);
-        facet.resize(channels & layout::kChannelFacet ? count : 0);
-        proxy.resize(channels & layout::kChannelProxy ? 3 * count : 0);
-    }
-
-    void store(std::size_t at, const PathSampled<T>& sampled) {
-        put(position, at, sampled.position);
-        put(force, at, sampled.force);
-        put(proxy, at, sampled.contact.proxy);
-        if (!depth.empty())
-            depth[at] = sampled.contact.depth;
-        if (!facet.empty())
-            facet[at] = sampled.contact.facet;
-    }
-
-private:
-    static void put(std::vector<T>& buffer, std::size_t at, const Vector<T>& value) {
-        if (buffer.empty())
-            return;
-        buffer[3 * at] = value.x;
-        buffer[3 * at + 1] = value.y;
-        buffer[3 * at + 2] = value.z;
-    }
-};
-
-std::size_t sample_bytes(layout::uint channels, std::size_t real_size) {
-    return (channels & layout::kChannelPosition ? 3 * real_size : 0) +
-           (channels & layout::kChannelForce ? 3 * real_size : 0) + (channels & layout::kChannelDepth ? real_size : 0) +
-           (channels & layout::kChannelFacet ? sizeof(layout::uint) : 0) +
-           (channels & layout::kChannelProxy ? 3 * real_size : 0);
-}
-
 // Evaluated from one callback to the next: a second or so.
 constexpr std::size_t kMostSamples = std::size_t(1) << 22;
 // Likewise of a path: more at once are no quicker, and take memory.
 constexpr std::size_t kMostSteps = std::size_t(1) << 16;
 
-} // namespace
-
-template <typename T> struct PathWalk<T>::State {
-    State(const layout::PathInput<T>& input, const PathOptions& options)
-        : input_(input), options_(options),
-          threads_(options.threads ? options.threads : std::max(1u, std::thread::hardware_concurrency())),
+template <typename T> class ThreadedWalk final : public PathWalk<T> {
+public:
+    ThreadedWalk(const layout::PathInput<T>& input, const PathOptions& options)
+        : input_(input), options_(options), threads_(threads_for(options.threads)),
           recorded_(input.features.motion == layout::kMotionRecorded) {}
 
-    void begin(std::size_t first, std::size_t count) {
+    std::size_t begin(std::size_t first, std::size_t count) override {
         batch_ = input_.source->batch(first, count);
         states_.assign(batch_.count, {});
         proxies_.assign(on_mesh() ? batch_.count : 0, {});
         step_ = 0;
+        return batch_.count;
     }
 
-    std::size_t steps() const { return batch_.longest ? batch_.longest : input_.steps; }
+    std::size_t steps() const override { return batch_.longest ? batch_.longest : input_.steps; }
 
-    layout::PathChunk<T> walk(std::size_t most) {
+    layout::PathChunk<T> walk(std::size_t most) override {
         const std::size_t row = std::max<std::size_t>(1, batch_.count * bytes_per_sample());
         const std::size_t soon = std::clamp<std::size_t>(kMostSamples / batch_.count, 1, kMostSteps);
         layout::PathChunk<T> chunk{};
@@ -86,17 +41,23 @@ template <typename T> struct PathWalk<T>::State {
         run_chunk(chunk);
         step_ += chunk.step_count;
         chunk.position = samples_.position;
-        chunk.force = samples_.force;
-        chunk.depth = samples_.depth;
-        chunk.facet = samples_.facet;
-        chunk.proxy = samples_.proxy;
+        samples_.set_spans(chunk);
         return chunk;
     }
 
+    std::vector<layout::PathMetrics<T>> metrics() const override {
+        std::vector<layout::PathMetrics<T>> metrics;
+        metrics.reserve(states_.size());
+        for (const layout::PathState<T>& path : states_)
+            metrics.push_back(path.metrics);
+        return metrics;
+    }
+
+private:
     bool on_mesh() const { return input_.law.features.surface == layout::kSurfaceMesh; }
 
     std::size_t bytes_per_sample() const {
-        return sample_bytes(input_.features.channels, sizeof(T)) + (recorded_ ? 3 * sizeof(T) : 0);
+        return SampleBuffers<T>::bytes_per_sample(input_.features.channels) + (recorded_ ? 3 * sizeof(T) : 0);
     }
 
     // Shares the batch's paths out among threads.
@@ -106,17 +67,12 @@ template <typename T> struct PathWalk<T>::State {
         if (recorded_)
             positions_ =
                 input_.source->positions(chunk.step_first, std::min(chunk.step_count + 1, steps() - chunk.step_first));
-        std::atomic<std::size_t> next{0};
-        const auto work = [&] {
-            Neighbourhood<T> neighbourhood;
-            for (std::size_t begin; (begin = kShare * next++) < chunk.path_count;)
-                for (std::size_t path = begin; path < std::min(begin + kShare, chunk.path_count); ++path)
-                    run_path(chunk, path, neighbourhood);
-        };
-        std::vector<std::jthread> helpers;
-        for (std::size_t i = 1; i < threads_; ++i)
-            helpers.emplace_back(work);
-        work();
+        std::vector<Neighbourhood<T>> neighbourhoods(threads_);
+        share_out(threads_, (chunk.path_count + kShare - 1) / kShare, [&](std::size_t thread, std::size_t share) {
+            const std::size_t end = std::min((share + 1) * kShare, chunk.path_count);
+            for (std::size_t path = share * kShare; path < end; ++path)
+                run_path(chunk, path, neighbourhoods[thread]);
+        });
     }
 
     std::size_t steps_of(std::size_t path) const {
@@ -153,7 +109,9 @@ template <typename T> struct PathWalk<T>::State {
             const Vector<T> next = closed || !last ? target(chunk, path, last && recorded_ ? step : step + 1) : here;
             const PathSampled<T> sampled =
                 take_step(input_, hand, motion, state, here, next, static_cast<layout::uint>(steps), evaluate_law);
-            samples_.store((step - chunk.step_first) * chunk.pitch + path, sampled);
+            const std::size_t sample = (step - chunk.step_first) * chunk.pitch + path;
+            samples_.store(sample, sampled.contact, sampled.force);
+            SampleBuffers<T>::put(samples_.position, sample, sampled.position);
             here = next;
         }
         states_[path] = state;
@@ -179,52 +137,33 @@ template <typename T> struct PathWalk<T>::State {
     std::vector<layout::PathState<T>> states_;
     std::vector<GodObject<T>> proxies_;
     std::span<const T> positions_; // of a recorded batch, from the chunk's first step on
-    Samples<T> samples_;
+    SampleBuffers<T> samples_;
 };
 
+} // namespace
+
 template <typename T>
-PathWalk<T>::PathWalk(const layout::PathInput<T>& input, const PathOptions& options)
-    : state_(std::make_unique<State>(input, options)) {}
-template <typename T> PathWalk<T>::~PathWalk() = default;
-
-template <typename T> std::size_t PathWalk<T>::begin(std::size_t first, std::size_t count) {
-    state_->begin(first, count);
-    return state_->batch_.count;
-}
-
-template <typename T> std::size_t PathWalk<T>::steps() const {
-    return state_->steps();
-}
-
-template <typename T> layout::PathChunk<T> PathWalk<T>::walk(std::size_t most) {
-    return state_->walk(most);
-}
-
-template <typename T> std::vector<layout::PathMetrics<T>> PathWalk<T>::metrics() const {
-    std::vector<layout::PathMetrics<T>> metrics;
-    metrics.reserve(state_->states_.size());
-    for (const layout::PathState<T>& path : state_->states_)
-        metrics.push_back(path.metrics);
-    return metrics;
+std::unique_ptr<PathWalk<T>> make_path_walk(const layout::PathInput<T>& input, const PathOptions& options) {
+    return std::make_unique<ThreadedWalk<T>>(input, options);
 }
 
 template <typename T>
 void evaluate_paths(const layout::PathInput<T>& input, const PathOptions& options, const TakePaths<T>& take,
                     const TakeMetrics<T>& take_metrics) {
-    PathWalk<T> walk(input, options);
+    const std::unique_ptr<PathWalk<T>> walk = make_path_walk(input, options);
     for (std::size_t first = 0, count = 0; first < input.paths; first += count) {
-        count = walk.begin(first, std::min(options.batch_paths, input.paths - first));
-        for (std::size_t step = 0; step < walk.steps();) {
-            const layout::PathChunk<T> chunk = walk.walk(walk.steps() - step);
+        count = walk->begin(first, std::min(options.batch_paths, input.paths - first));
+        for (std::size_t step = 0; step < walk->steps();) {
+            const layout::PathChunk<T> chunk = walk->walk(walk->steps() - step);
             take(chunk);
             step += chunk.step_count;
         }
-        take_metrics(first, walk.metrics());
+        take_metrics(first, walk->metrics());
     }
 }
 
-template class PathWalk<float>;
-template class PathWalk<double>;
+template std::unique_ptr<PathWalk<float>> make_path_walk(const layout::PathInput<float>&, const PathOptions&);
+template std::unique_ptr<PathWalk<double>> make_path_walk(const layout::PathInput<double>&, const PathOptions&);
 template void evaluate_paths<float>(const layout::PathInput<float>&, const PathOptions&, const TakePaths<float>&,
                                     const TakeMetrics<float>&);
 template void evaluate_paths<double>(const layout::PathInput<double>&, const PathOptions&, const TakePaths<double>&,

@@ -25,23 +25,21 @@ template <typename T> using TakePaths = std::function<void(const layout::PathChu
 /// on how many steps are taken at once or on the number of threads.
 template <typename T> class PathWalk {
 public:
-    /// `input` and `options` must outlive it.
-    PathWalk(const layout::PathInput<T>& input, const PathOptions& options);
-    ~PathWalk();
+    virtual ~PathWalk() = default;
 
     /// Before the first step of the paths from `first` on, at most `count`; how many they are.
-    std::size_t begin(std::size_t first, std::size_t count);
-    std::size_t steps() const; /* of the batch's longest path */
+    virtual std::size_t begin(std::size_t first, std::size_t count) = 0;
+    virtual std::size_t steps() const = 0; /* of the batch's longest path */
     /// The batch's next steps, as many as the options let and at most `most`, at least one. The chunk lives until the
     /// next call.
-    layout::PathChunk<T> walk(std::size_t most);
+    virtual layout::PathChunk<T> walk(std::size_t most) = 0;
     /// Of the batch's paths, up to where they are.
-    std::vector<layout::PathMetrics<T>> metrics() const;
-
-private:
-    struct State;
-    std::unique_ptr<State> state_;
+    virtual std::vector<layout::PathMetrics<T>> metrics() const = 0;
 };
+
+/// `input` and `options` must outlive it.
+template <typename T>
+std::unique_ptr<PathWalk<T>> make_path_walk(const layout::PathInput<T>& input, const PathOptions& options);
 
 /// Takes every path of the input through its law, in T. Chunks come batch of paths by batch of paths, within one in the
 /// order of steps, up to the batch's longest, empty ones where no channel is asked for; then the batch's metrics. Stops
@@ -49,12 +47,5 @@ private:
 template <typename T>
 void evaluate_paths(const layout::PathInput<T>& input, const PathOptions& options, const TakePaths<T>& take,
                     const TakeMetrics<T>& take_metrics);
-
-extern template class PathWalk<float>;
-extern template class PathWalk<double>;
-extern template void evaluate_paths<float>(const layout::PathInput<float>&, const PathOptions&, const TakePaths<float>&,
-                                           const TakeMetrics<float>&);
-extern template void evaluate_paths<double>(const layout::PathInput<double>&, const PathOptions&,
-                                            const TakePaths<double>&, const TakeMetrics<double>&);
 
 } // namespace forceshade::reference

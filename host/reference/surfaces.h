@@ -1,4 +1,5 @@
-// What a law gives at one probe position.
+// What a law gives at one probe position, and what it needs of the surface there: facets, height maps, and the column
+// above (x, y).
 #pragma once
 
 #include "host/reference/elementary.h"

@@ -33,10 +33,10 @@ Forms forms_of(const Selection& selection, const Merged& merged) {
     Forms forms;
     forms.surface = kind == SurfaceKind::height_map ? map_form(selection, "surface")
                                                     : kSurfaceForms[static_cast<std::size_t>(kind)];
-    forms.texture = merged.texture ? map_form(selection, "texture") : 0;
+    forms.texture = merged.has("texture") ? map_form(selection, "texture") : 0;
     forms.reference_shading = static_cast<Shading>(chosen(selection, "force.shading")) == Shading::reference;
-    forms.hand = merged.hand;
-    if (!merged.paths)
+    forms.hand = merged.has("hand");
+    if (!merged.has("paths"))
         return forms;
     forms.paths = 1u << chosen(selection, "paths.kind");
     forms.closed_loop = selection[key_index("paths.loop")]
@@ -58,7 +58,7 @@ Merged merge(std::initializer_list<const Layer*> layers) {
         ++rank;
         if (!layer)
             continue;
-        merged.add(*layer);
+        merged.tables.insert(layer->tables.begin(), layer->tables.end());
         for (const Entry& entry : layer->entries) {
             merged.entries[entry.key] = &entry;
             merged.ranks[entry.key] = rank;
@@ -70,10 +70,15 @@ Merged merge(std::initializer_list<const Layer*> layers) {
     return merged;
 }
 
-std::vector<Forms> possible_forms(const Merged& merged) {
-    std::vector<Selection> selections(1);
+Selection first_values(const Merged& merged) {
+    Selection selection;
     for (const Entry* entry : merged.entries)
-        selections.front().push_back(entry ? &entry->values.front() : nullptr);
+        selection.push_back(entry ? &entry->values.front() : nullptr);
+    return selection;
+}
+
+std::vector<Forms> possible_forms(const Merged& merged) {
+    std::vector<Selection> selections{first_values(merged)};
     for (const char* path :
          {"surface.kind", "surface.function", "force.shading", "texture.function", "paths.kind", "paths.loop"}) {
         const std::size_t key = key_index(path), before = selections.size();
@@ -85,13 +90,12 @@ std::vector<Forms> possible_forms(const Merged& merged) {
     }
     std::vector<Forms> result;
     for (const Selection& selection : selections)
-        if (const Forms forms = forms_of(selection, merged); std::ranges::find(result, forms) == result.end())
-            result.push_back(forms);
+        add_once(forms_of(selection, merged), result);
     return result;
 }
 
 bool applies_to_any(const Key& key, const std::vector<Forms>& forms) {
-    return std::any_of(forms.begin(), forms.end(), [&](const Forms& one) { return applies(key, one); });
+    return std::ranges::any_of(forms, [&](const Forms& one) { return applies(key, one); });
 }
 
 bool grid_fits_mesh(const Merged& merged) {
@@ -108,7 +112,7 @@ void drop_inapplicable(Selection& selection, const Merged& merged) {
     const bool fits = grid_fits_mesh(merged);
     const auto is_grid = [](std::size_t key) { return schema_keys()[key].table == "grid"; };
     for (std::size_t i = 0; i < selection.size(); ++i)
-        if (!applies(schema_keys()[i], forms) || (is_grid(i) && merged.paths && !merged.grid) ||
+        if (!applies(schema_keys()[i], forms) || (is_grid(i) && merged.has("paths") && !merged.has("grid")) ||
             (i == samples && !fits))
             selection[i] = nullptr;
     for (std::size_t i = 0; i < selection.size(); ++i)
@@ -192,7 +196,7 @@ std::vector<std::size_t> varying_keys(const std::vector<Selection>& selections, 
     for (const std::size_t key : order) {
         std::set<std::string> values;
         const auto has_key = [key](const Selection& selection) { return selection[key] != nullptr; };
-        if (std::none_of(selections.begin(), selections.end(), has_key))
+        if (std::ranges::none_of(selections, has_key))
             continue;
         for (const Selection& selection : selections)
             if (const std::string text = compared(selection, key); !text.empty())
@@ -211,9 +215,8 @@ std::string label(std::size_t key, const std::vector<std::size_t>& varying) {
         return other != key && schema_keys()[other].name == info.name && schema_keys()[other].table != "texture";
     };
     const auto shared = [&](const Key& other) { return other.name == info.name && other.table != info.table; };
-    const auto keys = schema_keys();
-    const bool ambiguous = std::any_of(varying.begin(), varying.end(), same_name) ||
-                           (info.table == "paths" && std::any_of(keys.begin(), keys.end(), shared));
+    const bool ambiguous = std::ranges::any_of(varying, same_name) ||
+                           (info.table == "paths" && std::ranges::any_of(schema_keys(), shared));
     return ambiguous || info.table == "texture" ? info.path() : std::string(info.name);
 }
 

@@ -1,4 +1,4 @@
-// Which value each key has: layers merged, and one value chosen from each axis.
+// The cases of a study: layers merged, one value chosen from each axis, the scene that comes of it, checked and named.
 #pragma once
 
 #include <string>
@@ -29,6 +29,9 @@ bool applies_to_any(const Key& key, const std::vector<Forms>& forms);
 
 /// By key: the value, or null where the key does not apply.
 using Selection = std::vector<const Value*>;
+
+/// The first value of each entry.
+Selection first_values(const Merged& merged);
 
 /// Takes away the values of keys that do not apply; `selection` is one choice of what the merged layers allow.
 void drop_inapplicable(Selection& selection, const Merged& merged);

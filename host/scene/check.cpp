@@ -5,11 +5,9 @@
 #include <cmath>
 #include <initializer_list>
 #include <limits>
+#include <tuple>
 
 #include <fmt/format.h>
-
-#include "host/error.h"
-#include "host/scene/scene.h"
 
 namespace forceshade {
 
@@ -83,15 +81,14 @@ private:
         const double size = std::abs(metres);
         if (size < range_.smallest_length || size > range_.largest_length)
             fail(source_, place({path, "run.precision"}, part),
-                 fmt::format("{} must be from {:g} m to {:g} m in {}, so that its square is a normal number; got {} m",
-                             path, range_.smallest_length, range_.largest_length, range_.name, metres));
+                 "{} must be from {:g} m to {:g} m in {}, so that its square is a normal number; got {} m", path,
+                 range_.smallest_length, range_.largest_length, range_.name, metres);
     }
 
     void check_stiffness(const std::string& path, double stiffness) const {
         if (stiffness < range_.smallest_stiffness || stiffness > range_.largest_stiffness)
-            fail(source_, place({path, "run.precision"}),
-                 fmt::format("{} must be from {:g} N/m to {:g} N/m in {}; got {} N/m", path, range_.smallest_stiffness,
-                             range_.largest_stiffness, range_.name, stiffness));
+            fail(source_, place({path, "run.precision"}), "{} must be from {:g} N/m to {:g} N/m in {}; got {} N/m",
+                 path, range_.smallest_stiffness, range_.largest_stiffness, range_.name, stiffness);
     }
 
     void check_circle(const std::string& table, double width, double radius) const {
@@ -99,7 +96,7 @@ private:
         check_length(table + ".radius", radius);
         if (radius < width / 2)
             fail(source_, place({table + ".radius", table + ".width"}),
-                 fmt::format("radius must be at least half of width: {} m is less than {} m", radius, width / 2));
+                 "radius must be at least half of width: {} m is less than {} m", radius, width / 2);
     }
 
     void check_map(const std::string& table, const HeightMapSpec& map) const {
@@ -123,10 +120,10 @@ private:
     void check_slope(const std::string& table, double height, double length) const {
         if (!(std::abs(height) <= range_.largest_length) || !(std::abs(height) / length <= range_.steepest))
             fail(source_, place({table + ".height", table + ".radius", table + ".width", table + ".size"}),
-                 fmt::format(
-                     "{}.height {} m is too large for {}: its size may be {:g} m, and {:g} times the length over "
-                     "which it rises",
-                     table, height, range_.name, range_.largest_length, range_.steepest));
+
+                 "{}.height {} m is too large for {}: its size may be {:g} m, and {:g} times the length over which it "
+                 "rises",
+                 table, height, range_.name, range_.largest_length, range_.steepest);
     }
 
     void check_surface() {
@@ -140,9 +137,8 @@ private:
         const double step = step_at(surface.width / 2, scene_.precision);
         if (surface.kind == SurfaceKind::bump && facet < step)
             warn(place({"surface.facets", "surface.width"}),
-                 fmt::format("facets of {:.2g} m are below the {} step {:.2g} m at the bump's edge: neighbouring "
-                             "vertices coincide",
-                             facet, range_.name, step));
+                 "facets of {:.2g} m are below the {} step {:.2g} m at the bump's edge: neighbouring vertices coincide",
+                 facet, range_.name, step);
     }
 
     void check_mesh(const MeshSpec& mesh) const {
@@ -154,29 +150,25 @@ private:
         for (const char* path : {"grid.size", "grid.origin", "grid.spacing"})
             if (scene_.grid.samples == 0 && given.line > 0 && place({path}).line == 0)
                 fail(source_, given,
-                     fmt::format("a mesh's grid needs size, origin and spacing, of which {} is missing; or samples, "
-                                 "which makes them from the mesh's box",
-                                 std::string_view(path).substr(5)));
+                     "a mesh's grid needs size, origin and spacing, of which {} is missing; or samples, which makes "
+                     "them from the mesh's box",
+                     std::string_view(path).substr(5));
     }
 
     void check_force() const {
         check_stiffness("force.stiffness", scene_.force.stiffness);
         const Shading shading = scene_.force.shading;
-        struct Fitting {
-            const char* names;
-            Shading first, last; // beside none
-        };
-        constexpr std::array<Fitting, 4> kFitting{
+        // By surface: the first and the last that fit beside none.
+        constexpr std::array<std::tuple<const char*, Shading, Shading>, 4> kFitting{
             {{"none or reference", Shading::reference, Shading::reference},
              {"none", Shading::none, Shading::none},
              {"none or height_map", Shading::height_map, Shading::height_map},
              {"none, morgenbesser, barycentric, mean_value or two_pass", Shading::morgenbesser, Shading::two_pass}}};
         const auto& [allowed, first, last] = kFitting[static_cast<std::size_t>(scene_.surface.kind)];
-        const bool fits = shading == Shading::none || (shading >= first && shading <= last);
-        if (!fits)
+        if (shading != Shading::none && (shading < first || shading > last))
             fail(source_, place({"force.shading", "surface.kind"}),
-                 fmt::format("shading \"{}\" does not fit kind \"{}\", whose shading is {}",
-                             find("force.shading")->texts.front(), find("surface.kind")->texts.front(), allowed));
+                 "shading \"{}\" does not fit kind \"{}\", whose shading is {}", find("force.shading")->texts.front(),
+                 find("surface.kind")->texts.front(), allowed);
     }
 
     void check_texture(const TextureSpec& texture) {
@@ -194,15 +186,15 @@ private:
         const GridSpec& grid = scene_.grid;
         const double rows = static_cast<double>(grid.size[1]) * static_cast<double>(grid.size[2]);
         if (grid.size[0] > kMostColumns)
-            fail(source_, place({"grid.size"}, 0),
-                 fmt::format("size has {} samples along x; an EXR holds up to {}", grid.size[0], kMostColumns));
+            fail(source_, place({"grid.size"}, 0), "size has {} samples along x; an EXR holds up to {}", grid.size[0],
+                 kMostColumns);
         if (rows > static_cast<double>(kMostRows))
-            fail(source_, place({"grid.size"}, 1),
-                 fmt::format("size has {:.0f} rows, y times z; an EXR holds up to {}", rows, kMostRows));
+            fail(source_, place({"grid.size"}, 1), "size has {:.0f} rows, y times z; an EXR holds up to {}", rows,
+                 kMostRows);
         const double voxels = rows * static_cast<double>(grid.size[0]);
         if (voxels > kMostVoxels)
-            fail(source_, place({"grid.size"}),
-                 fmt::format("size has {:.0f} voxels; the limit is {:.0f}, 2^48", voxels, kMostVoxels));
+            fail(source_, place({"grid.size"}), "size has {:.0f} voxels; the limit is {:.0f}, 2^48", voxels,
+                 kMostVoxels);
         for (std::size_t axis = 0; axis < 3; ++axis)
             check_axis(axis);
     }
@@ -213,8 +205,8 @@ private:
         const double farthest = std::max(std::abs(grid.origin[axis]), std::abs(last));
         if (!(farthest <= range_.largest_length))
             fail(source_, place({"grid.origin", "grid.spacing", "grid.size"}, axis),
-                 fmt::format("the grid reaches {:.4g} m along {}; {} allows {:g} m", farthest, kAxisNames[axis],
-                             range_.name, range_.largest_length));
+                 "the grid reaches {:.4g} m along {}; {} allows {:g} m", farthest, kAxisNames[axis], range_.name,
+                 range_.largest_length);
         const double step = step_at(farthest, scene_.precision);
         // A mesh is evaluated in a frame of its own, about its centre.
         if (grid.size[axis] < 2 || grid.spacing[axis] >= step || scene_.surface.kind == SurfaceKind::mesh)
@@ -222,10 +214,10 @@ private:
         const Value& spacing = *find("grid.spacing");
         const bool single = scene_.precision == Precision::f32;
         warn(place({"grid.spacing", "grid.origin", "grid.size"}, axis),
-             fmt::format("spacing {} is below the {} step {:.2g} m at {}: neighbouring voxels sample the same point; "
-                         "{}move the grid",
-                         spacing.texts[spacing.one_for_all ? 0 : axis], range_.name, step, length_text(farthest),
-                         single ? "use precision f64 or " : ""));
+             "spacing {} is below the {} step {:.2g} m at {}: neighbouring voxels sample the same point; {}move the "
+             "grid",
+             spacing.texts[spacing.one_for_all ? 0 : axis], range_.name, step, length_text(farthest),
+             single ? "use precision f64 or " : "");
     }
 
     void check_sizes(const Key& key, const Value& value) const {
@@ -236,10 +228,9 @@ private:
             const double size = std::abs(value.numbers[i]);
             const bool large = size > range_.largest_length;
             if (large || (needs_square(key) && size > 0 && size < range_.smallest_length))
-                fail(source_, value.parts[i],
-                     fmt::format("{} must be at {} {:g} {} in {}; got {} {}", key.path(), large ? "most" : "least",
-                                 large ? range_.largest_length : range_.smallest_length, unit, range_.name,
-                                 value.numbers[i], unit));
+                fail(source_, value.parts[i], "{} must be at {} {:g} {} in {}; got {} {}", key.path(),
+                     large ? "most" : "least", large ? range_.largest_length : range_.smallest_length, unit,
+                     range_.name, value.numbers[i], unit);
         }
     }
 
@@ -256,13 +247,13 @@ private:
         if (paths.follow == PathFollow::surface && surface != SurfaceKind::bump &&
             surface != SurfaceKind::cylinder_bump)
             fail(source_, place({"paths.follow", "surface.kind"}),
-                 fmt::format("follow \"surface\" is for the kinds bump and cylinder_bump; the nominal surface of kind "
-                             "\"{}\" is followed by \"plane\"",
-                             find("surface.kind")->texts.front()));
+                 "follow \"surface\" is for the kinds bump and cylinder_bump; the nominal surface of kind \"{}\" is "
+                 "followed by \"plane\"",
+                 find("surface.kind")->texts.front());
         if (paths.inner && paths.length && *paths.inner > *paths.length / 2)
             fail(source_, place({"paths.inner", "paths.length"}),
-                 fmt::format("inner, the smallest radius, is at most half of length: {} m is more than {} m",
-                             *paths.inner, *paths.length / 2));
+                 "inner, the smallest radius, is at most half of length: {} m is more than {} m", *paths.inner,
+                 *paths.length / 2);
     }
 
     void check_drive(const PathsSpec& paths) const {
@@ -272,13 +263,12 @@ private:
         const Location where = find(fmt::format("paths.{}", name))->where;
         if (!paths.closed())
             fail(source_, where,
-                 fmt::format("{} is a force of the hand, and an open loop has none: give depth, or loop = \"closed\"",
-                             name));
+                 "{} is a force of the hand, and an open loop has none: give depth, or loop = \"closed\"", name);
         if (paths.kind == PathKind::taps)
-            fail(source_, where, fmt::format("taps go down to a depth: give depth instead of {}", name));
+            fail(source_, where, "taps go down to a depth: give depth instead of {}", name);
         if (paths.depth_back)
             fail(source_, place({"paths.depth_back", "paths.depth_back.mean", "paths.depth_back.min"}),
-                 fmt::format("with {} the hand keeps no depth, on the way back neither", name));
+                 "with {} the hand keeps no depth, on the way back neither", name);
     }
 
     void check_spread(const std::string& name) const {
@@ -287,21 +277,18 @@ private:
             const Value* first = find(fmt::format("{}.{}", path, one));
             const Value* second = find(fmt::format("{}.{}", path, other));
             if (!first != !second)
-                fail(source_, (first ? first : second)->where,
-                     fmt::format("{} = {{ {}, {} }} needs both; {} is missing", name, one, other, first ? other : one));
+                fail(source_, (first ? first : second)->where, "{} = {{ {}, {} }} needs both; {} is missing", name, one,
+                     other, first ? other : one);
             return std::pair(first, second);
         };
         check_pair("mean", "sd");
         const auto [low, high] = check_pair("min", "max");
         if (low && low->numbers.front() > high->numbers.front())
-            fail(source_, low->where,
-                 fmt::format("{}: min {} is more than max {}", name, low->texts.front(), high->texts.front()));
+            fail(source_, low->where, "{}: min {} is more than max {}", name, low->texts.front(), high->texts.front());
     }
 
-    void warn(Location where, const std::string& message) {
-        const std::string text = location_prefix(source_, where) + message;
-        if (std::find(warnings_.begin(), warnings_.end(), text) == warnings_.end())
-            warnings_.push_back(text);
+    template <typename... Parts> void warn(Location where, fmt::format_string<Parts...> message, Parts&&... parts) {
+        add_once(location_prefix(source_, where) + fmt::format(message, std::forward<Parts>(parts)...), warnings_);
     }
 
     const Scene& scene_;

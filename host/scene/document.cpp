@@ -7,7 +7,6 @@
 #include <fmt/ranges.h>
 #include <toml++/toml.h>
 
-#include "host/error.h"
 #include "host/scene/schema.h"
 #include "host/scene/value.h"
 
@@ -24,8 +23,8 @@ constexpr std::string_view kVariant = "variant";
 std::vector<std::string> names_in(std::string_view Key::*name, std::string_view table = "") {
     std::vector<std::string> names;
     for (const Key& key : schema_keys())
-        if ((table.empty() || key.table == table) && std::ranges::find(names, key.*name) == names.end())
-            names.emplace_back(key.*name);
+        if (table.empty() || key.table == table)
+            add_once(std::string(key.*name), names);
     return names;
 }
 
@@ -54,21 +53,19 @@ public:
         const Key& key = schema_keys()[index];
         for (const Entry& entry : layer_.entries)
             if (replaces(index, entry.key))
-                fail(source_, member.where,
-                     fmt::format("give \"{}\" or \"{}\", not both", schema_keys()[std::min(index, entry.key)].name,
-                                 schema_keys()[std::max(index, entry.key)].name));
+                fail(source_, member.where, "give \"{}\" or \"{}\", not both",
+                     schema_keys()[std::min(index, entry.key)].name, schema_keys()[std::max(index, entry.key)].name);
         layer_.entries.push_back({index, read_values(key, member.value, source_, folder_), member.where});
     }
 
 private:
     void read_table(const TomlMember& member) {
         const std::vector<std::string> tables = names_in(&Key::table);
-        if (std::find(tables.begin(), tables.end(), member.key) == tables.end())
+        if (std::ranges::find(tables, member.key) == tables.end())
             refuse_table(member, tables);
         if (member.value.type != Type::table)
-            fail(source_, member.where,
-                 fmt::format("[{}] is a table of keys; got {}", member.key, describe(member.value)));
-        layer_.add(member.key);
+            fail(source_, member.where, "[{}] is a table of keys; got {}", member.key, describe(member.value));
+        layer_.tables.insert(member.key);
         for (const TomlMember& item : member.value.members)
             read_item(member.key, "", item);
     }
@@ -81,27 +78,25 @@ private:
         const int key = find_key(table + '.' + named.key);
         const bool is_table = item.value.type == Type::table, has_parts = is_table_of_parts(table, named.key);
         if (has_parts && !is_table && key < 0)
-            fail(source_, item.where,
-                 fmt::format("{} is a table, for example {}; got {}", named.key,
-                             named.key == "transform" ? "{ scale = 2, translate = [\"1 mm\", \"0 m\", \"0 m\"] }"
-                                                      : "{ amplitude = \"0.1 mm\", frequency = \"10 Hz\" }",
-                             describe(item.value)));
+            fail(source_, item.where, "{} is a table, for example {}; got {}", named.key,
+                 named.key == "transform" ? "{ scale = 2, translate = [\"1 mm\", \"0 m\", \"0 m\"] }"
+                                          : "{ amplitude = \"0.1 mm\", frequency = \"10 Hz\" }",
+                 describe(item.value));
         if (!has_parts || !is_table) {
             if (key < 0)
                 refuse_key(named, table);
             return read_entry(static_cast<std::size_t>(key), named);
         }
         if (item.value.members.empty())
-            fail(source_, item.where, fmt::format("{} is a table without a key", named.key));
+            fail(source_, item.where, "{} is a table without a key", named.key);
         for (const TomlMember& part : item.value.members)
             read_item(table, named.key + '.', part);
     }
 
     // Whether keys begin with this name and a dot.
     static bool is_table_of_parts(std::string_view table, const std::string& name) {
-        const auto keys = schema_keys();
-        return std::any_of(keys.begin(), keys.end(),
-                           [&](const Key& key) { return key.table == table && key.name.starts_with(name + '.'); });
+        return std::ranges::any_of(
+            schema_keys(), [&](const Key& key) { return key.table == table && key.name.starts_with(name + '.'); });
     }
 
     [[noreturn]] void refuse_table(const TomlMember& member, std::vector<std::string> tables) const {
@@ -110,15 +105,14 @@ private:
                  "variants stand at the top of the file, each as [[variant]], with two brackets");
         const std::string with = tables_with(member.key);
         if (!with.empty())
-            fail(source_, member.where, fmt::format("\"{}\" stands in no table; it belongs in {}", member.key, with));
+            fail(source_, member.where, "\"{}\" stands in no table; it belongs in {}", member.key, with);
         tables.emplace_back(kVariant);
         const std::string_view near = nearest(member.key, tables);
         const std::string hint = near.empty() ? fmt::format("known are [{}]", fmt::join(tables, "], ["))
                                               : fmt::format("did you mean [{}]?", near);
         const bool table = member.value.type == Type::table;
-        fail(source_, member.where,
-             fmt::format("unknown {}; {}",
-                         table ? fmt::format("table [{}]", member.key) : fmt::format("key \"{}\"", member.key), hint));
+        fail(source_, member.where, "unknown {}; {}",
+             table ? fmt::format("table [{}]", member.key) : fmt::format("key \"{}\"", member.key), hint);
     }
 
     [[noreturn]] void refuse_key(const TomlMember& member, const std::string& table) const {
@@ -128,7 +122,7 @@ private:
             hint = fmt::format("; it belongs in {}", with);
         if (hint.empty())
             hint = fmt::format("; it has {}", fmt::join(names, ", "));
-        fail(source_, member.where, fmt::format("unknown key \"{}\" in [{}]{}", member.key, table, hint));
+        fail(source_, member.where, "unknown key \"{}\" in [{}]{}", member.key, table, hint);
     }
 
     // A digest is part of its file's value: one for each file of an axis.
@@ -138,15 +132,14 @@ private:
             const Key& key = schema_keys()[digest.key];
             if (key.kind != ValueKind::digest)
                 continue;
-            const auto file = std::find_if(entries.begin(), entries.end(), [&](const Entry& entry) {
+            const auto file = std::ranges::find_if(entries, [&](const Entry& entry) {
                 return schema_keys()[entry.key].kind == ValueKind::file && schema_keys()[entry.key].table == key.table;
             });
             if (file == entries.end())
                 fail(source_, digest.where, "\"sha256\" needs \"file\" beside it");
             if (file->values.size() != digest.values.size())
-                fail(source_, digest.where,
-                     fmt::format("\"sha256\" needs one digest for each file: {} for {}", digest.values.size(),
-                                 file->values.size()));
+                fail(source_, digest.where, "\"sha256\" needs one digest for each file: {} for {}",
+                     digest.values.size(), file->values.size());
             for (std::size_t i = 0; i < digest.values.size(); ++i)
                 file->values[i].sha256 = digest.values[i].texts.front();
         }
@@ -161,7 +154,7 @@ private:
 void read_variants(const TomlMember& member, const std::string& folder, Document& document) {
     const auto is_table = [](const TomlNode& item) { return item.type == Type::table; };
     const auto& items = member.value.items;
-    if (member.value.type != Type::array || items.empty() || !std::all_of(items.begin(), items.end(), is_table))
+    if (member.value.type != Type::array || items.empty() || !std::ranges::all_of(items, is_table))
         fail(document.source, member.where, "variants are tables, each written as [[variant]], with two brackets");
     for (const TomlNode& item : items)
         document.variants.push_back(LayerReader(document.source, folder).read(item));
@@ -173,7 +166,7 @@ TomlMember override_member(const Key& key, const std::string& text, const std::s
     if (text.starts_with('[') || key.kind == ValueKind::integer) {
         TomlNode root = parse_toml("value = " + text, source);
         if (root.members.size() != 1)
-            fail(source, {}, fmt::format("\"{}\" is not one value", text));
+            fail(source, {}, "\"{}\" is not one value", text);
         member.value = std::move(root.members.front().value);
     } else {
         member.value.type = Type::string;
@@ -194,11 +187,11 @@ Layer read_overrides(std::span<const Override> overrides, const std::string& fol
             std::vector<std::string> paths;
             for (const Key& key : schema_keys())
                 paths.push_back(key.path());
-            fail(source, {}, fmt::format("unknown key \"{}\"{}", path, did_you_mean(path, paths)));
+            fail(source, {}, "unknown key \"{}\"{}", path, did_you_mean(path, paths));
         }
         const Key& key = schema_keys()[static_cast<std::size_t>(index)];
         const auto number = static_cast<std::size_t>(index);
-        layer.add(key.table);
+        layer.tables.emplace(key.table);
         std::erase_if(layer.entries, [&](const Entry& e) { return e.key == number || replaces(number, e.key); });
         layer.entries.push_back(
             {number, read_values(key, override_member(key, text, source).value, source, folder), {}});
@@ -216,7 +209,7 @@ std::vector<Entry> read_defaults() {
             entry.values = read_values(key, root.members.front().value, key.path(), "");
             for (Value& value : entry.values) {
                 value.where = {};
-                std::fill(value.parts.begin(), value.parts.end(), Location{});
+                std::ranges::fill(value.parts, Location{});
             }
         }
         entries.push_back(std::move(entry));
@@ -226,22 +219,15 @@ std::vector<Entry> read_defaults() {
 
 } // namespace
 
-void GivenTables::add(std::string_view table) {
-    add({table == "texture", table == "paths", table == "hand", table == "grid"});
-}
-
-void GivenTables::add(const GivenTables& other) {
-    texture |= other.texture;
-    paths |= other.paths;
-    hand |= other.hand;
-    grid |= other.grid;
-}
-
 std::vector<const Layer*> Document::layers() const {
     std::vector<const Layer*> result{&base, &overrides};
     for (const Layer& variant : variants)
         result.push_back(&variant);
     return result;
+}
+
+bool Document::has(std::string_view table) const {
+    return std::ranges::any_of(layers(), [&](const Layer* layer) { return layer->has(table); });
 }
 
 const Entry* Layer::find(std::size_t key) const {
@@ -265,8 +251,8 @@ Document read_document(std::string_view text, const std::string& source, const s
     Document document;
     document.source = source;
     TomlNode root = parse_toml(text, source);
-    const auto variant = std::find_if(root.members.begin(), root.members.end(),
-                                      [](const TomlMember& member) { return member.key == kVariant; });
+    const auto variant =
+        std::ranges::find_if(root.members, [](const TomlMember& member) { return member.key == kVariant; });
     if (variant != root.members.end()) {
         read_variants(*variant, folder, document);
         root.members.erase(variant);
@@ -341,8 +327,7 @@ void convert_members(const toml::table& table, TomlNode& result, const std::stri
     for (const auto& [key, value] : table)
         result.members.push_back(
             {std::string(key.str()), location(key.source().begin), convert(value, source, depth + 1)});
-    std::sort(result.members.begin(), result.members.end(),
-              [](const TomlMember& a, const TomlMember& b) { return a.where < b.where; });
+    std::ranges::sort(result.members, [](const TomlMember& a, const TomlMember& b) { return a.where < b.where; });
 }
 
 TomlNode convert(const toml::node& node, const std::string& source, int depth) {
@@ -386,7 +371,7 @@ std::string describe(const TomlNode& node) {
 
 TomlNode parse_toml(std::string_view text, const std::string& source) {
     if (text.size() > kLargestToml)
-        fail(source, {}, fmt::format("it is no scene or study: it has more than {} bytes", kLargestToml));
+        fail(source, {}, "it is no scene or study: it has more than {} bytes", kLargestToml);
     if (text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF"))
         fail(source, {1, 1}, "the text is UTF-16; save it as UTF-8");
     refuse_deep_keys(text, source);

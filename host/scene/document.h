@@ -2,17 +2,27 @@
 // schema.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
+#include <set>
 #include <span>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
 #include "host/scene/value.h"
 
 namespace forceshade {
+
+/// Adds what is not there yet.
+template <typename T> void add_once(std::type_identity_t<T> one, std::vector<T>& to) {
+    if (std::ranges::find(to, one) == to.end())
+        to.push_back(std::move(one));
+}
 
 /// A key given in a layer. More than one value: a sweep axis.
 struct Entry {
@@ -21,12 +31,11 @@ struct Entry {
     Location where;
 };
 
-/// Tables without which a scene is another one: whether they are given, be it empty.
+/// The tables that are given, be it empty: without [texture], [paths], [hand] or [grid] a scene is another one.
 struct GivenTables {
-    bool texture = false, paths = false, hand = false, grid = false;
+    std::set<std::string, std::less<>> tables;
 
-    void add(std::string_view table);
-    void add(const GivenTables& other);
+    bool has(std::string_view table) const { return tables.contains(table); }
 };
 
 struct Layer : GivenTables {
@@ -44,6 +53,9 @@ struct Document {
 
     /// The base, the overrides, then the variants.
     std::vector<const Layer*> layers() const;
+
+    /// Whether any layer has the table.
+    bool has(std::string_view table) const;
 
     /// Keys given anywhere, in the order in which names and axes list them: tables by their first key, keys by their
     /// first place, the base and overrides before the variants. `function` and `file` share a place, since one stands

@@ -83,12 +83,12 @@ template <bool texture, auto member> void store_in_map(Scene& s, const Value& v)
 template <auto of_bump, auto of_map> void store_in_surface(Scene& s, const Value& v) {
     assign(s.surface.kind == SurfaceKind::height_map ? s.surface.map.*of_map : s.surface.*of_bump, v);
 }
-template <typename Spec> void store_file(Spec& spec, const Value& value) {
-    if constexpr (std::is_same_v<Spec, HeightMapSpec>)
-        spec.function = MapFunction::file;
-    spec.file = value.texts.at(0);
-    spec.path = value.path;
-    spec.sha256 = value.sha256;
+void store_file(FileSpec& spec, const Value& value) {
+    spec = {value.texts.at(0), value.path, value.sha256};
+}
+void store_image(HeightMapSpec& map, const Value& value) {
+    map.function = MapFunction::file;
+    store_file(map, value);
 }
 template <PathDrive drive, auto member> void store_drive(Scene& s, const Value& v) {
     s.paths->drive = drive;
@@ -120,62 +120,42 @@ template <typename Spec, typename T> constexpr std::uint32_t count_of(T Spec::*)
     return kCount<T>;
 }
 
-/// What few rows say; what is left out, the table says.
-struct More {
-    std::optional<std::uint32_t> forms{};
-    Sign sign = Sign::any;
-    std::string_view example{}, choice{};
-    int option = 0;
-    std::optional<Subject> subject{};
-    std::uint64_t smallest = 1;
-    bool one_for_all = false, closed_loop = false;
-};
-
 using Text = std::string_view;
 
-/// A table of the schema, to which rows are added: a name, the default as TOML, what it means, and more.
+/// A table of the schema, to which rows are added: a name, the default as TOML, what it means, and traits. Rows apply
+/// to the table's subject and, where they name no forms, to the table's forms.
 class Table {
 public:
     Table(std::vector<Key>& keys, Text name, Subject subject = Subject::none, std::uint32_t forms = 0)
         : keys_(keys), name_(name), subject_(subject), forms_(forms) {}
 
-    Key& add(ValueKind kind, Text name, Text default_text, Set set, Text doc, const More& more = {}) {
-        return keys_.emplace_back(Key{.table = name_,
-                                      .name = name,
-                                      .kind = kind,
-                                      .default_text = default_text,
-                                      .doc = doc,
-                                      .set = set,
-                                      .subject = more.subject.value_or(subject_),
-                                      .forms = more.forms.value_or(forms_),
-                                      .sign = more.sign,
-                                      .one_for_all = more.one_for_all,
-                                      .smallest = more.smallest,
-                                      .example = more.example,
-                                      .choice = more.choice,
-                                      .option = more.option,
-                                      .closed_loop = more.closed_loop});
+    Key& add(ValueKind kind, Text name, Text default_text, Set set, Text doc, const KeyTraits& traits = {}) {
+        Key& key = keys_.emplace_back(Key{traits, name_, name, kind, default_text, doc, set, subject_});
+        if (key.forms == 0)
+            key.forms = forms_;
+        return key;
     }
-    Key& quantity(Dimension dimension, Text name, Text default_text, Set set, Text doc, const More& more = {}) {
-        Key& key = add(ValueKind::quantity, name, default_text, set, doc, more);
+    Key& quantity(Dimension dimension, Text name, Text default_text, Set set, Text doc, const KeyTraits& traits = {}) {
+        Key& key = add(ValueKind::quantity, name, default_text, set, doc, traits);
         key.dimension = dimension;
         return key;
     }
     template <auto member>
-    void quantity(Dimension dimension, Text name, Text default_text, Text doc, const More& more = {}) {
-        quantity(dimension, name, default_text, store<member>, doc, more).count = count_of(member);
+    void quantity(Dimension dimension, Text name, Text default_text, Text doc, const KeyTraits& traits = {}) {
+        quantity(dimension, name, default_text, store<member>, doc, traits).count = count_of(member);
     }
-    template <auto member> void length(Text name, Text default_text, Text doc, const More& more = {}) {
-        quantity<member>(Dimension::length, name, default_text, doc, more);
+    template <auto member> void length(Text name, Text default_text, Text doc, const KeyTraits& traits = {}) {
+        quantity<member>(Dimension::length, name, default_text, doc, traits);
     }
     template <auto member>
-    void integer(Text name, Text default_text, std::uint64_t largest, Text doc, const More& more = {}) {
-        Key& key = add(ValueKind::integer, name, default_text, store<member>, doc, more);
+    void integer(Text name, Text default_text, std::uint64_t largest, Text doc, const KeyTraits& traits = {}) {
+        Key& key = add(ValueKind::integer, name, default_text, store<member>, doc, traits);
         key.largest = largest;
         key.count = count_of(member);
     }
-    template <auto member> void choice(Text name, Text default_text, Names names, Text doc, const More& more = {}) {
-        add(ValueKind::choice, name, default_text, store<member>, doc, more).choices = names;
+    template <auto member>
+    void choice(Text name, Text default_text, Names names, Text doc, const KeyTraits& traits = {}) {
+        add(ValueKind::choice, name, default_text, store<member>, doc, traits).choices = names;
     }
     /// It belongs to the table's file and sets nothing by itself.
     void digest(std::uint32_t forms) {
@@ -184,7 +164,7 @@ public:
             {.forms = forms, .example = "\"(64 hexadecimal digits)\""})
             .axis = false;
     }
-    template <auto member> void spread(Dimension dimension, Text name, Text default_text, Text doc, More more);
+    template <auto member> void spread(Dimension dimension, Text name, Text default_text, Text doc, KeyTraits traits);
     template <bool texture>
     void height_map(Text function, Text height, Text file, Set set_file, std::uint32_t file_forms);
 
@@ -197,17 +177,18 @@ private:
 
 // Keys whose value may differ from path to path: "speed" as a quantity, or as a table with mean and sd, or min and max,
 // which replace each other.
-template <auto member> void Table::spread(Dimension dimension, Text name, Text default_text, Text doc, More more) {
+template <auto member>
+void Table::spread(Dimension dimension, Text name, Text default_text, Text doc, KeyTraits traits) {
     using enum Spread::Shape;
     static std::deque<std::string> part_names; // keys refer to them
-    more.choice = name;
-    quantity<member>(dimension, name, default_text, doc, more);
-    const Sign sign = more.sign;
+    traits.choice = name;
+    quantity<member>(dimension, name, default_text, doc, traits);
+    const Sign sign = traits.sign;
     const auto add_part = [&](const char* part, int option, Sign part_sign, Set set, Text meaning) {
-        more.option = option;
-        more.sign = part_sign;
+        traits.option = option;
+        traits.sign = part_sign;
         part_names.push_back(std::string(name) + part);
-        quantity(dimension, part_names.back(), "", set, meaning, more).spread_part = true;
+        quantity(dimension, part_names.back(), "", set, meaning, traits).spread_part = true;
     };
     add_part(".mean", 1, sign, store_in_spread<member, normal, &Spread::value>,
              "the mean of a normal distribution, beside sd");
@@ -240,12 +221,12 @@ void Table::height_map(Text function, Text height, Text file, Set set_file, std:
 }
 
 void add_surface(std::vector<Key>& keys) {
+    Table(keys, "surface")
+        .choice<&SurfaceSpec::kind>(
+            "kind", "\"bump\"", kSurfaceKinds,
+            "what the probe touches: n facets on a plane (L1, L3, L4), plane and cylinder superposed (L2), or a plane "
+            "shaded by a height map (L5), or the facets of a polygon mesh (L6, L7)");
     Table surface(keys, "surface", Subject::surface);
-    surface.choice<&SurfaceSpec::kind>(
-        "kind", "\"bump\"", kSurfaceKinds,
-        "what the probe touches: n facets on a plane (L1, L3, L4), plane and cylinder superposed (L2), or a plane "
-        "shaded by a height map (L5), or the facets of a polygon mesh (L6, L7)",
-        {.forms = 0, .subject = Subject::none});
     surface.quantity(Dimension::length, "width", "\"1000 mil\"",
                      store_in_surface<&SurfaceSpec::width, &HeightMapSpec::width>,
                      "W = 2a, the feature's width along x; of a sine the wavelength",
@@ -266,7 +247,7 @@ void add_surface(std::vector<Key>& keys) {
         "of a height map an image (EXR or PNG), centred on the origin, its row 0 the largest y; of a mesh its polygons "
         "(OBJ, OFF, PLY or STL); relative to this TOML file or absolute",
         [](Scene& s, const Value& v) {
-            s.surface.kind == SurfaceKind::mesh ? store_file(s.surface.mesh, v) : store_file(s.surface.map, v);
+            s.surface.kind == SurfaceKind::mesh ? store_file(s.surface.mesh, v) : store_image(s.surface.map, v);
         },
         kFormMapFile | kFormMesh);
 
@@ -299,14 +280,14 @@ void add_force(std::vector<Key>& keys) {
         "map (kind height_map only); of a mesh its vertex normals, interpolated as in the paper, by barycentric "
         "coordinates (triangles only), by mean value coordinates, or those with a force that is as strong along the "
         "facet's normal as the unshaded one (Ruspini 1997)");
-    force.choice<&ForceSpec::depth>(
-        "depth", "\"vertical\"", kDepthReadings,
-        "how the penetration into a facet is read: straight down, or along the facet's normal (L3)",
-        {.forms = kFormBump, .subject = Subject::surface});
-    force.choice<&ForceSpec::reference>("reference", "\"normal\"", kReferenceDirections,
-                                        "the direction that the smooth cylinder lends: its surface's normal above the "
-                                        "probe, or away from its axis at the probe itself (L4)",
-                                        {.forms = kFormBump, .subject = Subject::shading});
+    Table(keys, "force", Subject::surface, kFormBump)
+        .choice<&ForceSpec::depth>(
+            "depth", "\"vertical\"", kDepthReadings,
+            "how the penetration into a facet is read: straight down, or along the facet's normal (L3)");
+    Table(keys, "force", Subject::shading, kFormBump)
+        .choice<&ForceSpec::reference>("reference", "\"normal\"", kReferenceDirections,
+                                       "the direction that the smooth cylinder lends: its surface's normal above the "
+                                       "probe, or away from its axis at the probe itself (L4)");
 
     Table texture(keys, "texture", Subject::texture, kFormAnalytic | kFormMapFile);
     texture.choice<&TextureSpec::effect>(
@@ -320,7 +301,7 @@ void add_force(std::vector<Key>& keys) {
         "\"sine\"", "\"0.1 mm\"",
         "an EXR or PNG image of the height map, relative to this TOML file or absolute, centred on the origin; its row "
         "0 is the largest y",
-        [](Scene& s, const Value& v) { store_file(s.texture->map, v); }, kFormMapFile);
+        [](Scene& s, const Value& v) { store_image(s.texture->map, v); }, kFormMapFile);
     texture.quantity(Dimension::length, "width", "\"2 mm\"", store_in_map<true, &HeightMapSpec::width>,
                      "the width of a bump or dip; the wavelength of a sine",
                      {.forms = kFormCircular | kFormMapSine, .sign = kPositive});
@@ -334,10 +315,10 @@ void add_grid(std::vector<Key>& keys) {
     grid.integer<&GridSpec::size>(
         "size", "[256, 64, 128]", kMostRows,
         "voxels along x, y and z; an EXR holds up to 5592405 along x and 1073741822 rows, y times z");
-    grid.integer<&GridSpec::samples>("samples", "128", 65536,
+    Table(keys, "grid", Subject::surface, kFormMesh)
+        .integer<&GridSpec::samples>("samples", "128", 65536,
                                      "voxels along the longest side of a mesh's bounding box and 5 % more; the grid "
-                                     "covers that box. Stands for size, origin and spacing",
-                                     {.forms = kFormMesh, .subject = Subject::surface});
+                                     "covers that box. Stands for size, origin and spacing");
     grid.length<&GridSpec::origin>("origin", "[\"-25 mm\", \"-6 mm\", \"-10 mm\"]",
                                    "the first voxel's sample; voxel (i, j, k) samples origin + spacing (i, j, k)");
     grid.length<&GridSpec::spacing>("spacing", "\"0.2 mm\"",

@@ -8,7 +8,6 @@
 #include <numbers>
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -19,6 +18,10 @@
 namespace forceshade {
 
 namespace {
+
+template <typename... Parts> [[noreturn]] void refuse(fmt::format_string<Parts...> message, Parts&&... parts) {
+    throw UsageError(fmt::format(message, std::forward<Parts>(parts)...));
+}
 
 /// A product of powers of m, kg, s and rad. One such unit is numerator / denominator * 10^exponent * (pi / 180)^degrees
 /// SI units. The factor is stored as integers because a factor such as 1 mil = 254e-7 m is no binary number.
@@ -52,11 +55,9 @@ constexpr std::array<Symbol, 10> kSymbols{{
 
 // Of an SI prefix.
 int prefix_exponent(char prefix) {
-    constexpr std::pair<char, int> kPrefixes[] = {{'p', -12}, {'n', -9}, {'u', -6}, {'m', -3},
-                                                  {'c', -2},  {'k', 3},  {'M', 6},  {'G', 9}};
-    return std::find_if(std::begin(kPrefixes), std::end(kPrefixes),
-                        [&](const auto& one) { return one.first == prefix; })
-        ->second;
+    constexpr std::string_view kPrefixes = "pnumckMG";
+    constexpr std::array<int, 8> kExponents{-12, -9, -6, -3, -2, 3, 6, 9};
+    return kExponents[kPrefixes.find(prefix)];
 }
 
 std::optional<Unit> find_symbol(std::string_view name) {
@@ -79,7 +80,7 @@ std::optional<Unit> find_symbol(std::string_view name) {
         const std::string_view second = name.substr(split);
         const bool plural = second == "s" && split > 1; // "mils" is no product with seconds
         if (!plural && find_symbol(first) && find_symbol(second))
-            throw UsageError(fmt::format("unknown unit \"{}\": write \"{} {}\" for a product", name, first, second));
+            refuse("unknown unit \"{}\": write \"{} {}\" for a product", name, first, second);
     }
     std::vector<std::string> names;
     for (const Symbol& symbol : kSymbols) {
@@ -89,11 +90,10 @@ std::optional<Unit> find_symbol(std::string_view name) {
     }
     const std::string_view near = nearest(name, names);
     if (!near.empty())
-        throw UsageError(fmt::format("unknown unit \"{}\": did you mean \"{}\"?", name, near));
-    throw UsageError(
-        fmt::format("unknown unit \"{}\": known are m, mil, in, kg, g, s, Hz, N, J, rad, deg and SI prefixes, "
-                    "as in \"0.5 N/mm\"",
-                    name));
+        refuse("unknown unit \"{}\": did you mean \"{}\"?", name, near);
+    refuse(
+        "unknown unit \"{}\": known are m, mil, in, kg, g, s, Hz, N, J, rad, deg and SI prefixes, as in \"0.5 N/mm\"",
+        name);
 }
 
 bool is_symbol_char(char c) {
@@ -102,7 +102,7 @@ bool is_symbol_char(char c) {
 
 void multiply(std::uint64_t& product, std::uint64_t factor, std::string_view text) {
     if (__builtin_mul_overflow(product, factor, &product))
-        throw UsageError(fmt::format("the powers in the unit \"{}\" are too high", text));
+        refuse("the powers in the unit \"{}\" are too high", text);
 }
 
 // The unit text with every way to write micro and the centred dot made plain ASCII.
@@ -136,13 +136,12 @@ Unit parse_unit(std::string_view as_written) {
         if (rest.empty() && !slash && !star)
             return unit;
         if (divided && !slash)
-            throw UsageError(fmt::format("\"{}\" can be read in two ways: write products before the \"/\", "
-                                         "and \"/\" before each divisor",
-                                         text));
+            refuse("\"{}\" can be read in two ways: write products before the \"/\", and \"/\" before each divisor",
+                   text);
         divided = divided || slash;
         const auto length = std::ranges::find_if_not(rest, is_symbol_char) - rest.begin();
         if (length == 0)
-            throw UsageError(fmt::format("\"{}\" is not a unit; write for example \"N/mm\" or \"N s/m\"", text));
+            refuse("\"{}\" is not a unit; write for example \"N/mm\" or \"N s/m\"", text);
         const std::string_view name = skip(static_cast<std::size_t>(length));
         const std::optional<Unit> factor = find_symbol(name);
         if (!factor)
@@ -151,7 +150,7 @@ Unit parse_unit(std::string_view as_written) {
         if (skip_char('^')) {
             const auto [end, error] = std::from_chars(rest.data(), rest.data() + rest.size(), power);
             if (error != std::errc() || power < -9 || power > 9)
-                throw UsageError(fmt::format("a power in the unit \"{}\" is not an integer from -9 to 9", text));
+                refuse("a power in the unit \"{}\" is not an integer from -9 to 9", text);
             skip(static_cast<std::size_t>(end - rest.data()));
         }
         power = slash ? -power : power;
@@ -227,7 +226,7 @@ std::string multiply_digits(std::string_view digits, std::uint64_t factor) {
     }
     for (; carry != 0; carry /= 10)
         product += static_cast<char>('0' + static_cast<int>(carry % 10));
-    std::reverse(product.begin(), product.end());
+    std::ranges::reverse(product);
     return product;
 }
 
@@ -249,9 +248,8 @@ double convert(const Decimal& number, const Unit& unit) {
 
 [[noreturn]] void refuse_number(std::string_view text, const DimensionInfo& info) {
     if (!text.empty() && is_digit(text[0]) && text.find(',') != std::string_view::npos)
-        throw UsageError(fmt::format("\"{}\": write a decimal point, as in \"{}\"", text, info.example));
-    throw UsageError(fmt::format("{} is a number and a unit, for example \"{}\"; got \"{}\"", info.with_article,
-                                 info.example, text));
+        refuse("\"{}\": write a decimal point, as in \"{}\"", text, info.example);
+    refuse("{} is a number and a unit, for example \"{}\"; got \"{}\"", info.with_article, info.example, text);
 }
 
 std::string_view trimmed(std::string_view text) {
@@ -269,26 +267,24 @@ double parse_quantity(std::string_view text, Dimension expected) {
     const DimensionInfo& info = dimension_info(expected);
     text = trimmed(text);
     if (text.size() > kLongestQuantity)
-        throw UsageError(fmt::format("{} of {} characters is too long; write for example \"{}\"", info.with_article,
-                                     text.size(), info.example));
+        refuse("{} of {} characters is too long; write for example \"{}\"", info.with_article, text.size(),
+               info.example);
     const Decimal number = read_decimal(text);
     if (number.length == 0)
         refuse_number(text, info);
     const std::string_view unit_text = trimmed(text.substr(number.length));
     if (unit_text.empty())
-        throw UsageError(
-            fmt::format("{} needs a unit, for example \"{}\"; got \"{}\"", info.with_article, info.example, text));
+        refuse("{} needs a unit, for example \"{}\"; got \"{}\"", info.with_article, info.example, text);
     if (unit_text[0] == ',' || unit_text[0] == '.' || is_digit(unit_text[0]))
         refuse_number(text, info);
     const Unit unit = parse_unit(unit_text);
     if (unit.powers != info.powers)
-        throw UsageError(
-            fmt::format("\"{}\" is not {}; write for example \"{}\"", unit_text, info.with_article, info.example));
+        refuse("\"{}\" is not {}; write for example \"{}\"", unit_text, info.with_article, info.example);
     const double value = convert(number, unit);
     const bool zero = number.digits.find_first_not_of('0') == std::string::npos;
     if (!std::isfinite(value) || (value == 0 && !zero))
-        throw UsageError(fmt::format("\"{}\" is too {} for a double", text,
-                                     number.exponent + static_cast<int>(number.digits.size()) > 0 ? "large" : "small"));
+        refuse("\"{}\" is too {} for a double", text,
+               number.exponent + static_cast<int>(number.digits.size()) > 0 ? "large" : "small");
     return value;
 }
 

@@ -15,11 +15,10 @@ namespace forceshade {
 namespace {
 
 void add_to_order(std::size_t key, std::vector<std::size_t>& order) {
-    if (std::find(order.begin(), order.end(), key) == order.end())
-        order.push_back(key);
+    add_once(key, order);
     for (std::size_t other = 0; other < schema_keys().size(); ++other)
-        if (replaces(key, other) && std::find(order.begin(), order.end(), other) == order.end())
-            order.push_back(other);
+        if (replaces(key, other))
+            add_once(other, order);
 }
 
 // A function or file that only variants give comes first in its table: the resolved text may not be able to mention it
@@ -32,7 +31,7 @@ void add_function_of_variants(std::string_view table, const std::vector<const La
     const auto key = static_cast<std::size_t>(function);
     const auto gives = [key](const Layer* layer) {
         const auto same = [key](const Entry& entry) { return entry.key == key || replaces(key, entry.key); };
-        return std::any_of(layer->entries.begin(), layer->entries.end(), same);
+        return std::ranges::any_of(layer->entries, same);
     };
     const auto variants = layers.begin() + 2; // after the base and the overrides
     const bool wanted = table == "texture" || std::any_of(variants, layers.end(), gives);
@@ -57,21 +56,18 @@ std::vector<std::size_t> key_order(const Document& document) {
     std::vector<std::string_view> tables;
     for (const Layer* layer : layers)
         for (const Entry& entry : layer->entries)
-            if (const auto table = schema_keys()[entry.key].table;
-                std::find(tables.begin(), tables.end(), table) == tables.end())
-                tables.push_back(table);
-    if (std::any_of(layers.begin(), layers.end(), [](const Layer* layer) { return layer->texture; }) &&
-        std::find(tables.begin(), tables.end(), "texture") == tables.end())
-        tables.emplace_back("texture");
+            add_once(schema_keys()[entry.key].table, tables);
+    if (document.has("texture"))
+        add_once("texture", tables);
     // A table without which a scene is another one comes last if only variants have it: the resolved text cannot
     // mention it in its base.
-    const bool paths = std::any_of(layers.begin(), layers.end(), [](const Layer* layer) { return layer->paths; });
     const auto in_base = [&](std::string_view table) {
-        const auto has = [&](bool Layer::*flag) { return document.base.*flag || document.overrides.*flag; };
-        return (table != "texture" || has(&Layer::texture)) && (table != "grid" || !paths || has(&Layer::grid)) &&
-               (table != "paths" || has(&Layer::paths)) && (table != "hand" || has(&Layer::hand) || has(&Layer::paths));
+        const auto has = [&](std::string_view one) { return document.base.has(one) || document.overrides.has(one); };
+        if (table == "grid")
+            return has(table) || !document.has("paths");
+        return has(table) || (table != "texture" && table != "paths" && (table != "hand" || has("paths")));
     };
-    std::stable_partition(tables.begin(), tables.end(), in_base);
+    std::ranges::stable_partition(tables, in_base);
     std::vector<std::size_t> order;
     for (const std::string_view table : tables) {
         const std::size_t begin = order.size();
@@ -184,8 +180,8 @@ private:
         std::vector<std::size_t> result;
         for (const std::size_t first : order)
             for (const std::size_t key : order)
-                if (group(key) == group(first) && std::find(result.begin(), result.end(), key) == result.end())
-                    result.push_back(key);
+                if (group(key) == group(first))
+                    add_once(key, result);
         return result;
     }
 
@@ -193,8 +189,7 @@ private:
     std::vector<std::size_t> base_order() const {
         std::vector<std::size_t> order = document_.order;
         for (std::size_t key = 0; key < schema_keys().size(); ++key)
-            if (std::find(order.begin(), order.end(), key) == order.end())
-                order.push_back(key);
+            add_once(key, order);
         // A key's table; a table within a table stays together too, as it will be read.
         const auto table = [](std::size_t key) { return schema_keys()[key].table; };
         const auto inner = [](std::size_t key) {
@@ -209,26 +204,22 @@ private:
         const Key& key = schema_keys()[index];
         const bool given = document_.base.find(index) || document_.overrides.find(index);
         const bool useful = applies_to_any(key, forms_) || (given && applies_to_any(key, possible_forms(base_)));
-        if (key.table == "grid" && (!stands_in_base(index, given) || (any_paths() && !base_.grid)))
+        // Paths without a grid in the text mean paths only: then its defaults must be left to be defaults.
+        if (key.table == "grid" && (!stands_in_base(index, given) || (document_.has("paths") && !base_.has("grid"))))
             return false;
         if (key.subject == Subject::paths || key.subject == Subject::hand)
-            return useful && (base_.paths || (base_.hand && key.subject == Subject::hand));
-        return useful && (key.table != "texture" || base_.texture);
-    }
-
-    // Paths without a grid in the text mean paths only: then its defaults must be left to be defaults.
-    bool any_paths() const {
-        return std::ranges::any_of(document_.layers(), [](const Layer* layer) { return layer->paths; });
+            return useful && (base_.has("paths") || (base_.has("hand") && key.subject == Subject::hand));
+        return useful && (key.table != "texture" || base_.has("texture"));
     }
 
     // Where a mesh's grid may be made from its box, what was given last applies: defaults are then not written.
     bool stands_in_base(std::size_t index, bool given) const {
         const bool fits = grid_fits_mesh(base_);
         if (index == samples_)
-            return fits && (given || std::all_of(forms_.begin(), forms_.end(), is_mesh));
-        if (fits && std::all_of(forms_.begin(), forms_.end(), is_mesh))
+            return fits && (given || std::ranges::all_of(forms_, is_mesh));
+        if (fits && std::ranges::all_of(forms_, is_mesh))
             return false;
-        return given || !fits || std::none_of(forms_.begin(), forms_.end(), is_mesh);
+        return given || !fits || std::ranges::none_of(forms_, is_mesh);
     }
 
     // Overrides go into the base: what a variant says of their keys, or of samples beside the grid, must not replace
@@ -255,7 +246,7 @@ private:
             const Key& key = schema_keys()[entry.key];
             if (is_overridden(entry.key) || !applies_to_any(key, forms))
                 continue;
-            const bool all_mesh = std::all_of(forms.begin(), forms.end(), is_mesh);
+            const bool all_mesh = std::ranges::all_of(forms, is_mesh);
             if (key.table == "grid" && entry.key != samples_ && document_.overrides.find(samples_) && all_mesh)
                 continue;
             printed.insert(key.table);
@@ -267,11 +258,9 @@ private:
         if (printed.contains("grid") && samples && grid_fits_mesh(base_) &&
             applies_to_any(schema_keys()[samples_], forms))
             writer_.add_dotted("grid.samples", literal(schema_keys()[samples_], *samples));
-        for (const auto& [table, has] :
-             {std::pair("grid", variant.grid && any_paths()), std::pair("texture", variant.texture),
-              std::pair("paths", variant.paths), std::pair("hand", variant.hand)})
-            if (has && !printed.contains(table))
-                writer_.add_dotted(table, "{}");
+        for (const std::string_view table : {"grid", "texture", "paths", "hand"})
+            if (variant.has(table) && (table != "grid" || document_.has("paths")) && !printed.contains(table))
+                writer_.add_dotted(std::string(table), "{}");
     }
 
     // The digests of an entry's files, if all are known; empty for other entries.

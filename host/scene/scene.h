@@ -1,4 +1,4 @@
-// What a scene may ask for: what an EXR image can hold, and slopes whose squares are still numbers.
+// A scene: one case of a study, resolved, in SI units (m, N, N/m, rad); and the limits of what it may ask for.
 #pragma once
 
 #include <array>
@@ -18,7 +18,7 @@ inline constexpr std::uint64_t kMostRows = 2147483647u / 2 - 1;
 inline constexpr double kSteepestF32 = 1e15;
 inline constexpr double kSteepestF64 = 1e150;
 
-// A scene: one case of a study, resolved, in SI units (m, N, N/m, rad). What is evaluated, where, and what is written.
+// What is evaluated, where, and what is written.
 
 enum class SurfaceKind { bump, cylinder_bump, height_map, mesh };
 enum class FacetSpacing { equal_arc, equal_x };
@@ -37,25 +37,27 @@ enum class PathLoop { open, closed };
 enum class PathFollow { plane, surface };
 enum class PathDrive { depth, press, push };
 
+/// A file that a scene names.
+struct FileSpec {
+    std::string file;   /* as written in the scene; empty if none was */
+    std::string path;   /* absolute, never written into results */
+    std::string sha256; /* of the file's bytes, lower-case hex; empty until the file is read, if the scene gives none */
+    friend bool operator==(const FileSpec&, const FileSpec&) = default;
+};
+
 /// G3: U(x, y) over the plane, analytic or from an image file.
-struct HeightMapSpec {
+struct HeightMapSpec : FileSpec {
     MapFunction function = MapFunction::cylinder;
     double width = 0.0254;                      /* m: cylinder and dip: W = 2a; sine: wavelength along x */
     double radius = 0.01524;                    /* m: cylinder and dip: R >= a; gaussian: where U is height/e */
     double height = 0.001;                      /* m: sine and gaussian: peak; file: what a sample of 1 means */
-    std::string file;                           /* as written in the scene; resolved by `path` */
-    std::string path;                           /* absolute path of the file, never written into results */
-    std::string sha256;                         /* of the file's bytes, lower-case hex; empty until the file is read */
     std::array<double, 2> size{0.0254, 0.0254}; /* m: extent in x and y between the outermost samples */
     friend bool operator==(const HeightMapSpec&, const HeightMapSpec&) = default;
 };
 
 /// Polygons from a file, and where they are put: vertex v of the file lies at rotate(scale * unit * v) + translate.
-struct MeshSpec {
-    std::string file;   /* as written in the scene; empty if none was */
-    std::string path;   /* absolute path of the file, never written into results */
-    std::string sha256; /* of the file's bytes, lower-case hex; empty until the file is read */
-    double unit = 1;    /* m: what a coordinate of 1 means */
+struct MeshSpec : FileSpec {
+    double unit = 1; /* m: what a coordinate of 1 means */
     NormalWeights normals = NormalWeights::plain;
     InsideTest inside = InsideTest::pseudonormal;
     double scale = 1;
@@ -122,11 +124,8 @@ constexpr Spread fixed_spread(double value) {
 }
 
 /// Exploration paths through a scene. What is not given follows from the surface (host/paths/motions.h).
-struct PathsSpec {
+struct PathsSpec : FileSpec {
     PathKind kind = PathKind::strokes;
-    std::string file;           /* recorded: as written in the scene */
-    std::string path;           /* absolute path of the file, never written into results */
-    std::string sha256;         /* of the file's bytes, lower-case hex; empty until the file is read */
     std::uint64_t count = 1000; /* paths */
     std::uint64_t steps = 2000; /* samples of each */
     double rate = 1000;         /* Hz */

@@ -3,7 +3,6 @@
 
 #include <array>
 #include <cstdint>
-#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -43,7 +42,19 @@ inline constexpr std::array<std::string_view, 8> kPathKinds{"strokes", "raster",
 /// the kind of the paths, or whether a hand moves the probe.
 enum class Subject { none, surface, texture, shading, paths, hand };
 
-struct Key {
+/// What few keys say of themselves.
+struct KeyTraits {
+    std::uint32_t forms = 0;       // bits of Form, of paths 1 << PathKind, that it applies to, if the subject has forms
+    Sign sign = Sign::any;         // of a quantity or number
+    std::string_view example = {}; // as TOML, where there is no default
+    std::string_view choice = {};  // of keys of a table that share this, those with another option replace each other
+    int option = 0;
+    std::uint64_t smallest = 1; // of an integer
+    bool one_for_all = false;   // one value may stand for all components
+    bool closed_loop = false;   // of a key of paths: applies in closed loop only
+};
+
+struct Key : KeyTraits {
     std::string_view table;
     std::string_view name;
     ValueKind kind;
@@ -51,21 +62,12 @@ struct Key {
     std::string_view doc;
     void (*set)(Scene&, const Value&);
     Subject subject = Subject::none;
-    std::uint32_t forms = 0;                 // bits of Form, of paths 1 << PathKind, that it applies to, if the
-                                             // subject has forms
     Dimension dimension = Dimension::length; // of a quantity
-    Sign sign = Sign::any;                   // of a quantity or number
     std::uint64_t largest = 0;               // of an integer
     std::span<const std::string_view> choices = {};
-    std::uint32_t count = 1;       // components
-    bool one_for_all = false;      // one value may stand for all components
-    bool axis = true;              // a list where one value may stand is a sweep axis
-    std::uint64_t smallest = 1;    // of an integer
-    std::string_view example = {}; // as TOML, where there is no default
-    std::string_view choice = {};  // of keys of a table that share this, those with another option replace each other
-    int option = 0;
+    std::uint32_t count = 1;  // components
+    bool axis = true;         // a list where one value may stand is a sweep axis
     bool spread_part = false; // "speed.mean" and the like: what "speed" may be as a table
-    bool closed_loop = false; // of a key of paths: applies in closed loop only
 
     /// "surface.radius"
     std::string path() const;

@@ -76,13 +76,13 @@ private:
         const auto is_mesh = [](const Forms& one) { return one.surface == kFormMesh; };
         const auto samples = key_index("grid.samples");
         const Merged& merged = stack.merged;
-        if (merged.ranks[samples] == 0 || !std::all_of(stack.forms.begin(), stack.forms.end(), is_mesh))
+        if (merged.ranks[samples] == 0 || !std::ranges::all_of(stack.forms, is_mesh))
             return;
         for (std::size_t key = 0; key < merged.ranks.size(); ++key)
             if (key != samples && schema_keys()[key].table == "grid" && merged.ranks[key] == merged.ranks[samples])
                 fail(source(), merged.entries[key]->where,
-                     fmt::format("give \"samples\", which stands for size, origin and spacing, or \"{}\", not both",
-                                 schema_keys()[key].name));
+                     "give \"samples\", which stands for size, origin and spacing, or \"{}\", not both",
+                     schema_keys()[key].name);
     }
 
     // Results name files by their base name alone.
@@ -95,9 +95,8 @@ private:
                     if (const auto [known, added] = path_of.emplace(name, value.path);
                         !added && known->second != value.path)
                         fail(source(), value.where,
-                             fmt::format("two files are named \"{}\"; results name files without their "
-                                         "folders, so rename one",
-                                         name));
+                             "two files are named \"{}\"; results name files without their folders, so rename one",
+                             name);
                 }
     }
 
@@ -142,9 +141,9 @@ private:
         for (const Stack& stack : stacks_)
             for (const Entry* axis : axes(stack))
                 fail(source(), axis->where,
-                     fmt::format(
-                         "\"{}\" is a sweep axis of {} values; one scene is wanted here: leave one value, or use sweep",
-                         schema_keys()[axis->key].path(), axis->values.size()));
+
+                     "\"{}\" is a sweep axis of {} values; one scene is wanted here: leave one value, or use sweep",
+                     schema_keys()[axis->key].path(), axis->values.size());
         if (stacks_.size() > 1)
             fail(source(), stacks_[1].variant->where,
                  "a second [[variant]]; one scene is wanted here: leave one, or use sweep");
@@ -156,15 +155,10 @@ private:
         std::size_t count = 1;
         for (const Entry* axis : axis_entries)
             if (__builtin_mul_overflow(count, axis->values.size(), &count) || count + combinations_ > kMostCases)
-                fail(source(), axis->where,
-                     fmt::format("the axes cross to more than {} cases; split the study", kMostCases));
+                fail(source(), axis->where, "the axes cross to more than {} cases; split the study", kMostCases);
         combinations_ += count;
         for (std::size_t number = 0; number < count; ++number) {
-            Selection selection;
-            for (std::size_t key = 0; key < stack.merged.entries.size(); ++key) {
-                const Entry* entry = stack.merged.entries[key];
-                selection.push_back(entry ? &entry->values.front() : nullptr);
-            }
+            Selection selection = first_values(stack.merged);
             std::size_t rest = number;
             for (std::size_t i = axis_entries.size(); i-- > 0;) {
                 const Entry& axis = *axis_entries[i];

@@ -7,7 +7,6 @@
 #include <utility>
 #include <vector>
 
-#include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include "host/error.h"
@@ -104,29 +103,28 @@ public:
         else if (!is_vector() || value.one_for_all)
             read_part(node, value);
         else
-            refuse(node,
-                   fmt::format("{} is a list, for example {}; got {}", key_.name, key_.default_text, describe(node)));
+            refuse(node, "{} is a list, for example {}; got {}", key_.name, key_.default_text, describe(node));
         make_canonical(value);
         return value;
     }
 
-    [[noreturn]] void refuse(const TomlNode& node, const std::string& message) const {
-        fail(source_, node.where, message);
+    template <typename... Parts>
+    [[noreturn]] void refuse(const TomlNode& node, fmt::format_string<Parts...> message, Parts&&... parts) const {
+        fail(source_, node.where, fmt::format(message, std::forward<Parts>(parts)...));
     }
 
 private:
     void read_vector(const TomlNode& node, Value& value) {
         if (node.items.empty())
-            refuse(node, fmt::format("empty list: {} needs {}", key_.name,
-                                     key_.count > 1 ? fmt::format("{} values", key_.count) : "at least one value"));
+            refuse(node, "empty list: {} needs {}", key_.name,
+                   key_.count > 1 ? fmt::format("{} values", key_.count) : "at least one value");
         if (key_.kind != ValueKind::choices && !value.one_for_all && node.items.size() != key_.count)
-            refuse(node, fmt::format("{} takes {} values, got {}; for a sweep write a list of lists", key_.name,
-                                     key_.count, node.items.size()));
+            refuse(node, "{} takes {} values, got {}; for a sweep write a list of lists", key_.name, key_.count,
+                   node.items.size());
         for (const TomlNode& item : node.items) {
             read_part(item, value);
-            if (key_.kind == ValueKind::choices &&
-                std::count(value.integers.begin(), value.integers.end(), value.integers.back()) > 1)
-                refuse(item, fmt::format("{} is given twice in {}", describe(item), key_.name));
+            if (key_.kind == ValueKind::choices && std::ranges::count(value.integers, value.integers.back()) > 1)
+                refuse(item, "{} is given twice in {}", describe(item), key_.name);
         }
     }
 
@@ -137,7 +135,7 @@ private:
             value.numbers.resize(key_.count, value.numbers.front());
         if (key_.kind == ValueKind::choices) {
             value.integers.push_back(0);
-            std::sort(value.integers.begin(), value.integers.end());
+            std::ranges::sort(value.integers);
             value.integers.erase(std::unique(value.integers.begin(), value.integers.end()), value.integers.end());
         }
     }
@@ -171,47 +169,46 @@ private:
         const DimensionInfo& info = dimension_info(key_.dimension);
         const bool is_unit = key_.kind == ValueKind::unit;
         if (is_unit && node.type != Type::string)
-            refuse(node, fmt::format("{} is the name of {} unit in quotes, for example \"mm\"; got {}", key_.name,
-                                     info.with_article, describe(node)));
+            refuse(node, "{} is the name of {} unit in quotes, for example \"mm\"; got {}", key_.name,
+                   info.with_article, describe(node));
         if (node.type == Type::integer || node.type == Type::real)
-            refuse(node, fmt::format("{} needs a unit, for example \"{}\"; got {}", info.with_article, info.example,
-                                     describe(node)));
+            refuse(node, "{} needs a unit, for example \"{}\"; got {}", info.with_article, info.example,
+                   describe(node));
         if (node.type != Type::string)
-            refuse(node, fmt::format("{} is {} with a unit, for example \"{}\"; got {}", key_.name, info.with_article,
-                                     info.example, describe(node)));
+            refuse(node, "{} is {} with a unit, for example \"{}\"; got {}", key_.name, info.with_article, info.example,
+                   describe(node));
         const bool has_number =
             !node.text.empty() && (node.text.front() == '.' || (node.text.front() >= '0' && node.text.front() <= '9'));
         double number = 0;
         try {
             number = parse_quantity(is_unit && !has_number ? "1 " + node.text : node.text, key_.dimension);
         } catch (const UsageError& error) {
-            refuse(node, error.what());
+            fail(source_, node.where, error.what());
         }
         if (key_.sign == Sign::positive && !(number > 0))
-            refuse(node, fmt::format("{} must be positive, got {}", key_.name, node.text));
+            refuse(node, "{} must be positive, got {}", key_.name, node.text);
         if (key_.sign == Sign::not_negative && !(number >= 0))
-            refuse(node, fmt::format("{} must not be negative, got {}", key_.name, node.text));
+            refuse(node, "{} must not be negative, got {}", key_.name, node.text);
         value.numbers.push_back(number);
     }
 
     void read_number(const TomlNode& node, Value& value) {
         if (node.type != Type::integer && node.type != Type::real)
-            refuse(node, fmt::format("{} is a number without quotes; got {}", key_.name, describe(node)));
+            refuse(node, "{} is a number without quotes; got {}", key_.name, describe(node));
         const double number = node.type == Type::integer ? static_cast<double>(node.integer) : node.real;
         if (!std::isfinite(number) || (key_.sign == Sign::positive && !(number > 0)))
-            refuse(node, fmt::format("{} must be {}, got {}", key_.name,
-                                     key_.sign == Sign::positive ? "positive and finite" : "finite", number));
+            refuse(node, "{} must be {}, got {}", key_.name,
+                   key_.sign == Sign::positive ? "positive and finite" : "finite", number);
         value.numbers.push_back(number);
         value.texts.push_back(fmt::format("{}", number));
     }
 
     void read_integer(const TomlNode& node, Value& value) {
         if (node.type != Type::integer)
-            refuse(node, fmt::format("{} is a whole number without quotes; got {}", key_.name, describe(node)));
+            refuse(node, "{} is a whole number without quotes; got {}", key_.name, describe(node));
         if (node.integer < 0 || static_cast<std::uint64_t>(node.integer) < key_.smallest ||
             static_cast<std::uint64_t>(node.integer) > key_.largest)
-            refuse(node, fmt::format("{} must be from {} to {}, got {}", key_.name, key_.smallest, key_.largest,
-                                     node.integer));
+            refuse(node, "{} must be from {} to {}, got {}", key_.name, key_.smallest, key_.largest, node.integer);
         value.integers.push_back(static_cast<std::uint64_t>(node.integer));
         value.texts.push_back(fmt::format("{}", node.integer));
     }
@@ -219,33 +216,31 @@ private:
     void read_choice(const TomlNode& node, Value& value) {
         const std::string all = fmt::format("{} is one of {}", key_.name, fmt::join(key_.choices, ", "));
         if (node.type != Type::string)
-            refuse(node, fmt::format("{}, in quotes; got {}", all, describe(node)));
-        const auto found = std::find(key_.choices.begin(), key_.choices.end(), node.text);
+            refuse(node, "{}, in quotes; got {}", all, describe(node));
+        const auto found = std::ranges::find(key_.choices, node.text);
         if (found == key_.choices.end()) {
             const std::vector<std::string> names(key_.choices.begin(), key_.choices.end());
-            refuse(node, fmt::format("{}; got {}{}", all, describe(node), did_you_mean(node.text, names)));
+            refuse(node, "{}; got {}{}", all, describe(node), did_you_mean(node.text, names));
         }
         value.integers.push_back(static_cast<std::uint64_t>(found - key_.choices.begin()));
     }
 
     void read_file(const TomlNode& node, Value& value) {
         if (node.type != Type::string)
-            refuse(node, fmt::format("{} is the name of a file, in quotes; got {}", key_.name, describe(node)));
+            refuse(node, "{} is the name of a file, in quotes; got {}", key_.name, describe(node));
         const std::string name = base_name(node.text);
         if (!node.text.empty() && (name.empty() || name == "." || name == ".."))
-            refuse(node, fmt::format("{} is a folder; {} is the name of a file", describe(node), key_.name));
+            refuse(node, "{} is a folder; {} is the name of a file", describe(node), key_.name);
         if (name.empty() || node.text.find('\0') != std::string::npos)
-            refuse(node, fmt::format("{} names no file", describe(node)));
+            refuse(node, "{} names no file", describe(node));
         value.path =
             (std::filesystem::absolute(folder_.empty() ? "." : folder_) / node.text).lexically_normal().string();
     }
 
     void check_digest(const TomlNode& node) const {
         const auto is_hex = [](char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f'); };
-        if (node.type != Type::string || node.text.size() != 64 ||
-            !std::all_of(node.text.begin(), node.text.end(), is_hex))
-            refuse(node, fmt::format("{} is 64 lower-case hexadecimal digits in quotes, as sha256sum prints them",
-                                     key_.name));
+        if (node.type != Type::string || node.text.size() != 64 || !std::ranges::all_of(node.text, is_hex))
+            refuse(node, "{} is 64 lower-case hexadecimal digits in quotes, as sha256sum prints them", key_.name);
     }
 
     const Key& key_;
@@ -284,15 +279,14 @@ std::vector<Value> read_values(const Key& key, const TomlNode& node, const std::
     ValueReader reader(key, source, folder);
     // For a key that is a list itself, only a list of lists is an axis.
     const auto is_array = [](const TomlNode& item) { return item.type == Type::array; };
-    if (!is_array(node) || (reader.is_vector() && std::none_of(node.items.begin(), node.items.end(), is_array)))
+    if (!is_array(node) || (reader.is_vector() && std::ranges::none_of(node.items, is_array)))
         return {reader.read_one(node)};
     if (node.items.empty())
-        reader.refuse(node, fmt::format("empty list: {} needs at least one value", key.name));
+        reader.refuse(node, "empty list: {} needs at least one value", key.name);
     std::vector<Value> values;
     for (const TomlNode& item : node.items) {
         if (is_array(item) && !reader.is_vector())
-            reader.refuse(item,
-                          fmt::format("a sweep axis of {} is a list of single values; got a list in it", key.name));
+            reader.refuse(item, "a sweep axis of {} is a list of single values; got a list in it", key.name);
         values.push_back(reader.read_one(item));
     }
     return values;

@@ -1,4 +1,4 @@
-// Where in a configuration something stands, and errors that say so.
+// Values of a configuration: where each stands, errors that say so, what it means, and the word that was meant.
 #pragma once
 
 #include <compare>
@@ -7,7 +7,10 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
+
+#include <fmt/format.h>
 
 namespace forceshade {
 
@@ -23,6 +26,11 @@ std::string location_prefix(std::string_view source, Location location);
 
 /// Throws UsageError `bump.toml:12:5: message`.
 [[noreturn]] void fail(std::string_view source, Location location, const std::string& message);
+template <typename Part, typename... Parts>
+[[noreturn]] void fail(std::string_view source, Location location, fmt::format_string<Part, Parts...> message,
+                       Part&& part, Parts&&... parts) {
+    fail(source, location, fmt::format(message, std::forward<Part>(part), std::forward<Parts>(parts)...));
+}
 
 // Finds the word that somebody meant who misspelt one.
 

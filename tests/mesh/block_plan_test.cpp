@@ -32,7 +32,7 @@ bool lists_all_nearest(const layout::MeshView<T>& mesh, std::span<const layout::
                        const Vector<T>& probe) {
     const T least = reference::nearest(mesh, probe).square;
     for (layout::uint t = 0; t < mesh.params.triangles; ++t)
-        if (reference::nearest_on_triangle(mesh, t, probe).square == least &&
+        if (reference::nearest_on_triangle(probe, reference::triangle_at(mesh, t)).square == least &&
             std::find(candidates.begin(), candidates.end(), t) == candidates.end())
             return false;
     return true;

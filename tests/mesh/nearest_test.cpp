@@ -20,7 +20,7 @@ using reference::Vector;
 template <typename T> Nearest<T> by_loop(const layout::MeshView<T>& mesh, const Vector<T>& probe) {
     Nearest<T> best{0, 0, 0, {}, std::numeric_limits<T>::infinity()};
     for (layout::uint triangle = 0; triangle < mesh.params.triangles; ++triangle) {
-        const auto point = reference::nearest_on_triangle(mesh, triangle, probe);
+        const auto point = reference::nearest_on_triangle(probe, reference::triangle_at(mesh, triangle));
         const layout::uint facet = mesh.triangle_facets[triangle];
         if (point.square < best.square ||
             (point.square == best.square && (facet < best.facet || (facet == best.facet && triangle < best.triangle))))
