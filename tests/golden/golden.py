@@ -7,7 +7,7 @@
 Hashed are numbers alone: pixels with their channel names (not headers, which name the version), CSV and NPY bytes, the columns of a
 live log that depend on no clock, and the tables of `validate`.
 """
-import hashlib, itertools, os, shutil, subprocess, sys, tempfile
+import hashlib, itertools, os, shutil, subprocess, sys, tempfile, threading
 from concurrent.futures import ThreadPoolExecutor
 import OpenImageIO as oiio
 
@@ -94,7 +94,15 @@ def run(*words, code=0):
     return made.stdout
 
 
+one_reader = threading.Lock()  # OpenImageIO's bindings have been seen to wait for each other forever
+
+
 def pixels(path):
+    with one_reader:
+        return hashed_pixels(path)
+
+
+def hashed_pixels(path):
     digest = hashlib.sha256()
     image = oiio.ImageInput.open(path)
     part = 0
