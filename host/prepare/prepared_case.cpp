@@ -112,8 +112,8 @@ void warn_of_part(const Scene& scene, std::vector<std::string>& warnings) {
     const double end = grid.origin[0] + grid.spacing[0] * static_cast<double>(grid.size[0] - 1);
     if (bump && scene.field && grid.origin == GridSpec{}.origin && grid.size == GridSpec{}.size &&
         end < scene.surface.width / 2)
-        warnings.push_back(fmt::format("the grid ends at x = {:.4g} mm, the bump at {:.4g} mm: beside grid.spacing "
-                                       "set grid.size or grid.origin",
+        warnings.push_back(fmt::format("the grid ends at x = {:.4g} mm, the bump at {:.4g} mm: set grid.size or "
+                                       "grid.origin, too",
                                        1e3 * end, 500 * scene.surface.width));
 }
 

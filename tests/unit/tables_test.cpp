@@ -1,8 +1,12 @@
 // What a scene switches on, and what it leaves out.
 #include <algorithm>
+#include <filesystem>
+#include <fstream>
 
 #include <gtest/gtest.h>
 
+#include "host/prepare/prepared_case.h"
+#include "host/scene/study.h"
 #include "tests/unit/laws.h"
 
 namespace forceshade::test {
@@ -72,6 +76,27 @@ TEST(Tables, OnlyWhatTheSceneUsesIsSwitchedOn) {
     scene.force.shading = Shading::none;
     EXPECT_EQ(features_of(scene).reference, layout::kReferenceNormal) << "without shading no direction is borrowed";
     EXPECT_TRUE(make_tables<float>(height_map({}), {}, Extent::everything).facet_vertices.empty());
+}
+
+std::vector<std::string> scene_warnings(const std::string& toml) {
+    return CasePreparation().prepare(parse_scene(toml, "scene")).warnings;
+}
+
+TEST(Warnings, OfAFinerGridThatLeavesOutAPartOfTheBump) {
+    EXPECT_TRUE(scene_warnings("[surface]\nkind = \"bump\"\n").empty());
+    EXPECT_TRUE(scene_warnings("[grid]\nspacing = \"0.1 mm\"\norigin = [\"0 mm\", \"0 mm\", \"0 mm\"]\n").empty());
+    const auto found = scene_warnings("[grid]\nspacing = \"0.1 mm\"\n");
+    ASSERT_EQ(found.size(), 1u);
+    EXPECT_TRUE(mentions(found, "the grid ends at x = 0.5 mm, the bump at 12.7 mm")) << found.front();
+}
+
+TEST(Warnings, OfAMeshThatNoHandSpans) {
+    const std::string file = testing::TempDir() + "forceshade_tetrahedron.obj";
+    std::ofstream(file) << "v 0 0 0\nv 40 0 0\nv 0 40 0\nv 0 0 40\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+    const std::string scene = "[surface]\nkind = \"mesh\"\nfile = \"" + file + "\"\n";
+    EXPECT_TRUE(scene_warnings(scene + "unit = \"mm\"\n[grid]\nsamples = 4\n").empty());
+    EXPECT_TRUE(mentions(scene_warnings(scene + "[grid]\nsamples = 4\n"), "is 40 m across"));
+    std::filesystem::remove(file);
 }
 
 } // namespace
