@@ -18,11 +18,6 @@ protected:
     StubLibrary stub_{"FORCESHADE_DHD_LIBRARY", DHD_STUB};
 };
 
-void expect_words(const std::string& text, const std::vector<std::string>& words) {
-    for (const std::string& word : words)
-        EXPECT_NE(text.find(word), std::string::npos) << "no " << word << " in: " << text;
-}
-
 TEST_F(Dhd, tells_what_it_is) {
     const auto device = open_dhd("");
     EXPECT_EQ(device->facts().name, "omega.3 (serial number 417)");

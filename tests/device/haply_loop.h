@@ -47,7 +47,7 @@ inline bool wait_until(const std::function<bool()>& enough, double seconds = 20)
 }
 
 /// Runs until the device gives positions and the service has got the push.
-inline testing::AssertionResult runs_well(BackEnd& device, const SimulatedService& service) {
+inline ::testing::AssertionResult runs_well(BackEnd& device, const SimulatedService& service) {
     unsigned fresh = 0;
     const std::size_t before = service.received().size();
     const bool enough = loop_until(device, [&](const Reading& reading, bool) {
@@ -61,19 +61,19 @@ inline testing::AssertionResult runs_well(BackEnd& device, const SimulatedServic
         return false;
     });
     if (enough)
-        return testing::AssertionSuccess();
-    return testing::AssertionFailure() << fresh << " positions; complaint: "
-                                       << (device.complaint() != nullptr ? device.complaint() : "none");
+        return ::testing::AssertionSuccess();
+    return ::testing::AssertionFailure() << fresh << " positions; complaint: "
+                                         << (device.complaint() != nullptr ? device.complaint() : "none");
 }
 
 /// Every force that was received is none or the push, and of the device.
-inline testing::AssertionResult received_only_what_was_commanded(const SimulatedService& service,
-                                                                 const std::string& id = "04BA") {
+inline ::testing::AssertionResult received_only_what_was_commanded(const SimulatedService& service,
+                                                                   const std::string& id = "04BA") {
     for (const Received& each : service.received())
         if (!each.understood || each.device_id != id || (each.force != kPush && each.force != glm::dvec3(0)))
-            return testing::AssertionFailure() << each.device_id << " got " << each.force.x << ' ' << each.force.y
-                                               << ' ' << each.force.z << (each.understood ? "" : ", not understood");
-    return testing::AssertionSuccess();
+            return ::testing::AssertionFailure() << each.device_id << " got " << each.force.x << ' ' << each.force.y
+                                                 << ' ' << each.force.z << (each.understood ? "" : ", not understood");
+    return ::testing::AssertionSuccess();
 }
 
 inline bool ends_without_force(const SimulatedService& service) {

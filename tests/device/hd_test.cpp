@@ -23,11 +23,6 @@ protected:
     StubLibrary stub_{"FORCESHADE_HD_LIBRARY", HD_STUB};
 };
 
-void expect_words(const std::string& text, const std::vector<std::string>& words) {
-    for (const std::string& word : words)
-        EXPECT_NE(text.find(word), std::string::npos) << "no " << word << " in: " << text;
-}
-
 // The scheduler's frames come when they come.
 ::testing::AssertionResult comes_true(const std::function<bool()>& condition) {
     for (int i = 0; i < 5000; ++i) {

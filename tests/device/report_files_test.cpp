@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-class ReportFiles : public testing::Test {
+class ReportFiles : public ::testing::Test {
 protected:
     void SetUp() override {
         std::string name = (fs::temp_directory_path() / "report_files_XXXXXX").string();

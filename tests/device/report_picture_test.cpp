@@ -41,13 +41,13 @@ void expect_readable(const Picture& picture) {
     }
 }
 
-class EveryRun : public testing::TestWithParam<Case> {};
+class EveryDrawnRun : public ::testing::TestWithParam<Case> {};
 
-TEST_P(EveryRun, is_drawn_without_cut_or_overlapping_text) {
+TEST_P(EveryDrawnRun, is_drawn_without_cut_or_overlapping_text) {
     expect_readable(draw_live_report(GetParam().outcome));
 }
 
-INSTANTIATE_TEST_SUITE_P(LivePicture, EveryRun, testing::ValuesIn(cases()),
+INSTANTIATE_TEST_SUITE_P(LivePicture, EveryDrawnRun, ::testing::ValuesIn(cases()),
                          [](const auto& tested) { return tested.param.file; });
 
 TEST(LivePicture, marks_quantiles_and_the_period_in_every_panel) {

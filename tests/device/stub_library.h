@@ -24,6 +24,11 @@ namespace forceshade::device::testing {
 using forceshade::testing::Folder;
 using forceshade::testing::message_of;
 
+inline void expect_words(const std::string& text, const std::vector<std::string>& words) {
+    for (const std::string& word : words)
+        EXPECT_NE(text.find(word), std::string::npos) << "no " << word << " in: " << text;
+}
+
 /// From construction on the environment names this library.
 class StubLibrary {
 public:

@@ -12,8 +12,6 @@
 namespace forceshade::testing {
 namespace {
 
-constexpr uid_t kNobody = 65534;
-
 class BadInput : public Workplace {
 protected:
     /// The scene is refused with exit 2 by every command that reads one, and nothing is written.

@@ -6,16 +6,14 @@
 namespace forceshade::testing {
 namespace {
 
-constexpr uid_t kNobody = 65534;
-
 // Takes about 1.6 MB in its folder.
-const char* const kGrid = "size = [48, 8, 32]\norigin = [\"-14 mm\", \"-1 mm\", \"-4 mm\"]\n"
-                          "spacing = [\"0.6 mm\", \"0.25 mm\", \"0.15 mm\"]\n";
+const char* const kFullDiskGrid = "size = [48, 8, 32]\norigin = [\"-14 mm\", \"-1 mm\", \"-4 mm\"]\n"
+                                  "spacing = [\"0.6 mm\", \"0.25 mm\", \"0.15 mm\"]\n";
 
 class Disk : public Workplace {
 protected:
     Disk() {
-        write("paper.toml", small_study(kGrid));
+        write("paper.toml", small_study(kFullDiskGrid));
         write("scene.toml", kOneCase);
     }
     static std::vector<std::string> sweep(const std::string& out) {

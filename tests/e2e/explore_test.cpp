@@ -12,8 +12,6 @@
 namespace forceshade::testing {
 namespace {
 
-constexpr std::uint64_t kMebibyte = 1 << 20;
-
 class Explore : public Workplace {
 protected:
     Explore() {

@@ -114,13 +114,13 @@ TEST_F(ExtremeMap, samples_that_rounding_takes_across_the_rim_are_counted) {
     for (const std::vector<std::string>& engine : {std::vector<std::string>{}, {"--engine", "cpu"}}) {
         std::vector<std::string> arguments{"validate", "rim.toml", "--json", "--quiet"};
         arguments.insert(arguments.end(), engine.begin(), engine.end());
-        const nlohmann::json json = nlohmann::json::parse(expect_success(arguments).out);
-        const nlohmann::json& single = json.at("cases").at(0);
+        const nlohmann::json report = nlohmann::json::parse(expect_success(arguments).out);
+        const nlohmann::json& single = report.at("cases").at(0);
         EXPECT_EQ(single.at("precision"), "f32");
         for (const char* referee : {"oracle_f64", "closed_form"}) {
             EXPECT_EQ(single.at(referee).at("boundary_voxels"), 7);
             EXPECT_LT(single.at(referee).at("relative_error"), 1e-6);
-            EXPECT_EQ(json.at("cases").at(1).at(referee).at("boundary_voxels"), 0);
+            EXPECT_EQ(report.at("cases").at(1).at(referee).at("boundary_voxels"), 0);
         }
     }
     const auto record =

@@ -12,13 +12,13 @@ namespace forceshade::testing {
 namespace {
 
 // Cases large enough that some are half-written at any moment.
-const char* const kGrid = "size = [64, 16, 32]\norigin = [\"-14 mm\", \"-1 mm\", \"-4 mm\"]\n"
-                          "spacing = [\"0.45 mm\", \"0.12 mm\", \"0.15 mm\"]\n";
+const char* const kSlowGrid = "size = [64, 16, 32]\norigin = [\"-14 mm\", \"-1 mm\", \"-4 mm\"]\n"
+                              "spacing = [\"0.45 mm\", \"0.12 mm\", \"0.15 mm\"]\n";
 
 class Interrupt : public Workplace {
 protected:
     Interrupt() {
-        write("paper.toml", small_study(kGrid));
+        write("paper.toml", small_study(kSlowGrid));
         const Outcome outcome = expect_success(arguments("whole"));
         seconds_ = outcome.seconds;
         whole_ = results_in(path("whole"));

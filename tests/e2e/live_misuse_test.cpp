@@ -159,7 +159,6 @@ TEST_F(LiveMisuse, of_files) {
 TEST_F(LiveMisuse, of_folders_that_others_own) {
     if (!is_root())
         GTEST_SKIP() << "only root can become somebody else";
-    constexpr uid_t kNobody = 65534;
     for (const char* const flag : {"--log", "--report"}) {
         const Tree before = tree_of(folder_.path());
         Launch launch = this->launch(live("bump.toml", {"--fast", "--duration", "1 s", flag, "here"}));

@@ -16,7 +16,7 @@ std::string sha256_by_tool(const std::filesystem::path& path) {
     return run({.arguments = {path.string()}, .program = "/usr/bin/sha256sum"}).out.substr(0, 64);
 }
 
-std::vector<std::vector<std::string>> cells_of(const std::string& csv) {
+std::vector<std::vector<std::string>> summary_cells(const std::string& csv) {
     std::vector<std::vector<std::string>> rows;
     std::istringstream lines(csv);
     for (std::string line; std::getline(lines, line);) {
@@ -110,7 +110,7 @@ TEST_F(Account, gives_the_largest_force_and_where_it_is) {
 }
 
 TEST_F(Account, has_a_summary_with_a_row_a_case) {
-    const auto rows = cells_of(read_text(path("out/summary.csv")));
+    const auto rows = summary_cells(read_text(path("out/summary.csv")));
     ASSERT_EQ(rows.size(), 52u);
     const auto column = [&](const std::string& name) {
         return static_cast<std::size_t>(std::find(rows[0].begin(), rows[0].end(), name) - rows[0].begin());

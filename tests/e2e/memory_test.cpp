@@ -11,8 +11,6 @@
 namespace forceshade::testing {
 namespace {
 
-constexpr std::uint64_t kMebibyte = 1 << 20;
-
 class Memory : public Workplace {
 protected:
     // Peak of a field of 512^3 voxels, 1.6 GB of force.

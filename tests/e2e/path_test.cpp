@@ -16,8 +16,6 @@
 namespace forceshade::testing {
 namespace {
 
-constexpr std::uint64_t kMebibyte = 1 << 20;
-
 TEST_F(Paths, become_an_exr_and_a_table) {
     const Outcome outcome = expect_success(explore("open.toml", "a.exr", {"--also", "npy,png"}));
     EXPECT_EQ(outcome.out, "");

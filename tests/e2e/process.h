@@ -15,6 +15,10 @@ struct rusage;
 
 namespace forceshade::testing {
 
+inline constexpr std::uint64_t kMebibyte = 1 << 20;
+/// The user nobody, whom files of others are closed to.
+inline constexpr uid_t kNobody = 65534;
+
 /// How a process is started. Without changes: the program under test, C locale, no batch system, output captured.
 struct Launch {
     std::vector<std::string> arguments{};

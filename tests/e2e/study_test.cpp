@@ -10,8 +10,6 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr uid_t kNobody = 65534;
-
 // Vertex normals, facets' normals and corners go to the device for shading alone.
 void expect_less_uploaded_without_shading(const Json& features) {
     const Json& columns = features["columns"];

@@ -9,7 +9,7 @@
 namespace forceshade {
 namespace {
 
-constexpr std::uint64_t kScenes = 100;
+constexpr std::uint64_t kClosedFormScenes = 100;
 constexpr std::uint32_t kMostFacets = 10000; // the closed forms loop over all of them
 
 class ClosedForm : public ::testing::TestWithParam<std::tuple<test::Conditioning, Precision>> {};
@@ -23,7 +23,7 @@ TEST_P(ClosedForm, HoldsWithinTheBound) {
     const auto engine = make_engine(options);
     double largest = 0; // relative error against the closed form
     std::uint64_t voxels = 0, boundary = 0;
-    for (std::uint64_t seed = 1; seed <= kScenes; ++seed) {
+    for (std::uint64_t seed = 1; seed <= kClosedFormScenes; ++seed) {
         const PreparedCase prepared = test::random_scene(seed, conditioning);
         if (prepared.one.scene.surface.facets > kMostFacets)
             continue;
@@ -37,7 +37,7 @@ TEST_P(ClosedForm, HoldsWithinTheBound) {
         boundary += comparison.closed_form.boundary;
         largest = std::max(largest, comparison.relative(comparison.closed_form));
     }
-    EXPECT_GE(voxels, kScenes * 3 / 4 * 64 * 16 * 32);
+    EXPECT_GE(voxels, kClosedFormScenes * 3 / 4 * 64 * 16 * 32);
     // A voxel that falls to the other side of an edge is the exception.
     EXPECT_LT(boundary, voxels / 20);
     RecordProperty("boundary_voxels", std::to_string(boundary));

@@ -11,14 +11,14 @@ namespace {
 
 using test::Break;
 
-struct Broken {
+struct BrokenPath {
     const char* name;
     Break which;
     layout::uint loop;
     bool samples; /* shows in samples, else in metrics alone */
 };
 
-template <typename T> test::PathComparison held(Break broken, layout::uint loop) {
+template <typename T> test::PathComparison compare_broken(Break broken, layout::uint loop) {
     test::choose_break(broken);
     compute::Device device = test::open_software_device(false);
     compute::PathKernel kernel(device);
@@ -31,27 +31,27 @@ template <typename T> test::PathComparison held(Break broken, layout::uint loop)
     return test::hold_paths(kernel, one);
 }
 
-class PathBrokenKernel : public ::testing::TestWithParam<Broken> {};
+class PathBrokenKernel : public ::testing::TestWithParam<BrokenPath> {};
 
 TEST_P(PathBrokenKernel, IsCaught) {
     const auto expect_caught = [&](const test::PathComparison& comparison) {
         EXPECT_GT(comparison.differing_metrics, 0u);
         EXPECT_EQ(comparison.differing > 0, GetParam().samples);
     };
-    EXPECT_TRUE(is_equal(held<float>(Break::none, GetParam().loop)));
-    EXPECT_TRUE(is_equal(held<double>(Break::none, GetParam().loop)));
-    expect_caught(held<float>(GetParam().which, GetParam().loop));
-    expect_caught(held<double>(GetParam().which, GetParam().loop));
+    EXPECT_TRUE(is_equal(compare_broken<float>(Break::none, GetParam().loop)));
+    EXPECT_TRUE(is_equal(compare_broken<double>(Break::none, GetParam().loop)));
+    expect_caught(compare_broken<float>(GetParam().which, GetParam().loop));
+    expect_caught(compare_broken<double>(GetParam().which, GetParam().loop));
 }
 
 INSTANTIATE_TEST_SUITE_P(Breaks, PathBrokenKernel,
-                         ::testing::Values(Broken{"sign", Break::sign, layout::kLoopOpen, true},
-                                           Broken{"friction", Break::friction, layout::kLoopClosed, true},
-                                           Broken{"kahan", Break::kahan, layout::kLoopOpen, false},
-                                           Broken{"late", Break::late, layout::kLoopClosed, true},
-                                           Broken{"lap", Break::lap, layout::kLoopOpen, false},
-                                           Broken{"adrift", Break::adrift, layout::kLoopOpen, false},
-                                           Broken{"imprecise", Break::imprecise, layout::kLoopOpen, false}),
+                         ::testing::Values(BrokenPath{"sign", Break::sign, layout::kLoopOpen, true},
+                                           BrokenPath{"friction", Break::friction, layout::kLoopClosed, true},
+                                           BrokenPath{"kahan", Break::kahan, layout::kLoopOpen, false},
+                                           BrokenPath{"late", Break::late, layout::kLoopClosed, true},
+                                           BrokenPath{"lap", Break::lap, layout::kLoopOpen, false},
+                                           BrokenPath{"adrift", Break::adrift, layout::kLoopOpen, false},
+                                           BrokenPath{"imprecise", Break::imprecise, layout::kLoopOpen, false}),
                          [](const auto& parameter) { return std::string(parameter.param.name); });
 
 // A vertex belongs to the facet at its right, also for a probe that comes from the left.

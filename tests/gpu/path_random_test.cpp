@@ -11,7 +11,7 @@
 namespace forceshade {
 namespace {
 
-constexpr std::uint64_t kScenes = 40; // most of the time goes into compiling their kernels
+constexpr std::uint64_t kPathScenes = 40; // most of the time goes into compiling their kernels
 
 test::PathShape random_shape(std::uint64_t seed, double width) {
     std::mt19937_64 random(seed);
@@ -41,7 +41,7 @@ test::PathShape random_shape(std::uint64_t seed, double width) {
 template <typename T> void hold_all() {
     compute::Device device = test::open_software_device(test::has_validation_layer());
     compute::PathKernel kernel(device);
-    for (std::uint64_t seed = 1; seed <= kScenes; ++seed) {
+    for (std::uint64_t seed = 1; seed <= kPathScenes; ++seed) {
         const PreparedCase prepared =
             test::random_scene(seed, seed % 2 ? test::Conditioning::moderate : test::Conditioning::anything);
         const Scene& scene = prepared.one.scene;

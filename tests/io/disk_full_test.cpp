@@ -20,7 +20,7 @@ using testing::message_of;
 using testing::sample_header;
 using testing::SampleField;
 
-constexpr std::array<std::uint64_t, 3> kSize{256, 32, 32};
+constexpr std::array<std::uint64_t, 3> kFieldSize{256, 32, 32};
 
 /// While it lives no file can grow beyond `bytes`: writes fail with EFBIG.
 class FileSizeLimit {
@@ -44,7 +44,7 @@ private:
 
 /// White noise: nothing compresses it, so that the file's size is known about.
 SampleField<float> noise() {
-    SampleField field(kSize);
+    SampleField field(kFieldSize);
     std::mt19937 random(3);
     for (float& value : field.force)
         value = static_cast<float>(random()) / 4294967296.0f;
@@ -64,7 +64,7 @@ TEST(DiskFull, ends_in_an_error_and_no_file) {
     for (const int threads : {0, 2})
         for (const rlim_t bytes : {0, 100, 4096, 1 << 20, 2000000}) { // of about 2.7 MB
             const FileSizeLimit limit(bytes);
-            VolumeHeader header = sample_header(kSize, layout::kChannelForce | layout::kChannelDepth);
+            VolumeHeader header = sample_header(kFieldSize, layout::kChannelForce | layout::kChannelDepth);
             header.threads = threads;
             {
                 VolumeWriter writer(folder / "a.exr", header);
@@ -99,9 +99,9 @@ TEST(DiskFull, ends_in_an_error_for_the_other_formats) {
     const SampleField field = noise();
     const FileSizeLimit limit(1 << 20);
     {
-        NpyWriter npy(folder / "a.npy", kSize, layout::kChannelForce, Precision::f32);
+        NpyWriter npy(folder / "a.npy", kFieldSize, layout::kChannelForce, Precision::f32);
         EXPECT_NE(write_all(npy, field).find("a.npy: File too large"), std::string::npos);
-        VtiWriter vti(folder / "a.vti", {kSize, {}, {1, 1, 1}, layout::kChannelForce, Precision::f32});
+        VtiWriter vti(folder / "a.vti", {kFieldSize, {}, {1, 1, 1}, layout::kChannelForce, Precision::f32});
         EXPECT_NE(write_all(vti, field).find("a.vti: File too large"), std::string::npos);
     }
     EXPECT_TRUE(folder.names().empty());
@@ -115,13 +115,13 @@ TEST(DiskFull, of_a_real_file_system_says_so) {
     std::string message, read_only;
     bool empty = false;
     {
-        VolumeWriter writer(folder / "small/a.exr", sample_header(kSize, layout::kChannelForce));
+        VolumeWriter writer(folder / "small/a.exr", sample_header(kFieldSize, layout::kChannelForce));
         message = write_all(writer, noise());
     }
     empty = std::filesystem::is_empty(folder / "small");
     ::mount("tmpfs", (folder / "small").c_str(), "tmpfs", MS_REMOUNT | MS_RDONLY, nullptr);
-    read_only =
-        message_of<IoError>([&] { VolumeWriter(folder / "small/a.exr", sample_header(kSize, layout::kChannelForce)); });
+    read_only = message_of<IoError>(
+        [&] { VolumeWriter(folder / "small/a.exr", sample_header(kFieldSize, layout::kChannelForce)); });
     ::umount((folder / "small").c_str());
     EXPECT_NE(message.find("a.exr: No space left on device; free space there"), std::string::npos) << message;
     EXPECT_TRUE(empty);

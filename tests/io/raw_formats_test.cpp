@@ -16,8 +16,6 @@ using testing::Folder;
 using testing::SampleField;
 using testing::tight;
 
-constexpr std::array<std::uint64_t, 3> kSize{37, 11, 7};
-
 template <typename T> std::string bytes_of(const std::vector<T>& values) {
     return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T)};
 }
@@ -33,44 +31,45 @@ std::string written(ChunkSink& sink, const auto& field, const std::filesystem::p
 
 TEST(Npy, is_a_header_and_the_samples) {
     const Folder folder;
-    const SampleField field(kSize);
-    NpyWriter force(folder / "a.npy", kSize, layout::kChannelForce, Precision::f32);
+    const SampleField field(testing::kSampleSize);
+    NpyWriter force(folder / "a.npy", testing::kSampleSize, layout::kChannelForce, Precision::f32);
     const std::string bytes = written(force, field, folder / "a.npy");
     const std::string start(
         "\x93NUMPY\x01\x00\x76\x00{'descr': '<f4', 'fortran_order': False, 'shape': (7, 11, 37, 3), }", 74);
     EXPECT_TRUE(bytes.starts_with(start)) << bytes.substr(0, 128);
     EXPECT_EQ(bytes[127], '\n');
-    EXPECT_TRUE(bytes.substr(128) == bytes_of(tight(field.force, kSize, field.pitch, 3)));
-    NpyWriter facet(folder / "b.npy", kSize, layout::kChannelFacet, Precision::f64);
+    EXPECT_TRUE(bytes.substr(128) == bytes_of(tight(field.force, testing::kSampleSize, field.pitch, 3)));
+    NpyWriter facet(folder / "b.npy", testing::kSampleSize, layout::kChannelFacet, Precision::f64);
     const std::string ids = written(facet, field, folder / "b.npy");
     EXPECT_NE(ids.find("'<u4', 'fortran_order': False, 'shape': (7, 11, 37), "), std::string::npos);
-    EXPECT_TRUE(ids.substr(128) == bytes_of(tight(field.facet, kSize, field.pitch, 1)));
+    EXPECT_TRUE(ids.substr(128) == bytes_of(tight(field.facet, testing::kSampleSize, field.pitch, 1)));
 }
 
 TEST(Npy, keeps_doubles) {
     const Folder folder;
-    const SampleField<double> field(kSize);
-    NpyWriter depth(folder / "a.npy", kSize, layout::kChannelDepth, Precision::f64);
+    const SampleField<double> field(testing::kSampleSize);
+    NpyWriter depth(folder / "a.npy", testing::kSampleSize, layout::kChannelDepth, Precision::f64);
     const std::string bytes = written(depth, field, folder / "a.npy");
     EXPECT_NE(bytes.find("'<f8'"), std::string::npos);
-    EXPECT_TRUE(bytes.substr(128) == bytes_of(tight(field.depth, kSize, field.pitch, 1)));
+    EXPECT_TRUE(bytes.substr(128) == bytes_of(tight(field.depth, testing::kSampleSize, field.pitch, 1)));
 }
 
 TEST(RawFormats, repeat_rows_as_if_they_had_been_written_out) {
     const Folder folder;
-    const SampleField field(kSize, false), row_a_layer({kSize[0], 1, kSize[2]}, false);
-    const VtiHeader header{kSize, {}, {1, 1, 1}, testing::kAllChannels, Precision::f32};
+    const SampleField field(testing::kSampleSize, false),
+        row_a_layer({testing::kSampleSize[0], 1, testing::kSampleSize[2]}, false);
+    const VtiHeader header{testing::kSampleSize, {}, {1, 1, 1}, testing::kAllChannels, Precision::f32};
     VtiWriter whole(folder / "a.vti", header), repeated(folder / "b.vti", header);
     field.write_to(whole);
-    repeated.write(row_a_layer.chunk(0, 3), kSize[1]);
-    repeated.write(row_a_layer.chunk(3, 4), kSize[1]);
+    repeated.write(row_a_layer.chunk(0, 3), testing::kSampleSize[1]);
+    repeated.write(row_a_layer.chunk(3, 4), testing::kSampleSize[1]);
     EXPECT_EQ(whole.finish().sha256, repeated.finish().sha256);
 }
 
 TEST(Vti, is_xml_and_the_arrays) {
     const Folder folder;
-    const SampleField field(kSize);
-    const VtiHeader header{kSize, {-0.025, 0, 1e-9}, {0.0002, 0.1, 1}, 31, Precision::f32};
+    const SampleField field(testing::kSampleSize);
+    const VtiHeader header{testing::kSampleSize, {-0.025, 0, 1e-9}, {0.0002, 0.1, 1}, 31, Precision::f32};
     VtiWriter writer(folder / "a.vti", header);
     const std::string bytes = written(writer, field, folder / "a.vti");
     EXPECT_NE(
@@ -87,11 +86,11 @@ TEST(Vti, is_xml_and_the_arrays) {
         EXPECT_EQ(size, samples.size()) << name;
         EXPECT_TRUE(bytes.substr(data + offset + sizeof size, samples.size()) == samples) << name;
     };
-    expect_array("force", bytes_of(tight(field.force, kSize, field.pitch, 3)));
-    expect_array("depth", bytes_of(tight(field.depth, kSize, field.pitch, 1)));
-    expect_array("facet", bytes_of(tight(field.facet, kSize, field.pitch, 1)));
-    expect_array("proxy", bytes_of(tight(field.proxy, kSize, field.pitch, 3)));
-    expect_array("unshaded", bytes_of(tight(field.unshaded, kSize, field.pitch, 3)));
+    expect_array("force", bytes_of(tight(field.force, testing::kSampleSize, field.pitch, 3)));
+    expect_array("depth", bytes_of(tight(field.depth, testing::kSampleSize, field.pitch, 1)));
+    expect_array("facet", bytes_of(tight(field.facet, testing::kSampleSize, field.pitch, 1)));
+    expect_array("proxy", bytes_of(tight(field.proxy, testing::kSampleSize, field.pitch, 3)));
+    expect_array("unshaded", bytes_of(tight(field.unshaded, testing::kSampleSize, field.pitch, 3)));
 }
 
 } // namespace

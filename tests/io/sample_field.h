@@ -86,6 +86,8 @@ std::vector<T> tight(const std::vector<T>& pitched, const std::array<std::uint64
 
 inline constexpr std::uint32_t kAllChannels = 31;
 
+inline constexpr std::array<std::uint64_t, 3> kSampleSize{37, 11, 7};
+
 inline VolumeHeader sample_header(const std::array<std::uint64_t, 3>& size, std::uint32_t channels = kAllChannels) {
     VolumeHeader header;
     header.size = size;

@@ -20,16 +20,14 @@ using testing::kAllChannels;
 using testing::sample_header;
 using testing::SampleField;
 
-constexpr std::array<std::uint64_t, 3> kSize{37, 11, 7};
-
 struct Sound {
     Folder folder;
     std::string bytes, sha256;
     std::filesystem::path path = folder / "a.exr";
 
     explicit Sound(std::uint32_t channels) {
-        VolumeWriter writer(path, sample_header(kSize, channels));
-        SampleField(kSize).write_to(writer);
+        VolumeWriter writer(path, sample_header(testing::kSampleSize, channels));
+        SampleField(testing::kSampleSize).write_to(writer);
         sha256 = writer.finish().sha256;
         bytes = read_file(path);
     }

@@ -18,8 +18,6 @@ using testing::message_of;
 using testing::sample_header;
 using testing::SampleField;
 
-constexpr std::array<std::uint64_t, 3> kSize{37, 11, 7};
-
 template <typename E>
 std::string refusal(const Folder& folder, const VolumeHeader& header, const SampleField<float>& field) {
     return message_of<E>([&] {
@@ -30,35 +28,36 @@ std::string refusal(const Folder& folder, const VolumeHeader& header, const Samp
 }
 
 std::size_t sample_of(const SampleField<float>& field, std::size_t x, std::size_t y, std::size_t z) {
-    return (z * kSize[1] + y) * field.pitch + x;
+    return (z * testing::kSampleSize[1] + y) * field.pitch + x;
 }
 
 TEST(Refusal, of_values_that_are_not_finite_names_the_first) {
     const Folder folder;
     for (const float bad : {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
-        SampleField field(kSize);
+        SampleField field(testing::kSampleSize);
         field.force[3 * sample_of(field, 36, 10, 1) + 2] = bad;
         field.force[3 * sample_of(field, 2, 3, 4) + 1] = bad;
-        const std::string message = refusal<Error>(folder, sample_header(kSize), field);
+        const std::string message = refusal<Error>(folder, sample_header(testing::kSampleSize), field);
         EXPECT_NE(message.find(std::isnan(bad) ? "force is nan at voxel (36, 10, 1): 2 values"
                                                : "force is inf at voxel (36, 10, 1): 2 values"),
                   std::string::npos)
             << message;
     }
-    SampleField field(kSize);
+    SampleField field(testing::kSampleSize);
     field.depth[sample_of(field, 0, 0, 6)] = -std::numeric_limits<float>::infinity();
-    EXPECT_NE(refusal<Error>(folder, sample_header(kSize), field).find("depth is -inf at voxel (0, 0, 6)"),
-              std::string::npos);
+    EXPECT_NE(
+        refusal<Error>(folder, sample_header(testing::kSampleSize), field).find("depth is -inf at voxel (0, 0, 6)"),
+        std::string::npos);
     EXPECT_TRUE(folder.names().empty());
 }
 
 TEST(Refusal, of_values_that_are_not_finite_can_be_waived) {
     const Folder folder;
-    SampleField field(kSize);
+    SampleField field(testing::kSampleSize);
     field.force[3 * sample_of(field, 2, 3, 4) + 1] = std::numeric_limits<float>::quiet_NaN();
     for (const Compression compression : {Compression::zip, Compression::pxr24})
         for (const PixelType pixel : {PixelType::float32, PixelType::half}) {
-            VolumeHeader header = sample_header(kSize);
+            VolumeHeader header = sample_header(testing::kSampleSize);
             header.allow_non_finite = true;
             header.compression = compression;
             header.pixel = pixel;
@@ -73,9 +72,9 @@ TEST(Refusal, of_values_that_are_not_finite_can_be_waived) {
 
 TEST(Refusal, of_what_half_cannot_hold_names_the_largest) {
     const Folder folder;
-    VolumeHeader header = sample_header(kSize);
+    VolumeHeader header = sample_header(testing::kSampleSize);
     header.pixel = PixelType::half;
-    SampleField field(kSize);
+    SampleField field(testing::kSampleSize);
     field.force[3 * sample_of(field, 1, 2, 3)] = 65519.0f; // rounds to 65504
     EXPECT_EQ(refusal<Error>(folder, header, field), "");
     field.force[3 * sample_of(field, 1, 2, 3)] = 65520.0f; // rounds to infinity
@@ -86,7 +85,7 @@ TEST(Refusal, of_what_half_cannot_hold_names_the_largest) {
             .find("half cannot hold -1.2e+06 N at voxel (5, 6, 6), its largest is 65504: write pixel = \"float\""),
         std::string::npos)
         << refusal<UsageError>(folder, header, field);
-    field = SampleField(kSize);
+    field = SampleField(testing::kSampleSize);
     field.depth[sample_of(field, 7, 8, 5)] = 1e5f;
     EXPECT_NE(refusal<UsageError>(folder, header, field).find("100000 m at voxel (7, 8, 5)"), std::string::npos)
         << refusal<UsageError>(folder, header, field);
@@ -95,12 +94,12 @@ TEST(Refusal, of_what_half_cannot_hold_names_the_largest) {
 
 TEST(Refusal, of_a_new_volume_leaves_the_old_one) {
     const Folder folder;
-    SampleField field(kSize);
-    VolumeWriter writer(folder / "a.exr", sample_header(kSize));
+    SampleField field(testing::kSampleSize);
+    VolumeWriter writer(folder / "a.exr", sample_header(testing::kSampleSize));
     field.write_to(writer);
     const std::string hash = writer.finish().sha256;
     field.force[0] = std::numeric_limits<float>::quiet_NaN();
-    EXPECT_NE(refusal<Error>(folder, sample_header(kSize), field), "");
+    EXPECT_NE(refusal<Error>(folder, sample_header(testing::kSampleSize), field), "");
     EXPECT_TRUE(file_is_intact(folder / "a.exr", hash));
 }
 

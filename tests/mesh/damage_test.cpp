@@ -19,13 +19,9 @@ namespace {
 
 using shapes::Damage;
 
-double uniform(std::mt19937& random) {
-    return (double(random()) + 0.5) / 2147483648.0 - 1;
-}
-
 glm::dvec3 anywhere(std::mt19937& random, double reach) {
-    const double x = reach * uniform(random), y = reach * uniform(random);
-    return {x, y, reach * uniform(random)};
+    const double x = reach * shapes::uniform(random), y = reach * shapes::uniform(random);
+    return {x, y, reach * shapes::uniform(random)};
 }
 
 PolygonSoup shape(unsigned kind, std::mt19937& random) {
@@ -47,7 +43,8 @@ PolygonSoup shape(unsigned kind, std::mt19937& random) {
 glm::dvec3 near_surface(const PolygonSoup& polygons, double off, std::mt19937& random) {
     const std::size_t first = 3 * (random() % polygons.facets());
     const auto vertex = [&](std::size_t i) { return polygons.vertices[polygons.corners[first + i]]; };
-    const double u = random() % 3 == 0 ? 0 : std::abs(uniform(random)), v = (1 - u) * std::abs(uniform(random));
+    const double u = random() % 3 == 0 ? 0 : std::abs(shapes::uniform(random)),
+                 v = (1 - u) * std::abs(shapes::uniform(random));
     return vertex(0) + u * (vertex(1) - vertex(0)) + v * (vertex(2) - vertex(0)) + anywhere(random, off);
 }
 
@@ -64,7 +61,7 @@ Count count_wrong(const Mesh& sound, const Mesh& broken, int probes, double sure
     const brute::MeshReferee referee(sound, {}), of_broken(broken, {});
     Count count;
     for (int i = 0; i < probes; ++i) {
-        const double off = std::pow(10.0, -4 + 4 * std::abs(uniform(random)));
+        const double off = std::pow(10.0, -4 + 4 * std::abs(shapes::uniform(random)));
         const glm::dvec3 world = i % 3 == 0 ? structure.centre + structure.scale * anywhere(random, i % 2 == 0 ? 1 : 30)
                                             : near_surface(sound.polygons, off * structure.scale, random);
         const reference::Vector<T> probe(to_mesh_frame(structure, world));

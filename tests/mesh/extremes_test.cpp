@@ -15,15 +15,10 @@ namespace forceshade {
 namespace {
 
 using layout::uint;
-using Vector = reference::Vector<double>;
 
 constexpr double kStiffness = 1000; /* N/m */
 constexpr uint kShadings[] = {layout::kShadingNone, layout::kShadingMorgenbesser, layout::kShadingBarycentric,
                               layout::kShadingMeanValue, layout::kShadingTwoPass};
-
-double uniform(std::mt19937& random) {
-    return (double(random()) + 0.5) / 2147483648.0 - 1;
-}
 
 template <typename T> double length(const reference::Vector<T>& v) {
     return std::sqrt(double(v.x) * double(v.x) + double(v.y) * double(v.y) + double(v.z) * double(v.z));
@@ -40,7 +35,8 @@ template <typename T> void expect_sane(const MeshStructure& structure) {
         triangles = triangles && law.mesh.facet_begins[facet + 1] - law.mesh.facet_begins[facet] == 3;
     std::mt19937 random(1);
     for (int i = 0; i < 600; ++i) {
-        reference::Vector<T> probe(T(1.1 * uniform(random)), T(1.1 * uniform(random)), T(1.1 * uniform(random)));
+        reference::Vector<T> probe(T(1.1 * shapes::uniform(random)), T(1.1 * shapes::uniform(random)),
+                                   T(1.1 * shapes::uniform(random)));
         const std::size_t triangle = random() % structure.triangles();
         const auto corner = [&](std::size_t j) {
             return reference::vector_at(law.mesh.vertices, law.mesh.triangle_corners[3 * triangle + j]);
@@ -49,10 +45,10 @@ template <typename T> void expect_sane(const MeshStructure& structure) {
         if (i % 4 == 1)
             probe = corner(random() % 3);
         if (i % 4 == 2)
-            probe =
-                (corner(0) + corner(1) + corner(2)) / T(3) - T(std::pow(10, -12 * std::abs(uniform(random)))) * normal;
+            probe = (corner(0) + corner(1) + corner(2)) / T(3) -
+                    T(std::pow(10, -12 * std::abs(shapes::uniform(random)))) * normal;
         if (i % 4 == 3)
-            probe = corner(random() % 3) - T(std::pow(10, -12 * std::abs(uniform(random)))) * normal;
+            probe = corner(random() % 3) - T(std::pow(10, -12 * std::abs(shapes::uniform(random)))) * normal;
         for (const uint shading : kShadings) {
             if (shading == layout::kShadingBarycentric && !triangles)
                 continue;
@@ -81,7 +77,7 @@ void expect_right(const Mesh& mesh, const MeshStructure& structure, double toler
     const brute::MeshReferee referee(mesh, {});
     std::mt19937 random(2);
     for (int i = 0; i < 100; ++i) {
-        const Vector local(uniform(random), uniform(random), uniform(random));
+        const glm::dvec3 local(shapes::uniform(random), shapes::uniform(random), shapes::uniform(random));
         const glm::dvec3 world = structure.centre + structure.scale * local;
         const brute::Answer expected = referee.at(world);
         const reference::Contact<double> found = reference::evaluate(law, to_mesh_frame(structure, world));
@@ -246,8 +242,8 @@ TEST(Extremes, CapsThatContradictEachOtherAreCutOnce) {
 TEST(Extremes, MixedMagnitudesArePreparedOrRefused) {
     std::mt19937 random(11);
     const auto coordinate = [&] {
-        const double size = std::pow(10, 200 * uniform(random) - 120);
-        return random() % 3 != 0 ? 0.0 : std::copysign(size < 1e99 ? size : 1e99, uniform(random));
+        const double size = std::pow(10, 200 * shapes::uniform(random) - 120);
+        return random() % 3 != 0 ? 0.0 : std::copysign(size < 1e99 ? size : 1e99, shapes::uniform(random));
     };
     int prepared = 0;
     for (int i = 0; i < 6000; ++i) {

@@ -13,14 +13,10 @@
 namespace forceshade {
 namespace {
 
-template <typename T> glm::dvec3 wide(const glm::vec<3, T>& v) {
-    return {double(v.x), double(v.y), double(v.z)};
-}
-
 /// A move ends 7/8 of a skin from a triangle; what is far below that has lost its skin and meets nothing any more.
 constexpr double kLeastGap = 0.86;
 
-struct Tally {
+struct AimedTally {
     std::uint64_t walks = 0, steps = 0, contacts = 0, pieces = 0, crossed = 0, unfinished = 0;
     double least_gap = 1; /* between a proxy at rest and the mesh, in skins */
 };
@@ -28,7 +24,7 @@ struct Tally {
 /// Every piece of every walk is checked in exact arithmetic.
 template <typename T>
 void walk(const std::string& name, const MeshStructure& structure, std::uint64_t walks, std::uint64_t seed,
-          Tally& tally) {
+          AimedTally& tally) {
     const MeshTables<T> tables = make_mesh_tables<T>(structure, 1.0);
     const layout::MeshView<T> mesh = tables.view();
     const brute::Triangles triangles = brute::Triangles::of(mesh.vertices, mesh.triangle_corners);
@@ -41,7 +37,7 @@ void walk(const std::string& name, const MeshStructure& structure, std::uint64_t
         bool crossed = false, unfinished = false;
         const auto trace = [&](const glm::vec<3, T>& from, const glm::vec<3, T>& to) {
             ++tally.pieces;
-            crossed = crossed || grid.touches(wide(from), wide(to));
+            crossed = crossed || grid.touches(walks::wide(from), walks::wide(to));
         };
         for (unsigned step = 0; step < walks::Aimer::kSteps && !crossed && !unfinished; ++step) {
             way.push_back(step == 0 ? aimer.begin() : aimer.step(way.back()));
@@ -85,7 +81,7 @@ template <typename T> void walk_on(const std::vector<walks::Terrain>& terrains, 
         walks = std::strtoull(count, nullptr, 10);
     for (const walks::Terrain& terrain : terrains) {
         const MeshStructure structure = build_structure(shapes::mesh_of(terrain.polygons));
-        Tally tally;
+        AimedTally tally;
         walk<T>(terrain.name, structure, walks, seed ? std::strtoull(seed, nullptr, 10) : 1, tally);
         fmt::print(
             "{:18} f{} {:9} walks {:9} steps {:9} contacts {:9} pieces: {} crossed, {} unfinished, {:.4f} skins\n",
@@ -113,7 +109,7 @@ TEST(GodObjectAimed, MeshesDouble) {
 /// Triangles that cut each other everywhere: a few walks on each of many soups.
 template <typename T> void walk_on_soups() {
     const unsigned soups = std::getenv("FORCESHADE_LONG") ? 20000 : 1000;
-    Tally tally;
+    AimedTally tally;
     for (unsigned seed = 1; seed <= soups; ++seed)
         walk<T>(fmt::format("soup {}", seed), build_structure(shapes::mesh_of(walks::soup(seed))), 10, seed, tally);
     fmt::print("{} soups f{}: {} walks {} contacts: {} crossed, {} unfinished\n", soups, 8 * sizeof(T), tally.walks,

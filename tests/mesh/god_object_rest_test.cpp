@@ -15,10 +15,6 @@ namespace {
 
 using glm::dvec3;
 
-template <typename T> dvec3 wide(const glm::vec<3, T>& v) {
-    return {double(v.x), double(v.y), double(v.z)};
-}
-
 template <typename T> brute::SurfaceWalker walker_of(const layout::MeshView<T>& mesh) {
     std::vector<dvec3> vertices;
     std::vector<std::array<std::uint32_t, 3>> triangles;
@@ -30,7 +26,7 @@ template <typename T> brute::SurfaceWalker walker_of(const layout::MeshView<T>& 
     return {vertices, triangles, {mesh.triangle_facets.begin(), mesh.triangle_facets.end()}};
 }
 
-struct Tally {
+struct RestTally {
     std::uint64_t steps = 0, contacts = 0, crossed = 0;
     std::uint64_t again = 0;     /* moved on when the same probe was given again */
     std::uint64_t stuck = 0;     /* rested where the solver goes on */
@@ -48,13 +44,13 @@ public:
           mesh_(tables_.view()), triangles_(brute::Triangles::of(mesh_.vertices, mesh_.triangle_corners)),
           grid_(triangles_), beside_(walker_of(mesh_)), after_(beside_), wanderer_(structure_, seed, terrain.focus) {}
 
-    void wander(std::uint64_t steps, Tally& tally) {
+    void wander(std::uint64_t steps, RestTally& tally) {
         bool fresh = true;
         for (std::uint64_t i = 0; i < steps; ++i) {
             at_ = fresh || i % 500 == 0 ? wanderer_.begin() : wanderer_.step(at_);
             if (fresh || i % 500 == 0) {
                 state_ = {};
-                beside_.begin(wide(glm::vec<3, T>(at_)));
+                beside_.begin(walks::wide(glm::vec<3, T>(at_)));
             }
             fresh = !step(tally);
         }
@@ -62,21 +58,21 @@ public:
 
 private:
     /// False if the proxy and the solver are on different ways from here.
-    bool step(Tally& tally) {
+    bool step(RestTally& tally) {
         const glm::vec<3, T> probe(at_);
         bool crossed = false;
         const auto trace = [&](const glm::vec<3, T>& from, const glm::vec<3, T>& to) {
-            crossed = crossed || grid_.touches(wide(from), wide(to));
+            crossed = crossed || grid_.touches(walks::wide(from), walks::wide(to));
         };
         const auto contact = reference::update(mesh_, state_, *around_, probe, trace);
         reference::GodObject<T> same = state_;
         const auto again = reference::update(mesh_, same, *around_, probe);
-        beside_.update(wide(probe));
-        const bool apart = glm::length(wide(contact.proxy) - beside_.proxy()) > kApart;
+        beside_.update(walks::wide(probe));
+        const bool apart = glm::length(walks::wide(contact.proxy) - beside_.proxy()) > kApart;
         ++tally.steps;
         tally.contacts += contact.touching;
         tally.crossed += crossed;
-        tally.again += glm::length(wide(again.proxy) - wide(contact.proxy)) > 2 * kSkin;
+        tally.again += glm::length(walks::wide(again.proxy) - walks::wide(contact.proxy)) > 2 * kSkin;
         tally.elsewhere += apart;
         tally.stuck += contact.touching && goes_on(contact, probe);
         return !apart;
@@ -85,10 +81,11 @@ private:
     bool goes_on(const reference::GodObjectContact<T>& contact, const glm::vec<3, T>& probe) {
         const std::uint32_t triangle = contact.triangles[0];
         const auto normal = reference::vector_at(mesh_.triangle_normals, triangle);
-        after_.begin_on(triangle, wide(contact.proxy), dot(normal, contact.normals[0]) > 0, kFlush);
-        after_.update(wide(probe));
-        const double gain = glm::length(wide(contact.proxy - probe)) - glm::length(after_.proxy() - wide(probe));
-        return gain > 4 * kSkin && glm::length(after_.proxy() - wide(contact.proxy)) > kApart;
+        after_.begin_on(triangle, walks::wide(contact.proxy), dot(normal, contact.normals[0]) > 0, kFlush);
+        after_.update(walks::wide(probe));
+        const double gain =
+            glm::length(walks::wide(contact.proxy - probe)) - glm::length(after_.proxy() - walks::wide(probe));
+        return gain > 4 * kSkin && glm::length(after_.proxy() - walks::wide(contact.proxy)) > kApart;
     }
 
     MeshStructure structure_;
@@ -106,7 +103,7 @@ private:
 /// In double, folds are wide beside the skin: the proxy rests where the solver would, but for one way in tens of
 /// thousands of contacts that neither stride nor walk finds. In float those of a corner of many triangles are not, for
 /// as far as thousands of skins.
-template <typename T> void expect_rest(const std::string& name, const Tally& tally, bool narrow) {
+template <typename T> void expect_rest(const std::string& name, const RestTally& tally, bool narrow) {
     fmt::print("{:14} {} steps, {} contacts: {} crossed, {} again, {} stuck, {} elsewhere\n", name, tally.steps,
                tally.contacts, tally.crossed, tally.again, tally.stuck, tally.elsewhere);
     EXPECT_EQ(tally.crossed, 0u) << name;
@@ -125,7 +122,7 @@ bool is_long() {
 template <typename T> void rest_on_stars() {
     for (const unsigned valence : {4U, 6U, 8U, 12U, 40U})
         for (const double relief : {0.2, 0.4, 0.8}) {
-            Tally tally;
+            RestTally tally;
             for (unsigned seed = 1; seed <= (is_long() ? 50 : 5); ++seed)
                 for (const double depth : {0.0, 0.3})
                     Path<T>({"star", walks::pit(valence, relief, seed, depth), valence, dvec3(0, 0, -depth)}, seed)
@@ -136,7 +133,7 @@ template <typename T> void rest_on_stars() {
 
 template <typename T> void rest_in_pits() {
     for (const walks::Terrain& terrain : walks::pits()) {
-        Tally tally;
+        RestTally tally;
         Path<T>(terrain, 1).wander(is_long() ? 30000 : 200000 / (100 + terrain.valence), tally);
         expect_rest<T>(terrain.name, tally, terrain.valence > 40);
     }
@@ -154,7 +151,7 @@ walks::Terrain rough(unsigned cells, double relief, unsigned seed) {
 /// At a corner a proxy finds a way into every sector that is free, but for a few rests in ten thousand between spikes.
 template <typename T> void rest_on_rough_terrain() {
     for (const double relief : {1.0, 3.0, 8.0}) {
-        Tally tally;
+        RestTally tally;
         for (unsigned seed = 1; seed <= (is_long() ? 100 : 6); ++seed)
             Path<T>(rough(16, relief, seed), seed).wander(3000, tally);
         fmt::print("rough {} f{}: {} steps, {} contacts: {} crossed, {} again, {} stuck, {} elsewhere\n", relief,

@@ -13,11 +13,7 @@
 namespace forceshade {
 namespace {
 
-template <typename T> glm::dvec3 wide(const glm::vec<3, T>& v) {
-    return {double(v.x), double(v.y), double(v.z)};
-}
-
-struct Tally {
+struct SafetyTally {
     std::uint64_t steps = 0, contacts = 0, pieces = 0, crossed = 0, further = 0, outside_cone = 0, unfinished = 0;
     std::uint64_t substeps = 0, most_substeps = 0;
     std::uint64_t behind = 0, again = 0;
@@ -39,7 +35,7 @@ double skins_to(const std::array<glm::dvec3, 3>& normals, unsigned count) {
 }
 
 template <typename T>
-void wander(const walks::Terrain& terrain, std::uint64_t steps, std::uint64_t seed, Tally& tally) {
+void wander(const walks::Terrain& terrain, std::uint64_t steps, std::uint64_t seed, SafetyTally& tally) {
     const MeshStructure structure = build_structure(shapes::mesh_of(terrain.polygons));
     const MeshTables<T> tables = make_mesh_tables<T>(structure, 1.0);
     const layout::MeshView<T> mesh = tables.view();
@@ -58,18 +54,18 @@ void wander(const walks::Terrain& terrain, std::uint64_t steps, std::uint64_t se
             at = wanderer.step(at);
         }
         const glm::vec<3, T> probe(at);
-        const glm::dvec3 start = wide(state.started ? state.proxy : probe);
-        double depth = glm::length(start - wide(probe));
+        const glm::dvec3 start = walks::wide(state.started ? state.proxy : probe);
+        double depth = glm::length(start - walks::wide(probe));
         const bool fresh = !state.started;
         bool crossed = false;
         double further = 0;
         const auto trace = [&](const glm::vec<3, T>& from, const glm::vec<3, T>& to) {
             ++tally.pieces;
-            crossed = crossed || grid.touches(wide(from), wide(to));
+            crossed = crossed || grid.touches(walks::wide(from), walks::wide(to));
         };
         const auto contact = reference::update(mesh, state, *around, probe, trace);
         if (!fresh)
-            further = glm::length(wide(state.proxy) - wide(probe)) - depth;
+            further = glm::length(walks::wide(state.proxy) - walks::wide(probe)) - depth;
         ++tally.steps;
         tally.contacts += contact.touching;
         tally.substeps += contact.substeps;
@@ -77,21 +73,22 @@ void wander(const walks::Terrain& terrain, std::uint64_t steps, std::uint64_t se
         tally.unfinished += !contact.finished;
         std::array<glm::dvec3, 3> normals;
         for (unsigned k = 0; k < contact.count; ++k)
-            normals[k] = wide(contact.normals[k]);
-        const glm::dvec3 pull = wide(probe) - wide(contact.proxy);
+            normals[k] = walks::wide(contact.normals[k]);
+        const glm::dvec3 pull = walks::wide(probe) - walks::wide(contact.proxy);
         const double floor = 64 * double(std::numeric_limits<T>::epsilon());
         const double off = brute::distance_from_cone(pull, std::span(normals.data(), contact.count));
         const double relative = std::max(0.0, off - floor) / std::max(glm::length(pull), 1e-300);
         // The reported proxy is the walked one without its skin, and nothing is between.
-        const glm::dvec3 back = wide(state.proxy) - wide(contact.proxy);
+        const glm::dvec3 back = walks::wide(state.proxy) - walks::wide(contact.proxy);
         const double shift = contact.touching ? glm::length(back) / skin : 0;
         const double off_planes = shift / (1 + skins_to(normals, contact.count));
         // Touching is allowed within two skins; in an acute corner, where it is a hundredth of a skin wide.
         const double lift = (2 + 0.01 * skins_to(normals, contact.count)) / shift;
-        const bool behind = lift < 1 && grid.touches(wide(state.proxy), wide(contact.proxy) + lift * back);
+        const bool behind =
+            lift < 1 && grid.touches(walks::wide(state.proxy), walks::wide(contact.proxy) + lift * back);
         reference::GodObject<T> same = state;
         const auto again = reference::update(mesh, same, *around, probe);
-        const bool moved = glm::length(wide(again.proxy) - wide(contact.proxy)) > 2 * skin;
+        const bool moved = glm::length(walks::wide(again.proxy) - walks::wide(contact.proxy)) > 2 * skin;
         tally.behind += behind;
         tally.again += moved;
         tally.worst_shift = std::max(tally.worst_shift, off_planes);
@@ -110,7 +107,7 @@ void wander(const walks::Terrain& terrain, std::uint64_t steps, std::uint64_t se
     }
 }
 
-void print(const walks::Terrain& terrain, const Tally& tally) {
+void print(const walks::Terrain& terrain, const SafetyTally& tally) {
     fmt::print(
         "{:18} {:9} steps {:9} contacts {:9} pieces; crossed {} further {} ({:.2f}) cone {} ({:.1e}) behind {} shift "
         "{:.2f} again {} unfinished {} substeps {:.2f} most {}\n",
@@ -119,7 +116,7 @@ void print(const walks::Terrain& terrain, const Tally& tally) {
         double(tally.substeps) / double(tally.steps), tally.most_substeps);
 }
 
-void expect_safe(const walks::Terrain& terrain, const Tally& tally) {
+void expect_safe(const walks::Terrain& terrain, const SafetyTally& tally) {
     EXPECT_EQ(tally.crossed, 0u) << terrain.name;
     EXPECT_EQ(tally.further, 0u) << terrain.name;
     EXPECT_EQ(tally.behind, 0u) << terrain.name;
@@ -131,7 +128,7 @@ void expect_safe(const walks::Terrain& terrain, const Tally& tally) {
 template <typename T> void wander_everywhere() {
     const std::uint64_t steps = std::getenv("FORCESHADE_LONG") ? 8000000 : 50000;
     for (const walks::Terrain& terrain : walks::terrains()) {
-        Tally tally;
+        SafetyTally tally;
         wander<T>(terrain, steps, 1, tally);
         print(terrain, tally);
         expect_safe(terrain, tally);
@@ -148,7 +145,7 @@ template <typename T> void wander_everywhere() {
 template <typename T> void wander_in_pits() {
     const std::uint64_t steps = std::getenv("FORCESHADE_LONG") ? 8000000 : 400000;
     for (const walks::Terrain& terrain : walks::pits()) {
-        Tally tally;
+        SafetyTally tally;
         wander<T>(terrain, steps / terrain.valence, 1, tally);
         print(terrain, tally);
         expect_safe(terrain, tally);

@@ -11,6 +11,10 @@
 
 namespace forceshade::walks {
 
+template <typename T> glm::dvec3 wide(const glm::vec<3, T>& v) {
+    return {double(v.x), double(v.y), double(v.z)};
+}
+
 struct Terrain {
     std::string name;
     PolygonSoup polygons;

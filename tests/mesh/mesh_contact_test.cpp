@@ -16,10 +16,9 @@ namespace {
 
 using brute::MeshShading;
 using layout::uint;
-using Vector = reference::Vector<double>;
 using Contact = reference::Contact<double>;
 
-constexpr double kStiffness = 700; /* N/m */
+constexpr double kContactStiffness = 700; /* N/m */
 constexpr std::pair<uint, MeshShading> kSchemes[] = {{layout::kShadingNone, MeshShading::none},
                                                      {layout::kShadingMorgenbesser, MeshShading::morgenbesser},
                                                      {layout::kShadingBarycentric, MeshShading::barycentric},
@@ -36,7 +35,7 @@ struct Oracle {
 
     explicit Oracle(PolygonSoup polygons)
         : mesh(shapes::mesh_of(std::move(polygons))), structure(build_structure(mesh, {.winding = true})),
-          tables(make_mesh_tables<double>(structure, kStiffness)), size(structure.scale) {
+          tables(make_mesh_tables<double>(structure, kContactStiffness)), size(structure.scale) {
         law.features.surface = layout::kSurfaceMesh;
         law.mesh = tables.view();
     }
@@ -51,7 +50,8 @@ public:
         glm::dvec3 corners[3];
         for (std::size_t i = 0; i < 3; ++i)
             corners[i] = mesh.polygons.vertices[mesh.triangles.corners[triangle][i]];
-        const double size = std::sqrt(reference::dot(Vector(corners[1] - corners[0]), Vector(corners[1] - corners[0])));
+        const double size =
+            std::sqrt(reference::dot(glm::dvec3(corners[1] - corners[0]), glm::dvec3(corners[1] - corners[0])));
         return (corners[0] + corners[1] + corners[2]) / 3.0 -
                0.3 * size * std::abs(uniform()) * mesh.triangles.normals[triangle];
     }
@@ -74,7 +74,7 @@ void hold_against_referee(Oracle& oracle, int count, bool triangles) {
             continue;
         oracle.law.features.shading = shading;
         brute::MeshLaw law;
-        law.stiffness = kStiffness;
+        law.stiffness = kContactStiffness;
         law.shading = scheme;
         const brute::MeshReferee referee(oracle.mesh, law);
         for (int i = 0; i < count; ++i) {
@@ -90,8 +90,9 @@ void hold_against_referee(Oracle& oracle, int count, bool triangles) {
             EXPECT_EQ(found.facet, expected.facet);
             EXPECT_LT(reference::length(found.proxy - vector_of(expected.proxy)), 1e-12 * oracle.size);
             EXPECT_LT(reference::length(found.unshaded - vector_of(expected.unshaded)),
-                      1e-12 * kStiffness * oracle.size);
-            EXPECT_LT(reference::length(found.force - vector_of(expected.force)), 1e-11 * kStiffness * oracle.size);
+                      1e-12 * kContactStiffness * oracle.size);
+            EXPECT_LT(reference::length(found.force - vector_of(expected.force)),
+                      1e-11 * kContactStiffness * oracle.size);
         }
     }
     EXPECT_GT(touching, count / 20);
@@ -141,8 +142,9 @@ TEST(MeshContact, TextureAndMapAreTheReferees) {
         oracle.law.features.texture = layout::kMapGaussian;
         for (const auto& [shading, scheme] : kSchemes) {
             oracle.law.features.shading = shading;
-            const brute::MeshReferee referee(oracle.mesh, {kStiffness, 90, scheme, brute::MeshInside::pseudonormal,
-                                                           with_map ? gaussian : brute::Slope{}, gaussian});
+            const brute::MeshReferee referee(oracle.mesh,
+                                             {kContactStiffness, 90, scheme, brute::MeshInside::pseudonormal,
+                                              with_map ? gaussian : brute::Slope{}, gaussian});
             Random random;
             for (int i = 0; i < 60; ++i) {
                 const glm::dvec3 world = random.within(0.9);
@@ -151,8 +153,8 @@ TEST(MeshContact, TextureAndMapAreTheReferees) {
                     continue;
                 const brute::Answer expected = referee.at(world);
                 const Contact found = oracle.at(world);
-                EXPECT_LT(reference::length(found.force - vector_of(expected.force)), 1e-11 * kStiffness);
-                EXPECT_LT(reference::length(found.unshaded - vector_of(expected.unshaded)), 1e-11 * kStiffness);
+                EXPECT_LT(reference::length(found.force - vector_of(expected.force)), 1e-11 * kContactStiffness);
+                EXPECT_LT(reference::length(found.unshaded - vector_of(expected.unshaded)), 1e-11 * kContactStiffness);
             }
         }
     }
@@ -174,7 +176,7 @@ TEST(MeshContact, ShadingKeepsTheMagnitude) {
                     const Contact contact = oracle.at(random.within(0.57));
                     EXPECT_GT(contact.depth, 0);
                     EXPECT_NEAR(reference::length(contact.force) / reference::length(contact.unshaded), 1, 1e-12);
-                    EXPECT_NEAR(reference::length(contact.unshaded) / (kStiffness * contact.depth), 1, 1e-12);
+                    EXPECT_NEAR(reference::length(contact.unshaded) / (kContactStiffness * contact.depth), 1, 1e-12);
                 }
             }
         }
@@ -187,9 +189,10 @@ TEST(MeshContact, TwoPassIsAsDeepAlongTheFacetNormal) {
     Random random;
     for (int i = 0; i < 300; ++i) {
         const Contact contact = oracle.at(random.within(0.5));
-        const Vector normal = reference::vector_at(oracle.law.mesh.facet_normals, contact.facet);
-        EXPECT_NEAR(reference::dot(contact.force, normal), kStiffness * contact.depth, 1e-12 * kStiffness);
-        EXPECT_GE(reference::length(contact.force), kStiffness * contact.depth * (1 - 1e-14));
+        const glm::dvec3 normal = reference::vector_at(oracle.law.mesh.facet_normals, contact.facet);
+        EXPECT_NEAR(reference::dot(contact.force, normal), kContactStiffness * contact.depth,
+                    1e-12 * kContactStiffness);
+        EXPECT_GE(reference::length(contact.force), kContactStiffness * contact.depth * (1 - 1e-14));
     }
 }
 
@@ -209,23 +212,23 @@ TEST(MeshContact, DirectionIsContinuousAcrossEdges) {
                 const auto vertex = [&](uint corner) {
                     return reference::vector_at(oracle.law.mesh.vertices, parts.triangle_corners[corner]);
                 };
-                const Vector start = vertex(edge), end = vertex(edge % 3 == 2 ? edge - 2 : edge + 1);
-                const Vector inwards = reference::vector_at(oracle.law.mesh.triangle_normals, own) +
-                                       reference::vector_at(oracle.law.mesh.triangle_normals, across);
-                const Vector beside = reference::normalised(Vector(reference::cross(
-                    reference::vector_at(oracle.law.mesh.triangle_normals, own), Vector(end - start))));
+                const glm::dvec3 start = vertex(edge), end = vertex(edge % 3 == 2 ? edge - 2 : edge + 1);
+                const glm::dvec3 inwards = reference::vector_at(oracle.law.mesh.triangle_normals, own) +
+                                           reference::vector_at(oracle.law.mesh.triangle_normals, across);
+                const glm::dvec3 beside = reference::normalised(glm::dvec3(reference::cross(
+                    reference::vector_at(oracle.law.mesh.triangle_normals, own), glm::dvec3(end - start))));
                 for (const double share : {0.01, 0.5, 0.9}) {
                     // Just inside the solid, hardly to either side of the bisector of the two facets.
-                    const Vector below = start + share * (end - start) - 1e-4 * inwards;
-                    const Contact one = reference::evaluate(oracle.law, Vector(below + 1e-12 * beside));
-                    const Contact other = reference::evaluate(oracle.law, Vector(below - 1e-12 * beside));
+                    const glm::dvec3 below = start + share * (end - start) - 1e-4 * inwards;
+                    const Contact one = reference::evaluate(oracle.law, glm::dvec3(below + 1e-12 * beside));
+                    const Contact other = reference::evaluate(oracle.law, glm::dvec3(below - 1e-12 * beside));
                     crossed += one.facet != other.facet;
                     // The proxies are apart by as much as the facets differ in direction: shade both at the edge
                     // itself.
-                    const Vector on = start + share * (end - start);
-                    const Vector direction =
+                    const glm::dvec3 on = start + share * (end - start);
+                    const glm::dvec3 direction =
                         reference::shading_direction(oracle.law.mesh, shading, parts.triangle_facets[own], on);
-                    const Vector beyond =
+                    const glm::dvec3 beyond =
                         reference::shading_direction(oracle.law.mesh, shading, parts.triangle_facets[across], on);
                     EXPECT_LT(reference::length(direction - beyond), 1e-9);
                     EXPECT_GT(one.depth, 0);
@@ -241,9 +244,9 @@ TEST(MeshContact, OutOfContactIsNothingAtAll) {
     const Oracle oracle(shapes::cube());
     const Contact contact = oracle.at({0.3, 1.5, 0.2});
     EXPECT_EQ(contact.depth, 0);
-    EXPECT_EQ(contact.force, Vector(0.0));
-    EXPECT_EQ(contact.unshaded, Vector(0.0));
-    EXPECT_EQ(contact.proxy, Vector(0.3, 1.5, 0.2));
+    EXPECT_EQ(contact.force, glm::dvec3(0.0));
+    EXPECT_EQ(contact.unshaded, glm::dvec3(0.0));
+    EXPECT_EQ(contact.proxy, glm::dvec3(0.3, 1.5, 0.2));
     EXPECT_EQ(contact.facet, layout::kNoFacet);
 }
 
@@ -272,7 +275,7 @@ TEST(MeshContact, OnAConcaveEdgeTheLowerFacetHasTheForceOnBothSides) {
 
 TEST(MeshContact, SingleAndDoublePrecisionAgree) {
     const Oracle oracle(shapes::icosphere(3));
-    const MeshTables<float> tables = make_mesh_tables<float>(oracle.structure, kStiffness);
+    const MeshTables<float> tables = make_mesh_tables<float>(oracle.structure, kContactStiffness);
     layout::Law<float> law{};
     law.features.surface = layout::kSurfaceMesh;
     law.features.shading = layout::kShadingMeanValue;

@@ -13,10 +13,9 @@ namespace forceshade {
 namespace {
 
 using layout::uint;
-using Vector = reference::Vector<double>;
 
-double angle(const Vector& u, const Vector& v) {
-    const Vector normal = reference::cross(u, v);
+double angle(const glm::dvec3& u, const glm::dvec3& v) {
+    const glm::dvec3 normal = reference::cross(u, v);
     return std::atan2(std::sqrt(reference::dot(normal, normal)), reference::dot(u, v));
 }
 
@@ -39,10 +38,10 @@ struct OneFacet {
         Mesh result = shapes::mesh_of(polygons);
         for (std::size_t i = 0; i < result.vertex_normals.size(); ++i)
             result.vertex_normals[i] =
-                reference::normalised(Vector(std::cos(2.0 * double(i)), std::sin(3.0 * double(i)), 1.5));
+                reference::normalised(glm::dvec3(std::cos(2.0 * double(i)), std::sin(3.0 * double(i)), 1.5));
         return result;
     }
-    Vector direction(uint shading, const glm::dvec3& world) const {
+    glm::dvec3 direction(uint shading, const glm::dvec3& world) const {
         return reference::shading_direction(tables.view(), shading, 0, to_mesh_frame(structure, world));
     }
 };
@@ -59,7 +58,7 @@ TEST(Shading, IsExactAtCornersAndLinearAlongEdges) {
             EXPECT_LT(angle(facet.direction(layout::kShadingMeanValue, corners[i]), facet.mesh.vertex_normals[i]),
                       1e-13);
             for (const double share : {1e-15, 1e-9, 0.2, 0.5, 0.77, 1 - 1e-12}) {
-                const Vector expected =
+                const glm::dvec3 expected =
                     (1 - share) * facet.mesh.vertex_normals[i] + share * facet.mesh.vertex_normals[next];
                 const glm::dvec3 at = corners[i] + share * (corners[next] - corners[i]);
                 EXPECT_LT(angle(facet.direction(layout::kShadingMeanValue, at), expected), 1e-12) << i << ' ' << share;
@@ -73,11 +72,11 @@ TEST(Shading, HardlyOffAnEdgeOrCornerItIsWhatItIsOnIt) {
         const OneFacet facet(corners);
         for (std::size_t i = 0; i < corners.size(); ++i) {
             const glm::dvec3 way = corners[(i + 1) % corners.size()] - corners[i];
-            const glm::dvec3 inwards = reference::normalised(Vector(-way.y, way.x, 0));
+            const glm::dvec3 inwards = reference::normalised(glm::dvec3(-way.y, way.x, 0));
             for (const double share : {0.0, 1e-12, 0.3, 0.9})
                 for (double off = 1e-18; off < 1e-9; off *= 3) {
                     const glm::dvec3 on = corners[i] + share * way;
-                    const Vector expected = facet.direction(layout::kShadingMeanValue, on);
+                    const glm::dvec3 expected = facet.direction(layout::kShadingMeanValue, on);
                     for (const double side : {-1.0, 1.0})
                         EXPECT_LT(
                             angle(facet.direction(layout::kShadingMeanValue, on + side * off * inwards), expected),
@@ -118,7 +117,7 @@ TEST(Shading, EqualsTheRefereesAngles) {
                 const glm::dvec3 at(double(random()) / 4294967296.0 * 1.4 + 0.6,
                                     double(random()) / 4294967296.0 * 0.2 + 0.8, 0);
                 const brute::Vector expected = referee.direction(0, {at.x, at.y, at.z});
-                const Vector found = facet.direction(shading, at);
+                const glm::dvec3 found = facet.direction(shading, at);
                 for (int axis = 0; axis < 3; ++axis)
                     EXPECT_NEAR(found[axis], double(expected[axis]), 2e-14);
             }
@@ -133,7 +132,7 @@ TEST(Shading, NormalsThatCancelGiveNoDirection) {
     const MeshStructure structure = build_structure(facet.mesh);
     const MeshTables<double> tables = make_mesh_tables<double>(structure, 1);
     for (const uint shading : {layout::kShadingMorgenbesser, layout::kShadingBarycentric, layout::kShadingMeanValue})
-        EXPECT_EQ(reference::shading_direction(tables.view(), shading, 0, Vector(0.1, 0, 0)), Vector(0.0));
+        EXPECT_EQ(reference::shading_direction(tables.view(), shading, 0, glm::dvec3(0.1, 0, 0)), glm::dvec3(0.0));
 }
 
 } // namespace

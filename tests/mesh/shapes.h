@@ -2,11 +2,17 @@
 #pragma once
 
 #include <cstdint>
+#include <random>
 
 #include "host/mesh/mesh.h"
 #include "host/study/error_time/patch.h"
 
 namespace forceshade::shapes {
+
+/// Between -1 and 1.
+inline double uniform(std::mt19937& random) {
+    return (double(random()) + 0.5) / 2147483648.0 - 1;
+}
 
 /// A mesh in metres out of polygons in metres.
 Mesh mesh_of(PolygonSoup polygons, VertexNormals normals = VertexNormals::plain);

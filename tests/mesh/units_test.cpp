@@ -14,10 +14,9 @@ namespace forceshade {
 namespace {
 
 using layout::uint;
-using Vector = reference::Vector<double>;
 
 /// Forces at places given in the file's unit.
-std::vector<Vector> forces(const PolygonSoup& polygons, double unit, uint shading, uint inside) {
+std::vector<glm::dvec3> forces(const PolygonSoup& polygons, double unit, uint shading, uint inside) {
     const Mesh mesh =
         prepare_mesh(polygons, {.unit = unit, .scale = 1, .rotate = {}, .translate = {}}, VertexNormals::plain);
     const MeshStructure structure = build_structure(mesh, {.winding = true});
@@ -29,7 +28,7 @@ std::vector<Vector> forces(const PolygonSoup& polygons, double unit, uint shadin
     law.mesh = tables.view();
     std::mt19937 random(1);
     const auto uniform = [&] { return 1.1 * ((double(random()) + 0.5) / 2147483648.0 - 1); };
-    std::vector<Vector> result;
+    std::vector<glm::dvec3> result;
     for (int i = 0; i < 3000; ++i) {
         const double x = uniform(), y = uniform(), z = uniform();
         result.push_back(reference::evaluate(law, to_mesh_frame(structure, unit * glm::dvec3(x, y, z))).force);
@@ -38,10 +37,10 @@ std::vector<Vector> forces(const PolygonSoup& polygons, double unit, uint shadin
 }
 
 /// Probes whose nearest point is hardly nearer than another facet's may fall to either; they are few.
-void expect_alike(const std::vector<Vector>& one, const std::vector<Vector>& other) {
+void expect_alike(const std::vector<glm::dvec3>& one, const std::vector<glm::dvec3>& other) {
     int touching = 0, apart = 0;
     for (std::size_t i = 0; i < one.size(); ++i) {
-        const Vector difference = one[i] - other[i];
+        const glm::dvec3 difference = one[i] - other[i];
         const double strength = std::sqrt(reference::dot(one[i], one[i]));
         touching += strength > 0;
         apart += std::sqrt(reference::dot(difference, difference)) > 1e-9 * strength + 1e-14;
@@ -55,7 +54,7 @@ TEST(Units, FromMicrometresToKilometres) {
     for (const auto& [shading, inside] : {std::pair{layout::kShadingNone, layout::kInsidePseudonormal},
                                           {layout::kShadingMeanValue, layout::kInsidePseudonormal},
                                           {layout::kShadingMorgenbesser, layout::kInsideWinding}}) {
-        const std::vector<Vector> metres = forces(spot, 1, shading, inside);
+        const std::vector<glm::dvec3> metres = forces(spot, 1, shading, inside);
         for (const double unit : {1e-6, 1e-3, 1e3})
             expect_alike(metres, forces(spot, unit, shading, inside));
     }
@@ -63,14 +62,14 @@ TEST(Units, FromMicrometresToKilometres) {
 
 TEST(Units, OfMoreThan65000Triangles) {
     const PolygonSoup sphere = shapes::icosphere(6); // 81 920
-    const std::vector<Vector> metres = forces(sphere, 1, layout::kShadingBarycentric, layout::kInsidePseudonormal);
+    const std::vector<glm::dvec3> metres = forces(sphere, 1, layout::kShadingBarycentric, layout::kInsidePseudonormal);
     for (const double unit : {1e-6, 1e-3, 1e3})
         expect_alike(metres, forces(sphere, unit, layout::kShadingBarycentric, layout::kInsidePseudonormal));
 }
 
 TEST(Units, OfAtomsAndGalaxies) {
     const PolygonSoup sphere = shapes::icosphere(3);
-    const std::vector<Vector> metres = forces(sphere, 1, layout::kShadingMeanValue, layout::kInsidePseudonormal);
+    const std::vector<glm::dvec3> metres = forces(sphere, 1, layout::kShadingMeanValue, layout::kInsidePseudonormal);
     for (const double unit : {1e-30, 1e-12, 1e12, 1e30})
         expect_alike(metres, forces(sphere, unit, layout::kShadingMeanValue, layout::kInsidePseudonormal));
 }

@@ -12,7 +12,7 @@
 namespace forceshade {
 namespace {
 
-constexpr double kStiffness = 1000; // N/m
+constexpr double kStartStiffness = 1000; // N/m
 
 // A cube of 2 cm whose top is z = 0.
 class MeshStart : public ::testing::Test {
@@ -55,9 +55,9 @@ TEST_F(MeshStart, InsideIsCountedAndFeltFromTheNearestPlace) {
     EXPECT_EQ(inside("count = 1000\nlength = \"1 cm\"\ndepth = \"-1 mm\"\nloop = \"closed\"\nstart_depth = \"3 mm\"\n"),
               1000u);
     const auto result = explore<double>("count = 1\nsteps = 2\nlength = \"1 cm\"\ndepth = \"2 mm\"\n");
-    EXPECT_NEAR(result.force[0].z, kStiffness * 0.002, 1e-6);
+    EXPECT_NEAR(result.force[0].z, kStartStiffness * 0.002, 1e-6);
     const auto beside = explore<double>("count = 1\nsteps = 2\nlength = \"19 mm\"\ndepth = \"2 mm\"\n");
-    EXPECT_NEAR(beside.force[0].x, -kStiffness * 0.0005, 1e-6); // the side is nearer
+    EXPECT_NEAR(beside.force[0].x, -kStartStiffness * 0.0005, 1e-6); // the side is nearer
     EXPECT_NEAR(beside.force[0].z, 0, 1e-6);
 }
 

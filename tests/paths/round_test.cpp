@@ -13,7 +13,7 @@
 namespace forceshade {
 namespace {
 
-constexpr double kStiffness = 500;                       // N/m
+constexpr double kRoundStiffness = 500;                  // N/m
 constexpr double kRadius = 5e-3, kHeight = 2e-3;         // m: of a Gaussian
 constexpr double kRate = 1000;                           // Hz
 constexpr std::array kAwkward{50.37, 61.618, 73.141592}; // samples a round
@@ -35,8 +35,8 @@ steps = {}
 speed = "{:.17g} m/s"
 {}
 )",
-                                     kRadius, kHeight, kStiffness, static_cast<int>(std::ceil(period * rounds)) + 1,
-                                     way * kRate / period, paths),
+                                     kRadius, kHeight, kRoundStiffness,
+                                     static_cast<int>(std::ceil(period * rounds)) + 1, way * kRate / period, paths),
                          {}, false);
     return figures_of(result.metrics.front(), {result.steps, kRate});
 }
@@ -64,16 +64,16 @@ void expect_second_order(const std::string& paths, double way, double exact, dou
 
 // At one depth the shaded plane's force has a potential.
 TEST(Round, NoWorkRoundACircle) {
-    const double length = 0.008, force = kStiffness * 1e-3;
+    const double length = 0.008, force = kRoundStiffness * 1e-3;
     expect_second_order("kind = \"circle\"\nlength = \"8 mm\"\ncentre = [\"4 mm\", \"1 mm\"]\n",
                         std::numbers::pi * length, 0, force * length);
 }
 
 // There and back at one depth, turning where the force pushes along the stroke.
 TEST(Round, NoWorkThereAndBack) {
-    expect_second_order("length = \"8 mm\"\ncentre = [\"4 mm\", \"1 mm\"]\n", 0.016, 0, kStiffness * 1e-3 * 0.008);
+    expect_second_order("length = \"8 mm\"\ncentre = [\"4 mm\", \"1 mm\"]\n", 0.016, 0, kRoundStiffness * 1e-3 * 0.008);
     expect_second_order("length = \"8 mm\"\ncentre = [\"3 mm\", \"0 m\"]\nheading = \"30 deg\"\n", 0.016, 0,
-                        kStiffness * 1e-3 * 0.008);
+                        kRoundStiffness * 1e-3 * 0.008);
 }
 
 // There at 2 mm and back at 1 mm, from the Gaussian's top to where it is flat: the work is that of the force along the
@@ -90,7 +90,7 @@ TEST(Round, WorkRoundARectangle) {
         const double from = end * i / kCells, to = end * (i + 1) / kCells;
         integral += (slope(from) + 4 * slope((from + to) / 2) + slope(to)) * (to - from) / 6;
     }
-    const double exact = kStiffness * 1e-3 * integral;
+    const double exact = kRoundStiffness * 1e-3 * integral;
     const std::string keys = fmt::format(
         "length = \"{} m\"\ncentre = [\"{} m\", \"0 m\"]\ndepth = \"2 mm\"\ndepth_back = \"1 mm\"\n", end, end / 2);
     expect_second_order(keys, 2 * end, exact, exact);

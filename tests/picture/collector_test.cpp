@@ -78,7 +78,7 @@ TEST(SliceCollector, PicksTheSamplesItStates) {
             expect_right(feed<float>(grid, shape, repeat_y), grid, repeat_y);
         else
             expect_right(feed<double>(grid, shape, repeat_y), grid, repeat_y);
-        RC_ASSERT(!testing::Test::HasFatalFailure());
+        RC_ASSERT(!::testing::Test::HasFatalFailure());
     }));
 }
 

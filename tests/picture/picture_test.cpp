@@ -58,7 +58,7 @@ bool says(const Picture& picture, std::string_view part) {
                        [&](const PlacedText& placed) { return placed.text.find(part) != std::string::npos; });
 }
 
-class EveryCase : public testing::TestWithParam<test::Case> {};
+class EveryCase : public ::testing::TestWithParam<test::Case> {};
 
 TEST_P(EveryCase, IsDrawnWithoutCutOrOverlappingText) {
     const test::Slices slices = test::collect(GetParam().grid, GetParam().law);
@@ -75,7 +75,7 @@ TEST_P(EveryCase, IsDrawnWithoutCutOrOverlappingText) {
     EXPECT_EQ(says(arrows, "in-plane force of "), largest > 0);
 }
 
-INSTANTIATE_TEST_SUITE_P(Picture, EveryCase, testing::ValuesIn(test::cases()),
+INSTANTIATE_TEST_SUITE_P(Picture, EveryCase, ::testing::ValuesIn(test::cases()),
                          [](const auto& tested) { return tested.param.file; });
 
 const test::Case& case_named(const std::string& file) {

@@ -17,6 +17,10 @@ struct Screenshot {
     std::size_t colours = 0; /* different ones */
 };
 
+/// What the viewer tells, as JavaScript expressions.
+inline constexpr const char* kSlice = "document.getElementById('slice-text').value";
+inline constexpr const char* kPlace = "document.getElementById('read-place').textContent";
+
 class Browser {
 public:
     /// \throws std::runtime_error if there is no chromium or it does not answer within half a minute.

@@ -14,8 +14,6 @@ namespace {
 using namespace testing;
 
 constexpr const char* kReady = "document.documentElement.dataset.viewer === 'ready'";
-constexpr const char* kSlice = "document.getElementById('slice-text').value";
-constexpr const char* kPlace = "document.getElementById('read-place').textContent";
 constexpr const char* kPaneA = "document.getElementById('pane-a').toDataURL()";
 constexpr const char* kPaneD = "document.getElementById('pane-d').toDataURL()";
 constexpr const char* kProfile = "document.getElementById('profile-size').toDataURL()";

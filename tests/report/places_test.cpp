@@ -15,8 +15,6 @@ using namespace testing;
 
 constexpr const char* kBump = "[surface]\nkind = \"bump\"\n";
 constexpr const char* kMesh = "[surface]\nkind = \"mesh\"\nfile = \"a.off\"\n";
-constexpr const char* kSlice = "document.getElementById('slice-text').value";
-constexpr const char* kPlace = "document.getElementById('read-place').textContent";
 constexpr const char* kNoteOfDifference = "document.getElementById('note-d').textContent";
 constexpr const char* kNoteOfReadout = "document.getElementById('read-note').textContent";
 

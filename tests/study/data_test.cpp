@@ -10,7 +10,7 @@
 namespace forceshade::study {
 namespace {
 
-StudyData sample() {
+StudyData written_sample() {
     StudyData data;
     data.study = "energy";
     data.program = "0.1.0+test";
@@ -39,14 +39,14 @@ StudyData sample() {
 }
 
 TEST(StudyFiles, HoldEverything) {
-    const std::string text = data_json(sample());
+    const std::string text = data_json(written_sample());
     EXPECT_EQ(data_json(parse_data(text)), text);
-    EXPECT_EQ(table_csv(sample().tables[0]), "scheme,work_J\n\"none, flat\",0.1\nx,\n");
+    EXPECT_EQ(table_csv(written_sample().tables[0]), "scheme,work_J\n\"none, flat\",0.1\nx,\n");
 }
 
 TEST(StudyFiles, WhatIsNoNumberIsNothing) {
     EXPECT_EQ(cell(std::numeric_limits<double>::infinity()), Cell());
-    const StudyData data = parse_data(data_json(sample()));
+    const StudyData data = parse_data(data_json(written_sample()));
     EXPECT_FALSE(data.table("loops").number(1, "work_J"));
     EXPECT_EQ(data.table("loops").word(1, "scheme"), "x");
 }
@@ -61,7 +61,7 @@ std::string complaint_about(const std::string& text) {
 }
 
 TEST(StudyFiles, DamageIsTold) {
-    const std::string text = data_json(sample());
+    const std::string text = data_json(written_sample());
     EXPECT_NE(complaint_about(text.substr(0, text.size() / 2)).find("damaged"), std::string::npos);
     EXPECT_NE(complaint_about("[]").find("no account of a study"), std::string::npos);
     EXPECT_NE(complaint_about(R"({"format": 0, "study": "energy"})").find("format is 0"), std::string::npos);
@@ -73,7 +73,7 @@ TEST(StudyFiles, DamageIsTold) {
 }
 
 TEST(StudyFiles, UnknownTablesColumnsAndStudiesAreTold) {
-    const StudyData data = sample();
+    const StudyData data = written_sample();
     EXPECT_THROW(data.table("points"), DataError);
     EXPECT_THROW(data.tables[0].number(0, "work_mJ"), DataError);
     EXPECT_EQ(data.tables[0].needed(0, "work_J"), 0.1);

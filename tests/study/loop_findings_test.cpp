@@ -29,7 +29,7 @@ Json sample_map() {
             {"curves", Json::array()}};
 }
 
-StudyData sample() {
+StudyData loop_sample() {
     const auto point = [](double mass, double damping, int delay, double measured, double wall, double linear,
                           const Json& flutter) {
         return Json{{"mass", mass},         {"damping", damping},
@@ -57,7 +57,7 @@ StudyData sample() {
     return data;
 }
 
-std::string finding(const StudyData& data, const std::string& name) {
+std::string loop_finding(const StudyData& data, const std::string& name) {
     for (const Finding& one : loop_findings(data))
         if (one.name == name)
             return one.text;
@@ -78,58 +78,60 @@ void alter(StudyData& data, const std::string& surface, const char* column, doub
 }
 
 TEST(LoopFindings, PlaneKeepsItsPromiseOrNot) {
-    StudyData data = sample();
-    EXPECT_TRUE(says(finding(data, "loop_plane"), "agrees with K_crit")) << finding(data, "loop_plane");
-    EXPECT_TRUE(says(finding(data, "loop_plane"), "over 3 loops"));
+    StudyData data = loop_sample();
+    EXPECT_TRUE(says(loop_finding(data, "loop_plane"), "agrees with K_crit")) << loop_finding(data, "loop_plane");
+    EXPECT_TRUE(says(loop_finding(data, "loop_plane"), "over 3 loops"));
     alter(data, "plane", "disagreement_size_percent", 1000);
-    EXPECT_TRUE(says(finding(data, "loop_plane"), "more than the 1 % that is promised"));
+    EXPECT_TRUE(says(loop_finding(data, "loop_plane"), "more than the 1 % that is promised"));
 }
 
 TEST(LoopFindings, ScenesOwnStiffnessIsJudged) {
-    StudyData data = sample();
-    EXPECT_EQ(finding(data, "loop_scene"), "");
+    StudyData data = loop_sample();
+    EXPECT_EQ(loop_finding(data, "loop_scene"), "");
     for (Table& table : data.tables)
         if (table.name == "loop_limits")
             table.rows[0][table.index("own_N_per_m")] = cell(1000);
-    EXPECT_TRUE(says(finding(data, "loop_scene"), "its own 1000 N/m is 0.499 of that")) << finding(data, "loop_scene");
+    EXPECT_TRUE(says(loop_finding(data, "loop_scene"), "its own 1000 N/m is 0.499 of that"))
+        << loop_finding(data, "loop_scene");
     alter(data, "plane", "own_N_per_m", 4);
-    EXPECT_TRUE(says(finding(data, "loop_scene"), "its own 4000 N/m is 2 times too much"));
+    EXPECT_TRUE(says(loop_finding(data, "loop_scene"), "its own 4000 N/m is 2 times too much"));
 }
 
 TEST(LoopFindings, SpringThatHoldsTheHandIsTold) {
-    StudyData data = sample();
+    StudyData data = loop_sample();
     EXPECT_TRUE(
-        says(finding(data, "loop_surfaces"), "A spring of 150 N/m holds the hand sideways (concave dip, shaded)."))
-        << finding(data, "loop_surfaces");
+        says(loop_finding(data, "loop_surfaces"), "A spring of 150 N/m holds the hand sideways (concave dip, shaded)."))
+        << loop_finding(data, "loop_surfaces");
     EXPECT_TRUE(says(data.notes.back(), "concave dip, shaded: 1 mm deep at x = 0 mm, y = 0 mm, where a spring of "
                                         "150 N/m holds it sideways"))
         << data.notes.back();
     alter(data, "dip-shaded", "grip_N_per_m", 0);
-    EXPECT_TRUE(says(finding(data, "loop_surfaces"), "Nothing holds the hand sideways."));
+    EXPECT_TRUE(says(loop_finding(data, "loop_surfaces"), "Nothing holds the hand sideways."));
 }
 
 TEST(LoopFindings, LeastSurfaceIsNamed) {
-    StudyData data = sample();
-    EXPECT_TRUE(says(finding(data, "loop_surfaces"), "The concave dip, shaded gives way first, 28.9 times below"))
-        << finding(data, "loop_surfaces");
-    EXPECT_TRUE(says(finding(data, "loop_flutter"), "takes away 3.1 %")) << finding(data, "loop_flutter");
-    EXPECT_TRUE(says(finding(data, "loop_passivity"), "does not protect"));
+    StudyData data = loop_sample();
+    EXPECT_TRUE(says(loop_finding(data, "loop_surfaces"), "The concave dip, shaded gives way first, 28.9 times below"))
+        << loop_finding(data, "loop_surfaces");
+    EXPECT_TRUE(says(loop_finding(data, "loop_flutter"), "takes away 3.1 %")) << loop_finding(data, "loop_flutter");
+    EXPECT_TRUE(says(loop_finding(data, "loop_passivity"), "does not protect"));
     alter(data, "dip-shaded", "measured_N_per_m", 30);
     alter(data, "dip-shaded", "over_wall_1", 30);
     alter(data, "dip-shaded", "over_passive_1", 30);
-    EXPECT_TRUE(says(finding(data, "loop_surfaces"), "None gives way far below"));
-    EXPECT_TRUE(says(finding(data, "loop_flutter"), "adds"));
-    EXPECT_FALSE(says(finding(data, "loop_passivity"), "does not protect"));
-    EXPECT_TRUE(says(finding(data, "loop_delay"), "33.4 %")) << finding(data, "loop_delay");
+    EXPECT_TRUE(says(loop_finding(data, "loop_surfaces"), "None gives way far below"));
+    EXPECT_TRUE(says(loop_finding(data, "loop_flutter"), "adds"));
+    EXPECT_FALSE(says(loop_finding(data, "loop_passivity"), "does not protect"));
+    EXPECT_TRUE(says(loop_finding(data, "loop_delay"), "33.4 %")) << loop_finding(data, "loop_delay");
 }
 
 TEST(LoopFindings, PassivityIsSafeOrNot) {
-    StudyData data = sample();
-    EXPECT_TRUE(says(finding(data, "loop_passivity"), "is safe and hardly more than needed on the plane"));
+    StudyData data = loop_sample();
+    EXPECT_TRUE(says(loop_finding(data, "loop_passivity"), "is safe and hardly more than needed on the plane"));
     alter(data, "plane", "over_passive_1", 1.5);
-    EXPECT_TRUE(says(finding(data, "loop_passivity"), "is safe on the plane")) << finding(data, "loop_passivity");
+    EXPECT_TRUE(says(loop_finding(data, "loop_passivity"), "is safe on the plane"))
+        << loop_finding(data, "loop_passivity");
     alter(data, "plane", "over_passive_1", 0.5);
-    EXPECT_TRUE(says(finding(data, "loop_passivity"), "does not hold on the plane"));
+    EXPECT_TRUE(says(loop_finding(data, "loop_passivity"), "does not hold on the plane"));
 }
 
 TEST(LoopFindings, ShadingIsComparedWithItsAbsence) {
@@ -144,24 +146,24 @@ TEST(LoopFindings, ShadingIsComparedWithItsAbsence) {
     StudyData data;
     add_loop(data, {surface("bump", {point(1, 1769), point(10, 17922)}),
                     surface("bump-shaded", {point(1, 1183), point(10, 1190)})});
-    EXPECT_EQ(finding(data, "loop_shading_bump"),
+    EXPECT_EQ(loop_finding(data, "loop_shading_bump"),
               "Shading the bump lowers its limit from 17922 N/m to 1190 N/m at 10 N s/m; from 1 to 10 N s/m it rises "
               "1.01 times with shading, 10.1 times without: damping helps little against it. A spring of 200 N/m holds "
               "the hand "
               "sideways.");
     alter(data, "bump-shaded", "measured_N_per_m", 20);
-    EXPECT_FALSE(says(finding(data, "loop_shading_bump"), "does not rise"));
-    EXPECT_TRUE(says(finding(data, "loop_shading_bump"), "raises its limit from 17922 N/m to 23800 N/m"));
+    EXPECT_FALSE(says(loop_finding(data, "loop_shading_bump"), "does not rise"));
+    EXPECT_TRUE(says(loop_finding(data, "loop_shading_bump"), "raises its limit from 17922 N/m to 23800 N/m"));
 }
 
 TEST(LoopFindings, MapsCountWhatIsForeseen) {
-    StudyData data = sample();
-    EXPECT_TRUE(says(finding(data, "loop_maps"), "Of 6 loops")) << finding(data, "loop_maps");
-    EXPECT_TRUE(says(finding(data, "loop_maps"), "100 %"));
+    StudyData data = loop_sample();
+    EXPECT_TRUE(says(loop_finding(data, "loop_maps"), "Of 6 loops")) << loop_finding(data, "loop_maps");
+    EXPECT_TRUE(says(loop_finding(data, "loop_maps"), "100 %"));
     for (Table& table : data.tables)
         if (table.name == "loop_map")
             table.rows[0][table.index("state")] = "unstable";
-    EXPECT_TRUE(says(finding(data, "loop_maps"), "83.33 %")) << finding(data, "loop_maps");
+    EXPECT_TRUE(says(loop_finding(data, "loop_maps"), "83.33 %")) << loop_finding(data, "loop_maps");
 }
 
 TEST(LoopFindings, FrictionHoldsOrNot) {
@@ -172,7 +174,7 @@ TEST(LoopFindings, FrictionHoldsOrNot) {
     map["states"] = {"qqq", "sss"};
     StudyData data;
     add_loop(data, {map});
-    EXPECT_EQ(finding(data, "loop_friction"),
+    EXPECT_EQ(loop_finding(data, "loop_friction"),
               "With rounded positions, all of 3 loops on the plane within K <= min(2 b / T, 2 f_c / quantum) come to "
               "rest; where friction is less than that and damping is not, 100 % of 3 chatter on.");
     Json other = map;
@@ -180,7 +182,7 @@ TEST(LoopFindings, FrictionHoldsOrNot) {
     other["states"] = map["states"] = {"qss", "ssu"};
     data.tables.clear();
     add_loop(data, {map, other});
-    const std::string text = finding(data, "loop_friction");
+    const std::string text = loop_finding(data, "loop_friction");
     EXPECT_TRUE(says(text, "2 of 3 loops on the plane")) << text;
     EXPECT_TRUE(says(text, "does not hold for all")) << text;
     EXPECT_TRUE(says(text, "33.3 % of 3 chatter on")) << text;

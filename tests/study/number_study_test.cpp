@@ -19,9 +19,9 @@ std::unique_ptr<Engine> oracle() {
     return make_engine(options);
 }
 
-class EverySurface : public testing::TestWithParam<std::string> {};
+class EveryNumberSurface : public ::testing::TestWithParam<std::string> {};
 
-TEST_P(EverySurface, IsAsGoodAsTheFormulasSayWhereItIsPlain) {
+TEST_P(EveryNumberSurface, IsAsGoodAsTheFormulasSayWhereItIsPlain) {
     const auto engine = oracle();
     const NumberErrors single = single_errors(*engine, number_case(GetParam(), "stiffness", 1000));
     EXPECT_GT(single.force, 1e-9) << "single precision rounds";
@@ -32,13 +32,13 @@ TEST_P(EverySurface, IsAsGoodAsTheFormulasSayWhereItIsPlain) {
     EXPECT_LT(twice.predicted, 1e-14);
 }
 
-TEST_P(EverySurface, LosesDifferencesOnAGridFinerThanItsNumbers) {
+TEST_P(EveryNumberSurface, LosesDifferencesOnAGridFinerThanItsNumbers) {
     const auto engine = oracle();
     EXPECT_GT(single_errors(*engine, number_case(GetParam(), "spacing", 1e-11)).step, 0.5);
     EXPECT_LT(single_errors(*engine, number_case(GetParam(), "spacing", 1e-5)).step, 1e-2);
 }
 
-INSTANTIATE_TEST_SUITE_P(Surfaces, EverySurface, testing::ValuesIn(number_surfaces()));
+INSTANTIATE_TEST_SUITE_P(Surfaces, EveryNumberSurface, ::testing::ValuesIn(number_surfaces()));
 
 TEST(NumberErrors, NameTheConditionThatWeighsMost) {
     const auto engine = oracle();
@@ -76,7 +76,7 @@ Table sample_number(double far_error) {
     return table;
 }
 
-StudyData sample(double far_error) {
+StudyData number_sample(double far_error) {
     StudyData data;
     data.study = "stability";
     data.tables = {sample_number(far_error)};
@@ -85,7 +85,7 @@ StudyData sample(double far_error) {
     return data;
 }
 
-std::string finding(const StudyData& data, const std::string& name) {
+std::string number_finding(const StudyData& data, const std::string& name) {
     for (const Finding& one : number_findings(data))
         if (one.name == name)
             return one.text;
@@ -126,45 +126,47 @@ TEST(Promises, AreNoneWhereThePlainValueIsTooBad) {
 }
 
 TEST(NumberFindings, AForceThatIsNoNumberIsTheWorst) {
-    StudyData data = sample(1e-7);
-    EXPECT_NE(finding(data, "prediction").find("explain every error"), std::string::npos);
+    StudyData data = number_sample(1e-7);
+    EXPECT_NE(number_finding(data, "prediction").find("explain every error"), std::string::npos);
     Table& number = data.tables[0];
     number.rows[1][number.index("error")] = Cell(); // and not refused
-    EXPECT_NE(finding(data, "prediction").find("Not every error"), std::string::npos);
-    EXPECT_NE(finding(data, "where_f32_fails").find("by up to inf over stiffness (bump at 1000 N/m"), std::string::npos)
-        << finding(data, "where_f32_fails");
+    EXPECT_NE(number_finding(data, "prediction").find("Not every error"), std::string::npos);
+    EXPECT_NE(number_finding(data, "where_f32_fails").find("by up to inf over stiffness (bump at 1000 N/m"),
+              std::string::npos)
+        << number_finding(data, "where_f32_fails");
 }
 
 TEST(NumberFindings, TellStepsAndTheForcesBesideThem) {
-    StudyData data = sample(1e-7);
+    StudyData data = number_sample(1e-7);
     Table& number = data.tables[0];
     for (std::size_t row = 0; row < 3; ++row) {
         number.rows[row][number.index("axis")] = std::string("spacing");
         number.rows[row][number.index("value")] = std::pow(10.0, double(row) - 9);
         number.rows[row][number.index("step_error")] = row == 0 ? 0.5 : 0.01;
     }
-    EXPECT_NE(finding(data, "steps")
+    EXPECT_NE(number_finding(data, "steps")
                   .find("up to a spacing of 1e-09 m (bump), where each force by itself is off by at "
                         "most 1e-07"),
               std::string::npos)
-        << finding(data, "steps");
+        << number_finding(data, "steps");
     number.rows[0][number.index("step_error")] = 0.01;
-    EXPECT_NE(finding(data, "steps").find("at every spacing tried"), std::string::npos);
+    EXPECT_NE(number_finding(data, "steps").find("at every spacing tried"), std::string::npos);
 }
 
 TEST(NumberFindings, FollowTheData) {
-    const StudyData good = sample(1e-7), bad = sample(0.5);
-    EXPECT_NE(finding(good, "promise_f32").find("stiffness 0.001 N/m to 1e+09 N/m (bump)"), std::string::npos);
-    EXPECT_NE(finding(bad, "promise_f32").find("stiffness 0.001 N/m to 1000 N/m (bump)"), std::string::npos);
-    EXPECT_NE(finding(good, "where_f32_fails").find("nowhere"), std::string::npos);
-    EXPECT_NE(finding(bad, "where_f32_fails").find("by up to 0.5 over stiffness (bump at 1e+09 N/m; a condition)"),
-              std::string::npos);
-    EXPECT_NE(finding(good, "prediction").find("explain every error"), std::string::npos);
+    const StudyData good = number_sample(1e-7), bad = number_sample(0.5);
+    EXPECT_NE(number_finding(good, "promise_f32").find("stiffness 0.001 N/m to 1e+09 N/m (bump)"), std::string::npos);
+    EXPECT_NE(number_finding(bad, "promise_f32").find("stiffness 0.001 N/m to 1000 N/m (bump)"), std::string::npos);
+    EXPECT_NE(number_finding(good, "where_f32_fails").find("nowhere"), std::string::npos);
+    EXPECT_NE(
+        number_finding(bad, "where_f32_fails").find("by up to 0.5 over stiffness (bump at 1e+09 N/m; a condition)"),
+        std::string::npos);
+    EXPECT_NE(number_finding(good, "prediction").find("explain every error"), std::string::npos);
     StudyData odd = good;
     odd.tables[0].rows[1][odd.tables[0].index("of_predicted")] = 7.0;
-    EXPECT_NE(finding(odd, "prediction").find("Not every error"), std::string::npos);
-    EXPECT_NE(finding(good, "refused").find("4 settings 1 are refused"), std::string::npos);
-    EXPECT_NE(finding(bad, "refused").find("1 are evaluated with forces off"), std::string::npos);
+    EXPECT_NE(number_finding(odd, "prediction").find("Not every error"), std::string::npos);
+    EXPECT_NE(number_finding(good, "refused").find("4 settings 1 are refused"), std::string::npos);
+    EXPECT_NE(number_finding(bad, "refused").find("1 are evaluated with forces off"), std::string::npos);
     EXPECT_TRUE(number_findings(StudyData{}).empty());
 }
 

@@ -13,7 +13,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 // Two scenes' worth of made-up results.
-StudyData sample() {
+StudyData omission_sample() {
     const std::vector<BaseScene> scenes = own_scenes(true);
     std::vector<Comparison> comparisons;
     for (Comparison& one : comparisons_of(scenes.front(), false))
@@ -47,7 +47,7 @@ StudyData sample() {
     return data;
 }
 
-std::string finding(const StudyData& data, const std::string& name) {
+std::string omission_finding(const StudyData& data, const std::string& name) {
     for (const Finding& one : omission_findings(data))
         if (one.name == name)
             return one.text;
@@ -61,53 +61,56 @@ void set(StudyData& data, const std::string& feature, const char* column, Cell v
             table.rows[row][table.index(column)] = value;
 }
 
-bool has(const std::string& text, const char* part) {
+bool says(const std::string& text, const char* part) {
     return text.find(part) != std::string::npos;
 }
 
 TEST(OmissionFindings, FollowTheTimes) {
-    StudyData data = sample();
-    EXPECT_TRUE(has(finding(data, "most_kernel_time"), "Leaving out every y (bump) saves the most kernel time"));
-    EXPECT_TRUE(has(finding(data, "most_kernel_time"), "16 times as long (quartiles 16 to 16)"));
-    EXPECT_TRUE(has(finding(data, "most_kernel_time"), "facet channel (bump) with 1.50 times"));
-    EXPECT_TRUE(has(finding(data, "most_kernel_time"), "saves 94 % of the time"));
-    EXPECT_TRUE(has(finding(data, "saves_nothing"), "shading (bump 0.0 %), flat texture (bump 0.0 %)"));
-    EXPECT_FALSE(has(finding(data, "saves_nothing"), "nothing (bump)")) << "the control is no feature";
-    EXPECT_EQ(finding(data, "costs"), "No omission makes a kernel slower.");
-    EXPECT_TRUE(has(finding(data, "most_time"), "No omission saves time by the clock"));
+    StudyData data = omission_sample();
+    EXPECT_TRUE(
+        says(omission_finding(data, "most_kernel_time"), "Leaving out every y (bump) saves the most kernel time"));
+    EXPECT_TRUE(says(omission_finding(data, "most_kernel_time"), "16 times as long (quartiles 16 to 16)"));
+    EXPECT_TRUE(says(omission_finding(data, "most_kernel_time"), "facet channel (bump) with 1.50 times"));
+    EXPECT_TRUE(says(omission_finding(data, "most_kernel_time"), "saves 94 % of the time"));
+    EXPECT_TRUE(says(omission_finding(data, "saves_nothing"), "shading (bump 0.0 %), flat texture (bump 0.0 %)"));
+    EXPECT_FALSE(says(omission_finding(data, "saves_nothing"), "nothing (bump)")) << "the control is no feature";
+    EXPECT_EQ(omission_finding(data, "costs"), "No omission makes a kernel slower.");
+    EXPECT_TRUE(says(omission_finding(data, "most_time"), "No omission saves time by the clock"));
     set(data, "facet channel", "kernel_ratio", 40.0);
-    EXPECT_TRUE(has(finding(data, "most_kernel_time"), "Leaving out facet channel (bump)"));
+    EXPECT_TRUE(says(omission_finding(data, "most_kernel_time"), "Leaving out facet channel (bump)"));
     set(data, "facet channel", "kernel_verdict", std::string("costs"));
     set(data, "facet channel", "kernel_ratio", 0.5);
-    EXPECT_TRUE(has(finding(data, "costs"), "facet channel (bump), 2.00 times as long without it"));
+    EXPECT_TRUE(says(omission_finding(data, "costs"), "facet channel (bump), 2.00 times as long without it"));
     set(data, "every y", "kernel_verdict", std::string("within the spread"));
-    EXPECT_TRUE(has(finding(data, "most_kernel_time"), "No omission saves kernel time"));
+    EXPECT_TRUE(says(omission_finding(data, "most_kernel_time"), "No omission saves kernel time"));
 }
 
 TEST(OmissionFindings, FollowTheBytes) {
-    StudyData data = sample();
-    EXPECT_TRUE(has(finding(data, "most_bytes"), "every y (bump) saves the most bytes"));
-    EXPECT_TRUE(has(finding(data, "most_bytes"), "no omission makes a file smaller"));
+    StudyData data = omission_sample();
+    EXPECT_TRUE(says(omission_finding(data, "most_bytes"), "every y (bump) saves the most bytes"));
+    EXPECT_TRUE(says(omission_finding(data, "most_bytes"), "no omission makes a file smaller"));
     set(data, "facet channel", "bytes_ratio", 100.0);
     set(data, "facet channel", "file_ratio", 1.25);
-    EXPECT_TRUE(has(finding(data, "most_bytes"), "facet channel (bump) saves the most bytes"));
-    EXPECT_TRUE(has(finding(data, "most_bytes"), "1.25 times as large"));
+    EXPECT_TRUE(says(omission_finding(data, "most_bytes"), "facet channel (bump) saves the most bytes"));
+    EXPECT_TRUE(says(omission_finding(data, "most_bytes"), "1.25 times as large"));
 }
 
 TEST(OmissionFindings, SayWhatChanged) {
-    StudyData data = sample();
-    EXPECT_TRUE(has(finding(data, "unchanged"), "0 of 5000 samples (2500 in contact) differ in 5 comparisons"));
+    StudyData data = omission_sample();
+    EXPECT_TRUE(
+        says(omission_finding(data, "unchanged"), "0 of 5000 samples (2500 in contact) differ in 5 comparisons"));
     set(data, "shading", "differing", 7.0);
-    EXPECT_TRUE(has(finding(data, "unchanged"), "changes what it does not concern: shading (bump) in 7 of 1000"));
-    EXPECT_TRUE(has(finding(data, "manifest"), "tell of every omission that was measured; they tell of"));
+    EXPECT_TRUE(
+        says(omission_finding(data, "unchanged"), "changes what it does not concern: shading (bump) in 7 of 1000"));
+    EXPECT_TRUE(says(omission_finding(data, "manifest"), "tell of every omission that was measured; they tell of"));
     set(data, "shading", "manifest_agrees", std::string("no"));
-    EXPECT_TRUE(has(finding(data, "manifest"), "do not agree with what was left out of shading (bump)"));
-    EXPECT_TRUE(has(finding(data, "specialised"), "nothing that can be told"));
+    EXPECT_TRUE(says(omission_finding(data, "manifest"), "do not agree with what was left out of shading (bump)"));
+    EXPECT_TRUE(says(omission_finding(data, "specialised"), "nothing that can be told"));
     set(data, "flat texture", "kernel_verdict", std::string("saves"));
     set(data, "flat texture", "kernel_ratio", 1.2);
-    EXPECT_TRUE(has(finding(data, "specialised"),
-                    "costs 1.20 times the kernel time, quartiles 1.00 to 1.00, for the same forces"));
-    EXPECT_TRUE(has(finding(data, "control"), "the ratio of kernel times is 1.000 ("));
+    EXPECT_TRUE(says(omission_finding(data, "specialised"),
+                     "costs 1.20 times the kernel time, quartiles 1.00 to 1.00, for the same forces"));
+    EXPECT_TRUE(says(omission_finding(data, "control"), "the ratio of kernel times is 1.000 ("));
     data.tables.pop_back();
     EXPECT_THROW(omission_findings(data), DataError);
 }

@@ -104,7 +104,7 @@ public:
         return report;
     }
     EngineTimes run(const EngineWork& work) override {
-        EXPECT_TRUE(std::holds_alternative<PathWork<float>>(work));
+        EXPECT_TRUE(std::holds_alternative<forceshade::PathWork<float>>(work));
         return engine().run(work);
     }
 };
@@ -183,7 +183,7 @@ TEST(LoopMaps, CellsCurvesAndWhatIsForeseen) {
     EXPECT_EQ(table.word(5, "closed_form"), "rests");
 }
 
-bool says(const std::string& text, const std::string& part) {
+bool mentions(const std::string& text, const std::string& part) {
     return text.find(part) != std::string::npos;
 }
 
@@ -211,7 +211,7 @@ TEST(ScenePlace, LimitsAreAboutTheScenesOwn) {
     EXPECT_NEAR(result.at("points").at(0).at("measured").get<double>() / critical_stiffness(0.1, 10, 1e-3), 1, 1e-4);
     EXPECT_EQ(result.at("points").at(0).at("own"), 500);
     EXPECT_TRUE(result.at("points").at(1).at("own").is_null());
-    EXPECT_TRUE(says(result.at("hand"), "500 N/m, 0.1 kg, 10 N s/m, 1000 Hz"));
+    EXPECT_TRUE(mentions(result.at("hand"), "500 N/m, 0.1 kg, 10 N s/m, 1000 Hz"));
     EXPECT_DOUBLE_EQ(result.at("pressed").at("depth").get<double>(), 5e-4);
 }
 
@@ -235,8 +235,8 @@ TEST(ScenePlace, IsOnAMeshOrRefused) {
         scene_place(prepared(mesh + "centre = [\"5 m\", \"0 m\"]\n"));
         FAIL() << "a place beside the mesh was taken";
     } catch (const UsageError& error) {
-        EXPECT_TRUE(says(error.what(), "x = 5 m, y = 0 m")) << error.what();
-        EXPECT_TRUE(says(error.what(), "paths.centre"));
+        EXPECT_TRUE(mentions(error.what(), "x = 5 m, y = 0 m")) << error.what();
+        EXPECT_TRUE(mentions(error.what(), "paths.centre"));
     }
 }
 
