@@ -123,16 +123,6 @@ void print_warnings(const std::vector<std::string>& warnings, const CommonOption
 /// "1 path", "2 paths".
 std::string plural(std::uint64_t count, const char* noun);
 
-/// Runs work of which what was finished stays; says so when the user interrupts it.
-template <typename Work> auto resumable(Work&& work) {
-    try {
-        return work();
-    } catch (const Interrupted&) {
-        remark("what was finished stays; the same command goes on from there\n");
-        throw;
-    }
-}
-
 /// Data for stdout. \throws IoError if it cannot be written.
 void print_data(const std::string& text);
 

@@ -169,10 +169,16 @@ int run(const SweepArguments& arguments, const CommonOptions& common) {
     // Also where everything is there already: a device that was asked for must exist, and have computed it.
     if (!common.gpu.empty())
         options.device = compute::choose_device(compute::list_devices(), common.gpu, engine.needs_f64);
-    const SweepResult result = resumable([&] {
-        return run_sweep(
-            study, [&] { return make_engine(engine); }, engine.cpu, options);
-    });
+    const auto sweep = [&] {
+        try {
+            return run_sweep(
+                study, [&] { return make_engine(engine); }, engine.cpu, options);
+        } catch (const Interrupted&) {
+            remark("what was finished stays; the same command goes on from there\n");
+            throw;
+        }
+    };
+    const SweepResult result = sweep();
     const report::ReportResult report = report::write_report(options.folder);
     if (!common.quiet)
         print_outcome(result, options, study, report.file);

@@ -13,7 +13,6 @@
 #include "host/study/data/data_files.h"
 #include "host/study/energy/energy.h"
 #include "host/study/error_time/error_time.h"
-#include "host/study/findings/findings.h"
 #include "host/study/omission/omission.h"
 #include "host/study/stability/stability.h"
 #include "host/sweep/sweep.h"
@@ -74,6 +73,24 @@ std::optional<study::StudyData> study_in(const std::filesystem::path& folder) {
     }
 }
 
+// Writes the report and tells of a study that is complete; `how` it came about.
+int show(const study::StudyData& data, const StudyArguments& arguments, const CommonOptions& common,
+         const std::string& how) {
+    const std::filesystem::path out = arguments.out;
+    const report::ReportResult written = report::write_report(out);
+    const auto shown = [](const std::filesystem::path& path) {
+        return std::filesystem::absolute(path).lexically_normal().string();
+    };
+    if (!common.quiet) {
+        for (const study::Finding& finding : data.findings)
+            remark("- {}\n", finding.text);
+        remark("{} {}; look at {}, numbers in {}\n", data.study, how, shown(written.file), shown(out / data.study));
+    }
+    if (common.json)
+        print_data(study::data_json(data));
+    return 0;
+}
+
 int run(const StudyArguments& arguments, const CommonOptions& common) {
     const KnownStudy& known = known_study(arguments.name);
     if (arguments.out.empty())
@@ -83,40 +100,31 @@ int run(const StudyArguments& arguments, const CommonOptions& common) {
     options.folder = out / known.name;
     options.scene = scene_of(known, arguments, common);
     options.quick = arguments.quick;
-    options.fresh = arguments.fresh;
     options.quiet = common.quiet;
     options.engine = engine_options(common, true);
     const std::optional<study::StudyData> before = study_in(options.folder);
+    study::StudyRun study_run(known.name, options);
+    if (before && before->fingerprint == study_run.fingerprint() && !arguments.fresh &&
+        study::files_are_intact(options.folder, *before))
+        return show(*before, arguments, common, "computed before by the same program of the same scene, so it stays");
     if (before && options.quick && !before->quick)
         print_warnings({fmt::format("{} holds a full run, whose tables and figures become coarse ones; the same "
-                                    "command without --quick brings them back from {}",
-                                    options.folder.string(), (options.folder / study::kSteps).string())},
+                                    "command without --quick computes them anew",
+                                    options.folder.string())},
                        common);
-    study::StudyRun study_run(known.name, options);
     if (before && before->scene != (study_run.scene() ? study_run.scene()->scene : std::string()))
         print_warnings({fmt::format("{} holds this study of another scene, whose tables and figures are replaced; "
                                     "name another --out to keep both",
                                     options.folder.string())},
                        common);
-    study::StudyData data = resumable([&] { return known.run(study_run); });
-    data.findings = study::findings_of(data);
+    study::StudyData data = known.run(study_run);
     std::vector<std::string> warnings;
     for (const std::string& name : study::write_data(options.folder, data, plot::pictures(data)))
         warnings.push_back(fmt::format("{} is of an earlier run and was changed since, so it stays; this run does not "
                                        "name it",
                                        (options.folder / name).string()));
     print_warnings(warnings, common);
-    const report::ReportResult written = report::write_report(out);
-    if (!common.quiet) {
-        for (const study::Finding& finding : data.findings)
-            remark("- {}\n", finding.text);
-        remark("{} in {}; look at {}, numbers in {}\n", known.name, clock_text(data.seconds),
-               std::filesystem::absolute(written.file).lexically_normal().string(),
-               std::filesystem::absolute(options.folder).lexically_normal().string());
-    }
-    if (common.json)
-        print_data(study::data_json(data));
-    return 0;
+    return show(data, arguments, common, "in " + clock_text(data.seconds));
 }
 
 void describe(Options& options, StudyArguments& arguments) {
@@ -128,7 +136,7 @@ void describe(Options& options, StudyArguments& arguments) {
     options.optional("SCENE", arguments.scene, "scene file (TOML) to study; without it the study's own scenes");
     options.required("--out", arguments.out, "folder of the results; each study has a folder of its name in it");
     options.flag("--quick", arguments.quick, "coarse, within a minute");
-    options.flag("--fresh", arguments.fresh, "compute anew what is there already");
+    options.flag("--fresh", arguments.fresh, "compute it anew although the same run is there already");
 }
 
 struct ReportArguments {
@@ -156,7 +164,7 @@ int run(const ReportArguments& arguments, const CommonOptions& common) {
 void add_study_commands(CommandLine& program) {
     program.add<StudyArguments>("study",
                                 "Measure errors, run times, stability, energy or savings into a folder, with figures "
-                                "and a report; run again to go on",
+                                "and a report",
                                 run, describe);
     program.add<ReportArguments>(
         "report", "Write report.html of a folder of results: sweeps and studies, in one file that opens offline", run,

@@ -12,7 +12,6 @@
 #include "host/output/reading.h"
 #include "host/report/sweep_findings.h"
 #include "host/study/data/data_files.h"
-#include "host/study/findings/findings.h"
 
 namespace forceshade::report {
 namespace {
@@ -25,14 +24,9 @@ bool is_there(const std::filesystem::path& path) {
     return std::filesystem::exists(path, ignored);
 }
 
-bool has_steps(const std::filesystem::path& folder) {
-    return is_there(folder / study::kSteps) || is_there(folder / study::kQuickSteps);
-}
-
 // A sweep or a study, or what is left of one.
 bool has_results(const std::filesystem::path& folder) {
-    return is_there(folder / "manifest.json") || is_there(folder / "manifest.d") || is_there(folder / "study.json") ||
-           has_steps(folder);
+    return is_there(folder / "manifest.json") || is_there(folder / "manifest.d") || is_there(folder / "study.json");
 }
 
 struct Reading {
@@ -193,11 +187,8 @@ void Reading::read_manifest(const std::string& folder) {
 
 void Reading::read_study(const std::string& folder) {
     const std::string name = below(folder, "study.json");
-    if (!is_there(root / name)) {
-        if (has_steps(root / folder))
-            trouble(name, "it is not there yet: this study was not finished; the same command goes on");
+    if (!is_there(root / name))
         return;
-    }
     StudyPart part;
     part.folder = folder;
     try {
@@ -205,12 +196,6 @@ void Reading::read_study(const std::string& folder) {
     } catch (const Error& error) {
         trouble(name, "{}", error.what());
         return;
-    }
-    try {
-        part.data.findings = study::findings_of(part.data);
-    } catch (const Error& error) {
-        part.data.findings.clear();
-        trouble(name, "its findings cannot be computed: {}", error.what());
     }
     for (const std::vector<FileRecord>* files : {&part.data.files, &part.data.volumes})
         for (const FileRecord& file : *files)

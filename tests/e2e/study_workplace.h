@@ -15,7 +15,6 @@ protected:
     }
     Outcome run_study(std::vector<std::string> arguments) const;
     void expect_study(std::vector<std::string> arguments) const;
-    Tree steps_in(const std::string& folder) const { return tree_of(path(folder) / "quick-steps.d"); }
 
     /// A study's folder holds all that its study.json speaks of, and that is in order.
     void expect_whole(const std::string& folder, const std::string& study) const;

@@ -5,7 +5,6 @@
 
 #include "host/study/data/data_error.h"
 #include "host/study/data/data_files.h"
-#include "host/study/findings/findings.h"
 
 namespace forceshade::study {
 namespace {
@@ -78,9 +77,6 @@ TEST(StudyFiles, UnknownTablesColumnsAndStudiesAreTold) {
     EXPECT_THROW(data.tables[0].number(0, "work_mJ"), DataError);
     EXPECT_EQ(data.tables[0].needed(0, "work_J"), 0.1);
     EXPECT_THROW(data.tables[0].needed(1, "work_J"), DataError);
-    StudyData foreign = data;
-    foreign.study = "astrology";
-    EXPECT_THROW(findings_of(foreign), DataError);
 }
 
 } // namespace

@@ -1,8 +1,8 @@
 // A study of energy in a few rows, and its findings by name.
 #pragma once
 
+#include "host/study/energy/energy_findings.h"
 #include "host/study/energy/tables.h"
-#include "host/study/findings/energy_findings.h"
 
 namespace forceshade::study {
 

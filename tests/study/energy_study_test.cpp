@@ -14,13 +14,13 @@
 #include "host/study/energy/closed_forms.h"
 #include "host/study/energy/curl_maps.h"
 #include "host/study/energy/energy.h"
+#include "host/study/energy/energy_findings.h"
 #include "host/study/energy/loop_cases.h"
 #include "host/study/energy/loop_paths.h"
 #include "host/study/energy/notes.h"
 #include "host/study/energy/scene_loops.h"
 #include "host/study/energy/scenes.h"
 #include "host/study/energy/tables.h"
-#include "host/study/findings/energy_findings.h"
 #include "tests/io/folder.h"
 
 namespace forceshade::study {
@@ -239,59 +239,9 @@ TEST(Curl, VolumesAreWrittenAndTheirLossIsSeen) {
     const Json result = curl_result(map, *engine, folder);
     EXPECT_LT(result["closed_form_difference_per_K"].get<double>(), 1e-3);
     EXPECT_NEAR(result["largest_per_K"].get<double>(), 0.5, 0.7);
-    EXPECT_TRUE(has_volumes(result, folder));
-    std::filesystem::remove(folder / (map.name + ".curl.exr"));
-    EXPECT_FALSE(has_volumes(result, folder));
+    for (const Json& volume : result["volumes"])
+        EXPECT_TRUE(file_is_intact(folder / volume["name"].get<std::string>(), volume["sha256"]));
     std::filesystem::remove_all(folder);
-}
-
-// The energy of a small scene, its steps kept.
-class KeptEnergy : public ::testing::Test {
-protected:
-    KeptEnergy() {
-        options_.folder = folder_ / "energy";
-        options_.quick = options_.quiet = true;
-        options_.engine.cpu = true;
-        options_.scene = parse_scene("[surface]\nkind = \"bump\"\nfacets = 2\n", "test");
-    }
-    StudyData run() const {
-        StudyRun study("energy", options_);
-        return study_energy(study);
-    }
-    std::filesystem::path volume() const { return options_.folder / first_.volumes.at(0).name; }
-
-    testing::Folder folder_;
-    StudyOptions options_;
-    StudyData first_;
-};
-
-TEST_F(KeptEnergy, RestoresVolumesThatAreGoneOrDamaged) {
-    first_ = run();
-    std::filesystem::remove(volume());
-    std::ofstream(options_.folder / first_.volumes.at(2).name, std::ios::app) << "more";
-    const StudyData again = run();
-    for (const FileRecord& file : again.volumes)
-        EXPECT_TRUE(file_is_intact(options_.folder / file.name, file.sha256)) << file.name;
-    for (std::size_t i = 0; i < first_.volumes.size(); ++i)
-        EXPECT_EQ(again.volumes[i].sha256, first_.volumes[i].sha256);
-}
-
-// All steps are kept, so that only the volumes are left to do. The flag stays raised: in a process of its own.
-TEST_F(KeptEnergy, RestoringIsInterrupted) {
-    GTEST_FLAG_SET(death_test_style, "threadsafe");
-    const auto interrupted_run = [this] {
-        first_ = run();
-        std::filesystem::remove(volume());
-        catch_interrupts();
-        std::raise(SIGINT);
-        try {
-            run();
-        } catch (const Interrupted&) {
-            std::_Exit(std::filesystem::exists(volume()) ? 1 : 42);
-        }
-        std::_Exit(2);
-    };
-    EXPECT_EXIT(interrupted_run(), ::testing::ExitedWithCode(42), "");
 }
 
 } // namespace

@@ -150,7 +150,7 @@ TEST(ErrorTimeFindings, TellSpacingsAndTheTable) {
 TEST(ErrorTimeFindings, MissingTablesAreTold) {
     StudyData data = Made().data();
     std::erase_if(data.tables, [](const Table& one) { return one.name == "cheapest"; });
-    EXPECT_THROW(findings_of(data), DataError);
+    EXPECT_THROW(error_time_findings(data), DataError);
 }
 
 } // namespace

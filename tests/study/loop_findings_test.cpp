@@ -1,8 +1,8 @@
 // Findings on loops follow the tables.
 #include <gtest/gtest.h>
 
-#include "host/study/findings/loop_findings.h"
 #include "host/study/stability/loop.h"
+#include "host/study/stability/loop_findings.h"
 #include "host/study/stability/loop_maps.h"
 
 namespace forceshade::study {

@@ -4,8 +4,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "host/study/error_time/error_time_findings.h"
 #include "host/study/error_time/measured.h"
-#include "host/study/findings/findings.h"
 
 namespace forceshade::study::error_time {
 
@@ -91,7 +91,7 @@ public:
     }
 
     std::string text(const std::string& name) {
-        for (const Finding& one : findings_of(data()))
+        for (const Finding& one : error_time_findings(data()))
             if (one.name == name)
                 return one.text;
         return "";

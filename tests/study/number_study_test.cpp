@@ -4,10 +4,10 @@
 #include <gtest/gtest.h>
 
 #include "host/engine/engine.h"
-#include "host/study/findings/number_findings.h"
 #include "host/study/stability/number.h"
 #include "host/study/stability/number_cases.h"
 #include "host/study/stability/number_error.h"
+#include "host/study/stability/number_findings.h"
 #include "host/study/stability/promises.h"
 
 namespace forceshade::study {

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "host/study/data/data_error.h"
-#include "host/study/findings/omission_findings.h"
+#include "host/study/omission/omission_findings.h"
 #include "host/study/omission/tables.h"
 
 namespace forceshade::study {

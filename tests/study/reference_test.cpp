@@ -10,7 +10,6 @@
 
 #include "host/output/files.h"
 #include "host/study/data/data_files.h"
-#include "host/study/findings/findings.h"
 
 namespace forceshade::study {
 namespace {
@@ -24,17 +23,6 @@ std::string readme() {
     std::ostringstream text;
     text << file.rdbuf();
     return text.str();
-}
-
-TEST(Reference, FindingsAreThoseOfItsTables) {
-    for (const char* study : kStudies) {
-        const StudyData data = read_data(kReference / study);
-        EXPECT_FALSE(data.quick) << study;
-        const std::vector<Finding> findings = findings_of(data);
-        ASSERT_EQ(findings.size(), data.findings.size()) << study;
-        for (std::size_t i = 0; i < findings.size(); ++i)
-            EXPECT_EQ(findings[i].text, data.findings[i].text) << study;
-    }
 }
 
 // What the account names is there as it was written, and nothing else is.

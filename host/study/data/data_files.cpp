@@ -101,6 +101,13 @@ std::vector<std::string> write_data(const std::filesystem::path& folder, StudyDa
     return changed;
 }
 
+bool files_are_intact(const std::filesystem::path& folder, const StudyData& data) {
+    const auto intact = [&](const FileRecord& file) {
+        return is_plain_name(file.name) && file_is_intact(folder / file.name, file.sha256);
+    };
+    return std::ranges::all_of(data.files, intact) && std::ranges::all_of(data.volumes, intact);
+}
+
 StudyData read_data(const std::filesystem::path& folder) {
     return data_from(read_json(folder / kAccount));
 }

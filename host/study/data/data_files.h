@@ -11,11 +11,8 @@
 
 namespace forceshade::study {
 
-/// Folders beside study.json with the finished steps of a full run and of a quick one.
-inline constexpr const char *kSteps = "steps.d", *kQuickSteps = "quick-steps.d";
-
 /// Of the layout of study.json; another is refused on reading.
-inline constexpr int kDataFormat = 2;
+inline constexpr int kDataFormat = 3;
 
 std::string data_json(const StudyData& data);
 
@@ -43,6 +40,9 @@ struct TextFile {
 /// wrote. Returns the names of those that have been changed since, which stay. \throws IoError.
 std::vector<std::string> write_data(const std::filesystem::path& folder, StudyData& data,
                                     const std::vector<TextFile>& pictures);
+
+/// Whether everything that the data name is there as it was written.
+bool files_are_intact(const std::filesystem::path& folder, const StudyData& data);
 
 /// \throws IoError if FOLDER/study.json cannot be read, DataError as parse_data.
 StudyData read_data(const std::filesystem::path& folder);

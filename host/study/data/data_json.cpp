@@ -167,11 +167,13 @@ StudyData data_of(const Json& json) {
     data.cpu = run.at("cpu");
     data.cores = run.at("cores");
     data.quick = run.at("quick");
+    data.fingerprint = run.at("fingerprint");
     data.seconds = run.at("seconds");
     data.scene = json.at("scene");
     data.notes = json.at("notes").get<std::vector<std::string>>();
     for (const Json& finding : json.at("findings"))
-        data.findings.push_back({finding.at("name"), finding.at("text")});
+        data.findings.push_back({finding.at("name"), finding.at("text"), finding.at("figure"), finding.at("place"),
+                                 finding.at("condition"), finding.at("interval")});
     for (const Json& table : json.at("tables"))
         data.tables.push_back(table_of(table));
     for (const Json& figure : json.at("figures"))
@@ -188,14 +190,20 @@ std::string data_json(const StudyData& data) {
     json["format"] = kDataFormat;
     json["study"] = data.study;
     json["program"] = data.program;
-    json["run"] = {{"engine", data.engine},     {"device", data.device},  {"driver", data.driver},
-                   {"software", data.software}, {"cpu", data.cpu},        {"cores", data.cores},
-                   {"quick", data.quick},       {"seconds", data.seconds}};
+    json["run"] = {
+        {"engine", data.engine},  {"device", data.device}, {"driver", data.driver}, {"software", data.software},
+        {"cpu", data.cpu},        {"cores", data.cores},   {"quick", data.quick},   {"fingerprint", data.fingerprint},
+        {"seconds", data.seconds}};
     json["scene"] = data.scene;
     json["notes"] = data.notes;
     json["findings"] = Json::array();
     for (const Finding& finding : data.findings)
-        json["findings"].push_back({{"name", finding.name}, {"text", finding.text}});
+        json["findings"].push_back({{"name", finding.name},
+                                    {"text", finding.text},
+                                    {"figure", finding.figure},
+                                    {"place", finding.place},
+                                    {"condition", finding.condition},
+                                    {"interval", finding.interval}});
     json["tables"] = Json::array();
     for (const Table& table : data.tables)
         json["tables"].push_back(table_json(table));

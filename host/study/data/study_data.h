@@ -86,10 +86,14 @@ struct Figure {
     std::vector<Curve> curves;
 };
 
-/// A sentence that is computed from the tables.
+/// A claim that follows from the tables: fixed words with the numbers in their slots.
 struct Finding {
-    std::string name; /* stays the same whatever the numbers are: "cheapest_1deg" */
-    std::string text;
+    std::string name;        /* stays the same whatever the numbers are: "cheapest_1deg" */
+    std::string text;        /* the claim, a sentence */
+    std::string figure{};    /* that shows it; empty: none */
+    std::string place{};     /* where it holds: "flat, crest and slope of the bump" */
+    std::string condition{}; /* when: "default hand, 1 kHz" */
+    std::string interval{};  /* how sure: "95 % of 2000 bootstrap samples: 1.9 to 2.3 times"; empty: no measurement */
 };
 
 struct StudyData {
@@ -100,7 +104,8 @@ struct StudyData {
     bool software = true; /* device */
     bool quick = false;
     std::string scene;              /* resolved TOML; empty: the study's own */
-    double seconds = 0;             /* that the run took, earlier parts of it too */
+    std::string fingerprint;        /* of program, device, scene and form: equal where a run would do the same again */
+    double seconds = 0;             /* that the run took */
     std::vector<std::string> notes; /* what a reader must know to read the numbers, a sentence each */
     std::vector<Table> tables;
     std::vector<Figure> figures;

@@ -253,10 +253,4 @@ Json curl_result(const CurlMap& map, Engine& engine, const std::filesystem::path
     return result;
 }
 
-bool has_volumes(const Json& result, const std::filesystem::path& folder) {
-    return std::ranges::all_of(result.at("volumes"), [&](const Json& volume) {
-        return file_is_intact(folder / volume.at("name").get<std::string>(), volume.at("sha256"));
-    });
-}
-
 } // namespace forceshade::study

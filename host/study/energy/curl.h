@@ -47,7 +47,4 @@ struct CurlMap {
 };
 nlohmann::ordered_json curl_result(const CurlMap& map, Engine& engine, const std::filesystem::path& folder);
 
-/// True if the volumes that a result names are in the folder as they were written.
-bool has_volumes(const nlohmann::ordered_json& result, const std::filesystem::path& folder);
-
 } // namespace forceshade::study

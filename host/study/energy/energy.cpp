@@ -4,6 +4,7 @@
 
 #include "host/program.h"
 #include "host/study/energy/curl_maps.h"
+#include "host/study/energy/energy_findings.h"
 #include "host/study/energy/loop_cases.h"
 #include "host/study/energy/notes.h"
 #include "host/study/energy/scene_loops.h"
@@ -67,15 +68,6 @@ std::vector<Step> curl_steps(StudyRun& run, const Form& form) {
     return steps;
 }
 
-/// Results of steps that an earlier run left, whose volumes are gone or damaged, anew. \throws Interrupted
-void restore_volumes(StudyRun& run, const std::vector<Step>& steps, std::vector<Json>& results) {
-    for (std::size_t i = 0; i < steps.size(); ++i)
-        if (!has_volumes(results[i], run.options().folder)) {
-            check_interrupt();
-            results[i] = steps[i].compute();
-        }
-}
-
 } // namespace
 
 StudyData study_energy(StudyRun& run) {
@@ -84,12 +76,11 @@ StudyData study_energy(StudyRun& run) {
     std::vector<Step> loops = run.scene() ? scene_steps(run, of_scene) : loop_steps(run, form);
     std::vector<Step> curls = curl_steps(run, form), all = loops;
     all.insert(all.end(), curls.begin(), curls.end());
-    const std::vector<Json> results = run.run(all);
+    const std::vector<Json> results = run.run_steps(all);
     const auto middle = results.begin() + static_cast<std::ptrdiff_t>(loops.size());
     std::vector<Json> rows, maps(middle, results.end());
     for (auto result = results.begin(); result != middle; ++result)
         rows.insert(rows.end(), result->begin(), result->end());
-    restore_volumes(run, curls, maps);
     StudyData data = run.data();
     data.notes = run.scene() ? scene_notes(*run.scene(), of_scene) : loop_notes();
     data.tables.push_back(loops_table(rows));
@@ -107,6 +98,7 @@ StudyData study_energy(StudyRun& run) {
     for (const Json& map : maps)
         for (const Json& volume : map.at("volumes"))
             data.volumes.push_back({volume.at("name"), volume.at("sha256"), volume.at("bytes")});
+    data.findings = energy_findings(data);
     return data;
 }
 

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "host/study/error_time/error_time_findings.h"
 #include "host/study/error_time/measured.h"
 #include "host/study/error_time/patch_rows.h"
 #include "host/study/run/quartiles.h"
@@ -213,7 +214,7 @@ StudyData study_error_time(StudyRun& run) {
         plan_lookups(plan, extents, measured);
     }
     plan_rounds(plan, extents, quick, measured);
-    const std::vector<Json> results = run.run(plan.steps);
+    const std::vector<Json> results = run.run_steps(plan.steps);
     for (std::size_t i = 0; i < results.size(); ++i)
         plan.takers[i](results[i]);
     add_series(measured);
@@ -221,6 +222,7 @@ StudyData study_error_time(StudyRun& run) {
     data.notes = notes_of(subjects, measured, run.engine().report(), data.cores);
     data.tables = tables_of(measured);
     data.figures = figures_of(data.tables);
+    data.findings = error_time_findings(data);
     return data;
 }
 

@@ -5,6 +5,7 @@
 #include "compute/device.h"
 #include "host/error.h"
 #include "host/study/omission/measurement.h"
+#include "host/study/omission/omission_findings.h"
 #include "host/study/omission/tables.h"
 #include "host/study/omission/touched.h"
 
@@ -54,7 +55,7 @@ Json measure_or_skip(StudyRun& run, LayeredEngine& layered, const Comparison& on
 // A scene whose samples are all free has no feature that matters: that leaving it out changes nothing would be said of
 // nothing, and all times would be those of free space.
 Touched require_contact(StudyRun& run, const BaseScene& base) {
-    const std::vector<Json> results = run.run({{"contact", [&] {
+    const std::vector<Json> results = run.run_steps({{"contact", [&] {
                                                     const Touched samples = touched(run.engine(), base);
                                                     return Json{{"field", samples.field}, {"paths", samples.paths}};
                                                 }}});
@@ -126,13 +127,14 @@ StudyData study_omission(StudyRun& run) {
                              return measure_or_skip(run, layered, comparisons[i],
                                                     {rounds, seconds, quick ? kQuickBudget : kBudget, 1 + i});
                          }});
-    const std::vector<Json> results = run.run(steps);
+    const std::vector<Json> results = run.run_steps(steps);
     StudyData data = run.data();
     data.tables = {features_table(comparisons, results), omitted_table(scenes, comparisons)};
     data.figures = omission_figures(data.tables.front());
     add_notes(scenes, comparisons, results, rounds, data);
     if (run.scene())
         add_free_note(scenes.front(), samples, data);
+    data.findings = omission_findings(data);
     return data;
 }
 

@@ -1,6 +1,7 @@
-// A study done step by step: what was finished stays, a second run goes on from there.
+// A study done step by step, with progress.
 #pragma once
 
+#include <chrono>
 #include <filesystem>
 #include <functional>
 #include <memory>
@@ -20,14 +21,19 @@ struct StudyOptions {
     std::filesystem::path folder; /* of this study: OUT/error-time */
     std::optional<Case> scene;    /* the user's; none: the study's own */
     bool quick = false;           /* coarse, within a minute */
-    bool fresh = false;           /* nothing of an earlier run is taken */
     bool quiet = false;
     EngineOptions engine;
 };
 
-/// A part of a study that is computed in one go, some seconds at most, and whose result is kept as JSON.
+/// A part of a study that is computed in one go, some seconds at most.
+struct Part {
+    std::string name; /* for the progress bar */
+    std::function<void()> compute;
+};
+
+/// Likewise, with a result.
 struct Step {
-    std::string name; /* a file's stem: [A-Za-z0-9._+-], unique */
+    std::string name; /* for the progress bar */
     std::function<nlohmann::ordered_json()> compute;
 };
 
@@ -42,25 +48,27 @@ public:
     /// The user's scene with its files; nothing without one.
     const std::optional<PreparedCase>& scene() const { return scene_; }
 
-    /// The results of the steps, in their order, from FOLDER/steps.d (of a quick run quick-steps.d) where the same
-    /// program, device and scene left them, else computed in the order given and left there. With progress. An
-    /// interrupt ends it between steps. \throws Interrupted, IoError, and whatever a step throws.
-    std::vector<nlohmann::ordered_json> run(const std::vector<Step>& steps);
+    /// Takes the parts in their order. An interrupt ends it between parts. \throws Interrupted, and whatever a part
+    /// throws.
+    void run(const std::vector<Part>& parts);
+
+    /// The results of the steps, in their order. An interrupt ends it between steps. \throws Interrupted, and whatever
+    /// a step throws.
+    std::vector<nlohmann::ordered_json> run_steps(const std::vector<Step>& steps);
+
+    /// Equal where a run would do the same again: of the program, the device, the scene and the form.
+    const std::string& fingerprint() const { return fingerprint_; }
 
     /// Data with everything filled in that does not depend on the study: program, device, scene, time.
     StudyData data() const;
 
 private:
-    std::filesystem::path step_path(const Step& step) const;
-    std::optional<nlohmann::ordered_json> kept(const Step& step) const;
-    void keep(const Step& step, const nlohmann::ordered_json& result, double seconds) const;
-
     std::string study_;
     StudyOptions options_;
     std::optional<PreparedCase> scene_;
     std::unique_ptr<Engine> engine_;
     std::string fingerprint_;
-    double seconds_ = 0; /* of all steps, kept ones too */
+    std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
 } // namespace forceshade::study

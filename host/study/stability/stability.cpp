@@ -2,6 +2,7 @@
 
 #include "host/study/stability/loop.h"
 #include "host/study/stability/number.h"
+#include "host/study/stability/stability_findings.h"
 
 namespace forceshade::study {
 
@@ -10,12 +11,13 @@ StudyData study_stability(StudyRun& run) {
     const auto of_loop = static_cast<std::ptrdiff_t>(steps.size());
     for (Step& step : number_steps(run))
         steps.push_back(std::move(step));
-    std::vector<nlohmann::ordered_json> results = run.run(steps);
+    std::vector<nlohmann::ordered_json> results = run.run_steps(steps);
     const std::vector<nlohmann::ordered_json> of_number(results.begin() + of_loop, results.end());
     results.resize(static_cast<std::size_t>(of_loop));
     StudyData data = run.data();
     add_loop(data, results);
     add_number(data, of_number);
+    data.findings = stability_findings(data);
     return data;
 }
 

@@ -1,4 +1,4 @@
-#include "host/study/findings/energy_curl_findings.h"
+#include "host/study/energy/energy_curl_findings.h"
 
 #include <algorithm>
 

@@ -1,7 +1,7 @@
-#include "host/study/findings/stability_findings.h"
+#include "host/study/stability/stability_findings.h"
 
-#include "host/study/findings/loop_findings.h"
-#include "host/study/findings/number_findings.h"
+#include "host/study/stability/loop_findings.h"
+#include "host/study/stability/number_findings.h"
 
 namespace forceshade::study {
 

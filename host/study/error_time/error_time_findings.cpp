@@ -1,4 +1,4 @@
-#include "host/study/findings/error_time_findings.h"
+#include "host/study/error_time/error_time_findings.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,8 +7,8 @@
 
 #include <fmt/format.h>
 
-#include "host/study/findings/error_time_points.h"
-#include "host/study/findings/error_time_ways.h"
+#include "host/study/error_time/error_time_points.h"
+#include "host/study/error_time/error_time_ways.h"
 
 namespace forceshade::study {
 namespace {

@@ -1,12 +1,12 @@
-#include "host/study/findings/error_time_lookups.h"
+#include "host/study/error_time/error_time_lookups.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
 
-#include "host/study/findings/error_time_points.h"
-#include "host/study/findings/median.h"
+#include "host/study/data/median.h"
+#include "host/study/error_time/error_time_points.h"
 
 namespace forceshade::study {
 namespace {

@@ -1,4 +1,4 @@
-#include "host/study/findings/energy_least_findings.h"
+#include "host/study/energy/energy_least_findings.h"
 
 #include <algorithm>
 #include <cmath>

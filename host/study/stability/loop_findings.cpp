@@ -1,4 +1,4 @@
-#include "host/study/findings/loop_findings.h"
+#include "host/study/stability/loop_findings.h"
 
 #include <algorithm>
 #include <map>
@@ -6,8 +6,8 @@
 
 #include <fmt/format.h>
 
-#include "host/study/findings/loop_map_findings.h"
-#include "host/study/findings/median.h"
+#include "host/study/data/median.h"
+#include "host/study/stability/loop_map_findings.h"
 
 namespace forceshade::study {
 namespace {

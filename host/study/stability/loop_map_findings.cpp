@@ -1,4 +1,4 @@
-#include "host/study/findings/loop_map_findings.h"
+#include "host/study/stability/loop_map_findings.h"
 
 #include <algorithm>
 #include <map>

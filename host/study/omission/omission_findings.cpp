@@ -1,4 +1,4 @@
-#include "host/study/findings/omission_findings.h"
+#include "host/study/omission/omission_findings.h"
 
 #include <algorithm>
 #include <functional>

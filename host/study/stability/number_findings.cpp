@@ -1,4 +1,4 @@
-#include "host/study/findings/number_findings.h"
+#include "host/study/stability/number_findings.h"
 
 #include <algorithm>
 #include <cmath>

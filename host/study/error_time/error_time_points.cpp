@@ -1,10 +1,10 @@
-#include "host/study/findings/error_time_points.h"
+#include "host/study/error_time/error_time_points.h"
 
 #include <cmath>
 
 #include <fmt/format.h>
 
-#include "host/study/findings/median.h"
+#include "host/study/data/median.h"
 
 namespace forceshade::study {
 

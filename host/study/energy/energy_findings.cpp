@@ -1,4 +1,4 @@
-#include "host/study/findings/energy_findings.h"
+#include "host/study/energy/energy_findings.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,8 +7,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "host/study/findings/energy_curl_findings.h"
-#include "host/study/findings/energy_least_findings.h"
+#include "host/study/energy/energy_curl_findings.h"
+#include "host/study/energy/energy_least_findings.h"
 
 namespace forceshade::study {
 namespace {
