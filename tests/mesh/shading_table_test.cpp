@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "host/study/error_time/angle.h"
-#include "host/study/error_time/patch_errors.h"
+#include "tests/mesh/patch_errors.h"
 
 namespace forceshade {
 namespace {

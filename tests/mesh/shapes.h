@@ -5,7 +5,7 @@
 #include <random>
 
 #include "host/mesh/mesh.h"
-#include "host/study/error_time/patch.h"
+#include "tests/mesh/patch.h"
 
 namespace forceshade::shapes {
 

@@ -1,99 +1,126 @@
-// The study of error against time: its orders and fronts, errors, volumes, rounds, and what its contenders give.
+// Error against time: places that a hand touches, errors there, volumes, and what paired rounds say for sure.
+#include <algorithm>
 #include <cmath>
-#include <filesystem>
-#include <map>
-#include <set>
 
-#include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "host/study/error_time/half_forces.h"
+#include "host/study/error_time/error_time.h"
+#include "host/study/error_time/findings.h"
 #include "host/study/error_time/law_at.h"
-#include "host/study/error_time/measured.h"
-#include "host/study/error_time/patch_rows.h"
-#include "host/study/run/quartiles.h"
+#include "host/study/error_time/rounds.h"
+#include "host/study/error_time/volume.h"
+#include "tests/io/folder.h"
+#include "tests/mesh/shapes.h"
 
 namespace forceshade::study::error_time {
 namespace {
 
-TEST(Order, OfAPowerLawIsItsExponent) {
-    const std::vector<double> sizes{1, 0.5, 0.25, 0.125}, errors{3, 0.75, 0.1875, 0.046875};
-    const OrderFit fit = fit_order(sizes, errors);
-    EXPECT_NEAR(fit.order, 2, 1e-12);
-    EXPECT_NEAR(fit.deviation, 0, 1e-12);
-    EXPECT_EQ(fit.points, 4u);
+Extents few() {
+    return {{4, 64}, {8}, {0.8e-3, 0.4e-3}, 400, 60, 3};
 }
 
-TEST(Order, LeavesOutWhatIsZeroAndTellsItsDeviation) {
-    const std::vector<double> sizes{1, 0.5, 0.25, 0.125}, errors{1, 0, 0.3, 0.11};
-    const OrderFit fit = fit_order(sizes, errors);
-    EXPECT_EQ(fit.points, 3u);
-    EXPECT_GT(fit.deviation, 0);
-    EXPECT_EQ(fit_order(std::vector<double>{1.0}, std::vector<double>{1.0}).points, 1u);
+const Variant& variant_named(const Subject& subject, const std::string& name) {
+    return *std::ranges::find_if(subject.variants, [&](const Variant& one) { return one.name == name; });
 }
 
-TEST(Front, HoldsWhatNothingBeats) {
-    const std::vector<double> costs{3, 1, 2, 4, 5, 1.5, NAN}, errors{0.5, 2, 1, 0.499, 0.1, 3, 0};
-    EXPECT_EQ(pareto_front(costs, errors), (std::vector<std::size_t>{1, 2, 0, 4})); // 0.499 is not a hundredth closer
-    EXPECT_EQ(pareto_front(costs, errors, 0), (std::vector<std::size_t>{1, 2, 0, 3, 4}));
-    EXPECT_TRUE(pareto_front({}, {}).empty());
+TEST(ForceErrors, CountWhatIsMissedAndWhatShouldNotBe) {
+    const std::vector<glm::dvec3> truth{{0, 0, 2}, {0, 0, 1}, {0, 0, 0}, {0, 0, 1}};
+    const std::vector<glm::dvec3> found{{0, 0, 1}, {0, 0, 0}, {0, 0.5, 0}, {1, 0, 1}};
+    const ForceErrors errors = force_errors(found, truth, 0.5);
+    EXPECT_EQ(errors.places, 4u);
+    EXPECT_EQ(errors.missed, 1u);
+    EXPECT_EQ(errors.phantom, 1u);
+    EXPECT_NEAR(errors.direction->largest, 45, 1e-12);
+    EXPECT_EQ(errors.local->largest, 1) << "over the force there";
+    EXPECT_EQ(errors.local->median, 1);
+    EXPECT_EQ(errors.typical->largest, 2) << "over the typical force";
+    EXPECT_FALSE(force_errors({}, {}, 1).direction);
 }
 
-TEST(Quartiles, AreInterpolated) {
-    const Quartiles found = quartiles({4, 1, 3, 2});
-    EXPECT_DOUBLE_EQ(found.low, 1.75);
-    EXPECT_DOUBLE_EQ(found.median, 2.5);
-    EXPECT_DOUBLE_EQ(found.high, 3.25);
+TEST(ForceErrors, SummaryIsOfRanks) {
+    std::vector<double> values(100);
+    for (std::size_t i = 0; i < values.size(); ++i)
+        values[i] = double(99 - i);
+    const Summary summary = *summary_of(values);
+    EXPECT_EQ(summary.median, 49);
+    EXPECT_EQ(summary.p95, 94);
+    EXPECT_EQ(summary.largest, 99);
+    EXPECT_NEAR(summary.rms, std::sqrt(99 * 199 / 6.0), 1e-12);
 }
 
-TEST(Errors, TellDirectionMagnitudeAndContactApart) {
-    const std::vector<glm::dvec3> truth{{0, 0, 2}, {0, 0, 1}, {1, 0, 0}, {0, 0, 0}};
-    const std::vector<glm::dvec3> forces{{2, 0, 0}, {0, 0, 1.5}, {0, 0, 0}, {0, 0, 1}};
-    const ForceErrors errors = force_errors(forces, truth);
-    EXPECT_EQ(errors.compared, 3u);
-    EXPECT_EQ(errors.contact_differs, 2u);
-    EXPECT_NEAR(errors.direction->largest, 90, 1e-12);
-    EXPECT_NEAR(errors.direction->rms, 90 / std::sqrt(2), 1e-12);
-    EXPECT_NEAR(errors.magnitude->largest, 1, 1e-12);
-    EXPECT_NEAR(errors.vector->largest, std::sqrt(2), 1e-12);
-    const ForceErrors again = errors_from(nlohmann::ordered_json::parse(to_json(errors).dump()));
-    EXPECT_EQ(again.vector->rms, errors.vector->rms);
-    EXPECT_EQ(again.compared, errors.compared);
-}
-
-TEST(Errors, WithoutAPlaceInContactThereIsNoDirection) {
-    const std::vector<glm::dvec3> truth{{0, 0, 2}, {0, 0, 1}}, none{{0, 0, 0}, {0, 0, 0}};
-    const ForceErrors missed = errors_from(nlohmann::ordered_json::parse(to_json(force_errors(none, truth)).dump()));
-    EXPECT_FALSE(missed.direction);
-    ASSERT_TRUE(missed.vector);
-    EXPECT_EQ(missed.vector->rms, 1);
-    EXPECT_EQ(missed.contact_differs, 2u);
-    const ForceErrors nothing = force_errors(truth, none); // in contact where nothing should be
-    EXPECT_FALSE(nothing.direction || nothing.magnitude || nothing.vector);
-    EXPECT_EQ(nothing.compared, 0u);
-    EXPECT_EQ(nothing.contact_differs, 2u);
-}
-
-TEST(Errors, SummaryLeavesOutAThousandthOfTheLargest) {
-    std::vector<double> values(2000, 1.0);
-    values[7] = values[8] = 50;
-    EXPECT_EQ(summary_of(values)->p999, 1);
-    values[9] = 40;
-    EXPECT_EQ(summary_of(values)->p999, 40);
-    EXPECT_EQ(summary_of(values)->largest, 50);
-}
-
-TEST(Halves, AreThoseOfTheFiles) {
-    std::vector<float> numbers;
-    for (const float x : {0.0F, -0.0F, 1.0F, -2.5F, 65504.0F, 6e-8F, -3.1e-5F, 0.1F, 1234.5F})
-        numbers.push_back(x);
-    std::vector<Half> halves;
-    to_halves(numbers, halves);
-    for (std::size_t i = 0; i < numbers.size(); ++i) {
-        const float back = to_float(halves[i]);
-        EXPECT_NEAR(back, numbers[i], std::max(0x1p-11F * std::abs(numbers[i]), 0x1p-25F));
-        EXPECT_EQ(std::signbit(back), std::signbit(numbers[i]));
+// Depths as a hand's: as many between 0.02 and 0.2 mm as between 0.2 and 2 mm, everywhere on the surface.
+TEST(TouchedPlaces, AreLogUniformInDepthAndUniformOverTheSurface) {
+    for (const Subject& subject : own_subjects(few())) {
+        std::size_t shallow = 0, left = 0;
+        for (const Place& place : subject.places) {
+            EXPECT_GE(place.depth, 0.02e-3);
+            EXPECT_LE(place.depth, 2e-3);
+            shallow += place.depth < 0.2e-3;
+            left += place.at.x < 0;
+            EXPECT_NE(subject.truth(place), glm::dvec3(0));
+            Place above = place;
+            above.at += (place.depth + 1e-6) * place.normal;
+            EXPECT_EQ(subject.truth(above), glm::dvec3(0)) << "depth is from the surface";
+        }
+        const auto count = double(subject.places.size());
+        EXPECT_EQ(subject.places.size(), 400u);
+        EXPECT_NEAR(double(shallow), count / 2, 3 * std::sqrt(count / 4));
+        EXPECT_NEAR(double(left), count / 2, 3 * std::sqrt(count / 4));
     }
+}
+
+TEST(TouchedPlaces, HaveTheKindOfWhatIsMetThere) {
+    const Subject bump = own_subjects(few()).front();
+    const Variant &coarse = variant_named(bump, "4 facets, none"), &fine = variant_named(bump, "64 facets, none");
+    KindOf of_coarse(bump, coarse), of_fine(bump, fine);
+    const auto at = [](double x, double z, double depth) { return Place{{x, 0, z - depth}, {0, 0, 1}, depth}; };
+    EXPECT_EQ(of_coarse(at(13.5e-3, 0, 1e-3)), Kind::flat);
+    EXPECT_EQ(of_coarse(at(13.5e-3, 0, 0.03e-3)), Kind::boundary);
+    EXPECT_EQ(of_coarse(at(12.7e-3, 0, 1e-3)), Kind::rim);
+    const double top = 15.24e-3 - std::sqrt(15.24e-3 * 15.24e-3 - 12.7e-3 * 12.7e-3);
+    EXPECT_EQ(of_coarse(at(0, top, 1e-3)), Kind::edge) << "of four facets two meet at the top";
+    EXPECT_EQ(of_coarse(at(1e-3, top, 1e-3)), Kind::facet);
+    EXPECT_EQ(of_fine(at(0, top, 1e-3)), Kind::edge);
+    const KindPlaces all = places_of(bump, coarse, few());
+    for (const Kind kind : kKinds)
+        EXPECT_GE(std::ranges::count(all.kinds, kind), 30) << name_of(kind);
+    for (std::size_t i = 0; i < all.at.size(); ++i)
+        if (all.at[i].depth < 0) {
+            EXPECT_EQ(all.kinds[i], Kind::boundary);
+            EXPECT_EQ(bump.truth(all.at[i]), glm::dvec3(0));
+        }
+}
+
+// A look-up that is good at two millimetres is not where contact begins.
+TEST(TouchedPlaces, ShowWhatALookUpDoesWhereContactBegins) {
+    const Subject bump = own_subjects(few()).front();
+    const Variant& shaded = variant_named(bump, "64 facets, reference");
+    const VolumeGrid grid = volume_grid(bump.low, bump.high, 0.4e-3);
+    const ForceVolume<float, float> volume(grid, sampled<float>(*shaded.prepared, grid));
+    const KindPlaces all = places_of(bump, shaded, few());
+    std::vector<glm::dvec3> found[2], truth[2];
+    for (std::size_t i = 0; i < all.at.size(); ++i) {
+        const bool shallow = all.kinds[i] == Kind::boundary;
+        if (!shallow && (all.kinds[i] != Kind::facet || all.at[i].depth < 1e-3))
+            continue;
+        found[shallow].emplace_back(volume.trilinear(reference::Vector<float>(all.at[i].at)));
+        truth[shallow].push_back(bump.truth(all.at[i]));
+    }
+    EXPECT_LT(force_errors(found[0], truth[0], 1).local->p95, 0.02);
+    EXPECT_GT(force_errors(found[1], truth[1], 1).local->p95, 0.5);
+}
+
+TEST(TouchedPlaces, OfAGodObjectAreReachedFromAbove) {
+    const Subject mesh = own_subjects(few()).back();
+    const Variant& flat = variant_named(mesh, "8 cells, none");
+    const std::vector<glm::dvec3> found = proxy_forces<double>(*flat.prepared, mesh.places, mesh.scale),
+                                  direct = direct_forces<double>(*flat.prepared, mesh.places);
+    std::vector<glm::dvec3> truth;
+    for (const Place& place : mesh.places)
+        truth.push_back(mesh.truth(place));
+    const ForceErrors of_proxy = force_errors(found, truth, 1), of_direct = force_errors(direct, truth, 1);
+    EXPECT_NEAR(of_proxy.direction->rms, of_direct.direction->rms, 0.2 * of_direct.direction->rms);
+    EXPECT_EQ(of_proxy.missed, of_direct.missed) << "facets of 8 cells lie up to 0.1 mm below the cylinder";
 }
 
 // A volume of a function of the place, and a place within.
@@ -110,12 +137,11 @@ template <typename Function> glm::dvec3 read(const Function& function, bool cubi
     return cubic ? volume.tricubic(at) : volume.trilinear(at);
 }
 
-void expect_near(const glm::dvec3& one, const glm::dvec3& other) {
-    for (int i = 0; i < 3; ++i)
-        EXPECT_NEAR(one[i], other[i], 1e-13);
-}
-
 TEST(Volume, TrilinearIsExactForProductsTricubicForSquares) {
+    const auto expect_near = [](const glm::dvec3& one, const glm::dvec3& other) {
+        for (int i = 0; i < 3; ++i)
+            EXPECT_NEAR(one[i], other[i], 1e-13);
+    };
     const auto product = [](const glm::dvec3& p) { return glm::dvec3(p.x * p.y * p.z, 1 - p.x, p.y + 2 * p.z); };
     const auto square = [](const glm::dvec3& p) { return glm::dvec3(p.x * p.x, p.y * p.y - p.z, p.z * p.z * p.x); };
     for (const glm::dvec3& at : {glm::dvec3(0.1, 0.2, 0.33), {0.99, 0.01, 0.5}, {0.25, 0.75, 1}}) {
@@ -126,113 +152,92 @@ TEST(Volume, TrilinearIsExactForProductsTricubicForSquares) {
     }
 }
 
-double order_between(const LookupCase& one, std::size_t which) {
-    const auto coarse = lookup_errors(one, 0.4e-3, 1500), fine = lookup_errors(one, 0.2e-3, 1500);
-    EXPECT_GT(fine.at(which).places, 100u);
-    return std::log2(coarse.at(which).rms / fine.at(which).rms);
-}
-
-TEST(Lookup, OrdersAreTwoAndThreeInSmoothPartsAndOneAcrossEdges) {
-    const LookupCase shaded = lookup_cases().at(0), flat = lookup_cases().at(1), mesh = lookup_cases().at(2);
-    EXPECT_NEAR(order_between(shaded, 0), 2, 0.05); // trilinear, smooth
-    EXPECT_NEAR(order_between(shaded, 1), 1, 0.15); // edge
-    EXPECT_NEAR(order_between(shaded, 2), 1, 0.15); // boundary
-    EXPECT_NEAR(order_between(shaded, 3), 3, 0.1);  // tricubic, smooth
-    EXPECT_NEAR(order_between(flat, 1), 0, 0.2);    // a jump stays
-    EXPECT_NEAR(order_between(mesh, 0), 2, 0.1);
-    EXPECT_LT(lookup_errors(flat, 0.4e-3, 300).at(0).largest, 1e-13);
-    EXPECT_EQ(expected_order(shaded, "tricubic", "smooth"), 3);
-    EXPECT_EQ(expected_order(flat, "trilinear", "edge"), 0);
-    EXPECT_EQ(expected_order(flat, "trilinear", "smooth"), std::nullopt);
-}
-
-TEST(Interpolation, TheStudysTableAgreesWithThePrintedOne) {
-    Measured measured;
-    for (std::size_t mesh = 0; mesh < patch_meshes(); ++mesh)
-        for (const PatchRow& row : patch_rows_from(to_json(patch_rows(mesh))))
-            measured.patches.push_back(row);
-    const std::vector<Table> tables = tables_of(measured);
-    const Table& table = *std::ranges::find_if(tables, [](const Table& one) { return one.name == "interpolation"; });
-    std::size_t printed = 0;
-    for (std::size_t row = 0; row < table.rows.size(); ++row) {
-        EXPECT_NE(table.word(row, "agrees"), "no") << row;
-        printed += table.word(row, "agrees") == "yes" ? 1 : 0;
+TEST(Volume, HalvesAreThoseOfTheFiles) {
+    const std::vector<float> numbers{0.0F, -0.0F, 1.0F, -2.5F, 65504.0F, 6e-8F, -3.1e-5F, 0.1F, 1234.5F};
+    const std::vector<Half> halves = halves_of(numbers);
+    for (std::size_t i = 0; i < numbers.size(); ++i) {
+        const float back = to_float(halves[i]);
+        EXPECT_NEAR(back, numbers[i], std::max(0x1p-11F * std::abs(numbers[i]), 0x1p-25F));
+        EXPECT_EQ(std::signbit(back), std::signbit(numbers[i]));
     }
-    EXPECT_EQ(printed, 50u);
-    measured.patches[0].found[0] *= 1.02;
-    const std::vector<Table> altered = tables_of(measured);
-    const Table& worse = *std::ranges::find_if(altered, [](const Table& one) { return one.name == "interpolation"; });
-    EXPECT_EQ(worse.word(0, "agrees"), "no");
 }
 
-void add_law(Measured& measured, const std::string& shading, std::optional<double> facets, std::optional<double> cells,
-             double error) {
-    Contender one;
-    one.name = one.reference = fmt::format("a surface, law {}: direct f64", measured.contenders.size());
-    one.family = "direct";
-    one.precision = "f64";
-    one.shading = shading;
-    one.facets = facets;
-    one.cells = cells;
-    ForceErrors errors;
-    errors.direction = Summary{error, error, error};
-    errors.magnitude = Summary{10 * error, 10 * error, 10 * error};
-    measured.contenders.push_back(one);
-    measured.compared.push_back({errors, {}});
-}
-
-TEST(Series, FollowFromTheErrorsOfTheLaws) {
-    Measured measured;
-    for (const double n : {4.0, 8.0, 16.0}) {
-        add_law(measured, "none", n, {}, 8 / n);
-        add_law(measured, "reference", n, {}, 64 / (n * n));
-        add_law(measured, "mean_value", {}, n, 3 / n);
+// Rounds that a machine slows down and speeds up at random, all ways alike.
+Times times_of(const std::vector<double>& seconds, std::size_t rounds = 31) {
+    Draw draw(3);
+    std::vector<Round> all;
+    for (std::size_t i = 0; i < rounds; ++i) {
+        const double load = draw(1, 3);
+        Round round;
+        for (const double one : seconds)
+            round.push_back(load * one * draw(0.97, 1.03));
+        all.push_back(round);
     }
-    measured.contenders.push_back(measured.contenders.front());
-    measured.contenders.back().precision = "f32"; // belongs to none
-    measured.compared.push_back(measured.compared.front());
-    add_series(measured);
-    ASSERT_EQ(measured.series.size(), 3u);
-    EXPECT_EQ(measured.series[0].name, "bump, flat");
-    EXPECT_EQ(measured.series[0].sizes, (std::vector<double>{1.0 / 8, 1.0 / 16})); // four facets are too few
-    EXPECT_EQ(measured.series[0].errors, (std::vector<double>{1, 0.5}));           // of direction
-    EXPECT_EQ(measured.series[1].name, "bump, shaded");
-    EXPECT_EQ(measured.series[1].errors, (std::vector<double>{10, 2.5})); // of magnitude
-    EXPECT_EQ(measured.series[1].expected, 2);
-    EXPECT_EQ(measured.series[2].name, "mesh, mean_value, static");
-    EXPECT_EQ(measured.series[2].expected, 1);
-    measured.rounds = {{1, std::vector<double>(measured.contenders.size(), 1.0)}};
-    std::set<std::string> shown; // degrees and shares are apart
-    for (const Figure& figure : figures_of(tables_of(measured)))
-        if (figure.name.starts_with("convergence"))
-            shown.insert(figure.name + ": " + figure.y.label);
-    EXPECT_EQ(shown, (std::set<std::string>{"convergence-facets-direction: RMS direction error / deg",
-                                            "convergence-facets-magnitude: RMS relative error of the magnitude",
-                                            "convergence-meshes: RMS direction error / deg"}));
+    return {all, 0};
 }
 
-TEST(Rounds, MeasureEachOnceInAnOrderOfTheirOwn) {
-    std::vector<std::size_t> order;
-    Contenders contenders(20);
-    for (std::size_t i = 0; i < contenders.size(); ++i)
-        contenders[i].seconds = [&order, i] {
-            order.push_back(i);
-            return static_cast<double>(i + 1);
-        };
-    const Round round = measure_round(contenders, 3, 0);
-    const std::vector<std::size_t> first = order;
-    EXPECT_EQ(round.unit, 4);
-    for (std::size_t i = 0; i < contenders.size(); ++i) {
-        EXPECT_EQ(round.seconds[i], static_cast<double>(i + 1));
-        EXPECT_EQ(std::ranges::count(first, i), i == 3 ? 7 : 1);
+TEST(PairedRounds, TellApartWhatTheMachinesLoadWouldHide) {
+    const Times times = times_of({1, 1.1, 1.001});
+    const Interval ratio = times.ratio(1, 0);
+    EXPECT_GT(ratio.low, 1);
+    EXPECT_LT(ratio.low, 1.1);
+    EXPECT_GT(ratio.high, 1.1 * 0.98);
+    EXPECT_TRUE(times.is_cheaper(0, 1));
+    EXPECT_FALSE(times.is_cheaper(1, 0));
+    EXPECT_FALSE(times.is_cheaper(0, 2) || times.is_cheaper(2, 0)) << "a tie";
+    EXPECT_EQ(times.ratio(1, 1).high, 1);
+}
+
+TEST(PairedRounds, NameTiesOfTheCheapest) {
+    const Cheapest cheapest = cheapest_of(times_of({1, 1.1, 1.0005, 2}), {0, 1, 2, 3});
+    EXPECT_TRUE(cheapest.way == 0 || cheapest.way == 2);
+    EXPECT_EQ(cheapest.ties, std::vector<std::size_t>{2 - cheapest.way});
+    EXPECT_EQ(cheapest_of(times_of({1, 1.1}), {1}).ties.size(), 0u);
+}
+
+TEST(PairedRounds, FrontHasWhatIsCheaperForSure) {
+    const Times times = times_of({1, 2, 2.001, 4, 3});
+    //                           error: 8, 4, 5 (tied with 4), 1, none
+    EXPECT_EQ(front_of(times, {0, 1, 2, 3, 4}, {8, 4, 5, 1, NAN}), (std::vector<std::size_t>{3, 1, 0}));
+    EXPECT_EQ(front_of(times, {0, 1}, {1, 2}), std::vector<std::size_t>{0}) << "closer and cheaper";
+}
+
+// A whole run on a scene whose smooth shape is not known.
+class SceneErrorTime : public ::testing::Test {
+protected:
+    StudyData run(const std::string& scene) {
+        StudyOptions options;
+        options.folder = folder_ / "error-time";
+        options.quick = options.quiet = true;
+        options.engine.cpu = true;
+        options.scene = parse_scene(scene, "test", folder_.path());
+        StudyRun run("error-time", options);
+        return study_error_time(run);
     }
-    order.clear();
-    measure_round(contenders, 3, 0);
-    EXPECT_EQ(order, first);
-    order.clear();
-    measure_round(contenders, 3, 1);
-    EXPECT_NE(order, first);
-    EXPECT_EQ(round_from(to_json(round)).seconds, round.seconds);
+
+    testing::Folder folder_;
+};
+
+TEST_F(SceneErrorTime, NamesNothingTheCheapestWithoutATruth) {
+    const StudyData data =
+        run("[surface]\nkind = \"height_map\"\nfunction = \"gaussian\"\nheight = \"2 mm\"\nradius = \"3 mm\"\n"
+            "[force]\nshading = \"height_map\"\n[grid]\nsize = [24, 16, 16]\n"
+            "origin = [\"-12 mm\", \"-8 mm\", \"-3 mm\"]\nspacing = [\"1 mm\", \"1 mm\", \"0.4 mm\"]\n");
+    EXPECT_TRUE(data.table("cheapest").rows.empty());
+    ASSERT_FALSE(data.findings.empty());
+    EXPECT_LE(data.findings.size(), 5u);
+    for (const Finding& finding : data.findings) {
+        EXPECT_EQ(finding.place.find("bump"), std::string::npos) << finding.text;
+        EXPECT_EQ((finding.text + finding.interval).find("nan"), std::string::npos) << finding.text;
+        EXPECT_EQ((finding.text + finding.interval).find("inf"), std::string::npos) << finding.text;
+    }
+    for (const auto& row : data.table("ways").rows)
+        EXPECT_EQ(std::get<std::string>(row[data.table("ways").index("against")]), "double precision of height_map");
+}
+
+TEST_F(SceneErrorTime, NeedsASurfaceInItsGrid) {
+    EXPECT_THROW(run("[grid]\nsize = [8, 8, 8]\norigin = [\"0 mm\", \"0 mm\", \"50 mm\"]\nspacing = \"1 mm\"\n"),
+                 UsageError);
 }
 
 } // namespace

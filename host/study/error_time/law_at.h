@@ -1,16 +1,20 @@
 // A scene's law by the CPU oracle at places of the world, one after the other: what a live loop does.
 #pragma once
 
+#include <cmath>
+#include <numbers>
 #include <span>
 #include <vector>
 
 #include "host/prepare/prepared_case.h"
+#include "host/study/error_time/angle.h"
+#include "host/study/error_time/subject.h"
 
 namespace forceshade::study::error_time {
 
 /// Places of the world, m, as a law in T receives them: rounded once, of a mesh in its own frame.
 template <typename T>
-std::vector<reference::Vector<T>> places_of(const PreparedCase& prepared, std::span<const glm::dvec3> world) {
+std::vector<reference::Vector<T>> rounded_places(const PreparedCase& prepared, std::span<const glm::dvec3> world) {
     std::vector<reference::Vector<T>> places;
     places.reserve(world.size());
     for (const glm::dvec3& at : world)
@@ -27,7 +31,7 @@ public:
     DirectLaw(const DirectLaw&) = delete;
     DirectLaw& operator=(const DirectLaw&) = delete;
 
-    /// At one of places_of().
+    /// At one of rounded_places().
     reference::Contact<T> at(const reference::Vector<T>& place) noexcept {
         if (law_.features.surface == layout::kSurfaceMesh)
             return reference::mesh_contact(law_, place, hint_);
@@ -48,14 +52,39 @@ private:
     layout::uint hint_ = 0;
 };
 
-/// With a history: the god-object, which begins anew every `stroke` places. A mesh's law alone.
+/// The forces, N, at places.
+template <typename T> std::vector<glm::dvec3> direct_forces(const PreparedCase& prepared, std::span<const Place> at) {
+    DirectLaw<T> law(prepared);
+    std::vector<glm::dvec3> forces;
+    for (const Place& place : at)
+        forces.emplace_back(law.at(rounded_places<T>(prepared, std::span(&place.at, 1))[0]).force);
+    return forces;
+}
+
+/// Updates of a god-object on its way to a place.
+inline constexpr std::size_t kDescent = 8;
+
+/// The way to a place, m, from above the surface and down along the normal.
+inline std::vector<glm::dvec3> descent(const Place& place, const TouchScale& scale) {
+    const glm::dvec3 from = place.at + (place.depth + scale.ring()) * place.normal;
+    std::vector<glm::dvec3> way;
+    for (std::size_t i = 1; i <= kDescent; ++i)
+        way.push_back(from + static_cast<double>(i) / kDescent * (place.at - from));
+    return way;
+}
+
+/// With a history: the god-object of a mesh.
 template <typename T> class ProxyLaw {
 public:
     explicit ProxyLaw(const PreparedCase& prepared) : direct_(prepared) {}
 
-    void begin(const reference::Vector<T>& place) { begin_probe(direct_.law(), around_, proxy_, place); }
-    reference::Vector<T> force(const reference::Vector<T>& place) noexcept {
-        return follow_probe(direct_.law(), around_, proxy_, glm::dvec3(0), place).contact.force;
+    /// N, at the end of a way of rounded_places().
+    reference::Vector<T> force(std::span<const reference::Vector<T>> way) noexcept {
+        begin_probe(direct_.law(), around_, proxy_, way.front());
+        reference::Vector<T> force(T(0));
+        for (const reference::Vector<T>& place : way)
+            force = follow_probe(direct_.law(), around_, proxy_, glm::dvec3(0), place).contact.force;
+        return force;
     }
 
 private:
@@ -64,35 +93,14 @@ private:
     reference::GodObject<T> proxy_;
 };
 
-/// The forces, N, at places of the world.
+/// The god-object's forces, N, at places to which it comes from above.
 template <typename T>
-std::vector<reference::Vector<T>> direct_forces(const PreparedCase& prepared, std::span<const glm::dvec3> world) {
-    DirectLaw<T> law(prepared);
-    std::vector<reference::Vector<T>> forces;
-    forces.reserve(world.size());
-    for (const reference::Vector<T>& place : places_of<T>(prepared, world))
-        forces.push_back(law.at(place).force);
-    return forces;
-}
-
-/// Likewise along strokes of so many places each.
-template <typename T>
-std::vector<reference::Vector<T>> proxy_forces(const PreparedCase& prepared, std::span<const glm::dvec3> world,
-                                               std::size_t stroke) {
+std::vector<glm::dvec3> proxy_forces(const PreparedCase& prepared, std::span<const Place> at, const TouchScale& scale) {
     ProxyLaw<T> law(prepared);
-    const auto places = places_of<T>(prepared, world);
-    std::vector<reference::Vector<T>> forces;
-    forces.reserve(places.size());
-    for (std::size_t i = 0; i < places.size(); ++i) {
-        if (i % stroke == 0)
-            law.begin(places[i]);
-        forces.push_back(law.force(places[i]));
-    }
+    std::vector<glm::dvec3> forces;
+    for (const Place& place : at)
+        forces.emplace_back(law.force(rounded_places<T>(prepared, descent(place, scale))));
     return forces;
-}
-
-template <typename T> std::vector<glm::dvec3> in_double(std::span<const reference::Vector<T>> forces) {
-    return {forces.begin(), forces.end()};
 }
 
 } // namespace forceshade::study::error_time

@@ -1,26 +1,59 @@
-// Timing in rounds: each measures every contender once, in an order of its own, so that what the machine does meanwhile
-// falls on all of them.
+// Times in paired rounds: each round measures every way once, in an order of its own, so that what disturbs the machine
+// disturbs all alike; and what these rounds say for sure.
 #pragma once
 
 #include <cstddef>
+#include <span>
+#include <string>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
-#include "host/study/error_time/contender.h"
+#include "host/study/error_time/ways.h"
 
 namespace forceshade::study::error_time {
 
-/// Seconds of an evaluation; the unit is a contender that is measured several times a round, its median counts.
-struct Round {
-    double unit = 0;
-    std::vector<double> seconds; /* by contender */
+/// Seconds of an evaluation, way by way.
+using Round = std::vector<double>;
+
+/// Measures every way once, in an order that follows from the number of the round.
+Round measure_round(std::span<const Way> ways, std::size_t number);
+
+/// The median of some values, and where 95 % of the medians of bootstrap samples lie (Efron 1979, percentiles).
+struct Interval {
+    double low = 0, median = 0, high = 0;
+};
+Interval bootstrap_median(const std::vector<double>& values);
+
+/// Comparisons of ways by what they took in the same rounds.
+class Times {
+public:
+    Times(std::vector<Round> rounds, std::size_t unit) : rounds_(std::move(rounds)), unit_(unit) {}
+
+    /// s of an evaluation; its spread is that of the ratio to the unit in the same round, so that what slows all ways
+    /// alike does not count.
+    Interval seconds(std::size_t way) const;
+    /// Time of one way over that of another, in the same rounds.
+    Interval ratio(std::size_t way, std::size_t other) const;
+    /// Whether a way is cheaper than another for sure: the interval of their ratio lies below 1.
+    bool is_cheaper(std::size_t way, std::size_t other) const { return ratio(way, other).high < 1; }
+
+    const std::vector<Round>& rounds() const { return rounds_; }
+    std::size_t unit() const { return unit_; }
+
+private:
+    std::vector<Round> rounds_;
+    std::size_t unit_; /* way */
 };
 
-/// `number` seeds the order. All were measured before, so that nothing is compiled or made within a round.
-Round measure_round(const Contenders& contenders, std::size_t unit, std::size_t number);
+/// Of ways with errors, by rising error: each that is cheaper for sure than all on the front before it. Errors that are
+/// no numbers never belong.
+std::vector<std::size_t> front_of(const Times& times, const std::vector<std::size_t>& ways,
+                                  const std::vector<double>& errors);
 
-nlohmann::ordered_json to_json(const Round& round);
-Round round_from(const nlohmann::ordered_json& json);
+/// The cheapest of some ways, and those that these rounds do not tell from it.
+struct Cheapest {
+    std::size_t way = 0;           /* of the least median */
+    std::vector<std::size_t> ties; /* others */
+};
+Cheapest cheapest_of(const Times& times, const std::vector<std::size_t>& ways);
 
 } // namespace forceshade::study::error_time

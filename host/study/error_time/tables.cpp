@@ -1,218 +1,420 @@
-// Orders of convergence, the table of L7, look-ups and precision as tables.
+#include "host/study/error_time/tables.h"
+
 #include <algorithm>
 #include <cmath>
-#include <map>
+#include <set>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "host/study/data/rows.h"
-#include "host/study/error_time/measured.h"
-#include "host/study/error_time/point_table.h"
-#include "host/study/run/quartiles.h"
 
 namespace forceshade::study::error_time {
 namespace {
 
-constexpr double kRounding = 1e-13;     // errors below it are rounding, and have no order
-constexpr std::size_t kFewPlaces = 100; // an error over fewer has no meaning
+constexpr double kMostMissed = 0.01;  // of the places
+constexpr double kLeastShown = 1e-7;  // deg or 1: less stands at this in figures
+constexpr double kLoopSeconds = 1e-3; // of a loop of 1 kHz
 
-// The series with those of the look-ups.
-std::vector<Series> all_series(const Measured& measured) {
-    std::vector<Series> all = measured.series;
-    std::map<std::string, std::size_t> known;
-    for (const LookupRow& row : measured.lookups) {
-        if (row.error.places < kFewPlaces || row.error.rms < kRounding)
+struct WayRow {
+    const Way& way;
+    const std::optional<WayErrors>& errors;
+    Interval seconds, unit_ratio;
+    std::string on_front; /* name, if a front has it */
+};
+
+Cell part(const std::optional<Summary>& summary, double Summary::*number) {
+    return summary ? cell((*summary).*number) : Cell();
+}
+
+template <typename Part> Cell of_errors(const WayRow& row, const Part& part_of) {
+    return row.errors ? part_of(row.errors->shared) : Cell();
+}
+
+Cell shown(double error) {
+    return std::isfinite(error) ? cell(std::max(error, kLeastShown)) : Cell();
+}
+
+const std::vector<ColumnOf<WayRow>>& way_columns() {
+    using R = WayRow;
+    static const std::vector<ColumnOf<R>> columns{
+        {{"way", "", "the law, and how it is evaluated"}, [](const R& r) { return Cell(r.way.name); }},
+        {{"surface", "", "what is compared with each other"}, [](const R& r) { return Cell(r.way.subject->name); }},
+        {{"against", "", "what the errors are against"}, [](const R& r) { return Cell(r.way.subject->against); }},
+        {{"use", "", "live: one place after the other on one thread; volume: whole grids; loop: steps with a hand"},
+         [](const R& r) { return Cell(std::string(name_of(r.way.use))); }},
+        {{"family", "", "how it is evaluated"}, [](const R& r) { return Cell(r.way.family); }},
+        {{"precision", "", "of the arithmetic, and of what is stored"},
+         [](const R& r) { return Cell(r.way.precision); }},
+        {{"shading", "", "as in a scene's [force]"}, [](const R& r) { return Cell(r.way.variant->shading); }},
+        {{"elements", "1", "facets of a bump, cells of a mesh along a side"},
+         [](const R& r) { return cell_of(r.way.variant->elements); }},
+        {{"one_element", "1", "1 / elements"},
+         [](const R& r) { return r.way.variant->elements ? cell(1 / *r.way.variant->elements) : Cell(); }},
+        {{"spacing_mm", "mm", "of a look-up's volume"},
+         [](const R& r) { return r.way.spacing ? cell(1e3 * *r.way.spacing) : Cell(); }},
+        {{"volume_bytes", "B", "of a look-up's volume"}, [](const R& r) { return cell_of(r.way.bytes); }},
+        {{"time_ns", "ns", "of an evaluation, median over the rounds"},
+         [](const R& r) { return cell(1e9 * r.seconds.median); }},
+        {{"time_low_ns", "ns", "low end of its 95 % interval"}, [](const R& r) { return cell(1e9 * r.seconds.low); }},
+        {{"time_high_ns", "ns", "high end"}, [](const R& r) { return cell(1e9 * r.seconds.high); }},
+        {{"share_of_1ms", "1", "time_ns over the millisecond of a loop of 1 kHz"},
+         [](const R& r) { return cell(r.seconds.median / kLoopSeconds); }},
+        {{"ratio_to_unit", "1", "time over that of the unit (see the notes) in the same round, median"},
+         [](const R& r) { return cell(r.unit_ratio.median); }},
+        {{"ratio_low", "1", "low end of its 95 % interval"}, [](const R& r) { return cell(r.unit_ratio.low); }},
+        {{"ratio_high", "1", "high end"}, [](const R& r) { return cell(r.unit_ratio.high); }},
+        {{"places", "1", "that all laws of the surface share, or that a grid has there"},
+         [](const R& r) { return of_errors(r, [](const ForceErrors& e) { return cell(double(e.places)); }); }},
+        {{"missed", "1", "share of the places where there should be a force, and none is"},
+         [](const R& r) {
+             return of_errors(r, [](const ForceErrors& e) { return cell(double(e.missed) / double(e.places)); });
+         }},
+        {{"direction_rms_deg", "deg", "angle to the true force, root mean square"},
+         [](const R& r) {
+             return of_errors(r, [](const ForceErrors& e) { return part(e.direction, &Summary::rms); });
+         }},
+        {{"direction_max_deg", "deg", "the largest"},
+         [](const R& r) {
+             return of_errors(r, [](const ForceErrors& e) { return part(e.direction, &Summary::largest); });
+         }},
+        {{"local_median_1", "1", "error of the force over the true force there, median"},
+         [](const R& r) { return of_errors(r, [](const ForceErrors& e) { return part(e.local, &Summary::median); }); }},
+        {{"local_p95_1", "1", "likewise, what 95 % of the places do not exceed"},
+         [](const R& r) { return of_errors(r, [](const ForceErrors& e) { return part(e.local, &Summary::p95); }); }},
+        {{"typical_rms_1", "1", "error of the force over the RMS true force, root mean square"},
+         [](const R& r) { return of_errors(r, [](const ForceErrors& e) { return part(e.typical, &Summary::rms); }); }},
+        {{"precision_max_1", "1",
+          "largest difference from the same law in double, over the RMS true force, at all places of "
+          "all kinds"},
+         [](const R& r) { return r.errors ? part(r.errors->precision, &Summary::largest) : Cell(); }},
+        {{"shown_direction_deg", "deg", "direction_rms_deg where less than 1 % is missed, 1e-7 where it is less"},
+         [](const R& r) { return r.errors ? shown(direction_error(r.errors->shared)) : Cell(); }},
+        {{"shown_local_1", "1", "local_p95_1, likewise"},
+         [](const R& r) { return r.errors ? shown(local_error(r.errors->shared)) : Cell(); }},
+        {{"on_front", "", "its law and way, if it is on the front of live use or of volumes"},
+         [](const R& r) { return r.on_front.empty() ? Cell() : Cell(r.on_front); }},
+    };
+    return columns;
+}
+
+struct KindRow {
+    const Way& way;
+    Kind kind;
+    const ForceErrors& errors;
+};
+
+const std::vector<ColumnOf<KindRow>>& kind_columns() {
+    using R = KindRow;
+    static const std::vector<ColumnOf<R>> columns{
+        {{"way", "", "as in ways"}, [](const R& r) { return Cell(r.way.name); }},
+        {{"surface", "", "as in ways"}, [](const R& r) { return Cell(r.way.subject->name); }},
+        {{"family", "", "as in ways"}, [](const R& r) { return Cell(r.way.family); }},
+        {{"precision", "", "as in ways"}, [](const R& r) { return Cell(r.way.precision); }},
+        {{"shading", "", "as in ways"}, [](const R& r) { return Cell(r.way.variant->shading); }},
+        {{"elements", "1", "as in ways"}, [](const R& r) { return cell_of(r.way.variant->elements); }},
+        {{"spacing_mm", "mm", "as in ways"},
+         [](const R& r) { return r.way.spacing ? cell(1e3 * *r.way.spacing) : Cell(); }},
+        {{"kind", "", "flat, facet, edge, rim, boundary: see the notes"},
+         [](const R& r) { return Cell(std::string(name_of(r.kind))); }},
+        {{"places", "1", "of this kind"}, [](const R& r) { return cell(double(r.errors.places)); }},
+        {{"missed", "1", "of these: no force where one should be"},
+         [](const R& r) { return cell(double(r.errors.missed)); }},
+        {{"phantom", "1", "of these: a force where none should be"},
+         [](const R& r) { return cell(double(r.errors.phantom)); }},
+        {{"direction_rms_deg", "deg", "as in ways"},
+         [](const R& r) { return part(r.errors.direction, &Summary::rms); }},
+        {{"direction_max_deg", "deg", "as in ways"},
+         [](const R& r) { return part(r.errors.direction, &Summary::largest); }},
+        {{"local_median_1", "1", "as in ways"}, [](const R& r) { return part(r.errors.local, &Summary::median); }},
+        {{"local_p95_1", "1", "as in ways"}, [](const R& r) { return part(r.errors.local, &Summary::p95); }},
+        {{"typical_rms_1", "1", "as in ways"}, [](const R& r) { return part(r.errors.typical, &Summary::rms); }},
+    };
+    return columns;
+}
+
+// What a front is about.
+struct Criterion {
+    const char *name, *unit;
+    double (*error)(const ForceErrors&);
+};
+constexpr Criterion kCriteria[] = {{"direction, RMS", "deg", direction_error},
+                                   {"local force, 95 % of places", "1", local_error}};
+constexpr std::array<Use, 2> kUses{Use::live, Use::volume};
+
+std::vector<std::size_t> ways_with(const Measured& measured, const Subject& subject, Use use) {
+    std::vector<std::size_t> ways;
+    for (std::size_t i = 0; i < measured.ways.size(); ++i)
+        if (measured.ways[i].subject == &subject && measured.ways[i].use == use && measured.errors[i])
+            ways.push_back(i);
+    return ways;
+}
+
+struct FrontRow {
+    const Subject& subject;
+    Use use;
+    const Criterion& criterion;
+    std::size_t way;
+};
+
+std::vector<FrontRow> fronts(const Measured& measured) {
+    std::vector<FrontRow> rows;
+    for (const Subject& subject : measured.subjects)
+        for (const Use use : kUses)
+            for (const Criterion& criterion : kCriteria) {
+                const std::vector<std::size_t> ways = ways_with(measured, subject, use);
+                std::vector<double> errors;
+                for (const std::size_t way : ways)
+                    errors.push_back(std::max(criterion.error(measured.errors[way]->shared), kLeastShown));
+                for (const std::size_t way : front_of(measured.times, ways, errors))
+                    rows.push_back({subject, use, criterion, way});
+            }
+    return rows;
+}
+
+Table front_table(const Measured& measured, const std::vector<FrontRow>& rows) {
+    using R = FrontRow;
+    const auto time = [&](double Interval::*end) {
+        return [&measured, end](const R& r) { return cell(1e9 * measured.times.seconds(r.way).*end); };
+    };
+    const std::vector<ColumnOf<R>> columns{
+        {{"surface", "", "as in ways"}, [](const R& r) { return Cell(r.subject.name); }},
+        {{"use", "", "as in ways: fronts of live use and of volumes are apart"},
+         [](const R& r) { return Cell(std::string(name_of(r.use))); }},
+        {{"criterion", "", "the error"}, [](const R& r) { return Cell(std::string(r.criterion.name)); }},
+        {{"way", "", "as in ways"}, [&](const R& r) { return Cell(measured.ways[r.way].name); }},
+        {{"time_ns", "ns", "as in ways"}, time(&Interval::median)},
+        {{"time_low_ns", "ns", "as in ways"}, time(&Interval::low)},
+        {{"time_high_ns", "ns", "as in ways"}, time(&Interval::high)},
+        {{"error", "deg or 1", "the criterion's, 1e-7 where it is less"},
+         [&](const R& r) { return shown(r.criterion.error(measured.errors[r.way]->shared)); }},
+    };
+    return table_of<R>("front",
+                       "The fronts: each way is cheaper, for sure, than all that are closer (paired rounds, 95 % "
+                       "bootstrap interval of the ratio below 1)",
+                       columns, rows);
+}
+
+constexpr Bound kBounds[] = {{"direction, RMS", "deg", 1, direction_error},
+                             {"direction, RMS", "deg", 0.1, direction_error},
+                             {"local force, 95 % of places", "1", 0.1, local_error},
+                             {"local force, 95 % of places", "1", 0.01, local_error}};
+
+struct CheapestRow {
+    const Subject& subject;
+    Use use;
+    const Bound& bound;
+    std::vector<std::size_t> candidates;
+    std::optional<Cheapest> cheapest;
+};
+
+Table cheapest_table(const Measured& measured) {
+    std::vector<CheapestRow> rows;
+    for (const Subject& subject : measured.subjects) {
+        if (subject.against != kSmoothShape)
             continue;
-        const std::string name = fmt::format("look-up of {}: {}, {}", row.surface, row.error.method, row.error.place);
-        const auto [at, fresh] = known.try_emplace(name, all.size());
-        if (fresh)
-            all.push_back({name,
-                           "vector RMS, of the RMS force",
-                           "spacing / m",
-                           {},
-                           {},
-                           row.expected,
-                           row.error.method == "tricubic" && row.error.place == "smooth" ? "Keys 1981" : "laws"});
-        all[at->second].sizes.push_back(row.spacing);
-        all[at->second].errors.push_back(row.error.rms);
+        for (const Use use : kUses)
+            for (const Bound& bound : kBounds) {
+                CheapestRow row{subject, use, bound, ways_with(measured, subject, use), {}};
+                std::erase_if(row.candidates, [&](std::size_t way) {
+                    return !(bound.error(measured.errors[way]->shared) <= bound.most);
+                });
+                if (!row.candidates.empty())
+                    row.cheapest = cheapest_of(measured.times, row.candidates);
+                rows.push_back(std::move(row));
+            }
     }
-    return all;
+    using R = CheapestRow;
+    const auto names = [&measured](const std::vector<std::size_t>& ways) {
+        std::vector<std::string> all;
+        for (const std::size_t way : ways)
+            all.push_back(measured.ways[way].name);
+        return fmt::format("{}", fmt::join(all, "; "));
+    };
+    const std::vector<ColumnOf<R>> columns{
+        {{"surface", "", "as in ways"}, [](const R& r) { return Cell(r.subject.name); }},
+        {{"use", "", "as in ways"}, [](const R& r) { return Cell(std::string(name_of(r.use))); }},
+        {{"criterion", "", "what is bounded"}, [](const R& r) { return Cell(std::string(r.bound.criterion)); }},
+        {{"bound", "deg or 1", "the most that it may be"}, [](const R& r) { return cell(r.bound.most); }},
+        {{"candidates", "1", "ways that keep to it"}, [](const R& r) { return cell(double(r.candidates.size())); }},
+        {{"way", "", "of the least median time among them; nothing if there is none"},
+         [&](const R& r) { return r.cheapest ? Cell(measured.ways[r.cheapest->way].name) : Cell(); }},
+        {{"time_ns", "ns", "its time"},
+         [&](const R& r) { return r.cheapest ? cell(1e9 * measured.times.seconds(r.cheapest->way).median) : Cell(); }},
+        {{"error", "deg or 1", "what it has of the criterion"},
+         [&](const R& r) {
+             return r.cheapest ? cell(r.bound.error(measured.errors[r.cheapest->way]->shared)) : Cell();
+         }},
+        {{"ties", "1", "others whose paired ratio to it does not exclude 1"},
+         [](const R& r) { return r.cheapest ? cell(double(r.cheapest->ties.size())) : Cell(); }},
+        {{"tied_with", "", "their names"},
+         [&](const R& r) { return r.cheapest && !r.cheapest->ties.empty() ? Cell(names(r.cheapest->ties)) : Cell(); }},
+    };
+    return table_of<R>("cheapest", "The cheapest way within a bound, and those that the rounds do not tell from it",
+                       columns, rows);
 }
 
-Table order_table(const std::vector<Series>& all) {
-    Table table{"orders",
-                "Orders of convergence, observed beside expected",
-                {{"series", "", "whose error"},
-                 {"quantity", "", "which error"},
-                 {"against", "", "the size that it is a power of"},
-                 {"order", "1", "observed: slope of the logarithms, least squares"},
-                 {"order_deviation", "1", "standard deviation of the slope"},
-                 {"expected", "1", "order to be expected, nothing where there is none"},
-                 {"expected_from", "", "law or source"},
-                 {"difference", "1", "observed less expected"},
-                 {"sizes", "1", "how many sizes were fitted"},
-                 {"coarsest", "1 or m", "largest size"},
-                 {"finest", "1 or m", "smallest size"}},
-                {}};
-    for (const Series& one : all) {
-        const OrderFit fit = fit_order(one.sizes, one.errors);
-        if (fit.points < 2)
-            continue;
-        const auto [finest, coarsest] = std::minmax_element(one.sizes.begin(), one.sizes.end());
-        table.rows.push_back(row_of(one.name, one.quantity, one.size, fit.order, fit.deviation, one.expected,
-                                    one.expected ? one.from : std::string(),
-                                    one.expected ? std::optional(fit.order - *one.expected) : std::nullopt,
-                                    double(fit.points), *coarsest, *finest));
-    }
-    return table;
+struct RoundRow {
+    std::size_t round, way;
+    double seconds;
+};
+
+Table rounds_table(const Measured& measured) {
+    std::vector<RoundRow> rows;
+    for (std::size_t round = 0; round < measured.times.rounds().size(); ++round)
+        for (std::size_t way = 0; way < measured.ways.size(); ++way)
+            rows.push_back({round, way, measured.times.rounds()[round][way]});
+    using R = RoundRow;
+    return table_of<R>("rounds", "Every time that was taken",
+                       {{{"round", "1", "each measures every way once, in an order of its own"},
+                         [](const R& r) { return cell(double(r.round)); }},
+                        {{"way", "1", "its row in ways, from 1"}, [](const R& r) { return cell(double(r.way + 1)); }},
+                        {{"time_ns", "ns", "of an evaluation"}, [](const R& r) { return cell(1e9 * r.seconds); }}},
+                       rows);
 }
 
-// With a line of the expected slope through the finest point of each series.
-Table convergence_table(const std::vector<Series>& all) {
-    Table table{
-        "convergence",
-        "Errors over size",
-        {{"series", "", "as in orders"},
-         {"group", "",
-          "what is shown together: facets by direction or magnitude, cells of patches, cells of meshes, look-ups"},
-         {"size", "1 or m", "1 / facets, 1 / cells or spacing"},
-         {"error", "deg or 1", "the series' quantity"},
-         {"expected_error", "deg or 1", "what the expected order makes of the finest size's error"}},
-        {}};
-    for (const Series& one : all) {
-        const auto finest = std::min_element(one.sizes.begin(), one.sizes.end()) - one.sizes.begin();
-        const auto at = static_cast<std::size_t>(finest);
-        const std::string group = one.name.starts_with("patch")           ? "patches"
-                                  : one.name.starts_with("mesh")          ? "meshes"
-                                  : one.name.starts_with("look-up")       ? "look-ups"
-                                  : one.quantity.starts_with("direction") ? "facets-direction"
-                                                                          : "facets-magnitude";
-        for (std::size_t i = 0; i < one.sizes.size(); ++i)
-            table.rows.push_back(row_of(
-                one.name, group, one.sizes[i], one.errors[i],
-                one.expected ? std::optional(one.errors[at] * std::pow(one.sizes[i] / one.sizes[at], *one.expected))
-                             : std::nullopt));
-    }
-    return table;
-}
+// What time there is: an evaluation a period of a loop, or a voxel of a sweep.
+struct BudgetRow {
+    const char* name;
+    double seconds, error;
+};
+constexpr std::pair<const char*, double> kBudgets[] = {
+    {"loop of 4 kHz", 0.25e-3}, {"loop of 1 kHz", 1e-3}, {"1e9 voxels in 10 min", 600e-9}};
 
-Table interpolation_table(const Measured& measured) {
-    Table table{"interpolation",
-                "Direction errors of interpolations of vertex normals (L7), beside the printed ones",
-                {{"surface", "", "unit cylinder, unit sphere or saddle over [-1/2, 1/2]^2"},
-                 {"facets", "", "triangles, quads or hexagons"},
-                 {"cells", "1", "along each side"},
-                 {"shading", "", "L7"},
-                 {"quantity", "", "RMS, largest, or largest jump across an edge"},
-                 {"found_deg", "deg", "by this program"},
-                 {"printed_deg", "deg", "by the laws, nothing where they print none"},
-                 {"deviation_1", "1", "found less printed, of the printed; nothing where 0 is printed"},
-                 {"tolerance_1", "1", "that the laws state"},
-                 {"agrees", "", "yes or no"}},
-                {}};
-    constexpr std::array<const char*, 3> kQuantities{"RMS", "largest", "jump"};
-    constexpr std::array<double, 3> kTolerance{0.01, 0.03, 0.01};
-    constexpr double kNoJump = 1e-7; // deg: rounding
-    for (const PatchRow& row : measured.patches)
-        for (std::size_t i = 0; i < kQuantities.size(); ++i) {
-            std::optional<double> deviation;
-            std::string agrees;
-            if (row.printed[i] && *row.printed[i] > 0)
-                deviation = row.found[i] / *row.printed[i] - 1;
-            if (row.printed[i])
-                agrees = (deviation ? std::abs(*deviation) <= kTolerance[i] : row.found[i] <= kNoJump) ? "yes" : "no";
-            table.rows.push_back(row_of(row.surface, row.cells_of, double(row.cells), row.shading,
-                                        std::string(kQuantities[i]), row.found[i], row.printed[i], deviation,
-                                        row.printed[i] ? std::optional(kTolerance[i]) : std::nullopt, agrees));
+Table budgets_table(const Measured& measured) {
+    double least = 1, most = kLeastShown;
+    for (const auto& errors : measured.errors)
+        if (const double error = errors ? direction_error(errors->shared) : NAN; std::isfinite(error)) {
+            least = std::min(least, std::max(error, kLeastShown));
+            most = std::max(most, error);
         }
-    return table;
-}
-
-Table lookup_table(const Measured& measured) {
-    Table table{"lookup",
-                "Look-up in volumes: errors by where the samples lie",
-                {{"surface", "", "what is looked up"},
-                 {"method", "", "trilinear or tricubic"},
-                 {"place", "", "smooth: all samples on one facet; edge: on several; boundary: not all in contact"},
-                 {"series", "", "surface, method and place"},
-                 {"spacing_m", "m", "h of the volume"},
-                 {"places", "1", "of this kind"},
-                 {"error_rms_1", "1", "length of the vector's error, of the root mean square force, RMS"},
-                 {"error_max_1", "1", "likewise, the largest"},
-                 {"direction_rms_deg", "deg", "angle, RMS"},
-                 {"expected_order", "1", "nothing where there is none"}},
-                {}};
-    for (const LookupRow& row : measured.lookups)
-        table.rows.push_back(row_of(
-            row.surface, row.error.method, row.error.place, fmt::format("{}, {}", row.error.method, row.error.place),
-            row.spacing, double(row.error.places), row.error.places ? std::optional(row.error.rms) : std::nullopt,
-            row.error.places ? std::optional(row.error.largest) : std::nullopt,
-            row.error.places ? std::optional(row.error.direction_rms) : std::nullopt, row.expected));
-    return table;
-}
-
-Table precision_table(const Table& points) {
-    Table table{"precision",
-                "What precision costs: direct evaluation in f32 and with half output, against f64",
-                {{"law", "", "surface and law"},
-                 {"surface", "", "as in points"},
-                 {"elements", "1", "facets of a bump, cells of a mesh"},
-                 {"precision", "", "as in points"},
-                 {"series", "", "shading and precision"},
-                 {"own_time_ratio", "1", "as in points: to f64"},
-                 {"reference_vector_rms_1", "1", "as in points: error against f64"},
-                 {"reference_vector_max_1", "1", "likewise, the largest"},
-                 {"reference_direction_max_deg", "deg", "likewise, the largest angle"}},
-                {}};
-    for (std::size_t row = 0; row < points.rows.size(); ++row) {
-        if (points.word(row, "family") != "direct" || points.word(row, "precision") == "f64")
-            continue;
-        const auto facets = points.number(row, "facets"), cells = points.number(row, "cells");
-        const std::string name = points.word(row, "contender");
-        table.rows.push_back(row_of(name.substr(0, name.find(':')), points.word(row, "surface"),
-                                    facets ? facets : cells, points.word(row, "precision"),
-                                    fmt::format("{}, {}", points.word(row, "shading"), points.word(row, "precision")),
-                                    points.number(row, "own_time_ratio"), points.number(row, "reference_vector_rms_1"),
-                                    points.number(row, "reference_vector_max_1"),
-                                    points.number(row, "reference_direction_max_deg")));
+    std::vector<BudgetRow> rows;
+    for (const auto& [name, seconds] : kBudgets) {
+        rows.push_back({name, seconds, least});
+        rows.push_back({name, seconds, most});
     }
-    return table;
+    using R = BudgetRow;
+    return table_of<R>("budgets", "Lines of figures: the time there is for an evaluation",
+                       {{{"budget", "", "of what"}, [](const R& r) { return Cell(std::string(r.name)); }},
+                        {{"time_ns", "ns", "for an evaluation"}, [](const R& r) { return cell(1e9 * r.seconds); }},
+                        {{"error", "deg", "where the line begins and ends"}, [](const R& r) { return cell(r.error); }}},
+                       rows);
 }
 
-Table timing_table(const Measured& measured) {
-    Table table{"timing",
-                "How times were taken",
-                {{"unit", "", "the contender whose reference<double> is the unit of time_ratio"},
-                 {"rounds", "1", "each measures every contender once, in an order of its own"},
-                 {"unit_ns", "ns", "an evaluation of the unit, median over the rounds"},
-                 {"unit_low_ns", "ns", "its lower quartile"},
-                 {"unit_high_ns", "ns", "its upper quartile"}},
-                {}};
-    std::vector<double> units;
-    for (const Round& round : measured.rounds)
-        units.push_back(round.unit * 1e9);
-    if (units.empty())
-        return table;
-    const Quartiles unit = quartiles(units);
-    table.rows.push_back(
-        row_of(measured.contenders[measured.unit].name, double(units.size()), unit.median, unit.low, unit.high));
-    return table;
+Figure error_over_time(const Subject& subject, bool own) {
+    Figure figure;
+    figure.name = "error-time-" + subject.name;
+    figure.title = fmt::format("{}: error of the force's direction against the time of an evaluation",
+                               own ? subject.name == "bump" ? "Bump" : "Mesh" : "Scene");
+    figure.caption = fmt::format(
+        "Each mark is a way of coming by a force, where a hand touches; left is cheaper, down is closer to {}. "
+        "Whiskers "
+        "are 95 % intervals of paired rounds. The lines join the ways that no closer one equals in time. Errors below "
+        "1e-7 deg stand at that; ways that miss the force at more than 1 % of the places are left out.",
+        subject.against);
+    figure.table = "ways";
+    figure.where = {{"surface", subject.name}};
+    figure.x = {"time_ns", "time of an evaluation / ns", true};
+    figure.y = {"shown_direction_deg", "RMS error of the direction / deg", true};
+    figure.series = "family";
+    figure.label = "on_front";
+    for (const Use use : kUses)
+        figure.curves.push_back({"front",
+                                 {{"surface", subject.name}, {"use", name_of(use)}, {"criterion", kCriteria[0].name}},
+                                 "time_ns",
+                                 "error",
+                                 fmt::format("front, {}", name_of(use)),
+                                 use == Use::volume});
+    for (const auto& [name, seconds] : kBudgets)
+        figure.curves.push_back({"budgets", {{"budget", name}}, "time_ns", "error", name, true});
+    return figure;
+}
+
+// Errors of look-ups over the volume's spacing, kind by kind, of the law that has them.
+Figure lookup_figure(const Measured& measured, const Variant& variant) {
+    Figure figure;
+    figure.name = "look-up-" + measured.subjects.front().name;
+    figure.title = fmt::format("{}, {}: error of a trilinear look-up by what is touched",
+                               measured.subjects.front().name, variant.name);
+    figure.caption =
+        "What 95 % of the places of a kind do not exceed, over the force there. A finer volume helps least "
+        "where contact begins and where facets or surfaces meet.";
+    figure.table = "kinds";
+    figure.where = {{"surface", measured.subjects.front().name},
+                    {"family", "look-up, trilinear"},
+                    {"precision", "f32"},
+                    {"shading", variant.shading}};
+    figure.x = {"spacing_mm", "spacing of the volume / mm", true};
+    figure.y = {"local_p95_1", "error over the force there, 95 % of places", true};
+    figure.series = "kind";
+    figure.joined = true;
+    return figure;
+}
+
+Figure convergence(const Subject& subject, const std::string& family) {
+    Figure figure;
+    figure.name = "elements-" + subject.name;
+    figure.title = fmt::format("{}: error of the direction over the number of {}", subject.name, subject.elements);
+    figure.caption = "In double precision, at the places that all laws share. Marks below 1e-7 deg stand at that.";
+    figure.table = "ways";
+    figure.where = {{"surface", subject.name}, {"family", family}, {"precision", "f64"}};
+    figure.x = {"elements", subject.elements == "facets" ? "facets" : "cells along a side", true};
+    figure.y = {"shown_direction_deg", "RMS error of the direction / deg", true};
+    figure.series = "shading";
+    figure.joined = true;
+    return figure;
 }
 
 } // namespace
 
+double direction_error(const ForceErrors& errors) {
+    const bool whole = double(errors.missed) <= kMostMissed * double(errors.places);
+    return whole && errors.direction ? errors.direction->rms : NAN;
+}
+
+double local_error(const ForceErrors& errors) {
+    const bool whole = double(errors.missed) <= kMostMissed * double(errors.places);
+    return whole && errors.local ? errors.local->p95 : NAN;
+}
+
 std::vector<Table> tables_of(const Measured& measured) {
-    const std::vector<Series> all = all_series(measured);
-    const Table points = point_table(measured);
-    std::vector<Table> tables{points, front_table(points), cheapest_table(points), order_table(all),
-                              convergence_table(all)};
-    if (!measured.patches.empty())
-        tables.push_back(interpolation_table(measured));
-    if (!measured.lookups.empty())
-        tables.push_back(lookup_table(measured));
-    tables.push_back(precision_table(points));
-    tables.push_back(timing_table(measured));
-    return tables;
+    const std::vector<FrontRow> front = fronts(measured);
+    std::set<std::size_t> on_front;
+    for (const FrontRow& row : front)
+        if (row.criterion.error == direction_error)
+            on_front.insert(row.way);
+    std::vector<WayRow> ways;
+    std::vector<KindRow> kinds;
+    for (std::size_t i = 0; i < measured.ways.size(); ++i) {
+        const Way& way = measured.ways[i];
+        ways.push_back({way, measured.errors[i], measured.times.seconds(i),
+                        measured.times.ratio(i, measured.times.unit()),
+                        on_front.contains(i) ? way.name.substr(way.subject->name.size() + 2) : ""});
+        for (const Kind kind : kKinds)
+            if (measured.errors[i])
+                if (const auto& errors = measured.errors[i]->by_kind[static_cast<std::size_t>(kind)])
+                    kinds.push_back({way, kind, *errors});
+    }
+    return {table_of<WayRow>("ways", "Every way of coming by a force: error and time", way_columns(), ways),
+            table_of<KindRow>("kinds", "Errors by what is touched", kind_columns(), kinds),
+            front_table(measured, front),
+            cheapest_table(measured),
+            budgets_table(measured),
+            rounds_table(measured)};
+}
+
+std::vector<Figure> figures_of(const Measured& measured, bool own) {
+    std::vector<Figure> figures;
+    for (const Subject& subject : measured.subjects)
+        figures.push_back(error_over_time(subject, own));
+    for (const Variant& variant : measured.subjects.front().variants)
+        if (variant.lookups && variant.shading != "none") {
+            figures.push_back(lookup_figure(measured, variant));
+            break;
+        }
+    if (const Subject& last = measured.subjects.back(); !last.elements.empty())
+        figures.push_back(convergence(last, last.variants.front().prepared->images.mesh ? "god-object" : "direct"));
+    return figures;
 }
 
 } // namespace forceshade::study::error_time

@@ -2,15 +2,15 @@
 // convolution: Keys 1981).
 #pragma once
 
-#include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
-#include <type_traits>
+#include <span>
 #include <vector>
 
-#include "host/reference/elementary.h"
+#include "host/prepare/prepared_case.h"
 
 namespace forceshade::study::error_time {
 
@@ -30,6 +30,9 @@ inline double to_float(double value) noexcept {
     return value;
 }
 
+/// As the volumes' files round them.
+std::vector<Half> halves_of(std::span<const float> numbers);
+
 /// Cubic samples lie `spacing` apart along all axes, x fastest, then y, then z.
 struct VolumeGrid {
     std::array<std::size_t, 3> size{};
@@ -40,16 +43,10 @@ struct VolumeGrid {
 };
 
 /// The grid over a box, with two samples more than it takes on each side, as the tricubic reading wants.
-inline VolumeGrid volume_grid(const glm::dvec3& low, const glm::dvec3& high, double spacing) {
-    VolumeGrid grid;
-    grid.spacing = spacing;
-    for (int axis = 0; axis < 3; ++axis) {
-        grid.origin[axis] = low[axis] - 2 * spacing;
-        grid.size[static_cast<std::size_t>(axis)] =
-            static_cast<std::size_t>(std::ceil((high[axis] - low[axis]) / spacing)) + 5;
-    }
-    return grid;
-}
+VolumeGrid volume_grid(const glm::dvec3& low, const glm::dvec3& high, double spacing);
+
+/// The scene's forces at the samples of a grid, N, 3 a sample, by the oracle in T on all cores.
+template <typename T> std::vector<T> sampled(const PreparedCase& prepared, const VolumeGrid& grid);
 
 /// Forces as Stored (Half, float, double), read in the arithmetic of T at places of the world, m.
 template <typename Stored, typename T> class ForceVolume {
@@ -57,9 +54,6 @@ public:
     /// `forces`: 3 a sample, N.
     ForceVolume(const VolumeGrid& grid, std::vector<Stored> forces)
         : grid_(grid), forces_(std::move(forces)), origin_(grid.origin), inverse_(T(1 / grid.spacing)) {}
-
-    const VolumeGrid& grid() const { return grid_; }
-    std::size_t bytes() const { return forces_.size() * sizeof(Stored); }
 
     reference::Vector<T> trilinear(const reference::Vector<T>& place) const noexcept {
         const Cell x = cell_at(place, 0), y = cell_at(place, 1), z = cell_at(place, 2);
@@ -88,11 +82,6 @@ public:
         return result;
     }
 
-    /// The sample below a place on an axis, such that the tricubic reading stays within the volume.
-    std::array<std::size_t, 3> below(const reference::Vector<T>& place) const noexcept {
-        return {cell_at(place, 0).first, cell_at(place, 1).first, cell_at(place, 2).first};
-    }
-
 private:
     struct Cell {
         std::size_t first;
@@ -100,6 +89,7 @@ private:
     };
     using Weights = std::array<T, 4>;
 
+    // The sample below a place on an axis, such that the tricubic reading stays within the volume.
     Cell cell_at(const reference::Vector<T>& place, int axis) const noexcept {
         const T at = (place[axis] - origin_[axis]) * inverse_;
         const T most = static_cast<T>(grid_.size[static_cast<std::size_t>(axis)] - 3);

@@ -1,4 +1,4 @@
-#include "host/study/error_time/patch_errors.h"
+#include "tests/mesh/patch_errors.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "host/study/error_time/patch.h"
+#include "tests/mesh/patch.h"
 
 #include <cmath>
 #include <map>

@@ -8,7 +8,7 @@
 
 #include "host/mesh/structure.h"
 #include "host/reference/elementary.h"
-#include "host/study/error_time/patch.h"
+#include "tests/mesh/patch.h"
 
 namespace forceshade::study {
 

@@ -1,0 +1,48 @@
+// The places at which errors are told, by what is met there.
+#pragma once
+
+#include <array>
+#include <memory>
+#include <vector>
+
+#include "host/study/error_time/subject.h"
+
+namespace forceshade::study::error_time {
+
+template <typename T> class DirectLaw;
+
+/// What is met within a small ring about a place. flat: the smooth shape is a plane there; facet: it is curved, and the
+/// law has one facet; edge: facets meet; rim: the smooth shape itself has an edge; boundary: the place is so shallow,
+/// or as little above the surface, that contact begins or ends nearby.
+enum class Kind { flat, facet, edge, rim, boundary };
+inline constexpr std::array kKinds{Kind::flat, Kind::facet, Kind::edge, Kind::rim, Kind::boundary};
+const char* name_of(Kind kind);
+
+/// Tells the kinds of places of a law.
+class KindOf {
+public:
+    /// `subject` must outlive it.
+    KindOf(const Subject& subject, const Variant& variant);
+    ~KindOf();
+    Kind operator()(const Place& place);
+
+private:
+    const Subject& subject_;
+    Variant plain_; /* without shading */
+    std::unique_ptr<DirectLaw<double>> facets_;
+};
+
+/// Places of a subject that has all but these: uniform over the surface of `prepared`, depths log-uniform.
+std::vector<Place> shared_places(const Subject& subject, const PreparedCase& prepared, std::size_t count);
+
+/// The places at which a law is held against the truth, and their kinds.
+struct KindPlaces {
+    std::vector<Place> at; /* the subject's own come first */
+    std::vector<Kind> kinds;
+    std::size_t shared = 0; /* how many the subject's own are */
+};
+
+/// The subject's places and more, so that each kind has `extents.places_of_kind` where the surface has such places.
+KindPlaces places_of(const Subject& subject, const Variant& variant, const Extents& extents);
+
+} // namespace forceshade::study::error_time
