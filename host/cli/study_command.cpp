@@ -6,7 +6,6 @@
 
 #include "host/cli/command.h"
 #include "host/error.h"
-#include "host/plot/plot.h"
 #include "host/program.h"
 #include "host/report/report.h"
 #include "host/scene/value.h"
@@ -119,7 +118,7 @@ int run(const StudyArguments& arguments, const CommonOptions& common) {
                        common);
     study::StudyData data = known.run(study_run);
     std::vector<std::string> warnings;
-    for (const std::string& name : study::write_data(options.folder, data, plot::pictures(data)))
+    for (const std::string& name : study::write_data(options.folder, data, study::figure_files(data)))
         warnings.push_back(fmt::format("{} is of an earlier run and was changed since, so it stays; this run does not "
                                        "name it",
                                        (options.folder / name).string()));

@@ -1,5 +1,7 @@
 #include "host/picture/canvas.h"
 
+#include <cairo-pdf.h>
+#include <cairo-svg.h>
 #include <cairo.h>
 #include <cassert>
 #include <cmath>
@@ -43,10 +45,78 @@ void set_stroke(cairo_t* context, const Stroke& stroke) {
     cairo_set_line_join(context, stroke.round_joins ? CAIRO_LINE_JOIN_ROUND : CAIRO_LINE_JOIN_MITER);
 }
 
-cairo_status_t append(void* bytes, const unsigned char* data, unsigned int length) {
-    auto& png = *static_cast<std::vector<std::uint8_t>*>(bytes);
-    png.insert(png.end(), data, data + length);
+template <typename Bytes> cairo_status_t append(void* bytes, const unsigned char* data, unsigned int length) {
+    auto& all = *static_cast<Bytes*>(bytes);
+    all.insert(all.end(), data, data + length);
     return CAIRO_STATUS_SUCCESS;
+}
+
+[[noreturn]] void refuse(cairo_status_t status) {
+    throw std::runtime_error(fmt::format("drawing a picture: {}", cairo_status_to_string(status)));
+}
+
+// What was drawn, to be drawn again on a surface of another kind.
+class RecordedDrawing final : public Drawing {
+public:
+    RecordedDrawing(cairo_surface_t* recording, int width, int height)
+        : recording_(cairo_surface_reference(recording)), width_(width), height_(height) {}
+    ~RecordedDrawing() override { cairo_surface_destroy(recording_); }
+    RecordedDrawing(const RecordedDrawing&) = delete;
+    RecordedDrawing& operator=(const RecordedDrawing&) = delete;
+
+    std::string svg() const override {
+        std::string bytes;
+        cairo_surface_t* surface = cairo_svg_surface_create_for_stream(append<std::string>, &bytes, width_, height_);
+        cairo_svg_surface_set_document_unit(surface, CAIRO_SVG_UNIT_PX);
+        draw_on(surface);
+        return bytes;
+    }
+    std::string pdf() const override {
+        std::string bytes;
+        cairo_surface_t* surface = cairo_pdf_surface_create_for_stream(append<std::string>, &bytes, width_, height_);
+        cairo_pdf_surface_set_metadata(surface, CAIRO_PDF_METADATA_CREATE_DATE, "2000-01-01T00:00:00Z"); // always one
+        draw_on(surface);
+        return bytes;
+    }
+    std::vector<std::uint8_t> png() const {
+        cairo_surface_t* surface = cairo_image_surface_create(CAIRO_FORMAT_RGB24, width_, height_);
+        std::vector<std::uint8_t> bytes;
+        replay(surface);
+        const cairo_status_t status = cairo_surface_write_to_png_stream(surface, append<decltype(bytes)>, &bytes);
+        cairo_surface_destroy(surface);
+        if (status != CAIRO_STATUS_SUCCESS)
+            refuse(status);
+        return bytes;
+    }
+
+private:
+    void replay(cairo_surface_t* surface) const {
+        cairo_t* context = cairo_create(surface);
+        cairo_set_source_surface(context, recording_, 0, 0);
+        cairo_paint(context);
+        const cairo_status_t status = cairo_status(context);
+        cairo_destroy(context);
+        if (status != CAIRO_STATUS_SUCCESS) {
+            cairo_surface_destroy(surface);
+            refuse(status);
+        }
+    }
+    void draw_on(cairo_surface_t* surface) const {
+        replay(surface);
+        cairo_surface_finish(surface);
+        const cairo_status_t status = cairo_surface_status(surface);
+        cairo_surface_destroy(surface);
+        if (status != CAIRO_STATUS_SUCCESS)
+            refuse(status);
+    }
+
+    cairo_surface_t* recording_;
+    int width_, height_;
+};
+
+cairo_surface_t* recording_of(int width, int height) {
+    const cairo_rectangle_t extents{0, 0, static_cast<double>(width), static_cast<double>(height)};
+    return cairo_recording_surface_create(CAIRO_CONTENT_COLOR, &extents);
 }
 
 double aligned(Horizontal side, double width) {
@@ -59,8 +129,8 @@ double aligned(Vertical side, double height) {
 } // namespace
 
 struct Canvas::Sheet {
-    Sheet(int width, int height)
-        : surface(cairo_image_surface_create(CAIRO_FORMAT_RGB24, width, height)), context(cairo_create(surface)) {}
+    Sheet(int wide, int high)
+        : width(wide), height(high), surface(recording_of(wide, high)), context(cairo_create(surface)) {}
     ~Sheet() {
         cairo_destroy(context);
         cairo_surface_destroy(surface);
@@ -68,6 +138,7 @@ struct Canvas::Sheet {
     Sheet(const Sheet&) = delete;
     Sheet& operator=(const Sheet&) = delete;
 
+    int width, height; // pixels
     cairo_surface_t* surface;
     cairo_t* context;
     std::vector<PlacedText> texts;
@@ -190,17 +261,10 @@ void Canvas::shift(int pixels) {
 }
 
 Picture Canvas::finish() const {
-    Picture picture;
-    cairo_surface_flush(sheet_->surface);
-    const cairo_status_t drawn = cairo_status(sheet_->context);
-    const cairo_status_t written = cairo_surface_write_to_png_stream(sheet_->surface, append, &picture.png);
-    if (drawn != CAIRO_STATUS_SUCCESS || written != CAIRO_STATUS_SUCCESS)
-        throw std::runtime_error(
-            fmt::format("drawing a picture: {}, {}", cairo_status_to_string(drawn), cairo_status_to_string(written)));
-    picture.width = cairo_image_surface_get_width(sheet_->surface);
-    picture.height = cairo_image_surface_get_height(sheet_->surface);
-    picture.texts = sheet_->texts;
-    return picture;
+    if (const cairo_status_t drawn = cairo_status(sheet_->context); drawn != CAIRO_STATUS_SUCCESS)
+        refuse(drawn);
+    const auto drawing = std::make_shared<RecordedDrawing>(sheet_->surface, sheet_->width, sheet_->height);
+    return {drawing->png(), sheet_->width, sheet_->height, sheet_->texts, drawing};
 }
 
 } // namespace forceshade::picture

@@ -5,6 +5,7 @@
 #include "host/picture/field_slice.h"
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
@@ -21,11 +22,21 @@ struct PlacedText {
     Box ink; // where its ink lies
 };
 
+/// What a picture shows, as vectors. Text is text or outlines of it. \throws std::runtime_error if the drawing library
+/// fails (out of memory).
+class Drawing {
+public:
+    virtual ~Drawing() = default;
+    virtual std::string svg() const = 0;
+    virtual std::string pdf() const = 0;
+};
+
 /// A finished picture. The same input gives the same bytes: the file holds no date and no program version.
 struct Picture {
     std::vector<std::uint8_t> png;
     int width = 0, height = 0;     // pixels
     std::vector<PlacedText> texts; // every text drawn, so that a test can see that none overlaps or is cut
+    std::shared_ptr<const Drawing> drawing;
 };
 
 /// A point of a line in the x-z plane.

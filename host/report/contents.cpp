@@ -39,6 +39,7 @@ struct Reading {
     }
     void check_file(const std::string& folder, const FileRecord& file);
     void check_case(Sweep& sweep, const CaseRecord& record);
+    void check_figure(const std::string& folder, const StudyPart& part, const study::Figure& figure);
     void check_loose(const std::string& folder);
     std::vector<std::string> records_beside(const std::string& folder);
     void take_case(Sweep& sweep, const std::string& where, const Json& json);
@@ -67,6 +68,20 @@ void Reading::check_case(Sweep& sweep, const CaseRecord& record) {
         check_file(sweep.folder, file);
     if (const std::string wrong = complaint(record); !wrong.empty())
         contents.troubles.push_back(wrong);
+}
+
+// The page draws figures out of tables.
+void Reading::check_figure(const std::string& folder, const StudyPart& part, const study::Figure& figure) {
+    try {
+        const study::Table& table = part.data.table(figure.table);
+        for (const std::string* column : {&figure.x.column, &figure.y.column, &figure.series, &figure.value})
+            if (!column->empty())
+                table.index(*column);
+        for (const study::Curve& curve : figure.curves)
+            part.data.table(curve.table).index(curve.x);
+    } catch (const Error& error) {
+        trouble(below(folder, "study.json"), "the figure {} cannot be drawn: {}", figure.name, error.what());
+    }
 }
 
 // Volumes that neither a manifest nor a study.json names.
@@ -197,6 +212,8 @@ void Reading::read_study(const std::string& folder) {
         trouble(name, "{}", error.what());
         return;
     }
+    for (const study::Figure& figure : part.data.figures)
+        check_figure(folder, part, figure);
     for (const std::vector<FileRecord>* files : {&part.data.files, &part.data.volumes})
         for (const FileRecord& file : *files)
             check_file(folder, file);

@@ -7,9 +7,8 @@
 #include "host/error.h"
 #include "host/output/files.h"
 #include "host/output/reading.h"
-#include "host/plot/plot.h"
-#include "host/plot/xml_text.h"
 #include "host/report/base64.h"
+#include "host/report/words.h"
 #include "report_assets.h"
 
 namespace forceshade::report {
@@ -18,9 +17,10 @@ namespace {
 constexpr std::string_view kGenerator = "<meta name=\"generator\" content=\"forceshade\">";
 
 std::string script() {
-    std::string text = "\"use strict\";\n";
-    for (const std::string_view part : {assets::volume_js, assets::colours_js, assets::pane_js, assets::profile_js,
-                                        assets::viewer_js, assets::controls_js, assets::start_js})
+    std::string text;
+    for (const std::string_view part :
+         {assets::d3_js, assets::colours_js, assets::figures_js, assets::studies_js, assets::volume_js, assets::pane_js,
+          assets::profile_js, assets::viewer_js, assets::controls_js, assets::start_js})
         text += part;
     return text;
 }
@@ -55,8 +55,8 @@ std::string page(const std::string& title, const std::string& body) {
     html += "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
             "<meta name=\"color-scheme\" content=\"light dark\">\n" +
             std::string(kGenerator) + "\n<link rel=\"icon\" href=\"data:,\">\n";
-    html += fmt::format("<title>{}</title>\n<style>\n{}{}</style>\n</head>\n<body>\n", plot::escaped(title),
-                        plot::figure_styles(), assets::report_css);
+    html +=
+        fmt::format("<title>{}</title>\n<style>\n{}</style>\n</head>\n<body>\n", escaped(title), assets::report_css);
     return html + body + "<script>" + code + "</script>\n</body>\n</html>\n";
 }
 

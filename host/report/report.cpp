@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 
 #include "host/output/files.h"
-#include "host/plot/xml_text.h"
 #include "host/program.h"
 #include "host/report/contents.h"
 #include "host/report/page.h"
@@ -16,8 +15,6 @@
 namespace forceshade::report {
 namespace {
 
-using plot::escaped;
-
 // Characters: a page that opens at once and can be sent by mail.
 constexpr std::size_t kPageBudget = 9'500'000, kLeastForViewer = 1'500'000;
 
@@ -26,13 +23,13 @@ std::string entry(const std::string& id, const std::string& text) {
 }
 
 std::string contents_list(const Contents& contents, bool viewer) {
-    std::string html = entry("findings", "Findings");
+    std::string html;
     if (!contents.troubles.empty())
         html += entry("troubles", "What is missing or damaged");
-    if (viewer)
-        html += entry("viewer", "Viewer");
     for (const StudyPart& part : contents.studies)
         html += entry(anchor(part), title(part));
+    if (viewer)
+        html += entry("viewer", "Viewer");
     for (const Sweep& sweep : contents.sweeps)
         html += entry(anchor(sweep), title(sweep));
     return "<nav aria-label=\"Contents\">\n<ul>\n" + html + "</ul>\n</nav>\n";
@@ -43,32 +40,23 @@ std::string name_of(const std::filesystem::path& folder) {
     return (whole.has_filename() ? whole : whole.parent_path()).filename().string();
 }
 
-// Studies and sweeps; tables are cut where they would make the page too large.
-std::string parts_of(const std::filesystem::path& folder, Contents& contents) {
-    for (const std::size_t most_rows : {3000u, 500u, 100u}) {
-        std::vector<std::string> troubles;
-        std::string parts;
-        for (const StudyPart& part : contents.studies)
-            parts += study_section(folder, part, troubles, most_rows);
-        for (const Sweep& sweep : contents.sweeps)
-            parts += sweep_section(folder, sweep);
-        if (parts.size() <= kPageBudget - kLeastForViewer || most_rows == 100) {
-            contents.troubles.insert(contents.troubles.end(), troubles.begin(), troubles.end());
-            return parts;
-        }
-    }
-    return "";
-}
-
 std::string body_of(const std::string& name, const std::filesystem::path& folder, Contents& contents) {
-    const std::string parts = parts_of(folder, contents);
-    const std::size_t room = kPageBudget - std::min(parts.size(), kPageBudget - kLeastForViewer);
+    std::string studies, sweeps;
+    for (const StudyPart& part : contents.studies)
+        studies += study_section(folder, part);
+    for (const Sweep& sweep : contents.sweeps)
+        sweeps += sweep_section(folder, sweep);
+    const std::size_t taken = studies.size() + sweeps.size();
+    const std::size_t room = kPageBudget - std::min(taken, kPageBudget - kLeastForViewer);
     const std::string viewer = viewer_section(folder, contents, contents.troubles, room);
+    const std::string nothing = contents.studies.empty() && contents.sweeps.empty()
+                                    ? "<p>There is no sweep and no study here that this program can read.</p>\n"
+                                    : "";
     return fmt::format("<header>\n<h1>{}</h1>\n<p>Haptic force fields with and without force shading. Written by "
                        "forceshade {}.</p>\n</header>\n",
                        escaped(name), escaped(version())) +
-           contents_list(contents, !viewer.empty()) + "<main>\n" + findings_section(contents) +
-           troubles_section(contents.troubles) + viewer + parts + "</main>\n";
+           contents_list(contents, !viewer.empty()) + "<main>\n" + troubles_section(contents.troubles) + nothing +
+           studies + viewer + sweeps + "</main>\n";
 }
 
 // Somebody else's report.html is left alone.

@@ -2,32 +2,16 @@
 
 #include <fmt/format.h>
 
-#include "host/plot/xml_text.h"
 #include "host/report/words.h"
 
 namespace forceshade::report {
-namespace {
 
-using plot::escaped;
-
-std::string plain(const std::string& name) {
+std::string plain_id(const std::string& name) {
     std::string id;
     for (const char c : name)
         id += (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ? c : '-';
     return id;
 }
-
-std::string findings_of_part(const std::string& heading, const std::string& id,
-                             const std::vector<study::Finding>& findings) {
-    if (findings.empty())
-        return "";
-    std::string html = fmt::format("<h3><a href=\"#{}\">{}</a></h3>\n<ol class=\"findings\">\n", id, escaped(heading));
-    for (const study::Finding& finding : findings)
-        html += fmt::format("<li id=\"{}-{}\">{}</li>\n", id, plain(finding.name), escaped(finding.text));
-    return html + "</ol>\n";
-}
-
-} // namespace
 
 std::string title(const StudyPart& part) {
     const std::string& name = part.data.study;
@@ -44,11 +28,11 @@ std::string title(const Sweep& sweep) {
 }
 
 std::string anchor(const StudyPart& part) {
-    return plain("study-" + part.folder + "-" + part.data.study);
+    return plain_id("study-" + part.folder + "-" + part.data.study);
 }
 
 std::string anchor(const Sweep& sweep) {
-    return plain("sweep-" + sweep.folder);
+    return plain_id("sweep-" + sweep.folder);
 }
 
 std::string facts(const std::vector<std::pair<std::string, std::string>>& terms) {
@@ -57,19 +41,6 @@ std::string facts(const std::vector<std::pair<std::string, std::string>>& terms)
         if (!what.empty())
             html += fmt::format("<div><dt>{}</dt><dd>{}</dd></div>\n", escaped(term), escaped(what));
     return html + "</dl>\n";
-}
-
-std::string findings_section(const Contents& contents) {
-    std::string html;
-    for (const StudyPart& part : contents.studies)
-        html += findings_of_part(title(part), anchor(part), part.data.findings);
-    for (const Sweep& sweep : contents.sweeps)
-        html += findings_of_part(title(sweep), anchor(sweep), sweep.findings);
-    if (html.empty())
-        html = contents.studies.empty() && contents.sweeps.empty()
-                   ? "<p>There is no sweep and no study here that this program can read.</p>\n"
-                   : "<p>What is here gives no findings.</p>\n";
-    return "<section id=\"findings\">\n<h2>Findings</h2>\n" + html + "</section>\n";
 }
 
 std::string troubles_section(const std::vector<std::string>& troubles) {

@@ -9,16 +9,14 @@
 
 namespace forceshade::report {
 
-/// What each study and sweep found, the most useful first.
-std::string findings_section(const Contents& contents);
+/// What a study or a sweep found: a sentence each, with the place, the condition and the interval.
+std::string findings_list(const std::string& id, const std::vector<study::Finding>& findings);
 
 /// What is missing, damaged or foreign; empty where nothing is.
 std::string troubles_section(const std::vector<std::string>& troubles);
 
-/// Figures, tables and files of a study. A figure that cannot be drawn is added to the troubles. A table of more rows
-/// is cut, and says so.
-std::string study_section(const std::filesystem::path& root, const StudyPart& part, std::vector<std::string>& troubles,
-                          std::size_t most_rows);
+/// A study: findings beside the first figure, the other figures, methods, tables and files.
+std::string study_section(const std::filesystem::path& root, const StudyPart& part);
 
 /// Cases of a sweep: errors, times, what was left out, files.
 std::string sweep_section(const std::filesystem::path& root, const Sweep& sweep);
@@ -28,6 +26,7 @@ std::string anchor(const StudyPart& part);
 std::string anchor(const Sweep& sweep);
 std::string title(const StudyPart& part);
 std::string title(const Sweep& sweep);
+std::string plain_id(const std::string& name);
 
 /// "Run on DEVICE ...": two columns of terms and what they are here.
 std::string facts(const std::vector<std::pair<std::string, std::string>>& terms);

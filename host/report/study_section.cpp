@@ -1,29 +1,29 @@
-// A study: what it was run on, its figures, tables and files.
+// A study: what it found, beside the figure that shows it; how it was measured, its tables and files. Figures and
+// tables are drawn by the page, out of the study's data.
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
-#include "host/error.h"
 #include "host/output/files.h"
-#include "host/plot/plot.h"
-#include "host/plot/xml_text.h"
 #include "host/report/sections.h"
 #include "host/report/tables.h"
 #include "host/report/words.h"
+#include "host/study/data/data_files.h"
 
 namespace forceshade::report {
 namespace {
 
-using plot::escaped;
+using Json = nlohmann::ordered_json;
 
-bool is_there(const std::filesystem::path& root, const std::string& name) {
-    std::error_code ignored;
-    return std::filesystem::is_regular_file(root / name, ignored);
-}
+constexpr std::size_t kMostRows = 3000; // of a table in the page; the CSV file has all
 
 // A link to a file of the study, if it is there: its absence is told already.
 std::string file_link(const std::filesystem::path& root, const StudyPart& part, const std::string& name,
                       const std::string& remark = "") {
     const std::string path = below(part.folder, name);
-    return is_plain_name(name) && is_there(root, path) ? "<li>" + link(path, name) + remark + "</li>\n" : "";
+    std::error_code ignored;
+    return is_plain_name(name) && std::filesystem::is_regular_file(root / path, ignored)
+               ? "<li>" + link(path, name) + remark + "</li>\n"
+               : "";
 }
 
 std::string run_facts(const study::StudyData& data) {
@@ -37,56 +37,60 @@ std::string run_facts(const study::StudyData& data) {
                   {"Time", duration_text(data.seconds)}});
 }
 
-std::string figure_markup(const study::Figure& figure, const StudyPart& part, const std::filesystem::path& root) {
-    const auto named = [&](const std::string& file) {
-        const std::string path = below(part.folder, file);
-        return is_plain_name(file) && is_there(root, path) ? link(path, file) : escaped(file);
-    };
-    return fmt::format("<figure>\n{}<figcaption>{} <small>Numbers: {}, picture: {}</small></figcaption>\n</figure>\n",
-                       plot::svg_of(figure, part.data, false), escaped(figure.caption), named(figure.table + ".csv"),
-                       named(figure.name + ".svg"));
-}
-
-std::string figures(const std::filesystem::path& root, const StudyPart& part, std::vector<std::string>& troubles) {
-    std::string html;
-    for (const study::Figure& figure : part.data.figures)
-        try {
-            html += figure_markup(figure, part, root);
-        } catch (const Error& error) {
-            troubles.push_back(fmt::format("{}: the figure {} cannot be drawn: {}", below(part.folder, "study.json"),
-                                           figure.name, error.what()));
-        }
-    return html.empty() ? html : "<div class=\"figures\">\n" + html + "</div>\n";
-}
-
 std::string files(const std::filesystem::path& root, const StudyPart& part) {
     std::string html = file_link(root, part, "study.json");
     for (const FileRecord& file : part.data.files)
         html += file_link(root, part, file.name);
     for (const FileRecord& file : part.data.volumes)
         html += file_link(root, part, file.name, fmt::format(" <small>volume, {}</small>", size_text(file.bytes)));
-    return "<h3>Files</h3>\n<ul class=\"files\">\n" + html + "</ul>\n";
+    return folded("Files", "<ul class=\"files\">\n" + html + "</ul>\n");
+}
+
+// What the page draws: figures, and tables that are not too long.
+std::string page_data(const study::StudyData& data) {
+    Json all = Json::parse(study::data_json(data)), json;
+    json["figures"] = all["figures"];
+    json["tables"] = Json::array();
+    for (Json& table : all["tables"])
+        if (table["rows"].size() <= kMostRows)
+            json["tables"].push_back(std::move(table));
+    return script_text(json);
 }
 
 } // namespace
 
-std::string study_section(const std::filesystem::path& root, const StudyPart& part, std::vector<std::string>& troubles,
-                          std::size_t most_rows) {
+std::string findings_list(const std::string& id, const std::vector<study::Finding>& findings) {
+    std::string html;
+    for (const study::Finding& finding : findings) {
+        std::string when;
+        for (const std::string* one : {&finding.place, &finding.condition, &finding.interval})
+            if (!one->empty())
+                when += (when.empty() ? "" : "; ") + *one;
+        html += fmt::format("<li id=\"{}-{}\">{}{}</li>\n", id, plain_id(finding.name), escaped(finding.text),
+                            when.empty() ? "" : "<small>" + escaped(when) + "</small>");
+    }
+    return html.empty() ? "<p>This gives no findings.</p>\n" : "<ol class=\"findings\">\n" + html + "</ol>\n";
+}
+
+std::string study_section(const std::filesystem::path& root, const StudyPart& part) {
     const study::StudyData& data = part.data;
-    std::string html =
-        fmt::format("<section id=\"{}\">\n<h2>{}</h2>\n{}", anchor(part), escaped(title(part)), run_facts(data));
+    const std::string id = anchor(part);
+    std::string method = run_facts(data);
     for (const std::string& note : data.notes)
-        html += fmt::format("<p class=\"note\">{}</p>\n", escaped(note));
-    html += figures(root, part, troubles);
+        method += fmt::format("<p class=\"note\">{}</p>\n", escaped(note));
+    if (!data.scene.empty())
+        method += "<pre>" + escaped(data.scene) + "</pre>\n";
+    std::string html = fmt::format("<section id=\"{0}\">\n<h2>{1}</h2>\n<div class=\"answer\"><div>{2}</div>"
+                                   "<div id=\"{0}-data-hero\"></div></div>\n<div class=\"figures\" "
+                                   "id=\"{0}-data-figures\"></div>\n",
+                                   id, escaped(title(part)), findings_list(id, data.findings));
+    html += folded("How it was measured", method);
     if (data.tables.empty())
         html += "<p>This study holds no table.</p>\n";
-    else
-        html += "<h3>Tables</h3>\n";
-    for (const study::Table& table : data.tables)
-        html += study_table(table, most_rows);
-    if (!data.scene.empty())
-        html += folded("The scene", "<pre>" + escaped(data.scene) + "</pre>\n");
-    return html + files(root, part) + "</section>\n";
+    html += fmt::format("<div id=\"{0}-data-tables\"></div>\n{1}<script type=\"application/json\" class=\"study\" "
+                        "id=\"{0}-data\">{2}</script>\n</section>\n",
+                        id, files(root, part), page_data(data));
+    return html;
 }
 
 } // namespace forceshade::report

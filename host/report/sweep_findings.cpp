@@ -4,13 +4,10 @@
 
 #include <fmt/format.h>
 
-#include "host/plot/scale.h"
 #include "host/report/words.h"
 
 namespace forceshade::report {
 namespace {
-
-using plot::number_label;
 
 std::vector<const CaseRecord*> with_field(const Sweep& sweep) {
     std::vector<const CaseRecord*> cases;
@@ -47,7 +44,7 @@ std::string error(const std::vector<const CaseRecord*>& cases) {
         return "No force differs from the oracle in double precision.";
     return fmt::format("The largest error against the oracle in double precision is {} of the case's largest force "
                        "({} N), in {}.",
-                       number_label(worst.error.relative(), 2), number_label(worst.error.largest, 2), worst.name);
+                       number_text(worst.error.relative(), 2), number_text(worst.error.largest, 2), worst.name);
 }
 
 std::string force(const std::vector<const CaseRecord*>& cases) {
@@ -55,10 +52,9 @@ std::string force(const std::vector<const CaseRecord*>& cases) {
     const CaseRecord &most = **std::ranges::max_element(cases, {}, largest),
                      &least = **std::ranges::min_element(cases, {}, largest);
     if (most.largest_force == least.largest_force)
-        return fmt::format("The largest force is {} N in every case.", number_label(most.largest_force, 3));
+        return fmt::format("The largest force is {} N in every case.", number_text(most.largest_force, 3));
     return fmt::format("The largest force is {} N, in {}; the case whose largest is least, {}, reaches {} N.",
-                       number_label(most.largest_force, 3), most.name, least.name,
-                       number_label(least.largest_force, 3));
+                       number_text(most.largest_force, 3), most.name, least.name, number_text(least.largest_force, 3));
 }
 
 std::string cost(const std::vector<const CaseRecord*>& cases) {
@@ -68,10 +64,10 @@ std::string cost(const std::vector<const CaseRecord*>& cases) {
     if (kernel(&dearest) <= 0)
         return "";
     std::string text = fmt::format("The dearest case took {} ms in the kernel, {}",
-                                   number_label(1e3 * kernel(&dearest), 3), dearest.name);
+                                   number_text(1e3 * kernel(&dearest), 3), dearest.name);
     if (cases.size() > 1 && kernel(&cheapest) > 0)
-        text += fmt::format("; that is {} times the cheapest, {}",
-                            number_label(kernel(&dearest) / kernel(&cheapest), 2), cheapest.name);
+        text += fmt::format("; that is {} times the cheapest, {}", number_text(kernel(&dearest) / kernel(&cheapest), 2),
+                            cheapest.name);
     return text + ".";
 }
 
@@ -85,7 +81,7 @@ std::string left_out(const std::vector<const CaseRecord*>& cases) {
         return "";
     return fmt::format("Only {} of {} voxels had to be evaluated ({} %); the others are copies or free space.",
                        count_text(evaluated), count_text(voxels),
-                       number_label(100 * static_cast<double>(evaluated) / static_cast<double>(voxels), 2));
+                       number_text(100 * static_cast<double>(evaluated) / static_cast<double>(voxels), 2));
 }
 
 std::string stages(const std::vector<const CaseRecord*>& cases) {

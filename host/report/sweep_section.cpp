@@ -5,8 +5,6 @@
 #include <fmt/format.h>
 
 #include "host/output/files.h"
-#include "host/plot/scale.h"
-#include "host/plot/xml_text.h"
 #include "host/report/sections.h"
 #include "host/report/tables.h"
 #include "host/report/words.h"
@@ -14,8 +12,6 @@
 namespace forceshade::report {
 namespace {
 
-using plot::escaped;
-using plot::number_label;
 using Rows = std::vector<std::vector<std::string>>;
 
 constexpr std::size_t kMostCases = 3000;
@@ -44,7 +40,7 @@ std::string case_markup(const CaseRecord& record) {
 }
 
 std::string milliseconds(double seconds) {
-    return number_label(1e3 * seconds, 3);
+    return number_text(1e3 * seconds, 3);
 }
 
 // Keys that vary within the sweep, in the order in which they come.
@@ -80,8 +76,8 @@ std::string cases_table(const Sweep& sweep) {
             row.push_back(found == record->parameters.end() ? "" : escaped(found->second));
         }
         row.insert(row.end(), {escaped(record->precision), count_text(record->voxels), count_text(record->evaluated),
-                               number_label(record->largest_force, 4), number_label(record->error.largest, 2),
-                               number_label(record->error.relative(), 2), count_text(record->error.differing),
+                               number_text(record->largest_force, 4), number_text(record->error.largest, 2),
+                               number_text(record->error.relative(), 2), count_text(record->error.differing),
                                count_text(record->error.beyond)});
         rows.push_back(std::move(row));
     }
@@ -130,8 +126,8 @@ std::string paths_table(const Sweep& sweep) {
         const PathRecord& paths = *record->paths;
         const double share = paths.samples ? double(paths.in_contact) / double(paths.samples) : 0;
         rows.push_back({case_markup(*record), count_text(paths.paths), count_text(paths.samples),
-                        number_label(100 * share, 3), count_text(paths.unstable), number_label(paths.largest_force, 4),
-                        number_label(paths.work, 3), number_label(1e3 * paths.mean_depth, 3),
+                        number_text(100 * share, 3), count_text(paths.unstable), number_text(paths.largest_force, 4),
+                        number_text(paths.work, 3), number_text(1e3 * paths.mean_depth, 3),
                         count_text(paths.error.samples), count_text(paths.error.differing),
                         milliseconds(paths.engine_times.kernel)});
     }
@@ -181,7 +177,8 @@ std::string files_table(const std::filesystem::path& root, const Sweep& sweep) {
 } // namespace
 
 std::string sweep_section(const std::filesystem::path& root, const Sweep& sweep) {
-    std::string html = fmt::format("<section id=\"{}\">\n<h2>{}</h2>\n", anchor(sweep), escaped(title(sweep)));
+    std::string html = fmt::format("<section id=\"{}\">\n<h2>{}</h2>\n{}", anchor(sweep), escaped(title(sweep)),
+                                   sweep.findings.empty() ? "" : findings_list(anchor(sweep), sweep.findings));
     html += facts({{"Program", sweep.program.empty() ? "" : "forceshade " + sweep.program},
                    {"Device", sweep.device},
                    {"Driver", sweep.driver},

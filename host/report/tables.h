@@ -4,8 +4,6 @@
 #include <string>
 #include <vector>
 
-#include "host/study/data/study_data.h"
-
 namespace forceshade::report {
 
 struct HtmlColumn {
@@ -19,8 +17,5 @@ std::string html_table(const std::vector<HtmlColumn>& columns, const std::vector
 
 /// A heading that unfolds `body`, both markup.
 std::string folded(const std::string& heading, const std::string& body);
-
-/// Folded, with units and the meaning of each column; one of more rows is cut, and says so.
-std::string study_table(const study::Table& table, std::size_t most_rows);
 
 } // namespace forceshade::report

@@ -7,8 +7,6 @@
 
 #include "host/error.h"
 #include "host/output/files.h"
-#include "host/plot/colour_scale.h"
-#include "host/plot/xml_text.h"
 #include "host/report/base64.h"
 #include "host/report/sampled_volume.h"
 #include "host/report/words.h"
@@ -123,14 +121,6 @@ std::vector<Packed> pack_within(const std::filesystem::path& root, std::vector<W
     }
 }
 
-// JSON within a <script>: nothing in it can end the element.
-std::string script_safe(const Json& json) {
-    std::string text;
-    for (const char c : json.dump(-1, ' ', false, Json::error_handler_t::replace))
-        text += c == '<' ? "\\u003c" : std::string(1, c);
-    return text;
-}
-
 std::string about_data(const std::vector<Packed>& packed, std::size_t left_out) {
     const auto thinned = std::ranges::count_if(packed, &Packed::thinned);
     std::string text = "Forces here are rounded to 11 significant bits, directions thereby to 0.06 degrees";
@@ -155,8 +145,7 @@ std::string viewer_section(const std::filesystem::path& root, const Contents& co
     const std::vector<Packed> packed = pack_within(root, wanted, budget, troubles);
     if (packed.empty())
         return "";
-    Json about{
-        {"sequential", plot::sequential_colours()}, {"diverging", plot::diverging_colours()}, {"cases", Json::array()}};
+    Json about{{"cases", Json::array()}};
     std::string data;
     for (const Packed& one : packed) {
         data +=
@@ -165,7 +154,7 @@ std::string viewer_section(const std::filesystem::path& root, const Contents& co
     }
     return fmt::format("<section id=\"viewer\">\n<h2>Viewer</h2>\n{}<p class=\"note\">{}</p>\n"
                        "<script type=\"application/json\" id=\"volumes\">{}</script>\n{}</section>\n",
-                       assets::viewer_html, plot::escaped(about_data(packed, left_out)), script_safe(about), data);
+                       assets::viewer_html, escaped(about_data(packed, left_out)), script_text(about), data);
 }
 
 } // namespace forceshade::report

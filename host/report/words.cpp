@@ -4,11 +4,76 @@
 #include <cmath>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "host/picture/quantity.h"
-#include "host/plot/xml_text.h"
 
 namespace forceshade::report {
+namespace {
+
+constexpr std::string_view kReplacement = "\xEF\xBF\xBD";
+
+// Bytes of the UTF-8 sequence that starts here; 0 if it is none.
+std::size_t sequence_length(std::string_view text) {
+    const auto byte = [&](std::size_t i) { return i < text.size() ? static_cast<std::uint8_t>(text[i]) : 0u; };
+    const auto follows = [&](std::size_t i) { return (byte(i) & 0xC0u) == 0x80u; };
+    const unsigned first = byte(0);
+    if (first < 0x80)
+        return 1;
+    if (first >= 0xC2 && first < 0xE0)
+        return follows(1) ? 2 : 0;
+    if (first >= 0xE0 && first < 0xF0) {
+        const bool overlong = first == 0xE0 && byte(1) < 0xA0, surrogate = first == 0xED && byte(1) >= 0xA0;
+        return follows(1) && follows(2) && !overlong && !surrogate ? 3 : 0;
+    }
+    if (first >= 0xF0 && first < 0xF5) {
+        const bool overlong = first == 0xF0 && byte(1) < 0x90, beyond = first == 0xF4 && byte(1) >= 0x90;
+        return follows(1) && follows(2) && follows(3) && !overlong && !beyond ? 4 : 0;
+    }
+    return 0;
+}
+
+bool is_no_character(std::string_view sequence) {
+    if (sequence.size() == 1)
+        return static_cast<std::uint8_t>(sequence[0]) < 0x20 && sequence != "\t" && sequence != "\n" &&
+               sequence != "\r";
+    return sequence == "\xEF\xBF\xBE" || sequence == "\xEF\xBF\xBF";
+}
+
+std::string_view entity(char c) {
+    switch (c) {
+    case '&':
+        return "&amp;";
+    case '<':
+        return "&lt;";
+    case '>':
+        return "&gt;";
+    case '"':
+        return "&quot;";
+    case '\'':
+        return "&#39;";
+    default:
+        return {};
+    }
+}
+
+} // namespace
+
+std::string escaped(std::string_view text) {
+    std::string result;
+    while (!text.empty()) {
+        const std::size_t length = sequence_length(text);
+        const std::string_view sequence = text.substr(0, length ? length : 1);
+        if (length == 0 || is_no_character(sequence))
+            result += kReplacement;
+        else if (const std::string_view replaced = entity(sequence[0]); !replaced.empty())
+            result += replaced;
+        else
+            result += sequence;
+        text.remove_prefix(sequence.size());
+    }
+    return result;
+}
 
 std::string count_text(std::uint64_t count) {
     std::string text = fmt::format("{}", count);
@@ -50,7 +115,46 @@ std::string address(std::string_view path) {
 }
 
 std::string link(std::string_view path, std::string_view text) {
-    return fmt::format("<a href=\"{}\">{}</a>", address(path), plot::escaped(text));
+    return fmt::format("<a href=\"{}\">{}</a>", address(path), escaped(text));
+}
+
+std::string number_text(double value, int digits) {
+    if (value == 0)
+        return "0";
+    if (!std::isfinite(value))
+        return "no number";
+    const int exponent = static_cast<int>(std::floor(std::log10(std::fabs(value))));
+    std::string text;
+    if (exponent >= -3 && exponent < 5) {
+        text = fmt::format("{:.{}f}", value, std::max(0, digits - 1 - exponent));
+        if (text.find('.') != std::string::npos)
+            text.erase(text.find_last_not_of("0.") == std::string::npos ? 1 : text.find_last_not_of('0') + 1);
+        if (text.back() == '.')
+            text.pop_back();
+    } else {
+        static constexpr std::array<const char*, 10> kRaised{"⁰", "¹", "²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹"};
+        text = fmt::format("{:.{}e}", value, digits - 1);
+        const std::size_t e = text.find('e');
+        const int power = std::stoi(text.substr(e + 1));
+        std::string raised = power < 0 ? "⁻" : "";
+        for (const char digit : fmt::format("{}", std::abs(power)))
+            raised += kRaised[static_cast<std::size_t>(digit - '0')];
+        std::string mantissa = text.substr(0, e);
+        if (mantissa.find('.') != std::string::npos) {
+            mantissa.erase(mantissa.find_last_not_of('0') + 1);
+            if (mantissa.back() == '.')
+                mantissa.pop_back();
+        }
+        text = (mantissa == "1" ? "10" : mantissa == "-1" ? "-10" : mantissa + "×10") + raised;
+    }
+    return text.front() == '-' ? "−" + text.substr(1) : text;
+}
+
+std::string script_text(const nlohmann::ordered_json& json) {
+    std::string text;
+    for (const char c : json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace))
+        text += c == '<' ? "\\u003c" : std::string(1, c);
+    return text;
 }
 
 } // namespace forceshade::report

@@ -5,7 +5,18 @@
 #include <string>
 #include <string_view>
 
+#include <nlohmann/json_fwd.hpp>
+
 namespace forceshade::report {
+
+/// Text as it stands in HTML; bytes that are no UTF-8 and characters that HTML may not have are replaced.
+std::string escaped(std::string_view text);
+
+/// A number with so many digits: "−12.5", "3.2×10⁻⁷".
+std::string number_text(double value, int digits);
+
+/// JSON within a <script>: nothing in it can end the element.
+std::string script_text(const nlohmann::ordered_json& json);
 
 /// "12 345 678", with spaces that do not break.
 std::string count_text(std::uint64_t count);

@@ -10,6 +10,11 @@
 
 namespace forceshade::picture::test {
 
+/// Whether two texts are drawn over each other.
+inline bool texts_overlap(const Box& a, const Box& b) {
+    return a.x < b.x + b.width && b.x < a.x + a.width && a.y < b.y + b.height && b.y < a.y + a.height;
+}
+
 /// Force (N) of a position (m).
 using Law = std::function<std::array<double, 3>(double x, double y, double z)>;
 

@@ -30,10 +30,6 @@ Decoded decode(const Picture& picture) {
     return decoded;
 }
 
-bool overlap(const Box& a, const Box& b) {
-    return a.x < b.x + b.width && b.x < a.x + a.width && a.y < b.y + b.height && b.y < a.y + a.height;
-}
-
 void expect_sound(const Picture& picture, int width = 1400) {
     const Decoded decoded = decode(picture);
     EXPECT_EQ(decoded.width, picture.width);
@@ -49,7 +45,7 @@ void expect_sound(const Picture& picture, int width = 1400) {
         EXPECT_LE(ink.x + ink.width, picture.width - 1) << text;
         EXPECT_LE(ink.y + ink.height, picture.height - 1) << text;
         for (std::size_t j = 0; j < i; ++j)
-            EXPECT_FALSE(overlap(ink, picture.texts[j].ink)) << text << " over " << picture.texts[j].text;
+            EXPECT_FALSE(test::texts_overlap(ink, picture.texts[j].ink)) << text << " over " << picture.texts[j].text;
     }
 }
 

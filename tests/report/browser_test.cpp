@@ -129,7 +129,7 @@ TEST_F(Page, TheStrokesEndsCanBeDragged) {
 TEST_F(Page, ChoicesChangeThePictures) {
     open();
     const std::string picture = browser_->text(kPaneA), difference = browser_->text(kPaneD);
-    for (const char* quantity : {"direction", "x", "y", "z"}) {
+    for (const char* quantity : {"magnitude", "x", "y", "z"}) {
         browser_->evaluate(std::string("(() => { const q = document.getElementById('quantity'); q.value = '") +
                            quantity + "'; q.dispatchEvent(new Event('change')); })()");
         EXPECT_NE(browser_->text(kPaneA), picture) << quantity;
@@ -164,7 +164,7 @@ TEST_F(Page, FitsNarrowAndWideWindows) {
 }
 
 TEST_F(Page, FiguresStayReadable) {
-    const std::string figure = "document.querySelector('.figures figure')";
+    const std::string figure = "document.querySelector('.answer figure')";
     const auto box = [&](const std::string& part, const std::string& side) {
         return browser_->evaluate(figure + part + ".getBoundingClientRect()." + side).get<double>();
     };
@@ -172,13 +172,43 @@ TEST_F(Page, FiguresStayReadable) {
     for (const unsigned width : {360u, 600u, 800u, 801u, 1400u, 1680u}) {
         SCOPED_TRACE(width);
         open(width);
-        EXPECT_GE(11.0 / 760 * box(picture, "width"), 10) << "px of a word of 11 px in the file, 760 px wide";
+        EXPECT_GE(box(picture + ".querySelector('.tick')", "height"), 10) << "px of a number at an axis";
         EXPECT_LE(box("", "right"), width);
         EXPECT_LE(box(caption, "right"), box("", "right"));
-        browser_->evaluate(figure + ".scrollLeft = 1000");
-        EXPECT_GE(box(caption, "left"), box("", "left") - 0.5) << "captions stay";
         EXPECT_LE(box(picture, "right"), box("", "right") + 0.5) << "all of it can be seen";
     }
+}
+
+// What a mark is, is told when it is pointed at; the rows that a figure shows can be saved.
+TEST_F(Page, MarksSayWhatTheyAre) {
+    open();
+    const auto count = [&](const std::string& selector) {
+        return browser_->evaluate("document.querySelectorAll('" + selector + "').length").get<std::size_t>();
+    };
+    EXPECT_GT(count(".mark"), 10u);
+    EXPECT_EQ(count(".mark > title"), count(".mark"));
+    EXPECT_FALSE(browser_->evaluate("[...document.querySelectorAll('.mark > title')].some((t) => !t.textContent)"));
+    browser_->evaluate("window.saved = []; window.save = (name, address) => saved.push([name, address]); 0");
+    browser_->evaluate("(() => { document.querySelectorAll('.answer .save').forEach((b) => b.click()); return 0; })()");
+    ASSERT_TRUE(browser_->wait_for("saved.length === 3"));
+    EXPECT_TRUE(browser_->evaluate("saved.some(([n, a]) => n.endsWith('.csv') && a.includes('%0A'))").get<bool>());
+    EXPECT_TRUE(browser_->evaluate("saved.some(([n, a]) => n.endsWith('.svg') && a.includes('viewBox'))").get<bool>());
+    EXPECT_TRUE(browser_
+                    ->evaluate("saved.some(([n, a]) => n.endsWith('.png') && a.startsWith('data:image/png') && "
+                               "a.length > 5000)")
+                    .get<bool>());
+}
+
+// Shading keeps the magnitude: between two samples whose directions differ a stroke must not show a notch.
+TEST_F(Page, StrokesKeepTheMagnitudeBetweenSamples) {
+    open();
+    EXPECT_NEAR(
+        browser_
+            ->evaluate("(() => { const v = Object.create(Volume.prototype); Object.assign(v, { size: [2, 1, 1], "
+                       "first: [0, 0, 0], pitch: [1, 1, 1], about: { size: [2, 1, 1] }, "
+                       "components: [[3, -3], [0, 0], [4, 4]] }); return length(v.force([0.5, 0, 0])); })()")
+            .get<double>(),
+        5, 1e-6);
 }
 
 TEST_F(Page, PrintsWhole) {

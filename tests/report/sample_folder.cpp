@@ -9,7 +9,6 @@
 
 #include "host/output/exr_volume.h"
 #include "host/output/files.h"
-#include "host/plot/plot.h"
 #include "host/study/data/data_files.h"
 #include "tests/report/samples.h"
 
@@ -93,7 +92,7 @@ std::vector<CaseRecord> write_sample_sweep(const std::filesystem::path& folder) 
 void write_sample_study(const std::filesystem::path& folder) {
     std::filesystem::create_directories(folder);
     study::StudyData data = sample_study();
-    study::write_data(folder, data, plot::pictures(data));
+    study::write_data(folder, data, study::figure_files(data));
 }
 
 std::string text_in(const std::filesystem::path& path) {

@@ -35,6 +35,9 @@ struct TextFile {
     std::string name, text;
 };
 
+/// FIGURE.svg of each figure. \throws DataError for a figure whose table or column is not there.
+std::vector<TextFile> figure_files(const StudyData& data);
+
 /// Writes TABLE.csv of each table and the pictures, names them in data.files, then writes study.json, which ends the
 /// run: files that the study.json before it names and the new one does not are removed, if they are what that run
 /// wrote. Returns the names of those that have been changed since, which stay. \throws IoError.

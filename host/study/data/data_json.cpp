@@ -91,6 +91,8 @@ Json figure_json(const Figure& figure) {
               {"label", figure.label},
               {"low", figure.low},
               {"high", figure.high},
+              {"x_low", figure.x_low},
+              {"x_high", figure.x_high},
               {"joined", figure.joined},
               {"value", figure.value},
               {"value_label", figure.value_label},
@@ -129,6 +131,8 @@ Figure figure_of(const Json& json) {
     figure.label = json.at("label");
     figure.low = json.at("low");
     figure.high = json.at("high");
+    figure.x_low = json.value("x_low", "");
+    figure.x_high = json.value("x_high", "");
     figure.joined = json.at("joined");
     figure.value = json.at("value");
     figure.value_label = json.at("value_label");

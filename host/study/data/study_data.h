@@ -74,11 +74,12 @@ struct Figure {
     std::string table;
     Where where;
     FigureAxis x, y;
-    std::string series;    /* scatter, bars: column whose words tell series apart; empty: one */
-    std::string label;     /* scatter: column with the words to stand at points; empty: none */
-    std::string low, high; /* columns with the ends of a spread about y; empty: none */
-    bool joined = false;   /* scatter: points of a series are joined in the order of rows */
-    std::string value;     /* map: column of the colour, numbers or words */
+    std::string series;        /* scatter, bars: column whose words tell series apart; empty: one */
+    std::string label;         /* scatter: column with the words to stand at points; empty: none */
+    std::string low, high;     /* columns with the ends of a spread about y; empty: none */
+    std::string x_low, x_high; /* likewise about x */
+    bool joined = false;       /* scatter: points of a series are joined in the order of rows */
+    std::string value;         /* map: column of the colour, numbers or words */
     std::string value_label;
     bool value_logarithmic = false;
     double value_limit = 0; /* map of numbers: the colours end at this size, 0: at the largest number shown */

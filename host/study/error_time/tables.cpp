@@ -284,7 +284,7 @@ constexpr std::pair<const char*, double> kBudgets[] = {
 Table budgets_table(const Measured& measured) {
     double least = 1, most = kLeastShown;
     for (const auto& errors : measured.errors)
-        if (const double error = errors ? direction_error(errors->shared) : NAN; std::isfinite(error)) {
+        if (const double error = errors ? local_error(errors->shared) : NAN; std::isfinite(error)) {
             least = std::min(least, std::max(error, kLeastShown));
             most = std::max(most, error);
         }
@@ -297,30 +297,32 @@ Table budgets_table(const Measured& measured) {
     return table_of<R>("budgets", "Lines of figures: the time there is for an evaluation",
                        {{{"budget", "", "of what"}, [](const R& r) { return Cell(std::string(r.name)); }},
                         {{"time_ns", "ns", "for an evaluation"}, [](const R& r) { return cell(1e9 * r.seconds); }},
-                        {{"error", "deg", "where the line begins and ends"}, [](const R& r) { return cell(r.error); }}},
+                        {{"error", "1", "where the line begins and ends"}, [](const R& r) { return cell(r.error); }}},
                        rows);
 }
 
 Figure error_over_time(const Subject& subject, bool own) {
     Figure figure;
     figure.name = "error-time-" + subject.name;
-    figure.title = fmt::format("{}: error of the force's direction against the time of an evaluation",
+    figure.title = fmt::format("{}: error of the force against the time of an evaluation",
                                own ? subject.name == "bump" ? "Bump" : "Mesh" : "Scene");
     figure.caption = fmt::format(
-        "Each mark is a way of coming by a force, where a hand touches; left is cheaper, down is closer to {}. "
-        "Whiskers "
-        "are 95 % intervals of paired rounds. The lines join the ways that no closer one equals in time. Errors below "
-        "1e-7 deg stand at that; ways that miss the force at more than 1 % of the places are left out.",
+        "Each mark is a way of coming by a force, where a hand touches; left is cheaper, down is closer to {}. The "
+        "error is what 95 % of the places do not exceed, over the force there. Whiskers are 95 % intervals of paired "
+        "rounds. The lines join the ways that are cheaper, for sure, than all closer ones. Ways that miss the force at "
+        "more than 1 % of the places are left out.",
         subject.against);
     figure.table = "ways";
     figure.where = {{"surface", subject.name}};
     figure.x = {"time_ns", "time of an evaluation / ns", true};
-    figure.y = {"shown_direction_deg", "RMS error of the direction / deg", true};
+    figure.y = {"shown_local_1", "error over the force there, 95 % of places", true};
     figure.series = "family";
     figure.label = "on_front";
+    figure.x_low = "time_low_ns";
+    figure.x_high = "time_high_ns";
     for (const Use use : kUses)
         figure.curves.push_back({"front",
-                                 {{"surface", subject.name}, {"use", name_of(use)}, {"criterion", kCriteria[0].name}},
+                                 {{"surface", subject.name}, {"use", name_of(use)}, {"criterion", kCriteria[1].name}},
                                  "time_ns",
                                  "error",
                                  fmt::format("front, {}", name_of(use)),
@@ -381,7 +383,7 @@ std::vector<Table> tables_of(const Measured& measured) {
     const std::vector<FrontRow> front = fronts(measured);
     std::set<std::size_t> on_front;
     for (const FrontRow& row : front)
-        if (row.criterion.error == direction_error)
+        if (row.criterion.error == local_error)
             on_front.insert(row.way);
     std::vector<WayRow> ways;
     std::vector<KindRow> kinds;

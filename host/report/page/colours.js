@@ -13,8 +13,9 @@ function palette() {
   return result;
 }
 
-function colourTable(hex) {
-  return Array.from({ length: hex.length / 6 }, (_, i) => [0, 2, 4].map((k) => parseInt(hex.slice(6 * i + k, 6 * i + k + 2), 16)));
+// 256 colours of one of d3's maps.
+function colourTable(map) {
+  return d3.range(256).map((i) => { const { r, g, b } = d3.rgb(map(i / 255)); return [r, g, b]; });
 }
 
 // Numbers with a true minus sign and as many digits as they need, never an exponent without superscripts.

@@ -12,8 +12,9 @@ function say(id, words) {
 class Viewer {
   constructor(about) {
     this.cases = about.cases;
-    this.tables = { sequential: colourTable(about.sequential), diverging: colourTable(about.diverging) };
-    this.state = { quantity: "magnitude", arrows: true, axis: 1, point: null, strokes: [null, null, null] };
+    this.tables = { sequential: colourTable(d3.interpolateViridis), diverging: colourTable((t) => d3.interpolateRdBu(1 - t)),
+      cyclic: colourTable(d3.interpolateRainbow) };
+    this.state = { quantity: "direction", arrows: true, axis: 1, point: null, strokes: [null, null, null] };
     this.panes = { a: new Pane(byId("pane-a")), b: new Pane(byId("pane-b")), d: new Pane(byId("pane-d")) };
   }
 
@@ -28,13 +29,14 @@ class Viewer {
     this.listen();
   }
 
-  // Two cases that differ in shading alone, if there are such.
+  // One shape without shading and with, if there are such; else two cases that differ in shading alone.
   firstPair() {
-    const plain = (one) => one.name.replace(/_?shading-[^_]*/, "");
-    for (let i = 0; i < this.cases.length; ++i)
-      for (let k = i + 1; k < this.cases.length; ++k)
-        if (plain(this.cases[i]) === plain(this.cases[k]))
-          return [i, k];
+    const plain = (one) => one.name.replace(/_?shading-[^_]*/, ""), bare = (one) => /shading-none/.test(one.name);
+    for (const wanted of [(a, b) => bare(a) && !bare(b), () => true])
+      for (let i = 0; i < this.cases.length; ++i)
+        for (let k = 0; k < this.cases.length; ++k)
+          if (i !== k && plain(this.cases[i]) === plain(this.cases[k]) && wanted(this.cases[i], this.cases[k]))
+            return [i, k];
     return [0, Math.min(1, this.cases.length - 1)];
   }
 
@@ -127,10 +129,12 @@ class Viewer {
       return new ColourScale(sequential, 0, size, "force magnitude / N");
     if (quantity !== "direction")
       return new ColourScale(diverging, -size, size, "force along " + quantity + " / N");
+    // Within a quarter turn of the upward axis the sign is what one looks for; beyond it the colours go round, too.
     let most = 1;
     for (const [volume_, index] of [[this.a, indexA], [this.b, indexB]])
       this.eachSample(volume_, index, (at) => { most = Math.max(most, Math.abs(direction(volume_.sample(at), this.plane) || 0)); });
-    return new ColourScale(diverging, -most, most, this.directionLabel());
+    return most > 90 ? new ColourScale(this.tables.cyclic, -180, 180, this.directionLabel())
+      : new ColourScale(diverging, -most, most, this.directionLabel());
   }
 
   directionLabel() {

@@ -113,7 +113,8 @@ class Volume {
     return this.components.map((values) => values[i]);
   }
 
-  // Linear between samples; null outside of the grid.
+  // Between samples magnitude and direction are linear, each by itself: what shading keeps, a stroke shows. Null outside
+  // of the grid.
   force(point) {
     const low = [0, 0, 0], part = [0, 0, 0];
     for (let a = 0; a < 3; ++a) {
@@ -125,6 +126,7 @@ class Volume {
       part[a] = inside - low[a];
     }
     const sum = [0, 0, 0];
+    let size = 0;
     for (let corner = 0; corner < 8; ++corner) {
       let weight = 1;
       const index = low.map((i, a) => {
@@ -132,10 +134,13 @@ class Volume {
         weight *= up ? part[a] : 1 - part[a];
         return i + up;
       });
-      if (weight > 0)
-        this.sample(index).forEach((value, c) => { sum[c] += weight * value; });
+      const force = weight > 0 ? this.sample(index) : [0, 0, 0], own = length(force);
+      size += weight * own;
+      if (own > 0)
+        force.forEach((value, c) => { sum[c] += weight * value / own; });
     }
-    return sum;
+    const whole = length(sum);
+    return whole > 0 ? sum.map((value) => value / whole * size) : sum;
   }
 }
 

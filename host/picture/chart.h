@@ -1,0 +1,52 @@
+// Charts: points and lines over two axes, cells of a map, bars. One colour and mark for a name, whatever else a chart
+// shows.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "host/picture/picture.h"
+
+namespace forceshade::picture {
+
+struct ChartAxis {
+    std::string label; /* with its unit: "time / ns" */
+    bool logarithmic = false;
+};
+
+struct ChartPoint {
+    double x = 0, y = 0;
+    std::optional<double> x_low, x_high, y_low, y_high; /* ends of whiskers */
+    std::string label;                                  /* stands beside the mark if there is room */
+};
+
+struct ChartSeries {
+    std::string name;
+    std::vector<ChartPoint> points;
+    bool marks = true, joined = false, dashed = false;
+};
+
+struct ChartCell {
+    double x = 0, y = 0;
+    double value = 0;
+    std::string word; /* instead of a number */
+};
+
+/// Bars are those of series, a point each; their x are words.
+struct Chart {
+    std::string title;
+    ChartAxis x, y;
+    std::vector<ChartSeries> series;
+    std::vector<ChartCell> cells; /* of a map, beneath the series; empty: no map */
+    std::string value_label;      /* of the cells' numbers */
+    bool value_logarithmic = false;
+    std::vector<std::string> words;  /* of the cells, in the legend's order */
+    std::vector<std::string> groups; /* of bars: what stands at x = 0, 1, 2, ...; empty: no bars */
+};
+
+/// Points and cells that an axis cannot show (no number, not positive on a logarithmic one) are left out, and the
+/// picture says how many.
+Picture draw_chart(const Chart& chart);
+
+} // namespace forceshade::picture

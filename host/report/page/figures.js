@@ -1,0 +1,341 @@
+// Figures of studies: scatter, maps and bars of the rows of a table, drawn by d3.
+
+const WIDTH = 720, NARROWEST = 300, HEIGHT = 440, PLOT = { left: 74, right: 16, top: 12, bottom: 46 }; // px
+const MARKS = [d3.symbolCircle, d3.symbolSquare, d3.symbolTriangle, d3.symbolDiamond, d3.symbolCross, d3.symbolStar, d3.symbolWye];
+const SERIES_COLOURS = 8, MOST_LABELS = 8;
+
+// The same colour and mark for the same name everywhere on the page.
+const styles = new Map();
+function styleOf(name) {
+  if (!styles.has(name))
+    styles.set(name, styles.size);
+  const i = styles.get(name);
+  return { colour: "var(--plot-s" + (i % SERIES_COLOURS) + ")", symbol: MARKS[i % MARKS.length], dash: i % SERIES_COLOURS === i ? null : "6 3" };
+}
+
+// Rows of a table as objects, those that a figure shows.
+function rowsOf(study, table, where) {
+  const found = study.tables.find((one) => one.name === table);
+  if (!found)
+    return [];
+  const names = found.columns.map((column) => column.name);
+  const text = (cell) => cell === null ? "" : String(cell);
+  return found.rows.map((row) => Object.fromEntries(names.map((name, i) => [name, row[i]])))
+    .filter((row) => Object.entries(where || {}).every(([column, word]) => text(row[column]) === word));
+}
+
+function unitOf(study, table, column) {
+  const found = study.tables.find((one) => one.name === table);
+  const one = found && found.columns.find((each) => each.name === column);
+  return one && one.unit && one.unit !== "1" ? " " + one.unit : "";
+}
+
+// What a row is, for who points at its mark.
+function rowText(study, table, row, wanted) {
+  return wanted.filter((name, i) => name && wanted.indexOf(name) === i && row[name] !== null && row[name] !== undefined && row[name] !== "")
+    .map((name) => name.replace(/_/g, " ") + ": " + (typeof row[name] === "number" ? numberText(row[name], 3) : row[name]) + unitOf(study, table, name))
+    .join("\n");
+}
+
+function scaleOf(axis, values, range) {
+  let [low, high] = d3.extent(values);
+  if (low === undefined)
+    [low, high] = axis.logarithmic ? [1, 10] : [0, 1];
+  if (axis.logarithmic) {
+    const pad = Math.max((high / low) ** 0.04, 1.1);
+    return d3.scaleLog().domain([low / pad, high * pad]).range(range);
+  }
+  const pad = (high - low) * 0.05 || Math.abs(high) * 0.1 || 1;
+  return d3.scaleLinear().domain([low === 0 ? 0 : low - pad, high + pad]).nice().range(range);
+}
+
+// Ticks with a number: of a logarithmic axis the powers of ten, and 2 and 5 times these where the range is short.
+function ticksOf(scale, axis, most) {
+  if (!axis.logarithmic)
+    return scale.ticks(Math.max(2, Math.floor(most)));
+  const [low, high] = scale.domain(), decades = Math.log10(high / low), all = [];
+  const every = Math.max(1, Math.ceil(decades / most));
+  for (let power = Math.ceil(Math.log10(low) - 1); power <= Math.log10(high); power += 1)
+    for (const times of decades < 1.5 ? [1, 2, 5] : decades < 3 ? [1, 3] : [1])
+      if (times * 10 ** power >= low && times * 10 ** power <= high && power % every === 0)
+        all.push(times * 10 ** power);
+  return all;
+}
+
+// Text of an SVG axis: 10 to a power has the power raised, as numbers have everywhere on the page.
+const tickText = (value) => value !== 0 && (Math.abs(value) < 1e-3 || Math.abs(value) >= 1e5)
+  ? numberText(value, 1).replace(/^1×/, "") : String(+value.toPrecision(6)).replace("-", "−");
+
+class FigureFrame {
+  constructor(element, figure, height = HEIGHT) {
+    this.figure = figure;
+    this.height = height;
+    // As wide as there is room, so that words keep their size.
+    this.width = Math.max(NARROWEST, Math.min(WIDTH, element.clientWidth || WIDTH));
+    this.right = this.width - PLOT.right;
+    this.bottom = height - PLOT.bottom;
+    this.svg = d3.select(element).append("svg").attr("viewBox", `0 0 ${this.width} ${height}`).attr("role", "img")
+      .attr("aria-label", figure.title).attr("class", "plot").attr("font-family", "system-ui, 'DejaVu Sans', Verdana, sans-serif");
+    this.legend = d3.select(element).append("div").attr("class", "legend");
+    this.clip = "clip-" + Math.random().toString(36).slice(2);
+    this.svg.append("clipPath").attr("id", this.clip).append("rect").attr("x", PLOT.left).attr("y", PLOT.top)
+      .attr("width", this.right - PLOT.left).attr("height", this.bottom - PLOT.top);
+  }
+
+  drawAxes(x, y, xTicks, yTicks, text = tickText) {
+    const { svg, figure, bottom, right } = this, grid = svg.append("g");
+    for (const value of xTicks) {
+      const at = x(value) + (x.bandwidth ? x.bandwidth() / 2 : 0);
+      if (!x.bandwidth)
+        grid.append("line").attr("class", "grid").attr("x1", at).attr("x2", at).attr("y1", PLOT.top).attr("y2", bottom);
+      grid.append("text").attr("class", "tick").attr("x", at).attr("y", bottom + 16).attr("text-anchor", "middle").text(text(value));
+    }
+    for (const value of yTicks) {
+      const at = y(value) + (y.bandwidth ? y.bandwidth() / 2 : 0);
+      if (!y.bandwidth)
+        grid.append("line").attr("class", "grid").attr("x1", PLOT.left).attr("x2", right).attr("y1", at).attr("y2", at);
+      grid.append("text").attr("class", "tick").attr("x", PLOT.left - 7).attr("y", at + 4).attr("text-anchor", "end").text(text(value));
+    }
+    svg.append("rect").attr("class", "frame").attr("x", PLOT.left).attr("y", PLOT.top).attr("width", right - PLOT.left)
+      .attr("height", bottom - PLOT.top);
+    svg.append("text").attr("class", "axis").attr("x", (PLOT.left + right) / 2).attr("y", this.height - 8).attr("text-anchor", "middle").text(figure.x.label);
+    svg.append("text").attr("class", "axis").attr("transform", `translate(15,${(PLOT.top + bottom) / 2}) rotate(-90)`).attr("text-anchor", "middle")
+      .text(figure.y.label);
+    this.body = svg.append("g").attr("clip-path", `url(#${this.clip})`);
+  }
+
+  addLegend(name, draw) {
+    const entry = this.legend.append("span");
+    draw(entry.append("svg").attr("width", 26).attr("height", 14).attr("viewBox", "-13 -7 26 14"));
+    entry.append("span").text(name);
+  }
+}
+
+function drawLine(target, points, x, y, colour, dash, width = 1.6) {
+  target.append("path").attr("fill", "none").attr("stroke", colour).attr("stroke-width", width).attr("stroke-dasharray", dash)
+    .attr("d", d3.line()(points.map(([a, b]) => [x(a), y(b)])));
+}
+
+const CURVE_DASHES = [null, "7 4", "2 3", "8 3 2 3", "1 5"];
+
+function drawScatter(element, study, figure) {
+  const positive = (axis, value) => typeof value === "number" && (!axis.logarithmic || value > 0);
+  const all = rowsOf(study, figure.table, figure.where);
+  const rows = all.filter((row) => positive(figure.x, row[figure.x.column]) && positive(figure.y, row[figure.y.column]));
+  const curves = figure.curves.map((curve) => ({ ...curve, points: rowsOf(study, curve.table, curve.where).map((row) => [row[curve.x], row[curve.y]])
+    .filter(([a, b]) => positive(figure.x, a) && positive(figure.y, b)) })).filter((curve) => curve.points.length);
+  const spread = (column) => rows.map((row) => row[column]).filter((value) => typeof value === "number" && value > 0);
+  const frame = new FigureFrame(element, figure);
+  const x = scaleOf(figure.x, [...rows.map((row) => row[figure.x.column]), ...curves.flatMap((c) => c.points.map((p) => p[0])), ...spread(figure.x_low), ...spread(figure.x_high)],
+    [PLOT.left, frame.right]);
+  const y = scaleOf(figure.y, [...rows.map((row) => row[figure.y.column]), ...curves.flatMap((c) => c.points.map((p) => p[1])), ...spread(figure.low), ...spread(figure.high)],
+    [frame.bottom, PLOT.top]);
+  frame.drawAxes(x, y, ticksOf(x, figure.x, frame.width / 90), ticksOf(y, figure.y, 7));
+  curves.forEach((curve, i) => {
+    const dash = curve.dashed ? CURVE_DASHES[1 + i % 4] : null;
+    drawLine(frame.body, curve.points, x, y, "var(--plot-ink)", dash, 1.2);
+    frame.addLegend(curve.label, (key) => drawLine(key, [[-12, 0], [12, 0]], (v) => v, (v) => v, "var(--plot-ink)", dash, 1.2));
+  });
+  const names = d3.set(rows, (row) => row[figure.series] === undefined || row[figure.series] === null ? "" : row[figure.series]).values();
+  for (const name of names) {
+    const style = styleOf(name), own = rows.filter((row) => !figure.series || String(row[figure.series] || "") === name);
+    const at = (row) => [x(row[figure.x.column]), y(row[figure.y.column])];
+    if (figure.joined)
+      drawLine(frame.body, own.map((row) => [row[figure.x.column], row[figure.y.column]]), x, y, style.colour, style.dash);
+    for (const row of own) {
+      const [px, py] = at(row);
+      const whisker = (low, high, line) => {
+        if (positive(low.axis, row[low.column]) && positive(low.axis, row[high]))
+          frame.body.append("path").attr("stroke", style.colour).attr("fill", "none").attr("stroke-width", 1.3).attr("d", line(row[low.column], row[high]));
+      };
+      whisker({ axis: figure.y, column: figure.low }, figure.high, (a, b) => `M${px - 3},${y(a)}h6m-3,0V${y(b)}m-3,0h6`);
+      whisker({ axis: figure.x, column: figure.x_low }, figure.x_high, (a, b) => `M${x(a)},${py - 3}v6m0,-3H${x(b)}m0,-3v6`);
+      frame.body.append("path").attr("class", "mark").attr("tabindex", -1).attr("transform", `translate(${px},${py})`)
+        .attr("d", d3.symbol().type(style.symbol).size(46)()).attr("fill", style.colour).attr("stroke", "var(--plot-paper)").attr("stroke-width", 0.7)
+        .datum(() => ({ study, figure, row }))
+        .append("title").text(rowText(study, figure.table, row, ["way", figure.label, figure.series, figure.x.column, figure.y.column, figure.low, figure.high,
+          ...study.tables.find((one) => one.name === figure.table).columns.slice(0, 12).map((column) => column.name)]));
+    }
+    if (figure.series)
+      frame.addLegend(name, (key) => {
+        if (figure.joined)
+          drawLine(key, [[-12, 0], [12, 0]], (v) => v, (v) => v, style.colour, style.dash);
+        key.append("path").attr("d", d3.symbol().type(style.symbol).size(46)()).attr("fill", style.colour);
+      });
+  }
+  placeLabels(frame, rows.filter((row) => figure.label && row[figure.label]).map((row) =>
+    ({ text: String(row[figure.label]), x: x(row[figure.x.column]), y: y(row[figure.y.column]) })), rows.map((row) => [x(row[figure.x.column]), y(row[figure.y.column])]));
+  if (rows.length < all.length)
+    d3.select(element).append("p").attr("class", "note").text(`${all.length - rows.length} of ${all.length} rows have no number that can be shown here; the table has them.`);
+}
+
+// Names beside the marks that bear one, where there is room: the others tell when pointed at.
+function placeLabels(frame, labels, marks) {
+  const taken = [];
+  const covers = (box) => box.x < PLOT.left + 2 || box.x + box.w > frame.right - 2 || box.y < PLOT.top + 1 || box.y + box.h > frame.bottom - 1 || taken.some((other) => box.x < other.x + other.w && other.x < box.x + box.w &&
+    box.y < other.y + other.h && other.y < box.y + box.h) || marks.some(([mx, my]) => mx > box.x - 4 && mx < box.x + box.w + 4 && my > box.y - 4 && my < box.y + box.h + 4);
+  let placed = 0;
+  for (const label of labels) {
+    const w = 6.1 * label.text.length, h = 13;
+    for (const [dx, dy] of [[9, -6.5], [-9 - w, -6.5], [9, -20], [9, 8], [-9 - w, -20], [-9 - w, 8]]) {
+      const box = { x: label.x + dx, y: label.y + dy, w, h };
+      if (placed < MOST_LABELS && !covers(box)) {
+        taken.push(box);
+        frame.svg.append("text").attr("class", "label").attr("x", box.x).attr("y", box.y + 10).text(label.text);
+        ++placed;
+        break;
+      }
+    }
+  }
+}
+
+function drawMap(element, study, figure) {
+  const rows = rowsOf(study, figure.table, figure.where).filter((row) => row[figure.x.column] !== null && row[figure.y.column] !== null);
+  const numbers = (column) => [...new Set(rows.map((row) => row[column]))].sort((a, b) => a - b);
+  const xs = numbers(figure.x.column), ys = numbers(figure.y.column), frame = new FigureFrame(element, figure);
+  const x = d3.scaleBand().domain(xs).range([PLOT.left, frame.right]), y = d3.scaleBand().domain(ys).range([frame.bottom, PLOT.top]);
+  const some = (all, most) => all.filter((_, i) => i % Math.ceil(all.length / most) === 0);
+  frame.drawAxes(x, y, some(xs, frame.width / 75), some(ys, 9), (value) => typeof value === "number" ? numberText(value, 2) : value);
+  const values = rows.map((row) => row[figure.value]).filter((value) => value !== null);
+  let colour;
+  if (values.some((value) => typeof value === "string")) {
+    const words = figure.value_words.length ? figure.value_words : [...new Set(values)];
+    colour = (value) => "var(--plot-s" + words.indexOf(value) % SERIES_COLOURS + ")";
+    words.forEach((word) => frame.addLegend(word, (key) => key.append("rect").attr("x", -11).attr("y", -6).attr("width", 22).attr("height", 12).attr("fill", colour(word))));
+  } else {
+    const limit = figure.value_limit || d3.max(values, Math.abs) || 1, both = values.some((value) => value < 0);
+    const low = figure.value_logarithmic ? Math.max(d3.min(values.filter((value) => value > 0)) || limit / 10, limit * 1e-12) : both ? -limit : 0;
+    const share = figure.value_logarithmic ? d3.scaleLog().domain([low, limit]).clamp(true) : d3.scaleLinear().domain([low, limit]).clamp(true);
+    colour = (value) => both ? d3.interpolateRdBu(1 - share(value)) : d3.interpolateViridis(share(Math.max(value, low)));
+    const key = frame.legend.append("span").attr("class", "ramp");
+    key.append("span").text(numberText(low, 2));
+    const bar = key.append("svg").attr("width", 160).attr("height", 12);
+    d3.range(80).forEach((i) => bar.append("rect").attr("x", 2 * i).attr("width", 2.5).attr("height", 12)
+      .attr("fill", both ? d3.interpolateRdBu(1 - i / 79) : d3.interpolateViridis(i / 79)));
+    key.append("span").text(numberText(limit, 2) + (figure.value_label ? "  " + figure.value_label : ""));
+  }
+  for (const row of rows.filter((one) => one[figure.value] !== null))
+    frame.body.append("rect").attr("class", "mark").attr("x", x(row[figure.x.column])).attr("y", y(row[figure.y.column])).attr("width", x.bandwidth() + 0.3)
+      .attr("height", y.bandwidth() + 0.3).attr("fill", colour(row[figure.value])).datum(() => ({ study, figure, row }))
+      .append("title").text(rowText(study, figure.table, row, [figure.value, figure.x.column, figure.y.column]));
+  // Curves lie between the middles of cells.
+  const along = (band, sorted) => d3.scaleLinear().domain(sorted).range(sorted.map((value) => band(value) + band.bandwidth() / 2));
+  figure.curves.forEach((curve, i) => {
+    const points = rowsOf(study, curve.table, curve.where).map((row) => [row[curve.x], row[curve.y]])
+      .filter(([a, b]) => a !== null && b !== null && a >= xs[0] && a <= xs[xs.length - 1] && b >= ys[0] && b <= ys[ys.length - 1]);
+    const dash = curve.dashed ? CURVE_DASHES[1 + i % 4] : null;
+    if (points.length)
+      drawLine(frame.body, points, along(x, xs), along(y, ys), "var(--plot-ink)", dash, 1.8);
+    frame.addLegend(curve.label, (key) => drawLine(key, [[-12, 0], [12, 0]], (v) => v, (v) => v, "var(--plot-ink)", dash, 1.8));
+  });
+}
+
+function drawBars(element, study, figure) {
+  const rows = rowsOf(study, figure.table, figure.where).filter((row) => typeof row[figure.y.column] === "number");
+  const names = [...new Set(rows.map((row) => String(row[figure.x.column])))], series = [...new Set(rows.map((row) => String(row[figure.series] || "")))];
+  const height = Math.max(160, PLOT.top + PLOT.bottom + names.length * (10 + 14 * series.length)), left = PLOT.left;
+  // Words stand on the left, where they have room: bars lie.
+  const frame = new FigureFrame(element, { ...figure, x: figure.y, y: { label: "" } }, height), wide = Math.min(260, frame.width / 2, 12 + 6.4 * d3.max(names, (name) => name.length));
+  PLOT.left = Math.max(wide, left);
+  const values = rows.flatMap((row) => [row[figure.y.column], row[figure.low], row[figure.high]]).filter((value) => typeof value === "number" && (!figure.y.logarithmic || value > 0));
+  const x = scaleOf(figure.y, figure.y.logarithmic ? values : [0, ...values], [PLOT.left, frame.right]);
+  const y = d3.scaleBand().domain(names).range([PLOT.top, frame.bottom]).padding(0.25), inner = d3.scaleBand().domain(series).range([0, y.bandwidth()]);
+  frame.drawAxes(x, y, ticksOf(x, figure.y, frame.width / 110), names, (value) => typeof value === "number" ? tickText(value) : value);
+  frame.svg.select("clipPath rect").attr("x", PLOT.left).attr("width", frame.right - PLOT.left);
+  const zero = figure.y.logarithmic ? Math.min(Math.max(1, x.domain()[0]), x.domain()[1]) : 0;
+  for (const row of rows) {
+    const top = y(String(row[figure.x.column])) + inner(String(row[figure.series] || "")), style = styleOf(String(row[figure.series] || figure.title));
+    const from = Math.min(x(zero), x(row[figure.y.column])), to = Math.max(x(zero), x(row[figure.y.column])), middle = top + inner.bandwidth() / 2;
+    frame.body.append("rect").attr("class", "mark").attr("x", from).attr("y", top).attr("width", Math.max(to - from, 1)).attr("height", inner.bandwidth() - 1)
+      .attr("fill", style.colour).datum(() => ({ study, figure, row }))
+      .append("title").text(rowText(study, figure.table, row, [figure.x.column, figure.series, figure.y.column, figure.low, figure.high]));
+    if (typeof row[figure.low] === "number" && typeof row[figure.high] === "number")
+      frame.body.append("path").attr("stroke", "var(--plot-ink)").attr("fill", "none")
+        .attr("d", `M${x(row[figure.low])},${middle - 3}v6m0,-3H${x(row[figure.high])}m0,-3v6`);
+  }
+  PLOT.left = left;
+  if (series.length > 1)
+    series.forEach((name) => frame.addLegend(name, (key) => key.append("rect").attr("x", -11).attr("y", -6).attr("width", 22).attr("height", 12).attr("fill", styleOf(name).colour)));
+}
+
+const DRAW = { scatter: drawScatter, map: drawMap, bars: drawBars };
+
+// Saving: the SVG with the page's colours put in, a PNG of it at twice the size, or the rows that it shows.
+function save(name, address) {
+  const link = Object.assign(document.createElement("a"), { href: address, download: name });
+  document.body.append(link);
+  link.click();
+  link.remove();
+}
+
+const STYLED = ["fill", "stroke", "stroke-width", "stroke-dasharray", "font-size", "font-weight"];
+
+function wholeSvg(element, figure) {
+  const svg = element.querySelector("svg.plot"), copy = svg.cloneNode(true);
+  const from = svg.querySelectorAll("*"), to = copy.querySelectorAll("*");
+  from.forEach((one, i) => STYLED.forEach((property) => to[i].setAttribute(property, getComputedStyle(one)[property])));
+  copy.setAttribute("xmlns", "http://www.w3.org/2000/svg");
+  const [, , width, height] = svg.getAttribute("viewBox").split(" ").map(Number), colours = palette();
+  const names = [...element.querySelectorAll(".legend > span")].map((one) => one.textContent).filter((text) => text);
+  copy.setAttribute("viewBox", `0 -26 ${width} ${height + 30 + 16 * Math.ceil(names.length / 4)}`);
+  const text = (x, y, words, size) => `<text x="${x}" y="${y}" font-size="${size}" fill="${colours.ink}">${words.replace(/&/g, "&amp;").replace(/</g, "&lt;")}</text>`;
+  copy.insertAdjacentHTML("afterbegin", `<rect x="0" y="-26" width="100%" height="100%" fill="${colours.paper}"/>` + text(8, -8, figure.title, 14));
+  element.querySelectorAll(".legend > span > svg").forEach((key, i) => {
+    const group = document.createElementNS("http://www.w3.org/2000/svg", "g"), x = 20 + (i % 4) * width / 4, y = height + 8 + 16 * Math.floor(i / 4);
+    group.setAttribute("transform", `translate(${x},${y})`);
+    [...key.children].forEach((part) => {
+      const clone = part.cloneNode(true);
+      STYLED.forEach((property) => clone.setAttribute(property, getComputedStyle(part)[property]));
+      group.append(clone);
+    });
+    group.insertAdjacentHTML("beforeend", text(18, 4, names[i] || "", 11));
+    copy.append(group);
+  });
+  return new XMLSerializer().serializeToString(copy);
+}
+
+function savePng(name, text) {
+  const image = new Image();
+  image.onload = () => {
+    const canvas = document.createElement("canvas"), [, , width, height] = /viewBox="([^"]*)"/.exec(text)[1].split(" ").map(Number);
+    Object.assign(canvas, { width: 2 * width, height: 2 * height });
+    canvas.getContext("2d").drawImage(image, 0, 0, canvas.width, canvas.height);
+    save(name, canvas.toDataURL("image/png"));
+  };
+  image.src = "data:image/svg+xml;charset=utf-8," + encodeURIComponent(text);
+}
+
+function csvText(study, figure) {
+  const columns = study.tables.find((one) => one.name === figure.table).columns.map((column) => column.name);
+  const cell = (value) => value === null ? "" : /[",\n]/.test(String(value)) ? '"' + String(value).replace(/"/g, '""') + '"' : String(value);
+  return [columns.join(","), ...rowsOf(study, figure.table, figure.where).map((row) => columns.map((name) => cell(row[name])).join(","))].join("\n") + "\n";
+}
+
+function drawFigure(element, study, figure) {
+  const canvas = element.appendChild(document.createElement("div"));
+  element.prepend(Object.assign(document.createElement("h4"), { textContent: figure.title }));
+  let width = 0;
+  const draw = () => {
+    if (canvas.clientWidth === width)
+      return;
+    width = canvas.clientWidth;
+    canvas.replaceChildren();
+    try {
+      DRAW[figure.kind](canvas, study, figure);
+    } catch (error) {
+      canvas.textContent = "This figure cannot be drawn: " + error.message;
+    }
+  };
+  draw();
+  window.addEventListener("resize", draw);
+  const caption = element.appendChild(document.createElement("figcaption"));
+  caption.append(figure.caption + " ");
+  const actions = { SVG: () => save(figure.name + ".svg", "data:image/svg+xml;charset=utf-8," + encodeURIComponent(wholeSvg(canvas, figure))),
+    PNG: () => savePng(figure.name + ".png", wholeSvg(canvas, figure)),
+    CSV: () => save(figure.name + ".csv", "data:text/csv;charset=utf-8," + encodeURIComponent(csvText(study, figure))) };
+  for (const [name, act] of Object.entries(actions)) {
+    const button = Object.assign(document.createElement("button"), { type: "button", textContent: name, className: "save", title: "save this figure as " + name });
+    button.addEventListener("click", act);
+    caption.append(button);
+  }
+}

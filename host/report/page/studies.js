@@ -1,0 +1,32 @@
+// Studies: what each found, its figures, and its tables on demand.
+
+function tableElement(table) {
+  const details = document.createElement("details"), rows = table.rows.length;
+  details.append(Object.assign(document.createElement("summary"), { textContent: (table.title || table.name) + ` (${rows} row${rows === 1 ? "" : "s"})` }));
+  details.addEventListener("toggle", () => {
+    if (!details.open || details.querySelector("table"))
+      return;
+    const box = d3.select(details).append("div").attr("class", "wide").attr("tabindex", 0).attr("role", "region").attr("aria-label", table.title);
+    const whole = box.append("table"), number = (column) => column.unit !== "";
+    whole.append("thead").append("tr").selectAll("th").data(table.columns).enter().append("th").attr("scope", "col").attr("title", (c) => c.meaning)
+      .classed("n", number).html("").each(function (column) {
+        this.append(column.name);
+        if (column.unit && column.unit !== "1")
+          this.append(Object.assign(document.createElement("small"), { textContent: column.unit }));
+      });
+    whole.append("tbody").selectAll("tr").data(table.rows).enter().append("tr").selectAll("td").data((row) => row).enter().append("td")
+      .classed("n", (_, i) => number(table.columns[i])).text((cell) => cell === null ? "–" : typeof cell === "number" ? numberText(cell, 5) : cell);
+  });
+  return details;
+}
+
+function startStudies() {
+  document.querySelectorAll("script.study").forEach((script) => {
+    const study = JSON.parse(script.textContent), element = (name, ...path) => document.getElementById(script.id + name);
+    study.figures.forEach((figure, i) => drawFigure(element(i === 0 ? "-hero" : "-figures").appendChild(document.createElement("figure")), study, figure));
+    study.tables.forEach((table) => element("-tables").append(tableElement(table)));
+  });
+  document.documentElement.dataset.figures = "ready";
+}
+
+startStudies();

@@ -1,0 +1,100 @@
+// Charts: everything that is written stands on the sheet and clear of the rest, and nothing is left out in silence.
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "host/picture/chart.h"
+#include "tests/picture/cases.h"
+
+namespace forceshade::picture {
+namespace {
+
+Chart sample() {
+    Chart chart;
+    chart.title =
+        "A title that is so long that it needs more than one line of the sheet, however wide the sheet may be";
+    chart.x = {"time of an evaluation / ns", true};
+    chart.y = {"error / deg", true};
+    for (int s = 0; s < 9; ++s) {
+        ChartSeries series{"series number " + std::to_string(s), {}, true, s % 2 == 0, false};
+        for (int i = 0; i < 6; ++i) {
+            ChartPoint point{std::pow(10, i - 1) * (1 + s), std::pow(10, -i) * (1 + s), {}, {}, {}, {}, ""};
+            point.x_low = 0.8 * point.x;
+            point.x_high = 1.3 * point.x;
+            if (i == 2)
+                point.label = "the label of a mark";
+            series.points.push_back(point);
+        }
+        chart.series.push_back(series);
+    }
+    chart.series.push_back(
+        {"a curve", {{1, 1, {}, {}, {}, {}, ""}, {1000, 1e-3, {}, {}, {}, {}, ""}}, false, true, true});
+    return chart;
+}
+
+Chart map_sample(bool words) {
+    Chart chart;
+    chart.title = "A map";
+    chart.x.label = "x / mm";
+    chart.y.label = "stiffness / (N/m)";
+    chart.value_label = "largest force / N";
+    for (int i = 0; i < 20; ++i)
+        for (int k = 0; k < 15; ++k)
+            chart.cells.push_back(
+                {0.1 * i, 100.0 * k, words ? 0 : std::sin(i) * k, words ? (i > k ? "stable" : "unstable") : ""});
+    return chart;
+}
+
+Chart bar_sample() {
+    Chart chart;
+    chart.title = "Bars";
+    chart.x.label = "energy / mJ";
+    chart.groups = {"a bump of many facets, not shaded", "another"};
+    for (const char* name : {"shaded", "unshaded"})
+        chart.series.push_back({name, {{0, 2, {}, {}, 1, 3, ""}, {1, -1, {}, {}, -2, 0, ""}}, true, false, false});
+    return chart;
+}
+
+TEST(Chart, HasNoTextThatIsCutOrDrawnOver) {
+    for (const Chart& chart : {sample(), map_sample(false), map_sample(true), bar_sample(), Chart{}}) {
+        const Picture picture = draw_chart(chart);
+        EXPECT_GT(picture.png.size(), 1000u);
+        for (std::size_t i = 0; i < picture.texts.size(); ++i) {
+            const auto& [text, ink] = picture.texts[i];
+            EXPECT_GE(ink.x, 0) << text;
+            EXPECT_GE(ink.y, 0) << text;
+            EXPECT_LE(ink.x + ink.width, picture.width) << text;
+            EXPECT_LE(ink.y + ink.height, picture.height) << text;
+            for (std::size_t k = 0; k < i; ++k)
+                EXPECT_FALSE(test::texts_overlap(ink, picture.texts[k].ink))
+                    << text << " over " << picture.texts[k].text;
+        }
+    }
+}
+
+TEST(Chart, TellsOfPointsThatAnAxisCannotShow) {
+    Chart chart = sample();
+    const auto tells = [&] {
+        for (const PlacedText& text : draw_chart(chart).texts)
+            if (text.text.find("have no number") != std::string::npos)
+                return text.text;
+        return std::string();
+    };
+    EXPECT_EQ(tells(), "");
+    chart.series[0].points[0].x = -1;
+    chart.series[0].points[1].y = NAN;
+    EXPECT_EQ(tells(), "2 points have no number that these axes can show.");
+}
+
+// As vectors, too, and always with the same bytes.
+TEST(Chart, IsDrawnAsSvgAndPdf) {
+    const Picture picture = draw_chart(sample()), again = draw_chart(sample());
+    EXPECT_EQ(picture.drawing->svg().substr(0, 5), "<?xml");
+    EXPECT_NE(picture.drawing->svg().find("viewBox=\"0 0 1000 "), std::string::npos);
+    EXPECT_EQ(picture.drawing->pdf().substr(0, 5), "%PDF-");
+    EXPECT_TRUE(picture.png == again.png);
+    EXPECT_TRUE(picture.drawing->pdf() == again.drawing->pdf());
+}
+
+} // namespace
+} // namespace forceshade::picture
