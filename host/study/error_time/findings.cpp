@@ -63,8 +63,7 @@ void add_lookup(std::vector<Finding>& findings, const Measured& measured) {
                     1e3 * *way.spacing, percent(shared.typical->rms), percent(boundary->local->p95),
                     1e3 * way.subject->scale.skin());
     if (rim && rim->direction)
-        finding.text += fmt::format(", and by {:.2g} deg RMS ({:.2g} deg at most) at the rim", rim->direction->rms,
-                                    rim->direction->largest);
+        finding.text += fmt::format(", and its direction by {:.2g} deg RMS at the rim", rim->direction->rms);
     finding.text += ".";
     finding.condition = touched_depths(*way.subject);
     finding.interval = fmt::format("{} places, {} of them shallow", shared.places, boundary->places);
