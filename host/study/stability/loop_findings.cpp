@@ -58,9 +58,11 @@ std::string hand_of(const Limit& limit) {
     return fmt::format("{:.4g} kg, {:.4g} N s/m and {:.4g} Hz", limit.mass, limit.damping, limit.rate);
 }
 
+// Limits are of one place of a surface, as the table has it.
 void add(std::vector<Finding>& findings, const char* name, std::string text) {
     if (!text.empty())
-        findings.push_back({name, std::move(text)});
+        findings.push_back({name, std::move(text), "",
+                            "one place of each surface, as loop_limits has it: others may bear less", "", ""});
 }
 
 // Stiffnesses in full.
@@ -93,19 +95,6 @@ std::string about_scene(const std::vector<Limit>& limits) {
     return "";
 }
 
-std::string about_plane(const std::vector<Limit>& limits) {
-    const auto plane = chosen(limits, [](const Limit& limit) { return limit.surface == kPlane; });
-    if (plane.empty())
-        return "";
-    const std::vector<double> off = each(plane, [](const Limit& limit) { return limit.off; });
-    const double middle = median(off), worst = std::ranges::max(off);
-    return fmt::format(
-        "On the plane the stiffness at which paths stop decaying {} K_crit, by {:.2g} % in the median and "
-        "{:.2g} % at worst over {} loops of different mass, damping, rate and delay{}.",
-        middle <= kMedianPromised ? "agrees with" : "lies beside", middle, worst, plane.size(),
-        middle <= kMedianPromised ? "" : fmt::format(": more than the {} % that is promised", kMedianPromised));
-}
-
 // The damping that the most surfaces were taken through, all other things the same; the least of several.
 std::vector<Limit> compared(const std::vector<Limit>& limits) {
     std::vector<Limit> best;
@@ -134,17 +123,6 @@ std::string about_surfaces(const std::vector<Limit>& limits) {
                                          1 / least.over_wall)
                            : "None gives way far below a wall's K_crit.",
                        grips_of(same));
-}
-
-std::string about_flutter(const std::vector<Limit>& limits) {
-    for (const Limit& limit : compared(limits))
-        if (limit.flutter)
-            return fmt::format("The {} flutters from {} on; the closed form of a force that is not held says "
-                               "{}, and holding it over a sample at {:.4g} Hz {} {:.2g} % of that.",
-                               limit.series, newton_per_metre(limit.measured), newton_per_metre(*limit.flutter),
-                               limit.rate, limit.measured < *limit.flutter ? "takes away" : "adds",
-                               100 * std::abs(limit.measured / *limit.flutter - 1));
-    return "";
 }
 
 // A surface without and with shading, over the damping that both have.
@@ -194,33 +172,6 @@ std::string about_delay(const std::vector<Limit>& limits) {
         100 * median(left), left.size(), 100 * std::ranges::min(left), 100 * std::ranges::max(left));
 }
 
-std::string about_passivity(const std::vector<Limit>& limits) {
-    const auto plane = chosen(limits, [](const Limit& one) { return one.surface == kPlane && one.delay == 0; });
-    if (plane.empty())
-        return "";
-    const auto over = each(plane, [](const Limit& one) { return one.over_passive; });
-    constexpr double kHardly = 1.1; // 1: of the median
-    const double least = std::ranges::min(over), middle = median(over);
-    std::string text =
-        fmt::format("Passivity, b > K T / 2, {} on the plane: loops stand {:.4g} to {:.3g} times as much "
-                    "stiffness ({:.4g} in the median)",
-                    least < 1           ? "does not hold"
-                    : middle <= kHardly ? "is safe and hardly more than needed"
-                                        : "is safe",
-                    least, std::ranges::max(over), middle);
-    const auto below = chosen(
-        limits, [](const Limit& one) { return one.surface != kPlane && one.delay == 0 && one.over_passive < 0.999; });
-    if (below.empty())
-        return text + ".";
-    const auto worst = std::ranges::min_element(below, {}, &Limit::over_passive);
-    std::set<std::string> names;
-    for (const Limit& one : below)
-        names.insert(one.series);
-    return text +
-           fmt::format("; it does not protect surfaces that are no plain walls ({}): {} gives way at {:.3g} of it.",
-                       fmt::join(names, "; "), worst->series, worst->over_passive);
-}
-
 } // namespace
 
 std::vector<Finding> loop_findings(const StudyData& data) {
@@ -229,14 +180,8 @@ std::vector<Finding> loop_findings(const StudyData& data) {
     add(findings, "loop_scene", about_scene(limits));
     add(findings, "loop_surfaces", about_surfaces(limits));
     add(findings, "loop_shading_bump", about_shading(limits, "bump"));
-    add(findings, "loop_flutter", about_flutter(limits));
-    add(findings, "loop_plane", about_plane(limits));
-    add(findings, "loop_passivity", about_passivity(limits));
     add(findings, "loop_delay", about_delay(limits));
-    const auto [friction, sides] = loop_map_findings(data.table("loop_map"));
-    add(findings, "loop_friction", friction);
-    add(findings, "loop_shading_mesh", about_shading(limits, "mesh"));
-    add(findings, "loop_maps", sides);
+    add(findings, "loop_friction", friction_finding(data.table("loop_map")));
     return findings;
 }
 

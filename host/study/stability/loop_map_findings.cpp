@@ -1,8 +1,5 @@
 #include "host/study/stability/loop_map_findings.h"
 
-#include <algorithm>
-#include <map>
-
 #include <fmt/format.h>
 
 namespace forceshade::study {
@@ -12,30 +9,6 @@ struct Count {
     std::size_t all = 0, right = 0;
     double percent() const { return 100.0 * static_cast<double>(right) / static_cast<double>(all); }
 };
-
-// Loops without rounding and friction that do what closed forms foresee, by surface.
-std::string about_maps(const Table& maps) {
-    std::map<std::string, Count> counts;
-    Count total;
-    for (std::size_t row = 0; row < maps.rows.size(); ++row) {
-        const std::string form = maps.word(row, "closed_form");
-        if (form.empty() || maps.number(row, "quantum_um").value_or(0) > 0 ||
-            maps.number(row, "friction_N").value_or(0) > 0)
-            continue;
-        const bool right = (maps.word(row, "state") == "stable") == (form == "rests");
-        for (Count* count : {&counts[maps.word(row, "surface")], &total}) {
-            ++count->all;
-            count->right += right;
-        }
-    }
-    if (total.all == 0)
-        return "";
-    const auto least = std::ranges::min_element(counts, {}, [](const auto& one) { return one.second.percent(); });
-    return fmt::format(
-        "Of {} loops in the maps over stiffness, damping, rate and delay, {:.4g} % come to rest or do not "
-        "as K_crit (plane) or the linearised loop (elsewhere) says; least on the surface {}, {:.4g} %.",
-        total.all, total.percent(), least->first, least->second.percent());
-}
 
 // Loops with rounding and no delay whose K is passive by its damping.
 struct Rounded {
@@ -60,7 +33,9 @@ Rounded rounded_loops(const Table& maps, bool on_plane) {
     return rounded;
 }
 
-std::string about_friction(const Table& maps) {
+} // namespace
+
+std::string friction_finding(const Table& maps) {
     const auto [held, chatter] = rounded_loops(maps, true);
     if (held.all == 0 || chatter.all == 0)
         return "";
@@ -77,12 +52,6 @@ std::string about_friction(const Table& maps) {
                     : fmt::format("; on other surfaces it is no promise: {} of {} within it do not come to rest",
                                   others.all - others.right, others.all);
     return text + ".";
-}
-
-} // namespace
-
-LoopMapFindings loop_map_findings(const Table& maps) {
-    return {about_friction(maps), about_maps(maps)};
 }
 
 } // namespace forceshade::study

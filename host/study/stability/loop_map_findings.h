@@ -7,13 +7,7 @@
 
 namespace forceshade::study {
 
-/// Empty where the maps tell nothing of it.
-struct LoopMapFindings {
-    std::string friction; /* rounding against friction */
-    std::string sides;    /* how many loops are on the side of the closed form that it says */
-};
-
-/// \throws DataError where a column is missing.
-LoopMapFindings loop_map_findings(const Table& maps);
+/// Rounding against friction; empty where the maps tell nothing of it. \throws DataError where a column is missing.
+std::string friction_finding(const Table& maps);
 
 } // namespace forceshade::study

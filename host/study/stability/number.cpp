@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <tuple>
 
 #include <fmt/format.h>
 
@@ -9,7 +11,6 @@
 #include "host/study/error_time/angle.h"
 #include "host/study/stability/number_cases.h"
 #include "host/study/stability/number_error.h"
-#include "host/study/stability/promises.h"
 
 namespace forceshade::study {
 namespace {
@@ -94,6 +95,33 @@ Figure figure_of(const NumberAxis& axis) {
     return figure;
 }
 
+// The largest prediction of meshes and of all other surfaces, by axis, precision and value.
+Table expected_table(const Table& number) {
+    Table table{"number_expected",
+                "What rounding lets one expect, the largest of all surfaces of a kind",
+                {{"axis", "", "Which parameter is varied."},
+                 {"precision", "", "f32 or f64."},
+                 {"kind", "", "mesh, or analytic for all others."},
+                 {"value_shown", "unit of the axis", "Its value, but 1e-4 for an origin of 0."},
+                 {"predicted", "1", "Largest prediction of an error over the largest force."},
+                 {"step_predicted", "1", "Likewise of the differences of neighbours."}},
+                {}};
+    std::map<std::tuple<std::string, std::string, std::string, double>, std::pair<double, double>> largest;
+    for (std::size_t row = 0; row < number.rows.size(); ++row) {
+        auto& [force, step] =
+            largest[{number.word(row, "axis"), number.word(row, "precision"),
+                     number.word(row, "surface") == "mesh" ? "mesh" : "analytic", *number.number(row, "value_shown")}];
+        force = std::max(force, number.number(row, "predicted").value_or(0));
+        step = std::max(step, number.number(row, "step_predicted").value_or(0));
+    }
+    for (const auto& [key, predicted] : largest) {
+        const auto& [axis, precision, kind, value] = key;
+        const auto shown = [](double number_here) { return number_here > 0 ? Cell(number_here) : Cell(); };
+        table.rows.push_back({axis, precision, kind, value, shown(predicted.first), shown(predicted.second)});
+    }
+    return table;
+}
+
 void add_curves(Figure& figure, const Table& expected, const std::string& axis, const char* column) {
     const auto has = [&](const std::string& kind, const std::string& precision) {
         for (std::size_t row = 0; row < expected.rows.size(); ++row)
@@ -148,9 +176,6 @@ void add_number(StudyData& data, const std::vector<Json>& results) {
     for (const Json& result : results)
         for (const Json& row : result)
             number.rows.push_back(row_of(kNumberColumns, row));
-    data.tables.push_back(promises_table(number));
-    data.tables.push_back(promised_table(data.tables.back()));
-    data.tables.push_back(failures_table(number));
     const Table expected = expected_table(number);
     data.tables.push_back(expected);
     for (const NumberAxis& axis : number_axes()) {
@@ -160,9 +185,8 @@ void add_number(StudyData& data, const std::vector<Json>& results) {
     }
     data.figures.push_back(step_figure(expected));
     data.tables.push_back(std::move(number));
-    data.notes.push_back("Ranges of precision are those that were tried: an error between two tried values is taken "
-                         "for that of neither. A voxel that lies on an edge to within rounding may have either "
-                         "facet's force; the samples here avoid edges.");
+    data.notes.push_back("Samples over the axes of precision avoid edges, where rounding may choose either facet; the "
+                         "worst places are searched for apart, in worst_rounding.");
     if (!data.scene.empty())
         data.notes.push_back("The part on numbers takes plain surfaces of its own, not those of the scene.");
 }

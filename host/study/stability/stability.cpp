@@ -3,6 +3,7 @@
 #include "host/study/stability/loop.h"
 #include "host/study/stability/number.h"
 #include "host/study/stability/stability_findings.h"
+#include "host/study/stability/worst_rounding.h"
 
 namespace forceshade::study {
 
@@ -17,7 +18,10 @@ StudyData study_stability(StudyRun& run) {
     StudyData data = run.data();
     add_loop(data, results);
     add_number(data, of_number);
+    std::vector<WorstRounding> worst;
+    run.run(worst_rounding_parts(run.options().quick, worst));
     data.findings = stability_findings(data);
+    add_worst_rounding(data, worst);
     return data;
 }
 
