@@ -72,15 +72,16 @@ TEST(OmissionFindings, FollowTheTimes) {
     EXPECT_TRUE(says(omission_finding(data, "most_kernel_time"), "16 times as long (quartiles 16 to 16)"));
     EXPECT_TRUE(says(omission_finding(data, "most_kernel_time"), "facet channel (bump) with 1.50 times"));
     EXPECT_TRUE(says(omission_finding(data, "most_kernel_time"), "saves 94 % of the time"));
-    EXPECT_TRUE(says(omission_finding(data, "saves_nothing"), "shading (bump 0.0 %), flat texture (bump 0.0 %)"));
+    EXPECT_TRUE(says(omission_finding(data, "saves_nothing"), ": flat texture (bump 0.0 %)"));
     EXPECT_FALSE(says(omission_finding(data, "saves_nothing"), "nothing (bump)")) << "the control is no feature";
-    EXPECT_EQ(omission_finding(data, "costs"), "No omission makes a kernel slower.");
     EXPECT_TRUE(says(omission_finding(data, "most_time"), "No omission saves time by the clock"));
     set(data, "facet channel", "kernel_ratio", 40.0);
     EXPECT_TRUE(says(omission_finding(data, "most_kernel_time"), "Leaving out facet channel (bump)"));
+    set(data, "shading", "kernel_verdict", std::string("saves"));
+    set(data, "shading", "kernel_ratio", 400.0);
+    EXPECT_TRUE(says(omission_finding(data, "most_kernel_time"), "Leaving out facet channel (bump)"))
+        << "another law is no omission";
     set(data, "facet channel", "kernel_verdict", std::string("costs"));
-    set(data, "facet channel", "kernel_ratio", 0.5);
-    EXPECT_TRUE(says(omission_finding(data, "costs"), "facet channel (bump), 2.00 times as long without it"));
     set(data, "every y", "kernel_verdict", std::string("within the spread"));
     EXPECT_TRUE(says(omission_finding(data, "most_kernel_time"), "No omission saves kernel time"));
 }
@@ -95,27 +96,6 @@ TEST(OmissionFindings, FollowTheBytes) {
     EXPECT_TRUE(says(omission_finding(data, "most_bytes"), "1.25 times as large"));
 }
 
-TEST(OmissionFindings, SayWhatChanged) {
-    StudyData data = omission_sample();
-    EXPECT_TRUE(
-        says(omission_finding(data, "unchanged"), "0 of 5000 samples (2500 in contact) differ in 5 comparisons"));
-    set(data, "shading", "differing", 7.0);
-    EXPECT_TRUE(
-        says(omission_finding(data, "unchanged"), "changes what it does not concern: shading (bump) in 7 of 1000"));
-    EXPECT_TRUE(says(omission_finding(data, "manifest"), "tell of every omission that was measured; they tell of"));
-    set(data, "shading", "manifest_agrees", std::string("no"));
-    EXPECT_TRUE(says(omission_finding(data, "manifest"), "do not agree with what was left out of shading (bump)"));
-    EXPECT_TRUE(says(omission_finding(data, "specialised"), "nothing that can be told"));
-    set(data, "flat texture", "kernel_verdict", std::string("saves"));
-    set(data, "flat texture", "kernel_ratio", 1.2);
-    EXPECT_TRUE(says(omission_finding(data, "specialised"),
-                     "costs 1.20 times the kernel time, quartiles 1.00 to 1.00, for the same forces"));
-    EXPECT_TRUE(says(omission_finding(data, "control"), "the ratio of kernel times is 1.000 ("));
-    data.tables.pop_back();
-    EXPECT_THROW(omission_findings(data), DataError);
-}
-
-// A noisy control makes an effect of its size none.
 TEST(OmissionTables, TellEffectsFromTheSpread) {
     const std::vector<BaseScene> scenes = own_scenes(true);
     std::vector<Comparison> comparisons;

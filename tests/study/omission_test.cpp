@@ -218,7 +218,7 @@ TEST_F(OmissionRun, OfAGridInTheAirAboveTouchingPathsSaysSo) {
 TEST_F(OnTheOracle, AMeasurementHasARoundOfEachSideAndLeavesNoFile) {
     const std::filesystem::path folder = std::filesystem::temp_directory_path() / "forceshade-omission-test";
     std::filesystem::create_directories(folder);
-    const Json result = measure(*engine_, nullptr, comparison("bump", "every y"), {6, 0.001, 60, 1}, folder);
+    const Json result = measure(*engine_, comparison("bump", "every y"), {6, 0.001, 60, 1}, folder);
     EXPECT_TRUE(std::filesystem::is_empty(folder));
     std::filesystem::remove_all(folder);
     EXPECT_EQ(result["with"]["kernel_s"].size(), 6u);
@@ -229,7 +229,7 @@ TEST_F(OnTheOracle, AMeasurementHasARoundOfEachSideAndLeavesNoFile) {
     EXPECT_EQ(result["differing"], 0);
 }
 
-// A patch has no inside, and a god-object on it is another law than the static field: neither is an error.
+// A patch has no inside: that is no error.
 TEST(OmissionScene, OnAnOpenMeshComparesNoLawWithAnother) {
     PreparedCase given = own_scenes(true)[2].prepared;
     auto mesh = std::make_shared<SceneMesh>(*given.images.mesh);
@@ -241,7 +241,7 @@ TEST(OmissionScene, OnAnOpenMeshComparesNoLawWithAnother) {
             uncompared.insert(one.feature);
             EXPECT_GT(what_is_compared(one).size(), 20u) << "the reason stands in the table";
         }
-    EXPECT_EQ(uncompared, (std::set<std::string>{"winding number", "history"}));
+    EXPECT_EQ(uncompared, (std::set<std::string>{"winding number"}));
     for (const BaseScene& base : own_scenes(true))
         for (const Comparison& one : comparisons_of(base, true))
             EXPECT_NE(one.force, Agreement::nothing) << base.name << ": " << one.feature;

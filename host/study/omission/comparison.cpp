@@ -166,17 +166,6 @@ private:
         free.omitted = "blocks of free space";
         free.forced = true;
         free.channels = kDepth | kFacet | kProxy | kUnshaded;
-        Comparison& history = add("history", "a god-object along the rows", "the static field");
-        for (Setup* setup : {&history.with, &history.without}) {
-            scene_of(*setup).output.channels = layout::kChannelForce;
-            scene_of(*setup).grid = shallow_grid(base_.prepared);
-        }
-        history.with.god_object = true;
-        history.without.free = FreeSpace::visited; // paths skip no sample
-        history.force = Agreement::contact;
-        if (base_.given)
-            compare_nothing(history,
-                            "where a surface is concave or open, a probe that remembers meets another contact");
     }
 
     // Both sides alike: what still lies between them is the measurement's.
@@ -195,14 +184,6 @@ private:
         add_y();
         if (is_mesh(scene()))
             add_mesh();
-        Comparison& oracle = add("validation", "rows checked by the oracle", "no check");
-        oracle.with.oracle = oracle.same_kernel = true;
-        oracle.channels = scene().output.channels;
-        if (!gpu_)
-            return;
-        Comparison& layers = add("validation layers", "on", "off");
-        layers.with.layers = layers.same_kernel = true;
-        layers.channels = scene().output.channels;
     }
 
     void add_paths() {
@@ -236,6 +217,11 @@ private:
 
 std::vector<std::string> omitted_by(const Setup& setup) {
     return omissions(setup.prepared.one.scene);
+}
+
+bool same_forces(const Comparison& comparison) {
+    return comparison.force == Agreement::bits || comparison.force == Agreement::values ||
+           comparison.force == Agreement::none;
 }
 
 bool agrees_with_manifest(const Comparison& comparison) {

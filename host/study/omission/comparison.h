@@ -15,10 +15,7 @@ struct Setup {
     std::string what;                    /* "reference", "all 32 y samples": for readers */
     Extent extent = Extent::what_varies; /* of a field */
     FreeSpace free = FreeSpace::skipped; /* of a mesh's field */
-    bool oracle = false;                 /* the check against the oracle goes along */
-    bool layers = false;                 /* with the Vulkan validation layers */
     bool samples = true;                 /* of paths: written, not metrics alone */
-    bool god_object = false;             /* the grid's rows as paths of a probe that remembers */
 };
 
 /// How the forces of both sides must agree.
@@ -45,12 +42,14 @@ struct Comparison {
     bool unshaded_is_force = false; /* the channel `unshaded` with the feature is the force without it */
     std::string omitted;            /* as the manifest calls it; empty: it does not tell of this */
     bool forced = false;            /* the scene is the same: only a study does the work that is always left out */
-    bool same_kernel = false;       /* the feature is the host's: what a kernel does is the same */
     bool paths = false;
 };
 
 /// What the manifest says is left out of a setup.
 std::vector<std::string> omitted_by(const Setup& setup);
+
+/// Whether the forces are the same numbers on both sides, so that the one without may stand for the one with.
+bool same_forces(const Comparison& comparison);
 
 /// True if the manifest tells of this omission where it is left out, and (unless forced) only there.
 bool agrees_with_manifest(const Comparison& comparison);

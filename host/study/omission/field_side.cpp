@@ -1,7 +1,6 @@
 #include "host/study/omission/field_side.h"
 
 #include "host/clock.h"
-#include "host/referee/oracle_check.h"
 
 namespace forceshade::study {
 namespace {
@@ -49,16 +48,11 @@ EngineTimes FieldSide<T>::evaluate(Engine& engine, layout::FieldInput<T> input,
 
 template <typename T> Cost FieldSide<T>::measure(Engine& engine) {
     Cost cost;
-    std::optional<OracleCheck> check;
     const layout::FieldInput<T> input = tables_.input();
     const Clock::time_point start = Clock::now();
-    if (setup_.oracle)
-        check.emplace(setup_.prepared, engine.report().software);
     const EngineTimes times = evaluate(engine, input, [&](const layout::FieldChunk<T>& chunk) {
         cost.received += chunk.force.size_bytes() + chunk.depth.size_bytes() + chunk.facet.size_bytes() +
                          chunk.proxy.size_bytes() + chunk.unshaded.size_bytes();
-        if (check)
-            check->add(chunk);
     });
     cost.whole = seconds_since(start);
     cost.kernel = times.kernel;

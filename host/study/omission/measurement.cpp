@@ -76,9 +76,9 @@ std::uint32_t looked_at(const Comparison& one) {
 }
 
 template <typename T>
-Json measure_in(Engine& engine, Engine* layered, const Comparison& comparison, const Rounds& rounds,
+Json measure_in(Engine& engine, const Comparison& comparison, const Rounds& rounds,
                 const std::filesystem::path& folder) {
-    Measured<T> with{make_side<T>(comparison.with, comparison.paths), comparison.with.layers ? *layered : engine};
+    Measured<T> with{make_side<T>(comparison.with, comparison.paths), engine};
     Measured<T> without{make_side<T>(comparison.without, comparison.paths), engine};
     const std::uint32_t channels = looked_at(comparison);
     // Also compiles the kernels and warms the caches.
@@ -106,7 +106,7 @@ Json measure_in(Engine& engine, Engine* layered, const Comparison& comparison, c
                 {"in_contact", unchanged.in_contact},
                 {"differing", unchanged.differing},
                 {"largest", unchanged.largest}};
-    if (!comparison.paths && !comparison.with.god_object) {
+    if (!comparison.paths) {
         result["with"]["file"] = volume_bytes<T>(engine, comparison.with, folder);
         result["without"]["file"] = volume_bytes<T>(engine, comparison.without, folder);
     }
@@ -115,11 +115,10 @@ Json measure_in(Engine& engine, Engine* layered, const Comparison& comparison, c
 
 } // namespace
 
-Json measure(Engine& engine, Engine* layered, const Comparison& comparison, const Rounds& rounds,
-             const std::filesystem::path& folder) {
+Json measure(Engine& engine, const Comparison& comparison, const Rounds& rounds, const std::filesystem::path& folder) {
     if (comparison.with.prepared.one.scene.precision == Precision::f32)
-        return measure_in<float>(engine, layered, comparison, rounds, folder);
-    return measure_in<double>(engine, layered, comparison, rounds, folder);
+        return measure_in<float>(engine, comparison, rounds, folder);
+    return measure_in<double>(engine, comparison, rounds, folder);
 }
 
 } // namespace forceshade::study

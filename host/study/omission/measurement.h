@@ -19,9 +19,8 @@ struct Rounds {
 
 /// The step's result: {"with": side, "without": side, "compared", "in_contact", "differing", "largest"}, a side being
 /// {"kernel_s": [one a round], "whole_s": [likewise], "uploaded", "received", "evaluated", "samples", "file"}.
-/// `layered`: an engine with validation layers, for the sides that want one. A volume is written in `folder` for its
-/// size, and removed.
-nlohmann::ordered_json measure(Engine& engine, Engine* layered, const Comparison& comparison, const Rounds& rounds,
+/// A volume is written in `folder` for its size, and removed.
+nlohmann::ordered_json measure(Engine& engine, const Comparison& comparison, const Rounds& rounds,
                                const std::filesystem::path& folder);
 
 } // namespace forceshade::study

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include "compute/device.h"
 #include "host/error.h"
 #include "host/study/omission/measurement.h"
 #include "host/study/omission/omission_findings.h"
@@ -24,41 +23,14 @@ std::string step_name(const Comparison& one) {
     return name;
 }
 
-// The engine with validation layers, made when first asked for.
-class LayeredEngine {
-public:
-    explicit LayeredEngine(const EngineOptions& options) : options_(options) { options_.validation = true; }
-
-    /// \throws compute::DeviceError where there are no layers.
-    Engine& get() {
-        if (!engine_)
-            engine_ = make_engine(options_);
-        return *engine_;
-    }
-
-private:
-    EngineOptions options_;
-    std::unique_ptr<Engine> engine_;
-};
-
-Json measure_or_skip(StudyRun& run, LayeredEngine& layered, const Comparison& one, const Rounds& rounds) {
-    Engine* engine = nullptr;
-    if (one.with.layers)
-        try {
-            engine = &layered.get();
-        } catch (const compute::DeviceError& error) {
-            return {{"skipped", error.what()}};
-        }
-    return measure(run.engine(), engine, one, rounds, run.options().folder);
-}
-
 // A scene whose samples are all free has no feature that matters: that leaving it out changes nothing would be said of
 // nothing, and all times would be those of free space.
 Touched require_contact(StudyRun& run, const BaseScene& base) {
-    const std::vector<Json> results = run.run_steps({{"contact", [&] {
-                                                    const Touched samples = touched(run.engine(), base);
-                                                    return Json{{"field", samples.field}, {"paths", samples.paths}};
-                                                }}});
+    const std::vector<Json> results =
+        run.run_steps({{"contact", [&] {
+                            const Touched samples = touched(run.engine(), base);
+                            return Json{{"field", samples.field}, {"paths", samples.paths}};
+                        }}});
     const Touched samples{results[0].at("field"), results[0].at("paths")};
     if (samples.field == 0 && samples.paths == 0)
         throw UsageError(
@@ -83,8 +55,7 @@ void add_free_note(const BaseScene& base, const Touched& samples, StudyData& dat
         add("[paths]");
 }
 
-void add_notes(const std::vector<BaseScene>& scenes, const std::vector<Comparison>& comparisons,
-               const std::vector<Json>& results, unsigned rounds, StudyData& data) {
+void add_notes(const std::vector<BaseScene>& scenes, unsigned rounds, StudyData& data) {
     for (const BaseScene& base : scenes) {
         const auto& size = base.prepared.one.scene.grid.size;
         data.notes.push_back(
@@ -101,10 +72,6 @@ void add_notes(const std::vector<BaseScene>& scenes, const std::vector<Compariso
                          "image) is switched at every y on both sides, so that it is switched alone.");
     data.notes.push_back("The feature \"nothing\" is a control: both sides are the same, and what lies between them is "
                          "the measurement's own.");
-    for (std::size_t i = 0; i < results.size(); ++i)
-        if (results[i].contains("skipped"))
-            data.notes.push_back(fmt::format("{} ({}) was not measured: {}.", comparisons[i].feature,
-                                             comparisons[i].scene, results[i]["skipped"].get<std::string>()));
 }
 
 } // namespace
@@ -120,18 +87,18 @@ StudyData study_omission(StudyRun& run) {
     for (const BaseScene& base : scenes)
         for (Comparison& one : comparisons_of(base, !run.options().engine.cpu))
             comparisons.push_back(std::move(one));
-    LayeredEngine layered(run.options().engine);
     std::vector<Step> steps;
     for (std::size_t i = 0; i < comparisons.size(); ++i)
         steps.push_back({step_name(comparisons[i]), [&, i] {
-                             return measure_or_skip(run, layered, comparisons[i],
-                                                    {rounds, seconds, quick ? kQuickBudget : kBudget, 1 + i});
+                             return measure(run.engine(), comparisons[i],
+                                            {rounds, seconds, quick ? kQuickBudget : kBudget, 1 + i},
+                                            run.options().folder);
                          }});
     const std::vector<Json> results = run.run_steps(steps);
     StudyData data = run.data();
     data.tables = {features_table(comparisons, results), omitted_table(scenes, comparisons)};
     data.figures = omission_figures(data.tables.front());
-    add_notes(scenes, comparisons, results, rounds, data);
+    add_notes(scenes, rounds, data);
     if (run.scene())
         add_free_note(scenes.front(), samples, data);
     data.findings = omission_findings(data);

@@ -10,7 +10,6 @@ namespace forceshade::study {
 namespace {
 
 constexpr const char* kControl = "nothing"; // the feature of a row whose sides are alike
-constexpr const char* kFlat = "flat texture";
 
 using Rows = std::vector<std::size_t>;
 
@@ -31,11 +30,14 @@ Rows rows_with(const Table& table, const std::function<bool(std::size_t)>& holds
     return rows;
 }
 
-// All but the controls.
+// What may be left out: the same forces come out without it. No controls.
+bool may_be_left_out(const Table& table, std::size_t row) {
+    return table.word(row, "feature") != kControl && table.word(row, "same_forces") == "yes";
+}
+
 Rows features_with(const Table& table, const char* column, const std::string& word) {
-    return rows_with(table, [&](std::size_t row) {
-        return table.word(row, "feature") != kControl && table.word(row, column) == word;
-    });
+    return rows_with(table,
+                     [&](std::size_t row) { return may_be_left_out(table, row) && table.word(row, column) == word; });
 }
 
 // By the feature, with the scenes that it was measured in and what it saved there: "facet channel (bump 1.2 %, mesh
@@ -88,8 +90,7 @@ Finding most_bytes(const Table& table) {
         return by_falling(table,
                           rows_with(table,
                                     [&](std::size_t row) {
-                                        return table.word(row, "feature") != kControl &&
-                                               table.number(row, column).value_or(0) > 1;
+                                        return may_be_left_out(table, row) && table.number(row, column).value_or(0) > 1;
                                     }),
                           column);
     };
@@ -115,93 +116,6 @@ Finding saves_nothing(const Table& table) {
                                          listed(table, rows, "kernel_saved_percent"))};
 }
 
-Finding costs(const Table& table) {
-    const Rows rows = features_with(table, "kernel_verdict", "costs");
-    if (rows.empty())
-        return {"costs", "No omission makes a kernel slower."};
-    const auto ratio = [&](std::size_t row) { return 1 / table.needed(row, "kernel_ratio"); };
-    const std::size_t worst =
-        *std::ranges::max_element(rows, [&](std::size_t a, std::size_t b) { return ratio(a) < ratio(b); });
-    return {"costs", fmt::format("Leaving these out makes the kernel slower, not faster: {}; the most {}, {} times as "
-                                 "long without it.",
-                                 listed(table, rows), name_of(table, worst), number(ratio(worst)))};
-}
-
-Finding unchanged(const Table& table) {
-    double compared = 0, in_contact = 0;
-    std::size_t comparisons = 0; // a feature that moves the probe leaves nothing to compare
-    Rows changed;
-    for (std::size_t row = 0; row < table.rows.size(); ++row) {
-        const double here = table.number(row, "compared").value_or(0);
-        compared += here;
-        comparisons += here > 0;
-        in_contact += table.number(row, "in_contact").value_or(0);
-        if (table.number(row, "differing").value_or(0) > 0)
-            changed.push_back(row);
-    }
-    if (changed.empty())
-        return {"unchanged", fmt::format("Switching a feature changes nothing that it does not concern: 0 of {:.0f} "
-                                         "samples ({:.0f} in contact) differ in {} comparisons.",
-                                         compared, in_contact, comparisons)};
-    std::vector<std::string> parts;
-    for (const std::size_t row : changed)
-        parts.push_back(fmt::format("{} in {:.0f} of {:.0f} samples", name_of(table, row),
-                                    table.needed(row, "differing"), table.number(row, "compared").value_or(0)));
-    return {"unchanged", fmt::format("Switching a feature changes what it does not concern: {}; the other {} of {} "
-                                     "comparisons hold.",
-                                     fmt::join(parts, ", "), comparisons - changed.size(), comparisons)};
-}
-
-Finding manifest(const Table& table, const Table& omitted) {
-    const Rows wrong = rows_with(table, [&](std::size_t row) { return table.word(row, "manifest_agrees") == "no"; });
-    const Rows missed =
-        rows_with(omitted, [&](std::size_t row) { return omitted.word(row, "feature") == "not measured"; });
-    if (wrong.empty() && missed.empty())
-        return {"manifest", fmt::format("The manifests tell of every omission that was measured, and all {} that they "
-                                        "tell of were measured.",
-                                        omitted.rows.size())};
-    std::string text = wrong.empty() ? "The manifests tell of every omission that was measured"
-                                     : "The manifests do not agree with what was left out of " + listed(table, wrong);
-    std::vector<std::string> parts;
-    for (const std::size_t row : missed)
-        parts.push_back(fmt::format("{} ({})", omitted.word(row, "omitted"), omitted.word(row, "scene")));
-    if (!parts.empty())
-        text += fmt::format("; they tell of {} that {} not measured", fmt::join(parts, ", "),
-                            parts.size() > 1 ? "were" : "was");
-    return {"manifest", text + "."};
-}
-
-// What a feature costs that is compiled in and does nothing.
-void add_specialised(const Table& table, std::vector<Finding>& findings) {
-    const Rows rows = by_falling(
-        table, rows_with(table, [&](std::size_t row) { return table.word(row, "feature") == kFlat; }), "kernel_ratio");
-    if (rows.empty())
-        return;
-    const auto all = [&](const char* verdict) {
-        return std::ranges::all_of(rows, [&](std::size_t row) { return table.word(row, "kernel_verdict") == verdict; });
-    };
-    const Rows beyond = rows_with(table, [&](std::size_t row) {
-        return table.word(row, "feature") == kFlat && table.word(row, "kernel_verdict") != "within the spread";
-    });
-    const double most = table.needed(rows.front(), "kernel_ratio"), least = table.needed(rows.back(), "kernel_ratio");
-    const std::string range = rows.size() > 1
-                                  ? fmt::format("{} to {} times the kernel time", number(least), number(most))
-                                  : fmt::format("{} times the kernel time, quartiles {} to {}", number(most),
-                                                number(table.needed(rows.front(), "kernel_ratio_q1")),
-                                                number(table.needed(rows.front(), "kernel_ratio_q3")));
-    findings.push_back(
-        {"specialised",
-         all("saves")
-             ? fmt::format("A texture that is compiled in and flat costs {}, for the same forces: that is what "
-                           "leaving it out of the compiled kernel is worth.",
-                           range)
-         : all("within the spread")
-             ? fmt::format(
-                   "A texture that is compiled in and flat costs nothing that can be told from the spread ({}).", range)
-             : fmt::format("A texture that is compiled in and flat costs {}, by the scene; beyond the spread in {}.",
-                           range, listed(table, beyond))});
-}
-
 void add_control(const Table& table, std::vector<Finding>& findings) {
     const Rows rows = rows_with(table, [&](std::size_t row) { return table.word(row, "feature") == kControl; });
     if (rows.empty())
@@ -220,16 +134,15 @@ void add_control(const Table& table, std::vector<Finding>& findings) {
 } // namespace
 
 std::vector<Finding> omission_findings(const StudyData& data) {
-    const Table &features = data.table("features"), &omitted = data.table("omitted");
+    const Table& features = data.table("features");
     std::vector<Finding> findings{most_time(features, "most_kernel_time", "kernel", "kernel time"),
-                                  unchanged(features),
-                                  most_time(features, "most_time", "whole", "time by the clock"),
-                                  most_bytes(features),
-                                  saves_nothing(features),
-                                  costs(features)};
-    add_specialised(features, findings);
+                                  most_time(features, "most_time", "whole", "time by the clock"), most_bytes(features),
+                                  saves_nothing(features)};
     add_control(features, findings);
-    findings.push_back(manifest(features, omitted));
+    for (Finding& finding : findings) {
+        finding.figure = finding.name == "most_bytes" ? "bytes" : finding.name == "most_time" ? "whole" : "kernel";
+        finding.condition = "of what leaves every force as it is; medians of paired rounds, quartiles beside";
+    }
     return findings;
 }
 

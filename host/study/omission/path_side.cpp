@@ -27,24 +27,17 @@ void take(const layout::PathChunk<T>& chunk, std::span<const Value> channel, std
 } // namespace
 
 template <typename T> PathSide<T>::PathSide(const Setup& setup) : setup_(setup) {
-    if (setup.god_object) {
-        tables_.emplace(make_tables<T>(setup.prepared.one.scene, setup.prepared.images, setup.extent));
-        rows_ = std::make_unique<RowPaths<T>>(*tables_);
-    } else {
-        paths_ = std::make_unique<ScenePaths<T>>(setup.prepared);
-    }
+    paths_ = std::make_unique<ScenePaths<T>>(setup.prepared);
 }
 
 template <typename T> layout::PathInput<T> PathSide<T>::input() {
-    layout::PathInput<T> input = rows_ ? rows_->input() : paths_->input();
+    layout::PathInput<T> input = paths_->input();
     if (!setup_.samples)
         input.features.channels = 0;
     return input;
 }
 
 template <typename T> std::size_t PathSide<T>::samples() const {
-    if (tables_)
-        return tables_->x.size() * tables_->y.size() * tables_->z.size();
     const PathsSpec& paths = *setup_.prepared.one.scene.paths;
     return paths.count * paths.steps;
 }
@@ -88,7 +81,7 @@ template <typename T> Captured<T> PathSide<T>::capture(Engine& engine, std::uint
 }
 
 template <typename T> std::unique_ptr<Side<T>> make_side(const Setup& setup, bool paths) {
-    if (paths || setup.god_object)
+    if (paths)
         return std::make_unique<PathSide<T>>(setup);
     return std::make_unique<FieldSide<T>>(setup);
 }

@@ -4,12 +4,11 @@
 #include <memory>
 
 #include "host/paths/scene_paths.h"
-#include "host/study/omission/row_paths.h"
 #include "host/study/omission/side.h"
 
 namespace forceshade::study {
 
-/// The paths of the setup's scene, or the rows of its grid.
+/// The paths of the setup's scene.
 template <typename T> class PathSide final : public Side<T> {
 public:
     /// `setup` must outlive it.
@@ -23,8 +22,6 @@ private:
     layout::PathInput<T> input();
 
     const Setup& setup_;
-    std::optional<FieldTables<T>> tables_; // of the grid's rows
-    std::unique_ptr<RowPaths<T>> rows_;
     std::unique_ptr<ScenePaths<T>> paths_;
 };
 

@@ -26,7 +26,7 @@ double floor_of(const std::string& scene, const char* key, const std::vector<Com
                 const std::vector<Json>& results) {
     double floor = kLeastEffect;
     for (std::size_t i = 0; i < comparisons.size(); ++i)
-        if (comparisons[i].feature == kControl && comparisons[i].scene == scene && !results[i].contains("skipped")) {
+        if (comparisons[i].feature == kControl && comparisons[i].scene == scene) {
             const double control = ratio_of_sides(results[i], key).median;
             floor = std::max({floor, control - 1, 1 / control - 1});
         }
@@ -65,8 +65,8 @@ const std::vector<Column>& feature_columns() {
         {"kernel_saved_percent_q3", "%", "its third quartile"},
         {"kernel_verdict", "",
          "what leaving it out does to the kernel's time: saves or costs where the quartiles of the ratio are on one "
-         "side of 1 and the median is further from it than 2 % and than that with nothing switched; same kernel: the "
-         "feature is the host's; control: nothing was switched"},
+         "side of 1 and the median is further from it than 2 % and than that with nothing switched; control: nothing "
+         "was switched"},
         {"whole_ns_with", "ns", "time a sample by the clock, planning and tables included, median"},
         {"whole_ns_without", "ns", "the same without it"},
         {"whole_ratio", "1", "time by the clock with over without in the same round, median"},
@@ -87,6 +87,8 @@ const std::vector<Column>& feature_columns() {
         {"file_with_bytes", "B", "the volume's file with it"},
         {"file_without_bytes", "B", "the volume's file without it"},
         {"file_ratio", "1", "size of the file, with over without"},
+        {"same_forces", "",
+         "yes: the forces without it are those with it, so that it may be left out; no: it is another law"},
         {"same", "", "what must be the same with and without it"},
         {"compared", "1", "samples compared"},
         {"in_contact", "1", "samples of them with a force"},
@@ -127,8 +129,6 @@ std::vector<Cell> feature_row(const Comparison& one, const Json& result, double 
     add_times(with);
     add_times(without);
     add_ratios("kernel_s", kernel_floor);
-    if (one.same_kernel)
-        row.back() = std::string("same kernel");
     add(1e9 * quartiles(numbers(with, "whole_s")).median / samples);
     add(1e9 * quartiles(numbers(without, "whole_s")).median / samples);
     add_ratios("whole_s", whole_floor);
@@ -146,6 +146,7 @@ std::vector<Cell> feature_row(const Comparison& one, const Json& result, double 
     row.push_back(moved(with) > 0 ? cell(saved_percent(moved(with) / moved(without))) : Cell());
     add_pair("file");
     row.push_back(ratio_of(with.value("file", 0.0), without.value("file", 0.0)));
+    row.push_back(std::string(same_forces(one) ? "yes" : "no"));
     row.push_back(what_is_compared(one));
     row.push_back(cell(result.at("compared").get<double>()));
     row.push_back(cell(result.at("in_contact").get<double>()));
@@ -171,10 +172,9 @@ Figure bars(const Table& features, const char* name, const char* title, const ch
 Table features_table(const std::vector<Comparison>& comparisons, const std::vector<Json>& results) {
     Table table{"features", "Each feature switched alone", feature_columns(), {}};
     for (std::size_t i = 0; i < comparisons.size(); ++i)
-        if (!results[i].contains("skipped"))
-            table.rows.push_back(feature_row(comparisons[i], results[i],
-                                             floor_of(comparisons[i].scene, "kernel_s", comparisons, results),
-                                             floor_of(comparisons[i].scene, "whole_s", comparisons, results)));
+        table.rows.push_back(feature_row(comparisons[i], results[i],
+                                         floor_of(comparisons[i].scene, "kernel_s", comparisons, results),
+                                         floor_of(comparisons[i].scene, "whole_s", comparisons, results)));
     return table;
 }
 

@@ -72,16 +72,4 @@ std::shared_ptr<const HeightImage> sample_map(HeightMapSpec& map) {
     return image;
 }
 
-GridSpec shallow_grid(const PreparedCase& prepared) {
-    const Mesh& mesh = prepared.images.mesh->mesh;
-    const MeshBox box = bounding_box(mesh.polygons);
-    const auto& size = prepared.one.scene.grid.size;
-    GridSpec grid = fitted_grid(std::max({size[0], size[1], size[2]}), mesh);
-    const double depth = (box.high[2] - box.low[2]) / 20; /* m */
-    grid.size[2] = 8;
-    grid.spacing[2] = depth / 8;
-    grid.origin[2] = box.high[2] - depth;
-    return grid;
-}
-
 } // namespace forceshade::study

@@ -19,8 +19,4 @@ TextureSpec usual_texture(const PreparedCase& prepared, TextureEffect effect);
 /// A sine or Gaussian as an image would hold it; `map` becomes one of a file.
 std::shared_ptr<const HeightImage> sample_map(HeightMapSpec& map);
 
-/// Layers in the uppermost twentieth of a mesh, as wide as it is and somewhat more: there rows begin outside, and what
-/// a probe remembers is the nearest place too.
-GridSpec shallow_grid(const PreparedCase& prepared);
-
 } // namespace forceshade::study
