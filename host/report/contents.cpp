@@ -193,9 +193,6 @@ void Reading::read_manifest(const std::string& folder) {
     sweep.cases_of_study = std::max(sweep.cases_of_study, sweep.cases.size());
     if (sweep.cases.empty())
         trouble(name, "it holds no case");
-    else if (sweep.cases.size() < sweep.cases_of_study)
-        trouble(name, "{} of {} cases are there; the same sweep again computes the rest", sweep.cases.size(),
-                sweep.cases_of_study);
     sweep.findings = sweep_findings(sweep);
     contents.sweeps.push_back(std::move(sweep));
 }

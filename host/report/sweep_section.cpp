@@ -183,7 +183,10 @@ std::string sweep_section(const std::filesystem::path& root, const Sweep& sweep)
                    {"Device", sweep.device},
                    {"Driver", sweep.driver},
                    {"Processor", sweep.cores ? fmt::format("{}, {} cores", sweep.cpu, sweep.cores) : sweep.cpu},
-                   {"Cases", fmt::format("{} of {}", sweep.cases.size(), sweep.cases_of_study)},
+                   {"Cases", sweep.cases.size() == sweep.cases_of_study
+                                 ? fmt::format("all {}", sweep.cases_of_study)
+                                 : fmt::format("{} of {}; the same sweep without --only computes the rest",
+                                               sweep.cases.size(), sweep.cases_of_study)},
                    {"Last run", sweep.seconds > 0 ? duration_text(sweep.seconds) : ""}});
     if (sweep.cases.empty())
         return html + "<p>There is no case here that this program can read.</p>\n</section>\n";

@@ -277,6 +277,16 @@ TEST_F(Report, TellsOfTablesAndFiguresThatAreMissingOrAltered) {
     }
 }
 
+// Of a study that --only chose a part of, nothing is missing.
+TEST_F(Report, CallsAPartThatWasChosenNoDamage) {
+    write_sample_sweep(path());
+    std::string text = text_in(path("manifest.json"));
+    text.replace(text.find("\"cases_of_study\": 2"), 19, "\"cases_of_study\": 5");
+    put_text(path("manifest.json"), text);
+    EXPECT_EQ(write().troubles.size(), 0u);
+    EXPECT_TRUE(says("2 of 5; the same sweep without --only computes the rest"));
+}
+
 TEST_F(Report, TellsOfVolumesThatAStudyDoesNotName) {
     write_sample_study(path("energy"));
     put_text(path("energy/left.exr"), "");

@@ -8,8 +8,8 @@
 namespace forceshade::study::error_time {
 namespace {
 
-constexpr std::size_t kTriesAPlace = 32;   // draws for each place that is kept
-constexpr std::size_t kTriesOfKinds = 100; // likewise for each place of a kind
+constexpr std::size_t kTriesAPlace = 32;                      // draws for each place that is kept
+constexpr std::size_t kTriesOfKinds = 100, kTriesOfRare = 10; // likewise for each place of a kind
 constexpr int kHalvings = 60;
 constexpr double kSmoothTurn = 5 * kDegree;  // across a ring; more is an edge of the smooth shape
 constexpr double kFeltTurn = 0.5 * kDegree;  // likewise; less is no edge of facets
@@ -194,7 +194,8 @@ KindPlaces places_of(const Subject& subject, const Variant& variant, const Exten
     PlaceDraw draw(subject, *variant.prepared, 2);
     const std::size_t wanted = extents.places_of_kind;
     for (std::size_t tries = 0; tries < kTriesOfKinds * wanted; ++tries) {
-        if (std::ranges::all_of(counts, [&](std::size_t count) { return count >= wanted; }))
+        const bool early = tries < kTriesOfRare * wanted; // a kind that was not met by then is not there
+        if (std::ranges::all_of(counts, [&](std::size_t count) { return count >= wanted || (count == 0 && !early); }))
             break;
         const auto place = draw();
         const Kind kind = place ? kind_of(*place) : Kind::flat;

@@ -187,8 +187,6 @@ void add_number(StudyData& data, const std::vector<Json>& results) {
     data.tables.push_back(std::move(number));
     data.notes.push_back("Samples over the axes of precision avoid edges, where rounding may choose either facet; the "
                          "worst places are searched for apart, in worst_rounding.");
-    if (!data.scene.empty())
-        data.notes.push_back("The part on numbers takes plain surfaces of its own, not those of the scene.");
 }
 
 } // namespace forceshade::study
