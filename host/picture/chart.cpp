@@ -75,22 +75,32 @@ public:
                     power % every == 0 && place >= low_ && place <= high_)
                     all.emplace_back(digit * std::pow(10, power),
                                      number(digit * std::pow(10, power), std::max(0, -power)));
+        if (all.size() < 2) { // less than a decade between them
+            all.clear();
+            const RoundTicks round = round_ticks(std::pow(10, low_), std::pow(10, high_), most);
+            for (const double value : round.values)
+                all.emplace_back(value, number(value, round.decimals));
+        }
         return all;
     }
 
 private:
     static std::string number(double value, int decimals) {
         const double size = std::fabs(value);
-        std::string text = value != 0 && (size < 1e-3 || size >= 1e5) ? fmt::format("{:.0e}", size)
-                                                                      : fmt::format("{:.{}f}", size, decimals);
-        if (const std::size_t e = text.find('e'); e != std::string::npos) {
-            static constexpr std::array<const char*, 10> kRaised{"⁰", "¹", "²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹"};
-            const int power = std::stoi(text.substr(e + 1));
-            std::string raised = power < 0 ? "⁻" : "";
-            for (const char digit : fmt::format("{}", std::abs(power)))
-                raised += kRaised[static_cast<std::size_t>(digit - '0')];
-            text = (text.substr(0, e) == "1" ? "10" : text.substr(0, e) + "×10") + raised;
-        }
+        if (value == 0 || (size >= 1e-3 && size < 1e5))
+            return (value < 0 ? "−" : "") + fmt::format("{:.{}f}", size, decimals);
+        static constexpr std::array<const char*, 10> kRaised{"⁰", "¹", "²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹"};
+        std::string text = fmt::format("{:.5e}", size);
+        const std::size_t e = text.find('e');
+        const int power = std::stoi(text.substr(e + 1));
+        std::string raised = power < 0 ? "⁻" : "";
+        for (const char digit : fmt::format("{}", std::abs(power)))
+            raised += kRaised[static_cast<std::size_t>(digit - '0')];
+        text.erase(e);
+        text.erase(text.find_last_not_of('0') + 1);
+        if (text.back() == '.')
+            text.pop_back();
+        text = (text == "1" ? "10" : text + "×10") + raised;
         return value < 0 ? "−" + text : text;
     }
 
@@ -117,9 +127,14 @@ void draw_mark(Canvas& canvas, std::size_t kind, Point at, Rgb8 colour) {
     canvas.polygon(outline, colour, {kPaper, 1.6, {}, false});
 }
 
-std::vector<double> dashes_of(const ChartSeries& series, std::size_t number) {
-    static const std::vector<std::vector<double>> kDashes{{8, 5}, {2, 4}, {10, 4, 2, 4}, {4, 4}};
-    return series.dashed ? kDashes[number % kDashes.size()] : std::vector<double>{};
+// Curves differ by their dashes: the first of those that are not dashed is solid.
+std::vector<double> dashes_of(const Chart& chart, std::size_t number) {
+    static const std::vector<std::vector<double>> kDashes{{8, 5}, {2, 4}, {10, 4, 2, 4}, {4, 4}, {12, 3}};
+    std::size_t solid = 0;
+    for (std::size_t i = 0; i < number; ++i)
+        solid += !chart.series[i].marks && !chart.series[i].dashed;
+    const ChartSeries& series = chart.series[number];
+    return series.dashed || (!series.marks && solid > 0) ? kDashes[number % kDashes.size()] : std::vector<double>{};
 }
 
 Rgb8 colour_of(const Chart& chart, std::size_t series) {
@@ -209,6 +224,8 @@ std::vector<double> all_of(const Chart& chart, bool x) {
     std::vector<double> values;
     for (const ChartSeries& series : chart.series)
         for (const ChartPoint& point : series.points) {
+            if (chart.groups.empty() && (!can_show(chart.x, point.x) || !can_show(chart.y, point.y)))
+                continue; // not drawn
             values.push_back(x ? point.x : point.y);
             for (const auto& end : {x ? point.x_low : point.y_low, x ? point.x_high : point.y_high})
                 if (end)
@@ -230,7 +247,7 @@ Entries series_entries(const Chart& chart) {
                 }
                 if (series.joined || !series.marks)
                     canvas.polyline(std::array{Point{at.x - 14, at.y}, Point{at.x + 14, at.y}},
-                                    {colour_of(chart, i), 1.8, dashes_of(series, i), false});
+                                    {colour_of(chart, i), 1.8, dashes_of(chart, i), false});
                 if (series.marks)
                     draw_mark(canvas, i, at, colour_of(chart, i));
             });
@@ -272,7 +289,7 @@ std::size_t draw_points(const Sheet& sheet, const AxisScale& x, const AxisScale&
                 labels.emplace_back(point.label, at);
         }
         if (series.joined || !series.marks)
-            sheet.canvas.polyline(places, {colour_of(chart, i), series.marks ? 1.8 : 1.4, dashes_of(series, i), true});
+            sheet.canvas.polyline(places, {colour_of(chart, i), series.marks ? 1.8 : 1.4, dashes_of(chart, i), true});
         if (series.marks)
             for (const Point& at : places) {
                 draw_mark(sheet.canvas, i, at, colour_of(chart, i));
@@ -349,7 +366,7 @@ CellColours colours_of(const Chart& chart) {
         if (!cell.word.empty() && std::ranges::find(colours.names, cell.word) == colours.names.end())
             colours.names.push_back(cell.word);
     colours.logarithmic = chart.value_logarithmic && !colours.both_signs && least < most;
-    colours.high = most > 0 ? most : 1;
+    colours.high = chart.value_limit > 0 ? chart.value_limit : most > 0 ? most : 1;
     colours.low = colours.both_signs ? -colours.high : colours.logarithmic ? least : 0;
     return colours;
 }
@@ -396,7 +413,7 @@ void draw_map(const Sheet& sheet, const CellColours& colours) {
         for (const ChartPoint& point : chart.series[i].points)
             if (point.x >= xs.front() && point.x <= xs.back() && point.y >= ys.front() && point.y <= ys.back())
                 line.push_back(place(point.x, point.y));
-        sheet.canvas.polyline(line, {kInk, 1.8, dashes_of(chart.series[i], i), true});
+        sheet.canvas.polyline(line, {kInk, 1.8, dashes_of(chart, i), true});
     }
     sheet.canvas.end_clip();
 }
@@ -443,7 +460,10 @@ Picture draw_chart(const Chart& chart) {
     if (map) {
         draw_map(sheet, colours);
     } else {
-        const AxisScale x(chart.x, bars ? all_of(chart, false) : all_of(chart, true), plot.x, plot.x + plot.width);
+        std::vector<double> along = all_of(chart, !bars);
+        if (bars)
+            along.push_back(0); // where they begin
+        const AxisScale x(chart.x, along, plot.x, plot.x + plot.width);
         const AxisScale y(chart.y, all_of(chart, false), plot.y + plot.height, plot.y);
         std::vector<std::pair<double, std::string>> x_ticks, y_ticks;
         for (const auto& [value, label] : x.ticks(9))

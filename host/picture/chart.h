@@ -1,5 +1,4 @@
-// Charts: points and lines over two axes, cells of a map, bars. One colour and mark for a name, whatever else a chart
-// shows.
+// Charts: points and lines over two axes, cells of a map, bars.
 #pragma once
 
 #include <optional>
@@ -41,6 +40,7 @@ struct Chart {
     std::vector<ChartCell> cells; /* of a map, beneath the series; empty: no map */
     std::string value_label;      /* of the cells' numbers */
     bool value_logarithmic = false;
+    double value_limit = 0;          /* the colours end at this size; 0: at the largest */
     std::vector<std::string> words;  /* of the cells, in the legend's order */
     std::vector<std::string> groups; /* of bars: what stands at x = 0, 1, 2, ...; empty: no bars */
 };

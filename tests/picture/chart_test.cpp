@@ -1,4 +1,5 @@
 // Charts: everything that is written stands on the sheet and clear of the rest, and nothing is left out in silence.
+#include <algorithm>
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -84,6 +85,31 @@ TEST(Chart, TellsOfPointsThatAnAxisCannotShow) {
     chart.series[0].points[0].x = -1;
     chart.series[0].points[1].y = NAN;
     EXPECT_EQ(tells(), "2 points have no number that these axes can show.");
+}
+
+std::vector<std::string> texts_of(const Chart& chart) {
+    std::vector<std::string> texts;
+    for (const PlacedText& text : draw_chart(chart).texts)
+        texts.push_back(text.text);
+    return texts;
+}
+
+TEST(Chart, WritesEveryTickAsTheNumberThatItIs) {
+    Chart chart;
+    chart.series = {{"a", {{0, 1, {}, {}, {}, {}, ""}, {400000, 2, {}, {}, {}, {}, ""}}, true, false, false}};
+    const std::vector<std::string> wide = texts_of(chart);
+    EXPECT_EQ(std::ranges::count(wide, "2×10⁵"), 1);
+    EXPECT_EQ(std::ranges::count(wide, "1.5×10⁵"), 1);
+    chart.series[0].points = {{2.3, 2.3, {}, {}, {}, {}, ""}, {4.2, 4.2, {}, {}, {}, {}, ""}};
+    chart.x.logarithmic = chart.y.logarithmic = true;
+    EXPECT_GE(texts_of(chart).size(), 6u) << "less than a decade has ticks, too";
+}
+
+TEST(Chart, HasBarsThatBeginAtNothing) {
+    Chart chart = bar_sample();
+    for (ChartSeries& series : chart.series)
+        series.points = {{0, 80, {}, {}, {}, {}, ""}, {1, 100, {}, {}, {}, {}, ""}};
+    EXPECT_EQ(std::ranges::count(texts_of(chart), "0"), 1);
 }
 
 // As vectors, too, and always with the same bytes.

@@ -59,12 +59,14 @@ function ticksOf(scale, axis, most) {
     for (const times of decades < 1.5 ? [1, 2, 5] : decades < 3 ? [1, 3] : [1])
       if (times * 10 ** power >= low && times * 10 ** power <= high && power % every === 0)
         all.push(times * 10 ** power);
+  if (all.length < 2) // less than a decade between them
+    return d3.scaleLinear().domain([low, high]).ticks(Math.max(2, Math.floor(most)));
   return all;
 }
 
 // Text of an SVG axis: 10 to a power has the power raised, as numbers have everywhere on the page.
 const tickText = (value) => value !== 0 && (Math.abs(value) < 1e-3 || Math.abs(value) >= 1e5)
-  ? numberText(value, 1).replace(/^1×/, "") : String(+value.toPrecision(6)).replace("-", "−");
+  ? numberText(value, 5).replace(/\.?0+×/, "×").replace(/^(−?)1×/, "$1") : String(+value.toPrecision(6)).replace("-", "−");
 
 class FigureFrame {
   constructor(element, figure, height = HEIGHT) {
@@ -119,16 +121,16 @@ function drawLine(target, points, x, y, colour, dash, width = 1.6) {
 const CURVE_DASHES = [null, "7 4", "2 3", "8 3 2 3", "1 5"];
 
 function drawScatter(element, study, figure) {
-  const positive = (axis, value) => typeof value === "number" && (!axis.logarithmic || value > 0);
+  const canShow = (axis, value) => typeof value === "number" && (!axis.logarithmic || value > 0);
   const all = rowsOf(study, figure.table, figure.where);
-  const rows = all.filter((row) => positive(figure.x, row[figure.x.column]) && positive(figure.y, row[figure.y.column]));
+  const rows = all.filter((row) => canShow(figure.x, row[figure.x.column]) && canShow(figure.y, row[figure.y.column]));
   const curves = figure.curves.map((curve) => ({ ...curve, points: rowsOf(study, curve.table, curve.where).map((row) => [row[curve.x], row[curve.y]])
-    .filter(([a, b]) => positive(figure.x, a) && positive(figure.y, b)) })).filter((curve) => curve.points.length);
-  const spread = (column) => rows.map((row) => row[column]).filter((value) => typeof value === "number" && value > 0);
+    .filter(([a, b]) => canShow(figure.x, a) && canShow(figure.y, b)) })).filter((curve) => curve.points.length);
+  const spread = (axis, column) => rows.map((row) => row[column]).filter((value) => canShow(axis, value));
   const frame = new FigureFrame(element, figure);
-  const x = scaleOf(figure.x, [...rows.map((row) => row[figure.x.column]), ...curves.flatMap((c) => c.points.map((p) => p[0])), ...spread(figure.x_low), ...spread(figure.x_high)],
+  const x = scaleOf(figure.x, [...rows.map((row) => row[figure.x.column]), ...curves.flatMap((c) => c.points.map((p) => p[0])), ...spread(figure.x, figure.x_low), ...spread(figure.x, figure.x_high)],
     [PLOT.left, frame.right]);
-  const y = scaleOf(figure.y, [...rows.map((row) => row[figure.y.column]), ...curves.flatMap((c) => c.points.map((p) => p[1])), ...spread(figure.low), ...spread(figure.high)],
+  const y = scaleOf(figure.y, [...rows.map((row) => row[figure.y.column]), ...curves.flatMap((c) => c.points.map((p) => p[1])), ...spread(figure.y, figure.low), ...spread(figure.y, figure.high)],
     [frame.bottom, PLOT.top]);
   frame.drawAxes(x, y, ticksOf(x, figure.x, frame.width / 90), ticksOf(y, figure.y, 7));
   curves.forEach((curve, i) => {
@@ -144,12 +146,12 @@ function drawScatter(element, study, figure) {
       drawLine(frame.body, own.map((row) => [row[figure.x.column], row[figure.y.column]]), x, y, style.colour, style.dash);
     for (const row of own) {
       const [px, py] = at(row);
-      const whisker = (low, high, line) => {
-        if (positive(low.axis, row[low.column]) && positive(low.axis, row[high]))
-          frame.body.append("path").attr("stroke", style.colour).attr("fill", "none").attr("stroke-width", 1.3).attr("d", line(row[low.column], row[high]));
+      const whisker = (axis, low, high, line) => {
+        if (canShow(axis, row[low]) && canShow(axis, row[high]))
+          frame.body.append("path").attr("stroke", style.colour).attr("fill", "none").attr("stroke-width", 1.3).attr("d", line(row[low], row[high]));
       };
-      whisker({ axis: figure.y, column: figure.low }, figure.high, (a, b) => `M${px - 3},${y(a)}h6m-3,0V${y(b)}m-3,0h6`);
-      whisker({ axis: figure.x, column: figure.x_low }, figure.x_high, (a, b) => `M${x(a)},${py - 3}v6m0,-3H${x(b)}m0,-3v6`);
+      whisker(figure.y, figure.low, figure.high, (a, b) => `M${px - 3},${y(a)}h6m-3,0V${y(b)}m-3,0h6`);
+      whisker(figure.x, figure.x_low, figure.x_high, (a, b) => `M${x(a)},${py - 3}v6m0,-3H${x(b)}m0,-3v6`);
       frame.body.append("path").attr("class", "mark").attr("tabindex", -1).attr("transform", `translate(${px},${py})`)
         .attr("d", d3.symbol().type(style.symbol).size(46)()).attr("fill", style.colour).attr("stroke", "var(--plot-paper)").attr("stroke-width", 0.7)
         .datum(() => ({ study, figure, row }))

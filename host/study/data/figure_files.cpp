@@ -66,6 +66,7 @@ picture::Chart chart_of(const Figure& figure, const StudyData& data) {
     }
     chart.value_label = figure.value_label;
     chart.value_logarithmic = figure.value_logarithmic;
+    chart.value_limit = figure.value_limit;
     chart.words = figure.value_words;
     const Table& table = data.table(figure.table);
     for (std::size_t row = 0; row < table.rows.size(); ++row)
