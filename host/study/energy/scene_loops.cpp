@@ -17,7 +17,7 @@ namespace {
 
 constexpr double kDeep = 0.02;  /* of the region's length */
 constexpr double kUsed = 0.998; /* of the region's length, so that no loop ends on an edge */
-constexpr int kMeshSteps = 1024;
+constexpr int kSceneMeshSteps = 1024;
 
 struct Scheme {
     std::string name;
@@ -172,7 +172,7 @@ std::vector<LoopCase> scene_loops(const PreparedCase& scene) {
                 one.smooth = normals_of(scene.one.scene);
                 one.god_object = god_object;
                 one.pieces = {8};
-                one.steps = mesh ? kMeshSteps : one.steps;
+                one.steps = mesh ? kSceneMeshSteps : one.steps;
                 if (surface == SurfaceKind::bump)
                     one.facets = scene.one.scene.surface.facets;
                 const bool plain = !scene.one.scene.texture && scheme.force.shading == Shading::none;
