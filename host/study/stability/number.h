@@ -1,19 +1,26 @@
-// Where numbers of single precision leave those of double: how far forces differ over sizes, stiffnesses and distances,
-// and what explains it.
+// Where numbers of single precision leave those of double: how far forces differ over sizes, stiffnesses and distances.
 #pragma once
 
+#include <string>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
 #include "host/study/run/study_run.h"
+#include "host/study/stability/number_error.h"
 
 namespace forceshade::study {
 
-/// What is to be computed, in parts of some seconds.
-std::vector<Step> number_steps(StudyRun& run);
+/// A surface with one parameter at one value, in a precision.
+struct NumberRow {
+    std::string surface, axis;
+    double value = 0; /* SI */
+    std::string precision;
+    NumberErrors errors;
+};
 
-/// Adds tables, figures and notes, from the steps' results in their order.
-void add_number(StudyData& data, const std::vector<nlohmann::ordered_json>& results);
+/// A part for each surface and axis; `rows` must outlive them.
+std::vector<Part> number_parts(Engine& engine, bool quick, std::vector<NumberRow>& rows);
+
+/// Adds table, figures and notes.
+void add_numbers(StudyData& data, const std::vector<NumberRow>& rows);
 
 } // namespace forceshade::study

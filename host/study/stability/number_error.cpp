@@ -12,8 +12,8 @@
 #include "host/referee/rounding_bound.h"
 #include "host/reference/contact.h"
 #include "host/reference/god_object.h"
+#include "host/study/energy/loop_work.h"
 #include "host/study/error_time/angle.h"
-#include "host/study/stability/number_terms.h"
 
 namespace forceshade::study {
 namespace {
@@ -39,7 +39,7 @@ template <typename T> Forces evaluated(Engine& engine, const PreparedCase& prepa
 }
 
 /// Voxel by voxel, x fastest, then z.
-std::vector<Vector> places_of(const PreparedCase& prepared) {
+std::vector<Vector> voxels_of(const PreparedCase& prepared) {
     const GridSpec& grid = prepared.one.scene.grid;
     std::vector<Vector> places;
     for (std::size_t k = 0; k < grid.size[2]; ++k)
@@ -51,7 +51,7 @@ std::vector<Vector> places_of(const PreparedCase& prepared) {
 
 Forces true_forces(const PreparedCase& home, const ForceOf& force) {
     Forces forces;
-    for (const Vector& place : places_of(home))
+    for (const Vector& place : voxels_of(home))
         forces.push_back(force(place));
     return forces;
 }
@@ -82,7 +82,7 @@ Forces by_referee(const PreparedCase& home) {
     std::optional<brute::Column> column; // finding it loops over all facets
     Forces forces;
     const std::size_t columns = home.one.scene.grid.size[0];
-    const std::vector<Vector> places = places_of(home);
+    const std::vector<Vector> places = voxels_of(home);
     forces.resize(places.size());
     for (std::size_t i = 0; i < columns; ++i) {
         column = referee.column(places[i].x, places[i].y);
@@ -101,23 +101,24 @@ struct Sums {
 
 void add_field(const Forces& found, const Forces& truth, std::size_t columns, Sums& sums) {
     for (std::size_t at = 0; at < found.size(); ++at) {
-        const double off = size_of(found[at] - truth[at]);
-        sums.largest = std::max(sums.largest, size_of(truth[at]));
+        const double off = reference::length(found[at] - truth[at]);
+        sums.largest = std::max(sums.largest, reference::length(truth[at]));
         sums.off = std::isfinite(off) ? std::max(sums.off, off) : std::numeric_limits<double>::infinity();
         sums.all_off.push_back(off);
         if (at % columns == 0)
             continue;
         const Vector step = truth[at] - truth[at - 1];
-        sums.step = std::max(sums.step, size_of(step));
-        sums.step_off = std::max(sums.step_off, size_of(found[at] - found[at - 1] - step));
+        sums.step = std::max(sums.step, reference::length(step));
+        sums.step_off = std::max(sums.step_off, reference::length(found[at] - found[at - 1] - step));
     }
 }
 
 double turned(const Forces& found, const Forces& truth, double largest) {
     double most = 0;
     for (std::size_t at = 0; at < found.size(); ++at)
-        if (size_of(truth[at]) > kWeak * largest && size_of(found[at]) > 0)
-            most = std::max(most, angle_between(found[at] / size_of(found[at]), truth[at] / size_of(truth[at])));
+        if (reference::length(truth[at]) > kWeak * largest && reference::length(found[at]) > 0)
+            most = std::max(most, angle_between(found[at] / reference::length(found[at]),
+                                                truth[at] / reference::length(truth[at])));
     return most;
 }
 
@@ -126,8 +127,8 @@ double bound_of(const PreparedCase& prepared, Precision precision) {
     const RoundingBound bound(prepared, precision);
     const double unit = precision == Precision::f32 ? 0x1p-24 : 0x1p-53;
     double most = 0;
-    for (const Vector& at : places_of(prepared))
-        most = std::max(most, bound.at(at.x, at.y, at.z).force + bound.over(unit * size_of(at)).force);
+    for (const Vector& at : voxels_of(prepared))
+        most = std::max(most, bound.at(at.x, at.y, at.z).force + bound.over(unit * reference::length(at)).force);
     return most;
 }
 
@@ -135,7 +136,6 @@ template <typename T, typename Truth>
 NumberErrors errors_of(Engine& engine, const NumberCase& one, Precision precision, const Truth& truth_of) {
     NumberErrors errors;
     Sums sums;
-    Expected expected;
     std::vector<std::pair<Forces, Forces>> all;
     for (const NumberField& field : one.fields) {
         const PreparedCase& home = field.home ? *field.home : field.prepared;
@@ -146,19 +146,14 @@ NumberErrors errors_of(Engine& engine, const NumberCase& one, Precision precisio
             return errors;
         }
         add_field(all.back().first, all.back().second, home.one.scene.grid.size[0], sums);
-        add_expected(field.prepared, home, places_of(home), places_of(field.prepared), precision, expected);
         if (!home.images.mesh)
             sums.bound = std::max(sums.bound, bound_of(field.prepared, precision));
     }
     if (!(sums.largest > 0))
         return errors;
     errors.force = sums.off / sums.largest;
-    errors.predicted = expected.most / sums.largest;
-    errors.condition = expected.condition;
-    if (sums.step > kAlike * sums.largest) {
+    if (sums.step > kAlike * sums.largest)
         errors.step = sums.step_off / sums.step;
-        errors.predicted_step = 2 * expected.most / sums.step;
-    }
     if (!one.fields.front().prepared.images.mesh)
         errors.bound = sums.bound / sums.largest;
     for (const auto& [found, truth] : all)

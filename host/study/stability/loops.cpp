@@ -1,4 +1,4 @@
-#include "host/study/stability/loop_cells.h"
+#include "host/study/stability/loops.h"
 
 #include <algorithm>
 #include <array>
@@ -15,23 +15,23 @@ namespace {
 constexpr glm::dvec3 kAside(0.25, 0.15, 1);
 
 // The place of rest of a loop that measures in quanta is the worst: midway between two of them.
-double rest_height(const LoopPlace& place, double quantum) {
-    return quantum > 0 ? (std::floor(place.rest.z / quantum) + 0.5) * quantum : place.rest.z;
+double rest_height(const RestPlace& place, double quantum) {
+    return quantum > 0 ? (std::floor(place.at.z / quantum) + 0.5) * quantum : place.at.z;
 }
 
-PreparedCase scene_of(const LoopPlace& place, std::size_t count, const LoopRun& run) {
-    PreparedCase prepared = place.prepared;
+PreparedCase scene_of(const LoopSurface& surface, const RestPlace& place, std::size_t count, const LoopRun& run) {
+    PreparedCase prepared = surface.prepared;
     PathsSpec paths;
     paths.count = count;
     paths.steps = run.steps;
-    paths.rate = place.rate;
+    paths.rate = surface.rate;
     paths.loop = PathLoop::closed;
-    paths.drive = place.held ? PathDrive::depth : PathDrive::push;
+    paths.drive = run.all_sides ? PathDrive::depth : PathDrive::push;
     paths.depth = fixed_spread(0);
     paths.length = paths.width = 0;
     const double off = run.disturbance * place.depth;
-    paths.centre = std::array{place.rest.x + off * kAside.x, place.rest.y + off * kAside.y};
-    paths.height = place.rest.z;
+    paths.centre = std::array{place.at.x + off * kAside.x, place.at.y + off * kAside.y};
+    paths.height = place.at.z;
     paths.start_depth = off * kAside.z;
     paths.bound = run.bound * place.depth;
     prepared.one.scene.paths = paths;
@@ -39,11 +39,11 @@ PreparedCase scene_of(const LoopPlace& place, std::size_t count, const LoopRun& 
 }
 
 template <typename T>
-layout::HandParams<T> hand_of(const LoopPlace& place, const LoopCell& cell, const LoopRun& run, PathsSpec paths) {
+layout::HandParams<T> hand_of(const RestPlace& place, const LoopCell& cell, const LoopRun& run, PathsSpec paths) {
     paths.rate = cell.rate;
     HandSpec hand = cell.hand;
     hand.max_force = std::numeric_limits<float>::max() / 4; // the limit of the loop is asked for, not the device's
-    const double height = rest_height(place, hand.quantisation), moved = height - place.rest.z;
+    const double height = rest_height(place, hand.quantisation), moved = height - place.at.z;
     const double off = run.disturbance * place.depth;
     paths.start_depth = off * kAside.z - moved;
     const double swings = 2 * place.depth * std::sqrt(cell.stiffness / hand.mass) / cell.rate;
@@ -53,7 +53,7 @@ layout::HandParams<T> hand_of(const LoopPlace& place, const LoopCell& cell, cons
     const glm::dvec3 force = place.force - place.slope * glm::dvec3(0, 0, moved);
     params.push_x = T(-cell.stiffness * force.x - hand.grip_stiffness * off * kAside.x);
     params.push_y = T(-cell.stiffness * force.y - hand.grip_stiffness * off * kAside.y);
-    params.push_z = T(-cell.stiffness * force.z + (place.held ? hand.grip_stiffness * moved : 0));
+    params.push_z = T(-cell.stiffness * force.z + (run.all_sides ? hand.grip_stiffness * moved : 0));
     return params;
 }
 
@@ -104,16 +104,17 @@ LoopState state_of(const LoopOutcome& outcome, double creep, double spread, doub
 }
 
 template <typename T>
-std::vector<LoopOutcome> run_as(Engine& engine, const LoopPlace& place, const std::vector<LoopCell>& cells,
-                                const LoopRun& run) {
-    const PreparedCase prepared = scene_of(place, cells.size(), run);
+std::vector<LoopOutcome> run_as(Engine& engine, const LoopSurface& surface, const RestPlace& place,
+                                const std::vector<LoopCell>& cells, const LoopRun& run) {
+    const PreparedCase prepared = scene_of(surface, place, cells.size(), run);
     ScenePaths<T> source(prepared);
     std::vector<layout::HandParams<T>> hands;
     for (const LoopCell& cell : cells)
         hands.push_back(hand_of<T>(place, cell, run, *prepared.one.scene.paths));
     layout::PathInput<T> input = source.input();
-    const bool quantised = std::ranges::any_of(cells, [](const LoopCell& cell) { return cell.hand.quantisation > 0; });
-    input.features.channels = quantised ? layout::kChannelPosition : 0;
+    const bool swings =
+        run.swings || std::ranges::any_of(cells, [](const LoopCell& cell) { return cell.hand.quantisation > 0; });
+    input.features.channels = swings ? layout::kChannelPosition : 0;
     input.hands = hands;
     LateSpread<T> spread(cells.size(), run.steps);
     std::vector<LoopOutcome> outcomes(cells.size());
@@ -133,7 +134,8 @@ std::vector<LoopOutcome> run_as(Engine& engine, const LoopPlace& place, const st
                     run.disturbance * place.depth * std::min(std::sqrt(cell.stiffness / cell.hand.mass), cell.rate);
                 outcome.at_rest = outcome.late <= kRest * quick;
                 const double creep = kNowhere * run.disturbance * place.depth * cell.rate / (0.25 * steps);
-                outcome.state = state_of(outcome, creep, spread.of(first + i), cell.hand.quantisation);
+                outcome.swing = swings ? spread.of(first + i) : 0;
+                outcome.state = state_of(outcome, creep, outcome.swing, cell.hand.quantisation);
             }
         });
     return outcomes;
@@ -161,14 +163,14 @@ std::size_t settling_steps(const LoopCell& cell, double patience) {
     return static_cast<std::size_t>(std::clamp(patience / loses, kLeast, kMost));
 }
 
-std::vector<LoopOutcome> run_cells(Engine& engine, const LoopPlace& place, const std::vector<LoopCell>& cells,
-                                   const LoopRun& run) {
+std::vector<LoopOutcome> run_cells(Engine& engine, const LoopSurface& surface, const RestPlace& place,
+                                   const std::vector<LoopCell>& cells, const LoopRun& run) {
     LoopRun whole = run;
     if (whole.steps == 0)
         for (const LoopCell& cell : cells)
             whole.steps = std::max(whole.steps, settling_steps(cell, run.patience));
-    return engine.report().f64 ? run_as<double>(engine, place, cells, whole)
-                               : run_as<float>(engine, place, cells, whole);
+    return engine.report().f64 ? run_as<double>(engine, surface, place, cells, whole)
+                               : run_as<float>(engine, surface, place, cells, whole);
 }
 
 } // namespace forceshade::study

@@ -1,4 +1,4 @@
-#include "host/study/stability/loop_laws.h"
+#include "host/study/stability/laws.h"
 
 #include <algorithm>
 #include <cmath>

@@ -4,11 +4,11 @@
 #include <vector>
 
 #include "host/engine/engine.h"
-#include "host/study/stability/loop_place.h"
+#include "host/study/stability/surfaces.h"
 
 namespace forceshade::study {
 
-/// A hand that is pressed with a constant force into a place's surface.
+/// A hand whose constant force balances the surface's at a place.
 struct LoopCell {
     HandSpec hand;
     double rate = 1000;   /* Hz */
@@ -34,6 +34,8 @@ struct LoopRun {
                                  not there in the first sample, and the swing that this makes is added twice */
     double patience = 400;    /* 1: how long a path is, in times that damping takes */
     std::size_t steps = 0;    /* of each path; 0: settling_steps of the slowest */
+    bool all_sides = false;   /* the grip's spring holds the hand along z, too */
+    bool swings = false;      /* tell how far it swings */
 };
 
 /// What became of a loop.
@@ -42,6 +44,8 @@ struct LoopOutcome {
     double early = 0, late = 0; /* m/s: largest speeds in the second quarter of the time and in the last */
     bool left = false;          /* its bound */
     bool at_rest = false;       /* its speed is nothing beside the disturbance's */
+    double swing = 0;           /* m: between its farthest measured positions, along the axis of the most, in the last
+                                   quarter; with LoopRun::swings or where the hand measures in quanta */
 };
 
 /// Samples in which a loop near its limit shows by its speeds on which side it is: `patience` times the time that
@@ -50,7 +54,7 @@ struct LoopOutcome {
 std::size_t settling_steps(const LoopCell& cell, double patience);
 
 /// All cells at once, in double where the engine has it.
-std::vector<LoopOutcome> run_cells(Engine& engine, const LoopPlace& place, const std::vector<LoopCell>& cells,
-                                   const LoopRun& run);
+std::vector<LoopOutcome> run_cells(Engine& engine, const LoopSurface& surface, const RestPlace& place,
+                                   const std::vector<LoopCell>& cells, const LoopRun& run);
 
 } // namespace forceshade::study

@@ -1,0 +1,185 @@
+// What the loops say.
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "host/study/error_time/angle.h"
+#include "host/study/stability/tables.h"
+
+namespace forceshade::study {
+namespace {
+
+std::string newtons(double stiffness) {
+    return stiffness >= 100 ? fmt::format("{:.0f} N/m", stiffness) : fmt::format("{:.3g} N/m", stiffness);
+}
+
+std::string hand_of(const LoopSurface& surface) {
+    return fmt::format("hand of {:.3g} kg, {:.3g} N s/m, grip {:.4g} N/m, {:.4g} Hz{}", surface.hand.mass,
+                       surface.hand.damping + surface.hand.grip_damping, surface.hand.grip_stiffness, surface.rate,
+                       surface.hand.delay_samples > 0 ? fmt::format(", {} samples late", surface.hand.delay_samples)
+                                                      : ", no delay");
+}
+
+std::string place_of(const LeastLimit& least) {
+    return fmt::format("{}: {} at x = {:.3g} mm, y = {:.3g} mm, {:.2g} mm deep, held {}", least.surface,
+                       name_of(least.place.kind), 1e3 * least.place.surface.x, 1e3 * least.place.surface.y,
+                       1e3 * least.place.depth, least.hold.name);
+}
+
+// How many places the least is of, and how well paths agree where they were taken.
+std::string sureness_of(const LoopResults& results) {
+    std::size_t places = 0, stepped = 0;
+    double most = 0; // 1
+    for (const LeastLimit& one : results.limits) {
+        places += one.own ? one.places : 0;
+        if (one.own && one.simulated && one.limit && *one.limit > 0) {
+            ++stepped;
+            most = std::max(most, std::abs(*one.simulated / *one.limit - 1));
+        }
+    }
+    std::string text = fmt::format("the least of {} places and depths, up to five ways of holding each", places);
+    if (stepped > 0)
+        text += fmt::format("; {} of them stepped through the surface's own force agree within {:.2g} %", stepped,
+                            100 * most);
+    return text;
+}
+
+Finding about_least(const LoopResults& results, const LeastLimit& worst) {
+    const LoopSurface& surface = results.surfaces.front();
+    Finding finding{"loop_least", {}, "loop-kinds", place_of(worst), hand_of(surface), sureness_of(results)};
+    if (surface.stiffness > 0) {
+        const double ratio = surface.stiffness / *worst.limit;
+        finding.text =
+            fmt::format("Away from jumps of the direction, loops of the scene rest everywhere up to {}, where a "
+                        "wall bears {}; its own {} is {:.3g} times that{}.",
+                        newtons(*worst.limit), newtons(worst.wall), newtons(surface.stiffness), ratio,
+                        ratio < 1 ? "" : ", and does not rest there");
+    } else {
+        finding.text = fmt::format("Of {} surfaces the {} bears least: away from jumps of the direction its loops rest "
+                                   "everywhere up to {}, where a wall bears {}.",
+                                   results.surfaces.size(), worst.surface, newtons(*worst.limit), newtons(worst.wall));
+    }
+    return finding;
+}
+
+void add_shading(std::vector<Finding>& findings, const LoopResults& results) {
+    std::vector<std::string> parts;
+    std::string places;
+    for (const char* surface : {"bump", "mesh"}) {
+        const LeastLimit *bare = results.worst(surface), *shaded = results.worst(std::string(surface) + ", shaded");
+        if (!bare || !shaded)
+            continue;
+        parts.push_back(
+            fmt::format("of the {} from {} to {}", surface, newtons(*bare->limit), newtons(*shaded->limit)));
+        places += (places.empty() ? "" : "; ") + place_of(*shaded);
+    }
+    if (parts.empty())
+        return;
+    findings.push_back({"loop_shading",
+                        fmt::format("Force shading changes the stiffness up to which loops rest everywhere, {}.",
+                                    fmt::join(parts, ", ")),
+                        "loop-places", places, hand_of(results.surfaces.front()), sureness_of(results)});
+}
+
+// At the surface's own stiffness, or 1000 N/m.
+void add_edges(std::vector<Finding>& findings, const LoopResults& results) {
+    const LoopSurface& first = results.surfaces.front();
+    const double stiffness = first.stiffness > 0 ? first.stiffness : 1000; // N/m
+    const double depth = first.depths()[2];
+    const EdgeSwing* most = nullptr;
+    std::size_t all = 0, rest = 0;
+    for (const EdgeSwing& one : results.swings) {
+        if (one.stiffness != stiffness || one.place.depth != depth || one.place.kind != PlaceKind::foot)
+            continue;
+        ++all;
+        rest += one.outcome.state == LoopState::stable;
+        if (!one.outcome.left && (!most || one.outcome.swing > most->outcome.swing))
+            most = &one;
+    }
+    if (!most)
+        return;
+    findings.push_back(
+        {"loop_edges",
+         fmt::format("Where the direction jumps inwards, as at the foot of a bump, {}: with {} the probe goes on "
+                     "swinging by up to {:.0f} um.",
+                     rest == 0 ? "no loop comes to rest"
+                               : fmt::format("{} of {} loops do not come to rest", all - rest, all),
+                     newtons(stiffness), 1e6 * most->outcome.swing),
+         "loop-edges",
+         fmt::format("{}: jump of {:.3g} deg at x = {:.3g} mm, y = {:.3g} mm", most->surface,
+                     most->place.jump / kDegree, 1e3 * most->place.surface.x, 1e3 * most->place.surface.y),
+         fmt::format("{}, {:.2g} mm deep", hand_of(first), 1e3 * depth),
+         fmt::format("the sharpest foot of each surface, {} in all", all)});
+}
+
+void add_delay(std::vector<Finding>& findings, const LoopResults& results) {
+    double low = 1, high = 0;
+    std::size_t pairs = 0;
+    for (const LoopSurface& surface : results.surfaces) {
+        // The least at the surface's own damping and rate, without delay and one sample late.
+        double least[2] = {0, 0};
+        for (const LeastLimit& one : results.limits) {
+            const std::uint64_t delay = one.cell.hand.delay_samples;
+            const bool own = damping_of(one.cell) == surface.hand.damping + surface.hand.grip_damping &&
+                             one.cell.rate == surface.rate;
+            if (one.surface == surface.name && own && delay < 2 && one.limit &&
+                (least[delay] == 0 || *one.limit < least[delay]))
+                least[delay] = *one.limit;
+        }
+        if (!(least[0] > 0) || !(least[1] > 0))
+            continue;
+        ++pairs;
+        low = std::min(low, least[1] / least[0]);
+        high = std::max(high, least[1] / least[0]);
+    }
+    if (pairs == 0)
+        return;
+    findings.push_back({"loop_delay",
+                        pairs == 1 ? fmt::format("One sample of delay leaves {:.3g} % of the least limit.", 100 * low)
+                                   : fmt::format("One sample of delay leaves {:.3g} to {:.3g} % of a surface's least "
+                                                 "limit, by the surface.",
+                                                 100 * low, 100 * high),
+                        "loop-kinds", fmt::format("the worst place of each of {} surfaces", pairs),
+                        hand_of(results.surfaces.front()), sureness_of(results)});
+}
+
+void add_rounding(std::vector<Finding>& findings, const LoopResults& results) {
+    std::size_t foreseen = 0, kept = 0, others = 0, rest = 0;
+    const MapLoop* any = nullptr;
+    for (const MapLoop& loop : results.maps) {
+        if (loop.map != "rounding")
+            continue;
+        any = &loop;
+        const bool stable = loop.outcome.state == LoopState::stable;
+        (loop.foreseen ? foreseen : others) += 1;
+        (loop.foreseen ? kept : rest) += stable;
+    }
+    if (!any || foreseen == 0 || others == 0)
+        return;
+    findings.push_back(
+        {"loop_rounding",
+         fmt::format(
+             "With a rounded position, {} of {} loops within K <= min(2 b / T, 2 f_c / quantum) come to rest, and "
+             "{} of {} beyond.",
+             kept, foreseen, rest, others),
+         "loop-rounding", fmt::format("{}, the worst place", any->surface),
+         fmt::format("{}, K = {}", hand_of(results.surfaces.front()), newtons(any->cell.stiffness)), ""});
+}
+
+} // namespace
+
+std::vector<Finding> loop_findings(const LoopResults& results) {
+    std::vector<Finding> findings;
+    if (const LeastLimit* worst = results.worst())
+        findings.push_back(about_least(results, *worst));
+    add_shading(findings, results);
+    add_edges(findings, results);
+    add_delay(findings, results);
+    if (results.surfaces.front().stiffness > 0)
+        add_rounding(findings, results);
+    return findings;
+}
+
+} // namespace forceshade::study

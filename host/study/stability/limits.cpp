@@ -1,0 +1,163 @@
+#include "host/study/stability/limits.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "host/study/stability/felt_force.h"
+
+namespace forceshade::study {
+namespace {
+
+// How a small disturbance of a loop grows: the logarithm of its energy late over early.
+class Simulation {
+public:
+    Simulation(const LoopSurface& surface, const LeastLimit& least)
+        : force_(surface), least_(least), place_{least.place.at, least.place.normal,
+                                                 reference::length(least.place.surface - least.place.at)},
+          axes_(axes_of(least.hold)), steps_(settling_steps(least.cell, surface.is_mesh() ? 100 : 400)) {
+        const std::array<Axis, 3> held = axes_of(least.hold, least.cell.hand);
+        for (std::size_t i = 0; i < 3; ++i)
+            maps_[i] = axis_map(held[i], 1 / least.cell.rate);
+    }
+
+    double growth(double stiffness) {
+        constexpr double kSmall = 1e-6; // of the depth
+        glm::dvec3 at = kSmall * place_.depth * glm::dvec3(0.5, 0.3, -1), speed(0);
+        std::vector<glm::dvec3> late(least_.cell.hand.delay_samples + 1, glm::dvec3(0));
+        const double quick = stiffness / least_.cell.hand.mass; // 1 / s^2
+        double early = 0, last = 0;
+        for (std::size_t step = 0; step < steps_; ++step) {
+            late[step % late.size()] =
+                stiffness * glm::transpose(axes_) * (force_(place_, axes_ * at) - least_.place.force);
+            const glm::dvec3 felt = late[(step + 1) % late.size()];
+            for (int i = 0; i < 3; ++i) {
+                const auto& map = maps_[static_cast<std::size_t>(i)];
+                const double before = at[i];
+                at[i] += map.x_error * before + map.x_speed * speed[i] + map.x_force * felt[i];
+                speed[i] = map.v_error * before + map.v_speed * speed[i] + map.v_force * felt[i];
+            }
+            const double energy = glm::dot(speed, speed) + quick * glm::dot(at, at);
+            if (energy > 1e8 * kSmall * kSmall * quick * place_.depth * place_.depth)
+                return 1; // far away
+            if (step >= steps_ / 4 && step < steps_ / 2)
+                early = std::max(early, energy);
+            if (step >= steps_ - steps_ / 4)
+                last = std::max(last, energy);
+        }
+        const bool gone = last < 1e-6 * kSmall * kSmall * quick * place_.depth * place_.depth;
+        return gone ? -1 : std::log(last / early);
+    }
+
+private:
+    FeltForce force_;
+    const LeastLimit& least_;
+    error_time::Place place_;
+    glm::dmat3 axes_;
+    std::array<layout::AxisMap<double>, 3> maps_{};
+    std::size_t steps_;
+};
+
+// The hand's own first.
+std::vector<LoopCell> settings_of(const LoopSurface& surface, bool quick) {
+    HandSpec linear = surface.hand;
+    linear.quantisation = linear.coulomb = 0; // of the linear loop
+    std::vector<LoopCell> cells{{linear, surface.rate, 1}};
+    const double damping = linear.damping + linear.grip_damping;
+    const std::vector<double> dampings = quick ? std::vector{1.0, 5.0} : std::vector{1.0 / 3, 1.0, 2.0, 5.0};
+    const std::vector<double> rates = quick ? std::vector{1.0, 4.0} : std::vector{0.5, 1.0, 4.0};
+    for (const double times : dampings)
+        for (const double faster : rates)
+            for (const std::uint64_t delay : {0U, 1U}) {
+                LoopCell cell = cells.front();
+                cell.rate = faster * surface.rate;
+                cell.hand.delay_samples = delay;
+                if (times != 1) {
+                    cell.hand.damping = times * damping;
+                    cell.hand.grip_damping = 0;
+                }
+                if (times != 1 || faster != 1 || delay != linear.delay_samples)
+                    cells.push_back(cell);
+            }
+    return cells;
+}
+
+} // namespace
+
+std::vector<LeastLimit> least_limits(const LoopSurface& surface, const std::vector<RestPlace>& places, bool quick) {
+    const std::vector<LoopCell> cells = settings_of(surface, quick);
+    std::vector<LeastLimit> least;
+    for (const PlaceKind kind : kPlaceKinds)
+        for (const double depth : surface.depths()) {
+            std::vector<const RestPlace*> some;
+            for (const RestPlace& place : places)
+                if (place.kind == kind && !jumps(kind) && place.depth == depth)
+                    some.push_back(&place);
+            for (const LoopCell& cell : cells) {
+                if (some.empty())
+                    continue;
+                LeastLimit one{surface.name, *some.front(), {}, cell, &cell == &cells.front(), 0, {}, {}, some.size()};
+                one.wall = wall_limit(cell.hand, cell.rate);
+                for (const RestPlace* place : some)
+                    for (const Hold& hold : holds_at(place->force)) {
+                        // Only where it is not stable up to the least so far.
+                        if (one.limit && !grows(cell.hand, cell.rate, hold, place->slope, *one.limit * 0.9999))
+                            continue;
+                        const auto limit = linear_limit(cell.hand, cell.rate, hold, place->slope);
+                        if (limit && (!one.limit || *limit < *one.limit)) {
+                            one.limit = limit;
+                            one.place = *place;
+                            one.hold = hold;
+                        }
+                    }
+                least.push_back(one);
+            }
+        }
+    return least;
+}
+
+std::optional<double> simulated_limit(const LoopSurface& surface, const LeastLimit& least) {
+    constexpr double kFrom = 0.3, kTo = 3, kStep = 1.1, kClose = 1.0005; // of the linearised loop's limit
+    if (!least.limit || !(*least.limit > 0))
+        return std::nullopt;
+    Simulation simulation(surface, least);
+    double below = kFrom * *least.limit, above = below;
+    while (simulation.growth(above) < 0) {
+        below = above;
+        above *= kStep;
+        if (above > kTo * *least.limit)
+            return std::nullopt;
+    }
+    while (above > kClose * below) {
+        const double middle = std::sqrt(below * above);
+        (simulation.growth(middle) < 0 ? below : above) = middle;
+    }
+    return std::sqrt(below * above);
+}
+
+std::vector<EdgeSwing> edge_swings(Engine& engine, const LoopSurface& surface, const std::vector<RestPlace>& places) {
+    std::vector<LoopCell> cells;
+    for (const double stiffness : {100, 200, 500, 1000, 2000, 5000})
+        cells.push_back({surface.hand, surface.rate, stiffness});
+    if (surface.stiffness > 0)
+        cells.push_back({surface.hand, surface.rate, surface.stiffness});
+    std::ranges::stable_sort(cells, {}, &LoopCell::stiffness);
+    std::vector<EdgeSwing> swings;
+    for (const PlaceKind kind : {PlaceKind::edge, PlaceKind::foot})
+        for (const double depth : surface.depths()) {
+            const RestPlace* sharpest = nullptr;
+            for (const RestPlace& place : places)
+                if (place.kind == kind && place.depth == depth && (!sharpest || place.jump > sharpest->jump))
+                    sharpest = &place;
+            if (!sharpest)
+                continue;
+            LoopRun run;
+            run.swings = true;
+            const std::vector<LoopOutcome> outcomes = run_cells(engine, surface, *sharpest, cells, run);
+            for (std::size_t i = 0; i < cells.size(); ++i)
+                swings.push_back({surface.name, *sharpest, cells[i].stiffness, outcomes[i]});
+        }
+    return swings;
+}
+
+} // namespace forceshade::study

@@ -1,0 +1,44 @@
+// A sampled loop near its place of rest, as a linear map: what stability is expected of any surface, without the
+// engine.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <glm/mat3x3.hpp>
+#include <glm/vec3.hpp>
+
+#include "host/paths/scene_paths.h"
+
+namespace forceshade::study {
+
+/// How a hand holds the probe in place: its spring acts across `along`, along which it presses with a constant force;
+/// on all sides where `along` is 0.
+struct Hold {
+    std::string name; /* "down" */
+    glm::dvec3 along{0};
+};
+
+/// Where a surface answers with `force`: down; against the force, and 45 deg to either side of that in the steepest
+/// plane; on all sides. Without those along which the force hardly pushes back.
+std::vector<Hold> holds_at(const glm::dvec3& force);
+
+/// Columns: two directions across, and the one along which the hand presses (z where it is held on all sides).
+glm::dmat3 axes_of(const Hold& hold);
+
+/// The hand along those axes: across it is sprung, along only where it is held on all sides.
+std::array<Axis, 3> axes_of(const Hold& hold, const HandSpec& hand);
+
+/// Whether the loop of a hand at `rate` Hz grows at `stiffness` N/m. `slope`, 1: -dF/dp for 1 N/m, columns first.
+bool grows(const HandSpec& hand, double rate, const Hold& hold, const glm::dmat3& slope, double stiffness);
+
+/// The least stiffness, N/m, at which it grows, to a hundredth of a percent: 0 where it grows at a ten-thousandth of
+/// the largest passive stiffness already, nothing where it does not at eight times that.
+std::optional<double> linear_limit(const HandSpec& hand, double rate, const Hold& hold, const glm::dmat3& slope);
+
+/// That of a wall, N/m: K_crit for any delay.
+double wall_limit(const HandSpec& hand, double rate);
+
+} // namespace forceshade::study

@@ -1,0 +1,242 @@
+// Places at which a hand may rest: anywhere on a surface, and on its edges.
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <optional>
+
+#include "host/error.h"
+#include "host/study/error_time/places.h"
+#include "host/study/stability/felt_force.h"
+
+namespace forceshade::study {
+namespace {
+
+using error_time::Place;
+
+constexpr double kSharp = 5 * kDegree;    // a jump of the direction; less is smooth
+constexpr double kLevel = 1 * kDegree;    // off upright: flat, if it does not turn
+constexpr double kUpright = 10 * kDegree; // crest or hollow
+constexpr double kEven = 0.05;            // 1/m: turns less
+constexpr double kBesideEdge = 5e-3;      // depths
+constexpr double kSame = 0.05;            // of a slope: by how much halves of a step may differ; more is an edge
+
+bool is_felt(const glm::dvec3& force) {
+    return reference::length(force) > 0;
+}
+
+// Moved along the normal to where the force over the stiffness is `depth`; nothing where no force is.
+std::optional<Place> pressed(FeltForce& force, Place place, double depth) {
+    constexpr int kSteps = 24; // each leaves half of the way, on slopes up to 70 deg
+    for (int i = 0; i < kSteps; ++i) {
+        const glm::dvec3 felt = force(place);
+        if (!is_felt(felt))
+            return std::nullopt;
+        const double down = 0.5 * (depth - reference::length(felt));
+        place.at -= down * place.normal;
+        place.depth += down;
+    }
+    return place;
+}
+
+RestPlace rest_at(const Place& place, const glm::dvec3& force) {
+    RestPlace rest;
+    rest.surface = place.at + place.depth * place.normal;
+    rest.normal = place.normal;
+    rest.depth = place.depth;
+    rest.at = place.at;
+    rest.force = force;
+    return rest;
+}
+
+glm::dmat3 slope_with(FeltForce& force, const Place& place, double step) {
+    glm::dmat3 slope(0);
+    for (int axis = 0; axis < 3; ++axis) {
+        glm::dvec3 aside(0);
+        aside[axis] = step;
+        slope[axis] = (force(place, -aside) - force(place, aside)) / (2 * step);
+    }
+    return slope;
+}
+
+// 1/m: how fast the force's direction turns outwards along a direction across it, the most of all.
+double turn_of(const RestPlace& rest) {
+    const glm::dvec3 direction = rest.force / reference::length(rest.force);
+    const glm::dvec3 across = std::abs(direction.x) < 0.5 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
+    glm::dvec3 u = reference::cross(direction, across);
+    u /= reference::length(u);
+    const glm::dvec3 v = reference::cross(direction, u);
+    double most = 0;
+    for (const glm::dvec3& along : {u, v}) {
+        const double turn = -reference::dot(along, rest.slope * along) / reference::length(rest.force);
+        most = std::abs(turn) > std::abs(most) ? turn : most;
+    }
+    return most;
+}
+
+PlaceKind smooth_kind(const RestPlace& rest) {
+    const double tilt = angle_between(rest.force, glm::dvec3(0, 0, 1)), turn = turn_of(rest);
+    if (tilt < kLevel && std::abs(turn) < kEven)
+        return PlaceKind::flat;
+    if (tilt < kUpright && std::abs(turn) >= kEven)
+        return turn > 0 ? PlaceKind::crest : PlaceKind::hollow;
+    return PlaceKind::slope;
+}
+
+// Nothing where no force is, or an edge is within a step.
+std::optional<RestPlace> smooth_place(FeltForce& force, const Place& place) {
+    constexpr double kStep = 1e-3; // of the depth
+    RestPlace rest = rest_at(place, force(place));
+    if (!is_felt(rest.force))
+        return std::nullopt;
+    rest.slope = slope_with(force, place, kStep * place.depth);
+    const glm::dmat3 finer = slope_with(force, place, kStep / 2 * place.depth);
+    for (int axis = 0; axis < 3; ++axis)
+        if (reference::length(finer[axis] - rest.slope[axis]) > kSame)
+            return std::nullopt;
+    rest.kind = smooth_kind(rest);
+    return rest;
+}
+
+std::optional<RestPlace> smooth_at(FeltForce& force, const Place& from, double depth) {
+    const auto place = pressed(force, from, depth);
+    auto rest = place ? smooth_place(force, *place) : std::nullopt;
+    if (rest)
+        rest->depth = depth;
+    return rest;
+}
+
+// Where along a way from `from` to `to`, below the surface, the direction jumps most; nothing where it does not.
+std::optional<Place> jump_between(FeltForce& force, const Place& from, const glm::dvec3& way) {
+    constexpr int kSteps = 32, kHalvings = 22;
+    double low = 0, high = 0, most = kSharp / 2; // shares of the way
+    for (int i = 0; i < kSteps; ++i) {
+        const double here = double(i) / kSteps, next = double(i + 1) / kSteps;
+        const glm::dvec3 one = force(from, here * way), two = force(from, next * way);
+        const double turn = is_felt(one) && is_felt(two) ? angle_between(one, two) : 0;
+        if (turn > most) {
+            most = turn;
+            low = here;
+            high = next;
+        }
+    }
+    if (high == 0)
+        return std::nullopt;
+    for (int i = 0; i < kHalvings; ++i) {
+        const double middle = 0.5 * (low + high);
+        const glm::dvec3 one = force(from, low * way), half = force(from, middle * way), two = force(from, high * way);
+        if (!is_felt(one) || !is_felt(half) || !is_felt(two))
+            return std::nullopt;
+        (angle_between(one, half) > angle_between(half, two) ? high : low) = middle;
+    }
+    Place edge = from;
+    edge.at += 0.5 * (low + high) * way;
+    return edge;
+}
+
+// The place on the edge at `edge`, the hand balancing the mean of the forces on both sides.
+std::optional<RestPlace> edge_place(FeltForce& force, const Place& edge, const glm::dvec3& along, double depth) {
+    constexpr double kBeside = 1e-4; // of the depth
+    const glm::dvec3 aside = kBeside * edge.depth * along;
+    const glm::dvec3 before = force(edge, -aside), after = force(edge, aside);
+    if (!is_felt(before) || !is_felt(after))
+        return std::nullopt;
+    RestPlace rest = rest_at(edge, 0.5 * (before + after));
+    rest.depth = depth;
+    rest.jump = angle_between(before, after);
+    if (rest.jump < kSharp)
+        return std::nullopt;
+    rest.kind = reference::dot(after - before, along) > 0 ? PlaceKind::edge : PlaceKind::foot;
+    return rest;
+}
+
+error_time::Subject subject_of(const LoopSurface& surface, FeltForce& force) {
+    error_time::Subject subject;
+    subject.name = surface.name;
+    subject.against = "the law";
+    subject.truth = [&force](const Place& place) { return force(place); };
+    subject.scale.deepest = surface.deepest;
+    subject.low = surface.low;
+    subject.high = surface.high;
+    return subject;
+}
+
+} // namespace
+
+const char* name_of(PlaceKind kind) {
+    constexpr const char* kNames[] = {"flat", "crest", "hollow", "slope", "edge", "foot"};
+    return kNames[static_cast<std::size_t>(kind)];
+}
+
+std::vector<RestPlace> rest_places(const LoopSurface& surface, std::size_t count) {
+    FeltForce force(surface);
+    const error_time::Subject subject = subject_of(surface, force);
+    std::vector<Place> points = error_time::shared_places(subject, surface.prepared, count);
+    if (points.empty())
+        throw UsageError("nothing in the scene's [grid] is touched, so that no hand can be in a loop there");
+    error_time::Draw draw(5);
+    const auto depths = surface.depths();
+    const std::size_t edges = std::max<std::size_t>(4, count / 8);
+    std::vector<RestPlace> places;
+    std::size_t found = 0;
+    for (Place& point : points) {
+        for (const double depth : depths)
+            if (const auto place = smooth_at(force, point, depth))
+                places.push_back(*place);
+        if (found == edges)
+            continue;
+        const glm::dvec3 far(draw(-1, 1), draw(-1, 1), draw(-1, 1));
+        glm::dvec3 along = reference::cross(point.normal, far);
+        along /= reference::length(along);
+        const auto shallow = pressed(force, point, depths.front());
+        const auto edge = shallow ? jump_between(force, *shallow, 2 * surface.deepest * along) : std::nullopt;
+        if (!edge)
+            continue;
+        bool any = false;
+        for (const double depth : depths) {
+            // The edge may lie elsewhere deeper down.
+            std::optional<Place> there = pressed(force, *edge, depth);
+            if (there) {
+                there->at -= 0.5 * depth * along;
+                there = jump_between(force, *there, depth * along);
+            }
+            const auto place = there ? edge_place(force, *there, along, depth) : std::nullopt;
+            if (!place)
+                continue;
+            places.push_back(*place);
+            any = true;
+            for (const double side : {-kBesideEdge, kBesideEdge}) { // where a slope is often steepest
+                Place beside = *there;
+                beside.at += side * depth * along;
+                if (const auto smooth = smooth_at(force, beside, depth))
+                    places.push_back(*smooth);
+            }
+        }
+        found += any ? 1 : 0;
+    }
+    return places;
+}
+
+std::vector<std::pair<double, double>> felt_profile(const LoopSurface& surface) {
+    constexpr int kPoints = 200;
+    FeltForce force(surface);
+    const double y = 0.5 * (surface.low.y + surface.high.y), step = (surface.high.x - surface.low.x) / kPoints;
+    std::vector<std::pair<double, double>> profile;
+    double z = 0;
+    for (int i = 0; i < kPoints; ++i) {
+        const double x = surface.low.x + (i + 0.5) * step;
+        // Down a column to where it is felt, and a little on.
+        Place place{{x, y, surface.high.z}, {0, 0, 1}, 0};
+        glm::dvec3 felt(0);
+        for (int down = 0; down <= kPoints && !is_felt(felt); ++down) {
+            place.at.z = surface.high.z + (surface.low.z - surface.high.z) * down / kPoints;
+            felt = force(place);
+        }
+        if (is_felt(felt) && felt.z > 0) {
+            profile.emplace_back(x, z);
+            z -= felt.x / felt.z * step;
+        }
+    }
+    return profile;
+}
+
+} // namespace forceshade::study

@@ -1,0 +1,66 @@
+// The surfaces whose loops are studied, and the places at which a hand may rest on them.
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include <glm/mat3x3.hpp>
+#include <glm/vec3.hpp>
+
+#include "host/prepare/prepared_case.h"
+
+namespace forceshade::study {
+
+struct LoopSurface {
+    std::string name;      /* "bump, shaded" */
+    PreparedCase prepared; /* its law has a stiffness of 1 N/m */
+    HandSpec hand;
+    double rate = 1000;         /* Hz */
+    double stiffness = 0;       /* N/m: the scene's own; 0: of the study's own surfaces */
+    double deepest = 2e-3;      /* m */
+    glm::dvec3 low{0}, high{0}; /* m: places are within this box */
+
+    /// m: how deep probes are pressed: the force over the stiffness.
+    std::array<double, 4> depths() const { return {deepest / 10, deepest / 4, deepest / 2, deepest}; }
+    bool is_mesh() const { return prepared.images.mesh != nullptr; }
+};
+
+/// With the program's default hand: plane, bump of 2 facets with and without shading, height map of a bump and of a
+/// dip, mesh with and without shading.
+std::vector<LoopSurface> own_surfaces();
+
+/// The user's scene with its own hand. \throws UsageError for one that no hand can be in a loop with.
+LoopSurface scene_surface(const PreparedCase& scene);
+
+/// By what the direction of the force does: flat: it is that of a level plane; crest, hollow: nearly upright, turning
+/// outwards or inwards; slope: tilted; edge, foot: it jumps outwards, or inwards as at the foot of a bump.
+enum class PlaceKind { flat, crest, hollow, slope, edge, foot };
+inline constexpr std::array kPlaceKinds{PlaceKind::flat,  PlaceKind::crest, PlaceKind::hollow,
+                                        PlaceKind::slope, PlaceKind::edge,  PlaceKind::foot};
+const char* name_of(PlaceKind kind);
+inline bool jumps(PlaceKind kind) {
+    return kind == PlaceKind::edge || kind == PlaceKind::foot;
+}
+
+/// Where a probe rests.
+struct RestPlace {
+    PlaceKind kind = PlaceKind::flat;
+    glm::dvec3 surface{0};      /* m: the point of the surface above it */
+    glm::dvec3 normal{0, 0, 1}; /* of the surface there */
+    double depth = 0;           /* m: below the surface along the normal */
+    glm::dvec3 at{0};           /* m: of the probe */
+    glm::dvec3 force{0};        /* m: for each N/m of stiffness; at a jump the mean of both sides */
+    glm::dmat3 slope{0};        /* 1: -dF/dp for a stiffness of 1 N/m, columns first; not at a jump */
+    double jump = 0;            /* rad: between the directions of both sides */
+};
+
+/// `count` points anywhere on the surface, at each of its depths; and those of its edges that were found from there, a
+/// hundredth of them at most. \throws UsageError if nothing in the box is touched.
+std::vector<RestPlace> rest_places(const LoopSurface& surface, std::size_t count);
+
+/// The shape, (x, z) in m, that the directions of the force stand for, along x through the middle of the box; z is 0
+/// where it begins.
+std::vector<std::pair<double, double>> felt_profile(const LoopSurface& surface);
+
+} // namespace forceshade::study
