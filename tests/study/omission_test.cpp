@@ -12,23 +12,12 @@
 #include "host/study/omission/tables.h"
 #include "host/study/omission/touched.h"
 #include "host/study/omission/unchanged.h"
-#include "host/study/run/quartiles.h"
 #include "tests/io/folder.h"
 
 namespace forceshade::study {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-TEST(OmissionQuartiles, AreThoseOfSortedValues) {
-    const Quartiles odd = quartiles({5, 1, 3, 2, 4});
-    EXPECT_EQ(odd.low, 2);
-    EXPECT_EQ(odd.median, 3);
-    EXPECT_EQ(odd.high, 4);
-    EXPECT_EQ(quartiles({1, 2}).median, 1.5);
-    EXPECT_EQ(quartiles({}).median, 0);
-    EXPECT_EQ(ratios({2, 4, 9}, {1, 2, 3}).median, 2);
-}
 
 std::vector<Comparison> all_comparisons(const std::vector<BaseScene>& scenes, bool gpu) {
     std::vector<Comparison> all;

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "host/study/energy/closed_forms.h"
+#include "tests/unit/closed_forms.h"
 #include "tests/unit/laws.h"
 
 namespace forceshade::test {

@@ -8,7 +8,7 @@
 #include "host/prepare/tables.h"
 #include "host/reference/contact.h"
 #include "host/scene/scene.h"
-#include "host/study/energy/loop_work.h"
+#include "tests/unit/loop_work.h"
 
 namespace forceshade::test {
 

@@ -5,8 +5,7 @@
 
 namespace forceshade::study {
 
-/// Tables and figures; findings are computed of them elsewhere. \throws what StudyRun::run throws, UsageError for a
-/// scene that the study cannot use.
+/// \throws what StudyRun::run throws, UsageError for a scene that the study cannot use.
 StudyData study_energy(StudyRun& run);
 
 } // namespace forceshade::study

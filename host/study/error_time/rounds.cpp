@@ -5,19 +5,6 @@
 #include <numeric>
 
 namespace forceshade::study::error_time {
-namespace {
-
-constexpr std::size_t kResamples = 1000;
-
-double median_of(std::vector<double>& values) {
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::ranges::nth_element(values, middle);
-    if (values.size() % 2 == 1)
-        return *middle;
-    return 0.5 * (*middle + *std::max_element(values.begin(), middle));
-}
-
-} // namespace
 
 Round measure_round(std::span<const Way> ways, std::size_t number) {
     std::vector<std::size_t> order(ways.size());
@@ -31,19 +18,6 @@ Round measure_round(std::span<const Way> ways, std::size_t number) {
     return round;
 }
 
-Interval bootstrap_median(const std::vector<double>& values) {
-    std::vector<double> sample = values, medians;
-    const double median = median_of(sample);
-    Draw draw(7);
-    for (std::size_t i = 0; i < kResamples; ++i) {
-        for (double& one : sample)
-            one = values[static_cast<std::size_t>(draw(0, static_cast<double>(values.size())))];
-        medians.push_back(median_of(sample));
-    }
-    std::ranges::sort(medians);
-    return {medians[kResamples / 40], median, medians[kResamples - 1 - kResamples / 40]};
-}
-
 Interval Times::ratio(std::size_t way, std::size_t other) const {
     std::vector<double> ratios;
     for (const Round& round : rounds_)
@@ -55,7 +29,7 @@ Interval Times::seconds(std::size_t way) const {
     std::vector<double> units;
     for (const Round& round : rounds_)
         units.push_back(round[unit_]);
-    const double unit = median_of(units);
+    const double unit = quantile(units, 0.5);
     const Interval of_unit = ratio(way, unit_);
     return {of_unit.low * unit, of_unit.median * unit, of_unit.high * unit};
 }

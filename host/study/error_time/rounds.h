@@ -17,12 +17,6 @@ using Round = std::vector<double>;
 /// Measures every way once, in an order that follows from the number of the round.
 Round measure_round(std::span<const Way> ways, std::size_t number);
 
-/// The median of some values, and where 95 % of the medians of bootstrap samples lie (Efron 1979, percentiles).
-struct Interval {
-    double low = 0, median = 0, high = 0;
-};
-Interval bootstrap_median(const std::vector<double>& values);
-
 /// Comparisons of ways by what they took in the same rounds.
 class Times {
 public:

@@ -261,15 +261,6 @@ Extents extents_of(bool quick) {
             30};
 }
 
-double Draw::operator()(double low, double high) {
-    state_ += 0x9e3779b97f4a7c15u;
-    std::uint64_t mixed = state_;
-    mixed = (mixed ^ (mixed >> 30)) * 0xbf58476d1ce4e5b9u;
-    mixed = (mixed ^ (mixed >> 27)) * 0x94d049bb133111ebu;
-    mixed ^= mixed >> 31;
-    return low + (high - low) * (static_cast<double>(mixed >> 11) * 0x1p-53);
-}
-
 std::vector<Subject> own_subjects(const Extents& extents) {
     const PreparedCase own = CasePreparation().prepare(parse_scene(kOwnScene, "the study's own scene"));
     return {own_bump(own, extents), own_mesh(own, extents)};

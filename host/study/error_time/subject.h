@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "host/prepare/prepared_case.h"
+#include "host/study/run/sampling.h"
 
 namespace forceshade::study::error_time {
 
@@ -75,15 +76,5 @@ struct Subject {
 std::vector<Subject> own_subjects(const Extents& extents);
 /// A user's scene. \throws UsageError if nothing of its grid is in contact.
 Subject scene_subject(const PreparedCase& scene, const Extents& extents);
-
-/// Numbers in [low, high), the same on every machine (splitmix64).
-class Draw {
-public:
-    explicit Draw(std::uint64_t seed) : state_(seed) {}
-    double operator()(double low, double high);
-
-private:
-    std::uint64_t state_;
-};
 
 } // namespace forceshade::study::error_time

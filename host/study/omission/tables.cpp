@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "host/study/omission/unchanged.h"
-#include "host/study/run/quartiles.h"
+#include "host/study/run/sampling.h"
 
 namespace forceshade::study {
 namespace {
@@ -17,8 +17,13 @@ std::vector<double> numbers(const Json& side, const char* key) {
     return side.at(key).get<std::vector<double>>();
 }
 
-Quartiles ratio_of_sides(const Json& result, const char* key) {
-    return ratios(numbers(result.at("with"), key), numbers(result.at("without"), key));
+Interval ratio_of_sides(const Json& result, const char* key) {
+    std::vector<double> ratios;
+    const std::vector<double> with = numbers(result.at("with"), key), without = numbers(result.at("without"), key);
+    for (std::size_t i = 0; i < std::min(with.size(), without.size()); ++i)
+        if (without[i] > 0)
+            ratios.push_back(with[i] / without[i]);
+    return bootstrap_median(ratios);
 }
 
 // How far the median lies from 1 where nothing was switched in the scene.
@@ -34,7 +39,7 @@ double floor_of(const std::string& scene, const char* key, const std::vector<Com
 }
 
 // "saves", "costs" or "within the spread".
-std::string verdict(const Quartiles& ratio, double floor) {
+std::string verdict(const Interval& ratio, double floor) {
     if (ratio.low > 1 && ratio.median >= 1 + floor)
         return "saves";
     if (ratio.high < 1 && ratio.median <= 1 / (1 + floor))
@@ -114,12 +119,12 @@ std::vector<Cell> feature_row(const Comparison& one, const Json& result, double 
                           cell(samples)};
     const auto add = [&](double value) { row.push_back(cell(value)); };
     const auto add_times = [&](const Json& side) {
-        const Quartiles times = quartiles(numbers(side, "kernel_s"));
+        const Interval times = bootstrap_median(numbers(side, "kernel_s"));
         for (const double seconds : {times.median, times.low, times.high})
             add(1e9 * seconds / samples);
     };
     const auto add_ratios = [&](const char* key, double floor) {
-        const Quartiles ratio = ratio_of_sides(result, key);
+        const Interval ratio = ratio_of_sides(result, key);
         for (const double value : {ratio.median, ratio.low, ratio.high})
             add(value);
         for (const double value : {ratio.median, ratio.low, ratio.high})
@@ -129,8 +134,8 @@ std::vector<Cell> feature_row(const Comparison& one, const Json& result, double 
     add_times(with);
     add_times(without);
     add_ratios("kernel_s", kernel_floor);
-    add(1e9 * quartiles(numbers(with, "whole_s")).median / samples);
-    add(1e9 * quartiles(numbers(without, "whole_s")).median / samples);
+    add(1e9 * quantile(numbers(with, "whole_s"), 0.5) / samples);
+    add(1e9 * quantile(numbers(without, "whole_s"), 0.5) / samples);
     add_ratios("whole_s", whole_floor);
     const auto add_pair = [&](const char* key) {
         for (const Json* side : {&with, &without})

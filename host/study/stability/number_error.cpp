@@ -12,12 +12,12 @@
 #include "host/referee/rounding_bound.h"
 #include "host/reference/contact.h"
 #include "host/reference/god_object.h"
-#include "host/study/energy/loop_work.h"
 #include "host/study/error_time/angle.h"
 
 namespace forceshade::study {
 namespace {
 
+using Vector = reference::Vector<double>;
 using Forces = std::vector<Vector>;
 using ForceOf = std::function<Vector(const Vector& place)>;
 

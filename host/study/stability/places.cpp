@@ -173,7 +173,7 @@ std::vector<RestPlace> rest_places(const LoopSurface& surface, std::size_t count
     std::vector<Place> points = error_time::shared_places(subject, surface.prepared, count);
     if (points.empty())
         throw UsageError("nothing in the scene's [grid] is touched, so that no hand can be in a loop there");
-    error_time::Draw draw(5);
+    Draw draw(5);
     const auto depths = surface.depths();
     const std::size_t edges = std::max<std::size_t>(4, count / 8);
     std::vector<RestPlace> places;

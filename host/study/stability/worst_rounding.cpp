@@ -13,7 +13,6 @@ namespace forceshade::study {
 namespace {
 
 using error_time::DirectLaw;
-using error_time::Draw;
 using error_time::rounded_places;
 
 constexpr double kHalf = 0.0127, kRadius = 2 * kHalf; // m: a and R = 2 a

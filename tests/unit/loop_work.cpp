@@ -1,4 +1,4 @@
-#include "host/study/energy/loop_work.h"
+#include "tests/unit/loop_work.h"
 
 #include <array>
 #include <cmath>
@@ -67,35 +67,6 @@ Work work_round(const ForceAt& force, const std::vector<Vector>& corners, Pieces
     Work sum;
     for (std::size_t i = 0; i < corners.size(); ++i)
         sum += work_along(force, corners[i], corners[(i + 1) % corners.size()], pieces);
-    return sum;
-}
-
-void over_leg(const Section& section, double depth, Pieces pieces,
-              const std::function<void(const Vector&, double)>& use) {
-    for (std::size_t arc = 0; arc + 1 < section.breaks.size(); ++arc) {
-        const double left = section.breaks[arc], right = section.breaks[arc + 1];
-        over_nodes(pieces, [&](double share, double weight) {
-            const double x = std::lerp(left, right, share);
-            use(section.below(x, depth), weight * (right - left));
-        });
-    }
-}
-
-Work work_leg(const ForceAt& force, const Section& section, double depth, bool returning, Pieces pieces) {
-    Work sum;
-    over_leg(section, depth, pieces, [&](const Vector& place, double weight) {
-        const double slope = section.slope(place.x), sign = returning ? -1 : 1;
-        sum += share_of(reference::dot(force(place), Vector(sign, 0, sign * slope)), weight);
-    });
-    return sum;
-}
-
-Work work_round(const ForceAt& force, const Section& section, double out, double back, Pieces pieces) {
-    const double first = section.breaks.front(), last = section.breaks.back();
-    Work sum = work_leg(force, section, out, false, pieces);
-    sum += work_along(force, section.below(last, out), section.below(last, back), pieces);
-    sum += work_leg(force, section, back, true, pieces);
-    sum += work_along(force, section.below(first, back), section.below(first, out), pieces);
     return sum;
 }
 

@@ -1,4 +1,4 @@
-#include "host/study/energy/closed_forms.h"
+#include "tests/unit/closed_forms.h"
 
 #include <algorithm>
 #include <cmath>

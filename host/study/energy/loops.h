@@ -1,0 +1,58 @@
+// Loops below a surface, and the work of its force round them.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <glm/vec2.hpp>
+
+#include "host/prepare/prepared_case.h"
+#include "host/study/run/sampling.h"
+
+namespace forceshade::study {
+
+/// A law whose energy is asked for.
+struct EnergyLaw {
+    std::string surface;            /* "bump", "mesh", "scene" */
+    std::string scheme;             /* "shaded", of a mesh "mean_value" */
+    std::optional<double> elements; /* facets of a bump, cells of a mesh over its width */
+    bool unshaded = false;
+    std::shared_ptr<const PreparedCase> prepared;
+};
+
+/// A stroke out from one place to another, up or down to another depth, and back: depths are vertical, below the
+/// facets.
+struct Stroke {
+    glm::dvec2 from{0}, to{0}; /* m: x and y */
+    double out = 0, back = 0;  /* m */
+};
+
+/// The region of strokes.
+struct StrokeRegion {
+    glm::dvec2 low{0}, high{0}; /* m */
+    double deepest = 2e-3;      /* m: the shallowest is a tenth of it */
+};
+
+/// Strokes anywhere in the region, at least a quarter of its longer side long, depths log-uniform.
+std::vector<Stroke> drawn_strokes(const StrokeRegion& region, std::size_t count);
+
+/// The places of a loop, m, the first again at the end: `steps` for each of out and back, an eighth up and down.
+/// Nothing where the way leaves the surface.
+std::optional<std::vector<glm::dvec3>> places_of_loop(const EnergyLaw& law, const Stroke& stroke, std::size_t steps);
+
+/// What the force does on the probe round a loop, J.
+struct LoopWork {
+    double work = 0;
+    double effort = 0; /* the integral of |F dl| */
+};
+
+/// By the place alone, of a mesh the static field: between places by the mean of both forces, halved where they differ
+/// until nothing but rounding is left of a jump. Nothing where the loop leaves contact.
+std::optional<LoopWork> work_by_place(const EnergyLaw& law, const std::vector<glm::dvec3>& places);
+
+/// Of a mesh, followed by the god-object from place to place; the second time round, when it knows its side.
+std::optional<LoopWork> work_by_history(const EnergyLaw& law, const std::vector<glm::dvec3>& places);
+
+} // namespace forceshade::study

@@ -1,0 +1,333 @@
+#include "host/study/energy/results.h"
+
+#include <algorithm>
+#include <map>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "host/study/data/rows.h"
+
+namespace forceshade::study {
+namespace {
+
+constexpr double kLeastShown = 1e-6; // mJ: less is shown there on logarithmic axes
+
+bool same_surface(const EnergyLaw& one, const EnergyLaw& other) {
+    return one.surface == other.surface && one.elements == other.elements &&
+           one.prepared->one.scene.force.depth == other.prepared->one.scene.force.depth;
+}
+
+// The same loop on the same surface unshaded; null if there is none.
+const LoopRow* unshaded_of(const std::vector<LoopRow>& loops, const LoopRow& row) {
+    for (const LoopRow& one : loops)
+        if (one.law->unshaded && one.history == row.history && one.number == row.number &&
+            same_surface(*one.law, *row.law))
+            return &one;
+    return nullptr;
+}
+
+template <typename Row> std::vector<ColumnOf<Row>> law_columns() {
+    return {{{"surface", "", "bump: R = W = 1000 mil; mesh: its cylinder as triangles; scene: the scene's"},
+             [](const Row& row) { return Cell(row.law->surface); }},
+            {{"elements", "1", "facets of the bump, cells of the mesh over its width"},
+             [](const Row& row) { return cell_of(row.law->elements); }},
+            {{"scheme", "", "shading, and how depth is read where not vertically"},
+             [](const Row& row) { return Cell(row.law->scheme); }},
+            {{"felt", "", "by the place: the force follows from the place alone; god-object: with its history"},
+             [](const Row& row) { return Cell(row.history ? "god-object" : "by the place"); }}};
+}
+
+Table law_table(const std::vector<LawRow>& laws) {
+    using R = LawRow;
+    const auto milli = [](double joules) { return cell(1e3 * joules); };
+    std::vector<ColumnOf<R>> columns = law_columns<R>();
+    std::ranges::move(
+        std::vector<ColumnOf<R>>{
+            {{"series", "", "scheme, and how it is felt"},
+             [](const R& r) { return Cell(r.law->scheme + (r.history ? ", god-object" : "")); }},
+            {{"loops", "1", "that stay in contact"}, [](const R& r) { return cell(double(r.loops)); }},
+            {{"gain_mJ", "mJ", "what a round gives the hand by the way round that gives more: median of the loops"},
+             [milli](const R& r) { return milli(r.gain.median); }},
+            {{"gain_from_mJ", "mJ", "95 % interval of the median (bootstrap)"},
+             [milli](const R& r) { return milli(r.gain.low); }},
+            {{"gain_to_mJ", "mJ", "likewise"}, [milli](const R& r) { return milli(r.gain.high); }},
+            {{"gain_5_mJ", "mJ", "5 % of the loops give less"}, [milli](const R& r) { return milli(r.low); }},
+            {{"gain_95_mJ", "mJ", "5 % of the loops give more"}, [milli](const R& r) { return milli(r.high); }},
+            {{"effort_mJ", "mJ", "the integral of |F dl|: median of the loops"},
+             [milli](const R& r) { return milli(r.effort); }},
+            {{"more_mJ", "mJ", "gain less that of the same loop unshaded: median"},
+             [milli](const R& r) { return r.more ? milli(r.more->median) : Cell(); }},
+            {{"more_from_mJ", "mJ", "95 % interval of that (bootstrap)"},
+             [milli](const R& r) { return r.more ? milli(r.more->low) : Cell(); }},
+            {{"more_to_mJ", "mJ", "likewise"}, [milli](const R& r) { return r.more ? milli(r.more->high) : Cell(); }},
+            {{"shown_mJ", "mJ", "gain_mJ, for logarithmic axes no less than 1e-6"},
+             [](const R& r) { return cell(std::max(1e3 * r.gain.median, kLeastShown)); }},
+            {{"shown_5_mJ", "mJ", "likewise"}, [](const R& r) { return cell(std::max(1e3 * r.low, kLeastShown)); }},
+            {{"shown_95_mJ", "mJ", "likewise"}, [](const R& r) { return cell(std::max(1e3 * r.high, kLeastShown)); }}},
+        std::back_inserter(columns));
+    return table_of<R>("energy", "What a round gives the hand", columns, laws);
+}
+
+Table loop_table(const std::vector<LoopRow>& loops) {
+    using R = LoopRow;
+    std::map<const R*, const R*> unshaded;
+    for (const R& row : loops)
+        unshaded[&row] = row.law->unshaded ? nullptr : unshaded_of(loops, row);
+    std::vector<ColumnOf<R>> columns = law_columns<R>();
+    const auto length = [](const char* name, const char* meaning, auto of) {
+        return ColumnOf<R>{{name, "mm", meaning}, [of](const R& r) { return cell(1e3 * of(r.stroke)); }};
+    };
+    std::ranges::move(
+        std::vector<ColumnOf<R>>{
+            {{"loop", "1", "the same number is the same stroke"}, [](const R& r) { return cell(double(r.number)); }},
+            length("from_x_mm", "where the stroke begins", [](const Stroke& s) { return s.from.x; }),
+            length("from_y_mm", "likewise", [](const Stroke& s) { return s.from.y; }),
+            length("to_x_mm", "where it turns", [](const Stroke& s) { return s.to.x; }),
+            length("to_y_mm", "likewise", [](const Stroke& s) { return s.to.y; }),
+            length("out_mm", "depth on the way out, vertically below the facets",
+                   [](const Stroke& s) { return s.out; }),
+            length("back_mm", "depth on the way back", [](const Stroke& s) { return s.back; }),
+            {{"gain_mJ", "mJ", "what the round gives the hand by the way round that gives more"},
+             [](const R& r) { return cell(1e3 * r.gain); }},
+            {{"effort_mJ", "mJ", "the integral of |F dl|"}, [](const R& r) { return cell(1e3 * r.effort); }},
+            {{"unshaded_mJ", "mJ", "gain of the same loop unshaded"},
+             [&unshaded](const R& r) { return unshaded[&r] ? cell(1e3 * unshaded[&r]->gain) : Cell(); }}},
+        std::back_inserter(columns));
+    return table_of<R>("loops", "Every loop", columns, loops);
+}
+
+Table curl_table(const std::vector<CurlCell>& cells) {
+    using R = CurlCell;
+    return table_of<R>("curl", "Curl of the force in a section, over the stiffness",
+                       {{{"map", "", "surface and scheme"}, [](const R& r) { return Cell(r.map); }},
+                        {{"x_mm", "mm", "middle of the cell"}, [](const R& r) { return cell(1e3 * r.x); }},
+                        {{"z_mm", "mm", "likewise"}, [](const R& r) { return cell(1e3 * r.z); }},
+                        {{"curl_per_K", "1", "work round it over its area and K: the mean of 8 x 8 cells of samples"},
+                         [](const R& r) { return cell(r.curl_per_stiffness); }}},
+                       cells);
+}
+
+Figure law_figure(const EnergySurface& surface) {
+    Figure figure;
+    figure.name = "energy-" + surface.name;
+    figure.title = fmt::format("What a round on the {} gives the hand", surface.name);
+    figure.caption = "Median of the loops, with whiskers from 5 to 95 % of them, by the way round that gives more.";
+    figure.table = "energy";
+    figure.where = {{"surface", surface.name}, {"felt", "by the place"}};
+    figure.x = {"elements", fmt::format("{} over the width", surface.elements), true};
+    figure.y = {"shown_mJ", "gain / mJ", true};
+    figure.series = "series";
+    figure.low = "shown_5_mJ";
+    figure.high = "shown_95_mJ";
+    figure.joined = true;
+    return figure;
+}
+
+std::vector<Figure> figures_of(const EnergyResults& results) {
+    std::vector<Figure> figures;
+    for (const EnergySurface& surface : results.surfaces)
+        if (!surface.elements.empty())
+            figures.push_back(law_figure(surface));
+    Figure pairs;
+    pairs.name = "energy-pairs";
+    pairs.title = "Shaded beside unshaded, loop by loop";
+    pairs.caption = "Each point is a loop; on the diagonal shading changes nothing.";
+    pairs.table = "loops";
+    pairs.x = {"unshaded_mJ", "gain unshaded / mJ", false};
+    pairs.y = {"gain_mJ", "gain shaded / mJ", false};
+    pairs.series = "scheme";
+    pairs.where = {{"felt", "by the place"}};
+    if (!results.surfaces.front().elements.empty())
+        pairs.where.insert(pairs.where.end(), {{"surface", results.surfaces.front().name}, {"elements", "8"}});
+    if (std::ranges::any_of(results.laws, [](const LawRow& row) { return row.more.has_value(); }))
+        figures.push_back(pairs);
+    std::string map;
+    for (const CurlCell& one : results.curl) {
+        if (one.map == map)
+            continue;
+        map = one.map;
+        Figure figure;
+        figure.name = fmt::format("curl-{}", figures.size());
+        figure.title = fmt::format("Where loops give energy: {}", map);
+        figure.caption =
+            "Work round a cell over its area and K, in a section; what a loop gives is the sum of the cells "
+            "inside it. Along a jump of the force, colours that alternate cancel.";
+        figure.kind = FigureKind::map;
+        figure.table = "curl";
+        figure.where = {{"map", map}};
+        figure.x = {"x_mm", "x / mm", false};
+        figure.y = {"z_mm", "z / mm", false};
+        figure.value = "curl_per_K";
+        figure.value_label = "curl_y F / K";
+        figure.value_limit = 0.5;
+        figures.push_back(std::move(figure));
+    }
+    return figures;
+}
+
+// "0.10 mJ", what rounding leaves as nothing.
+std::string milli(double joules) {
+    constexpr double kNothing = 1e-9; // J
+    return std::abs(joules) < kNothing ? "less than 1e-6 mJ" : fmt::format("{:.2g} mJ", 1e3 * joules);
+}
+
+std::string interval_of(const LawRow& row) {
+    return fmt::format(
+        "{} loops; 95 % of bootstrap medians: {:.2g} to {:.2g} mJ; 5 to 95 % of loops: {:.2g} to {:.2g} mJ", row.loops,
+        1e3 * row.gain.low, 1e3 * row.gain.high, 1e3 * row.low, 1e3 * row.high);
+}
+
+const LawRow* row_of_law(const EnergyResults& results, const std::string& surface, std::optional<double> elements,
+                         const std::string& scheme, bool history = false) {
+    for (const LawRow& row : results.laws)
+        if (row.law->surface == surface && row.law->elements == elements && row.law->scheme == scheme &&
+            row.history == history)
+            return &row;
+    return nullptr;
+}
+
+const char* const kWhere = "strokes anywhere on the surface, 0.2 to 2 mm deep out and back, K = 1000 N/m";
+
+void add_own_findings(std::vector<Finding>& findings, const EnergyResults& results) {
+    const LawRow *bare = row_of_law(results, "bump", 8, "unshaded"), *shaded = row_of_law(results, "bump", 8, "shaded");
+    if (bare && shaded)
+        findings.push_back({"energy_shading",
+                            fmt::format("A round over the bump of 8 facets gives the hand {} in the median with force "
+                                        "shading and {} without, of an effort of {} and {}.",
+                                        milli(shaded->gain.median), milli(bare->gain.median), milli(shaded->effort),
+                                        milli(bare->effort)),
+                            "energy-bump", "the bump of 8 facets, R = 1000 mil", kWhere, interval_of(*shaded)});
+    std::vector<std::string> parts;
+    std::optional<double> told; // facets: the most whose difference is not nothing for sure
+    const LawRow* last = nullptr;
+    for (const LawRow& row : results.laws) {
+        if (row.law->surface != "bump" || row.law->scheme != "shaded" || !row.more)
+            continue;
+        last = &row;
+        if (row.more->low > 0 || row.more->high < 0)
+            told = row.law->elements;
+        if (*row.law->elements == 1 || *row.law->elements == 8 || *row.law->elements == 32)
+            parts.push_back(fmt::format("{:.2g} mJ with {}", 1e3 * row.more->median, *row.law->elements));
+    }
+    if (last && !parts.empty())
+        findings.push_back(
+            {"energy_facets",
+             fmt::format("Compared on the same loops, what shading adds to the gain shrinks with the facets: "
+                         "{}{}.",
+                         fmt::join(parts, ", "),
+                         told && *told < *last->law->elements
+                             ? fmt::format("; beyond {} facets it is not told from nothing", *told)
+                             : ""),
+             "energy-bump", "the bump of 1 to 512 facets, R = 1000 mil", kWhere,
+             fmt::format("with {} facets 95 % of bootstrap medians: {:.1g} to {:.1g} mJ", *last->law->elements,
+                         1e3 * last->more->low, 1e3 * last->more->high)});
+    parts.clear();
+    const LawRow* mesh = nullptr;
+    for (const char* scheme : {"unshaded", "morgenbesser", "mean_value", "two_pass"})
+        if (const LawRow* row = row_of_law(results, "mesh", 16, scheme)) {
+            parts.push_back(fmt::format("{} {}", scheme, milli(row->gain.median)));
+            mesh = row;
+        }
+    if (mesh)
+        findings.push_back({"energy_mesh",
+                            fmt::format("On a mesh of 16 cells over the bump, a round gives in the median: {}.",
+                                        fmt::join(parts, ", ")),
+                            "energy-mesh", "triangles of the cylinder R = 1000 mil", kWhere,
+                            fmt::format("{}: {}", mesh->law->scheme, interval_of(*mesh))});
+}
+
+void add_scene_findings(std::vector<Finding>& findings, const EnergyResults& results) {
+    std::vector<std::string> parts;
+    const LawRow* most = nullptr;
+    for (const LawRow& row : results.laws)
+        if (!row.history) {
+            parts.push_back(fmt::format("{} {}", row.law->scheme, milli(row.gain.median)));
+            most = !most || row.gain.median > most->gain.median ? &row : most;
+        }
+    if (!most)
+        return;
+    findings.push_back(
+        {"energy_scene",
+         fmt::format("A round over the scene's surface gives the hand in the median: {}; the effort is {}.",
+                     fmt::join(parts, ", "), milli(most->effort)),
+         std::ranges::any_of(results.laws, [](const LawRow& row) { return row.more.has_value(); }) ? "energy-pairs"
+                                                                                                   : "",
+         "strokes anywhere in the scene's region",
+         fmt::format("{:.2g} to {:.2g} mm deep out and back", 1e2 * results.surfaces[0].region.deepest,
+                     1e3 * results.surfaces[0].region.deepest),
+         fmt::format("{}: {}", most->law->scheme, interval_of(*most))});
+}
+
+// Of the mesh with the fewest cells: what the god-object's history adds or takes.
+void add_history_finding(std::vector<Finding>& findings, const EnergyResults& results) {
+    const LawRow *bare = nullptr, *most = nullptr;
+    for (const LawRow& row : results.laws) {
+        if (!row.history || (bare && bare->law->elements != row.law->elements))
+            continue;
+        if (row.law->unshaded)
+            bare = &row;
+        else if (!most || row.gain.median > most->gain.median)
+            most = &row;
+    }
+    if (!bare || !most)
+        return;
+    const auto says = [](const LawRow& row) {
+        return row.gain.median < 0 ? fmt::format("takes {} from the hand", milli(-row.gain.median))
+                                   : fmt::format("gives it {}", milli(row.gain.median));
+    };
+    findings.push_back(
+        {"energy_history",
+         fmt::format("Followed by the god-object, a round unshaded {} in the median whichever way it goes, "
+                     "and with {} it {}.",
+                     says(*bare), most->law->scheme, says(*most)),
+         "", most->law->elements ? fmt::format("mesh of {} cells", *most->law->elements) : "the scene's mesh",
+         "the second time round", fmt::format("unshaded: {}", interval_of(*bare))});
+}
+
+} // namespace
+
+std::vector<LawRow> summed_up(const std::vector<LoopRow>& loops) {
+    std::vector<LawRow> laws;
+    for (const LoopRow& first : loops) {
+        if (std::ranges::any_of(
+                laws, [&](const LawRow& row) { return row.law == first.law && row.history == first.history; }))
+            continue;
+        std::vector<double> gains, efforts, more;
+        for (const LoopRow& row : loops)
+            if (row.law == first.law && row.history == first.history) {
+                gains.push_back(row.gain);
+                efforts.push_back(row.effort);
+                if (const LoopRow* bare = row.law->unshaded ? nullptr : unshaded_of(loops, row))
+                    more.push_back(row.gain - bare->gain);
+            }
+        laws.push_back({first.law, first.history, gains.size(), bootstrap_median(gains), quantile(gains, 0.05),
+                        quantile(gains, 0.95), quantile(efforts, 0.5),
+                        more.empty() ? std::nullopt : std::optional(bootstrap_median(more))});
+    }
+    std::ranges::stable_sort(laws, {}, &LawRow::history);
+    return laws;
+}
+
+void add_energy(StudyData& data, const EnergyResults& results) {
+    data.tables = {law_table(results.laws), loop_table(results.loops), curl_table(results.curl)};
+    data.figures = figures_of(results);
+    data.notes = {
+        "A loop is a stroke out between two places anywhere in the region, up or down to another depth, back below the "
+        "same line, and to where it began; depths are log-uniform over a decade and vertical below the facets. The "
+        "same "
+        "strokes go over all laws of a surface.",
+        "What a round gives the hand is told for the way round that gives more. Where the force follows from the place "
+        "alone the other way takes as much; with the god-object's history both ways were gone, twice each, and the "
+        "second round counts.",
+        "Work is the mean of neighbouring forces times the step, in double precision by the CPU oracle; steps are "
+        "halved "
+        "where forces differ, down to what rounding leaves of a jump."};
+    if (data.scene.empty())
+        add_own_findings(data.findings, results);
+    else
+        add_scene_findings(data.findings, results);
+    add_history_finding(data.findings, results);
+}
+
+} // namespace forceshade::study

@@ -1,0 +1,28 @@
+// Random numbers and the intervals of medians, the same on every machine.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+namespace forceshade::study {
+
+/// Numbers in [low, high) (splitmix64).
+class Draw {
+public:
+    explicit Draw(std::uint64_t seed) : state_(seed) {}
+    double operator()(double low, double high);
+
+private:
+    std::uint64_t state_;
+};
+
+/// The median of some values, and where 95 % of the medians of bootstrap samples lie (Efron 1979, percentiles).
+struct Interval {
+    double low = 0, median = 0, high = 0;
+};
+Interval bootstrap_median(const std::vector<double>& values);
+
+/// The value below which this share of all lies, by the middle of neighbours where the rank is none; 0 of nothing.
+double quantile(std::vector<double> values, double share);
+
+} // namespace forceshade::study

@@ -1,0 +1,189 @@
+// Work round loops below a surface, against closed forms; curl; and what is said of loops.
+#include <cmath>
+#include <filesystem>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "host/error.h"
+#include "host/output/files.h"
+#include "host/study/energy/bump_mesh.h"
+#include "host/study/energy/results.h"
+#include "tests/unit/closed_forms.h"
+
+namespace forceshade::study {
+namespace {
+
+constexpr double kEnd = 0.999 * 0.0127; // m: x1 of the laws' loop
+
+EnergyLaw bump_law(const char* radius, int facets, const char* shading) {
+    auto prepared = std::make_shared<PreparedCase>(CasePreparation().prepare(parse_scene(
+        fmt::format("surface = {{radius = \"{}\", facets = {}}}\nforce = {{stiffness = \"500 N/m\", shading = \"{}\"}}",
+                    radius, facets, shading),
+        "test")));
+    return {"bump", shading, double(facets), std::string(shading) == "none", prepared};
+}
+
+LoopWork work_of(const EnergyLaw& law, const Stroke& stroke, std::size_t steps = 512) {
+    return work_by_place(law, places_of_loop(law, stroke, steps).value()).value();
+}
+
+const Stroke kLawsLoop{{0, 0}, {kEnd, 0}, 0.002, 0.001};
+
+TEST(EnergyLoops, GiveWhatTheLawsSayOnTheShadedPlane) {
+    const std::pair<const char*, double> kTable[] = {
+        {"600 mil", 2.3061e-3}, {"1000 mil", 1.4841e-3}, {"1400 mil", 1.0823e-3}};
+    for (const auto& [radius, joules] : kTable) {
+        const LoopWork shaded = work_of(bump_law(radius, 1, "reference"), kLawsLoop);
+        EXPECT_NEAR(shaded.work, joules, 1e-7) << radius;
+        EXPECT_NEAR(work_of(bump_law(radius, 1, "none"), kLawsLoop).work, 0, 1e-15);
+        EXPECT_GT(shaded.effort, shaded.work);
+    }
+    const double radius = 0.01524;
+    EXPECT_NEAR(shaded_plane_work({500, radius, kEnd, 0.002, 0.001}), 2.3061e-3, 5e-8);
+    EXPECT_NEAR(two_pass_plane_work({500, radius, kEnd, 0.002, 0.001}), 3.398e-3, 5e-7);
+}
+
+// Breaks between facets give energy, too. Places are joined by straight lines, which cut a break's corner a little.
+TEST(EnergyLoops, GiveTheClosedFormOverFacets) {
+    for (const int facets : {2, 3, 5, 32}) {
+        std::vector<double> vertices; // equal arcs
+        const double radius = 0.01524, half = std::asin(0.0127 / radius);
+        for (int i = 0; i <= facets; ++i)
+            vertices.push_back(radius * std::sin(half * (2.0 * i / facets - 1)));
+        const BumpLoop loop{500, radius, kEnd, 0.002, 0.001};
+        EXPECT_NEAR(work_of(bump_law("600 mil", facets, "none"), kLawsLoop, 8192).work,
+                    faceted_work(loop, vertices, false), 1e-7);
+        EXPECT_NEAR(work_of(bump_law("600 mil", facets, "reference"), kLawsLoop, 8192).work,
+                    shaded_facets_work(loop, vertices, false), 2e-7);
+    }
+}
+
+EnergyLaw mesh_law(const std::shared_ptr<const SceneMesh>& mesh, Shading shading) {
+    auto prepared = std::make_shared<PreparedCase>();
+    prepared->one.scene.surface.kind = SurfaceKind::mesh;
+    prepared->one.scene.force.stiffness = 500;
+    prepared->one.scene.force.shading = shading;
+    prepared->images.mesh = mesh;
+    return {"mesh", "", 8, shading == Shading::none, prepared};
+}
+
+TEST(EnergyLoops, OfTheShadedPlaneAsAMeshComeToTheLawsFigures) {
+    const auto plane = shaded_plane_mesh({0.0127, 0.03556, 128, 4, MeshCells::triangles}); // R = 1400 mil
+    const BumpLoop loop{500, 0.03556, kEnd, 0.002, 0.001};
+    EXPECT_NEAR(work_of(mesh_law(plane, Shading::mean_value), kLawsLoop).work, shaded_plane_work(loop), 1e-6);
+    EXPECT_NEAR(work_of(mesh_law(plane, Shading::two_pass), kLawsLoop).work, two_pass_plane_work(loop), 1e-6);
+}
+
+TEST(EnergyLoops, TellAConservativeFieldFromOneThatIsNot) {
+    const auto mesh = bump_mesh({0.0127, 0.0254, 4, 4, MeshCells::triangles});
+    const Stroke stroke{{-0.01, 0.002}, {0.009, -0.004}, 0.002, 0.0005};
+    EXPECT_NEAR(work_of(mesh_law(mesh, Shading::none), stroke).work, 0, 1e-10);
+    EXPECT_GT(std::abs(work_of(mesh_law(mesh, Shading::morgenbesser), stroke).work), 1e-6);
+    const EnergyLaw law = mesh_law(mesh, Shading::none);
+    auto places = places_of_loop(law, stroke, 1024).value();
+    EXPECT_LT(work_by_history(law, places).value().work, -1e-6) << "the proxy lags behind whichever way it goes";
+    std::ranges::reverse(places);
+    EXPECT_LT(work_by_history(law, places).value().work, -1e-6);
+}
+
+TEST(EnergyLoops, ThatLeaveTheSurfaceCountForNothing) {
+    const EnergyLaw law = mesh_law(bump_mesh({0.0127, 0.0254, 4, 4, MeshCells::triangles}), Shading::none);
+    EXPECT_FALSE(places_of_loop(law, {{0, 0}, {0.05, 0}, 0.002, 0.001}, 64));
+    const EnergyLaw bump = bump_law("600 mil", 2, "none");
+    EXPECT_FALSE(work_by_place(bump, places_of_loop(bump, {{0, 0}, {0.01, 0}, 0.002, -0.001}, 64).value()));
+}
+
+TEST(EnergyStrokes, AreDrawnAnywhereInTheRegion) {
+    const StrokeRegion region{{-0.01, -0.002}, {0.03, 0.002}, 1e-3};
+    const std::vector<Stroke> strokes = drawn_strokes(region, 500);
+    double far = 0;
+    for (const Stroke& stroke : strokes) {
+        EXPECT_GE(std::hypot(stroke.to.x - stroke.from.x, stroke.to.y - stroke.from.y), 0.01);
+        EXPECT_GE(std::min(stroke.out, stroke.back), 0.99e-4);
+        EXPECT_LE(std::max(stroke.out, stroke.back), 1e-3);
+        far += stroke.from.x > 0.01;
+    }
+    EXPECT_NEAR(far / 500, 0.5, 0.1);
+    EXPECT_EQ(drawn_strokes(region, 3)[2].to, strokes[2].to);
+}
+
+TEST(EnergyResults, CompareTheSameLoops) {
+    EnergyResults results;
+    results.surfaces = {{"scene", "", {}, {bump_law("600 mil", 2, "none"), bump_law("600 mil", 2, "reference")}}};
+    auto& laws = results.surfaces[0].laws;
+    laws[0].scheme = "unshaded";
+    for (std::size_t i = 0; i < 9; ++i) {
+        results.loops.push_back({&laws[0], false, i, {}, 1e-3 * double(i), 2e-3});
+        results.loops.push_back({&laws[1], false, i, {}, 1e-3 * double(i) + 5e-3, 4e-3});
+    }
+    results.laws = summed_up(results.loops);
+    ASSERT_EQ(results.laws.size(), 2u);
+    EXPECT_NEAR(results.laws[0].gain.median, 4e-3, 1e-12);
+    EXPECT_FALSE(results.laws[0].more);
+    EXPECT_NEAR(results.laws[1].more->low, 5e-3, 1e-12) << "each loop is compared with itself";
+    EXPECT_NEAR(results.laws[1].more->high, 5e-3, 1e-12);
+    StudyData data;
+    data.scene = "a scene";
+    add_energy(data, results);
+    ASSERT_EQ(data.findings.size(), 1u);
+    EXPECT_NE(data.findings[0].text.find("scene's surface"), std::string::npos);
+    EXPECT_NE(data.findings[0].text.find("reference 9 mJ"), std::string::npos) << data.findings[0].text;
+    EXPECT_NEAR(data.table("loops").needed(1, "unshaded_mJ"), 0, 1e-12);
+}
+
+TEST(EnergyCurl, OfALinearFieldIsExactAndUnknownWhereACornerIsFree) {
+    SectionField field;
+    for (int i = 0; i < 4; ++i) {
+        field.x.push_back(i);
+        field.z.push_back(2 * i);
+    }
+    for (const double z : field.z)
+        for (const double x : field.x) {
+            field.force.insert(field.force.end(), {3 * z, 0, -x});
+            field.depth.push_back(x == 3 ? 0 : 1);
+        }
+    const std::vector<double> curl = cell_curls(field);
+    ASSERT_EQ(curl.size(), 9u);
+    EXPECT_EQ(curl[0], 4);
+    EXPECT_EQ(curl[7], 4);
+    EXPECT_TRUE(std::isnan(curl[2])) << "a corner is free";
+}
+
+// The laws: -K N_x + K z dN_z/dx on the flat shaded plane.
+TEST(EnergyCurl, OfTheShadedPlaneIsItsClosedForm) {
+    const auto folder = std::filesystem::temp_directory_path() / "forceshade_energy_test";
+    std::filesystem::create_directories(folder);
+    EngineOptions options;
+    options.cpu = true;
+    const auto engine = make_engine(options);
+    std::vector<FileRecord> volumes;
+    const double radius = 0.0254;
+    std::size_t inside = 0;
+    for (const CurlCell& cell : curl_map(*engine, bump_law("1000 mil", 1, "reference"),
+                                         {{-0.0127, -0.005}, {0.0127, 0.005}}, 24, folder, volumes)) {
+        if (std::abs(cell.x) > 0.011)
+            continue;
+        ++inside;
+        const double sine = cell.x / radius;
+        EXPECT_NEAR(cell.curl_per_stiffness, -sine - cell.z * sine / (radius * std::sqrt(1 - sine * sine)), 4e-3);
+    }
+    EXPECT_GT(inside, 20u);
+    ASSERT_EQ(volumes.size(), 2u);
+    for (const FileRecord& volume : volumes)
+        EXPECT_TRUE(file_is_intact(folder / volume.name, volume.sha256));
+    std::filesystem::remove_all(folder);
+}
+
+TEST(EnergyScene, HasEachSchemeOfItsSurfaceAndNeedsRoom) {
+    const auto laws_of = [](const std::string& text) {
+        return scene_energy_surface(CasePreparation().prepare(parse_scene(text, "scene.toml"))).laws.size();
+    };
+    EXPECT_EQ(laws_of("surface = {facets = 4}"), 2u);
+    EXPECT_EQ(laws_of("surface.kind = \"cylinder_bump\""), 1u);
+    EXPECT_EQ(laws_of("surface = {kind = \"height_map\", function = \"sine\"}"), 2u);
+    EXPECT_EQ(laws_of("surface = {kind = \"mesh\", file = \"" FORCESHADE_TEST_DATA "/spot.obj\"}"), 4u);
+}
+
+} // namespace
+} // namespace forceshade::study
