@@ -110,12 +110,12 @@ TEST(EnergyStrokes, AreDrawnAnywhereInTheRegion) {
 
 TEST(EnergyResults, CompareTheSameLoops) {
     EnergyResults results;
-    results.surfaces = {{"scene", "", {}, {bump_law("600 mil", 2, "none"), bump_law("600 mil", 2, "reference")}}};
+    results.surfaces = {{"scene", "", {}, {}, {bump_law("600 mil", 2, "none"), bump_law("600 mil", 2, "reference")}}};
     auto& laws = results.surfaces[0].laws;
     laws[0].scheme = "unshaded";
     for (std::size_t i = 0; i < 9; ++i) {
-        results.loops.push_back({&laws[0], false, i, {}, 1e-3 * double(i), 2e-3});
-        results.loops.push_back({&laws[1], false, i, {}, 1e-3 * double(i) + 5e-3, 4e-3});
+        results.loops.push_back({&laws[0], false, i, 1e-3 * double(i), 2e-3});
+        results.loops.push_back({&laws[1], false, i, 1e-3 * double(i) + 5e-3, 4e-3});
     }
     results.laws = summed_up(results.loops);
     ASSERT_EQ(results.laws.size(), 2u);
@@ -129,7 +129,7 @@ TEST(EnergyResults, CompareTheSameLoops) {
     ASSERT_EQ(data.findings.size(), 1u);
     EXPECT_NE(data.findings[0].text.find("scene's surface"), std::string::npos);
     EXPECT_NE(data.findings[0].text.find("reference 9 mJ"), std::string::npos) << data.findings[0].text;
-    EXPECT_NEAR(data.table("loops").needed(1, "unshaded_mJ"), 0, 1e-12);
+    EXPECT_EQ(data.table("loops").rows.size(), 18u);
 }
 
 TEST(EnergyCurl, OfALinearFieldIsExactAndUnknownWhereACornerIsFree) {

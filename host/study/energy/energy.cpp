@@ -18,7 +18,7 @@ struct Extents {
 };
 
 Extents extents_of(bool quick) {
-    return quick ? Extents{128, 16, 1024, 20} : Extents{1000, 100, 2048, 60};
+    return quick ? Extents{128, 16, 1024, 20} : Extents{250, 50, 2048, 60};
 }
 
 // The loops of a law on the strokes of its surface.
@@ -30,7 +30,7 @@ void add_loops_of(const EnergyLaw& law, const std::vector<Stroke>& strokes, cons
         const auto by_place = places ? work_by_place(law, *places) : std::nullopt;
         if (!by_place)
             continue;
-        rows.push_back({&law, false, i, strokes[i], std::abs(by_place->work), by_place->effort});
+        rows.push_back({&law, false, i, std::abs(by_place->work), by_place->effort});
         if (!law.prepared->images.mesh || i >= extents.loops_of_history)
             continue;
         auto fine = places_of_loop(law, strokes[i], extents.steps);
@@ -38,8 +38,7 @@ void add_loops_of(const EnergyLaw& law, const std::vector<Stroke>& strokes, cons
         std::ranges::reverse(*fine);
         const auto back = work_by_history(law, *fine);
         if (forth && back)
-            rows.push_back(
-                {&law, true, i, strokes[i], std::max(forth->work, back->work), 0.5 * (forth->effort + back->effort)});
+            rows.push_back({&law, true, i, std::max(forth->work, back->work), 0.5 * (forth->effort + back->effort)});
     }
 }
 
@@ -48,7 +47,7 @@ bool is_mapped(const EnergyLaw& law, const std::optional<PreparedCase>& scene) {
     const Shading shading = law.prepared->one.scene.force.shading;
     if (scene)
         return shading == Shading::none || shading == scene->one.scene.force.shading;
-    return law.elements == 8 && (law.scheme == "unshaded" || law.scheme == "shaded");
+    return law.surface == "bump" && law.elements == 8 && (law.scheme == "unshaded" || law.scheme == "shaded");
 }
 
 } // namespace
@@ -60,13 +59,12 @@ StudyData study_energy(StudyRun& run) {
         run.scene() ? std::vector{scene_energy_surface(*run.scene())} : own_energy_surfaces(run.options().quick);
     std::vector<FileRecord> volumes;
     std::vector<Part> parts;
-    for (const EnergySurface& surface : results.surfaces) {
-        const std::vector<Stroke> strokes = drawn_strokes(surface.region, extents.loops);
+    for (EnergySurface& surface : results.surfaces) {
+        surface.strokes = drawn_strokes(surface.region, extents.loops);
         for (const EnergyLaw& law : surface.laws) {
             const std::string of = law.elements ? fmt::format(" of {}", *law.elements) : "";
-            parts.push_back(
-                {fmt::format("loops on {}{}, {}", surface.name, of, law.scheme),
-                 [&results, &law, strokes, extents] { add_loops_of(law, strokes, extents, results.loops); }});
+            parts.push_back({fmt::format("loops on {}{}, {}", surface.name, of, law.scheme),
+                             [&] { add_loops_of(law, surface.strokes, extents, results.loops); }});
             if (is_mapped(law, run.scene()))
                 parts.push_back({fmt::format("curl of {}{}, {}", surface.name, of, law.scheme), [&] {
                                      std::ranges::move(curl_map(run.engine(), law, surface.region, extents.columns,

@@ -1,7 +1,6 @@
 #include "host/study/energy/results.h"
 
 #include <algorithm>
-#include <map>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -71,30 +70,63 @@ Table law_table(const std::vector<LawRow>& laws) {
 
 Table loop_table(const std::vector<LoopRow>& loops) {
     using R = LoopRow;
-    std::map<const R*, const R*> unshaded;
-    for (const R& row : loops)
-        unshaded[&row] = row.law->unshaded ? nullptr : unshaded_of(loops, row);
     std::vector<ColumnOf<R>> columns = law_columns<R>();
+    std::ranges::move(
+        std::vector<ColumnOf<R>>{
+            {{"loop", "1", "which stroke"}, [](const R& r) { return cell(double(r.number)); }},
+            {{"gain_mJ", "mJ", "what the round gives the hand by the way round that gives more"},
+             [](const R& r) { return cell(1e3 * r.gain); }},
+            {{"effort_mJ", "mJ", "the integral of |F dl|"}, [](const R& r) { return cell(1e3 * r.effort); }}},
+        std::back_inserter(columns));
+    return table_of<R>("loops", "Every loop", columns, loops);
+}
+
+// Those of the figure: of the bump with 8 facets, or of the scene.
+Table pair_table(const std::vector<LoopRow>& loops) {
+    struct R {
+        const LoopRow *row, *unshaded;
+    };
+    std::vector<R> rows;
+    for (const LoopRow& row : loops) {
+        const bool shown = row.law->surface == "scene" || (row.law->surface == "bump" && row.law->elements == 8);
+        if (!row.history && shown && !row.law->unshaded)
+            if (const LoopRow* unshaded = unshaded_of(loops, row))
+                rows.push_back({&row, unshaded});
+    }
+    return table_of<R>(
+        "pairs", "Shaded beside unshaded, loop by loop",
+        {{{"scheme", "", "shading, and how depth is read where not vertically"},
+          [](const R& r) { return Cell(r.row->law->scheme); }},
+         {{"loop", "1", "which stroke"}, [](const R& r) { return cell(double(r.row->number)); }},
+         {{"unshaded_mJ", "mJ", "gain of this loop unshaded"}, [](const R& r) { return cell(1e3 * r.unshaded->gain); }},
+         {{"gain_mJ", "mJ", "its gain with shading"}, [](const R& r) { return cell(1e3 * r.row->gain); }}},
+        rows);
+}
+
+Table stroke_table(const EnergyResults& results) {
+    struct R {
+        std::string surface;
+        std::size_t number;
+        Stroke stroke;
+    };
+    std::vector<R> rows;
+    for (const EnergySurface& surface : results.surfaces)
+        for (std::size_t i = 0; i < surface.strokes.size(); ++i)
+            rows.push_back({surface.name, i, surface.strokes[i]});
     const auto length = [](const char* name, const char* meaning, auto of) {
         return ColumnOf<R>{{name, "mm", meaning}, [of](const R& r) { return cell(1e3 * of(r.stroke)); }};
     };
-    std::ranges::move(
-        std::vector<ColumnOf<R>>{
-            {{"loop", "1", "the same number is the same stroke"}, [](const R& r) { return cell(double(r.number)); }},
-            length("from_x_mm", "where the stroke begins", [](const Stroke& s) { return s.from.x; }),
-            length("from_y_mm", "likewise", [](const Stroke& s) { return s.from.y; }),
-            length("to_x_mm", "where it turns", [](const Stroke& s) { return s.to.x; }),
-            length("to_y_mm", "likewise", [](const Stroke& s) { return s.to.y; }),
-            length("out_mm", "depth on the way out, vertically below the facets",
-                   [](const Stroke& s) { return s.out; }),
-            length("back_mm", "depth on the way back", [](const Stroke& s) { return s.back; }),
-            {{"gain_mJ", "mJ", "what the round gives the hand by the way round that gives more"},
-             [](const R& r) { return cell(1e3 * r.gain); }},
-            {{"effort_mJ", "mJ", "the integral of |F dl|"}, [](const R& r) { return cell(1e3 * r.effort); }},
-            {{"unshaded_mJ", "mJ", "gain of the same loop unshaded"},
-             [&unshaded](const R& r) { return unshaded[&r] ? cell(1e3 * unshaded[&r]->gain) : Cell(); }}},
-        std::back_inserter(columns));
-    return table_of<R>("loops", "Every loop", columns, loops);
+    return table_of<R>(
+        "strokes", "The strokes of the loops",
+        {{{"surface", "", "below which"}, [](const R& r) { return Cell(r.surface); }},
+         {{"loop", "1", "which stroke"}, [](const R& r) { return cell(double(r.number)); }},
+         length("from_x_mm", "where it begins", [](const Stroke& s) { return s.from.x; }),
+         length("from_y_mm", "likewise", [](const Stroke& s) { return s.from.y; }),
+         length("to_x_mm", "where it turns", [](const Stroke& s) { return s.to.x; }),
+         length("to_y_mm", "likewise", [](const Stroke& s) { return s.to.y; }),
+         length("out_mm", "depth on the way out, vertically below the facets", [](const Stroke& s) { return s.out; }),
+         length("back_mm", "depth on the way back", [](const Stroke& s) { return s.back; })},
+        rows);
 }
 
 Table curl_table(const std::vector<CurlCell>& cells) {
@@ -133,13 +165,10 @@ std::vector<Figure> figures_of(const EnergyResults& results) {
     pairs.name = "energy-pairs";
     pairs.title = "Shaded beside unshaded, loop by loop";
     pairs.caption = "Each point is a loop; on the diagonal shading changes nothing.";
-    pairs.table = "loops";
+    pairs.table = "pairs";
     pairs.x = {"unshaded_mJ", "gain unshaded / mJ", false};
     pairs.y = {"gain_mJ", "gain shaded / mJ", false};
     pairs.series = "scheme";
-    pairs.where = {{"felt", "by the place"}};
-    if (!results.surfaces.front().elements.empty())
-        pairs.where.insert(pairs.where.end(), {{"surface", results.surfaces.front().name}, {"elements", "8"}});
     if (std::ranges::any_of(results.laws, [](const LawRow& row) { return row.more.has_value(); }))
         figures.push_back(pairs);
     std::string map;
@@ -310,7 +339,8 @@ std::vector<LawRow> summed_up(const std::vector<LoopRow>& loops) {
 }
 
 void add_energy(StudyData& data, const EnergyResults& results) {
-    data.tables = {law_table(results.laws), loop_table(results.loops), curl_table(results.curl)};
+    data.tables = {law_table(results.laws), pair_table(results.loops), stroke_table(results), loop_table(results.loops),
+                   curl_table(results.curl)};
     data.figures = figures_of(results);
     data.notes = {
         "A loop is a stroke out between two places anywhere in the region, up or down to another depth, back below the "

@@ -12,9 +12,8 @@ struct LoopRow {
     const EnergyLaw* law = nullptr;
     bool history = false;   /* of a mesh: followed by the god-object */
     std::size_t number = 0; /* of the stroke: the same for all laws of a surface */
-    Stroke stroke;
-    double gain = 0;   /* J: to the hand, by the way round that gives more */
-    double effort = 0; /* J */
+    double gain = 0;        /* J: to the hand, by the way round that gives more */
+    double effort = 0;      /* J */
 };
 
 /// The loops of a law, one way of feeling it.

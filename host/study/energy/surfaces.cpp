@@ -55,7 +55,7 @@ void add_laws(EnergySurface& surface, const PreparedCase& base, std::optional<do
 }
 
 EnergySurface own_bump(const PreparedCase& own, bool quick) {
-    EnergySurface surface{"bump", "facets", {{-kHalf, -0.005}, {kHalf, 0.005}}, {}};
+    EnergySurface surface{"bump", "facets", {{-kHalf, -0.005}, {kHalf, 0.005}}};
     for (const unsigned facets :
          quick ? std::vector<unsigned>{1, 2, 8, 32, 512} : std::vector<unsigned>{1, 2, 3, 4, 8, 16, 32, 128, 512}) {
         PreparedCase base = own;
@@ -66,7 +66,7 @@ EnergySurface own_bump(const PreparedCase& own, bool quick) {
 }
 
 EnergySurface own_mesh(const PreparedCase& own, bool quick) {
-    EnergySurface surface{"mesh", "cells", {{-kHalf, -0.8 * kHalf}, {kHalf, 0.8 * kHalf}}, {}};
+    EnergySurface surface{"mesh", "cells", {{-kHalf, -0.8 * kHalf}, {kHalf, 0.8 * kHalf}}};
     for (const unsigned cells : quick ? std::vector<unsigned>{4, 16} : std::vector<unsigned>{4, 8, 16, 32}) {
         PreparedCase base = own;
         base.one.scene.surface.kind = SurfaceKind::mesh;
@@ -95,7 +95,7 @@ EnergySurface scene_energy_surface(const PreparedCase& scene) {
     if (!(region.length > 0))
         throw UsageError("paths.length leaves no room for a loop: it must be above 0");
     const glm::dvec2 middle(region.centre[0], region.centre[1]), half = 0.5 * glm::dvec2(region.length, region.width);
-    EnergySurface surface{"scene", "", {middle - half, middle + half}, {}};
+    EnergySurface surface{"scene", "", {middle - half, middle + half}};
     surface.region.deepest = std::min(surface.region.deepest, kDeepestShare * std::max(region.length, region.width));
 
     add_laws(surface, scene, std::nullopt);

@@ -9,7 +9,8 @@ struct EnergySurface {
     std::string name;     /* "bump" */
     std::string elements; /* "facets", "cells"; empty: none */
     StrokeRegion region;
-    std::vector<EnergyLaw> laws; /* those without shading before those with */
+    std::vector<Stroke> strokes{}; /* the same for all laws */
+    std::vector<EnergyLaw> laws{}; /* those without shading before those with */
 };
 
 /// The paper's bump of R = 1000 mil over its facets, and meshes of its cylinder over their cells.
