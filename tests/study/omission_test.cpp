@@ -7,17 +7,12 @@
 #include "host/engine/engine.h"
 #include "host/error.h"
 #include "host/prepare/prepared_case.h"
-#include "host/study/omission/measurement.h"
 #include "host/study/omission/omission.h"
-#include "host/study/omission/tables.h"
-#include "host/study/omission/touched.h"
-#include "host/study/omission/unchanged.h"
+#include "host/study/omission/results.h"
 #include "tests/io/folder.h"
 
 namespace forceshade::study {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 std::vector<Comparison> all_comparisons(const std::vector<BaseScene>& scenes, bool gpu) {
     std::vector<Comparison> all;
@@ -28,35 +23,12 @@ std::vector<Comparison> all_comparisons(const std::vector<BaseScene>& scenes, bo
 }
 
 TEST(Omission, IsWhatTheManifestsSay) {
-    const std::vector<BaseScene> scenes = own_scenes(true);
-    const std::vector<Comparison> comparisons = all_comparisons(scenes, true);
+    const std::vector<Comparison> comparisons = all_comparisons(own_scenes(true), true);
     for (const Comparison& one : comparisons)
         EXPECT_TRUE(agrees_with_manifest(one)) << one.scene << ": " << one.feature;
-    const Table omitted = omitted_table(scenes, comparisons);
-    EXPECT_GT(omitted.rows.size(), 15u);
-    for (std::size_t row = 0; row < omitted.rows.size(); ++row)
-        EXPECT_NE(omitted.word(row, "feature"), "not measured") << omitted.word(row, "omitted");
     Comparison wrong = comparisons.front();
     wrong.omitted = "texture"; // left out on both sides
     EXPECT_FALSE(agrees_with_manifest(wrong));
-}
-
-// Paths have neither a winding number nor blocks nor unshaded forces: nothing of that is left out.
-TEST(Omission, OfPathsIsMeasuredInEitherLoop) {
-    for (const char* drive : {"depth = \"1 mm\"", "press = \"1 N\""}) {
-        const std::string text = std::string("[paths]\n") + drive + "\n";
-        const PreparedCase given = CasePreparation().prepare(parse_scene(text, "test"));
-        const BaseScene base = user_scene(given, true);
-        const Table omitted = omitted_table({base}, comparisons_of(base, false));
-        EXPECT_GT(omitted.rows.size(), 4u);
-        for (std::size_t row = 0; row < omitted.rows.size(); ++row)
-            EXPECT_NE(omitted.word(row, "feature"), "not measured") << omitted.word(row, "omitted");
-    }
-    Scene mesh;
-    mesh.surface.kind = SurfaceKind::mesh;
-    const std::size_t of_fields = omissions(mesh).size();
-    mesh.field = false;
-    EXPECT_EQ(omissions(mesh).size(), of_fields - 3);
 }
 
 TEST(Omission, SwitchesEachFeatureOnceInAScene) {
@@ -95,50 +67,42 @@ protected:
         throw std::runtime_error("no comparison of " + feature);
     }
 
-    Unchanged held(const Comparison& one) {
-        const std::uint32_t channels =
-            one.channels | (one.unshaded_is_force ? std::uint32_t(layout::kChannelUnshaded) : 0);
-        const auto with = make_side<float>(one.with, one.paths)->capture(*engine_, channels);
-        const auto without = make_side<float>(one.without, one.paths)->capture(*engine_, channels);
-        return compare(one, with, without);
+    Agreement held(const Comparison& one) {
+        return compare(one, make_side<float>(one.with, one.paths)->capture(*engine_, one.channels),
+                       make_side<float>(one.without, one.paths)->capture(*engine_, one.channels));
     }
 
     std::unique_ptr<Engine> engine_;
 };
 
-TEST_F(OnTheOracle, NoFeatureChangesWhatItDoesNotConcern) {
+TEST_F(OnTheOracle, EveryForceIsTheSameWithoutIt) {
     for (const BaseScene& base : own_scenes(true))
         for (const Comparison& one : comparisons_of(base, false)) {
-            const Unchanged unchanged = held(one);
-            EXPECT_EQ(unchanged.differing, 0u) << base.name << ": " << one.feature;
-            EXPECT_GT(unchanged.compared, 100u) << base.name << ": " << one.feature;
-            if (one.force != Agreement::none) {
-                EXPECT_GT(unchanged.in_contact, 1000u) << base.name << ": " << one.feature;
-                EXPECT_TRUE(one.paths || unchanged.in_contact < unchanged.compared) << base.name << ": " << one.feature;
+            const Agreement agreement = held(one);
+            EXPECT_EQ(agreement.differing, 0u) << base.name << ": " << one.feature;
+            EXPECT_GT(agreement.compared, 100u) << base.name << ": " << one.feature;
+            if (one.same != Same::metrics) {
+                EXPECT_GT(agreement.in_contact, 1000u) << base.name << ": " << one.feature;
+                EXPECT_TRUE(one.paths || agreement.in_contact < agreement.compared) << base.name << ": " << one.feature;
             }
         }
 }
 
 TEST_F(OnTheOracle, WhatDiffersIsCounted) {
-    Comparison shading = comparison("bump", "shading");
-    shading.force = Agreement::bits; // shading turns the force
-    const Unchanged turned = held(shading);
+    Comparison stiffer = comparison("bump", "depth channel");
+    stiffer.with.prepared.one.scene.force.stiffness *= 1 + 1e-6;
+    EXPECT_GT(held(stiffer).differing, 1000u);
+
+    Comparison shading = comparison("bump", "facet channel");
+    shading.without.prepared.one.scene.force.shading = Shading::none;
+    const Agreement turned = held(shading);
     EXPECT_GT(turned.differing, 1000u);
     EXPECT_LT(turned.differing, turned.compared);
-
-    Comparison texture = comparison("bump", "texture");
-    texture.force = Agreement::magnitude; // a texture adds to it
-    const Unchanged stronger = held(texture);
-    EXPECT_GT(stronger.differing, 100u);
-    EXPECT_GT(stronger.largest, 1e-4);
-
-    Comparison other = comparison("bump", "depth channel");
-    other.with.prepared.one.scene.force.stiffness *= 1 + 1e-6;
-    EXPECT_GT(held(other).differing, 1000u);
+    EXPECT_FALSE((OmissionRow{shading, {{}, {}, turned}}.same_forces()));
 
     Comparison smaller = comparison("bump", "depth channel");
     smaller.with.prepared.one.scene.grid.size[2] /= 2;
-    const Unchanged half = held(smaller);
+    const Agreement half = held(smaller);
     EXPECT_EQ(half.differing, half.compared) << "the samples that are not there";
 }
 
@@ -201,39 +165,67 @@ TEST_F(OmissionRun, OfASceneThatTouchesNothingIsRefused) {
 TEST_F(OmissionRun, OfAGridInTheAirAboveTouchingPathsSaysSo) {
     const StudyData data = run(given_scene("30 mm", kPaths));
     EXPECT_EQ(free_notes(data), 1u);
-    EXPECT_GT(data.table("features").rows.size(), 10u);
+    EXPECT_GT(data.table("features").rows.size(), 5u);
 }
 
 TEST_F(OnTheOracle, AMeasurementHasARoundOfEachSideAndLeavesNoFile) {
     const std::filesystem::path folder = std::filesystem::temp_directory_path() / "forceshade-omission-test";
     std::filesystem::create_directories(folder);
-    const Json result = measure(*engine_, comparison("bump", "every y"), {6, 0.001, 60, 1}, folder);
+    const Measurement result = measure(*engine_, comparison("bump", "every y"), {6, 0.001, 60}, folder);
     EXPECT_TRUE(std::filesystem::is_empty(folder));
     std::filesystem::remove_all(folder);
-    EXPECT_EQ(result["with"]["kernel_s"].size(), 6u);
-    EXPECT_EQ(result["without"]["whole_s"].size(), 6u);
-    EXPECT_EQ(result["with"]["evaluated"].get<double>(), 8 * result["without"]["evaluated"].get<double>());
-    EXPECT_EQ(result["with"]["received"].get<double>(), 8 * result["without"]["received"].get<double>());
-    EXPECT_EQ(result["with"]["file"], result["without"]["file"]) << "the file holds every y either way";
-    EXPECT_EQ(result["differing"], 0);
+    EXPECT_EQ(result.with.kernel.size(), 6u);
+    EXPECT_EQ(result.without.whole.size(), 6u);
+    EXPECT_EQ(result.with.cost.evaluated, 8 * result.without.cost.evaluated);
+    EXPECT_EQ(result.with.cost.received, 8 * result.without.cost.received);
+    EXPECT_EQ(result.with.file, result.without.file) << "the file holds every y either way";
+    EXPECT_EQ(result.agreement.differing, 0u);
 }
 
-// A patch has no inside: that is no error.
+// A patch has no inside: its winding number is another law.
 TEST(OmissionScene, OnAnOpenMeshComparesNoLawWithAnother) {
     PreparedCase given = own_scenes(true)[2].prepared;
+    const auto has_winding = [](const PreparedCase& prepared) {
+        const auto all = comparisons_of(user_scene(prepared, true), true);
+        return std::ranges::find(all, "winding number", &Comparison::feature) != all.end();
+    };
+    EXPECT_TRUE(has_winding(given));
     auto mesh = std::make_shared<SceneMesh>(*given.images.mesh);
     mesh->findings.closed = false;
     given.images.mesh = mesh;
-    std::set<std::string> uncompared;
-    for (const Comparison& one : comparisons_of(user_scene(given, true), true))
-        if (one.force == Agreement::nothing) {
-            uncompared.insert(one.feature);
-            EXPECT_GT(what_is_compared(one).size(), 20u) << "the reason stands in the table";
-        }
-    EXPECT_EQ(uncompared, (std::set<std::string>{"winding number"}));
-    for (const BaseScene& base : own_scenes(true))
-        for (const Comparison& one : comparisons_of(base, true))
-            EXPECT_NE(one.force, Agreement::nothing) << base.name << ": " << one.feature;
+    EXPECT_FALSE(has_winding(given));
+}
+
+OmissionRow timed(const std::string& feature, double ratio, bool always = false, std::uint64_t differing = 0) {
+    OmissionRow row;
+    row.comparison.feature = feature;
+    row.comparison.scene = "bump";
+    row.comparison.always = always;
+    for (const double jitter : {0.99, 1.0, 1.01, 1.0, 1.005, 0.995}) {
+        row.measured.with.kernel.push_back(ratio * jitter);
+        row.measured.without.kernel.push_back(1);
+    }
+    row.measured.with.whole = row.measured.with.kernel;
+    row.measured.without.whole = row.measured.without.kernel;
+    row.measured.with.samples = row.measured.without.samples = 10;
+    row.measured.agreement = {10, 5, differing};
+    return row;
+}
+
+TEST(OmissionFindings, TellProgramAndSceneApartAndNothingFromTheSpread) {
+    StudyData data;
+    add_omissions(data, {},
+                  {timed(kControl, 1), timed("every y", 3, true), timed("depth channel", 1.2),
+                   timed("other law", 9, false, 1), timed("facet channel", 1.002)});
+    ASSERT_EQ(data.findings.size(), 3u);
+    EXPECT_EQ(data.findings[0].name, "program");
+    EXPECT_NE(data.findings[0].text.find("3 times as long with every y (bump)."), std::string::npos)
+        << data.findings[0].text;
+    EXPECT_NE(data.findings[1].text.find("20 % longer with depth channel (bump)"), std::string::npos)
+        << data.findings[1].text;
+    EXPECT_EQ(data.findings[1].text.find("other law"), std::string::npos) << "its forces are others";
+    EXPECT_NE(data.findings[2].text.find("nothing: facet channel (bump)."), std::string::npos) << data.findings[2].text;
+    EXPECT_EQ(data.table("features").word(3, "same"), "no: 1 of 10 differ");
 }
 
 TEST(OmissionScene, OfTheUserIsThinnedOut) {

@@ -1,4 +1,4 @@
-// Steps of a study, and what a run says of itself.
+// Parts of a study, and what a run says of itself.
 #include <csignal>
 #include <fstream>
 
@@ -10,8 +10,6 @@
 
 namespace forceshade::study {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 class Run : public ::testing::Test {
 protected:
@@ -28,18 +26,14 @@ protected:
     StudyOptions options_;
 };
 
-TEST_F(Run, TakesItsStepsInTheirOrder) {
-    std::vector<Step> steps;
-    int computed = 0;
-    for (const char* name : {"a", "b"})
-        steps.push_back({name, [&computed, name] { return Json{{"name", name}, {"turn", ++computed}}; }});
-    const std::vector<Json> results = StudyRun("energy", options_).run_steps(steps);
-    ASSERT_EQ(results.size(), 2u);
-    EXPECT_EQ(results[0], (Json{{"name", "a"}, {"turn", 1}}));
-    EXPECT_EQ(results[1], (Json{{"name", "b"}, {"turn", 2}}));
-    steps[0].compute = []() -> Json { throw UsageError("the step fails"); };
-    EXPECT_THROW(StudyRun("energy", options_).run_steps(steps), UsageError);
-    EXPECT_EQ(computed, 2) << "none after the one that failed";
+TEST_F(Run, TakesItsPartsInTheirOrder) {
+    std::string done;
+    std::vector<Part> parts{{"a", [&] { done += "a"; }}, {"b", [&] { done += "b"; }}};
+    StudyRun("energy", options_).run(parts);
+    EXPECT_EQ(done, "ab");
+    parts[0].compute = [] { throw UsageError("the part fails"); };
+    EXPECT_THROW(StudyRun("energy", options_).run(parts), UsageError);
+    EXPECT_EQ(done, "ab") << "none after the one that failed";
 }
 
 TEST_F(Run, OfAnotherStudySceneOrFormIsAnother) {

@@ -1,4 +1,4 @@
-// Rows of tables, out of values or out of objects whose keys are the columns' names.
+// Tables of rows: a row type and a list of its columns.
 #pragma once
 
 #include <functional>
@@ -6,20 +6,12 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
 #include "host/study/data/study_data.h"
 
 namespace forceshade::study {
 
 inline Cell cell_of(const std::optional<double>& value) {
     return value ? cell(*value) : Cell();
-}
-inline Cell cell_of(double value) {
-    return cell(value);
-}
-inline Cell cell_of(const std::string& word) {
-    return word;
 }
 
 /// A column, and what stands in it of a row.
@@ -42,26 +34,6 @@ Table table_of(std::string name, std::string title, const std::vector<ColumnOf<R
         table.rows.push_back(std::move(cells));
     }
     return table;
-}
-
-/// A row's cells from values: words, numbers, or numbers that may be missing.
-template <typename... Values> std::vector<Cell> row_of(const Values&... values) {
-    return {cell_of(values)...};
-}
-
-/// A cell for each column: a number, a word, or nothing where the object has none.
-inline std::vector<Cell> row_of(const std::vector<Column>& columns, const nlohmann::ordered_json& object) {
-    std::vector<Cell> row;
-    for (const Column& column : columns) {
-        const auto found = object.find(column.name);
-        if (found == object.end() || found->is_null())
-            row.emplace_back();
-        else if (found->is_number())
-            row.push_back(cell(found->get<double>()));
-        else
-            row.emplace_back(found->get<std::string>());
-    }
-    return row;
 }
 
 } // namespace forceshade::study

@@ -1,4 +1,4 @@
-// Features switched on and off alone: what is evaluated with and without one, and what must be the same.
+// What may be left out of a scene without changing a force: each thing switched alone, with it and without it.
 #pragma once
 
 #include <string>
@@ -12,49 +12,37 @@ namespace forceshade::study {
 /// One side of a comparison.
 struct Setup {
     PreparedCase prepared;
-    std::string what;                    /* "reference", "all 32 y samples": for readers */
+    std::string what;                    /* "all 32 y samples": for readers */
     Extent extent = Extent::what_varies; /* of a field */
     FreeSpace free = FreeSpace::skipped; /* of a mesh's field */
     bool samples = true;                 /* of paths: written, not metrics alone */
 };
 
-/// How the forces of both sides must agree.
-enum class Agreement {
-    bits,      /* bit for bit */
-    values,    /* equal numbers: zeros may differ in sign */
-    magnitude, /* |F| to rounding: only the direction is the feature's */
-    along_z,   /* F_z bit for bit: the feature is tangential */
-    contact,   /* zero or not, sample by sample */
-    none,      /* what paths add up to is compared in its place, bit for bit */
-    nothing,   /* nor that: both sides are other laws, see Comparison::why_nothing */
+/// What must be the same on both sides.
+enum class Same {
+    bits,    /* the forces, bit for bit */
+    values,  /* the forces as numbers: zeros may differ in sign */
+    metrics, /* what each path adds up to, bit for bit: one side writes no forces */
 };
 
 /// The feature of a comparison whose sides are alike.
 inline constexpr const char* kControl = "nothing";
 
 struct Comparison {
-    std::string feature; /* "shading", unique in its scene */
+    std::string feature; /* "facet channel", unique in its scene */
     std::string scene;   /* of BaseScene */
-    Setup with, without; /* the feature, or the work that an omission saves */
-    Agreement force = Agreement::bits;
-    const char* why_nothing = "";   /* is compared, for readers */
-    std::uint32_t channels = 0;     /* layout::kChannel... bits that must be the same bit for bit beside the force */
-    bool unshaded_is_force = false; /* the channel `unshaded` with the feature is the force without it */
-    std::string omitted;            /* as the manifest calls it; empty: it does not tell of this */
-    bool forced = false;            /* the scene is the same: only a study does the work that is always left out */
+    Setup with, without;
+    Same same = Same::bits;
+    std::uint32_t channels = 0; /* layout::kChannel... bits that must be the same bit for bit beside the force */
+    std::string omitted;        /* as the manifest calls it; empty: it does not tell of this */
+    bool always = false;        /* the program always leaves it out, and no scene can ask for it */
     bool paths = false;
 };
 
-/// What the manifest says is left out of a setup.
-std::vector<std::string> omitted_by(const Setup& setup);
-
-/// Whether the forces are the same numbers on both sides, so that the one without may stand for the one with.
-bool same_forces(const Comparison& comparison);
-
-/// True if the manifest tells of this omission where it is left out, and (unless forced) only there.
+/// True if the manifest tells of this omission where it is left out, and (unless it always is) only there.
 bool agrees_with_manifest(const Comparison& comparison);
 
-/// Every feature that this scene can have, switched alone. `gpu`: also those of a Vulkan device.
+/// Everything that this scene can do without. `gpu`: also what only a Vulkan device does.
 std::vector<Comparison> comparisons_of(const BaseScene& base, bool gpu);
 
 } // namespace forceshade::study

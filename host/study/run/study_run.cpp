@@ -3,7 +3,6 @@
 #include <thread>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "host/clock.h"
 #include "host/output/files.h"
@@ -13,8 +12,6 @@
 #include "host/sweep/sweep.h"
 
 namespace forceshade::study {
-namespace {} // namespace
-
 StudyRun::StudyRun(std::string study, const StudyOptions& options) : study_(std::move(study)), options_(options) {
     if (options_.scene)
         scene_ = CasePreparation().prepare(*options_.scene);
@@ -36,15 +33,6 @@ void StudyRun::run(const std::vector<Part>& parts) {
         part.compute();
     }
     progress.update(done, "");
-}
-
-std::vector<Json> StudyRun::run_steps(const std::vector<Step>& steps) {
-    std::vector<Json> results(steps.size());
-    std::vector<Part> parts;
-    for (std::size_t i = 0; i < steps.size(); ++i)
-        parts.push_back({steps[i].name, [&, i] { results[i] = steps[i].compute(); }});
-    run(parts);
-    return results;
 }
 
 StudyData StudyRun::data() const {

@@ -1,4 +1,4 @@
-// A study done step by step, with progress.
+// A study done part by part, with progress.
 #pragma once
 
 #include <chrono>
@@ -8,8 +8,6 @@
 #include <optional>
 #include <string>
 #include <vector>
-
-#include <nlohmann/json.hpp>
 
 #include "host/engine/engine.h"
 #include "host/prepare/prepared_case.h"
@@ -31,12 +29,6 @@ struct Part {
     std::function<void()> compute;
 };
 
-/// Likewise, with a result.
-struct Step {
-    std::string name; /* for the progress bar */
-    std::function<nlohmann::ordered_json()> compute;
-};
-
 class StudyRun {
 public:
     /// Makes the folder and the engine, reads the files that the user's scene names. \throws IoError, UsageError,
@@ -51,10 +43,6 @@ public:
     /// Takes the parts in their order. An interrupt ends it between parts. \throws Interrupted, and whatever a part
     /// throws.
     void run(const std::vector<Part>& parts);
-
-    /// The results of the steps, in their order. An interrupt ends it between steps. \throws Interrupted, and whatever
-    /// a step throws.
-    std::vector<nlohmann::ordered_json> run_steps(const std::vector<Step>& steps);
 
     /// Equal where a run would do the same again: of the program, the device, the scene and the form.
     const std::string& fingerprint() const { return fingerprint_; }
