@@ -27,6 +27,8 @@ std::optional<std::size_t> find_way(const Measured& measured, const Condition& c
 }
 
 std::string percent(double share) {
+    if (share < 1e-4)
+        return fmt::format("{:.1e} %", 100 * share);
     return fmt::format("{:.{}f} %", 100 * share, share < 0.001 ? 3 : share < 0.01 ? 2 : share < 0.1 ? 1 : 0);
 }
 

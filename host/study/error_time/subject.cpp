@@ -303,22 +303,9 @@ Subject scene_subject(const PreparedCase& given, const Extents& extents) {
                                             "shadings are, not which of them is right.",
                                             subject.against));
     }
-    std::vector<unsigned> facets = bump ? extents.facets : std::vector<unsigned>{own.surface.facets};
-    if (std::ranges::find(facets, own.surface.facets) == facets.end())
-        facets.push_back(own.surface.facets);
-    std::ranges::sort(facets);
-    std::vector<Base> bases;
-    for (const unsigned n : facets) {
-        auto prepared = std::make_shared<PreparedCase>(*scene);
-        prepared->one.scene.surface.facets = n;
-        bases.push_back({prepared, bump ? std::optional<double>(n) : std::nullopt});
-    }
-    complete(subject, bases, extents);
-    for (Variant& variant : subject.variants) {
-        const Scene& one = variant.prepared->one.scene;
-        variant.lookups = variant.thorough =
-            one.force.shading == own.force.shading && one.surface.facets == own.surface.facets;
-    }
+    complete(subject, {{scene, bump ? std::optional<double>(own.surface.facets) : std::nullopt}}, extents);
+    for (Variant& variant : subject.variants)
+        variant.lookups = variant.thorough = variant.prepared->one.scene.force.shading == own.force.shading;
     return subject;
 }
 

@@ -39,7 +39,7 @@ std::string sureness_of(const LoopResults& results) {
             most = std::max(most, std::abs(*one.simulated / *one.limit - 1));
         }
     }
-    std::string text = fmt::format("the least of {} places and depths, up to five ways of holding each", places);
+    std::string text = fmt::format("the least of {} places and depths, up to three ways of holding each", places);
     if (stepped > 0)
         text += fmt::format("; {} of them stepped through the surface's own force agree within {:.2g} %", stepped,
                             100 * most);
@@ -49,7 +49,9 @@ std::string sureness_of(const LoopResults& results) {
 Finding about_least(const LoopResults& results, const LeastLimit& worst) {
     const LoopSurface& surface = results.surfaces.front();
     Finding finding{"loop_least", {}, "loop-kinds", place_of(worst), hand_of(surface), sureness_of(results)};
-    if (surface.stiffness > 0) {
+    if (!(*worst.limit > 0)) {
+        finding.text = fmt::format("No stiffness lets loops rest everywhere on the {}.", worst.surface);
+    } else if (surface.stiffness > 0) {
         const double ratio = surface.stiffness / *worst.limit;
         finding.text =
             fmt::format("Away from jumps of the direction, loops of the scene rest everywhere up to {}, where a "
@@ -94,8 +96,9 @@ void add_edges(std::vector<Finding>& findings, const LoopResults& results) {
         if (one.stiffness != stiffness || one.place.depth != depth || one.place.kind != PlaceKind::foot)
             continue;
         ++all;
-        rest += one.outcome.state == LoopState::stable;
-        if (!one.outcome.left && (!most || one.outcome.swing > most->outcome.swing))
+        const bool rests = one.outcome.state == LoopState::stable;
+        rest += rests;
+        if (!rests && !one.outcome.left && (!most || one.outcome.swing > most->outcome.swing))
             most = &one;
     }
     if (!most)

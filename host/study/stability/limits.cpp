@@ -99,7 +99,7 @@ std::vector<LeastLimit> least_limits(const LoopSurface& surface, const std::vect
                 LeastLimit one{surface.name, *some.front(), {}, cell, &cell == &cells.front(), 0, {}, {}, some.size()};
                 one.wall = wall_limit(cell.hand, cell.rate);
                 for (const RestPlace* place : some)
-                    for (const Hold& hold : holds_at(place->force)) {
+                    for (const Hold& hold : holds_at(place->force, place->slope)) {
                         // Only where it is not stable up to the least so far.
                         if (one.limit && !grows(cell.hand, cell.rate, hold, place->slope, *one.limit * 0.9999))
                             continue;

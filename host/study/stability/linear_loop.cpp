@@ -93,22 +93,17 @@ std::array<Axis, 3> axes_of(const Hold& hold, const HandSpec& hand) {
     return {across, across, {hand.mass, across.damping, all_sides ? hand.grip_stiffness : 0}};
 }
 
-std::vector<Hold> holds_at(const glm::dvec3& force) {
-    constexpr double kLeastShare = 0.2; // of the force: less does not hold a probe
-    std::vector<Hold> holds{{"down", {0, 0, 1}}};
-    const glm::dvec3 normal = glm::normalize(force);
-    const glm::dvec3 level = normal - glm::dvec3(0, 0, normal.z);
-    if (glm::length(level) > 1e-3) {
-        holds.push_back({"against the force", normal});
-        const glm::dvec3 across = glm::normalize(level - glm::dot(level, normal) * normal);
-        holds.push_back({"45 deg downhill of the force", glm::normalize(normal + across)});
-        holds.push_back({"45 deg uphill of the force", glm::normalize(normal - across)});
-    } else {
-        holds.push_back({"45 deg off the force", glm::normalize(normal + glm::dvec3(1, 0, 0))});
-    }
-    std::erase_if(holds,
-                  [&](const Hold& hold) { return glm::dot(hold.along, force) < kLeastShare * glm::length(force); });
-    holds.push_back({"on all sides", glm::dvec3(0)});
+std::vector<Hold> holds_at(const glm::dvec3& force, const glm::dmat3& slope) {
+    constexpr double kUpright = 1e-3; // rad: less is down
+    constexpr double kHeld = 0.2;     // of the force, and of a wall's slope
+    const glm::dvec3 against = glm::normalize(force);
+    std::vector<Hold> holds{{"on all sides", glm::dvec3(0)}, {"down", {0, 0, 1}}};
+    if (glm::length(against - glm::dvec3(0, 0, 1)) > kUpright)
+        holds.push_back({"against the force", against});
+    std::erase_if(holds, [&](const Hold& hold) {
+        return hold.along != glm::dvec3(0) &&
+               (glm::dot(hold.along, against) < kHeld || glm::dot(hold.along, slope * hold.along) < kHeld);
+    });
     return holds;
 }
 

@@ -21,9 +21,10 @@ struct Hold {
     glm::dvec3 along{0};
 };
 
-/// Where a surface answers with `force`: down; against the force, and 45 deg to either side of that in the steepest
-/// plane; on all sides. Without those along which the force hardly pushes back.
-std::vector<Hold> holds_at(const glm::dvec3& force);
+/// Where a surface answers with `force` and its slope: on all sides, pressed down, and pressed straight against the
+/// force; pressed only where the surface holds the probe along that direction, with a fifth of the force and of a
+/// wall's stiffness at least: elsewhere the probe gives way at any stiffness.
+std::vector<Hold> holds_at(const glm::dvec3& force, const glm::dmat3& slope);
 
 /// Columns: two directions across, and the one along which the hand presses (z where it is held on all sides).
 glm::dmat3 axes_of(const Hold& hold);

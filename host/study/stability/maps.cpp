@@ -58,7 +58,8 @@ std::optional<double> limit_at(const LeastLimit& least, const LoopCell& cell) {
 std::vector<MapLoop> damping_map(Engine& engine, const LoopSurface& surface, const LeastLimit& least, bool quick) {
     const Fineness fine = fineness_of(surface, quick);
     const double damping = damping_of(least.cell), wall = least.wall;
-    const double low = std::min(least.limit.value_or(wall), surface.stiffness > 0 ? surface.stiffness : wall) / 10;
+    const double least_shown = std::max(least.limit.value_or(wall), 1e-3 * wall); // N/m
+    const double low = std::min(least_shown, surface.stiffness > 0 ? surface.stiffness : wall) / 10;
     const double high = std::max(wall, surface.stiffness) * 10;
     std::vector<MapLoop> loops;
     for (int j = 0; j < fine.rows; ++j) {

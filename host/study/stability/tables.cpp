@@ -299,7 +299,8 @@ void add_loops(StudyData& data, const LoopResults& results) {
     const LoopSurface& first = results.surfaces.front();
     data.notes.push_back(fmt::format(
         "The hand is that of {}: {}. A constant force presses it to its depth and balances the surface's force there; "
-        "its spring acts across the direction of the hold, or on all sides. The device's largest force is left out.",
+        "its spring acts across the direction of the hold, or on all sides. Holds along which the surface gives way "
+        "are left out, for no probe rests there at any stiffness. The device's largest force is left out.",
         data.scene.empty() ? "a scene that names none" : "the scene", hand_words(first)));
     data.notes.push_back(
         "A limit is the least stiffness at which a mode of the linearised loop grows, hand and device stepped exactly "
