@@ -268,4 +268,44 @@ void VolumeReader::read_ids(std::uint64_t first, std::uint64_t count, std::vecto
     state_->read(layout::kChannelFacet, first, count, ids);
 }
 
+PathSamples read_paths(const std::filesystem::path& path, std::uint64_t most_paths, std::uint64_t most_steps) {
+    const ReadableFile file(path);
+    exr::Image image(file, path);
+    const auto refuse = [&](const std::string& why) {
+        throw IoError(fmt::format("cannot read {}: it holds no paths of this program, {}", path.string(), why));
+    };
+    const exr::Layer& first = image.layers().front();
+    const std::uint64_t columns = first.columns(), rows = first.rows();
+    PathSamples read;
+    read.scene = image.text("forceshade.scene").value_or("");
+    const std::uint64_t every_path = (rows + most_paths - 1) / most_paths;
+    read.every_step = (columns + most_steps - 1) / most_steps;
+    read.paths = (rows + every_path - 1) / every_path;
+    read.steps = (columns + read.every_step - 1) / read.every_step;
+    std::vector<float> row(3 * columns);
+    for (const auto& [channel, values] : {std::pair(layout::kChannelForce, &read.force),
+                                          {layout::kChannelPosition, &read.position},
+                                          {layout::kChannelProxy, &read.proxy}}) {
+        const auto layer = std::ranges::find(image.layers(), name_of_channel(channel), &exr::Layer::name);
+        if (layer == image.layers().end()) {
+            if (channel != layout::kChannelProxy)
+                refuse(fmt::format("it lacks {}", name_of_channel(channel)));
+            continue;
+        }
+        const auto red = layer->find("R");
+        const bool half = red && layer->channels[*red].type == EXR_PIXEL_HALF;
+        const exr::Part part = exr::make_part(channel, half ? PixelType::half : PixelType::float32, Compression::none);
+        if (!exr::has_layout(*layer, part, columns, rows))
+            refuse(fmt::format("its part {} is laid out in another way", layer->name));
+        for (std::uint64_t at = 0; at < rows; at += every_path) {
+            exr::read_rows(image, static_cast<std::size_t>(layer - image.layers().begin()), part, at, 1, true, 0,
+                           std::as_writable_bytes(std::span(row)).data());
+            for (std::uint64_t step = 0; step < columns; step += read.every_step)
+                values->insert(values->end(), row.begin() + static_cast<std::ptrdiff_t>(3 * step),
+                               row.begin() + static_cast<std::ptrdiff_t>(3 * step + 3));
+        }
+    }
+    return read;
+}
+
 } // namespace forceshade

@@ -103,4 +103,15 @@ private:
     std::unique_ptr<State> state_;
 };
 
+/// Some of a file's paths, evenly chosen, and of each some samples, evenly. Behind a path's end stands NaN.
+struct PathSamples {
+    std::uint64_t paths = 0, steps = 0;        /* here */
+    std::uint64_t every_step = 1;              /* of the file's steps, every which one is here */
+    std::vector<float> force, position, proxy; /* N, m, m: three a sample, path after path; proxy empty if not stored */
+    std::string scene;                         /* the resolved TOML */
+};
+
+/// At most so many paths of so many samples. \throws IoError for a file that is missing, damaged or foreign.
+PathSamples read_paths(const std::filesystem::path& path, std::uint64_t most_paths, std::uint64_t most_steps);
+
 } // namespace forceshade

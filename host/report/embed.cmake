@@ -6,6 +6,7 @@ foreach(entry ${files})
     list(GET parts 0 name)
     list(GET parts 1 path)
     file(READ "${path}" text)
-    string(APPEND header "inline constexpr std::string_view ${name} = R\"embedded(${text})embedded\";\n")
+    string(APPEND header "inline constexpr char ${name}_text[] = R\"embedded(${text})embedded\";\n"
+           "inline constexpr std::string_view ${name}{${name}_text, sizeof ${name}_text - 1};\n")
 endforeach()
 file(WRITE "${OUTPUT}" "${header}\n} // namespace forceshade::report::assets\n")

@@ -16,15 +16,6 @@ namespace {
 
 constexpr std::string_view kGenerator = "<meta name=\"generator\" content=\"forceshade\">";
 
-std::string script() {
-    std::string text;
-    for (const std::string_view part :
-         {assets::d3_js, assets::colours_js, assets::figures_js, assets::studies_js, assets::volume_js, assets::pane_js,
-          assets::profile_js, assets::viewer_js, assets::controls_js, assets::start_js})
-        text += part;
-    return text;
-}
-
 // As a policy names a script.
 std::string digest(const std::string& text) {
     const std::string hex = sha256_of(text);
@@ -46,18 +37,31 @@ bool is_page(const std::filesystem::path& path) {
     }
 }
 
-std::string page(const std::string& title, const std::string& body) {
-    const std::string code = script();
+std::string page_script(bool in_space) {
+    std::string text;
+    for (const std::string_view part :
+         {assets::d3_js, assets::colours_js, assets::figures_js, assets::studies_js, assets::device_js})
+        text += part;
+    if (in_space)
+        for (const std::string_view part : {assets::three_js, assets::orbit_js})
+            text += part;
+    for (const std::string_view part : {assets::volume_js, assets::pane_js, assets::profile_js, assets::solids_js,
+                                        assets::space_js, assets::viewer_js, assets::controls_js, assets::start_js})
+        text += part;
+    return text;
+}
+
+std::string page(const std::string& title, const std::string& body, const std::string& script) {
     std::string html = "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n";
     html += fmt::format("<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src "
                         "'unsafe-inline'; img-src data:; script-src '{}'; base-uri 'none'; form-action 'none'\">\n",
-                        digest(code));
+                        digest(script));
     html += "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
             "<meta name=\"color-scheme\" content=\"light dark\">\n" +
             std::string(kGenerator) + "\n<link rel=\"icon\" href=\"data:,\">\n";
     html +=
         fmt::format("<title>{}</title>\n<style>\n{}</style>\n</head>\n<body>\n", escaped(title), assets::report_css);
-    return html + body + "<script>" + code + "</script>\n</body>\n</html>\n";
+    return html + body + "<script>" + script + "</script>\n</body>\n</html>\n";
 }
 
 } // namespace forceshade::report

@@ -16,7 +16,7 @@ namespace forceshade::report {
 namespace {
 
 // Characters: a page that opens at once and can be sent by mail.
-constexpr std::size_t kPageBudget = 9'500'000, kLeastForViewer = 1'500'000;
+constexpr std::size_t kPageBudget = 2'450'000, kLeastForViewer = 300'000;
 
 std::string entry(const std::string& id, const std::string& text) {
     return fmt::format("<li><a href=\"#{}\">{}</a></li>\n", id, escaped(text));
@@ -30,6 +30,8 @@ std::string contents_list(const Contents& contents, bool viewer) {
         html += entry(anchor(part), title(part));
     if (viewer)
         html += entry("viewer", "Viewer");
+    if (!contents.studies.empty() || !contents.sweeps.empty())
+        html += entry("device", "My device");
     for (const Sweep& sweep : contents.sweeps)
         html += entry(anchor(sweep), title(sweep));
     return "<nav aria-label=\"Contents\">\n<ul>\n" + html + "</ul>\n</nav>\n";
@@ -40,23 +42,27 @@ std::string name_of(const std::filesystem::path& folder) {
     return (whole.has_filename() ? whole : whole.parent_path()).filename().string();
 }
 
-std::string body_of(const std::string& name, const std::filesystem::path& folder, Contents& contents) {
+std::string page_of(const std::string& name, const std::filesystem::path& folder, Contents& contents) {
     std::string studies, sweeps;
     for (const StudyPart& part : contents.studies)
         studies += study_section(folder, part);
     for (const Sweep& sweep : contents.sweeps)
         sweeps += sweep_section(folder, sweep);
-    const std::size_t taken = studies.size() + sweeps.size();
+    const std::size_t taken = studies.size() + sweeps.size() + page_script(true).size();
     const std::size_t room = kPageBudget - std::min(taken, kPageBudget - kLeastForViewer);
     const std::string viewer = viewer_section(folder, contents, contents.troubles, room);
     const std::string nothing = contents.studies.empty() && contents.sweeps.empty()
                                     ? "<p>There is no sweep and no study here that this program can read.</p>\n"
                                     : "";
-    return fmt::format("<header>\n<h1>{}</h1>\n<p>Haptic force fields with and without force shading. Written by "
-                       "forceshade {}.</p>\n</header>\n",
-                       escaped(name), escaped(version())) +
-           contents_list(contents, !viewer.empty()) + "<main>\n" + troubles_section(contents.troubles) + nothing +
-           studies + viewer + sweeps + "</main>\n";
+    // The page fills it in.
+    const std::string device = nothing.empty() ? "<section id=\"device\">\n<h2>My device</h2>\n</section>\n" : "";
+    const std::string body =
+        fmt::format("<header>\n<h1>{}</h1>\n<p>Haptic force fields with and without force shading. Written by "
+                    "forceshade {}.</p>\n</header>\n",
+                    escaped(name), escaped(version())) +
+        contents_list(contents, !viewer.empty()) + "<main>\n" + troubles_section(contents.troubles) + nothing +
+        studies + viewer + device + sweeps + "</main>\n";
+    return page(name + " – forceshade", body, page_script(!viewer.empty()));
 }
 
 // Somebody else's report.html is left alone.
@@ -76,7 +82,7 @@ ReportResult write_report(const std::filesystem::path& folder) {
         contents.troubles.push_back("The folder holds no manifest.json of a sweep and no study.json of a study.");
     const std::string name = name_of(folder);
     ReportResult result{file_for(folder, contents), 0, {}};
-    write_file_atomically(result.file, page(name + " – forceshade", body_of(name, folder, contents)));
+    write_file_atomically(result.file, page_of(name, folder, contents));
     for (const StudyPart& part : contents.studies)
         result.findings += part.data.findings.size();
     for (const Sweep& sweep : contents.sweeps)

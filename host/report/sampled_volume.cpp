@@ -107,6 +107,7 @@ SampledVolume sample_volume(const std::filesystem::path& path, std::uint64_t mos
     volume.origin = header.origin;
     volume.spacing = header.spacing;
     volume.alike_in_y = is_alike_in_y(header);
+    volume.scene = header.scene;
     choose_strides(volume, most);
     volume.force.reserve(3 * samples(volume));
     std::vector<float> row;

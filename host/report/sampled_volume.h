@@ -17,6 +17,7 @@ struct SampledVolume {
     std::array<double, 3> spacing{};       /* m, of the file */
     bool alike_in_y = false;               /* one y stands for all */
     std::vector<float> force;              /* N: x, y, z of each sample, x fastest */
+    std::string scene{};                   /* the resolved TOML; empty where the file names none */
 };
 
 /// At most so many samples (at least one). \throws IoError for a file that cannot be read.

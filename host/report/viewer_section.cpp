@@ -9,6 +9,7 @@
 #include "host/output/files.h"
 #include "host/report/base64.h"
 #include "host/report/sampled_volume.h"
+#include "host/report/space_data.h"
 #include "host/report/words.h"
 #include "report_assets.h"
 
@@ -23,11 +24,13 @@ constexpr std::uint64_t kLeastSamples = 512;
 
 struct Wanted {
     std::string name, path; /* path below the report's folder */
+    std::string paths{};    /* likewise the file of its paths; empty where there is none */
 };
 
 struct Packed {
     Json about;
     std::string data; /* base64 */
+    Json surface;     /* null where the scene does not tell */
     bool thinned = false;
 };
 
@@ -38,11 +41,16 @@ std::string volume_name(const CaseRecord& record) {
     return "";
 }
 
+bool is_there(const std::filesystem::path& path) {
+    std::error_code ignored;
+    return std::filesystem::is_regular_file(path, ignored);
+}
+
 void add_volume(std::vector<Wanted>& all, const std::filesystem::path& root, const std::string& name,
                 const std::string& path) {
-    std::error_code ignored;
-    if (std::filesystem::is_regular_file(root / path, ignored))
-        all.push_back({name, path});
+    const std::string paths = path.substr(0, path.size() - 4) + ".paths.exr";
+    if (is_there(root / path))
+        all.push_back({name, path, is_there(root / paths) ? paths : ""});
 }
 
 // A study's maps of curl are no forces.
@@ -69,12 +77,13 @@ Packed packed_volume(const std::filesystem::path& root, const Wanted& wanted, st
     const PackedForce force = pack_force(volume);
     Packed packed;
     packed.data = base64(force.bytes);
+    packed.surface = surface_data(volume);
     packed.thinned = volume.stride[0] > 1 || volume.stride[2] > 1 || (volume.stride[1] > 1 && !volume.alike_in_y);
     packed.about = {{"name", wanted.name},         {"address", address(wanted.path)},
                     {"full", volume.full},         {"stride", volume.stride},
                     {"size", volume.size},         {"origin_m", volume.origin},
                     {"spacing_m", volume.spacing}, {"alike_in_y", volume.alike_in_y},
-                    {"scale_N", force.scale}};
+                    {"scale_N", force.scale},      {"loop", loop_data(volume.scene)}};
     return packed;
 }
 
@@ -121,6 +130,28 @@ std::vector<Packed> pack_within(const std::filesystem::path& root, std::vector<W
     }
 }
 
+// Cases of one surface share it.
+std::size_t place_in(Json& all, const Json& one) {
+    const auto found = std::ranges::find(all, one);
+    const auto place = static_cast<std::size_t>(found - all.begin());
+    if (found == all.end())
+        all.push_back(one);
+    return place;
+}
+
+template <typename Add>
+void add_paths(const std::filesystem::path& root, const std::string& path, std::size_t budget, Json& about,
+               const Add& add, std::vector<std::string>& troubles) {
+    try {
+        const PackedPaths packed = pack_paths(root / path, budget);
+        about["paths"] = packed.about;
+        for (const auto& [name, bytes] : packed.vectors)
+            add("path-" + name, base64(bytes));
+    } catch (const Error& error) {
+        troubles.push_back(fmt::format("{}: the viewer cannot show it: {}", path, error.what()));
+    }
+}
+
 std::string about_data(const std::vector<Packed>& packed, std::size_t left_out) {
     const auto thinned = std::ranges::count_if(packed, &Packed::thinned);
     std::string text = "Forces here are rounded to 11 significant bits, directions thereby to 0.06 degrees";
@@ -142,15 +173,24 @@ std::string viewer_section(const std::filesystem::path& root, const Contents& co
     std::vector<Wanted> wanted = wanted_volumes(root, contents);
     const std::size_t left_out = wanted.size() - std::min(wanted.size(), kMostVolumes);
     wanted.resize(wanted.size() - left_out);
-    const std::vector<Packed> packed = pack_within(root, wanted, budget, troubles);
+    const auto with_paths = std::ranges::count_if(wanted, [](const Wanted& one) { return !one.paths.empty(); });
+    const std::size_t for_paths = with_paths ? budget / 4 : 0;
+    const std::vector<Packed> packed = pack_within(root, wanted, budget - for_paths, troubles);
     if (packed.empty())
         return "";
-    Json about{{"cases", Json::array()}};
+    Json about{{"cases", Json::array()}, {"surfaces", Json::array()}};
     std::string data;
-    for (const Packed& one : packed) {
-        data +=
-            fmt::format("<script type=\"text/plain\" id=\"volume-{}\">{}</script>\n", about["cases"].size(), one.data);
-        about["cases"].push_back(one.about);
+    for (std::size_t i = 0; i < packed.size(); ++i) {
+        const auto add = [&](const std::string& id, const std::string& text) {
+            data += fmt::format("<script type=\"text/plain\" id=\"{}-{}\">{}</script>\n", id, i, text);
+        };
+        add("volume", packed[i].data);
+        Json one = packed[i].about;
+        if (!packed[i].surface.is_null())
+            one["surface"] = place_in(about["surfaces"], packed[i].surface);
+        if (!wanted[i].paths.empty())
+            add_paths(root, wanted[i].paths, for_paths / static_cast<std::size_t>(with_paths), one, add, troubles);
+        about["cases"].push_back(std::move(one));
     }
     return fmt::format("<section id=\"viewer\">\n<h2>Viewer</h2>\n{}<p class=\"note\">{}</p>\n"
                        "<script type=\"application/json\" id=\"volumes\">{}</script>\n{}</section>\n",

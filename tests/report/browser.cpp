@@ -37,6 +37,7 @@ Launch launch(const std::filesystem::path& profile) {
                         "--headless=new",
                         "--no-sandbox",
                         "--disable-gpu",
+                        "--enable-unsafe-swiftshader", // WebGL without a GPU
                         "--hide-scrollbars",
                         "--no-first-run",
                         "--disable-background-networking",
@@ -126,6 +127,8 @@ void Browser::State::note(const Json& event) {
     if (event.value("sessionId", "") != session)
         return;
     const Json& parameters = event["params"];
+    if (parameters.dump().find("GPU stall due to ReadPixels") != std::string::npos)
+        return; // WebGL without a GPU is slow to be looked at
     if (method == "Runtime.exceptionThrown")
         complaints.push_back(parameters["exceptionDetails"].dump());
     else if (method == "Log.entryAdded" && parameters["entry"]["level"] != "info" &&

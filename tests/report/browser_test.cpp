@@ -103,7 +103,7 @@ TEST_F(Page, FocusIsSeenAndReachesEverything) {
     open();
     browser_->evaluate("document.getElementById('case-a').focus()");
     std::string reached;
-    for (int i = 0; i < 14; ++i) {
+    for (int i = 0; i < 20; ++i) {
         browser_->press("Tab");
         EXPECT_NE(browser_->text("getComputedStyle(document.activeElement).outlineStyle"), "none");
         reached += browser_->text("document.activeElement.id") + " ";

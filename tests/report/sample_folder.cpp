@@ -33,6 +33,36 @@ std::vector<float> forces(const SampleCase& one) {
     return values;
 }
 
+// Two strokes along x, 1 mm below z = 0, the proxies above them; 2 N, and 0.2 N less a sample.
+FileRecord write_paths_of(const std::filesystem::path& file, const std::string& scene) {
+    constexpr std::array<layout::uint, 2> kSteps{11, 6};
+    PathVolumeHeader header;
+    header.steps = kSteps[0];
+    header.paths = kSteps.size();
+    header.rate = 1000;
+    header.scene = scene;
+    header.channels = layout::kChannelForce | layout::kChannelPosition | layout::kChannelProxy;
+    std::vector<float> position, force, proxy;
+    for (std::size_t path = 0; path < kSteps.size(); ++path)
+        for (std::size_t step = 0; step < kSteps[0]; ++step) {
+            const float x = -0.01f + 0.002f * static_cast<float>(step), y = 0.001f * static_cast<float>(path);
+            position.insert(position.end(), {x, y, -0.001f});
+            proxy.insert(proxy.end(), {x, y, 0});
+            force.insert(force.end(), {0, 0, 2 - 0.2f * static_cast<float>(step)});
+        }
+    PathVolumeWriter writer(file, header);
+    PathRows<float> rows;
+    rows.path_count = kSteps.size();
+    rows.pitch = kSteps[0];
+    rows.steps = kSteps;
+    rows.position = position;
+    rows.force = force;
+    rows.proxy = proxy;
+    writer.write(rows);
+    const VolumeResult result = writer.finish();
+    return {file.filename().string(), result.sha256, result.bytes};
+}
+
 } // namespace
 
 CaseRecord write_sample_case(const std::filesystem::path& folder, const SampleCase& one) {
@@ -57,6 +87,8 @@ CaseRecord write_sample_case(const std::filesystem::path& folder, const SampleCa
     record.engine.engine = "gpu";
     record.engine.device = "a device";
     record.files = {{one.name + ".exr", result.sha256, result.bytes}};
+    if (one.paths)
+        record.files.push_back(write_paths_of(folder / (one.name + ".paths.exr"), one.scene));
     record.omitted = {"texture"};
     record.voxels = one.size[0] * one.size[1] * one.size[2];
     record.evaluated = record.voxels;

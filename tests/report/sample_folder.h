@@ -18,6 +18,7 @@ struct SampleCase {
     bool noise = false;                          /* forces that no compression makes small */
     double first_y = -0.0025, y_spacing = 0.001; /* m */
     std::string scene{};                         /* as TOML; empty: the file names none */
+    bool paths = false;                          /* two paths beside it, the second one shorter */
 };
 
 /// Writes the case's volume; its record as a sweep would keep it.

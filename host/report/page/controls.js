@@ -71,6 +71,12 @@ class Controls extends Viewer {
       for (const type of ["pointerdown", "pointermove", "pointerup", "pointercancel"])
         pane.canvas.addEventListener(type, (event) => this.onPointer(pane, event));
     }
+    new IntersectionObserver((seen, watch) => {
+      if (seen.some((one) => one.isIntersecting)) {
+        watch.disconnect();
+        this.space.start();
+      }
+    }, { rootMargin: "200px" }).observe(byId("space-box"));
     document.querySelectorAll("#viewer form").forEach((form) => form.addEventListener("submit", (event) => event.preventDefault()));
     window.addEventListener("resize", () => this.draw());
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.draw());

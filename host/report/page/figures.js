@@ -222,6 +222,7 @@ function drawMap(element, study, figure) {
       .append("title").text(rowText(study, figure.table, row, [figure.value, figure.x.column, figure.y.column]));
   // Curves lie between the middles of cells.
   const along = (band, sorted) => d3.scaleLinear().domain(sorted).range(sorted.map((value) => band(value) + band.bandwidth() / 2));
+  frame.body.node().place = { x: along(x, xs), y: along(y, ys), columns: [figure.x.column, figure.y.column] };
   figure.curves.forEach((curve, i) => {
     const points = rowsOf(study, curve.table, curve.where).map((row) => [row[curve.x], row[curve.y]])
       .filter(([a, b]) => a !== null && b !== null && a >= xs[0] && a <= xs[xs.length - 1] && b >= ys[0] && b <= ys[ys.length - 1]);

@@ -67,7 +67,7 @@ class Pane {
           cells.data.set([...rgb, 255], 4 * ((rows - 1 - row) * columns + column));
         this.blank = this.blank && !rgb;
       }
-    const sheet = document.createElement("canvas");
+    const sheet = this.sheet = document.createElement("canvas"); // a pixel a sample; drawn in space, too
     sheet.width = columns;
     sheet.height = rows;
     sheet.getContext("2d").putImageData(cells, 0, 0);

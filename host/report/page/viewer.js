@@ -12,10 +12,12 @@ function say(id, words) {
 class Viewer {
   constructor(about) {
     this.cases = about.cases;
+    this.surfaces = about.surfaces;
     this.tables = { sequential: colourTable(d3.interpolateViridis), diverging: colourTable((t) => d3.interpolateRdBu(1 - t)),
       cyclic: colourTable(d3.interpolateRainbow) };
     this.state = { quantity: "direction", arrows: true, axis: 1, point: null, strokes: [null, null, null] };
     this.panes = { a: new Pane(byId("pane-a")), b: new Pane(byId("pane-b")), d: new Pane(byId("pane-d")) };
+    this.space = new Space(this);
   }
 
   async start() {
@@ -53,6 +55,7 @@ class Viewer {
     byId("viewer-status").textContent = "";
     byId("viewer-body").hidden = false;
     this.draw();
+    await this.space.load();
   }
 
   // The cursor to A's nearest sample where it lies outside of A or A has but one, and always across the slice. Strokes
@@ -161,7 +164,7 @@ class Viewer {
   draw() {
     const { axis, point, quantity, arrows } = this.state, { a, b, plane } = this;
     const indexA = a.nearest(axis, point[axis]), indexB = b.nearest(axis, point[axis]), pair = this.pairs(indexA);
-    const scale = this.sharedScale(indexA, indexB), differenceScale = this.differenceScale(pair, indexA);
+    const scale = this.scale = this.sharedScale(indexA, indexB), differenceScale = this.differenceScale(pair, indexA);
     const shared = { plane, arrows, stroke: () => this.stroke, cursor: () => plane.map((one) => point[one]) };
     for (const [pane, volume_, index] of [[this.panes.a, a, indexA], [this.panes.b, b, indexB]])
       pane.show({ ...shared, volume: volume_, index, scale, cell: (at) => this.value(volume_.sample(at)), force: (at) => volume_.sample(at),
@@ -178,12 +181,14 @@ class Viewer {
     this.drawNotes(indexA);
     this.drawReadout();
     this.drawStroke();
+    this.space.draw();
   }
 
   // Only the cursor or the stroke moved.
   mark(strokeToo) {
     Object.values(this.panes).forEach((pane) => pane.mark());
     this.drawReadout();
+    this.space.mark();
     if (strokeToo)
       this.drawStroke();
   }

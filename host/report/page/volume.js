@@ -24,6 +24,19 @@ async function inflate(base64) {
   return new Uint8Array(await new Response(stream).arrayBuffer());
 }
 
+// The three components of vectors, packed row by row (host/report/sampled_volume.h).
+function components(planes, width, scale) {
+  const count = planes.length / 6;
+  return [0, 1, 2].map((c) => {
+    const values = new Float32Array(count), high = planes.subarray(2 * c * count), low = high.subarray(count);
+    for (let i = 0, half = 0; i < count; ++i) {
+      half = ((i % width ? half : 0) + (high[i] << 8) + low[i]) & 0xffff;
+      values[i] = HALVES[half] * scale;
+    }
+    return values;
+  });
+}
+
 class Volume {
   constructor(about, planes) {
     this.about = about;
@@ -31,7 +44,7 @@ class Volume {
     const count = this.size[0] * this.size[1] * this.size[2];
     if (planes.length !== 6 * count)
       throw new Error("the volume of " + about.name + " is damaged");
-    this.components = [0, 1, 2].map((c) => this.unpack(planes.subarray(2 * c * count, 2 * (c + 1) * count), count));
+    this.components = components(planes, this.size[0], about.scale_N);
     // Place of the first sample and way to the next; one y that stands for all is in the middle and as wide as all.
     this.first = [0, 1, 2].map((a) => this.alike(a) ? about.origin_m[a] + (about.full[a] - 1) / 2 * about.spacing_m[a]
       : about.origin_m[a]);
@@ -55,16 +68,6 @@ class Volume {
       return this;
     const [size, first, pitch] = ["size", "first", "pitch"].map((name) => [this[name][0], other[name][1], this[name][2]]);
     return Object.assign(Object.create(this), { size, first, pitch });
-  }
-
-  unpack(planes, count) {
-    const values = new Float32Array(count), width = this.size[0];
-    let half = 0;
-    for (let i = 0; i < count; ++i) {
-      half = ((i % width ? half : 0) + (planes[i] << 8) + planes[count + i]) & 0xffff;
-      values[i] = HALVES[half] * this.about.scale_N;
-    }
-    return values;
   }
 
   position(axis, index) {
@@ -151,6 +154,18 @@ function volume(cases, i) {
   if (!volumes.has(i))
     volumes.set(i, inflate(document.getElementById("volume-" + i).textContent).then((planes) => new Volume(cases[i], planes)));
   return volumes.get(i);
+}
+
+// Some paths of the i-th case, {steps, paths, rate_Hz, force, position, proxy}, these each three components; null where
+// the case has none.
+async function paths(cases, i) {
+  const about = cases[i].paths;
+  if (!about)
+    return null;
+  const [steps, count] = about.size, all = { steps, count, rate: about.rate_Hz };
+  for (const name of Object.keys(about.scale))
+    all[name] = components(await inflate(document.getElementById("path-" + name + "-" + i).textContent), steps, about.scale[name]);
+  return all;
 }
 
 // Along which axis two volumes lie apart; undefined if they have common places.
