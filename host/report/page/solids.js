@@ -22,55 +22,50 @@ function sheetSolid({ unit_m, x, z }, [low, high]) {
 }
 
 // Where a field ends, of a case whose surface is not at hand: a vertex in each cell of the grid that has samples with force
-// and without, in the middle of the crossings of its edges (naive surface nets). A force of a stiffness tells how far its
-// sample is from the surface.
+// and without, in the middle of the crossings of its edges (naive surface nets). With the stiffness a force tells how far
+// its sample is from the surface.
 function boundarySolid(volume_, stiffness) {
-  const size = volume_.size.map((n) => Math.max(n, 2)), positions = [], index = [], vertices = new Map();
-  const place = (at) => at.map((i, a) => volume_.size[a] > 1 ? volume_.position(a, i) : volume_.edges(a)[i]);
-  const force = (at) => volume_.sample(at.map((i, a) => Math.min(i, volume_.size[a] - 1)));
-  const key = (at) => at[0] + size[0] * (at[1] + size[1] * at[2]);
-  const moved = (at, axis, by) => at.map((i, a) => a === axis ? i + by : i);
-  const inside = new Uint8Array(size[0] * size[1] * size[2]), at = [0, 0, 0];
-  const each = (sizes, visit) => {
-    for (at[2] = 0; at[2] < sizes[2]; ++at[2])
-      for (at[1] = 0; at[1] < sizes[1]; ++at[1])
-        for (at[0] = 0; at[0] < sizes[0]; ++at[0])
-          visit();
+  const size = volume_.size.map((n) => Math.max(n, 2)), strides = [1, size[0], size[0] * size[1]], at = [0, 0, 0];
+  const positions = [], index = [], inside = new Uint8Array(strides[2] * size[2]), vertices = new Int32Array(inside.length).fill(-1);
+  const force = (one) => volume_.sample(one.map((i, a) => Math.min(i, volume_.size[a] - 1)));
+  const place = (one) => one.map((i, a) => volume_.size[a] > 1 ? volume_.position(a, i) : volume_.edges(a)[i]);
+  const each = (less, visit) => { // of the samples, or of the cells, one less along each axis
+    for (at[2] = 0; at[2] < size[2] - less; ++at[2])
+      for (at[1] = 0; at[1] < size[1] - less; ++at[1])
+        for (at[0] = 0; at[0] < size[0] - less; ++at[0])
+          visit(at[0] + strides[1] * at[1] + strides[2] * at[2]);
   };
-  each(size, () => { inside[key(at)] = length(force(at)) > 0; });
-  const crossing = (one, other, axis) => {
-    const within = inside[key(one)] ? one : other, f = force(within), [from, to] = [within, within === one ? other : one].map(place);
-    const part = stiffness ? length(f) ** 2 / stiffness / Math.max(Math.abs(f[axis] * (to[axis] - from[axis])), 1e-12) : 0.5;
+  each(0, (n) => { inside[n] = length(force(at)) > 0; });
+  const corners = d3.range(8).map((c) => [c & 1, c >> 1 & 1, c >> 2]), offsets = corners.map((c) => d3.sum(c, (on, a) => on * strides[a]));
+  const crossing = (within, without, axis) => {
+    const f = force(within), [from, to] = [place(within), place(without)], step = Math.abs(to[axis] - from[axis]);
+    const part = stiffness ? length(f) ** 2 / stiffness / Math.max(Math.abs(f[axis]) * step, 1e-12) : 0.5;
     return from.map((value, a) => value + Math.min(part, 1) * (to[a] - value));
   };
-  each(size.map((n) => n - 1), () => {
-    const sum = [0, 0, 0];
+  each(1, (n) => {
     let count = 0;
-    for (let axis = 0; axis < 3; ++axis)
-      for (let edge = 0; edge < 4; ++edge) {
-        const low = moved(moved(at, (axis + 1) % 3, edge & 1), (axis + 2) % 3, edge >> 1), high = moved(low, axis, 1);
-        if (inside[key(low)] !== inside[key(high)]) {
-          crossing(low, high, axis).forEach((value, a) => { sum[a] += value; });
-          ++count;
-        }
-      }
-    if (count) {
-      vertices.set(key(at), positions.length / 3);
-      positions.push(...sum.map((value) => MM * value / count));
-    }
+    for (let c = 0; c < 8; ++c)
+      count += inside[n + offsets[c]];
+    if (count === 0 || count === 8)
+      return;
+    const found = [];
+    corners.forEach((corner, c) => corner.forEach((on, axis) => {
+      const other = c | 1 << axis, ends = [corner, corners[other]].map((one) => one.map((up, a) => at[a] + up));
+      if (!on && inside[n + offsets[c]] !== inside[n + offsets[other]])
+        found.push(inside[n + offsets[c]] ? crossing(ends[0], ends[1], axis) : crossing(ends[1], ends[0], axis));
+    }));
+    vertices[n] = positions.length / 3;
+    positions.push(...[0, 1, 2].map((a) => MM * d3.mean(found, (one) => one[a])));
   });
-  each(size, () => {
-    for (let axis = 0; axis < 3; ++axis) {
-      const [u, v] = [(axis + 1) % 3, (axis + 2) % 3], next = moved(at, axis, 1);
-      if (next[axis] >= size[axis] || inside[key(at)] === inside[key(next)] || !at[u] || !at[v])
-        continue;
-      const corners = [moved(moved(at, u, -1), v, -1), moved(at, v, -1), at, moved(at, u, -1)].map((cell) => vertices.get(key(cell)));
-      if (corners.every((corner) => corner !== undefined)) {
-        const [a, b, c, d] = inside[key(at)] ? corners : corners.reverse();
-        index.push(a, b, c, a, c, d);
-      }
-    }
-  });
+  each(0, (n) => strides.forEach((stride, axis) => {
+    const u = (axis + 1) % 3, v = (axis + 2) % 3;
+    if (at[axis] + 1 >= size[axis] || inside[n] === inside[n + stride] || !at[u] || !at[v])
+      return;
+    const round = [n - strides[u] - strides[v], n - strides[v], n, n - strides[u]].map((cell) => vertices[cell]);
+    const [a, b, c, d] = inside[n] ? round : round.reverse();
+    if (Math.min(...round) >= 0)
+      index.push(a, b, c, a, c, d);
+  }));
   return solid(positions, index);
 }
 

@@ -131,11 +131,11 @@ class Space {
   // The volume's edges; words where its axes end.
   makeFrame(side) {
     const { min, max } = this.box, middle = this.box.getCenter(new THREE.Vector3()), word = this.radius / 11;
-    const at = [[middle.x, min.y - word, min.z, 0.5, 1], [min.x - word, middle.y, min.z, 1, 1], [min.x - word, max.y, middle.z, 1, 0.5]];
+    const at = [[middle.x, min.y - 1.2 * word, min.z - 0.8 * word], [min.x - 2.4 * word, middle.y, min.z - 0.8 * word],
+      [min.x - 1.8 * word, max.y + 1.8 * word, middle.z]];
     const words = AXES.map((name, axis) => {
       const sprite = wordSprite(name + " " + numberText(max.getComponent(axis) - min.getComponent(axis), 3) + " mm", word, this.colours.ink);
       sprite.position.set(...at[axis]);
-      sprite.center.set(at[axis][3], at[axis][4]);
       return sprite;
     });
     this.put(side, "frame", new THREE.Box3Helper(this.box, this.colours.quiet), ...words);
@@ -148,7 +148,7 @@ class Space {
     const { about } = side.volume, sheets = about.surface === undefined ? null : this.viewer.surfaces[about.surface];
     const across = side.volume.edges(1), made = [];
     const add = (geometry, colour, flatShading, faint) => {
-      for (const [plane, opacity] of [[this.farther, faint ? 0.3 : 1], [this.nearer, faint ? 0.1 : 0.22]])
+      for (const [plane, opacity] of [[this.farther, faint ? 0.3 : 1], [this.nearer, faint ? 0.1 : 0.15]])
         made.push(new THREE.Mesh(geometry, new THREE.MeshPhongMaterial({ color: colour, flatShading, side: THREE.DoubleSide, shininess: 12,
           clippingPlanes: [plane], transparent: opacity < 1, opacity, depthWrite: opacity === 1, polygonOffset: true, polygonOffsetFactor: faint ? 2 : 1, polygonOffsetUnits: faint ? 4 : 1 })));
     };
@@ -325,8 +325,9 @@ class Space {
     if (Math.abs(this.aspect() / this.camera.aspect - 1) > 0.05) // the window has another shape
       this.lookFromHome();
     this.makeRoom(this.sides.length);
-    const boxes = this.boxes(), height = byId("space-box").clientHeight;
-    this.renderer.setSize(byId("space-box").clientWidth, height);
+    const boxes = this.boxes(), { clientWidth: width, clientHeight: height } = byId("space-box"), now = this.renderer.getSize(new THREE.Vector2());
+    if (now.x !== width || now.y !== height)
+      this.renderer.setSize(width, height);
     this.renderer.setClearColor(this.colours.paper);
     boxes.forEach(([left, top, w, h], i) => {
       const side = this.sides[i], { axis } = this.viewer.state, { position } = this.camera;
