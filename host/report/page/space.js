@@ -73,9 +73,10 @@ class Space {
     this.radius = box.getSize(new THREE.Vector3()).length() / 2;
     byId("path-time").max = Math.max(0, ...this.sides.map((side) => side.paths ? side.paths.steps - 1 : 0));
     byId("path-time").value = 0;
-    this.draw();
+    this.makeAll();
     this.sides.forEach((side) => ["surface", "frame"].forEach((part) => this.whole.expandByObject(side.parts[part])));
     this.lookFromHome();
+    this.mark();
     document.documentElement.dataset.space = "ready";
   }
 
@@ -97,10 +98,15 @@ class Space {
     this.render();
   }
 
-  // Everything but the camera: the slice, the quantity, the cases or the page's colours changed.
+  // The slice, the quantity, the cases or the page's colours changed: everything but the camera is made anew before the
+  // next picture.
   draw() {
-    if (!this.sides)
-      return;
+    this.stale = true;
+    this.mark();
+  }
+
+  makeAll() {
+    this.stale = false;
     this.colours = palette();
     for (const side of this.sides)
       for (const make of [this.makeLights, this.makeFrame, this.makeSurface, this.makeSlice])
@@ -109,7 +115,6 @@ class Space {
     byId("space-title-b").textContent = this.sides.length > 1 ? "B: " + this.viewer.b.about.name : "";
     this.viewer.scale.draw(byId("space-scale"));
     this.drawPaths();
-    this.mark();
   }
 
   // Puts objects in the place of those of that name.
@@ -277,22 +282,25 @@ class Space {
     return this.playing = 0;
   }
 
-  // The cursor: what is read there.
+  // The cursor moved: what is read there.
   mark() {
     if (!this.sides)
       return;
-    const { point, axis } = this.viewer.state;
-    const texts = this.sides.map((side) => {
-      const force = side.volume.force(point), at = point.map((value) => MM * value);
-      const ball = new THREE.Mesh(new THREE.SphereBufferGeometry(this.radius / 90, 12, 8), new THREE.MeshBasicMaterial({ color: this.colours.focus, depthTest: false }));
-      ball.position.set(...at);
-      ball.renderOrder = 1;
-      this.put(side, "cursor", ball, ...(force ? this.forceArrow(side, at, force, this.colours.focus) : []));
+    const { point, axis } = this.viewer.state, texts = this.sides.map((side) => {
+      const force = side.volume.force(point);
       return side.name.toUpperCase() + ": " + (!force ? "no values here" : length(force) === 0 ? "no force"
         : numberText(length(force), 3) + " N, " + directionText(force, axis));
     });
     say("space-read", "At " + AXES.map((name, a) => name + " " + numberText(MM * point[a], 3)).join(", ") + " mm — " + texts.join("; "));
     this.render();
+  }
+
+  makeCursor(side) {
+    const at = this.viewer.state.point.map((value) => MM * value), force = side.volume.force(this.viewer.state.point);
+    const ball = new THREE.Mesh(new THREE.SphereBufferGeometry(this.radius / 90, 12, 8), new THREE.MeshBasicMaterial({ color: this.colours.focus, depthTest: false }));
+    ball.position.set(...at);
+    ball.renderOrder = 1;
+    this.put(side, "cursor", ball, ...(force ? this.forceArrow(side, at, force, this.colours.focus) : []));
   }
 
   render() {
@@ -322,6 +330,8 @@ class Space {
     this.waiting = 0;
     if (!this.sides)
       return;
+    if (this.stale)
+      this.makeAll();
     if (Math.abs(this.aspect() / this.camera.aspect - 1) > 0.05) // the window has another shape
       this.lookFromHome();
     this.makeRoom(this.sides.length);
@@ -331,6 +341,7 @@ class Space {
     this.renderer.setClearColor(this.colours.paper);
     boxes.forEach(([left, top, w, h], i) => {
       const side = this.sides[i], { axis } = this.viewer.state, { position } = this.camera;
+      this.makeCursor(side);
       const label = byId("space-title-" + side.name).style;
       Object.assign(label, { left: left + "px", top: top + "px", maxWidth: w + "px" });
       const from = Math.sign(position.getComponent(axis) - side.at) || 1;
