@@ -76,8 +76,8 @@ class Device {
   draw() {
     const { mass, damping, grip, period, delay, stiffness } = this.values, b = damping + grip;
     const late = (samples) => samples === 0 ? "at once" : samples === 1 ? "one sample late" : samples + " samples late";
-    const rows = [...new Set([0, 1, delay])].map((samples) => ["comes to rest below, force " + late(samples), criticalStiffness(mass, b, period, samples)]);
-    rows.push(["gives no energy below (passive), force " + late(delay), passiveStiffness(b, period, delay)]);
+    const rows = [...new Set([0, 1, delay])].map((samples) => ["comes to rest below; force " + late(samples), criticalStiffness(mass, b, period, samples)]);
+    rows.push(["passive (gives no energy) below; force " + late(delay), passiveStiffness(b, period, delay)]);
     const cells = this.table.select("tbody").selectAll("tr").data(rows).join("tr").selectAll("td")
       .data(([words, limit]) => [words, numberText(limit, 4), numberText(100 * stiffness / limit, 3) + " %"]).join("td");
     cells.classed("n", (_, i) => i > 0).text((text) => text);

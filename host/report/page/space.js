@@ -19,7 +19,7 @@ class Space {
   start() {
     const context = this.canvas.getContext("webgl2", { antialias: true }) || this.canvas.getContext("webgl", { antialias: true });
     if (!context) {
-      say("space-read", "This browser has no WebGL, so that nothing is shown in space; the slices below show the same forces.");
+      say("space-note", "This browser has no WebGL, so nothing is shown in 3D; the slices below show the same forces.");
       document.querySelectorAll("#space-box, #space-controls, #space-scales").forEach((one) => { one.hidden = true; });
       return;
     }
@@ -31,7 +31,7 @@ class Space {
     Object.assign(this.orbit, { enableKeys: false, enableZoom: false }); // a page is scrolled until one has taken hold of it
     this.orbit.addEventListener("change", () => this.render());
     this.listen();
-    this.load().catch((error) => say("space-read", "Nothing can be shown in space: " + error.message));
+    this.load().catch((error) => say("space-note", "Nothing can be shown in 3D: " + error.message));
   }
 
   listen() {
@@ -52,8 +52,13 @@ class Space {
   }
 
   // The viewer's two cases, or its one.
+  shown() {
+    const { a, b } = this.viewer;
+    return a.about === b.about ? [a] : [a, b];
+  }
+
   async load() {
-    const { viewer } = this, { a, b } = viewer, shown = a.about === b.about ? [a] : [a, b];
+    const { viewer } = this, { a, b } = viewer, shown = this.shown();
     const most = Math.max(...shown.map((one) => one.about.paths ? one.about.paths.size[1] : 0));
     byId("path").replaceChildren(...d3.range(most).map((i) => new Option(String(i + 1), i)));
     byId("path-fields").hidden = byId("path-scale").parentElement.hidden = !most;
@@ -64,18 +69,21 @@ class Space {
     if (viewer.a !== a || viewer.b !== b)
       return;
     this.stop();
+    (this.sides || []).forEach((side) => Object.keys(side.parts).forEach((name) => this.put(side, name))); // lets go of its memory
     this.sides = shown.map((volume_, i) => ({ name: "ab"[i], volume: volume_, paths: walks[i], scene: new THREE.Scene(), parts: {} }));
     const box = this.box = new THREE.Box3();
     for (const { volume: one } of this.sides)
       for (const end of [0, 1])
         box.expandByPoint(new THREE.Vector3(...[0, 1, 2].map((axis) => MM * one.edges(axis)[end])));
+    const before = this.whole;
     this.whole = box.clone();
     this.radius = box.getSize(new THREE.Vector3()).length() / 2;
     byId("path-time").max = Math.max(0, ...this.sides.map((side) => side.paths ? side.paths.steps - 1 : 0));
     byId("path-time").value = 0;
     this.makeAll();
     this.sides.forEach((side) => ["surface", "frame"].forEach((part) => this.whole.expandByObject(side.parts[part])));
-    this.lookFromHome();
+    if (!before || !before.equals(this.whole))
+      this.lookFromHome();
     this.mark();
     document.documentElement.dataset.space = "ready";
   }
@@ -284,11 +292,9 @@ class Space {
 
   // The cursor moved: what is read there.
   mark() {
-    if (!this.sides)
-      return;
-    const { point, axis } = this.viewer.state, texts = this.sides.map((side) => {
-      const force = side.volume.force(point);
-      return side.name.toUpperCase() + ": " + (!force ? "no values here" : length(force) === 0 ? "no force"
+    const { point, axis } = this.viewer.state, texts = this.shown().map((one, i) => {
+      const force = one.force(point);
+      return "AB"[i] + ": " + (!force ? "no values here" : length(force) === 0 ? "no force"
         : numberText(length(force), 3) + " N, " + directionText(force, axis));
     });
     say("space-read", "At " + AXES.map((name, a) => name + " " + numberText(MM * point[a], 3)).join(", ") + " mm — " + texts.join("; "));
@@ -304,6 +310,8 @@ class Space {
   }
 
   render() {
+    if (!this.sides)
+      return;
     if (printing)
       this.renderNow();
     else
@@ -328,8 +336,6 @@ class Space {
 
   renderNow() {
     this.waiting = 0;
-    if (!this.sides)
-      return;
     if (this.stale)
       this.makeAll();
     if (Math.abs(this.aspect() / this.camera.aspect - 1) > 0.05) // the window has another shape
