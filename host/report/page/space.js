@@ -1,6 +1,6 @@
 // Cases A and B in space, side by side: surface, slice, forces and paths. Both are turned, read and played alike.
 
-const SPACE_HEIGHT = 420, SPACE_STACKED = 260, STACKED_BELOW = 640; // px
+const SPACE_HEIGHT = 420, SPACE_STACKED = 300, STACKED_BELOW = 640; // px
 const ARROWS_ACROSS = 26, VIEW_ANGLE = 28; // deg
 
 class Space {
@@ -143,7 +143,7 @@ class Space {
 
   // The volume's edges; words where its axes end.
   makeFrame(side) {
-    const { min, max } = this.box, middle = this.box.getCenter(new THREE.Vector3()), word = this.radius / 11;
+    const { min, max } = this.box, middle = this.box.getCenter(new THREE.Vector3()), word = this.radius / (this.boxes()[0][2] < STACKED_BELOW / 1.5 ? 8 : 11);
     const at = [[middle.x, min.y - 1.2 * word, min.z - 0.8 * word], [min.x - 2.4 * word, middle.y, min.z - 0.8 * word],
       [min.x - 1.8 * word, max.y + 1.8 * word, middle.z]];
     const words = AXES.map((name, axis) => {
