@@ -102,7 +102,7 @@ class Device {
       d3.select(body).selectAll(".device").data(place ? [0, 1] : []).join("path").attr("class", "device").attr("d", place && `M${place[0] - 9},${place[1]}h18m-9,-9v18`);
     });
     d3.select("#device-note").text("A mass with damping on a plane wall, its force held from sample to sample; the grip adds its damping, its spring is left out. A shaded or concave surface may bear far less." +
-      (maps ? ` A cross marks this device on ${marked} of the ${maps} maps above over stiffness and damping` + (marked < maps ? "; it lies outside of the others" : "") + ", which have the mass and rate that stand below them." : ""));
+      (maps ? ` A cross marks it on ${marked} of ${maps} map${maps === 1 ? "" : "s"} over stiffness and damping, whose mass and rate are their own.` : ""));
   }
 }
 
