@@ -7,6 +7,7 @@
 
 #include "device/report/text.h"
 #include "device/report/time_panel.h"
+#include "host/picture/chart_style.h"
 #include "host/picture/frame.h"
 
 namespace forceshade::device {
@@ -14,7 +15,6 @@ namespace {
 
 constexpr double kBetween = 14;         // pixels from panel to panel
 constexpr std::size_t kMostBytes = 400; // of a note that others wrote
-constexpr picture::Rgb8 kComputing{0, 114, 178}, kLate{230, 159, 0}, kJitter{0, 158, 115};
 
 std::string shortened(const std::string& text) {
     return text.size() <= kMostBytes ? text : text.substr(0, kMostBytes) + "…";
@@ -41,21 +41,26 @@ std::vector<TimePanel> panels_of(const LiveOutcome& outcome) {
         return fmt::format("{}: {}{}", what, counted(times.count(), "sample"),
                            zeros > 0 ? fmt::format(", {} of 0 ns at the left edge", zeros) : "");
     };
-    std::vector<TimePanel> panels{
-        {title("computing the force and its safety", counts.computing), &counts.computing, kComputing, {}}};
+    std::vector<TimePanel> panels{{title("computing the force and its safety", counts.computing),
+                                   &counts.computing,
+                                   picture::series_colour(0),
+                                   {}}};
     if (outcome.real_time) {
-        panels.push_back({title("late: woken after the sample was due", counts.late), &counts.late, kLate, {}});
         panels.push_back(
-            {title("jitter: the time between two samples off the period", counts.jitter), &counts.jitter, kJitter, {}});
+            {title("late: woken after the sample was due", counts.late), &counts.late, picture::series_colour(1), {}});
+        panels.push_back({title("jitter: the time between two samples off the period", counts.jitter),
+                          &counts.jitter,
+                          picture::series_colour(2),
+                          {}});
     }
     std::vector<const Histogram*> shown;
     for (const TimePanel& panel : panels)
         shown.push_back(panel.times);
     const bool anything = counts.computing.count() > 0;
-    const LogAxis axis = time_axis(shown, outcome.real_time || !anything ? period : 0);
+    const picture::Range range = time_range(shown, outcome.real_time || !anything ? period : 0);
     for (TimePanel& panel : panels) {
-        panel.axis = axis;
-        if (period > 0 && std::log10(period) >= axis.low && std::log10(period) <= axis.high)
+        panel.range = range;
+        if (period >= range.low && period <= range.high)
             panel.period = period;
     }
     return panels;
@@ -64,17 +69,17 @@ std::vector<TimePanel> panels_of(const LiveOutcome& outcome) {
 } // namespace
 
 picture::Picture draw_live_report(const LiveOutcome& outcome) {
-    const picture::Heading heading = picture::plan_heading(
-        fmt::format("{} ({}), live at {}", outcome.scene, outcome.precision, quantity(outcome.rate, "Hz")),
-        notes_of(outcome));
+    const picture::Look look{
+        fmt::format("{} ({}), live at {}", outcome.scene, outcome.precision, quantity(outcome.rate, "Hz"))};
+    const picture::Heading heading = picture::plan_heading(look, notes_of(outcome));
     const std::vector<TimePanel> panels = panels_of(outcome);
     double y = std::floor(picture::kMargin + heading.height + 18);
     const double step = std::ceil(time_panel_height() + kBetween);
     const double height = y + step * static_cast<double>(panels.size()) - kBetween + picture::kMargin;
-    picture::Canvas canvas(static_cast<int>(picture::kSheetWidth), static_cast<int>(std::ceil(height)));
+    picture::Canvas canvas(look.width, static_cast<int>(std::ceil(height)));
     picture::draw_heading(canvas, heading);
     for (const TimePanel& panel : panels) {
-        draw_time_panel(canvas, panel, {picture::kMargin, y}, picture::kSheetWidth - 2 * picture::kMargin);
+        draw_time_panel(canvas, panel, {picture::kMargin, y}, look.width - 2 * picture::kMargin);
         y += step;
     }
     return canvas.finish();

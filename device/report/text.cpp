@@ -131,7 +131,7 @@ std::string quantity(double value, std::string_view base, const NumberStyle& sty
         return "unknown";
     if (value == 0)
         return fmt::format("0 {}", base);
-    const char* sign = value < 0 ? "-" : "";
+    const char* sign = value >= 0 ? "" : style.micro == "µ" ? "−" : "-";
     const double size = std::fabs(value);
     const Digits digits = digits_of(size);
     const bool metric = base != "s" && !base.starts_with("m");

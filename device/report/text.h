@@ -14,7 +14,7 @@ namespace forceshade::device {
 
 struct NumberStyle {
     bool zeros = false;           // behind the point: "1.20 us" and not "1.2 us", to stand in a column
-    std::string_view micro = "u"; // "µ" in a picture
+    std::string_view micro = "u"; // "µ" in a picture, with a true minus sign
 };
 
 /// `value` in the unit `base` to three significant digits: "412 ns", "-1.2 mJ", "3.4 kHz". Seconds and lengths have no

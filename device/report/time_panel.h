@@ -24,24 +24,9 @@ struct Mark {
 /// `gap` apart, in the order of the marks. They fit if their widths and gaps do.
 void place_labels(std::vector<Mark>& marks, double low, double high, double gap);
 
-struct LogAxis {
-    double low = 0, high = 1; // powers of ten
-    /// Where a value lies, in [0, 1]; what is below the axis, 0 among it, at its begin.
-    double fraction(double value) const;
-};
-
-/// The axis that all times (ns) fit on, and a period (ns) if there is one; at least a decade, from a power of ten.
-LogAxis time_axis(std::span<const Histogram* const> shown, double period = 0);
-
-/// The axis of counts up to `most`, on which a count of one has a height.
-LogAxis count_axis(std::uint64_t most);
-
-/// A tick a power of ten; where they would crowd in `pixels` only some are labelled: "10 µs".
-picture::Axis time_ticks(const LogAxis& axis, double pixels);
-/// "1", "100", "10⁶".
-picture::Axis count_ticks(const LogAxis& axis, double pixels);
-/// Those at 2 to 9 times a power of ten, without labels.
-std::vector<double> minor_fractions(const LogAxis& axis);
+/// The logarithmic axis that all times (ns) fit on, and a period (ns) if there is one; at least a decade, from a power
+/// of ten.
+picture::Range time_range(std::span<const Histogram* const> shown, double period = 0);
 
 /// Times of [from, to) ns and how many there were.
 struct TimeBar {
@@ -55,8 +40,8 @@ struct TimePanel {
     std::string title;
     const Histogram* times = nullptr;
     picture::Rgb8 colour;
-    LogAxis axis;
-    double period = 0; /* ns; 0: none is drawn */
+    picture::Range range; // ns
+    double period = 0;    /* ns; 0: none is drawn */
 };
 
 /// Pixels from the top of the title to below the labels of the axis.

@@ -23,6 +23,7 @@ namespace {
 struct ExploreArguments {
     std::string scene, paths, out;
     std::vector<std::string> also;
+    picture::Look look;
     bool metrics_only = false, open_loop = false;
 
     std::filesystem::path stem() const {
@@ -182,12 +183,14 @@ int run_all(const ExploreArguments& arguments, const CommonOptions& common, cons
     if (!arguments.paths.empty())
         options.recorded = arguments.paths;
     options.threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
-    for (const std::string& name : arguments.also) {
-        if (name != "npy" && name != "png")
+    for (const std::string& name : arguments.also)
+        if (name == "npy")
+            options.npy = true;
+        else if (!options.pictures.add(name))
             throw UsageError(
-                fmt::format("--also {}: for paths there are npy and png, with a comma between them", name));
-        (name == "npy" ? options.npy : options.png) = true;
-    }
+                fmt::format("--also {}: for paths there are npy, png, svg and pdf, with commas between them", name));
+    options.look = arguments.look;
+    picture::refuse_unused(options.pictures, arguments.look == picture::Look{});
     LateProgress reading = reading_progress(common);
     options.reading = [&](std::uint64_t done, std::uint64_t total) { reading.show(done, total); };
     LateProgress bar("steps", 1, std::uint64_t(1) << 22, common.quiet); // a second
@@ -224,7 +227,7 @@ int run(const ExploreArguments& arguments, const CommonOptions& common) {
     PreparedCase prepared = preparation.prepare(one);
     if (arguments.paths.empty())
         add_recorded_digest(prepared);
-    prepared.one.name = std::filesystem::path(arguments.out).stem().string(); // the heading of pictures
+    prepared.one.name = std::filesystem::path(arguments.out).stem().string(); // the record's
     const Scene& scene = prepared.one.scene;
     const bool in_scene = scene.paths && scene.paths->kind == PathKind::recorded;
     const std::string recorded = !arguments.paths.empty() ? arguments.paths : in_scene ? scene.paths->path : "";
@@ -249,8 +252,13 @@ void describe(Options& options, ExploreArguments& arguments) {
                      "y, z (s, m); others are not read, and times of a path increase");
     options.required("--out", arguments.out,
                      "OUT.exr (a row a path) or OUT.csv (a line a sample); OUT.paths.csv beside it has a line a path");
-    options.list("--also", arguments.also,
-                 "further files beside it: npy (NumPy), png (paths over the surface, direction of the force)");
+    options.list(
+        "--also", arguments.also,
+        "further files beside it: npy (NumPy); png, svg, pdf (paths over the surface, direction of the force)");
+    options.optional("--title", arguments.look.title, "of the picture; by default the scene in words");
+    options.read(
+        "--size", [&](const std::string& text) { picture::read_size(text, arguments.look); },
+        "of the picture in pixels: a width, or WIDTHxHEIGHT; by default 1400, as high as it needs");
     options.flag("--open-loop", arguments.open_loop,
                  "the positions of --paths are the probe's own, as in the log of a live loop, even if the scene's "
                  "paths are a closed loop");

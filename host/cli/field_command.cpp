@@ -45,9 +45,37 @@ private:
 };
 
 struct FieldArguments {
-    std::string scene, out;
+    std::string scene, out, slice;
     std::vector<std::string> also;
+    PictureChoice pictures;
 };
+
+// "y=2 mm", or "y" for the middle.
+void read_slice(const std::string& text, const GridSpec& grid, picture::SliceChoice& slice) {
+    const auto axis = std::string_view("xyz").find(text.front());
+    if (axis == std::string_view::npos || (text.size() > 1 && text[1] != '='))
+        throw UsageError(fmt::format("--slice {}: write x, y or z, or as in \"y=2 mm\" where", text));
+    slice.axis = axis;
+    if (text.size() == 1)
+        return;
+    slice.at = parse_quantity(text.substr(2), Dimension::length);
+    const double low = grid.origin[axis], high = low + grid.spacing[axis] * static_cast<double>(grid.size[axis] - 1);
+    if (const double border = grid.spacing[axis] / 2; !(*slice.at >= low - border && *slice.at <= high + border))
+        throw UsageError(fmt::format("--slice {}: the grid goes from {} = {:.6g} mm to {:.6g} mm", text, text.front(),
+                                     low * 1e3, high * 1e3));
+}
+
+PictureChoice picture_choice(const FieldArguments& arguments, const Scene& scene, const picture::Endings& wanted) {
+    PictureChoice choice = arguments.pictures;
+    if (!arguments.slice.empty())
+        read_slice(arguments.slice, scene.grid, choice.slice);
+    picture::refuse_unused(wanted, choice.look == picture::Look{} && arguments.slice.empty() &&
+                                       choice.slice.quantity == picture::Quantity::magnitude);
+    if (choice.slice.quantity == picture::Quantity::angle && !(scene.output.channels & layout::kChannelUnshaded))
+        throw UsageError("--quantity angle: the scene computes no unshaded force: write channels = [\"force\", "
+                         "\"unshaded\"] under [output]");
+    return choice;
+}
 
 int run(const FieldArguments& arguments, const CommonOptions& common) {
     const std::filesystem::path volume = arguments.out;
@@ -63,10 +91,11 @@ int run(const FieldArguments& arguments, const CommonOptions& common) {
     job.prepared.one.scene.paths.reset(); // they are explore's
     job.volume = std::filesystem::absolute(volume);
     clear_stale_temporaries(job.volume.parent_path());
-    job.prepared.one.name = volume.stem().string(); // the heading of pictures
+    job.prepared.one.name = volume.stem().string(); // the record's
     print_warnings(job.prepared.warnings, common);
     const auto engine = engine_for(common, job.prepared.one.scene);
     job.also = parse_also(arguments.also);
+    job.pictures = picture_choice(arguments, job.prepared.one.scene, job.also.pictures);
     bool given = false;
     CaseOutcome outcome;
     WatchedEngine watched(*engine, common.quiet);
@@ -100,7 +129,18 @@ int run(const FieldArguments& arguments, const CommonOptions& common) {
 void describe(Options& options, FieldArguments& arguments) {
     options.required("SCENE", arguments.scene, "scene file (TOML)");
     options.required("--out", arguments.out, "the volume, an .exr file");
-    options.list("--also", arguments.also, "further files beside it: vti (ParaView), npy (NumPy), png (pictures)");
+    options.list("--also", arguments.also,
+                 "further files beside it: vti (ParaView), npy (NumPy), png, svg, pdf (pictures)");
+    options.optional("--title", arguments.pictures.look.title, "of the pictures; by default the scene in words");
+    options.read(
+        "--size", [&](const std::string& text) { picture::read_size(text, arguments.pictures.look); },
+        "of the pictures in pixels: a width, or WIDTHxHEIGHT; by default 1400, as high as they need");
+    options.read(
+        "--quantity",
+        [&](const std::string& text) { arguments.pictures.slice.quantity = picture::quantity_named(text); },
+        "that the colours show: magnitude (default), x, y, z, direction, or angle (by which shading turns the force)");
+    options.optional("--slice", arguments.slice,
+                     "of *.arrows and *.shading: x, y or z, in the middle or as in \"y=2 mm\"; by default y");
 }
 
 struct SweepArguments {
@@ -148,8 +188,9 @@ void print_outcome(const SweepResult& result, const SweepOptions& options, const
     const std::filesystem::path folder = std::filesystem::absolute(options.folder).lexically_normal();
     remark("look at {} (in a browser), summary.csv (a row a case), manifest.json (everything known){}{} and *.exr "
            "beside it\n",
-           (folder / report.filename()).string(), options.also.png && fields ? ", *.arrows.png, *.mosaic.png" : "",
-           options.also.png && paths ? ", *.paths.png" : "");
+           (folder / report.filename()).string(),
+           options.also.pictures.any() && fields ? ", *.arrows.*, *.mosaic.*" : "",
+           options.also.pictures.any() && paths ? ", *.paths.*" : "");
 }
 
 int run(const SweepArguments& arguments, const CommonOptions& common) {
@@ -196,7 +237,8 @@ void describe(Options& options, SweepArguments& arguments) {
     options.optional(
         "--shard", arguments.shard,
         "I/N: do the I-th of N parts, for several machines at once; Slurm's array variables are taken where set");
-    options.list("--also", arguments.also, "further files for each case: vti (ParaView), npy (NumPy), png (pictures)");
+    options.list("--also", arguments.also,
+                 "further files for each case: vti (ParaView), npy (NumPy), png, svg, pdf (pictures)");
     options.flag("--fresh", arguments.fresh, "compute anew what is there already");
     options.flag("--replace", arguments.replace,
                  "put this study's summary, manifest and report in the place of another study's, whose cases it "

@@ -297,8 +297,8 @@ PathCollector::Reach PathCollector::reach() const {
     return {breadth.low, breadth.high, y_samples_ ? y_sum_ / double(y_samples_) : 0};
 }
 
-picture::Picture PathCollector::draw(const std::string& name, const picture::SurfaceLines& surface) const {
-    picture::PathDrawing drawing{name, {}, paths_, surface, is_graph(surface.nominal)};
+picture::Picture PathCollector::draw(const picture::Look& look, const picture::SurfaceLines& surface) const {
+    picture::PathDrawing drawing{look, {}, paths_, surface, is_graph(surface.nominal)};
     std::string shown = fmt::format("{} of {} paths", paths_.size(), count_);
     if (stride_ > 1)
         shown += fmt::format(", every {}th sample", stride_);

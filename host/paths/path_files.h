@@ -191,7 +191,7 @@ public:
     };
     Reach reach() const;
     /// The picture of them.
-    picture::Picture draw(const std::string& name, const picture::SurfaceLines& surface) const;
+    picture::Picture draw(const picture::Look& look, const picture::SurfaceLines& surface) const;
 
 private:
     template <typename T> void add_path(const PathRows<T>& rows, std::size_t path);

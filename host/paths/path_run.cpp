@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <memory>
 #include <numeric>
 #include <optional>
@@ -17,6 +18,7 @@
 #include "host/paths/recorded.h"
 #include "host/paths/scene_paths.h"
 #include "host/picture/surface_lines.h"
+#include "host/picture/titles.h"
 #include "host/program.h"
 #include "host/referee/path_oracle.h"
 #include "host/referee/validate.h"
@@ -61,8 +63,7 @@ std::vector<std::string> path_file_names(const PathRunOptions& options, layout::
         for (const layout::uint channel : kPathChannels)
             if (channels_for(options, channels) & channel)
                 names.push_back(fmt::format("{}{}.{}.npy", stem, options.label, name_of_channel(channel)));
-    if (options.png)
-        names.push_back(stem + ".paths.png");
+    std::ranges::move(picture::names_with(stem + ".paths", options.pictures), std::back_inserter(names));
     return names;
 }
 
@@ -223,7 +224,7 @@ private:
                     add_sink(file,
                              std::make_unique<PathNpyWriter>(file, input.paths, input.steps, channel, scene.precision));
                 }
-        if (options_.png)
+        if (options_.pictures.any())
             collector_.emplace(input.paths, input.steps);
     }
 
@@ -376,12 +377,14 @@ private:
     void add_picture() {
         const PathCollector::Reach reach = collector_->reach();
         const double border = std::max(0.05 * (reach.to - reach.from), 1e-9);
-        const picture::Picture drawn = collector_->draw(
-            prepared_.one.name, surface_lines(prepared_, {reach.from - border, reach.to + border, reach.y}));
-        const auto bytes = std::as_bytes(std::span(drawn.png));
-        const std::filesystem::path file = beside(".paths.png");
-        write_file_atomically(file, bytes);
-        record_.files.push_back({file.filename().string(), sha256_of(bytes), bytes.size()});
+        picture::Look look = options_.look;
+        if (look.title.empty())
+            look.title = fmt::format("{}, {}", picture::title_of(prepared_.one),
+                                     file_ ? "recorded paths" : picture::paths_title(*prepared_.one.scene.paths));
+        const picture::Picture drawn =
+            collector_->draw(look, surface_lines(prepared_, {reach.from - border, reach.to + border, reach.y}));
+        std::ranges::move(picture::write_picture(beside(".paths"), options_.pictures, drawn),
+                          std::back_inserter(record_.files));
     }
 
     Engine& engine_;

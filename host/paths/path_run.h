@@ -11,6 +11,7 @@
 #include "host/engine/engine.h"
 #include "host/output/exr_volume.h"
 #include "host/output/record.h"
+#include "host/picture/files.h"
 #include "host/prepare/prepared_case.h"
 #include "host/referee/path_oracle.h"
 #include "host/referee/proxy_sides.h"
@@ -22,8 +23,10 @@ struct PathRunOptions {
     std::filesystem::path stem;                    /* STEM.paths.csv and what else is asked for */
     std::string label;                             /* between stem and kind of further files: "" or ".paths" */
     std::optional<std::filesystem::path> recorded; /* in place of the scene's paths */
-    bool npy = false, png = false;                 /* not with metrics alone */
-    int threads = 0;                               /* that compress */
+    bool npy = false;                              /* not with metrics alone, nor are pictures */
+    picture::Endings pictures;
+    picture::Look look; /* of the picture; without a title: the case in words */
+    int threads = 0;    /* that compress */
     std::function<void(std::uint64_t done, std::uint64_t total)> reading;  /* bytes of the recorded file, checked */
     std::function<void(std::uint64_t done, std::uint64_t total)> progress; /* samples; both may be empty */
 };

@@ -15,21 +15,15 @@ struct SliceAxes {
     double v_spacing = 0;  /* m */
     double at_spacing = 0; /* m, of the grid along the third axis */
     double at = 0;         /* m: where the slice cuts the third axis */
+    std::array<std::size_t, 3> axis{0, 2, 1}; // which of x, y, z are u, v and the third
 };
+
+inline constexpr std::array kAxisNames{"x", "y", "z"};
 
 /// Force vectors over a slice; (Fx, Fy, Fz) whatever u and v are.
 struct FieldSlice {
     SliceAxes axes;
     std::vector<std::array<double, 3>> force; /* N */
 };
-
-/// |F| over a slice.
-struct MagnitudeSlice {
-    SliceAxes axes;
-    std::vector<double> magnitude; /* N */
-};
-
-/// |F| of each sample, without overflow or underflow on the way; NaN where a component is not finite.
-MagnitudeSlice magnitude_of(const FieldSlice& slice);
 
 } // namespace forceshade::picture

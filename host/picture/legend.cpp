@@ -2,37 +2,19 @@
 
 #include <algorithm>
 #include <array>
-#include <cassert>
 #include <cmath>
 
 namespace forceshade::picture {
 namespace {
 
-constexpr double kLegendGap = 34; // pixels between items
-constexpr double kSignGap = 8;    // between a sign and its text
-constexpr double kLegendRow = 28;
+constexpr double kItemGap = 34; // pixels between items
+constexpr double kSignGap = 8;  // between a sign and its text
+constexpr double kLegendRow = 26;
 constexpr double kSwatch = 18;
-constexpr double kLineLength = 44;
-constexpr Rgb8 kSmoothColour{200, 20, 60};
 constexpr TextStyle kLegendStyle{kTextSize, false, Horizontal::left, Vertical::middle, false};
 
-double sign_width(const LegendItem& item) {
-    switch (item.sign) {
-    case Sign::no_force:
-    case Sign::non_finite:
-        return kSwatch;
-    case Sign::nominal_surface:
-    case Sign::smooth_shape:
-        return kLineLength;
-    case Sign::arrow:
-        return item.arrow_length;
-    }
-    assert(false);
-    return 0;
-}
-
 double item_width(const LegendItem& item) {
-    return sign_width(item) + kSignGap + measure(item.text, kLegendStyle).width;
+    return item.width + kSignGap + measure(item.text, kLegendStyle).width;
 }
 
 std::vector<Point> place_items(const std::vector<LegendItem>& items, double width) {
@@ -42,36 +24,9 @@ std::vector<Point> place_items(const std::vector<LegendItem>& items, double widt
         if (next.x > 0 && next.x + item_width(item) > width)
             next = {0, next.y + kLegendRow};
         places.push_back(next);
-        next.x += item_width(item) + kLegendGap;
+        next.x += item_width(item) + kItemGap;
     }
     return places;
-}
-
-void draw_checker(Canvas& canvas, const Box& box) {
-    constexpr double kSquare = kSwatch / 4;
-    canvas.fill(box, kNonFiniteColours[0]);
-    for (int y = 0; y < 4; ++y)
-        for (int x = y % 2; x < 4; x += 2)
-            canvas.fill({box.x + x * kSquare, box.y + y * kSquare, kSquare, kSquare}, kNonFiniteColours[1]);
-}
-
-void draw_sign(Canvas& canvas, const LegendItem& item, Point middle_left) {
-    const Box swatch{middle_left.x, middle_left.y - kSwatch / 2, kSwatch, kSwatch};
-    const Point end{middle_left.x + sign_width(item), middle_left.y};
-    switch (item.sign) {
-    case Sign::no_force:
-        canvas.fill(swatch, kNoForceColour);
-        canvas.outline(swatch, {});
-        return;
-    case Sign::non_finite:
-        draw_checker(canvas, swatch);
-        return;
-    case Sign::nominal_surface:
-    case Sign::smooth_shape:
-        return draw_surface_line(canvas, {middle_left, end}, item.sign);
-    case Sign::arrow:
-        return draw_arrow(canvas, middle_left, end);
-    }
 }
 
 } // namespace
@@ -83,10 +38,34 @@ double legend_height(const std::vector<LegendItem>& items, double width) {
 void draw_legend(Canvas& canvas, const std::vector<LegendItem>& items, Point upper_left, double width) {
     const std::vector<Point> places = place_items(items, width);
     for (std::size_t i = 0; i < items.size(); ++i) {
-        const Point middle{upper_left.x + places[i].x, upper_left.y + places[i].y + kLegendRow / 2};
-        draw_sign(canvas, items[i], middle);
-        canvas.text(items[i].text, {middle.x + sign_width(items[i]) + kSignGap, middle.y}, kLegendStyle);
+        const Point left{upper_left.x + places[i].x, upper_left.y + places[i].y + kLegendRow / 2};
+        items[i].draw(canvas, left, {left.x + items[i].width, left.y});
+        canvas.text(items[i].text, {left.x + items[i].width + kSignGap, left.y}, kLegendStyle);
     }
+}
+
+LegendItem line_item(std::string text, const Stroke& stroke) {
+    return {std::move(text), kKeyLength, [stroke](Canvas& canvas, Point left, Point right) {
+                canvas.polyline(std::array{left, right}, stroke);
+            }};
+}
+
+LegendItem swatch_item(std::string text, Rgb8 colour) {
+    return {std::move(text), kSwatch, [colour](Canvas& canvas, Point left, Point) {
+                const Box box{left.x, left.y - kSwatch / 2, kSwatch, kSwatch};
+                canvas.fill(box, colour);
+                canvas.outline(box, {});
+            }};
+}
+
+LegendItem checker_item(std::string text) {
+    return {std::move(text), kSwatch, [](Canvas& canvas, Point left, Point) {
+                constexpr double kSquare = kSwatch / 4;
+                for (int y = 0; y < 4; ++y)
+                    for (int x = 0; x < 4; ++x)
+                        canvas.fill({left.x + x * kSquare, left.y - kSwatch / 2 + y * kSquare, kSquare, kSquare},
+                                    kNonFiniteColours[static_cast<std::size_t>((x + y) % 2)]);
+            }};
 }
 
 void draw_arrow(Canvas& canvas, Point tail, Point tip) {
@@ -114,11 +93,17 @@ void draw_arrow(Canvas& canvas, Point tail, Point tip) {
     canvas.polygon(points, kPaper, {kInk, 1.8, {}, true});
 }
 
-void draw_surface_line(Canvas& canvas, const std::vector<Point>& points, Sign sign) {
-    const bool dashed = sign == Sign::smooth_shape;
+Stroke surface_stroke(bool smooth, double width) {
+    return smooth ? Stroke{{200, 20, 60}, width, {9, 5}, true} : Stroke{kInk, width, {}, true};
+}
+
+void draw_surface_line(Canvas& canvas, const std::vector<Point>& points, bool smooth) {
     canvas.polyline(points, {kPaper, 5, {}, true});
-    canvas.polyline(
-        points, {dashed ? kSmoothColour : kInk, 2.6, dashed ? std::vector<double>{9, 5} : std::vector<double>{}, true});
+    canvas.polyline(points, surface_stroke(smooth));
+}
+
+LegendItem surface_item(std::string text, bool smooth) {
+    return line_item(std::move(text), surface_stroke(smooth));
 }
 
 } // namespace forceshade::picture

@@ -1,5 +1,6 @@
 #include "host/picture/path_plot.h"
 
+#include "host/picture/chart_style.h"
 #include "host/picture/frame.h"
 #include "host/picture/legend.h"
 #include "host/picture/polyline.h"
@@ -9,25 +10,18 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <numbers>
+#include <utility>
 
 namespace forceshade::picture {
 namespace {
 
-constexpr double kSectionHeight = 400; // pixels
+constexpr double kMostSectionHeight = 560; // pixels
 constexpr double kAngleHeight = 360;
-constexpr double kBetween = 46; // room for the upper panel's ticks
-constexpr double kRowHeight = 26;
-constexpr double kSignLength = 44;
-constexpr double kItemGap = 30;
+constexpr double kBetween = 20;        // between the upper panel's labels and the lower panel
 constexpr double kHardlyWide = 0.1;    // of the height
 constexpr double kLeastBreadth = 2e-3; // m: of what has neither width nor height
-constexpr TextStyle kUpTitleStyle{kTextSize, false, Horizontal::centre, Vertical::middle, true};
-constexpr TextStyle kItemStyle{kTextSize, false, Horizontal::left, Vertical::middle, false};
-// Told apart without red-green vision (Okabe and Ito 2008).
-constexpr std::array<Rgb8, 6> kPathColours{Rgb8{0, 114, 178},   Rgb8{230, 159, 0},  Rgb8{0, 158, 115},
-                                           Rgb8{204, 121, 167}, Rgb8{86, 180, 233}, Rgb8{120, 80, 40}};
 
-struct Range {
+struct Bounds {
     double low = INFINITY, high = -INFINITY;
     void add(double value) {
         if (!std::isfinite(value))
@@ -44,148 +38,126 @@ struct Range {
     }
 };
 
-struct Panel {
+struct Section {
     Box box;
     Range x, y;
-    Point at(double u, double v) const {
-        return {box.x + (u - x.low) / (x.high - x.low) * box.width,
-                box.y + box.height - (v - y.low) / (y.high - y.low) * box.height};
-    }
     std::vector<std::vector<Point>> pieces(const std::vector<LinePoint>& line) const {
         std::vector<Point> points;
         for (const LinePoint& point : line)
-            points.push_back(at(point.x, point.z));
+            points.push_back({box.x + x.fraction(point.x) * box.width, box.y + (1 - y.fraction(point.z)) * box.height});
         return visible_pieces(points, box);
     }
 };
 
-Axis angle_axis(const Range& range) {
-    const RoundTicks ticks = round_ticks(range.low, range.high, 9);
-    Axis axis{"force direction / °", {}, 0, {}};
-    for (const double value : ticks.values)
-        axis.ticks.push_back({(value - range.low) / (range.high - range.low), decimal(value, ticks.decimals)});
-    return axis;
-}
-
-struct Item {
-    std::string text;
-    Stroke stroke;
-    Sign sign = Sign::arrow; // a surface's, or of no meaning
-};
-
-std::vector<Item> items_of(const PathDrawing& drawing) {
-    std::vector<Item> items;
-    if (!drawing.surface.nominal.empty())
-        items.push_back({drawing.draws_normals ? "surface; below, its normal" : "surface", {}, Sign::nominal_surface});
-    if (!drawing.surface.smooth.empty())
-        items.push_back({drawing.draws_normals ? "shape that the shading imitates; below, its normal"
-                                               : "shape that the shading imitates",
-                         {},
-                         Sign::smooth_shape});
-    for (std::size_t i = 0; i < drawing.paths.size(); ++i)
-        items.push_back({drawing.paths[i].label, {kPathColours[i % kPathColours.size()], 2.4, {}, true}});
-    return items;
-}
-
-std::vector<Point> places_of(const std::vector<Item>& items, double width) {
-    std::vector<Point> places;
-    Point next;
-    for (const Item& item : items) {
-        const double size = kSignLength + 8 + measure(item.text, kItemStyle).width;
-        if (next.x > 0 && next.x + size > width)
-            next = {0, next.y + kRowHeight};
-        places.push_back(next);
-        next.x += size + kItemGap;
-    }
-    return places;
-}
-
 class PathSheet {
 public:
-    explicit PathSheet(const PathDrawing& drawing) : drawing_(drawing), items_(items_of(drawing)) {
+    explicit PathSheet(const PathDrawing& drawing) : drawing_(drawing) {
         find_ranges();
-        const SliceAxes samples{{x_.low, x_.high}, {z_.low, z_.high}, 0, 0, 0, 0};
-        axes_ = plan_axes("x", "z", samples);
+        axes_ = plan_axes({{x_.low, x_.high}, {z_.low, z_.high}, 0, 0, 0, 0});
         std::vector<std::string> notes = drawing.notes;
-        horizontal_ = fit_horizontal(axes_, kSheetWidth - 200);
-        vertical_ = fit_vertical(axes_, kSectionHeight);
-        angles_ = angle_axis(angle_);
-        left_ = kMargin + measure("0", kUpTitleStyle).width + 10 +
-                std::max(left_labels_width(vertical_), left_labels_width(angles_));
-        const double width = std::floor(kSheetWidth - kMargin - left_);
-        const double stretch = (x_.high - x_.low) / width / ((z_.high - z_.low) / kSectionHeight);
-        if (stretch > 1.05 || stretch < 0.95)
-            notes.push_back(fmt::format("not to scale: {} is stretched {} times", stretch > 1 ? "z" : "x",
-                                        three_digits(std::max(stretch, 1 / stretch))));
-        heading_ = plan_heading(drawing.name, notes);
-        const double top = std::floor(kMargin + heading_.height + 14);
-        section_ = {{std::floor(left_), top, width, kSectionHeight}, x_, z_};
-        below_ = {{std::floor(left_), top + kSectionHeight + kBetween, width, kAngleHeight}, x_, angle_};
-        legend_top_ = below_.box.y + below_.box.height + bottom_labels_height() + measure("0", kAxisStyle).height + 18;
-        places_ = places_of(items_, kSheetWidth - 2 * kMargin);
+        if (!axes_.stretch_note.empty())
+            notes.push_back(axes_.stretch_note);
+        heading_ = plan_heading(drawing.look, notes);
+        plan_legend();
+        plan(kMostSectionHeight, kAngleHeight);
+        if (const int excess = height() - drawing.look.most_height; drawing.look.most_height > 0 && excess > 0) {
+            const double both = section_.box.height + below_.box.height;
+            const double share = std::max(both - excess, 80.0) / both;
+            plan(section_.box.height * share, kAngleHeight * share);
+        }
     }
 
     int height() const {
-        const double rows = places_.empty() ? 0 : places_.back().y + kRowHeight;
-        return static_cast<int>(std::ceil(legend_top_ + rows + kMargin));
+        return static_cast<int>(std::ceil(legend_top_ + legend_height(legend_, legend_width()) + kMargin / 2));
     }
 
     void draw(Canvas& canvas) const {
         draw_heading(canvas, heading_);
         draw_section(canvas);
         draw_angles(canvas);
-        draw_frame(canvas, section_, vertical_, vertical_.title, false);
-        draw_frame(canvas, below_, angles_, angles_.title, true);
-        draw_items(canvas);
+        Axis untitled = horizontal_;
+        untitled.title.clear();
+        for (const auto& [panel, x, y] : {std::tuple(&section_, &std::as_const(untitled), &vertical_),
+                                          std::tuple(&below_, &horizontal_, &angles_)}) {
+            draw_axes(canvas, panel->box, *x, *y);
+            draw_axis_titles(canvas, panel->box, *x, *y);
+        }
+        draw_legend(canvas, legend_, {kMargin, legend_top_}, legend_width());
     }
 
 private:
+    double legend_width() const { return drawing_.look.width - 2 * kMargin; }
+
+    // The section keeps its shape, at most so high.
+    void plan(double most_height, double angle_height) {
+        angles_ = fit_axis(angle_height, true, [&](std::size_t most) {
+            return quantity_axis("force direction", "°", angle_.low, angle_.high, most);
+        });
+        double left = left_room(angles_);
+        for (const double pixels : {60.0, most_height})
+            left = std::max(left, left_room(fit_vertical(axes_, pixels)));
+        const double room = std::floor(legend_width() - left);
+        const double width = std::floor(std::min(room, most_height / axes_.aspect));
+        const double x = std::floor(kMargin + left + (room - width) / 2),
+                     top = std::floor(kMargin + heading_.height + 14);
+        section_ = {{x, top, width, std::round(width * axes_.aspect)}, x_, z_};
+        below_ = {{x, top + section_.box.height + bottom_room(false) + kBetween, width, angle_height}, x_, angle_};
+        horizontal_ = fit_horizontal(axes_, width);
+        vertical_ = fit_vertical(axes_, section_.box.height);
+        legend_top_ = below_.box.y + below_.box.height + bottom_room() + 14;
+    }
+
     void find_ranges() {
-        Range x, z, angle;
+        Bounds x, z, angle;
         const Breadth breadth = drawn_breadth(drawing_.paths);
         x.add(breadth.low);
         x.add(breadth.high);
-        for (const DrawnPath& path : drawing_.paths)
-            for (const LinePoint& point : path.way)
-                z.add(point.z);
         x_ = x.widened(0);
         if (!(x_.high > x_.low))
             x_ = x.widened(kLeastBreadth / 2);
-        for (const auto* line : {&drawing_.surface.nominal, &drawing_.surface.smooth}) {
-            for (const LinePoint& point : *line)
-                if (point.x >= x_.low && point.x <= x_.high)
-                    z.add(point.z);
-            if (drawing_.draws_normals)
-                for (const LinePoint& point : normals_of(*line))
-                    if (point.x >= x_.low && point.x <= x_.high)
-                        angle.add(point.z);
-        }
-        z_ = z.widened(0);
-        if (!(z_.high > z_.low))
-            z_ = z.widened(0.1 * (x_.high - x_.low));
-        for (const DrawnPath& path : drawing_.paths)
+        for (const DrawnPath& path : drawing_.paths) {
+            for (const LinePoint& point : path.way)
+                z.add(point.z);
             for (const double direction : path.direction) {
                 angle.add(direction);
                 any_force_ = any_force_ || std::isfinite(direction);
             }
+        }
+        const auto add_shown = [&](const std::vector<LinePoint>& line, Bounds& bounds) {
+            for (const LinePoint& point : line)
+                if (point.x >= x_.low && point.x <= x_.high)
+                    bounds.add(point.z);
+        };
+        for (const auto* line : {&drawing_.surface.nominal, &drawing_.surface.smooth}) {
+            add_shown(*line, z);
+            if (drawing_.draws_normals)
+                add_shown(normals_of(*line), angle);
+        }
+        z_ = z.widened(0);
+        if (!(z_.high > z_.low))
+            z_ = z.widened(0.1 * (x_.high - x_.low));
         angle_ = angle.widened(1);
     }
 
-    void draw_lines(Canvas& canvas, const Panel& panel, const std::vector<LinePoint>& line, Sign sign) const {
-        for (const std::vector<Point>& piece : panel.pieces(line))
-            draw_surface_line(canvas, piece, sign);
-    }
+    Stroke stroke_of(std::size_t path, double width) const { return {series_colour(path), width, {}, true}; }
 
-    Stroke stroke_of(std::size_t path, double width) const {
-        return {kPathColours[path % kPathColours.size()], width, {}, true};
+    void plan_legend() {
+        const char* normals = drawing_.draws_normals ? "; below, its normal" : "";
+        if (!drawing_.surface.nominal.empty())
+            legend_.push_back(surface_item(fmt::format("surface{}", normals), false));
+        if (!drawing_.surface.smooth.empty())
+            legend_.push_back(surface_item(fmt::format("shape that the shading imitates{}", normals), true));
+        for (std::size_t i = 0; i < drawing_.paths.size(); ++i)
+            legend_.push_back(line_item(drawing_.paths[i].label, stroke_of(i, 2.4)));
     }
 
     void draw_section(Canvas& canvas) const {
         canvas.begin_clip(section_.box);
-        draw_lines(canvas, section_, drawing_.surface.smooth, Sign::smooth_shape);
-        draw_lines(canvas, section_, drawing_.surface.nominal, Sign::nominal_surface);
+        for (const bool smooth : {true, false})
+            for (const auto& piece : section_.pieces(smooth ? drawing_.surface.smooth : drawing_.surface.nominal))
+                draw_surface_line(canvas, piece, smooth);
         for (std::size_t i = 0; i < drawing_.paths.size(); ++i)
-            for (const std::vector<Point>& piece : section_.pieces(drawing_.paths[i].way))
+            for (const auto& piece : section_.pieces(drawing_.paths[i].way))
                 canvas.polyline(piece, stroke_of(i, 1.4));
         canvas.end_clip();
     }
@@ -197,69 +169,36 @@ private:
             std::vector<LinePoint> line;
             for (std::size_t s = 0; s < path.way.size(); ++s)
                 line.push_back({path.way[s].x, path.direction[s]});
-            for (const std::vector<Point>& piece : below_.pieces(line))
-                canvas.polyline(seen_as_line(piece), stroke_of(i, 3.2));
+            for (const auto& piece : below_.pieces(line))
+                canvas.polyline(seen_as_line(piece), {lighter(series_colour(i)), 5, {}, true});
         }
-        if (drawing_.draws_normals)
-            for (const auto& [line, sign] : {std::pair(&drawing_.surface.nominal, Sign::nominal_surface),
-                                             std::pair(&drawing_.surface.smooth, Sign::smooth_shape)})
-                for (const std::vector<Point>& piece : below_.pieces(normals_of(*line)))
-                    draw_normals(canvas, piece, sign);
+        for (const bool smooth : {false, true}) // without a halo, which would hide the forces that follow them
+            if (drawing_.draws_normals)
+                for (const auto& piece :
+                     below_.pieces(normals_of(smooth ? drawing_.surface.smooth : drawing_.surface.nominal)))
+                    canvas.polyline(piece, surface_stroke(smooth, 1.4));
         canvas.end_clip();
         if (!any_force_)
             canvas.text("no force on these paths",
                         {below_.box.x + below_.box.width / 2, below_.box.y + below_.box.height / 4}, kNoteStyle,
-                        {110, 110, 110});
-    }
-
-    // Without a halo, which would hide the forces that follow them.
-    static void draw_normals(Canvas& canvas, const std::vector<Point>& piece, Sign sign) {
-        const bool dashed = sign == Sign::smooth_shape;
-        canvas.polyline(piece, {dashed ? Rgb8{200, 20, 60} : kInk, 1.4,
-                                dashed ? std::vector<double>{9, 5} : std::vector<double>{}, true});
-    }
-
-    void draw_frame(Canvas& canvas, const Panel& panel, const Axis& up, const std::string& title, bool names_x) const {
-        canvas.outline({panel.box.x - 0.5, panel.box.y - 0.5, panel.box.width + 1, panel.box.height + 1}, {});
-        draw_left_ticks(canvas, panel.box, up, true);
-        draw_bottom_ticks(canvas, panel.box, horizontal_, true);
-        canvas.text(title, {kMargin + measure("0", kUpTitleStyle).width / 2, panel.box.y + panel.box.height / 2},
-                    kUpTitleStyle);
-        if (names_x)
-            canvas.text(
-                horizontal_.title,
-                {panel.box.x + panel.box.width / 2, panel.box.y + panel.box.height + bottom_labels_height() + 4},
-                kAxisStyle);
-    }
-
-    void draw_items(Canvas& canvas) const {
-        for (std::size_t i = 0; i < items_.size(); ++i) {
-            const Point from{kMargin + places_[i].x, legend_top_ + places_[i].y + kRowHeight / 2};
-            const Point to{from.x + kSignLength, from.y};
-            if (items_[i].sign != Sign::arrow)
-                draw_surface_line(canvas, {from, to}, items_[i].sign);
-            else
-                canvas.polyline(std::vector<Point>{from, to}, items_[i].stroke);
-            canvas.text(items_[i].text, {to.x + 8, to.y}, kItemStyle);
-        }
+                        kQuietInk);
     }
 
     const PathDrawing& drawing_;
-    std::vector<Item> items_;
+    std::vector<LegendItem> legend_;
     Range x_, z_, angle_;
     bool any_force_ = false;
     PlaneAxes axes_;
     Axis horizontal_, vertical_, angles_;
-    double left_ = 0, legend_top_ = 0;
+    double legend_top_ = 0;
     Heading heading_;
-    Panel section_{}, below_{};
-    std::vector<Point> places_;
+    Section section_{}, below_{};
 };
 
 } // namespace
 
 Breadth drawn_breadth(const std::vector<DrawnPath>& paths) {
-    Range x, z;
+    Bounds x, z;
     for (const DrawnPath& path : paths)
         for (const LinePoint& point : path.way) {
             x.add(point.x);
@@ -287,7 +226,7 @@ std::vector<LinePoint> normals_of(const std::vector<LinePoint>& line) {
 
 Picture draw_paths(const PathDrawing& drawing) {
     const PathSheet sheet(drawing);
-    Canvas canvas(static_cast<int>(kSheetWidth), sheet.height());
+    Canvas canvas(drawing.look.width, sheet.height());
     sheet.draw(canvas);
     return canvas.finish();
 }

@@ -16,8 +16,8 @@ struct DrawnPath {
 };
 
 struct PathDrawing {
-    std::string name;               // the case's
-    std::vector<std::string> notes; // lines below it
+    Look look;
+    std::vector<std::string> notes; // lines below the title
     std::vector<DrawnPath> paths;   // one at least, with a finite sample
     SurfaceLines surface;           // its normals are drawn beside the forces' directions
     bool draws_normals = true;

@@ -1,14 +1,13 @@
-// The pictures that accompany a force volume: a mosaic of slices of |F| and an arrow plot of the x-z slice, as PNG
-// bytes.
+// Pictures as PNG bytes and vectors: of a force volume slices and arrows, of explored paths, and charts.
 #pragma once
-
-#include "host/picture/field_slice.h"
 
 #include <cstdint>
 #include <memory>
 #include <span>
 #include <string>
 #include <vector>
+
+#include "host/picture/values.h"
 
 namespace forceshade::picture {
 
@@ -39,31 +38,36 @@ struct Picture {
     std::shared_ptr<const Drawing> drawing;
 };
 
+/// What the user may choose of any picture.
+struct Look {
+    std::string title;   // UTF-8, wrapped if it is long
+    int width = 1400;    // pixels; texts keep their size
+    int most_height = 0; // pixels: plots become smaller to keep it, as far as they can; 0: as high as they need
+    friend bool operator==(const Look&, const Look&) = default;
+};
+
 /// A point of a line in the x-z plane.
 struct LinePoint {
     double x, z; /* m */
 };
 
-/// Lines drawn over the arrow plot, each left out if empty.
+/// Lines drawn over a slice, each left out if empty.
 struct SurfaceLines {
     std::vector<LinePoint> nominal; // the surface that the depth is measured from, solid
     std::vector<LinePoint> smooth;  // the shape that the shading imitates, dashed
 };
 
-/// |F| over x and y at each z (at least one, increasing; axes x and y common to all), one colour scale for all.
-/// `name`: the case's, in UTF-8, wrapped if it is long.
-Picture draw_mosaic(const std::string& name, std::span<const MagnitudeSlice> tiles);
+/// A quantity over x and y at each z (at least one, increasing; axes x and y common to all), one colour scale for all.
+/// Shown are the part of the grid and the slices, at most 12, where there is a force.
+Picture draw_mosaic(const Look& look, std::span<const ValueSlice> tiles, Quantity quantity = Quantity::magnitude);
 
-/// An x-z slice: |F| as colour, (Fx, Fz) as arrows whose length is proportional to that part of the force.
-Picture draw_arrows(const std::string& name, const FieldSlice& slice, const SurfaceLines& lines = {});
+/// A slice: a quantity as colour, the force in the plane as arrows. `lines` are of its own plane, u and v. An angle
+/// needs `unshaded`.
+Picture draw_arrows(const Look& look, const FieldSlice& slice, const SurfaceLines& lines = {},
+                    Quantity quantity = Quantity::magnitude, const FieldSlice& unshaded = {});
 
-/// A slice and its name, for a picture of two.
-struct NamedSlice {
-    std::string name;
-    const FieldSlice& slice;
-};
-
-/// Two such slices side by side, colours and arrows to one scale.
-Picture draw_side_by_side(const NamedSlice& left, const NamedSlice& right, const SurfaceLines& lines = {});
+/// What shading changes: unshaded and shaded force to one scale, and the angle between them.
+Picture draw_shading(const Look& look, const FieldSlice& unshaded, const FieldSlice& shaded,
+                     const SurfaceLines& lines = {});
 
 } // namespace forceshade::picture

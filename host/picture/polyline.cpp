@@ -69,6 +69,10 @@ std::vector<std::vector<Point>> visible_pieces(std::span<const Point> line, cons
     return pieces;
 }
 
+bool crosses(Point from, Point to, const Box& box) {
+    return finite(from) && finite(to) && clip(from, to, box);
+}
+
 std::vector<Point> seen_as_line(std::vector<Point> piece) {
     constexpr double kBar = 14; // pixels
     if (piece.empty())

@@ -12,6 +12,9 @@ namespace forceshade::picture {
 /// the one before are dropped. A point that is not finite breaks the line.
 std::vector<std::vector<Point>> visible_pieces(std::span<const Point> line, const Box& box);
 
+/// Whether the segment passes through `box`.
+bool crosses(Point from, Point to, const Box& box);
+
 /// The piece; one that stays in one place, as the force's direction in taps does, as a short bar there.
 std::vector<Point> seen_as_line(std::vector<Point> piece);
 

@@ -9,44 +9,16 @@ namespace {
 
 constexpr double kMissing = std::numeric_limits<double>::quiet_NaN();
 
-std::vector<double> coordinates(const GridSpec& grid, std::size_t axis, const std::vector<std::uint64_t>& indices) {
-    std::vector<double> result(indices.size());
-    std::transform(indices.begin(), indices.end(), result.begin(),
-                   [&](std::uint64_t i) { return grid.origin[axis] + grid.spacing[axis] * static_cast<double>(i); });
-    return result;
-}
-
-// The part of `wanted`, as positions [first, last), that lies in [begin, begin + count).
-struct Positions {
-    std::size_t first, last;
-};
-Positions positions_within(const std::vector<std::uint64_t>& wanted, std::uint64_t begin, std::uint64_t count) {
-    const auto first = std::lower_bound(wanted.begin(), wanted.end(), begin);
-    const auto last = std::lower_bound(first, wanted.end(), begin + count);
-    return {static_cast<std::size_t>(first - wanted.begin()), static_cast<std::size_t>(last - wanted.begin())};
-}
-
-template <typename real>
-std::array<double, 3> force_at(const layout::FieldChunk<real>& chunk, std::span<const real> channel, std::uint64_t x,
-                               std::uint64_t y, std::uint64_t z) {
-    const std::size_t row = (z - chunk.z_first) * chunk.y_count + (y - chunk.y_first);
-    const real* force = channel.data() + 3 * (row * chunk.x_pitch + x);
-    return {static_cast<double>(force[0]), static_cast<double>(force[1]), static_cast<double>(force[2])};
-}
-
-// The library's hypot of three says 0 for (0, 0, NaN), which would pass as free space.
-double length(const std::array<double, 3>& f) {
-    const bool finite = std::isfinite(f[0]) && std::isfinite(f[1]) && std::isfinite(f[2]);
-    return finite ? std::hypot(f[0], f[1], f[2]) : kMissing;
+// The sample nearest to `at` along an axis; the middle one, rounded down, if nothing is wanted.
+std::uint64_t chosen_index(const GridSpec& grid, std::size_t axis, std::optional<double> at) {
+    const std::uint64_t last = std::max<std::uint64_t>(grid.size[axis], 1) - 1;
+    if (!at)
+        return last / 2;
+    const double index = std::round((*at - grid.origin[axis]) / grid.spacing[axis]);
+    return static_cast<std::uint64_t>(std::clamp(index, 0.0, static_cast<double>(last)));
 }
 
 } // namespace
-
-MagnitudeSlice magnitude_of(const FieldSlice& slice) {
-    MagnitudeSlice result{slice.axes, std::vector<double>(slice.force.size())};
-    std::transform(slice.force.begin(), slice.force.end(), result.magnitude.begin(), length);
-    return result;
-}
 
 std::vector<std::uint64_t> even_indices(std::uint64_t count, std::size_t wanted) {
     std::vector<std::uint64_t> result(static_cast<std::size_t>(std::min<std::uint64_t>(count, wanted)));
@@ -60,24 +32,40 @@ std::vector<std::uint64_t> even_indices(std::uint64_t count, std::size_t wanted)
     return result;
 }
 
-SliceCollector::SliceCollector(const GridSpec& grid, bool repeat_y)
-    : repeat_y_(repeat_y), middle_y_((std::max<std::uint64_t>(grid.size[1], 1) - 1) / 2),
-      columns_(even_indices(grid.size[0], kMaxSliceSamples)), rows_(even_indices(grid.size[1], kMaxSliceSamples)),
-      levels_(even_indices(grid.size[2], kMaxSliceSamples)), tile_at_(even_indices(grid.size[2], kMaxTiles)) {
-    xz_.axes = {coordinates(grid, 0, columns_),
-                coordinates(grid, 2, levels_),
-                grid.spacing[0],
-                grid.spacing[2],
-                grid.spacing[1],
-                coordinates(grid, 1, {middle_y_})[0]};
-    unshaded_xz_.axes = xz_.axes;
-    xz_.force.assign(columns_.size() * levels_.size(), {kMissing, kMissing, kMissing});
-    const std::vector<double> heights = coordinates(grid, 2, tile_at_);
-    for (const double z : heights) {
-        tiles_.push_back(
-            {{xz_.axes.u, coordinates(grid, 1, rows_), grid.spacing[0], grid.spacing[1], grid.spacing[2], z},
-             std::vector<double>(columns_.size() * rows_.size(), kMissing)});
+SliceCollector::SliceCollector(const GridSpec& grid, bool repeat_y, const SliceChoice& choice)
+    : grid_(grid), repeat_y_(repeat_y), choice_(choice),
+      plane_(plane(choice.axis, chosen_index(grid, choice.axis, choice.at))) {
+    slice_.axes = unshaded_.axes = axes_of(plane_);
+    slice_.force.assign(plane_.u.size() * plane_.v.size(), {kMissing, kMissing, kMissing});
+    for (const std::uint64_t z : even_indices(grid.size[2], kMaxTiles)) {
+        const Plane& tile = tile_planes_.emplace_back(plane(2, z));
+        tiles_.push_back({axes_of(tile), std::vector<double>(tile.u.size() * tile.v.size(), kMissing)});
     }
+}
+
+SliceCollector::Plane SliceCollector::plane(std::size_t normal, std::uint64_t at) const {
+    const std::size_t u = normal == 0 ? 1 : 0, v = normal == 2 ? 1 : 2;
+    return {{u, v, normal},
+            even_indices(grid_.size[u], kMaxSliceSamples),
+            even_indices(grid_.size[v], kMaxSliceSamples),
+            at};
+}
+
+SliceAxes SliceCollector::axes_of(const Plane& plane) const {
+    const auto [u, v, normal] = plane.axis;
+    const auto coordinates = [&](std::size_t axis, const std::vector<std::uint64_t>& indices) {
+        std::vector<double> result;
+        for (const std::uint64_t i : indices)
+            result.push_back(grid_.origin[axis] + grid_.spacing[axis] * static_cast<double>(i));
+        return result;
+    };
+    return {coordinates(u, plane.u),
+            coordinates(v, plane.v),
+            grid_.spacing[u],
+            grid_.spacing[v],
+            grid_.spacing[normal],
+            coordinates(normal, {plane.at})[0],
+            plane.axis};
 }
 
 void SliceCollector::add(const layout::FieldChunk<float>& chunk) {
@@ -87,39 +75,46 @@ void SliceCollector::add(const layout::FieldChunk<double>& chunk) {
     add_chunk(chunk);
 }
 
-template <typename real> void SliceCollector::add_chunk(const layout::FieldChunk<real>& chunk) {
-    const bool has_middle = repeat_y_ || (middle_y_ >= chunk.y_first && middle_y_ - chunk.y_first < chunk.y_count);
-    if (has_middle)
-        keep_xz(chunk);
-    const Positions tiles = positions_within(tile_at_, chunk.z_first, chunk.z_count);
-    for (std::size_t tile = tiles.first; tile < tiles.last; ++tile)
-        keep_tile(chunk, tile);
-}
-
-template <typename real> void SliceCollector::keep_xz(const layout::FieldChunk<real>& chunk) {
-    const std::uint64_t y = repeat_y_ ? chunk.y_first : middle_y_;
-    const Positions levels = positions_within(levels_, chunk.z_first, chunk.z_count);
-    if (!chunk.unshaded.empty() && unshaded_xz_.force.empty())
-        unshaded_xz_.force.assign(xz_.force.size(), {kMissing, kMissing, kMissing});
-    for (std::size_t level = levels.first; level < levels.last; ++level)
-        for (std::size_t column = 0; column < columns_.size(); ++column) {
-            const std::size_t sample = level * columns_.size() + column;
-            xz_.force[sample] = force_at(chunk, chunk.force, columns_[column], y, levels_[level]);
-            if (!chunk.unshaded.empty())
-                unshaded_xz_.force[sample] = force_at(chunk, chunk.unshaded, columns_[column], y, levels_[level]);
+// Calls keep(number of the sample in the plane, its place in a channel of the chunk) for all that the chunk has.
+template <typename real, typename Keep>
+void SliceCollector::visit(const layout::FieldChunk<real>& chunk, const Plane& plane, const Keep& keep) const {
+    const auto has_y = [&](std::uint64_t y) {
+        return repeat_y_ || (y >= chunk.y_first && y - chunk.y_first < chunk.y_count);
+    };
+    const auto has_z = [&](std::uint64_t z) { return z >= chunk.z_first && z - chunk.z_first < chunk.z_count; };
+    std::array<std::uint64_t, 3> at{};
+    at[plane.axis[2]] = plane.at;
+    for (std::size_t v = 0; v < plane.v.size(); ++v) {
+        at[plane.axis[1]] = plane.v[v];
+        if (!has_z(at[2]))
+            continue;
+        for (std::size_t u = 0; u < plane.u.size(); ++u) {
+            at[plane.axis[0]] = plane.u[u];
+            if (!has_y(at[1]))
+                continue;
+            const std::size_t row = (at[2] - chunk.z_first) * chunk.y_count + (repeat_y_ ? 0 : at[1] - chunk.y_first);
+            keep(v * plane.u.size() + u, 3 * (row * chunk.x_pitch + at[0]));
         }
+    }
 }
 
-template <typename real> void SliceCollector::keep_tile(const layout::FieldChunk<real>& chunk, std::size_t tile) {
-    const Positions rows =
-        repeat_y_ ? Positions{0, rows_.size()} : positions_within(rows_, chunk.y_first, chunk.y_count);
-    std::vector<double>& magnitude = tiles_[tile].magnitude;
-    for (std::size_t row = rows.first; row < rows.last; ++row) {
-        const std::uint64_t y = repeat_y_ ? chunk.y_first : rows_[row];
-        for (std::size_t column = 0; column < columns_.size(); ++column)
-            magnitude[row * columns_.size() + column] =
-                length(force_at(chunk, chunk.force, columns_[column], y, tile_at_[tile]));
-    }
+template <typename real> void SliceCollector::add_chunk(const layout::FieldChunk<real>& chunk) {
+    using Force = std::array<double, 3>;
+    const auto force_at = [](std::span<const real> channel, std::size_t i) {
+        return channel.empty() ? Force{} : Force{double(channel[i]), double(channel[i + 1]), double(channel[i + 2])};
+    };
+    if (!chunk.unshaded.empty() && unshaded_.force.empty())
+        unshaded_.force.assign(slice_.force.size(), {kMissing, kMissing, kMissing});
+    visit(chunk, plane_, [&](std::size_t sample, std::size_t place) {
+        slice_.force[sample] = force_at(chunk.force, place);
+        if (!chunk.unshaded.empty())
+            unshaded_.force[sample] = force_at(chunk.unshaded, place);
+    });
+    for (std::size_t tile = 0; tile < tiles_.size(); ++tile)
+        visit(chunk, tile_planes_[tile], [&](std::size_t sample, std::size_t place) {
+            tiles_[tile].value[sample] = value_of(choice_.quantity, force_at(chunk.force, place),
+                                                  force_at(chunk.unshaded, place), tile_planes_[tile].axis);
+        });
 }
 
 } // namespace forceshade::picture

@@ -133,13 +133,12 @@ picture::SurfaceLines surface_lines(const PreparedCase& prepared, const SectionS
     return lines;
 }
 
-picture::SurfaceLines surface_lines(const PreparedCase& prepared) {
+picture::SurfaceLines surface_lines(const PreparedCase& prepared, double y) {
     const GridSpec& grid = prepared.one.scene.grid;
     if (grid.size[0] < 2)
         return {};
     return surface_lines(prepared,
-                         {grid.origin[0], grid.origin[0] + grid.spacing[0] * static_cast<double>(grid.size[0] - 1),
-                          grid.origin[1] + grid.spacing[1] * static_cast<double>((grid.size[1] - 1) / 2)});
+                         {grid.origin[0], grid.origin[0] + grid.spacing[0] * static_cast<double>(grid.size[0] - 1), y});
 }
 
 } // namespace forceshade

@@ -15,7 +15,7 @@ struct SectionSpan {
 /// The surface that depth is measured from, and the shape that shading imitates (empty without shading).
 picture::SurfaceLines surface_lines(const PreparedCase& prepared, const SectionSpan& section);
 
-/// The same at the middle y of the grid.
-picture::SurfaceLines surface_lines(const PreparedCase& prepared);
+/// The same over the grid.
+picture::SurfaceLines surface_lines(const PreparedCase& prepared, double y /* m */);
 
 } // namespace forceshade

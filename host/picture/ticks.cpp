@@ -57,6 +57,53 @@ RoundTicks round_ticks(double low, double high, std::size_t most) {
     }
 }
 
+double Range::fraction(double value) const {
+    if (!logarithmic)
+        return (value - low) / (high - low);
+    return value > 0 ? std::log(value / low) / std::log(high / low) : 0;
+}
+
+std::string number_label(double value, int decimals) {
+    const double size = std::fabs(value);
+    if (value == 0 || (size >= 0.9999e-3 && size < 1e5))
+        return decimal(value, decimals);
+    const int exponent = decade(size * (1 + 1e-12));
+    const std::string mantissa = trimmed(divide_by_power_of_ten(size, exponent), 5);
+    return (value < 0 ? "−" : "") + (mantissa == "1" ? "10" : mantissa + "×10") + superscript(exponent);
+}
+
+Axis number_axis(std::string title, const Range& range, std::size_t most, const TickLabel& label) {
+    Axis axis{std::move(title), {}};
+    const auto add = [&](double value, int decimals) {
+        axis.ticks.push_back({std::clamp(range.fraction(value), 0.0, 1.0), label(value, decimals)});
+    };
+    const int first = decade(range.logarithmic ? range.low : 1), last = decade(range.logarithmic ? range.high : 1);
+    for (std::size_t coarse = 0; range.logarithmic; ++coarse) {
+        axis.ticks.clear();
+        for (int power = first; power <= last; ++power)
+            for (const int digit : coarse == 0   ? std::vector{1, 2, 5}
+                                   : coarse == 1 ? std::vector{1, 3}
+                                                 : std::vector{1})
+                if (const double value = divide_by_power_of_ten(digit, -power);
+                    value >= range.low * (1 - kSlack) && value <= range.high * (1 + kSlack) &&
+                    (coarse < 3 || power % static_cast<int>(coarse - 1) == 0))
+                    add(value, std::max(0, -power));
+        if (axis.ticks.size() <= most)
+            break;
+    }
+    for (int power = first; range.logarithmic && last - first < 12 && power <= last; ++power)
+        for (int digit = 1; digit < 10; ++digit)
+            if (const double at = range.fraction(divide_by_power_of_ten(digit, -power)); at >= 0 && at <= 1)
+                axis.minor.push_back(at);
+    if (axis.ticks.size() < 2) { // linear, or less than a decade
+        axis.ticks.clear();
+        const RoundTicks ticks = round_ticks(range.low, range.high, most);
+        for (const double value : ticks.values)
+            add(value, ticks.decimals);
+    }
+    return axis;
+}
+
 double axis_extent(const std::vector<double>& samples, double spacing) {
     return samples.back() - samples.front() + spacing;
 }
@@ -77,9 +124,7 @@ Axis make_axis(std::string_view name, const std::vector<double>& samples, double
     }
     const double low = divide_by_power_of_ten(placed.low - spacing / 2, unit.exponent);
     const double length = divide_by_power_of_ten(extent, unit.exponent);
-    const RoundTicks ticks = round_ticks(low, low + length, most_ticks);
-    for (const double value : ticks.values)
-        axis.ticks.push_back({std::clamp((value - low) / length, 0.0, 1.0), decimal(value, ticks.decimals)});
+    axis.ticks = number_axis("", {low, low + length}, most_ticks, decimal).ticks;
     return axis;
 }
 
@@ -104,13 +149,11 @@ std::vector<std::string> position_labels(std::string_view name, const std::vecto
     return labels;
 }
 
-Axis magnitude_axis(double largest, std::size_t most_ticks) {
-    const Unit unit = choose_unit(largest, "N");
-    Axis axis{"force magnitude" + per_unit(unit), {}, 0, unit};
-    const double top = divide_by_power_of_ten(largest, unit.exponent);
-    const RoundTicks ticks = round_ticks(0, top, most_ticks);
-    for (const double value : ticks.values)
-        axis.ticks.push_back({std::clamp(value / top, 0.0, 1.0), decimal(value, ticks.decimals)});
+Axis quantity_axis(std::string_view name, std::string_view base, double low, double high, std::size_t most) {
+    const Unit unit = base == "°" ? Unit{0, "°"} : choose_unit(std::max(std::fabs(low), std::fabs(high)), base);
+    const Range range{divide_by_power_of_ten(low, unit.exponent), divide_by_power_of_ten(high, unit.exponent)};
+    Axis axis = number_axis(std::string(name) + per_unit(unit), range, most, decimal);
+    axis.unit = unit;
     return axis;
 }
 

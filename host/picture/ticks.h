@@ -1,10 +1,11 @@
-// Axes in words and numbers: round ticks at steps of 1, 2 or 5, units, and an offset where the grid is far from the
-// origin.
+// The one maker of ticks: round ones at steps of 1, 2 or 5, powers of ten on logarithmic axes, units, and an offset
+// where a grid is far from the origin.
 #pragma once
 
 #include "host/picture/quantity.h"
 
 #include <cstddef>
+#include <functional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -22,6 +23,14 @@ struct RoundTicks {
 /// >= 2.
 RoundTicks round_ticks(double low, double high, std::size_t most);
 
+/// The numbers along an axis.
+struct Range {
+    double low = 0, high = 1;
+    bool logarithmic = false; // both are positive then
+    /// Where a value lies: 0 at `low`, 1 at `high`. What a logarithmic axis cannot hold lies at its begin.
+    double fraction(double value) const;
+};
+
 struct AxisTick {
     double fraction; // of the axis length, in [0, 1]
     std::string label;
@@ -31,8 +40,21 @@ struct Axis {
     std::string title; // "x / mm", or "(x − 1000 m) / mm": each label is the offset coordinate in that unit
     std::vector<AxisTick> ticks;
     double offset = 0; /* m */
-    Unit unit;
+    Unit unit{};
+    std::vector<double> minor{}; // fractions: of short ticks without a label
 };
+
+/// How a tick is written; `decimals` are those that its step needs.
+using TickLabel = std::function<std::string(double value, int decimals)>;
+
+/// "−0.5", and "1.5×10⁵" for what is below 0.001 or from 100000 on.
+std::string number_label(double value, int decimals);
+
+/// At most `most` >= 2 ticks, on a logarithmic axis 1, 2, 5 or 1, 3 or 1 times powers of ten.
+Axis number_axis(std::string title, const Range& range, std::size_t most, const TickLabel& label = number_label);
+
+/// "force magnitude / mN": from `low` to `high` > low of a quantity in the unit `base`, degrees among them.
+Axis quantity_axis(std::string_view name, std::string_view base, double low, double high, std::size_t most);
 
 /// The length from the outer edge of the first sample's cell to that of the last one's. /* m */
 double axis_extent(const std::vector<double>& samples, double spacing);
@@ -47,8 +69,5 @@ Axis make_axis(std::string_view name, const std::vector<double>& samples, double
 /// its numbers are handy, between 0.001 and 10000.
 std::vector<std::string> position_labels(std::string_view name, const std::vector<double>& at, double spacing,
                                          const Unit& preferred);
-
-/// The ticks of a scale from 0 to `largest` > 0, finite, titled "force magnitude / N".
-Axis magnitude_axis(double largest, std::size_t most_ticks);
 
 } // namespace forceshade::picture

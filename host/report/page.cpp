@@ -7,6 +7,7 @@
 #include "host/error.h"
 #include "host/output/files.h"
 #include "host/output/reading.h"
+#include "host/picture/chart_style.h"
 #include "host/report/base64.h"
 #include "host/report/words.h"
 #include "report_assets.h"
@@ -38,7 +39,7 @@ bool is_page(const std::filesystem::path& path) {
 }
 
 std::string page_script(bool in_space) {
-    std::string text;
+    std::string text = fmt::format("const KNOWN_SERIES = {};\n", picture::known_series_json());
     for (const std::string_view part :
          {assets::d3_js, assets::colours_js, assets::figures_js, assets::studies_js, assets::device_js})
         text += part;

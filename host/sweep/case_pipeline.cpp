@@ -1,6 +1,8 @@
 #include "host/sweep/case_pipeline.h"
 
+#include <algorithm>
 #include <array>
+#include <iterator>
 #include <thread>
 
 #include <fmt/format.h>
@@ -11,6 +13,7 @@
 #include "host/output/raw_formats.h"
 #include "host/picture/picture.h"
 #include "host/picture/surface_lines.h"
+#include "host/picture/titles.h"
 #include "host/program.h"
 #include "host/referee/validate.h"
 
@@ -52,12 +55,6 @@ bool stands_for_all_y(const Scene& scene) {
     return !depends_on_y(features_of(scene));
 }
 
-FileRecord write_picture(const std::filesystem::path& path, const picture::Picture& drawn) {
-    const auto bytes = std::as_bytes(std::span(drawn.png));
-    write_file_atomically(path, bytes);
-    return {path.filename().string(), sha256_of(bytes), bytes.size()};
-}
-
 } // namespace
 
 AlsoFormats parse_also(const std::vector<std::string>& names) {
@@ -67,10 +64,9 @@ AlsoFormats parse_also(const std::vector<std::string>& names) {
             also.vti = true;
         else if (name == "npy")
             also.npy = true;
-        else if (name == "png")
-            also.png = true;
-        else
-            throw UsageError(fmt::format("--also {}: there are vti, npy and png, with commas between them", name));
+        else if (!also.pictures.add(name))
+            throw UsageError(
+                fmt::format("--also {}: there are vti, npy, png, svg and pdf, with commas between them", name));
     }
     return also;
 }
@@ -87,10 +83,9 @@ void add_field_files(const std::string& stem, std::uint32_t channels, AlsoFormat
         for (const layout::uint channel : kFieldChannels)
             if ((channels | layout::kChannelForce) & channel)
                 names.push_back(fmt::format("{}.{}.npy", stem, name_of_channel(channel)));
-    if (also.png)
-        names.insert(names.end(), {stem + ".mosaic.png", stem + ".arrows.png"});
-    if (also.png && (channels & layout::kChannelUnshaded))
-        names.push_back(stem + ".shading.png");
+    for (const char* kind : {".mosaic", ".arrows", ".shading"})
+        if (kind != std::string_view(".shading") || (channels & layout::kChannelUnshaded))
+            std::ranges::move(picture::names_with(stem + kind, also.pictures), std::back_inserter(names));
 }
 
 void add_path_files(const std::string& stem, std::uint32_t channels, AlsoFormats also,
@@ -124,7 +119,7 @@ PathRunOptions path_options(const std::filesystem::path& volume, AlsoFormats als
     options.stem = volume.parent_path() / stem;
     options.label = ".paths";
     options.npy = also.npy;
-    options.png = also.png;
+    options.pictures = also.pictures;
     options.threads = threads;
     return options;
 }
@@ -140,9 +135,9 @@ CaseRecord empty_record(const PreparedCase& prepared) {
     return record;
 }
 
-CaseOutput::CaseOutput(const PreparedCase& prepared, const std::filesystem::path& volume, AlsoFormats also, int threads,
-                       bool exact_bits)
-    : prepared_(prepared), volume_(volume), also_(also), check_(prepared, exact_bits) {
+CaseOutput::CaseOutput(const PreparedCase& prepared, const std::filesystem::path& volume, AlsoFormats also,
+                       const PictureChoice& pictures, int threads, bool exact_bits)
+    : prepared_(prepared), volume_(volume), also_(also), pictures_(pictures), check_(prepared, exact_bits) {
     const Scene& scene = prepared.one.scene;
     const bool repeats = stands_for_all_y(scene);
     repeat_y_ = repeats ? scene.grid.size[1] : 1;
@@ -163,8 +158,8 @@ CaseOutput::CaseOutput(const PreparedCase& prepared, const std::filesystem::path
                 sinks_.emplace_back(name,
                                     std::make_unique<NpyWriter>(folder / name, header.size, channel, scene.precision));
             }
-    if (also.png)
-        slices_ = std::make_unique<picture::SliceCollector>(scene.grid, repeats);
+    if (also.pictures.any())
+        slices_ = std::make_unique<picture::SliceCollector>(scene.grid, repeats, pictures.slice);
 }
 
 template <typename T> void CaseOutput::write(const layout::FieldChunk<T>& chunk) {
@@ -200,18 +195,24 @@ CaseRecord CaseOutput::finish() {
 }
 
 void CaseOutput::add_pictures(CaseRecord& record) {
-    const std::filesystem::path folder = volume_.parent_path();
-    const std::string stem = volume_.stem().string();
-    const std::string& title = prepared_.one.name;
-    const picture::SurfaceLines lines = surface_lines(prepared_);
-    const auto add = [&](const char* kind, const picture::Picture& drawn) {
-        record.files.push_back(write_picture(folder / fmt::format("{}.{}.png", stem, kind), drawn));
+    const picture::FieldSlice &slice = slices_->slice(), &unshaded = slices_->unshaded();
+    const picture::Quantity quantity = pictures_.slice.quantity;
+    const picture::SurfaceLines lines =
+        pictures_.slice.axis == 1 ? surface_lines(prepared_, slice.axes.at) : picture::SurfaceLines{};
+    const auto look = [&](bool with_shading, const char* more) {
+        picture::Look titled = pictures_.look;
+        if (titled.title.empty())
+            titled.title = picture::title_of(prepared_.one, with_shading) + more;
+        return titled;
     };
-    add("mosaic", picture::draw_mosaic(title, slices_->tiles()));
-    add("arrows", picture::draw_arrows(title, slices_->xz(), lines));
-    if (!slices_->unshaded_xz().force.empty())
-        add("shading",
-            picture::draw_side_by_side({title + ", unshaded", slices_->unshaded_xz()}, {title, slices_->xz()}, lines));
+    const auto add = [&](const char* kind, const picture::Picture& drawn) {
+        const std::filesystem::path stem = volume_.parent_path() / (volume_.stem().string() + kind);
+        std::ranges::move(picture::write_picture(stem, also_.pictures, drawn), std::back_inserter(record.files));
+    };
+    add(".mosaic", picture::draw_mosaic(look(true, ""), slices_->tiles(), quantity));
+    add(".arrows", picture::draw_arrows(look(true, ""), slice, lines, quantity, unshaded));
+    if (!unshaded.force.empty())
+        add(".shading", picture::draw_shading(look(false, ": what shading changes"), unshaded, slice, lines));
 }
 
 namespace {
@@ -329,8 +330,8 @@ private:
     }
 
     bool encode_field(Transfer& transfer, CaseRecord& record) {
-        CaseOutput output(transfer.job->prepared, transfer.job->volume, transfer.job->also, threads_a_volume_,
-                          engine_.software);
+        CaseOutput output(transfer.job->prepared, transfer.job->volume, transfer.job->also, transfer.job->pictures,
+                          threads_a_volume_, engine_.software);
         while (const auto waiting = transfer.chunks.pop()) {
             check_interrupt();
             std::visit([&](const auto& owned) { output.write(owned.view); }, waiting->chunk);

@@ -21,6 +21,7 @@
 #include "host/output/record.h"
 #include "host/output/rows.h"
 #include "host/paths/path_run.h"
+#include "host/picture/files.h"
 #include "host/picture/slice_collector.h"
 #include "host/prepare/prepared_case.h"
 #include "host/referee/oracle_check.h"
@@ -30,10 +31,11 @@ namespace forceshade {
 
 /// What is written beside the EXR.
 struct AlsoFormats {
-    bool vti = false, npy = false, png = false;
+    bool vti = false, npy = false;
+    picture::Endings pictures{};
 };
 
-/// \throws UsageError for a name that is none of vti, npy, png.
+/// \throws UsageError for a name that is none of vti, npy, png, svg, pdf.
 AlsoFormats parse_also(const std::vector<std::string>& names);
 
 inline constexpr std::uint32_t kAllChannels = layout::kChannelForce | layout::kChannelDepth | layout::kChannelFacet |
@@ -50,12 +52,18 @@ PathRunOptions path_options(const std::filesystem::path& volume, AlsoFormats als
 /// The record of a case without what is computed.
 CaseRecord empty_record(const PreparedCase& prepared);
 
+/// What the pictures of a case show and how.
+struct PictureChoice {
+    picture::Look look; /* without a title: the case in words */
+    picture::SliceChoice slice;
+};
+
 class CaseOutput {
 public:
     /// Files go to `volume` (an .exr path) and beside it. `threads`: that compress this case's volume, 0 for the
     /// calling one alone. `exact_bits`: as in OracleCheck.
-    CaseOutput(const PreparedCase& prepared, const std::filesystem::path& volume, AlsoFormats also, int threads,
-               bool exact_bits);
+    CaseOutput(const PreparedCase& prepared, const std::filesystem::path& volume, AlsoFormats also,
+               const PictureChoice& pictures, int threads, bool exact_bits);
 
     template <typename T> void write(const layout::FieldChunk<T>& chunk);
 
@@ -70,6 +78,7 @@ private:
     const PreparedCase& prepared_;
     std::filesystem::path volume_;
     AlsoFormats also_;
+    PictureChoice pictures_;
     std::size_t repeat_y_;
     std::uint64_t evaluated_;
     std::vector<std::pair<std::string, std::unique_ptr<ChunkSink>>> sinks_; // file name and sink, the volume first
@@ -220,7 +229,8 @@ struct CaseJob {
     PreparedCase prepared;
     std::filesystem::path volume; /* .exr path */
     std::string fingerprint;
-    AlsoFormats also; /* written beside the volume */
+    AlsoFormats also{};       /* written beside the volume */
+    PictureChoice pictures{}; /* of the field */
 };
 
 struct CaseOutcome {

@@ -117,7 +117,11 @@ AlsoFormats with_present(AlsoFormats also, const std::filesystem::path& folder, 
             return std::find(plain.begin(), plain.end(), name) == plain.end() && std::filesystem::exists(folder / name);
         });
     };
-    return {also.vti || any({.vti = true}), also.npy || any({.npy = true}), also.png || any({.png = true})};
+    return {also.vti || any({.vti = true}),
+            also.npy || any({.npy = true}),
+            {also.pictures.png || any({.pictures = {.png = true}}),
+             also.pictures.svg || any({.pictures = {.svg = true}}),
+             also.pictures.pdf || any({.pictures = {.pdf = true}})}};
 }
 
 // Removes the record, which must not outlive the files that it vouches for, and files that the case no longer has.
@@ -125,7 +129,7 @@ void forget(const std::filesystem::path& folder, const Case& one, AlsoFormats al
     std::error_code ignored;
     std::filesystem::remove(record_path(folder, one.name), ignored);
     const std::vector<std::string> keep = file_names(one.name, one.scene, also);
-    for (const std::string& name : possible_file_names(one.name, {true, true, true}))
+    for (const std::string& name : possible_file_names(one.name, {true, true, {true, true, true}}))
         if (std::find(keep.begin(), keep.end(), name) == keep.end())
             std::filesystem::remove(folder / name, ignored);
 }

@@ -65,6 +65,32 @@ TEST_F(Reading, with_oiiotool_shows_grid_scene_and_units) {
         EXPECT_NE(outcome.out.find(word), std::string::npos) << "no " << word << " in " << outcome.out;
 }
 
+// Width and height of a PNG.
+std::pair<unsigned, unsigned> size_of_png(const std::string& bytes) {
+    const auto number = [&](std::size_t at) {
+        unsigned value = 0;
+        for (std::size_t i = at; i < at + 4; ++i)
+            value = value * 256 + static_cast<unsigned char>(bytes.at(i));
+        return value;
+    };
+    return {number(16), number(20)};
+}
+
+TEST_F(Reading, finds_pictures_as_they_were_asked_for) {
+    expect_success({"field", "scene.toml", "--out", "a.exr", "--also", "png,svg,pdf", "--title", "A title", "--size",
+                    "800x600", "--quantity", "angle", "--slice", "x", "--quiet"});
+    for (const std::string kind : {"arrows", "mosaic", "shading"}) {
+        const auto [width, height] = size_of_png(read_text(path("a." + kind + ".png")));
+        EXPECT_EQ(width, 800u) << kind;
+        EXPECT_LE(height, 600u) << kind;
+        EXPECT_NE(read_text(path("a." + kind + ".svg")).find("viewBox=\"0 0 800 "), std::string::npos) << kind;
+        EXPECT_TRUE(read_text(path("a." + kind + ".pdf")).starts_with("%PDF-")) << kind;
+    }
+    expect_success({"field", "scene.toml", "--out", "b.exr", "--also", "png", "--quiet"});
+    EXPECT_EQ(size_of_png(read_text(path("b.arrows.png"))).first, 1400u);
+    EXPECT_FALSE(std::filesystem::exists(path("b.arrows.svg")));
+}
+
 TEST_F(Reading, with_openexrs_tools_finds_nothing_wrong) {
     EXPECT_EQ(tool("exrheader", {"field.exr"}).code, 0) << "package openexr";
     EXPECT_EQ(tool("exrinfo", {"-v", "field.exr"}).code, 0);

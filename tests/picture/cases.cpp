@@ -1,7 +1,5 @@
 #include "tests/picture/cases.h"
 
-#include "host/picture/slice_collector.h"
-
 #include <cmath>
 #include <limits>
 
@@ -112,8 +110,8 @@ SurfaceLines two_facet_lines() {
     return lines;
 }
 
-Slices collect(const GridSpec& grid, const Law& law, bool repeat_y) {
-    SliceCollector collector(grid, repeat_y);
+Slices collect(const GridSpec& grid, const Law& law, bool repeat_y, const SliceChoice& choice) {
+    SliceCollector collector(grid, repeat_y, choice);
     const std::uint64_t rows = repeat_y ? 1 : grid.size[1];
     std::vector<double> force(3 * grid.size[0] * rows);
     for (std::uint64_t k = 0; k < grid.size[2]; ++k) {
@@ -127,7 +125,7 @@ Slices collect(const GridSpec& grid, const Law& law, bool repeat_y) {
             }
         collector.add(layout::FieldChunk<double>{grid.size[0], grid.size[0], 0, rows, k, 1, force, {}, {}, {}, {}});
     }
-    return {collector.xz(), collector.tiles()};
+    return {collector.slice(), collector.tiles()};
 }
 
 std::vector<Case> cases() {

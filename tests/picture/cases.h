@@ -2,6 +2,7 @@
 #pragma once
 
 #include "host/picture/picture.h"
+#include "host/picture/slice_collector.h"
 #include "host/scene/scene.h"
 
 #include <functional>
@@ -26,9 +27,9 @@ SurfaceLines two_facet_lines();
 /// The slices of a law over a grid as the collector would hand them over, fed plane by plane.
 struct Slices {
     FieldSlice xz;
-    std::vector<MagnitudeSlice> tiles;
+    std::vector<ValueSlice> tiles;
 };
-Slices collect(const GridSpec& grid, const Law& law, bool repeat_y = false);
+Slices collect(const GridSpec& grid, const Law& law, bool repeat_y = false, const SliceChoice& choice = {});
 
 struct Case {
     std::string file; // name for a file

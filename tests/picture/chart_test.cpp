@@ -1,10 +1,13 @@
 // Charts: everything that is written stands on the sheet and clear of the rest, and nothing is left out in silence.
 #include <algorithm>
 #include <cmath>
+#include <set>
+#include <tuple>
 
 #include <gtest/gtest.h>
 
 #include "host/picture/chart.h"
+#include "host/picture/chart_style.h"
 #include "tests/picture/cases.h"
 
 namespace forceshade::picture {
@@ -110,6 +113,49 @@ TEST(Chart, HasBarsThatBeginAtNothing) {
     for (ChartSeries& series : chart.series)
         series.points = {{0, 80, {}, {}, {}, {}, ""}, {1, 100, {}, {}, {}, {}, ""}};
     EXPECT_EQ(std::ranges::count(texts_of(chart), "0"), 1);
+}
+
+Chart named(const std::vector<std::string>& names) {
+    Chart chart;
+    for (const std::string& name : names)
+        chart.series.push_back({name, {{1, 1, {}, {}, {}, {}, ""}}, true, false, false});
+    return chart;
+}
+
+TEST(Chart, GivesASeriesItsColourByItsName) {
+    const std::vector<std::string> all{"facet", "direct", "new", "edge"}, one{"edge"};
+    const std::vector<std::size_t> numbers = series_numbers(all);
+    EXPECT_EQ(numbers[3], series_numbers(one)[0]);
+    std::set<std::tuple<int, int, int>> colours;
+    for (const std::size_t number : numbers)
+        colours.insert({series_colour(number).r, series_colour(number).g, series_colour(number).b});
+    EXPECT_EQ(colours.size(), all.size()) << "also of a name that is not known";
+    EXPECT_NE(known_series_json().find("\"edge\": " + std::to_string(numbers[3])), std::string::npos);
+}
+
+TEST(Chart, HasALegendOfWhatIsDrawnAlone) {
+    Chart chart = named({"drawn", "not drawn"});
+    chart.x.logarithmic = true;
+    chart.series[1].points[0].x = -1;
+    chart.series.push_back({"a curve of one point", {{1, 1, {}, {}, {}, {}, ""}}, false, true, false});
+    const std::vector<std::string> texts = texts_of(chart);
+    EXPECT_EQ(std::ranges::count(texts, "drawn"), 1);
+    EXPECT_EQ(std::ranges::count(texts, "not drawn"), 0);
+    EXPECT_EQ(std::ranges::count(texts, "a curve of one point"), 0);
+    Chart map = map_sample(true);
+    map.words = {"stable", "unstable", "never"};
+    EXPECT_EQ(std::ranges::count(texts_of(map), "never"), 0);
+}
+
+TEST(Chart, KeepsLabelsClearOfLines) {
+    Chart chart = named({"way"});
+    chart.series[0].points = {
+        {0, 0, {}, {}, {}, {}, ""}, {5, 5, {}, {}, {}, {}, "label"}, {10, 10, {}, {}, {}, {}, ""}};
+    EXPECT_EQ(std::ranges::count(texts_of(chart), "label"), 1);
+    for (int i = 0; i <= 60; ++i) // a net of lines over the whole plot
+        chart.series.push_back(
+            {"", {{0, i / 6.0, {}, {}, {}, {}, ""}, {10, i / 6.0, {}, {}, {}, {}, ""}}, false, true, false});
+    EXPECT_EQ(std::ranges::count(texts_of(chart), "label"), 0);
 }
 
 // As vectors, too, and always with the same bytes.

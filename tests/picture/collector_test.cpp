@@ -48,20 +48,20 @@ std::uint64_t index_of(double coordinate, const GridSpec& grid, std::size_t axis
 
 // Every sample kept must be the one at the coordinates that the slice states.
 void expect_right(const SliceCollector& collector, const GridSpec& grid, bool repeat_y) {
-    const FieldSlice& xz = collector.xz();
+    const FieldSlice& xz = collector.slice();
     const std::uint64_t middle = (grid.size[1] - 1) / 2;
     ASSERT_EQ(index_of(xz.axes.at, grid, 1), middle);
     for (std::size_t v = 0; v < xz.axes.v.size(); ++v)
         for (std::size_t u = 0; u < xz.axes.u.size(); ++u)
             ASSERT_EQ(xz.force[v * xz.axes.u.size() + u],
                       marked(index_of(xz.axes.u[u], grid, 0), repeat_y ? 0 : middle, index_of(xz.axes.v[v], grid, 2)));
-    for (const MagnitudeSlice& tile : collector.tiles())
+    for (const ValueSlice& tile : collector.tiles())
         for (std::size_t v = 0; v < tile.axes.v.size(); ++v)
             for (std::size_t u = 0; u < tile.axes.u.size(); ++u) {
                 const auto force =
                     marked(index_of(tile.axes.u[u], grid, 0), repeat_y ? 0 : index_of(tile.axes.v[v], grid, 1),
                            index_of(tile.axes.at, grid, 2));
-                ASSERT_EQ(tile.magnitude[v * tile.axes.u.size() + u], std::hypot(force[0], force[1], force[2]));
+                ASSERT_EQ(tile.value[v * tile.axes.u.size() + u], std::hypot(force[0], force[1], force[2]));
             }
 }
 
@@ -85,10 +85,10 @@ TEST(SliceCollector, PicksTheSamplesItStates) {
 TEST(SliceCollector, ShapesAreThoseOfTheGrid) {
     const GridSpec grid{{1000, 3, 128}, {0, 0, -0.01}, {1e-4, 2e-4, 3e-4}};
     const SliceCollector collector = feed<float>(grid, {1, 2, 13});
-    EXPECT_EQ(collector.xz().axes.u.size(), kMaxSliceSamples);
-    EXPECT_EQ(collector.xz().axes.v.size(), 128U);
-    EXPECT_DOUBLE_EQ(collector.xz().axes.u.back(), 0.0999);
-    EXPECT_DOUBLE_EQ(collector.xz().axes.at_spacing, 2e-4);
+    EXPECT_EQ(collector.slice().axes.u.size(), kMaxSliceSamples);
+    EXPECT_EQ(collector.slice().axes.v.size(), 128U);
+    EXPECT_DOUBLE_EQ(collector.slice().axes.u.back(), 0.0999);
+    EXPECT_DOUBLE_EQ(collector.slice().axes.at_spacing, 2e-4);
     ASSERT_EQ(collector.tiles().size(), kMaxTiles);
     EXPECT_EQ(collector.tiles()[0].axes.v.size(), 3U);
     EXPECT_DOUBLE_EQ(collector.tiles().front().axes.at, -0.01);
@@ -99,18 +99,18 @@ TEST(SliceCollector, MissingChunksAreNoNumbers) {
     const GridSpec grid{{4, 4, 4}, {0, 0, 0}, {1, 1, 1}};
     SliceCollector collector(grid, false);
     add_chunk<double>(collector, 4, 0, 0, 4, 0, 2);
-    EXPECT_FALSE(std::isnan(collector.xz().force[7][0]));
-    EXPECT_TRUE(std::isnan(collector.xz().force[8][0]));
-    EXPECT_TRUE(std::isnan(collector.tiles()[3].magnitude[0]));
+    EXPECT_FALSE(std::isnan(collector.slice().force[7][0]));
+    EXPECT_TRUE(std::isnan(collector.slice().force[8][0]));
+    EXPECT_TRUE(std::isnan(collector.tiles()[3].value[0]));
 }
 
 TEST(SliceCollector, MemoryIsBoundedWhateverTheGrid) {
     const std::uint64_t huge = std::uint64_t{1} << 40U;
     const SliceCollector collector(GridSpec{{huge, huge, huge}, {0, 0, 0}, {1e-9, 1e-9, 1e-9}}, false);
-    std::size_t bytes = collector.xz().force.size() * sizeof(collector.xz().force[0]);
-    for (const MagnitudeSlice& tile : collector.tiles())
-        bytes += (tile.magnitude.size() + tile.axes.u.size() + tile.axes.v.size()) * sizeof(double);
-    EXPECT_LT(bytes, 8U << 20U);
+    std::size_t bytes = collector.slice().force.size() * sizeof(collector.slice().force[0]);
+    for (const ValueSlice& tile : collector.tiles())
+        bytes += (tile.value.size() + tile.axes.u.size() + tile.axes.v.size()) * sizeof(double);
+    EXPECT_LT(bytes, 24U << 20U);
 }
 
 TEST(EvenIndices, IncludeBothEndsAndAreEven) {

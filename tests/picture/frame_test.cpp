@@ -17,7 +17,7 @@ SliceAxes line_of(double first, double spacing, std::size_t count) {
 TEST(FitAxis, LabelsKeepClearOfEachOther) {
     for (const SliceAxes& samples :
          {line_of(-0.025, 2e-4, 256), line_of(-123.4567, 1.1e-2, 90), line_of(5e3, 10, 40)}) {
-        const PlaneAxes axes = plan_axes("x", "y", samples);
+        const PlaneAxes axes = plan_axes(samples);
         for (double pixels = 8; pixels < 1300; pixels *= 1.15) {
             const Axis across = fit_horizontal(axes, pixels), up = fit_vertical(axes, pixels);
             ASSERT_FALSE(across.ticks.empty() || up.ticks.empty());
@@ -43,26 +43,26 @@ TEST(FitAxis, LabelsKeepClearOfEachOther) {
 TEST(PlaneAxes, KeepTheTrueAspectOrSaySo) {
     SliceAxes samples = line_of(0, 1e-3, 70);
     samples.v.resize(10);
-    const PlaneAxes plain = plan_axes("x", "z", samples);
-    EXPECT_NEAR(plain.v_length / plain.u_length, 1.0 / 7, 1e-9);
+    const PlaneAxes plain = plan_axes(samples);
+    EXPECT_NEAR(plain.aspect, 1.0 / 7, 1e-9);
     EXPECT_TRUE(plain.stretch_note.empty());
     samples.v.resize(1);
-    const PlaneAxes stretched = plan_axes("x", "z", samples);
-    EXPECT_NEAR(stretched.v_length / stretched.u_length, 1.0 / 8, 1e-9);
+    const PlaneAxes stretched = plan_axes(samples);
+    EXPECT_NEAR(stretched.aspect, 1.0 / 8, 1e-9);
     EXPECT_EQ(stretched.stretch_note, "not to scale: z is stretched 8.75 times");
 }
 
 TEST(Heading, LongNamesAreWrappedShrunkAndAtLastCut) {
-    EXPECT_EQ(plan_heading("bump", {"note"}).name_style.size, kTitleSize);
-    const Heading longer = plan_heading(std::string(150, 'W'), {"note"});
+    EXPECT_EQ(plan_heading({"bump"}, {"note"}).name_style.size, kTitleSize);
+    const Heading longer = plan_heading({std::string(150, 'W')}, {"note"});
     EXPECT_EQ(longer.name_style.size, kTextSize);
     EXPECT_LE(longer.name.size(), 3U);
-    const Heading endless = plan_heading(std::string(100'000, 'W'), {"note"});
+    const Heading endless = plan_heading({std::string(100'000, 'W')}, {"note"});
     EXPECT_LE(endless.name.size(), 5U);
     EXPECT_TRUE(endless.name.back().ends_with("…"));
     for (const Heading& heading : {longer, endless})
         for (const std::string& line : heading.name)
-            EXPECT_LE(measure(line, heading.name_style).width, kSheetWidth - 2 * kMargin);
+            EXPECT_LE(measure(line, heading.name_style).width, Look{}.width - 2 * kMargin);
 }
 
 } // namespace

@@ -26,8 +26,8 @@ int main(int count, char** arguments) {
     bool good = true;
     for (const test::Case& shown : test::cases()) {
         const test::Slices slices = test::collect(shown.grid, shown.law);
-        good &= write(folder + "/" + shown.file + "_mosaic.png", draw_mosaic(shown.name, slices.tiles));
-        good &= write(folder + "/" + shown.file + "_arrows.png", draw_arrows(shown.name, slices.xz, shown.lines));
+        good &= write(folder + "/" + shown.file + "_mosaic.png", draw_mosaic({shown.name}, slices.tiles));
+        good &= write(folder + "/" + shown.file + "_arrows.png", draw_arrows({shown.name}, slices.xz, shown.lines));
     }
     return good ? 0 : 4;
 }

@@ -11,7 +11,7 @@ namespace forceshade::picture::test {
 namespace {
 
 PathDrawing sample() {
-    PathDrawing drawing{"bump_facets-3", {"2 of 2 paths"}, {}, {{{-0.02, 0}, {0, 0.002}, {0.02, 0}}, {}}, true};
+    PathDrawing drawing{{"Bump of 3 facets"}, {"2 of 2 paths"}, {}, {{{-0.02, 0}, {0, 0.002}, {0.02, 0}}, {}}, true};
     for (int p = 0; p < 2; ++p) {
         DrawnPath path;
         path.label = "path " + std::to_string(p);

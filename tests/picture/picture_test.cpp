@@ -1,10 +1,11 @@
 #include "host/picture/colour_map.h"
-#include "host/picture/raster.h"
 #include "tests/picture/cases.h"
 
 #include <algorithm>
 #include <clocale>
+#include <cmath>
 #include <gtest/gtest.h>
+#include <map>
 #include <png.h>
 
 namespace forceshade::picture {
@@ -58,15 +59,15 @@ class EveryCase : public ::testing::TestWithParam<test::Case> {};
 
 TEST_P(EveryCase, IsDrawnWithoutCutOrOverlappingText) {
     const test::Slices slices = test::collect(GetParam().grid, GetParam().law);
-    const Picture mosaic = draw_mosaic(GetParam().name, slices.tiles);
-    const Picture arrows = draw_arrows(GetParam().name, slices.xz, GetParam().lines);
+    const Picture mosaic = draw_mosaic({GetParam().name}, slices.tiles);
+    const Picture arrows = draw_arrows({GetParam().name}, slices.xz, GetParam().lines);
     expect_sound(mosaic);
     expect_sound(arrows);
     EXPECT_TRUE(says(mosaic, "x / ") || says(mosaic, "(x "));
     EXPECT_TRUE(says(mosaic, "y / ") || says(mosaic, "(y "));
     EXPECT_TRUE(says(mosaic, "z = ") || says(mosaic, " m = "));
     EXPECT_TRUE(says(arrows, "z / ") || says(arrows, "(z "));
-    const double largest = take_census(magnitude_of(slices.xz).magnitude).largest;
+    const double largest = take_census(values_of(slices.xz, Quantity::magnitude).value).largest;
     EXPECT_EQ(says(arrows, "force magnitude / "), largest > 0);
     EXPECT_EQ(says(arrows, "in-plane force of "), largest > 0);
 }
@@ -82,25 +83,25 @@ const test::Case& case_named(const std::string& file) {
 TEST(Picture, SaysWhereThereIsNoForceOrNoNumber) {
     const test::Case& empty = case_named("no_force");
     const test::Slices nothing = test::collect(empty.grid, empty.law, true);
-    EXPECT_TRUE(says(draw_mosaic("", nothing.tiles), "no force in this field"));
-    EXPECT_TRUE(says(draw_mosaic("", nothing.tiles), "no force in this slice"));
-    EXPECT_TRUE(says(draw_arrows("", nothing.xz), "no force in this slice"));
+    EXPECT_TRUE(says(draw_mosaic({""}, nothing.tiles), "no force in this field"));
+    EXPECT_TRUE(says(draw_mosaic({""}, nothing.tiles), "no force in this slice"));
+    EXPECT_TRUE(says(draw_arrows({""}, nothing.xz), "no force in this slice"));
     const test::Case& broken = case_named("broken");
     const test::Slices some = test::collect(broken.grid, broken.law, true);
-    EXPECT_TRUE(says(draw_arrows("", some.xz), "not a finite number (4480 of 32768 samples)"));
+    EXPECT_TRUE(says(draw_arrows({""}, some.xz), "not a finite number (4480 of 32768 samples)"));
     const test::Case& hopeless = case_named("all_broken");
     const test::Slices none = test::collect(hopeless.grid, hopeless.law);
-    EXPECT_TRUE(says(draw_mosaic("", none.tiles), "not a finite number (64 of 64 samples)"));
-    EXPECT_TRUE(says(draw_arrows("", none.xz), "not a finite number (16 of 16 samples)"));
-    EXPECT_FALSE(says(draw_arrows("", none.xz), "no force"));
+    EXPECT_TRUE(says(draw_mosaic({""}, none.tiles), "not a finite number (64 of 64 samples)"));
+    EXPECT_TRUE(says(draw_arrows({""}, none.xz), "not a finite number (16 of 16 samples)"));
+    EXPECT_FALSE(says(draw_arrows({""}, none.xz), "no force"));
 }
 
 TEST(Picture, SameInputSameBytesInAnyLocale) {
     const test::Case& usual = case_named("shaded");
     const auto draw = [&] {
         const test::Slices slices = test::collect(usual.grid, usual.law, true);
-        return std::pair(draw_mosaic(usual.name, slices.tiles).png,
-                         draw_arrows(usual.name, slices.xz, usual.lines).png);
+        return std::pair(draw_mosaic({usual.name}, slices.tiles).png,
+                         draw_arrows({usual.name}, slices.xz, usual.lines).png);
     };
     const auto first = draw();
     std::setlocale(LC_ALL, "de_DE.UTF-8");
@@ -111,37 +112,39 @@ TEST(Picture, SameInputSameBytesInAnyLocale) {
 
 TEST(Picture, RepeatedRowsGiveTheSamePicture) {
     const test::Case& usual = case_named("shaded");
-    EXPECT_EQ(draw_mosaic("", test::collect(usual.grid, usual.law, true).tiles).png,
-              draw_mosaic("", test::collect(usual.grid, usual.law, false).tiles).png);
+    EXPECT_EQ(draw_mosaic({""}, test::collect(usual.grid, usual.law, true).tiles).png,
+              draw_mosaic({""}, test::collect(usual.grid, usual.law, false).tiles).png);
 }
 
 TEST(Picture, HoldsNoDateAndNoProgramName) {
     const test::Case& usual = case_named("shaded");
-    const auto png = draw_arrows("", test::collect(usual.grid, usual.law, true).xz).png;
+    const auto png = draw_arrows({""}, test::collect(usual.grid, usual.law, true).xz).png;
     for (const std::string_view chunk : {"tIME", "tEXt", "iTXt", "zTXt"})
         EXPECT_EQ(std::search(png.begin(), png.end(), chunk.begin(), chunk.end()), png.end()) << chunk;
 }
 
-std::uint32_t packed(Rgb8 c) {
-    return static_cast<std::uint32_t>((c.r << 16) | (c.g << 8) | c.b);
+ColourScale newtons(double largest) {
+    return scale_for(Quantity::magnitude, largest, {0, 2, 1});
+}
+
+std::uint32_t viridis(double share) {
+    return packed(colour_at(ColourMap::sequential, share));
 }
 
 TEST(Raster, ShowsTheNearestSampleWithTheLargestVOnTop) {
-    const MagnitudeSlice slice{{{0, 1}, {0, 1}, 1, 1, 1, 0}, {0, 1, 2, 4}};
-    const auto pixels = rasterise(slice, 4, 4, 4);
-    EXPECT_EQ(pixels[0], packed(force_colours()[128])); // (0, 1): 2 of 4 N
-    EXPECT_EQ(pixels[3], packed(force_colours()[255])); // (1, 1): 4 of 4 N
-    EXPECT_EQ(pixels[12], packed(kNoForceColour));      // (0, 0): none
-    EXPECT_EQ(pixels[15], packed(force_colours()[64])); // (1, 0): 1 of 4 N
-    EXPECT_EQ(pixels[4 * 1 + 1], packed(force_colours()[128]));
-    EXPECT_EQ(pixels[4 * 2 + 2], packed(force_colours()[64]));
+    const ValueSlice slice{{{0, 1}, {0, 1}, 1, 1, 1, 0}, {kNoForce, 1, 2, 4}};
+    const auto pixels = rasterise(slice, 4, 4, newtons(4));
+    EXPECT_EQ(pixels[0], viridis(0.5));            // (0, 1): 2 of 4 N
+    EXPECT_EQ(pixels[3], viridis(1));              // (1, 1): 4 of 4 N
+    EXPECT_EQ(pixels[12], packed(kNoForceColour)); // (0, 0): none
+    EXPECT_EQ(pixels[4 * 2 + 2], viridis(0.25));   // (1, 0): 1 of 4 N
 }
 
 TEST(Raster, MarksWhatIsNoNumber) {
-    const MagnitudeSlice slice{{{0}, {0}, 1, 1, 1, 0}, {std::numeric_limits<double>::infinity()}};
-    const auto pixels = rasterise(slice, 16, 16, 1);
-    EXPECT_NE(std::find(pixels.begin(), pixels.end(), packed(kNonFiniteColours[0])), pixels.end());
-    EXPECT_NE(std::find(pixels.begin(), pixels.end(), packed(kNonFiniteColours[1])), pixels.end());
+    const ValueSlice slice{{{0}, {0}, 1, 1, 1, 0}, {std::numeric_limits<double>::quiet_NaN()}};
+    const auto pixels = rasterise(slice, 16, 16, newtons(1));
+    for (const Rgb8 colour : kNonFiniteColours)
+        EXPECT_NE(std::ranges::find(pixels, packed(colour)), pixels.end());
 }
 
 TEST(Raster, NoComponentHidesWhatIsNoNumber) {
@@ -151,14 +154,15 @@ TEST(Raster, NoComponentHidesWhatIsNoNumber) {
             for (const double other : {0.0, 1.0}) {
                 FieldSlice slice{{{0}, {0}, 1, 1, 1, 0}, {{other, other, other}}};
                 slice.force[0][axis] = bad;
-                EXPECT_EQ(take_census(magnitude_of(slice).magnitude).non_finite, 1U) << bad << " in " << axis;
+                EXPECT_EQ(take_census(values_of(slice, Quantity::magnitude).value).non_finite, 1U)
+                    << bad << " in " << axis;
             }
 }
 
 TEST(Raster, MagnitudesNeitherOverflowNorVanish) {
     const FieldSlice slice{{{0, 1}, {0}, 1, 1, 1, 0}, {{3e300, 0, 4e300}, {3e-310, 4e-310, 0}}};
-    EXPECT_DOUBLE_EQ(magnitude_of(slice).magnitude[0], 5e300);
-    EXPECT_NEAR(magnitude_of(slice).magnitude[1], 5e-310, 1e-320);
+    EXPECT_DOUBLE_EQ(values_of(slice, Quantity::magnitude).value[0], 5e300);
+    EXPECT_NEAR(values_of(slice, Quantity::magnitude).value[1], 5e-310, 1e-320);
 }
 
 TEST(Raster, EverySampleGetsItsShareOfPixels) {
@@ -173,7 +177,7 @@ TEST(Raster, EverySampleGetsItsShareOfPixels) {
 TEST(Picture, ArrowsShowTheDirection) {
     const test::Slices plain = test::collect(case_named("unshaded").grid, case_named("unshaded").law, true);
     const test::Slices shaded = test::collect(case_named("shaded").grid, case_named("shaded").law, true);
-    const Decoded a = decode(draw_arrows("", plain.xz)), b = decode(draw_arrows("", shaded.xz));
+    const Decoded a = decode(draw_arrows({""}, plain.xz)), b = decode(draw_arrows({""}, shaded.xz));
     ASSERT_EQ(a.rgb.size(), b.rgb.size());
     std::size_t different = 0;
     for (std::size_t i = 0; i < a.rgb.size(); i += 3)
@@ -181,25 +185,88 @@ TEST(Picture, ArrowsShowTheDirection) {
     EXPECT_GT(different, 5000U);
 }
 
-TEST(SideBySide, TwoSlicesToOneScale) {
-    const test::Case bump = test::cases().front();
-    const auto weak = test::collect(bump.grid, test::two_facet_bump(500, false));
-    const auto strong = test::collect(bump.grid, test::two_facet_bump(1000, true));
-    const Picture picture = draw_side_by_side({"weak", weak.xz}, {"strong", strong.xz}, bump.lines);
-    expect_sound(picture, 2800);
-    EXPECT_TRUE(says(picture, "weak") && says(picture, "strong"));
-    const auto notes = [](const Picture& drawn) {
-        std::vector<std::string> texts;
-        for (const PlacedText& placed : drawn.texts)
-            if (placed.text.find("at most") != std::string::npos)
-                texts.push_back(placed.text);
-        return texts;
+TEST(Values, OfAForceInThePlaneOfTheSlice) {
+    const std::array<double, 3> force{3, 7, -3}, unshaded{0, 0, 1};
+    EXPECT_DOUBLE_EQ(value_of(Quantity::magnitude, force, {}, {0, 2, 1}), std::sqrt(67));
+    EXPECT_EQ(value_of(Quantity::y, force, {}, {0, 2, 1}), 7);
+    EXPECT_DOUBLE_EQ(value_of(Quantity::direction, force, {}, {0, 2, 1}), 135) << "from +z towards +x";
+    EXPECT_DOUBLE_EQ(value_of(Quantity::angle, {1, 0, 0}, unshaded, {0, 2, 1}), 90);
+    EXPECT_NEAR(value_of(Quantity::angle, {1e-9, 0, 1}, {0, 0, 5}, {0, 2, 1}), 5.7295779513e-8, 1e-17)
+        << "small angles keep their digits";
+    EXPECT_EQ(value_of(Quantity::angle, {}, unshaded, {0, 2, 1}), kNoForce);
+    EXPECT_EQ(value_of(Quantity::angle, force, {}, {0, 2, 1}), kNoForce);
+}
+
+TEST(Values, AreCroppedToTheContactWithABorder) {
+    ValueSlice slice{{{}, {0, 1, 2, 3, 4, 5, 6, 7, 8, 9}, 1, 1, 1, 0}, std::vector<double>(200, kNoForce)};
+    for (int i = 0; i < 20; ++i)
+        slice.axes.u.push_back(i);
+    slice.value[5 * 20 + 7] = slice.value[6 * 20 + 11] = 1;
+    const auto expect = [&](std::optional<std::array<double, 2>> reach, std::vector<double> v) {
+        const ValueSlice part = cropped(slice, contact_window(std::span(&slice, 1), reach));
+        EXPECT_EQ(part.axes.u, (std::vector<double>{6, 7, 8, 9, 10, 11, 12}));
+        EXPECT_EQ(part.axes.v, v);
+        EXPECT_EQ(std::ranges::count(part.value, 1), 2);
     };
-    // Both name the largest force of the two.
-    const auto both = notes(picture), alone = notes(draw_arrows("strong", strong.xz, bump.lines));
-    ASSERT_EQ(both.size(), 2U);
-    EXPECT_EQ(both[0], alone.at(0));
-    EXPECT_EQ(both[1], alone.at(0));
+    expect({}, {4, 5, 6, 7});
+    expect(std::array{4.0, 8.0}, {3, 4, 5, 6, 7, 8, 9});
+}
+
+const FieldSlice& xz_of(const std::string& file) {
+    static std::map<std::string, test::Slices> all;
+    if (!all.contains(file))
+        all[file] = test::collect(case_named(file).grid, case_named(file).law, true);
+    return all[file].xz;
+}
+
+TEST(Shading, ShowsByHowMuchTheForceTurns) {
+    const Picture picture = draw_shading({"A bump"}, xz_of("unshaded"), xz_of("shaded"), test::two_facet_lines());
+    expect_sound(picture);
+    EXPECT_TRUE(says(picture, "angle between unshaded and shaded force"));
+    EXPECT_TRUE(says(picture, "angle / °"));
+    // At the apex the unshaded normal leans by the slope of the facets, the shaded one not at all.
+    EXPECT_TRUE(says(picture, "shading turns the force by up to 28."));
+    EXPECT_TRUE(says(picture, "the magnitude stays"));
+    const Picture same = draw_shading({"A bump"}, xz_of("shaded"), xz_of("shaded"));
+    expect_sound(same);
+    EXPECT_TRUE(says(same, "shading turns the force nowhere"));
+    EXPECT_FALSE(says(same, "angle / °")) << "no scale without a value";
+}
+
+TEST(Mosaic, ShowsTheContactAlone) {
+    const test::Case& usual = case_named("shaded");
+    const test::Slices slices = test::collect(usual.grid, usual.law, true);
+    const Picture picture = draw_mosaic({""}, slices.tiles);
+    EXPECT_FALSE(says(picture, "no force in this slice"));
+    EXPECT_FALSE(says(picture, "z = 8")) << "above the bump";
+    EXPECT_TRUE(says(picture, "in 12 slices"));
+}
+
+TEST(Picture, KeepsToTheSizeThatIsAskedFor) {
+    const test::Slices slices = test::collect(case_named("shaded").grid, case_named("shaded").law, true);
+    for (const Look& look : {Look{"narrow", 700, 0}, Look{"flat", 1000, 420}, Look{"wide", 2400, 900}})
+        for (const Picture& picture : {draw_mosaic(look, slices.tiles), draw_arrows(look, slices.xz),
+                                       draw_shading(look, xz_of("unshaded"), slices.xz)}) {
+            expect_sound(picture, look.width);
+            EXPECT_TRUE(look.most_height == 0 || picture.height <= look.most_height) << look.title;
+        }
+}
+
+TEST(Picture, ShowsEveryQuantityInEveryPlane) {
+    const test::Case& usual = case_named("textured");
+    for (std::size_t q = 0; q < kQuantityNames.size(); ++q) {
+        const Picture picture =
+            draw_arrows({"A bump"}, xz_of("textured"), {}, static_cast<Quantity>(q), xz_of("unshaded"));
+        expect_sound(picture);
+        EXPECT_TRUE(says(picture, q < 4 ? "N" : "°"));
+    }
+    for (const std::size_t axis : {0, 2}) {
+        const test::Slices slices = test::collect(usual.grid, usual.law, false, {axis, 0.001, Quantity::magnitude});
+        const Picture picture = draw_arrows({"A bump"}, slices.xz);
+        expect_sound(picture);
+        EXPECT_TRUE(says(picture, axis == 0 ? "y–z slice at x = 1 mm" : "x–y slice at z = 1 mm"));
+        EXPECT_TRUE(says(picture, axis == 0 ? "(Fy, Fz)" : "(Fx, Fy)"));
+    }
 }
 
 } // namespace

@@ -88,12 +88,31 @@ TEST(Axis, TitlesNameUnitAndOffset) {
 }
 
 TEST(Axis, ForceScaleNamesItsUnit) {
-    EXPECT_EQ(magnitude_axis(16.8, 9).title, "force magnitude / N");
-    EXPECT_EQ(magnitude_axis(1.7e-11, 9).title, "force magnitude / pN");
-    EXPECT_EQ(magnitude_axis(2e10, 9).title, "force magnitude / GN");
-    EXPECT_EQ(magnitude_axis(3e-30, 9).title, "force magnitude / (10⁻³⁰ N)");
-    EXPECT_EQ(magnitude_axis(5e-324, 9).ticks.front().label, "0");
-    EXPECT_EQ(magnitude_axis(1.7e308, 9).ticks.front().label, "0");
+    EXPECT_EQ(quantity_axis("force magnitude", "N", 0, 16.8, 9).title, "force magnitude / N");
+    EXPECT_EQ(quantity_axis("force magnitude", "N", 0, 1.7e-11, 9).title, "force magnitude / pN");
+    EXPECT_EQ(quantity_axis("force magnitude", "N", 0, 2e10, 9).title, "force magnitude / GN");
+    EXPECT_EQ(quantity_axis("force magnitude", "N", 0, 3e-30, 9).title, "force magnitude / (10⁻³⁰ N)");
+    EXPECT_EQ(quantity_axis("force magnitude", "N", 0, 5e-324, 9).ticks.front().label, "0");
+    EXPECT_EQ(quantity_axis("force magnitude", "N", 0, 1.7e308, 9).ticks.front().label, "0");
+}
+
+std::vector<std::string> log_labels(double low, double high, std::size_t most) {
+    std::vector<std::string> labels;
+    for (const AxisTick& tick : number_axis("", {low, high, true}, most).ticks)
+        labels.push_back(tick.label);
+    return labels;
+}
+
+TEST(Axis, LogarithmicOnesHaveAsManyTicksAsThereIsRoomFor) {
+    using Labels = std::vector<std::string>;
+    EXPECT_EQ(log_labels(1, 100, 12), (Labels{"1", "2", "5", "10", "20", "50", "100"}));
+    EXPECT_EQ(log_labels(1, 100, 6), (Labels{"1", "3", "10", "30", "100"}));
+    EXPECT_EQ(log_labels(1, 100, 4), (Labels{"1", "10", "100"}));
+    EXPECT_EQ(log_labels(1e-4, 1e8, 8), (Labels{"10⁻⁴", "0.01", "1", "100", "10000", "10⁶", "10⁸"}));
+    EXPECT_EQ(log_labels(2.3, 4.2, 5), (Labels{"2.5", "3.0", "3.5", "4.0"})) << "less than a decade";
+    const Axis axis = number_axis("", {1, 1e4, true}, 12);
+    EXPECT_NEAR(axis.ticks[2].fraction, 0.25, 1e-12);
+    EXPECT_EQ((Range{1, 10, true}.fraction(-3)), 0);
 }
 
 TEST(PositionLabels, TellPositionsApart) {

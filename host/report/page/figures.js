@@ -4,13 +4,13 @@ const WIDTH = 720, NARROWEST = 300, HEIGHT = 440, PLOT = { left: 74, right: 16, 
 const MARKS = [d3.symbolCircle, d3.symbolSquare, d3.symbolTriangle, d3.symbolDiamond, d3.symbolCross, d3.symbolStar, d3.symbolWye];
 const SERIES_COLOURS = 8, MOST_LABELS = 8;
 
-// The same colour and mark for the same name everywhere on the page.
-const styles = new Map();
+// The same colour and mark for the same name everywhere: on the page and, of known names (chart_style.cpp), in pictures.
+const styles = new Map(Object.entries(KNOWN_SERIES)), FIRST_UNKNOWN = 24, known = styles.size;
 function styleOf(name) {
   if (!styles.has(name))
-    styles.set(name, styles.size);
+    styles.set(name, FIRST_UNKNOWN + styles.size - known);
   const i = styles.get(name);
-  return { colour: "var(--plot-s" + (i % SERIES_COLOURS) + ")", symbol: MARKS[i % MARKS.length], dash: i % SERIES_COLOURS === i ? null : "6 3" };
+  return { colour: "var(--plot-s" + (i % SERIES_COLOURS) + ")", symbol: MARKS[i % MARKS.length] };
 }
 
 // Rows of a table as objects, those that a figure shows.
@@ -143,7 +143,7 @@ function drawScatter(element, study, figure) {
     const style = styleOf(name), own = rows.filter((row) => !figure.series || String(row[figure.series] || "") === name);
     const at = (row) => [x(row[figure.x.column]), y(row[figure.y.column])];
     if (figure.joined)
-      drawLine(frame.body, own.map((row) => [row[figure.x.column], row[figure.y.column]]), x, y, style.colour, style.dash);
+      drawLine(frame.body, own.map((row) => [row[figure.x.column], row[figure.y.column]]), x, y, style.colour, null);
     for (const row of own) {
       const [px, py] = at(row);
       const whisker = (axis, low, high, line) => {
@@ -161,7 +161,7 @@ function drawScatter(element, study, figure) {
     if (figure.series)
       frame.addLegend(name, (key) => {
         if (figure.joined)
-          drawLine(key, [[-12, 0], [12, 0]], (v) => v, (v) => v, style.colour, style.dash);
+          drawLine(key, [[-12, 0], [12, 0]], (v) => v, (v) => v, style.colour, null);
         key.append("path").attr("d", d3.symbol().type(style.symbol).size(46)()).attr("fill", style.colour);
       });
   }

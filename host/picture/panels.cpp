@@ -1,0 +1,270 @@
+#include "host/picture/panels.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <fmt/format.h>
+
+#include "host/picture/frame.h"
+#include "host/picture/legend.h"
+#include "host/picture/polyline.h"
+
+namespace forceshade::picture {
+namespace {
+
+constexpr double kRoomForOne = 860, kRoomForMany = 1100; // pixels: the height of all panels together
+constexpr double kLeastPanelSide = 8;
+constexpr double kLeastArrowPitch = 44; // pixels between arrows
+constexpr double kLongestArrow = 90;
+constexpr double kLeastBarHeight = 180;
+constexpr double kBarHeight = 500; // pixels: for which the width of bars is known well enough
+constexpr TextStyle kPanelStyle{kSmallTextSize, false, Horizontal::left, Vertical::bottom, false};
+
+// The samples along one side of a panel that carry an arrow: every n-th, so that arrows stand kLeastArrowPitch apart
+// and half of that from both ends; and how long arrows may be to neither touch each other nor leave the panel.
+struct ArrowRow {
+    std::vector<std::size_t> samples;
+    double longest = 0; // pixels
+
+    ArrowRow(std::size_t count, double pixels) {
+        const double apart = pixels / static_cast<double>(count);
+        const auto stride = static_cast<std::size_t>(std::max(1.0, std::ceil(kLeastArrowPitch / apart)));
+        const std::size_t arrows = std::max<std::size_t>(1, count / stride);
+        const std::size_t first = (count - 1 - (arrows - 1) * stride) / 2;
+        for (std::size_t i = 0; i < arrows; ++i)
+            samples.push_back(first + i * stride);
+        longest = std::min({0.95 * static_cast<double>(arrows > 1 ? stride : count),
+                            2 * (static_cast<double>(samples.front()) + 0.5),
+                            2 * (static_cast<double>(count - samples.back()) - 0.5)}) *
+                  apart;
+    }
+};
+
+class Layout {
+public:
+    explicit Layout(const PanelSheet& sheet)
+        : sheet_(sheet), axes_(plan_axes(sheet.panels[0].values.axes)), heading_(plan_heading(sheet.look, sheet.notes)),
+          width_(sheet.look.width - 2 * kMargin) {
+        const auto [u, v, normal] = axes_.samples.axis;
+        for (const Panel& panel : sheet.panels)
+            for (const auto& force : panel.force.force)
+                if (const double size = std::hypot(force[u], force[v]); std::isfinite(size + force[normal]))
+                    largest_in_plane_ = std::max(largest_in_plane_, size);
+        plan(sheet.panels.size() == 1 ? kRoomForOne : kRoomForMany);
+        if (const int excess = height() - sheet.look.most_height; sheet.look.most_height > 0 && excess > 0)
+            plan(std::max(grid_height() - excess, kLeastPanelSide));
+    }
+
+    int height() const { return static_cast<int>(std::ceil(below_ + legend_height(legend_, width_) + kMargin / 2)); }
+
+    void draw(Canvas& canvas) const {
+        draw_heading(canvas, heading_);
+        for (std::size_t i = 0; i < sheet_.panels.size(); ++i)
+            draw_panel(canvas, i);
+        draw_axis_titles(canvas, {first_.x, first_.y, grid_width(), grid_height()}, horizontal_, vertical_);
+        double x = first_.x + grid_width();
+        for (std::size_t i = 0; i < sheet_.scales.size(); ++i)
+            if (const ColourScale& scale = sheet_.scales[i]; scale.shows()) {
+                const auto [top, height] = bar_of(i);
+                draw_colour_bar(canvas, {std::round(x + kBarGap), top}, height, scale);
+                x += beside_their_panels() ? 0 : kBarGap + colour_bar_width(scale, height);
+            }
+        draw_legend(canvas, legend_, {kMargin, below_}, width_);
+    }
+
+private:
+    double grid_width() const { return static_cast<double>(columns_ - 1) * column_pitch_ + panel_width_; }
+    double grid_height() const { return static_cast<double>(rows_ - 1) * row_pitch_ + panel_height_; }
+    Box box(std::size_t i) const {
+        return {first_.x + static_cast<double>(i % columns_) * column_pitch_,
+                first_.y + static_cast<double>(i / columns_) * row_pitch_, panel_width_, panel_height_};
+    }
+    Point place(const Box& plot, double u, double v) const { // from the first sample, m
+        const SliceAxes& s = axes_.samples;
+        return {plot.x + (u + s.u_spacing / 2) / axis_extent(s.u, s.u_spacing) * plot.width,
+                plot.y + plot.height - (v + s.v_spacing / 2) / axis_extent(s.v, s.v_spacing) * plot.height};
+    }
+    std::vector<std::vector<Point>> pieces(const Box& plot, const std::vector<LinePoint>& line) const {
+        std::vector<Point> points;
+        for (const LinePoint& point : line)
+            points.push_back(place(plot, point.x - axes_.samples.u[0], point.z - axes_.samples.v[0]));
+        return visible_pieces(points, plot);
+    }
+
+    // Panels in one column have the bars of their scales beside them; else bars stand in a row.
+    bool beside_their_panels() const {
+        return columns_ == 1 && sheet_.scales.size() > 1 && panel_height_ >= kLeastBarHeight;
+    }
+    std::pair<double, double> bar_of(std::size_t scale) const { // top and height
+        if (!beside_their_panels())
+            return {top_, body_};
+        double top = INFINITY, bottom = 0;
+        for (std::size_t i = 0; i < sheet_.panels.size(); ++i)
+            if (sheet_.panels[i].scale == scale) {
+                top = std::min(top, box(i).y);
+                bottom = std::max(bottom, box(i).y + panel_height_);
+            }
+        return {top, bottom - top};
+    }
+    double bars_width() const {
+        double all = 0, widest = 0;
+        for (const ColourScale& scale : sheet_.scales)
+            if (scale.shows()) {
+                const double width = kBarGap + colour_bar_width(scale, kBarHeight);
+                all += width;
+                widest = std::max(widest, width);
+            }
+        return beside_their_panels() ? widest : all;
+    }
+
+    // Everything for panels that are together at most `room` high.
+    void plan(double room) {
+        double left = 0;
+        for (const double pixels : {60.0, 250.0, kRoomForMany}) // the panels' height is not known yet
+            left = std::max(left, left_room(fit_vertical(axes_, pixels)));
+        arrange(width_ - left - bars_width(), room);
+        horizontal_ = fit_horizontal(axes_, panel_width_);
+        vertical_ = fit_vertical(axes_, panel_height_);
+        plan_arrows();
+        plan_legend();
+        body_ = std::max(grid_height(), measure(vertical_.title, {kTextSize}).width);
+        for (const ColourScale& scale : sheet_.scales)
+            body_ = std::max(body_, colour_bar_least_height(scale));
+        body_ = std::ceil(body_);
+        const double labels = left_room(vertical_);
+        top_ = std::ceil(kMargin + heading_.height + 12 + label_height_);
+        first_ = {kMargin + std::round((width_ - labels - grid_width() - bars_width()) / 2 + labels),
+                  top_ + std::round((body_ - grid_height()) / 2)};
+        below_ = top_ + body_ + bottom_room() + 14;
+    }
+
+    // Tries every number of columns and keeps the one with the largest panels.
+    void arrange(double available, double room) {
+        double label_width = 0, best = 0;
+        for (const Panel& panel : sheet_.panels)
+            label_width = std::max(label_width, measure(panel.label, kPanelStyle).width);
+        double tick_width = 0;
+        for (const AxisTick& tick : fit_horizontal(axes_, available).ticks)
+            tick_width = std::max(tick_width, measure(tick.label, kPanelStyle).width);
+        const double gap = std::ceil(tick_width + 12);
+        label_height_ = label_width > 0 ? std::ceil(measure("z", kPanelStyle).height + 4) : 0;
+        const std::size_t count = sheet_.panels.size();
+        for (std::size_t columns = 1; columns <= count; ++columns) {
+            const std::size_t rows = (count + columns - 1) / columns;
+            const double across = static_cast<double>(columns), down = static_cast<double>(rows);
+            const double most_u = most_pixels(axes_.samples.u.size(), (available - (across - 1) * gap) / across);
+            const double most_v = most_pixels(axes_.samples.v.size(), room / down - label_height_ - 10);
+            const double width = std::max(std::floor(std::min(most_u, most_v / axes_.aspect)), kLeastPanelSide);
+            const double pitch = std::ceil(std::max(width, label_width) + gap);
+            if (width <= best || (columns > 1 && pitch * (across - 1) + width > available))
+                continue;
+            best = width;
+            columns_ = columns;
+            rows_ = rows;
+            panel_width_ = width;
+            column_pitch_ = pitch;
+        }
+        panel_height_ = std::max(std::round(panel_width_ * axes_.aspect), kLeastPanelSide);
+        row_pitch_ = panel_height_ + label_height_ + 10;
+    }
+
+    void plan_arrows() {
+        const ArrowRow across(axes_.samples.u.size(), panel_width_), up(axes_.samples.v.size(), panel_height_);
+        arrow_columns_ = across.samples;
+        arrow_rows_ = up.samples;
+        longest_arrow_ = std::min({across.longest, up.longest, kLongestArrow});
+    }
+
+    void plan_legend() {
+        legend_.clear();
+        if (largest_in_plane_ > 0) {
+            const Unit unit = choose_unit(largest_in_plane_, "N");
+            const double largest = divide_by_power_of_ten(largest_in_plane_, unit.exponent); // in that unit
+            const double key = round_below(largest), least = kLeastArrowLength / longest_arrow_ * largest;
+            legend_.push_back({fmt::format("in-plane force of {} (dot: under {})", with_unit(decimal(key, 0), unit),
+                                           with_unit(three_digits(least), unit)),
+                               key / largest * longest_arrow_, draw_arrow});
+        }
+        const Box sample{0, 0, panel_width_, panel_height_};
+        if (!pieces(sample, sheet_.lines.nominal).empty())
+            legend_.push_back(surface_item("surface", false));
+        if (!pieces(sample, sheet_.lines.smooth).empty())
+            legend_.push_back(surface_item("shape that the shading imitates", true));
+        Census all;
+        for (const Panel& panel : sheet_.panels)
+            all = all + take_census(panel.values.value);
+        if (all.none > 0)
+            legend_.push_back(swatch_item("no force", kNoForceColour));
+        if (all.non_finite > 0)
+            legend_.push_back(checker_item(sheet_.non_finite_note));
+    }
+
+    void draw_panel(Canvas& canvas, std::size_t i) const {
+        const Panel& panel = sheet_.panels[i];
+        const Box plot = box(i);
+        const auto width = static_cast<int>(plot.width), height = static_cast<int>(plot.height);
+        canvas.image(static_cast<int>(plot.x), static_cast<int>(plot.y), width, height,
+                     rasterise(panel.values, width, height, sheet_.scales[panel.scale]));
+        canvas.begin_clip(plot);
+        if (!panel.force.force.empty())
+            draw_arrows_of(canvas, panel, plot);
+        for (const bool smooth : {false, true})
+            for (const auto& piece : pieces(plot, smooth ? sheet_.lines.smooth : sheet_.lines.nominal))
+                draw_surface_line(canvas, piece, smooth);
+        canvas.end_clip();
+        const bool lowest = i + columns_ >= sheet_.panels.size();
+        draw_axes(canvas, plot, horizontal_, vertical_, {lowest, i % columns_ == 0});
+        if (!panel.label.empty())
+            canvas.text(panel.label, {plot.x, plot.y - 4}, kPanelStyle);
+        if (const Census census = take_census(panel.values.value); census.none == census.samples)
+            for (const char* text : {"no force in this slice", "no force", "0 N"})
+                if (const Extent size = measure(text, kNoteStyle);
+                    size.width + 8 <= plot.width && size.height <= plot.height) {
+                    const Point middle{plot.x + plot.width / 2, plot.y + plot.height / 2};
+                    canvas.fill(
+                        {middle.x - size.width / 2 - 4, middle.y - size.height / 2, size.width + 8, size.height},
+                        kPaper);
+                    canvas.text(text, middle, kNoteStyle, kQuietInk);
+                    break;
+                }
+    }
+
+    void draw_arrows_of(Canvas& canvas, const Panel& panel, const Box& plot) const {
+        const SliceAxes& s = axes_.samples;
+        for (const std::size_t row : arrow_rows_)
+            for (const std::size_t column : arrow_columns_) {
+                const auto& force = panel.force.force[row * s.u.size() + column];
+                const double x = force[s.axis[0]] / largest_in_plane_ * longest_arrow_ / 2,
+                             y = force[s.axis[1]] / largest_in_plane_ * longest_arrow_ / 2;
+                if (!std::isfinite(x + y + force[s.axis[2]]) || (force[0] == 0 && force[1] == 0 && force[2] == 0))
+                    continue;
+                const Point middle = place(plot, s.u[column] - s.u[0], s.v[row] - s.v[0]);
+                draw_arrow(canvas, {middle.x - x, middle.y + y}, {middle.x + x, middle.y - y});
+            }
+    }
+
+    const PanelSheet& sheet_;
+    PlaneAxes axes_;
+    Heading heading_;
+    double width_;                                    // between the margins
+    double largest_in_plane_ = 0, longest_arrow_ = 0; /* N, and pixels for it */
+    std::size_t columns_ = 1, rows_ = 1;
+    double panel_width_ = 0, panel_height_ = 0, column_pitch_ = 0, row_pitch_ = 0, label_height_ = 0; // whole pixels
+    double top_ = 0, body_ = 0, below_ = 0;
+    Point first_{}; // upper left corner of the first panel
+    Axis horizontal_{}, vertical_{};
+    std::vector<std::size_t> arrow_columns_, arrow_rows_;
+    std::vector<LegendItem> legend_;
+};
+
+} // namespace
+
+Picture draw_panels(const PanelSheet& sheet) {
+    assert(!sheet.panels.empty());
+    const Layout layout(sheet);
+    Canvas canvas(sheet.look.width, layout.height());
+    layout.draw(canvas);
+    return canvas.finish();
+}
+
+} // namespace forceshade::picture

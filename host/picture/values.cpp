@@ -1,0 +1,204 @@
+#include "host/picture/values.h"
+
+#include <algorithm>
+#include <limits>
+#include <numbers>
+#include <numeric>
+
+#include <fmt/format.h>
+
+#include "host/picture/ticks.h"
+
+namespace forceshade::picture {
+namespace {
+
+constexpr int kCheckerSize = 4; // pixels: squares of the pattern that marks what is no number
+constexpr double kMissingValue = std::numeric_limits<double>::quiet_NaN();
+constexpr double kDegreesInTurn = 180 / std::numbers::pi;
+
+using Force = std::array<double, 3>;
+
+// The library's hypot of three says 0 for (0, 0, NaN), which would pass as free space.
+double length(const Force& f) {
+    const bool finite = std::isfinite(f[0]) && std::isfinite(f[1]) && std::isfinite(f[2]);
+    const double result = finite ? std::hypot(f[0], f[1], f[2]) : kMissingValue;
+    return std::isfinite(result) ? result : kMissingValue;
+}
+
+// Between two vectors of those lengths (Kahan 2006, "How futile are mindless assessments of roundoff", section 12).
+double angle_between(const Force& a, double a_length, const Force& b, double b_length) {
+    Force sum{}, difference{};
+    for (std::size_t i = 0; i < 3; ++i) {
+        sum[i] = a[i] / a_length + b[i] / b_length;
+        difference[i] = a[i] / a_length - b[i] / b_length;
+    }
+    return 2 * kDegreesInTurn * std::atan2(length(difference), length(sum));
+}
+
+template <typename T> std::vector<T> cut(const std::vector<T>& all, std::size_t width, const Window& window) {
+    std::vector<T> part;
+    for (std::size_t v = window.v_first; !all.empty() && v <= window.v_last; ++v)
+        for (std::size_t u = window.u_first; u <= window.u_last; ++u)
+            part.push_back(all[v * width + u]);
+    return part;
+}
+
+SliceAxes cut(SliceAxes axes, const Window& window) {
+    axes.u = cut(axes.u, axes.u.size(), {window.u_first, window.u_last, 0, 0});
+    axes.v = cut(axes.v, axes.v.size(), {window.v_first, window.v_last, 0, 0});
+    return axes;
+}
+
+} // namespace
+
+double value_of(Quantity quantity, const Force& force, const Force& unshaded, const std::array<std::size_t, 3>& axis) {
+    const double size = length(force);
+    if (std::isnan(size) || size == 0)
+        return size == 0 ? kNoForce : size;
+    switch (quantity) {
+    case Quantity::magnitude:
+        return size;
+    case Quantity::direction:
+        return kDegreesInTurn * std::atan2(force[axis[0]], force[axis[1]]);
+    case Quantity::angle: {
+        const double other = length(unshaded);
+        return other == 0 ? kNoForce : angle_between(force, size, unshaded, other);
+    }
+    default:
+        return force[static_cast<std::size_t>(quantity) - static_cast<std::size_t>(Quantity::x)];
+    }
+}
+
+ValueSlice values_of(const FieldSlice& slice, Quantity quantity, const FieldSlice& unshaded) {
+    ValueSlice result{slice.axes, std::vector<double>(slice.force.size())};
+    for (std::size_t i = 0; i < slice.force.size(); ++i)
+        result.value[i] =
+            value_of(quantity, slice.force[i], unshaded.force.empty() ? Force{} : unshaded.force[i], slice.axes.axis);
+    return result;
+}
+
+Census take_census(std::span<const double> values) {
+    Census census;
+    census.samples = values.size();
+    for (const double value : values) {
+        census.none += value == kNoForce;
+        census.non_finite += std::isnan(value);
+        if (std::isfinite(value))
+            census.largest = std::max(census.largest, std::fabs(value));
+    }
+    return census;
+}
+
+Census operator+(const Census& a, const Census& b) {
+    return {std::max(a.largest, b.largest), a.samples + b.samples, a.none + b.none, a.non_finite + b.non_finite};
+}
+
+Rgb8 ColourScale::of(double value) const {
+    return colour_at(map, shows() ? (value / high - low / high) / (1 - low / high) : 0);
+}
+
+ColourScale scale_for(Quantity quantity, double largest, const std::array<std::size_t, 3>& axis) {
+    const std::string_view name = kQuantityNames[static_cast<std::size_t>(quantity)];
+    switch (quantity) {
+    case Quantity::magnitude:
+        return {quantity, ColourMap::sequential, 0, largest, "force magnitude |F|", "force magnitude", "N"};
+    case Quantity::angle:
+        return {quantity, ColourMap::second, 0, largest, "angle between unshaded and shaded force", "angle", "°"};
+    case Quantity::direction: { // beyond a quarter turn the colours go round, too
+        const std::string words =
+            fmt::format("direction of the force, from +{} towards +{}", kAxisNames[axis[1]], kAxisNames[axis[0]]);
+        return largest > 90 ? ColourScale{quantity, ColourMap::cyclic, -180, 180, words, "direction", "°"}
+                            : ColourScale{quantity, ColourMap::diverging, -largest, largest, words, "direction", "°"};
+    }
+    default:
+        return {quantity,
+                ColourMap::diverging,
+                -largest,
+                largest,
+                fmt::format("force along {}", name),
+                fmt::format("force along {}", name),
+                "N"};
+    }
+}
+
+std::string largest_note(const ColourScale& scale, double largest) {
+    if (!(largest > 0) || scale.quantity == Quantity::direction)
+        return "";
+    if (scale.unit == "°")
+        return fmt::format(" (at most {}°)", three_digits(largest));
+    const Unit unit = choose_unit(largest, scale.unit);
+    return fmt::format(" (at most {})", with_unit(three_digits(divide_by_power_of_ten(largest, unit.exponent)), unit));
+}
+
+std::vector<std::size_t> nearest_samples(const std::vector<double>& samples, double spacing, int pixels) {
+    const double extent = axis_extent(samples, spacing);
+    std::vector<std::size_t> nearest(static_cast<std::size_t>(pixels));
+    std::size_t sample = 0;
+    for (std::size_t i = 0; i < nearest.size(); ++i) {
+        const double position = (static_cast<double>(i) + 0.5) / pixels * extent - spacing / 2; // from the first sample
+        while (sample + 1 < samples.size() &&
+               position > std::midpoint(samples[sample] - samples[0], samples[sample + 1] - samples[0]))
+            ++sample;
+        nearest[i] = sample;
+    }
+    return nearest;
+}
+
+std::vector<std::uint32_t> rasterise(const ValueSlice& slice, int width, int height, const ColourScale& scale) {
+    const std::vector<std::size_t> column = nearest_samples(slice.axes.u, slice.axes.u_spacing, width);
+    const std::vector<std::size_t> row = nearest_samples(slice.axes.v, slice.axes.v_spacing, height);
+    std::vector<std::uint32_t> colour(slice.value.size()), pixels;
+    std::ranges::transform(slice.value, colour.begin(), [&](double value) {
+        return packed(value == kNoForce || std::isnan(value) ? kNoForceColour : scale.of(value));
+    });
+    for (int y = 0; y < height; ++y) {
+        const std::size_t line = row[static_cast<std::size_t>(height - 1 - y)] * slice.axes.u.size();
+        for (int x = 0; x < width; ++x) {
+            const std::size_t sample = line + column[static_cast<std::size_t>(x)];
+            pixels.push_back(
+                std::isnan(slice.value[sample])
+                    ? packed(kNonFiniteColours[static_cast<std::size_t>((x / kCheckerSize + y / kCheckerSize) % 2)])
+                    : colour[sample]);
+        }
+    }
+    return pixels;
+}
+
+Window contact_window(std::span<const ValueSlice> slices, std::optional<std::array<double, 2>> reach) {
+    const SliceAxes& axes = slices[0].axes;
+    const std::size_t columns = axes.u.size(), rows = axes.v.size();
+    Window window{columns, 0, rows, 0};
+    for (const ValueSlice& slice : slices)
+        for (std::size_t i = 0; i < slice.value.size(); ++i)
+            if (slice.value[i] != kNoForce) {
+                window.u_first = std::min(window.u_first, i % columns);
+                window.u_last = std::max(window.u_last, i % columns);
+                window.v_first = std::min(window.v_first, i / columns);
+                window.v_last = std::max(window.v_last, i / columns);
+            }
+    if (window.u_first > window.u_last)
+        return {0, columns - 1, 0, rows - 1};
+    for (std::size_t v = 0; reach && v < rows; ++v)
+        if (axes.v[v] >= (*reach)[0] && axes.v[v] <= (*reach)[1]) {
+            window.v_first = std::min(window.v_first, v);
+            window.v_last = std::max(window.v_last, v);
+        }
+    const auto widen = [](std::size_t& first, std::size_t& last, std::size_t count) {
+        const std::size_t border = 1 + (last - first + 1) / 25;
+        first -= std::min(first, border);
+        last = std::min(last + border, count - 1);
+    };
+    widen(window.u_first, window.u_last, columns);
+    widen(window.v_first, window.v_last, rows);
+    return window;
+}
+
+ValueSlice cropped(const ValueSlice& slice, const Window& window) {
+    return {cut(slice.axes, window), cut(slice.value, slice.axes.u.size(), window)};
+}
+
+FieldSlice cropped(const FieldSlice& slice, const Window& window) {
+    return {cut(slice.axes, window), cut(slice.force, slice.axes.u.size(), window)};
+}
+
+} // namespace forceshade::picture
