@@ -1,19 +1,17 @@
 #include "device/report/live_picture.h"
 
-#include <cmath>
+#include <algorithm>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
 
 #include "device/report/text.h"
-#include "device/report/time_panel.h"
-#include "host/picture/chart_style.h"
-#include "host/picture/frame.h"
+#include "host/picture/chart.h"
 
 namespace forceshade::device {
 namespace {
 
-constexpr double kBetween = 14;         // pixels from panel to panel
 constexpr std::size_t kMostBytes = 400; // of a note that others wrote
 
 std::string shortened(const std::string& text) {
@@ -33,56 +31,52 @@ std::vector<std::string> notes_of(const LiveOutcome& outcome) {
     return notes;
 }
 
-std::vector<TimePanel> panels_of(const LiveOutcome& outcome) {
-    const LoopCounts& counts = outcome.counts;
-    const double period = outcome.rate > 0 ? 1e9 / outcome.rate : 0;
-    const auto title = [](const char* what, const Histogram& times) {
-        const std::uint64_t zeros = times.bin(0);
-        return fmt::format("{}: {}{}", what, counted(times.count(), "sample"),
-                           zeros > 0 ? fmt::format(", {} of 0 ns at the left edge", zeros) : "");
+// The share that took longer, at the end of each bin of the histogram, and marks at the quantiles.
+void add_times(picture::Chart& chart, const char* name, const Histogram& times) {
+    if (times.count() == 0) {
+        chart.notes.push_back(fmt::format("{}: no samples", name));
+        return;
+    }
+    const auto all = static_cast<double>(times.count()), largest = static_cast<double>(times.largest());
+    picture::ChartSeries series{name, {}, true, true, false};
+    const auto add = [&](double time, double share, const std::string& label) {
+        series.points.push_back({std::max(time, 1.0), share, {}, {}, {}, {}, label, !label.empty()});
     };
-    std::vector<TimePanel> panels{{title("computing the force and its safety", counts.computing),
-                                   &counts.computing,
-                                   picture::series_colour(0),
-                                   {}}};
-    if (outcome.real_time) {
-        panels.push_back(
-            {title("late: woken after the sample was due", counts.late), &counts.late, picture::series_colour(1), {}});
-        panels.push_back({title("jitter: the time between two samples off the period", counts.jitter),
-                          &counts.jitter,
-                          picture::series_colour(2),
-                          {}});
+    std::uint64_t longer = times.count();
+    for (std::size_t bin = 0; bin < Histogram::kBins && longer > 0; ++bin) {
+        if (times.bin(bin) > 0 && longer == times.count())
+            add(static_cast<double>(Histogram::begin_of(bin)), 1, "");
+        longer -= times.bin(bin);
+        if (times.bin(bin) > 0 && longer > 0)
+            add(static_cast<double>(Histogram::begin_of(bin + 1)), static_cast<double>(longer) / all, "");
     }
-    std::vector<const Histogram*> shown;
-    for (const TimePanel& panel : panels)
-        shown.push_back(panel.times);
-    const bool anything = counts.computing.count() > 0;
-    const picture::Range range = time_range(shown, outcome.real_time || !anything ? period : 0);
-    for (TimePanel& panel : panels) {
-        panel.range = range;
-        if (period >= range.low && period <= range.high)
-            panel.period = period;
-    }
-    return panels;
+    for (const auto& [word, share] : {std::pair("p50", 0.5), {"p99", 0.01}, {"p99.9", 0.001}})
+        if (all * share > 1)
+            add(times.quantile(1 - share), share,
+                fmt::format("{} {}", word, time_text(times.quantile(1 - share), {false, "µ"})));
+    add(largest, 1 / all, fmt::format("largest {}", time_text(largest, {false, "µ"})));
+    std::ranges::sort(series.points, {}, [](const picture::ChartPoint& one) { return std::pair(one.x, -one.y); });
+    chart.series.push_back(std::move(series));
 }
 
 } // namespace
 
 picture::Picture draw_live_report(const LiveOutcome& outcome) {
-    const picture::Look look{
-        fmt::format("{} ({}), live at {}", outcome.scene, outcome.precision, quantity(outcome.rate, "Hz"))};
-    const picture::Heading heading = picture::plan_heading(look, notes_of(outcome));
-    const std::vector<TimePanel> panels = panels_of(outcome);
-    double y = std::floor(picture::kMargin + heading.height + 18);
-    const double step = std::ceil(time_panel_height() + kBetween);
-    const double height = y + step * static_cast<double>(panels.size()) - kBetween + picture::kMargin;
-    picture::Canvas canvas(look.width, static_cast<int>(std::ceil(height)));
-    picture::draw_heading(canvas, heading);
-    for (const TimePanel& panel : panels) {
-        draw_time_panel(canvas, panel, {picture::kMargin, y}, look.width - 2 * picture::kMargin);
-        y += step;
+    picture::Chart chart;
+    chart.title = fmt::format("{} ({}), live at {}", outcome.scene, outcome.precision, quantity(outcome.rate, "Hz"));
+    chart.notes = notes_of(outcome);
+    chart.x = {"time", true, [](double time, int) { return time_text(time, {false, "µ"}); }};
+    chart.y = {"share of the samples that took longer", true};
+    add_times(chart, "computing the force and its safety", outcome.counts.computing);
+    if (outcome.real_time) {
+        add_times(chart, "late: woken after the sample was due", outcome.counts.late);
+        add_times(chart, "jitter: the time between two samples off the period", outcome.counts.jitter);
+        const double period = 1e9 / outcome.rate, few = 0.3 / std::max(1.0, double(outcome.counts.computing.count()));
+        if (outcome.rate > 0)
+            chart.series.push_back(
+                {"period " + time_text(period, {false, "µ"}), {{period, 1}, {period, few}}, false, true, true});
     }
-    return canvas.finish();
+    return draw_chart(chart);
 }
 
 } // namespace forceshade::device

@@ -1,37 +1,18 @@
 #include "device/report/text.h"
 
 #include <algorithm>
-#include <array>
 #include <charconv>
 #include <cmath>
-#include <numeric>
-#include <utility>
+#include <map>
 
 #include <fmt/format.h>
 
 #include "host/picture/canvas.h"
+#include "host/picture/quantity.h"
 
 namespace forceshade::device {
 
 namespace {
-
-constexpr std::array<std::string_view, 17> kPrefixes{"y", "z", "a", "f", "p", "n", "u", "m", "",
-                                                     "k", "M", "G", "T", "P", "E", "Z", "Y"};
-constexpr int kUnity = 8; // the prefix of 1
-
-// Three digits and the exponent of the first: 1, 2, 3 and -4 of 1.23e-4.
-struct Digits {
-    std::string text;
-    int exponent = 0;
-};
-
-Digits digits_of(double value) {
-    const std::string text = fmt::format("{:.2e}", value); // "1.23e-04"
-    Digits digits{{text[0], text[2], text[3]}, 0};
-    const char* begin = text.data() + 5;
-    std::from_chars(*begin == '+' ? begin + 1 : begin, text.data() + text.size(), digits.exponent);
-    return digits;
-}
 
 void drop_zeros(std::string& number) {
     if (number.find('.') == std::string::npos)
@@ -59,71 +40,6 @@ std::string_view take_line(std::string_view& rest, std::size_t columns) {
     return line;
 }
 
-constexpr std::size_t kLabel = 19;               // columns, with the gap behind
-constexpr std::size_t kCount = 11;               // with the gap before
-constexpr std::size_t kRows = 1 + 3 * 20;        // none, and 1, 2, 5 of each power of ten up to 2^64
-constexpr std::array<double, 3> kSteps{1, 2, 5}; // ns
-
-// The least time of a row; of the first 0.
-double begin_of(std::size_t row) {
-    return row == 0 ? 0 : kSteps[(row - 1) % 3] * std::pow(10.0, static_cast<double>((row - 1) / 3));
-}
-
-std::size_t row_of(double time) {
-    std::size_t row = 0;
-    while (row + 1 < kRows && begin_of(row + 1) <= time)
-        ++row;
-    return row;
-}
-
-using Counts = std::array<std::uint64_t, kRows>;
-
-Counts counts_of(const Histogram& times) {
-    Counts counts{};
-    for (std::size_t bin = 0; bin < Histogram::kBins; ++bin) {
-        if (times.bin(bin) == 0)
-            continue;
-        const std::uint64_t longest = std::min(Histogram::begin_of(bin + 1) - 1, times.largest());
-        counts[row_of(static_cast<double>(longest))] += times.bin(bin);
-    }
-    return counts;
-}
-
-std::string label_of(std::size_t row) {
-    if (row == 0)
-        return "0";
-    if (row + 1 == kRows)
-        return fmt::format("from {}", time_text(begin_of(row)));
-    return fmt::format("{:>6} to {:>6}", time_text(begin_of(row)), time_text(begin_of(row + 1)));
-}
-
-std::string bar_of(std::uint64_t count, std::uint64_t most, std::size_t width) {
-    if (count == 0)
-        return "";
-    const double length = static_cast<double>(count) / static_cast<double>(most) * static_cast<double>(width);
-    return std::string(std::clamp<std::size_t>(static_cast<std::size_t>(std::lround(length)), 1, width), '#');
-}
-
-// Puts the shortest times, at most 1 % of each column, into one row; which one, 0 if there is nothing to gather.
-std::size_t gather_shortest(std::vector<Counts>& counts) {
-    std::size_t end = 0;
-    const auto few = [&](std::size_t row) {
-        return std::all_of(counts.begin(), counts.end(), [&](const Counts& one) {
-            const auto all = std::accumulate(one.begin(), one.end(), std::uint64_t(0));
-            return std::accumulate(one.begin(), one.begin() + static_cast<std::ptrdiff_t>(row) + 1, std::uint64_t(0)) <=
-                   all / 100;
-        });
-    };
-    while (end + 1 < kRows && few(end))
-        ++end;
-    if (end < 2)
-        return 0;
-    for (Counts& one : counts)
-        for (std::size_t row = 0; row + 1 < end; ++row)
-            one[end - 1] += std::exchange(one[row], 0);
-    return end - 1;
-}
-
 } // namespace
 
 std::string quantity(double value, std::string_view base, const NumberStyle& style) {
@@ -133,21 +49,24 @@ std::string quantity(double value, std::string_view base, const NumberStyle& sty
         return fmt::format("0 {}", base);
     const char* sign = value >= 0 ? "" : style.micro == "µ" ? "−" : "-";
     const double size = std::fabs(value);
-    const Digits digits = digits_of(size);
+    const std::string digits = fmt::format("{:.2e}", size);
+    double rounded = 0;
+    std::from_chars(digits.data(), digits.data() + digits.size(), rounded);
+    rounded *= 1 + 1e-12; // 1e-6 is a little less than that
+    const int exponent = picture::decade(rounded);
     const bool metric = base != "s" && !base.starts_with("m");
-    const int prefix = kUnity + static_cast<int>(std::floor(digits.exponent / 3.0));
-    if (!metric && digits.exponent >= 3 && digits.exponent < 15)
+    if (!metric && exponent >= 3 && exponent < 15)
         return fmt::format("{}{:.0f} {}", sign, size, base);
-    if (prefix < 0 || prefix >= static_cast<int>(kPrefixes.size()) || (!metric && digits.exponent >= 3))
+    const picture::Unit unit = picture::choose_unit(rounded, base);
+    if (unit.name.find(' ') != std::string::npos || (!metric && exponent >= 3)) // there is no prefix
         return fmt::format("{}{:.2e} {}", sign, size, base);
-    std::string number = digits.text;
-    const int whole = 1 + digits.exponent - 3 * (prefix - kUnity);
-    if (whole < 3)
-        number.insert(static_cast<std::size_t>(whole), 1, '.');
-    if (!style.zeros)
-        drop_zeros(number);
-    const std::string_view name = kPrefixes[static_cast<std::size_t>(prefix)];
-    return fmt::format("{}{} {}{}", sign, number, name == "u" ? style.micro : name, base);
+    const int decimals = 2 - exponent + unit.exponent;
+    const double number = picture::divide_by_power_of_ten(rounded, unit.exponent);
+    std::string name = unit.name;
+    if (name.starts_with("µ"))
+        name.replace(0, std::string_view("µ").size(), style.micro);
+    return fmt::format("{}{} {}", sign,
+                       style.zeros ? picture::decimal(number, decimals) : picture::trimmed(number, decimals), name);
 }
 
 std::string time_text(double nanoseconds, const NumberStyle& style) {
@@ -206,43 +125,49 @@ void WrappedLines::add_line(std::string_view line) {
 }
 
 std::vector<std::string> count_rows(std::span<const NamedTimes> columns) {
-    std::vector<Counts> counts;
-    std::size_t first = kRows, last = 0;
-    const auto any = [&](std::size_t row) {
-        return std::any_of(counts.begin(), counts.end(), [&](const Counts& one) { return one[row] > 0; });
-    };
-    for (const NamedTimes& column : columns)
-        counts.push_back(counts_of(column.times));
-    const std::size_t shortest = gather_shortest(counts);
-    for (std::size_t row = 0; row < kRows; ++row)
-        if (any(row)) {
-            first = std::min(first, row);
-            last = row;
+    constexpr std::size_t kLabel = 22, kCount = 11;                       // columns
+    std::map<std::pair<double, double>, std::vector<std::uint64_t>> rows; // by their times
+    std::vector<std::uint64_t> most(columns.size());
+    for (std::size_t i = 0; i < columns.size(); ++i)
+        for (const TimeBar& bar : time_bars(columns[i].times, 3)) {
+            auto& counts = rows[{double(bar.from), double(bar.to)}];
+            counts.resize(columns.size());
+            counts[i] = bar.count;
+            most[i] = std::max(most[i], bar.count);
         }
-    if (first == kRows)
+    if (rows.empty())
         return {};
     const std::size_t width = (kColumns - kLabel) / columns.size() - kCount - 1;
-    std::string heading = fmt::format("{:<{}}", "how often", kLabel);
+    std::vector<std::string> lines{fmt::format("{:<{}}", "how often", kLabel)};
     for (const NamedTimes& column : columns)
-        heading += fmt::format("{:<{}} ", column.name, width + kCount);
-    std::vector<std::string> lines{heading};
-    for (std::size_t row = first; row <= last; ++row) {
-        if (!any(row)) {
-            if (any(row + 1))
-                lines.push_back(fmt::format("{:>{}}", "...", kLabel - 2));
-            continue;
-        }
-        std::string line = fmt::format(
-            "{:>{}}  ", shortest > 0 && row == shortest ? "below " + time_text(begin_of(row + 1)) : label_of(row),
-            kLabel - 2);
-        for (const Counts& one : counts) {
-            const std::string count = one[row] > 0 ? fmt::format("{}", one[row]) : "";
-            const std::string bar = bar_of(one[row], *std::max_element(one.begin(), one.end()), width);
-            line += fmt::format("{:<{}} ", bar + (bar.empty() ? "" : " ") + count, width + kCount);
+        lines[0] += fmt::format("{:<{}} ", column.name, width + kCount);
+    for (const auto& [times, counts] : rows) {
+        std::string line = fmt::format("{:>8} to {:>8}  ", time_text(times.first), time_text(times.second));
+        for (std::size_t i = 0; i < columns.size(); ++i) {
+            const double length = double(counts[i]) / double(std::max<std::uint64_t>(most[i], 1)) * double(width);
+            const std::size_t marks = counts[i] == 0 ? 0 : std::max<std::size_t>(1, std::size_t(std::lround(length)));
+            const std::string text = counts[i] == 0 ? "" : fmt::format("{} {}", std::string(marks, '#'), counts[i]);
+            line += fmt::format("{:<{}} ", text, width + kCount);
         }
         lines.push_back(line);
     }
     return lines;
+}
+
+std::vector<TimeBar> time_bars(const Histogram& times, unsigned per_decade) {
+    std::vector<TimeBar> bars;
+    double slot = -INFINITY; // of the last bar
+    for (std::size_t bin = 0; bin < Histogram::kBins; ++bin) {
+        const std::uint64_t from = Histogram::begin_of(bin);
+        const double next = from > 0 ? std::floor(std::log10(static_cast<double>(from)) * per_decade + 1e-9) : -1;
+        if (next > slot)
+            bars.push_back({from, from, 0});
+        slot = next;
+        bars.back().to = Histogram::begin_of(bin + 1);
+        bars.back().count += times.bin(bin);
+    }
+    std::erase_if(bars, [](const TimeBar& bar) { return bar.count == 0; });
+    return bars;
 }
 
 } // namespace forceshade::device

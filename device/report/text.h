@@ -57,10 +57,16 @@ struct NamedTimes {
     const Histogram& times;
 };
 
-/// Lines of bars of '#' side by side, one row for the times from 1, 2 or 5 times a power of ten to the next, with
-/// counts; at least one '#' where there is any. Times up to 3 % short of the next row may count there: the histogram
-/// does not tell them apart. Rows without any are gathered, and so are the shortest times as long as they are no more
-/// than 1 %. Within 100 columns for up to two; empty where there is nothing to count.
+/// Times of [from, to) ns and how many there were.
+struct TimeBar {
+    std::uint64_t from = 0, to = 0, count = 0;
+};
+
+/// Neighbouring bins of a histogram put together, about `per_decade` of them to a power of ten; those with a count.
+std::vector<TimeBar> time_bars(const Histogram& times, unsigned per_decade);
+
+/// Lines of bars of '#' side by side, three rows to a power of ten, with counts; at least one '#' where there is any.
+/// Rows without any are left out. Within 100 columns for up to two; empty where there is nothing to count.
 std::vector<std::string> count_rows(std::span<const NamedTimes> columns);
 
 } // namespace forceshade::device

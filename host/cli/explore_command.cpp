@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/cli/command.h"
+#include "host/cli/picture_options.h"
 #include "host/error.h"
 #include "host/output/files.h"
 #include "host/paths/explore.h"
@@ -190,7 +191,7 @@ int run_all(const ExploreArguments& arguments, const CommonOptions& common, cons
             throw UsageError(
                 fmt::format("--also {}: for paths there are npy, png, svg and pdf, with commas between them", name));
     options.look = arguments.look;
-    picture::refuse_unused(options.pictures, arguments.look == picture::Look{});
+    refuse_unused(options.pictures, arguments.look == picture::Look{});
     LateProgress reading = reading_progress(common);
     options.reading = [&](std::uint64_t done, std::uint64_t total) { reading.show(done, total); };
     LateProgress bar("steps", 1, std::uint64_t(1) << 22, common.quiet); // a second
@@ -255,10 +256,7 @@ void describe(Options& options, ExploreArguments& arguments) {
     options.list(
         "--also", arguments.also,
         "further files beside it: npy (NumPy); png, svg, pdf (paths over the surface, direction of the force)");
-    options.optional("--title", arguments.look.title, "of the picture; by default the scene in words");
-    options.read(
-        "--size", [&](const std::string& text) { picture::read_size(text, arguments.look); },
-        "of the picture in pixels: a width, or WIDTHxHEIGHT; by default 1400, as high as it needs");
+    describe_look(options, arguments.look);
     options.flag("--open-loop", arguments.open_loop,
                  "the positions of --paths are the probe's own, as in the log of a live loop, even if the scene's "
                  "paths are a closed loop");

@@ -5,6 +5,7 @@
 
 #include "compute/device.h"
 #include "host/cli/command.h"
+#include "host/cli/picture_options.h"
 #include "host/error.h"
 #include "host/output/files.h"
 #include "host/program.h"
@@ -50,27 +51,12 @@ struct FieldArguments {
     PictureChoice pictures;
 };
 
-// "y=2 mm", or "y" for the middle.
-void read_slice(const std::string& text, const GridSpec& grid, picture::SliceChoice& slice) {
-    const auto axis = std::string_view("xyz").find(text.front());
-    if (axis == std::string_view::npos || (text.size() > 1 && text[1] != '='))
-        throw UsageError(fmt::format("--slice {}: write x, y or z, or as in \"y=2 mm\" where", text));
-    slice.axis = axis;
-    if (text.size() == 1)
-        return;
-    slice.at = parse_quantity(text.substr(2), Dimension::length);
-    const double low = grid.origin[axis], high = low + grid.spacing[axis] * static_cast<double>(grid.size[axis] - 1);
-    if (const double border = grid.spacing[axis] / 2; !(*slice.at >= low - border && *slice.at <= high + border))
-        throw UsageError(fmt::format("--slice {}: the grid goes from {} = {:.6g} mm to {:.6g} mm", text, text.front(),
-                                     low * 1e3, high * 1e3));
-}
-
 PictureChoice picture_choice(const FieldArguments& arguments, const Scene& scene, const picture::Endings& wanted) {
     PictureChoice choice = arguments.pictures;
     if (!arguments.slice.empty())
         read_slice(arguments.slice, scene.grid, choice.slice);
-    picture::refuse_unused(wanted, choice.look == picture::Look{} && arguments.slice.empty() &&
-                                       choice.slice.quantity == picture::Quantity::magnitude);
+    refuse_unused(wanted, choice.look == picture::Look{} && arguments.slice.empty() &&
+                              choice.slice.quantity == picture::Quantity::magnitude);
     if (choice.slice.quantity == picture::Quantity::angle && !(scene.output.channels & layout::kChannelUnshaded))
         throw UsageError("--quantity angle: the scene computes no unshaded force: write channels = [\"force\", "
                          "\"unshaded\"] under [output]");
@@ -131,13 +117,9 @@ void describe(Options& options, FieldArguments& arguments) {
     options.required("--out", arguments.out, "the volume, an .exr file");
     options.list("--also", arguments.also,
                  "further files beside it: vti (ParaView), npy (NumPy), png, svg, pdf (pictures)");
-    options.optional("--title", arguments.pictures.look.title, "of the pictures; by default the scene in words");
+    describe_look(options, arguments.pictures.look);
     options.read(
-        "--size", [&](const std::string& text) { picture::read_size(text, arguments.pictures.look); },
-        "of the pictures in pixels: a width, or WIDTHxHEIGHT; by default 1400, as high as they need");
-    options.read(
-        "--quantity",
-        [&](const std::string& text) { arguments.pictures.slice.quantity = picture::quantity_named(text); },
+        "--quantity", [&](const std::string& text) { arguments.pictures.slice.quantity = quantity_named(text); },
         "that the colours show: magnitude (default), x, y, z, direction, or angle (by which shading turns the force)");
     options.optional("--slice", arguments.slice,
                      "of *.arrows and *.shading: x, y or z, in the middle or as in \"y=2 mm\"; by default y");

@@ -18,7 +18,7 @@ namespace {
 constexpr int kChartWidth = 1000; // pixels
 constexpr double kChartHeight = 480, kRowOfBars = 34;
 constexpr TextStyle kChartLabelStyle{kSmallTextSize, false, Horizontal::left, Vertical::middle, false};
-constexpr std::size_t kMostLabels = 8;
+constexpr std::size_t kMostLabels = 12;
 
 bool can_show(const ChartAxis& axis, double value) {
     return std::isfinite(value) && (!axis.logarithmic || value > 0);
@@ -40,6 +40,10 @@ Range range_of(const ChartAxis& axis, const std::vector<double>& values) {
     }
     const double border = high > low ? 0.05 * (high - low) : std::max(std::fabs(high), 1.0) * 0.1;
     return {low >= 0 && low < 0.4 * high ? 0 : low - border, high <= 0 && high > 0.4 * low ? 0 : high + border};
+}
+
+Axis chart_axis(const ChartAxis& axis, const Range& range, std::size_t most) {
+    return number_axis(axis.label, range, most, axis.tick ? axis.tick : number_label);
 }
 
 // A number of cells or a limit of their colours.
@@ -128,7 +132,7 @@ struct Cells {
 class ChartSheet {
 public:
     explicit ChartSheet(const Chart& chart)
-        : chart_(chart), look_{chart.title, kChartWidth, 0}, heading_(plan_heading(look_, {})), cells_(chart) {
+        : chart_(chart), look_{chart.title, kChartWidth, 0}, heading_(plan_heading(look_, chart.notes)), cells_(chart) {
         std::vector<std::string> names;
         for (const ChartSeries& series : chart.series)
             names.push_back(series.marks ? series.name : "");
@@ -145,9 +149,16 @@ public:
         y_axis_ = make_y_axis(height);
         const double left = std::ceil(kMargin + left_room(y_axis_));
         plot_ = {left, top, kChartWidth - kMargin - left, height};
-        x_axis_ = fit_axis(plot_.width, false, [&](std::size_t most) {
-            return map() ? Cells::axis(chart.x.label, cells_.xs, most) : number_axis(chart.x.label, x_, most);
-        });
+        for (double beyond = 0; plot_.width > 100; plot_.width -= beyond) { // the last label, behind the sheet
+            x_axis_ = fit_axis(plot_.width, false, [&](std::size_t most) {
+                return map() ? Cells::axis(chart.x.label, cells_.xs, most) : chart_axis(chart.x, x_, most);
+            });
+            const AxisTick& last = x_axis_.ticks.back();
+            beyond = last.fraction * plot_.width + measure(last.label, kChartLabelStyle).width / 2 - plot_.width -
+                     kMargin + 4;
+            if (beyond <= 0)
+                break;
+        }
         if (map())
             cells_.add_to(legend_);
         for (std::size_t i = 0; i < chart.series.size(); ++i)
@@ -214,7 +225,7 @@ private:
     Axis make_y_axis(double height) const {
         if (!bars())
             return fit_axis(height, true, [&](std::size_t most) {
-                return map() ? Cells::axis(chart_.y.label, cells_.ys, most) : number_axis(chart_.y.label, y_, most);
+                return map() ? Cells::axis(chart_.y.label, cells_.ys, most) : chart_axis(chart_.y, y_, most);
             });
         Axis axis{chart_.y.label, {}};
         const auto count = static_cast<double>(chart_.groups.size());
@@ -236,10 +247,13 @@ private:
         if (series.marks)
             return {series_colour(numbers_[number]), 1.8, series.dashed ? kDashes[0] : std::vector<double>{}, true};
         const auto curves = chart_.series.begin() + static_cast<std::ptrdiff_t>(number);
+        const auto before =
+            std::count_if(chart_.series.begin(), curves, [](const ChartSeries& one) { return !one.marks; });
         const bool solid = !series.dashed && std::none_of(chart_.series.begin(), curves, [](const ChartSeries& one) {
             return !one.marks && !one.dashed;
         });
-        return {kInk, map() ? 1.8 : 1.4, solid ? std::vector<double>{} : kDashes[number % kDashes.size()], true};
+        return {kInk, map() ? 1.8 : 1.4,
+                solid ? std::vector<double>{} : kDashes[static_cast<std::size_t>(before) % kDashes.size()], true};
     }
 
     // Only of what is drawn.
@@ -324,10 +338,10 @@ private:
                 for (std::size_t k = 1; k < places.size(); ++k)
                     lines_.emplace_back(places[k - 1], places[k]);
             }
-            if (series.marks)
-                for (const Point& at : places) {
-                    draw_mark(canvas, numbers_[i], at);
-                    marks_.push_back(at);
+            for (const ChartPoint& point : series.points)
+                if (series.marks && point.marked && shown(point)) {
+                    marks_.push_back(place(point.x, point.y));
+                    draw_mark(canvas, numbers_[i], marks_.back());
                 }
         }
     }

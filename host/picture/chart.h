@@ -6,18 +6,21 @@
 #include <vector>
 
 #include "host/picture/picture.h"
+#include "host/picture/ticks.h"
 
 namespace forceshade::picture {
 
 struct ChartAxis {
     std::string label; /* with its unit: "time / ns" */
     bool logarithmic = false;
+    TickLabel tick{}; /* how a number is written; empty: as number_label does */
 };
 
 struct ChartPoint {
     double x = 0, y = 0;
-    std::optional<double> x_low, x_high, y_low, y_high; /* ends of whiskers */
-    std::string label;                                  /* stands beside the mark if there is room */
+    std::optional<double> x_low{}, x_high{}, y_low{}, y_high{}; /* ends of whiskers */
+    std::string label{};                                        /* stands beside the mark if there is room */
+    bool marked = true;                                         /* if the series has marks */
 };
 
 struct ChartSeries {
@@ -35,6 +38,7 @@ struct ChartCell {
 /// Bars are those of series, a point each; their x are words.
 struct Chart {
     std::string title;
+    std::vector<std::string> notes; /* lines below it */
     ChartAxis x, y;
     std::vector<ChartSeries> series;
     std::vector<ChartCell> cells; /* of a map, beneath the series; empty: no map */

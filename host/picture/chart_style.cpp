@@ -23,32 +23,35 @@ constexpr std::array<Rgb8, 8> kColours{{{0, 98, 173},
                                         {77, 77, 77}}};
 
 // Names that meet in a figure differ in their colours: number modulo 8.
-constexpr auto kKnownSeries =
-    std::to_array<std::pair<std::string_view, std::size_t>>({{"direct", 0},
-                                                             {"look-up, trilinear", 1},
-                                                             {"look-up, tricubic", 2},
-                                                             {"god-object", 3},
-                                                             {"field, kernel", 4},
-                                                             {"field, CPU on one thread", 5},
-                                                             {"static field", 8},
-                                                             {"closed loop, kernel", 6},
-                                                             {"closed loop, CPU on one thread", 7},
-                                                             {"flat", 8},
-                                                             {"facet", 9},
-                                                             {"edge", 10},
-                                                             {"rim", 11},
-                                                             {"boundary", 12},
-                                                             {"shaded", 16},
-                                                             {"reference", 16},
-                                                             {"morgenbesser", 17},
-                                                             {"barycentric", 18},
-                                                             {"two_pass", 19},
-                                                             {"mean_value", 20},
-                                                             {"height_map", 21},
-                                                             {"none", 23},
-                                                             {"unshaded", 23}});
+constexpr auto kKnownSeries = std::to_array<std::pair<std::string_view, std::size_t>>(
+    {{"direct", 0},
+     {"look-up, trilinear", 1},
+     {"look-up, tricubic", 2},
+     {"god-object", 3},
+     {"field, kernel", 4},
+     {"field, CPU on one thread", 5},
+     {"static field", 8},
+     {"closed loop, kernel", 6},
+     {"closed loop, CPU on one thread", 7},
+     {"flat", 8},
+     {"facet", 9},
+     {"edge", 10},
+     {"rim", 11},
+     {"boundary", 12},
+     {"shaded", 16},
+     {"reference", 16},
+     {"morgenbesser", 17},
+     {"barycentric", 18},
+     {"two_pass", 19},
+     {"mean_value", 20},
+     {"height_map", 21},
+     {"computing the force and its safety", 24},
+     {"late: woken after the sample was due", 25},
+     {"jitter: the time between two samples off the period", 26},
+     {"none", 23},
+     {"unshaded", 23}});
 
-constexpr std::size_t kFirstUnknown = 24; // no mark of a known name has its colour, too
+constexpr std::size_t kFirstUnknown = 32; // no mark of a known name has its colour, too
 
 Point polar(double radius, double turns) { // from the top
     const double angle = 2 * std::numbers::pi * turns;

@@ -1,12 +1,7 @@
 #include "host/picture/files.h"
 
-#include <algorithm>
-#include <charconv>
+#include <span>
 
-#include <fmt/format.h>
-#include <fmt/ranges.h>
-
-#include "host/error.h"
 #include "host/output/files.h"
 
 namespace forceshade::picture {
@@ -38,33 +33,6 @@ std::vector<FileRecord> write_picture(const std::filesystem::path& stem, const E
         records.push_back({name, sha256_of(bytes), bytes.size()});
     }
     return records;
-}
-
-void read_size(const std::string& text, Look& look) {
-    constexpr int kLeast = 400, kMost = 8000; // pixels
-    const std::size_t x = text.find('x');
-    const auto number = [&](std::string_view digits) {
-        int value = 0;
-        const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
-        if (error != std::errc() || end != digits.data() + digits.size() || value < kLeast || value > kMost)
-            throw UsageError(fmt::format("--size {}: write a width in pixels, or WIDTHxHEIGHT, each from {} to {}",
-                                         text, kLeast, kMost));
-        return value;
-    };
-    look.width = number(std::string_view(text).substr(0, x));
-    look.most_height = x == std::string::npos ? 0 : number(std::string_view(text).substr(x + 1));
-}
-
-void refuse_unused(const Endings& endings, bool as_by_default) {
-    if (!endings.any() && !as_by_default)
-        throw UsageError("there is no picture to draw so: add --also png, svg or pdf");
-}
-
-Quantity quantity_named(const std::string& name) {
-    const auto found = std::ranges::find(kQuantityNames, name);
-    if (found == kQuantityNames.end())
-        throw UsageError(fmt::format("--quantity {}: there are {}", name, fmt::join(kQuantityNames, ", ")));
-    return static_cast<Quantity>(found - kQuantityNames.begin());
 }
 
 } // namespace forceshade::picture

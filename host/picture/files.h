@@ -25,13 +25,4 @@ std::vector<std::string> names_with(const std::string& stem, const Endings& endi
 std::vector<FileRecord> write_picture(const std::filesystem::path& stem, const Endings& endings,
                                       const Picture& picture);
 
-/// "1200" or "1200x800". \throws UsageError for what is none or too small or large to draw on.
-void read_size(const std::string& text, Look& look);
-
-/// \throws UsageError if pictures are described that nobody asked for.
-void refuse_unused(const Endings& endings, bool as_by_default);
-
-/// "magnitude". \throws UsageError with the names that there are.
-Quantity quantity_named(const std::string& name);
-
 } // namespace forceshade::picture

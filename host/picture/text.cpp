@@ -8,8 +8,27 @@ namespace {
 
 constexpr std::string_view kReplacement = "\xEF\xBF\xBD"; // U+FFFD
 
-// Length in bytes of the valid UTF-8 character that `text` begins with, or 0 (RFC 3629: no overlong forms, no
-// surrogates).
+bool breaks_after(char c) {
+    return c == ' ' || c == '_' || c == '-' || c == '/';
+}
+
+// How many bytes of `text` go on a line of `width`: up to the last allowed break, or else as many characters as fit.
+std::size_t line_length(std::string_view text, const TextStyle& style, double width) {
+    std::size_t fitting = 0, at_break = 0;
+    while (fitting < text.size()) {
+        const std::size_t next = fitting + character_length(text.substr(fitting));
+        if (fitting > 0 && measure(text.substr(0, next), style).width > width)
+            return at_break > 0 ? at_break : fitting;
+        fitting = next;
+        if (breaks_after(text[fitting - 1]))
+            at_break = fitting;
+    }
+    return fitting;
+}
+
+} // namespace
+
+// RFC 3629: no overlong forms, no surrogates.
 std::size_t character_length(std::string_view text) {
     const auto byte = [&](std::size_t i) {
         return i < text.size() ? static_cast<unsigned>(static_cast<unsigned char>(text[i])) : 0U;
@@ -30,26 +49,6 @@ std::size_t character_length(std::string_view text) {
     }
     return 0;
 }
-
-bool breaks_after(char c) {
-    return c == ' ' || c == '_' || c == '-' || c == '/';
-}
-
-// How many bytes of `text` go on a line of `width`: up to the last allowed break, or else as many characters as fit.
-std::size_t line_length(std::string_view text, const TextStyle& style, double width) {
-    std::size_t fitting = 0, at_break = 0;
-    while (fitting < text.size()) {
-        const std::size_t next = fitting + character_length(text.substr(fitting));
-        if (fitting > 0 && measure(text.substr(0, next), style).width > width)
-            return at_break > 0 ? at_break : fitting;
-        fitting = next;
-        if (breaks_after(text[fitting - 1]))
-            at_break = fitting;
-    }
-    return fitting;
-}
-
-} // namespace
 
 std::string printable(std::string_view text) {
     std::string result;

@@ -17,19 +17,12 @@ std::string millimetres(double metres) {
 }
 
 std::string map_words(const HeightMapSpec& map) {
-    switch (map.function) {
-    case MapFunction::cylinder:
-        return "a cylinder, radius " + millimetres(map.radius);
-    case MapFunction::dip:
-        return "a dip, radius " + millimetres(map.radius);
-    case MapFunction::sine:
-        return "a sine, wavelength " + millimetres(map.width);
-    case MapFunction::gaussian:
-        return "a Gaussian bump, radius " + millimetres(map.radius);
-    case MapFunction::file:
+    if (map.function == MapFunction::file)
         return "an image";
-    }
-    return "";
+    if (map.function == MapFunction::sine)
+        return "a sine, wavelength " + millimetres(map.width);
+    static constexpr std::array kShapes{"cylinder", "dip", "sine", "Gaussian bump"};
+    return fmt::format("a {}, radius {}", kShapes[static_cast<std::size_t>(map.function)], millimetres(map.radius));
 }
 
 std::string surface_words(const SurfaceSpec& surface) {
@@ -47,25 +40,14 @@ std::string surface_words(const SurfaceSpec& surface) {
     return "";
 }
 
-const char* shading_words(Shading shading) {
-    switch (shading) {
-    case Shading::none:
-        return "unshaded";
-    case Shading::reference:
-        return "shaded as its cylinder";
-    case Shading::height_map:
-        return "shaded as the height map";
-    case Shading::morgenbesser:
-        return "shaded after Morgenbesser";
-    case Shading::barycentric:
-        return "shaded by barycentric normals";
-    case Shading::mean_value:
-        return "shaded by mean-value normals";
-    case Shading::two_pass:
-        return "shaded in two passes";
-    }
-    return "";
-}
+// In the order of Shading.
+constexpr std::array kShadingWords{"unshaded",
+                                   "shaded as its cylinder",
+                                   "shaded as the height map",
+                                   "shaded after Morgenbesser",
+                                   "shaded by barycentric normals",
+                                   "shaded by mean-value normals",
+                                   "shaded in two passes"};
 
 std::string with_spaces(std::string name) {
     std::ranges::replace_if(
@@ -79,7 +61,7 @@ std::string title_of(const Case& one, bool with_shading) {
     static constexpr std::array<std::string_view, 6> kSaid{"kind", "radius", "facets", "shading", "function", "file"};
     std::string title = surface_words(one.scene.surface);
     if (with_shading)
-        title += fmt::format(", {}", shading_words(one.scene.force.shading));
+        title += fmt::format(", {}", kShadingWords[static_cast<std::size_t>(one.scene.force.shading)]);
     if (one.scene.texture)
         title += ", with a texture of " + map_words(one.scene.texture->map);
     for (const auto& [key, value] : one.varied)

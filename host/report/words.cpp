@@ -6,32 +6,13 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "host/picture/canvas.h"
 #include "host/picture/quantity.h"
 
 namespace forceshade::report {
 namespace {
 
 constexpr std::string_view kReplacement = "\xEF\xBF\xBD";
-
-// Bytes of the UTF-8 sequence that starts here; 0 if it is none.
-std::size_t sequence_length(std::string_view text) {
-    const auto byte = [&](std::size_t i) { return i < text.size() ? static_cast<std::uint8_t>(text[i]) : 0u; };
-    const auto follows = [&](std::size_t i) { return (byte(i) & 0xC0u) == 0x80u; };
-    const unsigned first = byte(0);
-    if (first < 0x80)
-        return 1;
-    if (first >= 0xC2 && first < 0xE0)
-        return follows(1) ? 2 : 0;
-    if (first >= 0xE0 && first < 0xF0) {
-        const bool overlong = first == 0xE0 && byte(1) < 0xA0, surrogate = first == 0xED && byte(1) >= 0xA0;
-        return follows(1) && follows(2) && !overlong && !surrogate ? 3 : 0;
-    }
-    if (first >= 0xF0 && first < 0xF5) {
-        const bool overlong = first == 0xF0 && byte(1) < 0x90, beyond = first == 0xF4 && byte(1) >= 0x90;
-        return follows(1) && follows(2) && follows(3) && !overlong && !beyond ? 4 : 0;
-    }
-    return 0;
-}
 
 bool is_no_character(std::string_view sequence) {
     if (sequence.size() == 1)
@@ -62,7 +43,7 @@ std::string_view entity(char c) {
 std::string escaped(std::string_view text) {
     std::string result;
     while (!text.empty()) {
-        const std::size_t length = sequence_length(text);
+        const std::size_t length = picture::character_length(text);
         const std::string_view sequence = text.substr(0, length ? length : 1);
         if (length == 0 || is_no_character(sequence))
             result += kReplacement;
@@ -123,31 +104,15 @@ std::string number_text(double value, int digits) {
         return "0";
     if (!std::isfinite(value))
         return "no number";
-    const int exponent = static_cast<int>(std::floor(std::log10(std::fabs(value))));
-    std::string text;
-    if (exponent >= -3 && exponent < 5) {
-        text = fmt::format("{:.{}f}", value, std::max(0, digits - 1 - exponent));
-        if (text.find('.') != std::string::npos)
-            text.erase(text.find_last_not_of("0.") == std::string::npos ? 1 : text.find_last_not_of('0') + 1);
-        if (text.back() == '.')
-            text.pop_back();
-    } else {
-        static constexpr std::array<const char*, 10> kRaised{"⁰", "¹", "²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹"};
-        text = fmt::format("{:.{}e}", value, digits - 1);
-        const std::size_t e = text.find('e');
-        const int power = std::stoi(text.substr(e + 1));
-        std::string raised = power < 0 ? "⁻" : "";
-        for (const char digit : fmt::format("{}", std::abs(power)))
-            raised += kRaised[static_cast<std::size_t>(digit - '0')];
-        std::string mantissa = text.substr(0, e);
-        if (mantissa.find('.') != std::string::npos) {
-            mantissa.erase(mantissa.find_last_not_of('0') + 1);
-            if (mantissa.back() == '.')
-                mantissa.pop_back();
-        }
-        text = (mantissa == "1" ? "10" : mantissa == "-1" ? "-10" : mantissa + "×10") + raised;
-    }
-    return text.front() == '-' ? "−" + text.substr(1) : text;
+    const std::string rounded = fmt::format("{:.{}e}", std::fabs(value), digits - 1);
+    const std::size_t e = rounded.find('e');
+    const int exponent = std::stoi(rounded.substr(e + 1));
+    if (exponent >= -3 && exponent < 5)
+        return picture::trimmed(value, std::max(0, digits - 1 - exponent));
+    std::string mantissa = rounded.substr(0, e);
+    if (mantissa.find('.') != std::string::npos)
+        mantissa.erase(mantissa.find_last_not_of("0.") + 1);
+    return (value < 0 ? "−" : "") + (mantissa == "1" ? "10" : mantissa + "×10") + picture::superscript(exponent);
 }
 
 std::string script_text(const nlohmann::ordered_json& json) {

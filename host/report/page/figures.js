@@ -5,7 +5,7 @@ const MARKS = [d3.symbolCircle, d3.symbolSquare, d3.symbolTriangle, d3.symbolDia
 const SERIES_COLOURS = 8, MOST_LABELS = 8;
 
 // The same colour and mark for the same name everywhere: on the page and, of known names (chart_style.cpp), in pictures.
-const styles = new Map(Object.entries(KNOWN_SERIES)), FIRST_UNKNOWN = 24, known = styles.size;
+const styles = new Map(Object.entries(KNOWN_SERIES)), FIRST_UNKNOWN = 32, known = styles.size;
 function styleOf(name) {
   if (!styles.has(name))
     styles.set(name, FIRST_UNKNOWN + styles.size - known);
