@@ -95,13 +95,6 @@ std::string counted(std::uint64_t count, std::string_view noun) {
     return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s");
 }
 
-std::size_t columns_of(std::string_view text) {
-    std::size_t columns = 0;
-    for (const char byte : text)
-        columns += begins_character(byte);
-    return columns;
-}
-
 std::string_view cut_to_columns(std::string_view text, std::size_t columns) {
     std::size_t end = 0, seen = 0;
     while (end < text.size() && (seen += begins_character(text[end])) <= columns)

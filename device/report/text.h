@@ -32,10 +32,7 @@ std::string counted(std::uint64_t count, std::string_view noun);
 
 inline constexpr std::size_t kColumns = 100;
 
-/// How many columns UTF-8 text takes, a character each.
-std::size_t columns_of(std::string_view text);
-
-/// No more than so many columns of it.
+/// No more than so many columns of UTF-8 text, a character each.
 std::string_view cut_to_columns(std::string_view text, std::size_t columns);
 
 class WrappedLines {

@@ -250,16 +250,10 @@ std::optional<OnLine> on_line(const std::vector<picture::LinePoint>& line, doubl
     return OnLine{std::lerp(from.z, to.z, share), std::atan2(from.z - to.z, to.x - from.x) * kDegrees};
 }
 
-std::string length_text(double metres) {
-    if (!(metres > 0))
-        return "0 m";
-    const picture::Unit unit = picture::choose_unit(metres, "m");
-    return picture::with_unit(picture::three_digits(picture::divide_by_power_of_ten(metres, unit.exponent)), unit);
-}
-
 std::string follows(const Following& f, const char* line) {
     return fmt::format("{} from {} sunk by {}, the force {:.2f}° (median {:.2f}°) from its normal",
-                       length_text(f.distance), line, length_text(std::fabs(f.sunk)), f.angle, f.median_angle);
+                       picture::quantity_text(f.distance, "m"), line, picture::quantity_text(std::fabs(f.sunk), "m"),
+                       f.angle, f.median_angle);
 }
 
 } // namespace

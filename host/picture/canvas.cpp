@@ -142,7 +142,6 @@ struct Canvas::Sheet {
     cairo_surface_t* surface;
     cairo_t* context;
     std::vector<PlacedText> texts;
-    double shift = 0; // pixels
 };
 
 Extent measure(std::string_view text, const TextStyle& style) {
@@ -251,13 +250,7 @@ void Canvas::text(std::string_view text, Point anchor, const TextStyle& style, R
     cairo_move_to(context, 0, 0);
     cairo_show_text(context, owned.c_str());
     cairo_restore(context);
-    box.x += sheet_->shift;
     sheet_->texts.push_back({owned, box});
-}
-
-void Canvas::shift(int pixels) {
-    sheet_->shift += pixels;
-    cairo_translate(sheet_->context, pixels, 0);
 }
 
 Picture Canvas::finish() const {

@@ -77,9 +77,6 @@ public:
     void end_clip();
     void text(std::string_view text, Point anchor, const TextStyle& style, Rgb8 colour = kInk);
 
-    /// From here on everything is drawn so many whole pixels further to the right.
-    void shift(int pixels);
-
     /// The finished picture. Throws std::runtime_error if the drawing library failed (out of memory).
     Picture finish() const;
 

@@ -56,9 +56,7 @@ std::string magnitude_note(const ValueSlice& before, const ValueSlice& after) {
         }
     if (change <= 1e-5 * largest)
         return "stays";
-    const Unit unit = choose_unit(change, "N");
-    return fmt::format("changes by up to {}",
-                       with_unit(three_digits(divide_by_power_of_ten(change, unit.exponent)), unit));
+    return "changes by up to " + quantity_text(change, "N");
 }
 
 bool has_force(const ValueSlice& tile) {

@@ -90,6 +90,13 @@ std::string three_digits(double value) {
     return trimmed(divide_by_power_of_ten(value, exponent), 2) + " × 10" + superscript(exponent);
 }
 
+std::string quantity_text(double value, std::string_view base) {
+    if (!(value > 0))
+        return fmt::format("0 {}", base);
+    const Unit unit = choose_unit(value, base);
+    return with_unit(three_digits(divide_by_power_of_ten(value, unit.exponent)), unit);
+}
+
 int needed_decimals(double value, int most) {
     const std::string text = decimal(value, most);
     const std::size_t point = text.find('.');

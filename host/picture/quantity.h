@@ -38,6 +38,9 @@ std::string trimmed(double value, int decimals);
 /// `value` > 0 in three significant digits: "2.5", "31.2", "50000", "3.8 × 10⁶".
 std::string three_digits(double value);
 
+/// A size >= 0 in its unit: "16.8 N", "0 m".
+std::string quantity_text(double value, std::string_view base);
+
 /// The number of decimals, at most `most`, that `value` needs to be written to within 10^-most / 2.
 int needed_decimals(double value, int most);
 

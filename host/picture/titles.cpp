@@ -12,26 +12,23 @@
 namespace forceshade::picture {
 namespace {
 
-std::string millimetres(double metres) {
-    return three_digits(metres * 1000) + " mm";
-}
-
 std::string map_words(const HeightMapSpec& map) {
     if (map.function == MapFunction::file)
         return "an image";
     if (map.function == MapFunction::sine)
-        return "a sine, wavelength " + millimetres(map.width);
+        return "a sine, wavelength " + quantity_text(map.width, "m");
     static constexpr std::array kShapes{"cylinder", "dip", "sine", "Gaussian bump"};
-    return fmt::format("a {}, radius {}", kShapes[static_cast<std::size_t>(map.function)], millimetres(map.radius));
+    return fmt::format("a {}, radius {}", kShapes[static_cast<std::size_t>(map.function)],
+                       quantity_text(map.radius, "m"));
 }
 
 std::string surface_words(const SurfaceSpec& surface) {
     switch (surface.kind) {
     case SurfaceKind::bump:
         return fmt::format("Bump of {} facet{}, radius {}", surface.facets, surface.facets == 1 ? "" : "s",
-                           millimetres(surface.radius));
+                           quantity_text(surface.radius, "m"));
     case SurfaceKind::cylinder_bump:
-        return "Cylinder bump, radius " + millimetres(surface.radius);
+        return "Cylinder bump, radius " + quantity_text(surface.radius, "m");
     case SurfaceKind::height_map:
         return "Plane with the height map of " + map_words(surface.map);
     case SurfaceKind::mesh:

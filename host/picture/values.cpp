@@ -126,8 +126,7 @@ std::string largest_note(const ColourScale& scale, double largest) {
         return "";
     if (scale.unit == "°")
         return fmt::format(" (at most {}°)", three_digits(largest));
-    const Unit unit = choose_unit(largest, scale.unit);
-    return fmt::format(" (at most {})", with_unit(three_digits(divide_by_power_of_ten(largest, unit.exponent)), unit));
+    return fmt::format(" (at most {})", quantity_text(largest, scale.unit));
 }
 
 std::vector<std::size_t> nearest_samples(const std::vector<double>& samples, double spacing, int pixels) {

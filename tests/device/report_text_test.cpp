@@ -80,7 +80,7 @@ TEST(ReportText, fits_a_terminal_whatever_it_is_told) {
         const std::string text = report_text(outcome);
         EXPECT_TRUE(text.ends_with('\n')) << file;
         for (const std::string& line : lines_of(text)) {
-            EXPECT_LE(columns_of(line), kColumns) << file << ": " << line;
+            EXPECT_EQ(cut_to_columns(line, kColumns), line) << file << ": " << line;
             EXPECT_FALSE(line.ends_with(' ')) << file << ": " << line;
         }
         EXPECT_EQ(text.find('\x1b'), std::string::npos) << file << ": no device's name speaks to the terminal";
