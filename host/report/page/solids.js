@@ -35,7 +35,11 @@ function boundarySolid(volume_, stiffness) {
         for (at[0] = 0; at[0] < size[0] - less; ++at[0])
           visit(at[0] + strides[1] * at[1] + strides[2] * at[2]);
   };
-  each(0, (n) => { inside[n] = length(force(at)) > 0; });
+  const [nx, ny, nz] = volume_.about.size, [fx, fy, fz] = volume_.components;
+  each(0, (n) => {
+    const i = Math.min(at[0], nx - 1) + nx * (Math.min(at[1], ny - 1) + ny * Math.min(at[2], nz - 1));
+    inside[n] = fx[i] !== 0 || fy[i] !== 0 || fz[i] !== 0;
+  });
   const corners = d3.range(8).map((c) => [c & 1, c >> 1 & 1, c >> 2]), offsets = corners.map((c) => d3.sum(c, (on, a) => on * strides[a]));
   const crossing = (within, without, axis) => {
     const f = force(within), [from, to] = [place(within), place(without)], step = Math.abs(to[axis] - from[axis]);
@@ -58,8 +62,10 @@ function boundarySolid(volume_, stiffness) {
     positions.push(...[0, 1, 2].map((a) => MM * d3.mean(found, (one) => one[a])));
   });
   each(0, (n) => strides.forEach((stride, axis) => {
+    if (inside[n] === inside[n + stride] || at[axis] + 1 >= size[axis])
+      return;
     const u = (axis + 1) % 3, v = (axis + 2) % 3;
-    if (at[axis] + 1 >= size[axis] || inside[n] === inside[n + stride] || !at[u] || !at[v])
+    if (!at[u] || !at[v])
       return;
     const round = [n - strides[u] - strides[v], n - strides[v], n, n - strides[u]].map((cell) => vertices[cell]);
     const [a, b, c, d] = inside[n] ? round : round.reverse();
