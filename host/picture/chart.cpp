@@ -240,12 +240,21 @@ private:
         return {plot_.x + u * plot_.width, plot_.y + (1 - v) * plot_.height};
     }
 
+    // The series with marks whose name a curve has; null if there is none.
+    const ChartSeries* marked_as(const ChartSeries& curve) const {
+        const auto found = std::ranges::find_if(
+            chart_.series, [&](const ChartSeries& one) { return !curve.marks && one.marks && one.name == curve.name; });
+        return found == chart_.series.end() ? nullptr : &*found;
+    }
+
     // Curves differ by their dashes: the first of those that are not dashed is solid.
     Stroke stroke_of(std::size_t number) const {
         static const std::vector<std::vector<double>> kDashes{{8, 5}, {2, 4}, {10, 4, 2, 4}, {4, 4}, {12, 3}};
         const ChartSeries& series = chart_.series[number];
         if (series.marks)
             return {series_colour(numbers_[number]), 1.8, series.dashed ? kDashes[0] : std::vector<double>{}, true};
+        if (const ChartSeries* own = marked_as(series))
+            return {series_colour(numbers_[static_cast<std::size_t>(own - chart_.series.data())]), 1.4, {}, true};
         const auto curves = chart_.series.begin() + static_cast<std::ptrdiff_t>(number);
         const auto before =
             std::count_if(chart_.series.begin(), curves, [](const ChartSeries& one) { return !one.marks; });
@@ -260,7 +269,7 @@ private:
     void add_item(std::size_t i) {
         const ChartSeries& series = chart_.series[i];
         const auto points = std::ranges::count_if(series.points, [&](const ChartPoint& one) { return shown(one); });
-        if (series.name.empty() || points < (series.marks ? 1 : 2))
+        if (series.name.empty() || points < (series.marks ? 1 : 2) || marked_as(series))
             return;
         if (bars())
             legend_.push_back(swatch_item(series.name, series_colour(numbers_[i])));
@@ -288,15 +297,18 @@ private:
     void draw_bars(Canvas& canvas) const {
         const double row = plot_.height / static_cast<double>(chart_.groups.size());
         const double height = 0.75 * row / static_cast<double>(chart_.series.size());
-        const double base = chart_.x.logarithmic ? plot_.x : place(0, 0).x;
+        const double base = chart_.x.logarithmic ? 0 : place(0, 0).x;
         for (std::size_t i = 0; i < chart_.series.size(); ++i)
             for (const ChartPoint& point : chart_.series[i].points) {
                 if (!shown(point))
                     continue;
                 const double top = plot_.y + (point.x + 0.125) * row + static_cast<double>(i) * height;
                 const double end = place(point.y, 0).x;
-                canvas.fill({std::min(base, end), top, std::max(1.0, std::fabs(end - base)), height - 1},
-                            series_colour(numbers_[i]));
+                if (chart_.x.logarithmic) // there is nothing that a bar could begin at
+                    draw_mark(canvas, numbers_[i], {end, top + height / 2});
+                else
+                    canvas.fill({std::min(base, end), top, std::max(1.0, std::fabs(end - base)), height - 1},
+                                series_colour(numbers_[i]));
                 if (point.y_low && point.y_high && can_show(chart_.x, *point.y_low))
                     canvas.polyline(std::array{Point{place(*point.y_low, 0).x, top + height / 2},
                                                Point{place(*point.y_high, 0).x, top + height / 2}},

@@ -133,12 +133,14 @@ function drawScatter(element, study, figure) {
   const y = scaleOf(figure.y, [...rows.map((row) => row[figure.y.column]), ...curves.flatMap((c) => c.points.map((p) => p[1])), ...spread(figure.y, figure.low), ...spread(figure.y, figure.high)],
     [frame.bottom, PLOT.top]);
   frame.drawAxes(x, y, ticksOf(x, figure.x, frame.width / 90), ticksOf(y, figure.y, 7));
-  curves.forEach((curve, i) => {
-    const dash = curve.dashed ? CURVE_DASHES[1 + i % 4] : null;
-    drawLine(frame.body, curve.points, x, y, "var(--plot-ink)", dash, 1.2);
-    frame.addLegend(curve.label, (key) => drawLine(key, [[-12, 0], [12, 0]], (v) => v, (v) => v, "var(--plot-ink)", dash, 1.2));
-  });
   const names = d3.set(rows, (row) => row[figure.series] === undefined || row[figure.series] === null ? "" : row[figure.series]).values();
+  // A curve of a series' name is that series' own.
+  curves.forEach((curve, i) => {
+    const own = names.includes(curve.label), dash = curve.dashed ? CURVE_DASHES[1 + i % 4] : null;
+    drawLine(frame.body, curve.points, x, y, own ? styleOf(curve.label).colour : "var(--plot-ink)", dash, 1.2);
+    if (!own)
+      frame.addLegend(curve.label, (key) => drawLine(key, [[-12, 0], [12, 0]], (v) => v, (v) => v, "var(--plot-ink)", dash, 1.2));
+  });
   for (const name of names) {
     const style = styleOf(name), own = rows.filter((row) => !figure.series || String(row[figure.series] || "") === name);
     const at = (row) => [x(row[figure.x.column]), y(row[figure.y.column])];
@@ -245,12 +247,14 @@ function drawBars(element, study, figure) {
   const y = d3.scaleBand().domain(names).range([PLOT.top, frame.bottom]).padding(0.25), inner = d3.scaleBand().domain(series).range([0, y.bandwidth()]);
   frame.drawAxes(x, y, ticksOf(x, figure.y, frame.width / 110), names, (value) => typeof value === "number" ? tickText(value) : value);
   frame.svg.select("clipPath rect").attr("x", PLOT.left).attr("width", frame.right - PLOT.left);
-  const zero = figure.y.logarithmic ? Math.min(Math.max(1, x.domain()[0]), x.domain()[1]) : 0;
   for (const row of rows) {
     const top = y(String(row[figure.x.column])) + inner(String(row[figure.series] || "")), style = styleOf(String(row[figure.series] || figure.title));
-    const from = Math.min(x(zero), x(row[figure.y.column])), to = Math.max(x(zero), x(row[figure.y.column])), middle = top + inner.bandwidth() / 2;
-    frame.body.append("rect").attr("class", "mark").attr("x", from).attr("y", top).attr("width", Math.max(to - from, 1)).attr("height", inner.bandwidth() - 1)
-      .attr("fill", style.colour).datum(() => ({ study, figure, row }))
+    const at = x(row[figure.y.column]), middle = top + inner.bandwidth() / 2;
+    // On a logarithmic axis there is nothing that a bar could begin at: a mark alone.
+    const mark = figure.y.logarithmic
+      ? frame.body.append("path").attr("d", d3.symbol().type(style.symbol).size(60)()).attr("transform", `translate(${at},${middle})`)
+      : frame.body.append("rect").attr("x", Math.min(x(0), at)).attr("y", top).attr("width", Math.max(Math.abs(at - x(0)), 1)).attr("height", inner.bandwidth() - 1);
+    mark.attr("class", "mark").attr("fill", style.colour).datum(() => ({ study, figure, row }))
       .append("title").text(rowText(study, figure.table, row, [figure.x.column, figure.series, figure.y.column, figure.low, figure.high]));
     if (typeof row[figure.low] === "number" && typeof row[figure.high] === "number")
       frame.body.append("path").attr("stroke", "var(--plot-ink)").attr("fill", "none")

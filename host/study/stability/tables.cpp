@@ -141,12 +141,13 @@ Table worst_table(const LoopResults& results) {
     std::vector<R> rows;
     for (const LoopSurface& surface : results.surfaces)
         if (const LeastLimit* worst = results.worst(surface.name)) {
-            double z = 0;
-            for (const ProfilePoint& point : results.profile) // the last one before
-                if (point.surface == surface.name && point.x <= worst->place.surface.x)
-                    z = point.z;
-            rows.push_back(
-                {surface.name, fmt::format("{:.0f} N/m", *worst->limit), worst->place.surface.x, z, *worst->limit});
+            const double x = worst->place.surface.x;
+            const ProfilePoint* nearest = nullptr;
+            for (const ProfilePoint& point : results.profile)
+                if (point.surface == surface.name && (!nearest || std::abs(point.x - x) < std::abs(nearest->x - x)))
+                    nearest = &point;
+            rows.push_back({surface.name, fmt::format("{:.0f} N/m", *worst->limit), worst->place.surface.x,
+                            nearest ? nearest->z : 0, *worst->limit});
         }
     return table_of<R>("loop_worst", "Where each surface bears least",
                        {{{"surface", "", "what the hand is pressed into"}, [](const R& r) { return Cell(r.surface); }},
