@@ -114,7 +114,7 @@ void add_edges(std::vector<Finding>& findings, const LoopResults& results) {
          fmt::format("{}: jump of {:.3g} deg at x = {:.3g} mm, y = {:.3g} mm", most->surface,
                      most->place.jump / kDegree, 1e3 * most->place.surface.x, 1e3 * most->place.surface.y),
          fmt::format("{}, {:.2g} mm deep", hand_of(first), 1e3 * depth),
-         fmt::format("the sharpest foot of each surface, {} in all", all)});
+         fmt::format("the most of eight feet of each surface; {} surfaces have one", all)});
 }
 
 void add_delay(std::vector<Finding>& findings, const LoopResults& results) {

@@ -136,6 +136,7 @@ std::optional<double> simulated_limit(const LoopSurface& surface, const LeastLim
 }
 
 std::vector<EdgeSwing> edge_swings(Engine& engine, const LoopSurface& surface, const std::vector<RestPlace>& places) {
+    constexpr std::size_t kMostEdges = 8; // a limit cycle depends on where in a sample the probe crosses
     std::vector<LoopCell> cells;
     for (const double stiffness : {100, 200, 500, 1000, 2000, 5000})
         cells.push_back({surface.hand, surface.rate, stiffness});
@@ -145,17 +146,24 @@ std::vector<EdgeSwing> edge_swings(Engine& engine, const LoopSurface& surface, c
     std::vector<EdgeSwing> swings;
     for (const PlaceKind kind : {PlaceKind::edge, PlaceKind::foot})
         for (const double depth : surface.depths()) {
-            const RestPlace* sharpest = nullptr;
+            std::vector<const RestPlace*> some;
             for (const RestPlace& place : places)
-                if (place.kind == kind && place.depth == depth && (!sharpest || place.jump > sharpest->jump))
-                    sharpest = &place;
-            if (!sharpest)
-                continue;
-            LoopRun run;
-            run.swings = true;
-            const std::vector<LoopOutcome> outcomes = run_cells(engine, surface, *sharpest, cells, run);
-            for (std::size_t i = 0; i < cells.size(); ++i)
-                swings.push_back({surface.name, *sharpest, cells[i].stiffness, outcomes[i]});
+                if (place.kind == kind && place.depth == depth)
+                    some.push_back(&place);
+            std::ranges::stable_sort(some, {}, [](const RestPlace* place) { return -place->jump; });
+            some.resize(std::min(some.size(), kMostEdges));
+            const std::size_t first = swings.size();
+            for (const RestPlace* place : some) {
+                LoopRun run;
+                run.swings = true;
+                const std::vector<LoopOutcome> outcomes = run_cells(engine, surface, *place, cells, run);
+                for (std::size_t i = 0; i < cells.size(); ++i) {
+                    if (place == some.front())
+                        swings.push_back({surface.name, *place, cells[i].stiffness, outcomes[i]});
+                    else if (!outcomes[i].left && outcomes[i].swing > swings[first + i].outcome.swing)
+                        swings[first + i] = {surface.name, *place, cells[i].stiffness, outcomes[i]};
+                }
+            }
         }
     return swings;
 }

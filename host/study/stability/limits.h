@@ -37,7 +37,8 @@ struct EdgeSwing {
     LoopOutcome outcome;
 };
 
-/// At the sharpest jump of each kind and depth, over stiffnesses; with the surface's own hand pressed down.
+/// At the eight sharpest jumps of each kind and depth, that which swings most, over stiffnesses; with the surface's own
+/// hand pressed down.
 std::vector<EdgeSwing> edge_swings(Engine& engine, const LoopSurface& surface, const std::vector<RestPlace>& places);
 
 } // namespace forceshade::study
