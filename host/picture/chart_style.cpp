@@ -51,10 +51,20 @@ constexpr auto kKnownSeries = std::to_array<std::pair<std::string_view, std::siz
      {"computing the force and its safety", 24},
      {"late: woken after the sample was due", 25},
      {"jitter: the time between two samples off the period", 26},
+     {"mesh, shaded", 24},
+     {"map of a bump", 25},
+     {"bump, shaded", 26},
+     {"bump", 27},
+     {"strokes", 28},
+     {"map of a dip", 29},
+     {"mesh", 30},
+     {"plane", 31},
+     {"unshaded, normal depth", 33},
+     {"shaded, normal depth", 34},
      {"none", 23},
      {"unshaded", 23}});
 
-constexpr std::size_t kFirstUnknown = 32; // no mark of a known name has its colour, too
+constexpr std::size_t kFirstUnknown = 40; // no mark of a known name has its colour, too
 
 Point polar(double radius, double turns) { // from the top
     const double angle = 2 * std::numbers::pi * turns;

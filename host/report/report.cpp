@@ -37,6 +37,22 @@ std::string contents_list(const Contents& contents, bool viewer) {
     return "<nav aria-label=\"Contents\">\n<ul>\n" + html + "</ul>\n</nav>\n";
 }
 
+// Of several studies the first finding of each, beside its figure, which the page draws.
+std::string glance(const std::vector<StudyPart>& studies) {
+    if (studies.size() < 2)
+        return "";
+    std::string html;
+    for (const StudyPart& part : studies)
+        if (!part.data.findings.empty())
+            html += fmt::format("<div><h3><a href=\"#{0}\">{1}</a></h3><p>{2}</p><figure id=\"{0}-data-glance\" "
+                                "data-figure=\"{3}\"></figure></div>\n",
+                                anchor(part), escaped(title(part)), escaped(part.data.findings.front().text),
+                                escaped(part.data.findings.front().figure));
+    if (html.empty())
+        return html;
+    return "<section id=\"glance\">\n<h2>At a glance</h2>\n<div class=\"figures\">\n" + html + "</div>\n</section>\n";
+}
+
 std::string name_of(const std::filesystem::path& folder) {
     const std::filesystem::path whole = std::filesystem::absolute(folder).lexically_normal();
     return (whole.has_filename() ? whole : whole.parent_path()).filename().string();
@@ -61,7 +77,7 @@ std::string page_of(const std::string& name, const std::filesystem::path& folder
                     "forceshade {}.</p>\n</header>\n",
                     escaped(name), escaped(version())) +
         contents_list(contents, !viewer.empty()) + "<main>\n" + troubles_section(contents.troubles) + nothing +
-        studies + viewer + device + sweeps + "</main>\n";
+        glance(contents.studies) + studies + viewer + device + sweeps + "</main>\n";
     return page(name + " – forceshade", body, page_script(!viewer.empty()));
 }
 

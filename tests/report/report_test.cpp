@@ -78,6 +78,16 @@ TEST_F(Report, FindsWhatLiesTwoFoldersBelow) {
     EXPECT_TRUE(says("Energy (reference/energy)"));
 }
 
+TEST_F(Report, OfSeveralStudiesHasAFindingOfEachAtAGlance) {
+    write_sample_study(path("energy"));
+    write();
+    EXPECT_FALSE(says("At a glance"));
+    write_sample_study(path("other/energy"));
+    write();
+    EXPECT_TRUE(says("At a glance"));
+    EXPECT_TRUE(says("-data-glance\" data-figure=")) << "which the page fills";
+}
+
 TEST_F(Report, PassesByWhatMayNotBeLookedAt) {
     write_sample_sweep(path());
     for (const char* folder : {"odd", "other/odd"}) {

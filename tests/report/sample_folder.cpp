@@ -124,6 +124,7 @@ std::vector<CaseRecord> write_sample_sweep(const std::filesystem::path& folder) 
 void write_sample_study(const std::filesystem::path& folder) {
     std::filesystem::create_directories(folder);
     study::StudyData data = sample_study();
+    data.findings = {{"sample", "A sample study finds this.", data.figures.front().name, "here", "now", "for sure"}};
     study::write_data(folder, data, study::figure_files(data));
 }
 

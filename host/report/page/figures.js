@@ -69,7 +69,7 @@ const tickText = (value) => value !== 0 && (Math.abs(value) < 1e-3 || Math.abs(v
   ? numberText(value, 5).replace(/\.?0+×/, "×").replace(/^(−?)1×/, "$1") : String(+value.toPrecision(6)).replace("-", "−");
 
 class FigureFrame {
-  constructor(element, figure, height = HEIGHT) {
+  constructor(element, figure, height = figure.height || HEIGHT) {
     this.figure = figure;
     this.height = height;
     // As wide as there is room, so that words keep their size.
@@ -238,9 +238,9 @@ function drawMap(element, study, figure) {
 function drawBars(element, study, figure) {
   const rows = rowsOf(study, figure.table, figure.where).filter((row) => typeof row[figure.y.column] === "number");
   const names = [...new Set(rows.map((row) => String(row[figure.x.column])))], series = [...new Set(rows.map((row) => String(row[figure.series] || "")))];
-  const height = Math.max(160, PLOT.top + PLOT.bottom + names.length * (10 + 14 * series.length)), left = PLOT.left;
+  const height = figure.height || Math.max(160, PLOT.top + PLOT.bottom + names.length * (10 + 14 * series.length)), left = PLOT.left;
   // Words stand on the left, where they have room: bars lie.
-  const frame = new FigureFrame(element, { ...figure, x: figure.y, y: { label: "" } }, height), wide = Math.min(260, frame.width / 2, 12 + 6.4 * d3.max(names, (name) => name.length));
+  const frame = new FigureFrame(element, { ...figure, x: figure.y, y: { label: "" } }, height), wide = Math.min(260, frame.width / 2, 12 + 7.4 * d3.max(names, (name) => name.length));
   PLOT.left = Math.max(wide, left);
   const values = rows.flatMap((row) => [row[figure.y.column], row[figure.low], row[figure.high]]).filter((value) => typeof value === "number" && (!figure.y.logarithmic || value > 0));
   const x = scaleOf(figure.y, figure.y.logarithmic ? values : [0, ...values], [PLOT.left, frame.right]);
@@ -318,7 +318,8 @@ function csvText(study, figure) {
   return [columns.join(","), ...rowsOf(study, figure.table, figure.where).map((row) => columns.map((name) => cell(row[name])).join(","))].join("\n") + "\n";
 }
 
-function drawFigure(element, study, figure) {
+// `alone`: without caption and buttons.
+function drawFigure(element, study, figure, alone = false) {
   const canvas = element.appendChild(document.createElement("div"));
   element.prepend(Object.assign(document.createElement("h4"), { textContent: figure.title }));
   let width = 0;
@@ -335,6 +336,8 @@ function drawFigure(element, study, figure) {
   };
   draw();
   window.addEventListener("resize", draw);
+  if (alone)
+    return;
   const caption = element.appendChild(document.createElement("figcaption"));
   caption.append(figure.caption + " ");
   const actions = { SVG: () => save(figure.name + ".svg", "data:image/svg+xml;charset=utf-8," + encodeURIComponent(wholeSvg(canvas, figure))),

@@ -24,6 +24,9 @@ function startStudies() {
   document.querySelectorAll("script.study").forEach((script) => {
     const study = JSON.parse(script.textContent), element = (name, ...path) => document.getElementById(script.id + name);
     study.figures.forEach((figure, i) => drawFigure(element(i === 0 ? "-hero" : "-figures").appendChild(document.createElement("figure")), study, figure));
+    const glance = element("-glance"), shown = glance && (study.figures.find((one) => one.name === glance.dataset.figure) || study.figures[0]);
+    if (shown)
+      drawFigure(glance, study, { ...shown, height: 300 }, true);
     study.tables.forEach((table) => element("-tables").append(tableElement(table)));
   });
   document.documentElement.dataset.figures = "ready";
