@@ -130,7 +130,8 @@ void add_cheapest(std::vector<Finding>& findings, const Measured& measured) {
 void add_precision(std::vector<Finding>& findings, const Measured& measured) {
     double largest = 0;
     std::size_t laws = 0, places = 0;
-    std::vector<std::string> costs, intervals, names;
+    std::vector<double> costs;
+    std::vector<std::string> intervals, names;
     for (std::size_t i = 0; i < measured.ways.size(); ++i) {
         const Way& way = measured.ways[i];
         if (!measured.errors[i] || !measured.errors[i]->precision || way.family != "direct" || way.precision != "f32")
@@ -145,16 +146,19 @@ void add_precision(std::vector<Finding>& findings, const Measured& measured) {
             continue;
         const Interval cost = measured.times.ratio(i, *twin);
         names.push_back(law_name(way));
-        costs.push_back(fmt::format("{:.2f}", cost.median));
+        costs.push_back(cost.median);
         intervals.push_back(fmt::format("{:.2f} to {:.2f}", cost.low, cost.high));
     }
     if (costs.empty())
         return;
+    const auto [least, most] = std::ranges::minmax(costs);
     findings.push_back(
         {"precision",
          fmt::format("Single precision takes {} of the time of double, and differs by up to {} of the root "
                      "mean square force at random places.",
-                     fmt::join(costs, ", "), percent(largest)),
+                     costs.size() == 1 ? fmt::format("{:.2f}", least)
+                                       : fmt::format("{:.2f} to {:.2f}, by the law,", least, most),
+                     percent(largest)),
          "", fmt::format("{}", fmt::join(names, "; ")),
          fmt::format("direct evaluation on one thread; the difference is the largest of {} laws", laws),
          fmt::format("{}: {}; {} places a law", kBootstrap, fmt::join(intervals, ", "), places)});
