@@ -154,11 +154,10 @@ void add_precision(std::vector<Finding>& findings, const Measured& measured) {
     const auto [least, most] = std::ranges::minmax(costs);
     findings.push_back(
         {"precision",
-         fmt::format("Single precision takes {} of the time of double, and differs by up to {} of the root "
+         fmt::format("Single precision takes {} of the time of double{}, and differs by up to {} of the root "
                      "mean square force at random places.",
-                     costs.size() == 1 ? fmt::format("{:.2f}", least)
-                                       : fmt::format("{:.2f} to {:.2f}, by the law,", least, most),
-                     percent(largest)),
+                     costs.size() == 1 ? fmt::format("{:.2f}", least) : fmt::format("{:.2f} to {:.2f}", least, most),
+                     costs.size() == 1 ? "" : ", by the law", percent(largest)),
          "", fmt::format("{}", fmt::join(names, "; ")),
          fmt::format("direct evaluation on one thread; the difference is the largest of {} laws", laws),
          fmt::format("{}: {}; {} places a law", kBootstrap, fmt::join(intervals, ", "), places)});
