@@ -134,7 +134,7 @@ const LeastLimit& worst_of(const std::vector<LeastLimit>& limits) {
 }
 
 TEST(LeastLimits, AreThoseOfTheSteppedLoop) {
-    for (const char* name : {"plane", "bump, shaded", "map of a bump", "mesh, shaded"}) {
+    for (const char* name : {"plane", "shaded bump", "map of a bump", "shaded mesh"}) {
         const std::vector<LeastLimit> limits = least_limits(own(name), places_on(name), true);
         const LeastLimit& worst = worst_of(limits);
         EXPECT_NEAR(simulated_limit(own(name), worst).value() / *worst.limit, 1, 2e-3) << name;

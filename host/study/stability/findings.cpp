@@ -15,11 +15,15 @@ std::string newtons(double stiffness) {
     return stiffness >= 100 ? fmt::format("{:.0f} N/m", stiffness) : fmt::format("{:.3g} N/m", stiffness);
 }
 
+std::string hand_alone(const LoopSurface& surface) {
+    return fmt::format("hand of {:.3g} kg, {:.3g} N s/m, grip {:.4g} N/m, {:.4g} Hz", surface.hand.mass,
+                       surface.hand.damping + surface.hand.grip_damping, surface.hand.grip_stiffness, surface.rate);
+}
+
 std::string hand_of(const LoopSurface& surface) {
-    return fmt::format("hand of {:.3g} kg, {:.3g} N s/m, grip {:.4g} N/m, {:.4g} Hz{}", surface.hand.mass,
-                       surface.hand.damping + surface.hand.grip_damping, surface.hand.grip_stiffness, surface.rate,
-                       surface.hand.delay_samples > 0 ? fmt::format(", {} samples late", surface.hand.delay_samples)
-                                                      : ", no delay");
+    return hand_alone(surface) + (surface.hand.delay_samples > 0
+                                      ? fmt::format(", {} samples late", surface.hand.delay_samples)
+                                      : ", no delay");
 }
 
 std::string place_of(const LeastLimit& least) {
@@ -70,7 +74,7 @@ void add_shading(std::vector<Finding>& findings, const LoopResults& results) {
     std::vector<std::string> parts;
     std::string places;
     for (const char* surface : {"bump", "mesh"}) {
-        const LeastLimit *bare = results.worst(surface), *shaded = results.worst(std::string(surface) + ", shaded");
+        const LeastLimit *bare = results.worst(surface), *shaded = results.worst("shaded " + std::string(surface));
         if (!bare || !shaded)
             continue;
         parts.push_back(
@@ -107,7 +111,8 @@ void add_edges(std::vector<Finding>& findings, const LoopResults& results) {
         {"loop_edges",
          fmt::format("Where the direction jumps inwards, as at the foot of a bump, {}: with {} the probe goes on "
                      "swinging by up to {:.0f} um.",
-                     rest == 0 ? "no loop comes to rest"
+                     rest == 0 ? (all == 1 ? "the loop does not come to rest"
+                                           : fmt::format("loops come to rest on none of {} surfaces", all))
                                : fmt::format("{} of {} loops do not come to rest", all - rest, all),
                      newtons(stiffness), 1e6 * most->outcome.swing),
          "loop-edges",
@@ -145,7 +150,8 @@ void add_delay(std::vector<Finding>& findings, const LoopResults& results) {
                                                  "limit, by the surface.",
                                                  100 * low, 100 * high),
                         "loop-kinds", fmt::format("the worst place of each of {} surfaces", pairs),
-                        hand_of(results.surfaces.front()), sureness_of(results)});
+                        hand_alone(results.surfaces.front()) + ", without delay and one sample late",
+                        sureness_of(results)});
 }
 
 void add_rounding(std::vector<Finding>& findings, const LoopResults& results) {

@@ -40,7 +40,7 @@ Scene surface_of(const std::string& surface, const Setting& setting) {
     scene.surface.radius = setting.ratio * kHalfWidth;
     scene.surface.facets = setting.facets;
     scene.force.stiffness = setting.stiffness;
-    if (surface == "bump, shaded")
+    if (surface == "shaded bump")
         scene.force.shading = Shading::reference;
     if (surface == "cylinder bump")
         scene.surface.kind = SurfaceKind::cylinder_bump;
@@ -160,7 +160,7 @@ const std::vector<NumberAxis>& number_axes() {
 }
 
 const std::vector<std::string>& number_surfaces() {
-    static const std::vector<std::string> surfaces{"bump",       "bump, shaded",         "cylinder bump",
+    static const std::vector<std::string> surfaces{"bump",       "shaded bump",          "cylinder bump",
                                                    "height map", "height map, cylinder", "mesh"};
     return surfaces;
 }

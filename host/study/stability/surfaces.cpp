@@ -23,7 +23,7 @@ struct OwnScene {
 const OwnScene kOwnScenes[] = {
     {"plane", "surface = {facets = 1}", {-0.005, -0.005, -0.003}, {0.005, 0.005, 0.002}},
     {"bump", "surface = {facets = 2}", {-0.0152, -0.005, -0.003}, {0.0152, 0.005, 0.008}},
-    {"bump, shaded",
+    {"shaded bump",
      "surface = {facets = 2}\nforce.shading = \"reference\"",
      {-0.0152, -0.005, -0.003},
      {0.0152, 0.005, 0.008}},
@@ -95,7 +95,7 @@ std::vector<LoopSurface> own_surfaces() {
             own_surface(own.name, parse_scene(own.text, "the study's own scene").scene, own.low, own.high));
     const auto mesh = bump_mesh({0.0127, 0.0254, 8, 8, MeshCells::triangles});
     surfaces.push_back(own_mesh("mesh", Shading::none, mesh));
-    surfaces.push_back(own_mesh("mesh, shaded", Shading::mean_value, mesh));
+    surfaces.push_back(own_mesh("shaded mesh", Shading::mean_value, mesh));
     return surfaces;
 }
 

@@ -13,7 +13,7 @@
 namespace forceshade::study {
 
 struct LoopSurface {
-    std::string name;      /* "bump, shaded" */
+    std::string name;      /* "shaded bump" */
     PreparedCase prepared; /* its law has a stiffness of 1 N/m */
     HandSpec hand;
     double rate = 1000;         /* Hz */
