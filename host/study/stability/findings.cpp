@@ -50,6 +50,16 @@ std::string sureness_of(const LoopResults& results) {
     return text;
 }
 
+// Whether no damping, rate or delay changes the limit there: what gives way is the hand's grip, not the sampled loop.
+bool is_of_the_grip(const LoopResults& results, const LeastLimit& worst) {
+    constexpr double kSame = 0.01;
+    return std::ranges::all_of(results.limits, [&](const LeastLimit& one) {
+        const bool there = one.surface == worst.surface && one.place.kind == worst.place.kind &&
+                           one.place.depth == worst.place.depth && damping_of(one.cell) >= damping_of(worst.cell);
+        return !there || (one.limit && std::abs(*one.limit / *worst.limit - 1) < kSame);
+    });
+}
+
 Finding about_least(const LoopResults& results, const LeastLimit& worst) {
     const LoopSurface& surface = results.surfaces.front();
     Finding finding{"loop_least", {}, "loop-kinds", place_of(worst), hand_of(surface), sureness_of(results)};
@@ -63,9 +73,14 @@ Finding about_least(const LoopResults& results, const LeastLimit& worst) {
                         newtons(*worst.limit), newtons(worst.wall), newtons(surface.stiffness), ratio,
                         ratio < 1 ? "" : ", and does not rest there");
     } else {
-        finding.text = fmt::format("Of {} surfaces the {} bears least: away from jumps of the direction its loops rest "
-                                   "everywhere up to {}, where a wall bears {}.",
-                                   results.surfaces.size(), worst.surface, newtons(*worst.limit), newtons(worst.wall));
+        finding.text = fmt::format(
+            "Of {} surfaces the {} bears least: away from jumps of the direction small disturbances die out everywhere "
+            "up to {}{}; a wall bears {}.",
+            results.surfaces.size(), worst.surface, newtons(*worst.limit),
+            is_of_the_grip(results, worst)
+                ? ", where the grip no longer holds the hand, whatever damping, rate and delay"
+                : "",
+            newtons(worst.wall));
     }
     return finding;
 }
@@ -77,16 +92,20 @@ void add_shading(std::vector<Finding>& findings, const LoopResults& results) {
         const LeastLimit *bare = results.worst(surface), *shaded = results.worst("shaded " + std::string(surface));
         if (!bare || !shaded)
             continue;
-        parts.push_back(
-            fmt::format("of the {} from {} to {}", surface, newtons(*bare->limit), newtons(*shaded->limit)));
+        parts.push_back(fmt::format("of the {} from {} to {}{}", surface, newtons(*bare->limit),
+                                    newtons(*shaded->limit),
+                                    is_of_the_grip(results, *shaded) ? " (set by the grip)" : ""));
         places += (places.empty() ? "" : "; ") + place_of(*shaded);
     }
     if (parts.empty())
         return;
-    findings.push_back({"loop_shading",
-                        fmt::format("Force shading changes the stiffness up to which loops rest everywhere, {}.",
-                                    fmt::join(parts, ", ")),
-                        "loop-places", places, hand_of(results.surfaces.front()), sureness_of(results)});
+    findings.push_back(
+        {"loop_shading",
+         fmt::format(
+             "Away from jumps of the direction, force shading changes the stiffness up to which small disturbances die "
+             "out everywhere, {}.",
+             fmt::join(parts, ", ")),
+         "loop-places", places, hand_of(results.surfaces.front()), sureness_of(results)});
 }
 
 // At the surface's own stiffness, or 1000 N/m.
@@ -110,7 +129,7 @@ void add_edges(std::vector<Finding>& findings, const LoopResults& results) {
     findings.push_back(
         {"loop_edges",
          fmt::format("Where the direction jumps inwards, as at the foot of a bump, {}: with {} the probe goes on "
-                     "swinging by up to {:.0f} um.",
+                     "swinging by {:.0f} um, the most of eight starts.",
                      rest == 0 ? (all == 1 ? "the loop does not come to rest"
                                            : fmt::format("loops come to rest on none of {} surfaces", all))
                                : fmt::format("{} of {} loops do not come to rest", all - rest, all),
@@ -144,14 +163,17 @@ void add_delay(std::vector<Finding>& findings, const LoopResults& results) {
     }
     if (pairs == 0)
         return;
-    findings.push_back({"loop_delay",
-                        pairs == 1 ? fmt::format("One sample of delay leaves {:.3g} % of the least limit.", 100 * low)
-                                   : fmt::format("One sample of delay leaves {:.3g} to {:.3g} % of a surface's least "
-                                                 "limit, by the surface.",
-                                                 100 * low, 100 * high),
-                        "loop-kinds", fmt::format("the worst place of each of {} surfaces", pairs),
-                        hand_alone(results.surfaces.front()) + ", without delay and one sample late",
-                        sureness_of(results)});
+    findings.push_back(
+        {"loop_delay",
+         pairs == 1    ? fmt::format("One sample of delay leaves {:.3g} % of the least limit.", 100 * low)
+         : high > 0.99 ? fmt::format("One sample of delay leaves {:.3g} % of a surface's least limit or "
+                                     "more, and all of it where the grip sets it.",
+                                     100 * low)
+                       : fmt::format("One sample of delay leaves {:.3g} to {:.3g} % of a surface's least "
+                                     "limit, by the surface.",
+                                     100 * low, 100 * high),
+         "loop-kinds", fmt::format("the worst place of each of {} surfaces", pairs),
+         hand_alone(results.surfaces.front()) + ", without delay and one sample late", sureness_of(results)});
 }
 
 void add_rounding(std::vector<Finding>& findings, const LoopResults& results) {
