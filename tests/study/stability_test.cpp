@@ -84,7 +84,7 @@ TEST(RestPlaces, AreWhereTheShapeHasThem) {
     const double half = 0.0127; // m
     for (const RestPlace& place : places_on("bump")) {
         ++counts[place.kind];
-        const double x = place.surface.x;
+        const double x = place.at.x;
         if (place.kind == PlaceKind::flat) {
             EXPECT_GT(std::abs(place.at.x), half);
         }
@@ -158,6 +158,18 @@ TEST(LeastLimits, AreNoMoreThanAnyPlaces) {
 Engine& engine() {
     static const std::unique_ptr<Engine> one = make_engine(EngineOptions{});
     return *one;
+}
+
+// Closer to a jump of the direction than a kick, the other side's force takes the probe away.
+TEST(LargestKick, IsLessBesideAJump) {
+    const LoopSurface& bump = own("shaded bump");
+    LeastLimit inside = worst_of(least_limits(bump, places_on(bump.name), true)), beside = inside;
+    for (const RestPlace& place : places_on(bump.name))
+        if (place.kind == PlaceKind::slope && place.depth == bump.deepest)
+            (place.beside ? beside : inside).place = place;
+    ASSERT_TRUE(beside.place.beside);
+    EXPECT_LT(largest_kick(bump, beside).value(), 2 * *beside.place.beside);
+    EXPECT_EQ(largest_kick(bump, inside).value(), 100e-6);
 }
 
 // A sampled relay answers half a sample late in the mean, and a whole one at most: where grip and surface are soft

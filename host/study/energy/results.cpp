@@ -218,6 +218,59 @@ const LawRow* row_of_law(const EnergyResults& results, const std::string& surfac
 
 const char* const kWhere = "strokes anywhere on the surface, 0.2 to 2 mm deep out and back, K = 1000 N/m";
 
+// What is left with the most facets, where only the reading of depth keeps the force from being that of a spring.
+void add_depth_finding(std::vector<Finding>& findings, const EnergyResults& results) {
+    constexpr double kFacets = 512;
+    const LawRow *vertical = row_of_law(results, "bump", kFacets, "unshaded"),
+                 *normal = row_of_law(results, "bump", kFacets, "unshaded, normal depth");
+    if (!vertical || !normal)
+        return;
+    findings.push_back(
+        {"energy_depth",
+         fmt::format(
+             "More facets do not take the gain away: {} is left with {} facets, unshaded; with depth read along "
+             "the normal it is {}.",
+             milli(vertical->gain.median), kFacets, milli(normal->gain.median)),
+         "energy-bump", "the bump of 512 facets, R = 1000 mil", kWhere,
+         fmt::format("vertical: {}; normal: {}", interval_of(*vertical), interval_of(*normal))});
+}
+
+// Gains of a mesh, from the least to the most, and which neighbours the same loops do not tell apart.
+void add_mesh_finding(std::vector<Finding>& findings, const EnergyResults& results) {
+    constexpr double kCells = 16;
+    std::vector<const LawRow*> rows;
+    for (const char* scheme : {"unshaded", "morgenbesser", "mean_value", "two_pass"})
+        if (const LawRow* row = row_of_law(results, "mesh", kCells, scheme))
+            rows.push_back(row);
+    if (rows.empty())
+        return;
+    std::ranges::stable_sort(rows, {}, [](const LawRow* row) { return row->gain.median; });
+    const auto told_apart = [&](const LawRow& one, const LawRow& other) {
+        std::vector<double> more;
+        for (const LoopRow& a : results.loops)
+            for (const LoopRow& b : results.loops)
+                if (a.law == one.law && b.law == other.law && !a.history && !b.history && a.number == b.number)
+                    more.push_back(a.gain - b.gain);
+        const Interval interval = bootstrap_median(more);
+        return interval.low > 0 || interval.high < 0;
+    };
+    std::vector<std::string> parts, intervals, ties;
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+        parts.push_back(fmt::format("{} {}", rows[i]->law->scheme, milli(rows[i]->gain.median)));
+        intervals.push_back(fmt::format("{} {:.2g} to {:.2g} mJ", rows[i]->law->scheme, 1e3 * rows[i]->gain.low,
+                                        1e3 * rows[i]->gain.high));
+        if (i > 0 && !told_apart(*rows[i - 1], *rows[i]))
+            ties.push_back(fmt::format("{} and {}", rows[i - 1]->law->scheme, rows[i]->law->scheme));
+    }
+    findings.push_back(
+        {"energy_mesh",
+         fmt::format("On a mesh of {} cells over the bump, a round gives in the median: {}{}.", kCells,
+                     fmt::join(parts, ", "),
+                     ties.empty() ? "" : fmt::format("; the same loops do not tell {} apart", fmt::join(ties, ", "))),
+         "energy-mesh", "triangles of the cylinder R = 1000 mil", kWhere,
+         fmt::format("95 % of bootstrap medians: {}", fmt::join(intervals, ", "))});
+}
+
 void add_own_findings(std::vector<Finding>& findings, const EnergyResults& results) {
     const LawRow *bare = row_of_law(results, "bump", 8, "unshaded"), *shaded = row_of_law(results, "bump", 8, "shaded");
     if (bare && shaded && shaded->more)
@@ -256,19 +309,8 @@ void add_own_findings(std::vector<Finding>& findings, const EnergyResults& resul
              "energy-bump", "the bump of 1 to 512 facets, R = 1000 mil", kWhere,
              fmt::format("with {} facets 95 % of bootstrap medians: {:.1g} to {:.1g} mJ", *last->law->elements,
                          1e3 * last->more->low, 1e3 * last->more->high)});
-    parts.clear();
-    const LawRow* mesh = nullptr;
-    for (const char* scheme : {"unshaded", "morgenbesser", "mean_value", "two_pass"})
-        if (const LawRow* row = row_of_law(results, "mesh", 16, scheme)) {
-            parts.push_back(fmt::format("{} {}", scheme, milli(row->gain.median)));
-            mesh = row;
-        }
-    if (mesh)
-        findings.push_back({"energy_mesh",
-                            fmt::format("On a mesh of 16 cells over the bump, a round gives in the median: {}.",
-                                        fmt::join(parts, ", ")),
-                            "energy-mesh", "triangles of the cylinder R = 1000 mil", kWhere,
-                            fmt::format("{}: {}", mesh->law->scheme, interval_of(*mesh))});
+    add_depth_finding(findings, results);
+    add_mesh_finding(findings, results);
 }
 
 void add_scene_findings(std::vector<Finding>& findings, const EnergyResults& results) {
@@ -293,30 +335,31 @@ void add_scene_findings(std::vector<Finding>& findings, const EnergyResults& res
          fmt::format("{}: {}", most->law->scheme, interval_of(*most))});
 }
 
-// Of the mesh with the fewest cells: what the god-object's history adds or takes.
+// What a round gives with the god-object's history, by the cells of the mesh.
 void add_history_finding(std::vector<Finding>& findings, const EnergyResults& results) {
-    const LawRow *bare = nullptr, *most = nullptr;
-    for (const LawRow& row : results.laws) {
-        if (!row.history || (bare && bare->law->elements != row.law->elements))
-            continue;
-        if (row.law->unshaded)
-            bare = &row;
-        else if (!most || row.gain.median > most->gain.median)
+    std::vector<std::string> unshaded, shaded;
+    const LawRow *first = nullptr, *most = nullptr; // shaded: the scheme that gives most on the first mesh
+    for (const LawRow& row : results.laws)
+        if (row.history && !row.law->unshaded && (!most || most->law->elements == row.law->elements) &&
+            (!most || row.gain.median > most->gain.median))
             most = &row;
+    for (const LawRow& row : results.laws) {
+        if (!row.history || !most || (!row.law->unshaded && row.law->scheme != most->law->scheme))
+            continue;
+        (row.law->unshaded ? unshaded : shaded)
+            .push_back(fmt::format("{:.2g} mJ{}", 1e3 * row.gain.median,
+                                   row.law->elements ? fmt::format(" with {} cells", *row.law->elements) : ""));
+        first = first ? first : &row;
     }
-    if (!bare || !most)
+    if (unshaded.empty() || shaded.empty())
         return;
-    const auto says = [](const LawRow& row) {
-        return row.gain.median < 0 ? fmt::format("takes {} from the hand", milli(-row.gain.median))
-                                   : fmt::format("gives it {}", milli(row.gain.median));
-    };
     findings.push_back(
         {"energy_history",
-         fmt::format("Followed by the god-object, a round unshaded {} in the median whichever way it goes, "
-                     "and with {} it {}.",
-                     says(*bare), most->law->scheme, says(*most)),
-         "", most->law->elements ? fmt::format("mesh of {} cells", *most->law->elements) : "the scene's mesh",
-         "the second time round", fmt::format("unshaded: {}", interval_of(*bare))});
+         fmt::format("Followed by the god-object, a round gives the hand in the median, unshaded: {}; with {}: {}.",
+                     fmt::join(unshaded, ", "), most->law->scheme, fmt::join(shaded, ", ")),
+         "", first->law->elements ? "meshes of the cylinder R = 1000 mil" : "the scene's mesh",
+         "the second time round, by the way round that gives more",
+         fmt::format("{}: {}", first->law->scheme, interval_of(*first))});
 }
 
 } // namespace

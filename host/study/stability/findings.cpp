@@ -27,16 +27,20 @@ std::string hand_of(const LoopSurface& surface) {
 }
 
 std::string place_of(const LeastLimit& least) {
-    return fmt::format("{}: {} at x = {:.3g} mm, y = {:.3g} mm, {:.2g} mm deep, held {}", least.surface,
-                       name_of(least.place.kind), 1e3 * least.place.surface.x, 1e3 * least.place.surface.y,
+    const std::string beside =
+        least.place.beside ? fmt::format(" ({:.2g} um beside a jump)", 1e6 * *least.place.beside) : "";
+    return fmt::format("{}: {} at x = {:.4g} mm{}, y = {:.3g} mm, {:.2g} mm deep, held {}", least.surface,
+                       name_of(least.place.kind), 1e3 * least.place.at.x, beside, 1e3 * least.place.at.y,
                        1e3 * least.place.depth, least.hold.name);
 }
 
-// How many places the least is of, and how well paths agree where they were taken.
-std::string sureness_of(const LoopResults& results) {
+// How many places of a surface, or of all, the least is of, and how well paths agree where they were taken.
+std::string sureness_of(const LoopResults& results, const std::string& surface = {}) {
     std::size_t places = 0, stepped = 0;
     double most = 0; // 1
     for (const LeastLimit& one : results.limits) {
+        if (!surface.empty() && one.surface != surface)
+            continue;
         places += one.own ? one.places : 0;
         if (one.own && one.simulated && one.limit && *one.limit > 0) {
             ++stepped;
@@ -50,19 +54,25 @@ std::string sureness_of(const LoopResults& results) {
     return text;
 }
 
-// Whether no damping, rate or delay changes the limit there: what gives way is the hand's grip, not the sampled loop.
+// Whether more damping, a faster rate and less delay do not raise the limit there: what gives way is the hand's grip,
+// not the sampled loop.
 bool is_of_the_grip(const LoopResults& results, const LeastLimit& worst) {
     constexpr double kSame = 0.01;
     return std::ranges::all_of(results.limits, [&](const LeastLimit& one) {
-        const bool there = one.surface == worst.surface && one.place.kind == worst.place.kind &&
-                           one.place.depth == worst.place.depth && damping_of(one.cell) >= damping_of(worst.cell);
-        return !there || (one.limit && std::abs(*one.limit / *worst.limit - 1) < kSame);
+        const bool easier = damping_of(one.cell) >= damping_of(worst.cell) && one.cell.rate >= worst.cell.rate &&
+                            one.cell.hand.delay_samples <= worst.cell.hand.delay_samples;
+        const bool there =
+            one.surface == worst.surface && one.place.kind == worst.place.kind && one.place.depth == worst.place.depth;
+        return !easier || !there || (one.limit && std::abs(*one.limit / *worst.limit - 1) < kSame);
     });
 }
 
 Finding about_least(const LoopResults& results, const LeastLimit& worst) {
     const LoopSurface& surface = results.surfaces.front();
-    Finding finding{"loop_least", {}, "loop-kinds", place_of(worst), hand_of(surface), sureness_of(results)};
+    Finding finding{
+        "loop_least", {}, "loop-kinds", place_of(worst), hand_of(surface), sureness_of(results, worst.surface)};
+    if (worst.kick)
+        finding.interval += fmt::format("; at half of it kicks of up to {:.2g} um die out there", 1e6 * *worst.kick);
     if (!(*worst.limit > 0)) {
         finding.text = fmt::format("No stiffness lets loops rest everywhere on the {}.", worst.surface);
     } else if (surface.stiffness > 0) {
@@ -78,7 +88,7 @@ Finding about_least(const LoopResults& results, const LeastLimit& worst) {
             "up to {}{}; a wall bears {}.",
             results.surfaces.size(), worst.surface, newtons(*worst.limit),
             is_of_the_grip(results, worst)
-                ? ", where the grip no longer holds the hand, whatever damping, rate and delay"
+                ? " (the grip no longer holds the hand; neither more damping nor a faster rate raises it)"
                 : "",
             newtons(worst.wall));
     }
@@ -86,8 +96,7 @@ Finding about_least(const LoopResults& results, const LeastLimit& worst) {
 }
 
 void add_shading(std::vector<Finding>& findings, const LoopResults& results) {
-    std::vector<std::string> parts;
-    std::string places;
+    std::vector<std::string> parts, places, sure;
     for (const char* surface : {"bump", "mesh"}) {
         const LeastLimit *bare = results.worst(surface), *shaded = results.worst("shaded " + std::string(surface));
         if (!bare || !shaded)
@@ -95,7 +104,8 @@ void add_shading(std::vector<Finding>& findings, const LoopResults& results) {
         parts.push_back(fmt::format("of the {} from {} to {}{}", surface, newtons(*bare->limit),
                                     newtons(*shaded->limit),
                                     is_of_the_grip(results, *shaded) ? " (set by the grip)" : ""));
-        places += (places.empty() ? "" : "; ") + place_of(*shaded);
+        places.push_back(place_of(*shaded));
+        sure.push_back(fmt::format("{}: {}", shaded->surface, sureness_of(results, shaded->surface)));
     }
     if (parts.empty())
         return;
@@ -105,7 +115,8 @@ void add_shading(std::vector<Finding>& findings, const LoopResults& results) {
              "Away from jumps of the direction, force shading changes the stiffness up to which small disturbances die "
              "out everywhere, {}.",
              fmt::join(parts, ", ")),
-         "loop-places", places, hand_of(results.surfaces.front()), sureness_of(results)});
+         "loop-places", fmt::format("{}", fmt::join(places, "; ")), hand_of(results.surfaces.front()),
+         fmt::format("{}", fmt::join(sure, "; "))});
 }
 
 // At the surface's own stiffness, or 1000 N/m.
@@ -136,7 +147,7 @@ void add_edges(std::vector<Finding>& findings, const LoopResults& results) {
                      newtons(stiffness), 1e6 * most->outcome.swing),
          "loop-edges",
          fmt::format("{}: jump of {:.3g} deg at x = {:.3g} mm, y = {:.3g} mm", most->surface,
-                     most->place.jump / kDegree, 1e3 * most->place.surface.x, 1e3 * most->place.surface.y),
+                     most->place.jump / kDegree, 1e3 * most->place.at.x, 1e3 * most->place.at.y),
          fmt::format("{}, {:.2g} mm deep", hand_of(first), 1e3 * depth),
          fmt::format("the most of eight feet of each surface; {} surfaces have one", all)});
 }

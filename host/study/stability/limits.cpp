@@ -9,21 +9,25 @@
 namespace forceshade::study {
 namespace {
 
-// How a small disturbance of a loop grows: the logarithm of its energy late over early.
+constexpr double kSmall = 1e-6; // of the depth: a disturbance by which the loop is still linear
+
+// How a disturbance of a loop grows: the logarithm of its energy late over early.
 class Simulation {
 public:
     Simulation(const LoopSurface& surface, const LeastLimit& least)
-        : force_(surface), least_(least), place_{least.place.at, least.place.normal,
-                                                 reference::length(least.place.surface - least.place.at)},
+        : force_(surface), least_(least), place_{least.place.at, least.place.normal, least.place.below},
           axes_(axes_of(least.hold)), steps_(settling_steps(least.cell, surface.is_mesh() ? 100 : 400)) {
         const std::array<Axis, 3> held = axes_of(least.hold, least.cell.hand);
         for (std::size_t i = 0; i < 3; ++i)
             maps_[i] = axis_map(held[i], 1 / least.cell.rate);
     }
 
-    double growth(double stiffness) {
-        constexpr double kSmall = 1e-6; // of the depth
-        glm::dvec3 at = kSmall * place_.depth * glm::dvec3(0.5, 0.3, -1), speed(0);
+    // `disturbance`, m, in the hand's axes.
+    double growth(double stiffness, const glm::dvec3& disturbance) {
+        constexpr double kFar = 1e4, kFarthest = 3; // of the disturbance; depths
+        const double begins = reference::length(disturbance);
+        const double far = std::min(kFar * begins, kFarthest * least_.place.depth);
+        glm::dvec3 at = disturbance, speed(0);
         std::vector<glm::dvec3> late(least_.cell.hand.delay_samples + 1, glm::dvec3(0));
         const double quick = stiffness / least_.cell.hand.mass; // 1 / s^2
         double early = 0, last = 0;
@@ -38,16 +42,17 @@ public:
                 speed[i] = map.v_error * before + map.v_speed * speed[i] + map.v_force * felt[i];
             }
             const double energy = glm::dot(speed, speed) + quick * glm::dot(at, at);
-            if (energy > 1e8 * kSmall * kSmall * quick * place_.depth * place_.depth)
-                return 1; // far away
+            if (energy > quick * far * far)
+                return 1;
             if (step >= steps_ / 4 && step < steps_ / 2)
                 early = std::max(early, energy);
             if (step >= steps_ - steps_ / 4)
                 last = std::max(last, energy);
         }
-        const bool gone = last < 1e-6 * kSmall * kSmall * quick * place_.depth * place_.depth;
+        const bool gone = last < 1e-6 * quick * begins * begins;
         return gone ? -1 : std::log(last / early);
     }
+    double growth(double stiffness) { return growth(stiffness, kSmall * place_.depth * glm::dvec3(0.5, 0.3, -1)); }
 
 private:
     FeltForce force_;
@@ -96,7 +101,12 @@ std::vector<LeastLimit> least_limits(const LoopSurface& surface, const std::vect
             for (const LoopCell& cell : cells) {
                 if (some.empty())
                     continue;
-                LeastLimit one{surface.name, *some.front(), {}, cell, &cell == &cells.front(), 0, {}, {}, some.size()};
+                LeastLimit one;
+                one.surface = surface.name;
+                one.place = *some.front();
+                one.cell = cell;
+                one.own = &cell == &cells.front();
+                one.places = some.size();
                 one.wall = wall_limit(cell.hand, cell.rate);
                 for (const RestPlace* place : some)
                     for (const Hold& hold : holds_at(place->force, place->slope)) {
@@ -133,6 +143,21 @@ std::optional<double> simulated_limit(const LoopSurface& surface, const LeastLim
         (simulation.growth(middle) < 0 ? below : above) = middle;
     }
     return std::sqrt(below * above);
+}
+
+std::optional<double> largest_kick(const LoopSurface& surface, const LeastLimit& least) {
+    constexpr double kShare = 0.5, kDies = -0.7; // of the limit; halves its energy
+    if (!least.limit || !(*least.limit > 0))
+        return std::nullopt;
+    Simulation simulation(surface, least);
+    double largest = 0;
+    for (const double kick : {0.1e-6, 0.2e-6, 0.5e-6, 1e-6, 2e-6, 5e-6, 10e-6, 20e-6, 50e-6, 100e-6}) {
+        for (const double way : {-kick, kick})
+            if (simulation.growth(kShare * *least.limit, way / std::sqrt(3.0) * glm::dvec3(1)) > kDies)
+                return largest;
+        largest = kick;
+    }
+    return largest;
 }
 
 std::vector<EdgeSwing> edge_swings(Engine& engine, const LoopSurface& surface, const std::vector<RestPlace>& places) {

@@ -19,6 +19,7 @@ struct LeastLimit {
     double wall = 0;                 /* N/m: K_crit with this hand */
     std::optional<double> limit;     /* N/m: of the linearised loop; nothing: none below eight times the passive one */
     std::optional<double> simulated; /* N/m: of the loop stepped through the surface's own force, where that was done */
+    std::optional<double> kick;      /* m: largest_kick, likewise */
     std::size_t places = 0;          /* that were looked at */
 };
 
@@ -28,6 +29,10 @@ std::vector<LeastLimit> least_limits(const LoopSurface& surface, const std::vect
 /// The stiffness, N/m, at which a disturbance of a millionth of the depth begins to grow when the loop is stepped
 /// through the surface's own force, from 0.3 of the linearised limit on; nothing if none does up to three times that.
 std::optional<double> simulated_limit(const LoopSurface& surface, const LeastLimit& least);
+
+/// m: of 0.1, 0.2, 0.5, 1 ... 100 um the largest displacement that dies out at half the linearised limit, as all
+/// smaller ones do; 0 if none does.
+std::optional<double> largest_kick(const LoopSurface& surface, const LeastLimit& least);
 
 /// How a probe that rests on a jump of the direction swings.
 struct EdgeSwing {

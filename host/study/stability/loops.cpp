@@ -82,6 +82,7 @@ public:
         const glm::dvec3 spread = high_[path] - low_[path];
         return std::max({spread.x, spread.y, spread.z});
     }
+    glm::dvec3 middle(std::size_t path) const { return 0.5 * (low_[path] + high_[path]); }
 
 private:
     std::size_t from_;
@@ -134,7 +135,10 @@ std::vector<LoopOutcome> run_as(Engine& engine, const LoopSurface& surface, cons
                     run.disturbance * place.depth * std::min(std::sqrt(cell.stiffness / cell.hand.mass), cell.rate);
                 outcome.at_rest = outcome.late <= kRest * quick;
                 const double creep = kNowhere * run.disturbance * place.depth * cell.rate / (0.25 * steps);
-                outcome.swing = swings ? spread.of(first + i) : 0;
+                if (swings && !outcome.left) {
+                    outcome.swing = spread.of(first + i);
+                    outcome.moved = reference::length(spread.middle(first + i) - place.at);
+                }
                 outcome.state = state_of(outcome, creep, outcome.swing, cell.hand.quantisation);
             }
         });

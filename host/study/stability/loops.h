@@ -44,8 +44,9 @@ struct LoopOutcome {
     double early = 0, late = 0; /* m/s: largest speeds in the second quarter of the time and in the last */
     bool left = false;          /* its bound */
     bool at_rest = false;       /* its speed is nothing beside the disturbance's */
-    double swing = 0;           /* m: between its farthest measured positions, along the axis of the most, in the last
-                                   quarter; with LoopRun::swings or where the hand measures in quanta */
+    double moved = 0; /* m: from its place to the middle of the farthest positions of the last quarter; as swing */
+    double swing = 0; /* m: between its farthest measured positions, along the axis of the most, in the last
+                         quarter; with LoopRun::swings or where the hand measures in quanta */
 };
 
 /// Samples in which a loop near its limit shows by its speeds on which side it is: `patience` times the time that

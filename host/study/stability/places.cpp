@@ -40,10 +40,9 @@ std::optional<Place> pressed(FeltForce& force, Place place, double depth) {
 
 RestPlace rest_at(const Place& place, const glm::dvec3& force) {
     RestPlace rest;
-    rest.surface = place.at + place.depth * place.normal;
-    rest.normal = place.normal;
-    rest.depth = place.depth;
     rest.at = place.at;
+    rest.normal = place.normal;
+    rest.below = rest.depth = place.depth;
     rest.force = force;
     return rest;
 }
@@ -133,10 +132,25 @@ std::optional<Place> jump_between(FeltForce& force, const Place& from, const glm
     return edge;
 }
 
+// m: how much more the force points away from the jump than towards it: above 0 where it turns outwards. Averaged over
+// directions, so that it does not depend on the one that found the jump.
+double spread_at(FeltForce& force, const Place& jump, double step) {
+    double spread = 0;
+    for (const int x : {-1, 0, 1})
+        for (const int y : {-1, 0, 1})
+            for (const int z : {-1, 0, 1})
+                if (x != 0 || y != 0 || z != 0) {
+                    const glm::dvec3 direction = glm::dvec3(x, y, z) / std::sqrt(double(x * x + y * y + z * z));
+                    spread += reference::dot(force(jump, step * direction), direction);
+                }
+    return spread;
+}
+
 // The place on the edge at `edge`, the hand balancing the mean of the forces on both sides.
 std::optional<RestPlace> edge_place(FeltForce& force, const Place& edge, const glm::dvec3& along, double depth) {
     constexpr double kBeside = 1e-4; // of the depth
-    const glm::dvec3 aside = kBeside * edge.depth * along;
+    const double step = kBeside * depth;
+    const glm::dvec3 aside = step * along;
     const glm::dvec3 before = force(edge, -aside), after = force(edge, aside);
     if (!is_felt(before) || !is_felt(after))
         return std::nullopt;
@@ -145,7 +159,8 @@ std::optional<RestPlace> edge_place(FeltForce& force, const Place& edge, const g
     rest.jump = angle_between(before, after);
     if (rest.jump < kSharp)
         return std::nullopt;
-    rest.kind = reference::dot(after - before, along) > 0 ? PlaceKind::edge : PlaceKind::foot;
+    rest.kind = spread_at(force, edge, step) > 0 ? PlaceKind::edge : PlaceKind::foot;
+    rest.beside = 0;
     return rest;
 }
 
@@ -193,11 +208,14 @@ std::vector<RestPlace> rest_places(const LoopSurface& surface, std::size_t count
             continue;
         bool any = false;
         for (const double depth : depths) {
-            // The edge may lie elsewhere deeper down.
-            std::optional<Place> there = pressed(force, *edge, depth);
-            if (there) {
-                there->at -= 0.5 * depth * along;
-                there = jump_between(force, *there, depth * along);
+            // The edge may lie elsewhere deeper down, and where it is found the force may differ.
+            std::optional<Place> there = edge;
+            for (int i = 0; i < 3 && there; ++i) {
+                there = pressed(force, *there, depth);
+                if (there) {
+                    there->at -= 0.5 * depth * along;
+                    there = jump_between(force, *there, depth * along);
+                }
             }
             const auto place = there ? edge_place(force, *there, along, depth) : std::nullopt;
             if (!place)
@@ -207,8 +225,10 @@ std::vector<RestPlace> rest_places(const LoopSurface& surface, std::size_t count
             for (const double side : {-kBesideEdge, kBesideEdge}) { // where a slope is often steepest
                 Place beside = *there;
                 beside.at += side * depth * along;
-                if (const auto smooth = smooth_at(force, beside, depth))
+                if (auto smooth = smooth_at(force, beside, depth)) {
+                    smooth->beside = kBesideEdge * depth;
                     places.push_back(*smooth);
+                }
             }
         }
         found += any ? 1 : 0;

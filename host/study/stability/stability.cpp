@@ -18,8 +18,10 @@ void simulate_worst(const LoopSurface& surface, std::vector<LeastLimit>& limits)
         for (LeastLimit& one : limits)
             if (one.own && one.place.kind == kind && one.limit && (!worst || *one.limit < *worst->limit))
                 worst = &one;
-        if (worst)
+        if (worst) {
             worst->simulated = simulated_limit(surface, *worst);
+            worst->kick = largest_kick(surface, *worst);
+        }
     }
 }
 

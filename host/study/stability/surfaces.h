@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -46,13 +47,14 @@ inline bool jumps(PlaceKind kind) {
 /// Where a probe rests.
 struct RestPlace {
     PlaceKind kind = PlaceKind::flat;
-    glm::dvec3 surface{0};      /* m: the point of the surface above it */
-    glm::dvec3 normal{0, 0, 1}; /* of the surface there */
-    double depth = 0;           /* m: below the surface along the normal */
-    glm::dvec3 at{0};           /* m: of the probe */
-    glm::dvec3 force{0};        /* m: for each N/m of stiffness; at a jump the mean of both sides */
-    glm::dmat3 slope{0};        /* 1: -dF/dp for a stiffness of 1 N/m, columns first; not at a jump */
-    double jump = 0;            /* rad: between the directions of both sides */
+    glm::dvec3 at{0};             /* m: of the probe */
+    glm::dvec3 normal{0, 0, 1};   /* of the surface above it */
+    double below = 0;             /* m: below the surface, along the normal */
+    double depth = 0;             /* m: the force over the stiffness */
+    std::optional<double> beside; /* m: from a jump of the direction, where the place was found by one */
+    glm::dvec3 force{0};          /* m: for each N/m of stiffness; at a jump the mean of both sides */
+    glm::dmat3 slope{0};          /* 1: -dF/dp for a stiffness of 1 N/m, columns first; not at a jump */
+    double jump = 0;              /* rad: between the directions of both sides */
 };
 
 /// `count` points anywhere on the surface, at each of its depths; and those of its edges that were found from there, a

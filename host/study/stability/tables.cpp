@@ -20,10 +20,11 @@ template <typename Row> std::vector<ColumnOf<Row>> place_columns(const RestPlace
          [place](const Row& row) { return Cell(name_of(place(row).kind)); }},
         {{"depth_mm", "mm", "how deep the probe is pressed: force over stiffness, as deep as it would go into a wall"},
          [place](const Row& row) { return cell(1e3 * place(row).depth); }},
-        {{"x_mm", "mm", "the point of the surface above it"},
-         [place](const Row& row) { return cell(1e3 * place(row).surface.x); }},
-        {{"y_mm", "mm", "likewise"}, [place](const Row& row) { return cell(1e3 * place(row).surface.y); }},
-        {{"z_mm", "mm", "likewise"}, [place](const Row& row) { return cell(1e3 * place(row).surface.z); }}};
+        {{"x_mm", "mm", "of the probe"}, [place](const Row& row) { return cell(1e3 * place(row).at.x); }},
+        {{"y_mm", "mm", "likewise"}, [place](const Row& row) { return cell(1e3 * place(row).at.y); }},
+        {{"z_mm", "mm", "likewise"}, [place](const Row& row) { return cell(1e3 * place(row).at.z); }},
+        {{"beside_um", "um", "from a jump of the direction, where the place was found by one"},
+         [place](const Row& row) { return place(row).beside ? cell(1e6 * *place(row).beside) : Cell(); }}};
 }
 
 Table limit_table(const LoopResults& results) {
@@ -54,6 +55,10 @@ Table limit_table(const LoopResults& results) {
             {{"simulated_N_per_m", "N/m",
               "the limit of the loop stepped through the surface's own force, where that was done"},
              [](const R& r) { return cell_of(r.simulated); }},
+            {{"kick_um", "um",
+              "of 0.1, 0.2, 0.5, 1 ... 100 um the largest displacement that dies out at half the limit, where that was "
+              "stepped"},
+             [](const R& r) { return r.kick ? cell(1e6 * *r.kick) : Cell(); }},
             {{"places", "1", "that were looked at"}, [](const R& r) { return cell(double(r.places)); }}},
         std::back_inserter(columns));
     return table_of<R>("loop_limits", "The stiffness up to which loops rest, the least of many places", columns,
@@ -74,7 +79,13 @@ Table swing_table(const LoopResults& results) {
             {{"jump_deg", "deg", "between the directions of the force on both sides"},
              [](const R& r) { return cell(r.place.jump / kDegree); }},
             {{"stiffness_N_per_m", "N/m", "of the surface"}, [](const R& r) { return cell(r.stiffness); }},
-            {{"state", "", "as in loop_map"}, [](const R& r) { return Cell(word_of(r.outcome.state)); }},
+            {{"state", "", "as in loop_map; slid aside: at rest more than a tenth of its depth away"},
+             [](const R& r) {
+                 const bool slid = r.outcome.state == LoopState::stable && r.outcome.moved > 0.1 * r.place.depth;
+                 return Cell(slid ? "slid aside" : word_of(r.outcome.state));
+             }},
+            {{"moved_um", "um", "from its place to the middle of that swing; nothing where the probe left"},
+             [](const R& r) { return r.outcome.left ? Cell() : cell(1e6 * r.outcome.moved); }},
             {{"swing_um", "um",
               "between the farthest positions in the last quarter of the time, along the axis of the most; nothing "
               "where the probe left"},
@@ -132,7 +143,7 @@ Table profile_table(const LoopResults& results) {
                        results.profile);
 }
 
-// The worst place of each surface.
+// The worst place of each surface that somewhere bears less than a wall.
 Table worst_table(const LoopResults& results) {
     struct R {
         std::string surface, label;
@@ -140,19 +151,19 @@ Table worst_table(const LoopResults& results) {
     };
     std::vector<R> rows;
     for (const LoopSurface& surface : results.surfaces)
-        if (const LeastLimit* worst = results.worst(surface.name)) {
-            const double x = worst->place.surface.x;
+        if (const LeastLimit* worst = results.worst(surface.name); worst && *worst->limit < 0.99 * worst->wall) {
+            const double x = worst->place.at.x;
             const ProfilePoint* nearest = nullptr;
             for (const ProfilePoint& point : results.profile)
                 if (point.surface == surface.name && (!nearest || std::abs(point.x - x) < std::abs(nearest->x - x)))
                     nearest = &point;
-            rows.push_back({surface.name, fmt::format("{:.0f} N/m", *worst->limit), worst->place.surface.x,
-                            nearest ? nearest->z : 0, *worst->limit});
+            rows.push_back(
+                {surface.name, fmt::format("{:.0f} N/m", *worst->limit), x, nearest ? nearest->z : 0, *worst->limit});
         }
     return table_of<R>("loop_worst", "Where each surface bears least",
                        {{{"surface", "", "what the hand is pressed into"}, [](const R& r) { return Cell(r.surface); }},
                         {{"label", "", "the limit"}, [](const R& r) { return Cell(r.label); }},
-                        {{"x_mm", "mm", "the point of the surface"}, [](const R& r) { return cell(1e3 * r.x); }},
+                        {{"x_mm", "mm", "of the probe"}, [](const R& r) { return cell(1e3 * r.x); }},
                         {{"z_mm", "mm", "on the shape of loop_profile"}, [](const R& r) { return cell(1e3 * r.z); }},
                         {{"limit_N_per_m", "N/m", "with the hand's own damping, rate and delay"},
                          [](const R& r) { return cell(r.limit); }}},
@@ -213,7 +224,8 @@ std::vector<Figure> figures_of(const LoopResults& results) {
     places.name = "loop-places";
     places.title = "Where each surface bears least";
     places.caption =
-        "Lines: the shape that the directions of the force stand for. Points: the place of the least limit.";
+        "Lines: the shape that the directions of the force stand for. Points: the place of the least limit, where that "
+        "is less than a wall's.";
     places.table = "loop_worst";
     places.x = {"x_mm", "x / mm", false};
     places.y = {"z_mm", "height / mm", false};
@@ -306,7 +318,9 @@ void add_loops(StudyData& data, const LoopResults& results) {
     data.notes.push_back(
         "A limit is the least stiffness at which a mode of the linearised loop grows, hand and device stepped exactly "
         "and the force held over a sample. At the worst place of each kind the loop is stepped through the "
-        "surface's own force, too, from a disturbance of a millionth of the depth.");
+        "surface's own force, too, from a disturbance of a millionth of the depth; what larger one dies out at half "
+        "the "
+        "limit is told beside it, for close to a jump of the direction little does.");
     data.notes.push_back(
         "Where the direction jumps there is no linearised loop: the hand balances the mean of both sides' forces, and "
         "how far the probe swings is told instead.");
