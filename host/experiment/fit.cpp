@@ -1,0 +1,177 @@
+#include "host/experiment/fit.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+#include <nlopt.hpp>
+
+#include "host/error.h"
+
+namespace forceshade::experiment {
+namespace {
+
+constexpr double kMil = 25.4e-6; // m
+
+using Free = std::array<double ObserverParameters::*, 5>;
+constexpr Free kFree{&ObserverParameters::edge, &ObserverParameters::level_gain, &ObserverParameters::path_weight,
+                     &ObserverParameters::noise, &ObserverParameters::level};
+
+ObserverParameters with_logarithms(ObserverParameters observer, const std::vector<double>& logarithms) {
+    for (std::size_t i = 0; i < kFree.size(); ++i)
+        observer.*kFree[i] = std::exp(logarithms[i]);
+    return observer;
+}
+
+std::vector<std::string> groups_of(std::span<const ConditionAnswers> rows) {
+    std::vector<std::string> groups;
+    for (const ConditionAnswers& row : rows)
+        if (std::ranges::find(groups, row.group) == groups.end())
+            groups.push_back(row.group);
+    return groups;
+}
+
+Prediction predicted(std::span<const ConditionAnswers> rows,
+                     const std::function<std::vector<Shares>(const std::string& group)>& without) {
+    Prediction prediction;
+    prediction.expected.resize(rows.size());
+    for (const std::string& group : groups_of(rows)) {
+        const std::vector<Shares> expected = without(group);
+        double sum = 0;
+        for (std::size_t i = 0; i < rows.size(); ++i)
+            if (rows[i].group == group) {
+                prediction.expected[i] = expected[i];
+                sum += deviance(rows[i], expected[i]);
+            }
+        prediction.by_group.emplace_back(group, sum);
+        prediction.deviance += sum;
+    }
+    prediction.error = mean_error(rows, prediction.expected);
+    return prediction;
+}
+
+} // namespace
+
+std::vector<ConditionAnswers> table_2() {
+    struct Printed {
+        const char* name;
+        unsigned facets; // 0: the cylinder
+        bool shaded;
+        std::array<std::array<double, kPictures>, 3> percent; // 600, 1000, 1400 mil
+    };
+    static constexpr Printed kRows[] = {
+        {"flat_unshaded", 1, false, {{{99, 1, 0, 0}, {96, 1, 1, 3}, {100, 0, 0, 0}}}},
+        {"two_poly_unshaded", 2, false, {{{0, 79, 3, 19}, {1, 53, 3, 43}, {8, 47, 1, 44}}}},
+        {"three_poly_unshaded", 3, false, {{{0, 3, 92, 6}, {0, 3, 86, 10}, {0, 7, 87, 6}}}},
+        {"cylinder", 0, false, {{{0, 7, 19, 75}, {0, 9, 3, 88}, {0, 6, 0, 94}}}},
+        {"flat_shaded", 1, true, {{{2, 3, 38, 57}, {3, 11, 29, 57}, {2, 14, 36, 48}}}},
+        {"two_poly_shaded", 2, true, {{{0, 35, 16, 48}, {0, 12, 2, 87}, {1, 6, 8, 85}}}},
+        {"three_poly_shaded", 3, true, {{{1, 3, 39, 57}, {1, 3, 15, 81}, {0, 7, 8, 86}}}}};
+    constexpr int kRadii[] = {600, 1000, 1400}; // mil
+    std::vector<ConditionAnswers> rows;
+    for (const Printed& printed : kRows)
+        for (std::size_t i = 0; i < 3; ++i) {
+            ConditionAnswers row{printed.name, std::to_string(kRadii[i]) + " mil",
+                                 rigid_signals(kRadii[i] * kMil, 1000 * kMil, printed.facets, printed.shaded),
+                                 printed.percent[i], 120};
+            double sum = 0;
+            for (const double share : row.answered)
+                sum += share;
+            for (double& share : row.answered)
+                share /= sum;
+            rows.push_back(std::move(row));
+        }
+    return rows;
+}
+
+double deviance(const ConditionAnswers& row, const Shares& expected) {
+    double sum = 0;
+    for (std::size_t i = 0; i < kPictures; ++i)
+        if (row.answered[i] > 0)
+            sum += 2 * row.trials * row.answered[i] * std::log(row.answered[i] / expected[i]);
+    return sum;
+}
+
+double deviance(std::span<const ConditionAnswers> rows, const ObserverParameters& observer) {
+    double sum = 0;
+    for (const ConditionAnswers& row : rows)
+        sum += deviance(row, shares_of(row.signals, observer));
+    return sum;
+}
+
+double mean_error(std::span<const ConditionAnswers> rows, const std::vector<Shares>& expected) {
+    double sum = 0;
+    for (std::size_t i = 0; i < rows.size(); ++i)
+        for (std::size_t picture = 0; picture < kPictures; ++picture)
+            sum += std::abs(rows[i].answered[picture] - expected[i][picture]);
+    return rows.empty() ? 0 : 100 * sum / static_cast<double>(kPictures * rows.size());
+}
+
+ObserverParameters fitted(std::span<const ConditionAnswers> rows, const ObserverParameters& start) {
+    if (rows.empty())
+        throw UsageError("there are no answers to fit the observer to");
+    std::function<double(const std::vector<double>&)> cost = [&](const std::vector<double>& logarithms) {
+        return deviance(rows, with_logarithms(start, logarithms));
+    };
+    nlopt::opt search(nlopt::LN_NELDERMEAD, kFree.size());
+    search.set_min_objective(
+        [](const std::vector<double>& at, std::vector<double>&, void* data) {
+            return (*static_cast<std::function<double(const std::vector<double>&)>*>(data))(at);
+        },
+        &cost);
+    search.set_lower_bounds(std::log(1e-4));
+    search.set_upper_bounds(std::log(1e3));
+    search.set_xtol_rel(1e-6);
+    search.set_maxeval(1500);
+    std::vector<double> best;
+    double least = 0;
+    for (const double factor : {1.0, 0.5, 2.0}) {
+        std::vector<double> at;
+        for (std::size_t i = 0; i < kFree.size(); ++i)
+            at.push_back(std::log(start.*kFree[i] * (i % 2 == 0 ? factor : 1 / factor)));
+        double reached = 0;
+        search.optimize(at, reached);
+        if (best.empty() || reached < least) {
+            best = at;
+            least = reached;
+        }
+    }
+    return with_logarithms(start, best);
+}
+
+Prediction predicted_by_observer(std::span<const ConditionAnswers> rows, const ObserverParameters& start) {
+    return predicted(rows, [&](const std::string& group) {
+        std::vector<ConditionAnswers> others;
+        std::ranges::copy_if(rows, std::back_inserter(others),
+                             [&](const ConditionAnswers& row) { return row.group != group; });
+        const ObserverParameters observer = fitted(others, start);
+        std::vector<Shares> expected;
+        for (const ConditionAnswers& row : rows)
+            expected.push_back(shares_of(row.signals, observer));
+        return expected;
+    });
+}
+
+Prediction predicted_by_means(std::span<const ConditionAnswers> rows) {
+    return predicted(rows, [&](const std::string& group) {
+        constexpr double kAdded = 0.5; // answers
+        std::vector<Shares> expected;
+        for (const ConditionAnswers& row : rows) {
+            Shares sum;
+            sum.fill(kAdded);
+            double all = kAdded * kPictures;
+            for (const ConditionAnswers& other : rows)
+                if (other.name == row.name && other.group != group) {
+                    for (std::size_t i = 0; i < kPictures; ++i)
+                        sum[i] += other.trials * other.answered[i];
+                    all += other.trials;
+                }
+            for (double& share : sum)
+                share /= all;
+            expected.push_back(sum);
+        }
+        return expected;
+    });
+}
+
+} // namespace forceshade::experiment

@@ -1,0 +1,118 @@
+#include "host/experiment/stroke.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "device/backends/devices.h"
+#include "host/error.h"
+#include "host/paths/motions.h"
+
+namespace forceshade::experiment {
+namespace {
+
+constexpr double kLonger = 1.5;  // a stroke's length over the feature's width
+constexpr double kMargins = 1.2; // of a region's length over the feature's width
+
+// What was felt of a pass from one side of the feature to the other.
+void add_pass(const Feature& feature, std::vector<StrokeSample> pass, std::vector<StrokeSignals>& passes) {
+    const std::size_t all = pass.size();
+    std::erase_if(pass, [](const StrokeSample& sample) { return !(sample.force.z > 0); });
+    if (pass.size() < 4 || pass.size() < all / 2)
+        return;
+    if (pass.back().probe.x < pass.front().probe.x)
+        std::ranges::reverse(pass);
+    StrokeSignals signals;
+    signals.width = feature.width;
+    const StrokeSample* before = &pass.front();
+    for (const StrokeSample& now : pass) {
+        if (!(now.probe.x > before->probe.x))
+            continue; // held up
+        const double x = now.probe.x - feature.centre.x;
+        if (std::abs(x) <= feature.width / 2) {
+            signals.x.push_back(x);
+            signals.force.push_back(now.force.x / now.force.z);
+            signals.path.push_back(-(now.probe.z - before->probe.z) / (now.probe.x - before->probe.x));
+        }
+        before = &now;
+    }
+    if (signals.x.size() >= 3 && signals.x.front() < 0 && signals.x.back() > 0)
+        passes.push_back(std::move(signals));
+}
+
+} // namespace
+
+Feature feature_of(const PreparedCase& stimulus) {
+    PathsSpec plain;
+    plain.drive = PathDrive::depth; // a mesh's box, not what a hand that presses dares
+    const PathRegion region = path_region(plain, stimulus);
+    return {{region.centre[0], region.centre[1]}, region.length / kMargins};
+}
+
+PreparedCase stroked(PreparedCase stimulus, const Manner& manner) {
+    const Feature feature = feature_of(stimulus);
+    const bool falls = stimulus.images.mesh != nullptr; // off its rim
+    PathsSpec paths;
+    paths.count = 1;
+    paths.rate = manner.rate;
+    paths.loop = PathLoop::closed;
+    paths.drive = PathDrive::press;
+    paths.press = manner.press;
+    paths.speed = fixed_spread(manner.speed);
+    paths.centre = std::array{feature.centre.x, feature.centre.y};
+    paths.length = (falls ? 1 : kLonger) * feature.width;
+    paths.width = 0;
+    paths.steps = static_cast<std::uint64_t>(std::ceil(manner.passes * *paths.length / manner.speed * manner.rate)) + 1;
+    stimulus.one.scene.paths = paths;
+    return stimulus;
+}
+
+std::vector<StrokeSample> stroke(const PreparedCase& stimulus, const Manner& manner) {
+    const PreparedCase prepared = stroked(stimulus, manner);
+    const auto law = make_path_law<double>(prepared);
+    const auto hand = device::make_sim(prepared, manner.rate, manner.still);
+    std::vector<StrokeSample> samples(prepared.one.scene.paths->steps + manner.still);
+    std::size_t path = 0;
+    for (StrokeSample& sample : samples) {
+        const device::Reading reading = hand->read();
+        path += reading.begins_path;
+        const auto contact = law->at(path, reading.position).contact;
+        sample = {reading.position, glm::dvec3(contact.force), contact.depth, contact.facet};
+        hand->write(sample.force);
+    }
+    return samples;
+}
+
+std::vector<StrokeSignals> passes_over(const Feature& feature, const std::vector<StrokeSample>& samples) {
+    std::vector<StrokeSignals> passes;
+    std::vector<StrokeSample> pass; // since the probe was last beside the feature
+    int from = 0;                   // on which side
+    for (const StrokeSample& sample : samples) {
+        const double x = sample.probe.x - feature.centre.x;
+        const int side = x < -feature.width / 2 ? -1 : x > feature.width / 2 ? 1 : 0;
+        if (side != 0 && side == -from)
+            add_pass(feature, std::move(pass), passes);
+        if (side != 0) {
+            from = side;
+            pass.clear();
+        }
+        pass.push_back(sample);
+    }
+    return passes;
+}
+
+Shares answer_shares(const std::vector<StrokeSignals>& passes, const ObserverParameters& observer) {
+    if (passes.empty())
+        throw UsageError("no stroke crossed the stimulus in contact, so that nothing was felt of it");
+    Cues mean;
+    for (const StrokeSignals& pass : passes) {
+        const Cues cues = cues_of(pass, level_of(observer));
+        const auto add = [&](double Cues::*cue) { mean.*cue += cues.*cue / static_cast<double>(passes.size()); };
+        for (const auto cue :
+             {&Cues::force_jump, &Cues::path_jump, &Cues::force_level, &Cues::path_level, &Cues::steepest, &Cues::base})
+            add(cue);
+    }
+    return shares_of(mean, observer);
+}
+
+} // namespace forceshade::experiment

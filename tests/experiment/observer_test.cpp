@@ -1,0 +1,111 @@
+// The observer's cues and answers against given values, and its fit to Table 2.
+#include <array>
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "host/error.h"
+#include "host/experiment/fit.h"
+
+namespace forceshade::experiment {
+namespace {
+
+constexpr double kMil = 25.4e-6, kWidth = 1000 * kMil; // m
+
+struct Stimulus {
+    unsigned facets; // 0: the cylinder
+    bool shaded;
+    double radius; // mil
+};
+
+StrokeSignals signals_of(const Stimulus& one) {
+    return rigid_signals(one.radius * kMil, kWidth, one.facets, one.shaded);
+}
+
+TEST(ObserverCues, AreThoseOfTheRigidLimit) {
+    struct Row {
+        Stimulus stimulus;
+        double force_jump, path_jump, force_level, path_level, steepest;
+    };
+    constexpr Row kRows[] = {{{2, false, 1000}, 0.536, 0.536, 0, 0, 0.268},
+                             {{3, false, 600}, 0, 0, 0.350, 0.350, 0.771},
+                             {{0, false, 600}, 0.007, 0.007, 0.030, 0.030, 1.508},
+                             {{1, true, 1000}, 0.004, 0, 0.006, 0.963, 0.577},
+                             {{3, true, 1400}, 0.003, 0, 0.003, 0.303, 0.382}};
+    for (const Row& row : kRows) {
+        const Cues cues = cues_of(signals_of(row.stimulus), ObserverParameters{}.level);
+        constexpr double kPrinted = 1e-3;
+        EXPECT_NEAR(cues.force_jump, row.force_jump, kPrinted);
+        EXPECT_NEAR(cues.path_jump, row.path_jump, kPrinted);
+        EXPECT_NEAR(cues.force_level, row.force_level, kPrinted);
+        EXPECT_NEAR(cues.path_level, row.path_level, kPrinted);
+        EXPECT_NEAR(cues.steepest, row.steepest, kPrinted);
+    }
+}
+
+TEST(ObserverShares, AreThosePredicted) {
+    struct Row {
+        Stimulus stimulus;
+        std::array<double, kPictures> percent;
+    };
+    constexpr Row kRows[] = {{{2, false, 600}, {0.5, 78.7, 0.5, 20.3}}, {{2, false, 1400}, {5.4, 43.3, 0.5, 50.8}},
+                             {{0, false, 600}, {0.5, 9.5, 19.4, 70.5}}, {{0, false, 1400}, {0.5, 10.0, 2.3, 87.1}},
+                             {{2, true, 600}, {0.5, 16.1, 17.8, 65.7}}, {{2, true, 1400}, {0.5, 12.5, 2.2, 84.8}},
+                             {{3, true, 1000}, {0.5, 9.4, 15.5, 74.6}}, {{1, true, 600}, {0.5, 8.0, 44.2, 47.4}},
+                             {{1, true, 1000}, {0.5, 8.3, 34.8, 56.4}}, {{1, true, 1400}, {0.5, 8.3, 33.4, 57.8}}};
+    for (const Row& row : kRows) {
+        const Shares shares = shares_of(signals_of(row.stimulus), ObserverParameters{});
+        for (std::size_t i = 0; i < kPictures; ++i)
+            EXPECT_NEAR(100 * shares[i], row.percent[i], 0.15) << row.stimulus.facets << " " << kPictureNames[i];
+    }
+}
+
+// What is not felt at all is flat, whatever the other parameters.
+TEST(ObserverShares, OfAPlaneAreFlatButForLapses) {
+    const Shares shares = shares_of(signals_of({1, false, 1000}), ObserverParameters{});
+    EXPECT_NEAR(shares[0], 0.985, 1e-12);
+    EXPECT_NEAR(shares[1] + shares[2] + shares[3], 0.015, 1e-12);
+}
+
+TEST(ObserverCues, NeedBothSidesOfTheMiddle) {
+    StrokeSignals signals = signals_of({2, false, 1000});
+    signals.x = {0.001, 0.002, 0.003};
+    EXPECT_THROW(cues_of(signals, 0.07), UsageError);
+}
+
+TEST(ObserverFit, OfTable2) {
+    const std::vector<ConditionAnswers> table = table_2();
+    ASSERT_EQ(table.size(), 21u);
+    ObserverParameters start;
+    start.edge = 1;
+    start.level_gain = 5;
+    start.path_weight = 0.1;
+    const ObserverParameters best = fitted(table, start);
+    EXPECT_NEAR(deviance(table, best), 159.6, 0.3);
+    EXPECT_NEAR(best.edge, 0.7588, 0.01);
+    EXPECT_NEAR(best.level_gain, 7.162, 0.1);
+    EXPECT_NEAR(best.path_weight, 0.0603, 0.002);
+    EXPECT_NEAR(best.noise, 0.0754, 0.001);
+    EXPECT_NEAR(best.level, 0.0745, 0.002);
+}
+
+TEST(ObserverFit, PredictsRadiiThatWereLeftOut) {
+    const std::vector<ConditionAnswers> table = table_2();
+    const Prediction observer = predicted_by_observer(table), means = predicted_by_means(table);
+    EXPECT_NEAR(observer.deviance, 203.7, 2);
+    ASSERT_EQ(observer.by_group.size(), 3u);
+    EXPECT_NEAR(observer.by_group[0].second, 70.9, 1);
+    EXPECT_NEAR(observer.by_group[1].second, 43.8, 1);
+    EXPECT_NEAR(observer.by_group[2].second, 89.1, 1);
+    EXPECT_NEAR(observer.error, 3.08, 0.02);
+    EXPECT_NEAR(means.deviance, 538.7, 0.2);
+    EXPECT_NEAR(means.error, 6.75, 0.01);
+    ObserverParameters rival;
+    rival.rule = LevelRule::base_kinks;
+    rival.level = 0.32;
+    EXPECT_NEAR(deviance(table, fitted(table, rival)), 147, 0.5);
+    EXPECT_NEAR(predicted_by_observer(table, rival).deviance, 191, 1);
+}
+
+} // namespace
+} // namespace forceshade::experiment
