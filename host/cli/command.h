@@ -97,6 +97,7 @@ void add_evaluation_commands(CommandLine& program); // sweep, field
 void add_explore_command(CommandLine& program);
 void add_mesh_command(CommandLine& program);
 void add_study_commands(CommandLine& program); // study, report
+void add_experiment_command(CommandLine& program);
 void add_live_command(CommandLine& program);
 void add_check_commands(CommandLine& program); // validate, gpus, devices, doctor, schema
 

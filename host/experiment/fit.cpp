@@ -11,7 +11,6 @@
 namespace forceshade::experiment {
 namespace {
 
-constexpr double kMil = 25.4e-6; // m
 
 using Free = std::array<double ObserverParameters::*, 5>;
 constexpr Free kFree{&ObserverParameters::edge, &ObserverParameters::level_gain, &ObserverParameters::path_weight,

@@ -7,6 +7,8 @@
 
 namespace forceshade::experiment {
 
+inline constexpr double kMil = 25.4e-6; /* m */
+
 /// The four pictures of the 1996 experiment, in the order of their keys.
 enum class Picture { flat, two_facets, three_facets, cylinder };
 inline constexpr std::size_t kPictures = 4;

@@ -11,21 +11,23 @@
 namespace forceshade::experiment {
 namespace {
 
+using device::LiveSample;
+
 constexpr double kLonger = 1.5;  // a stroke's length over the feature's width
 constexpr double kMargins = 1.2; // of a region's length over the feature's width
 
 // What was felt of a pass from one side of the feature to the other.
-void add_pass(const Feature& feature, std::vector<StrokeSample> pass, std::vector<StrokeSignals>& passes) {
+void add_pass(const Feature& feature, std::vector<LiveSample> pass, std::vector<StrokeSignals>& passes) {
     const std::size_t all = pass.size();
-    std::erase_if(pass, [](const StrokeSample& sample) { return !(sample.force.z > 0); });
+    std::erase_if(pass, [](const LiveSample& sample) { return !(sample.force.z > 0); });
     if (pass.size() < 4 || pass.size() < all / 2)
         return;
     if (pass.back().probe.x < pass.front().probe.x)
         std::ranges::reverse(pass);
     StrokeSignals signals;
     signals.width = feature.width;
-    const StrokeSample* before = &pass.front();
-    for (const StrokeSample& now : pass) {
+    const LiveSample* before = &pass.front();
+    for (const LiveSample& now : pass) {
         if (!(now.probe.x > before->probe.x))
             continue; // held up
         const double x = now.probe.x - feature.centre.x;
@@ -49,6 +51,17 @@ Feature feature_of(const PreparedCase& stimulus) {
     return {{region.centre[0], region.centre[1]}, region.length / kMargins};
 }
 
+Manner manner_of(const Scene& scene) {
+    Manner manner;
+    if (!scene.paths)
+        return manner;
+    manner.rate = scene.paths->rate;
+    manner.press = scene.paths->press;
+    const Spread& speed = scene.paths->speed;
+    manner.speed = speed.shape == Spread::Shape::uniform ? 0.5 * (speed.low + speed.high) : speed.value;
+    return manner;
+}
+
 PreparedCase stroked(PreparedCase stimulus, const Manner& manner) {
     const Feature feature = feature_of(stimulus);
     const bool falls = stimulus.images.mesh != nullptr; // off its rim
@@ -67,27 +80,35 @@ PreparedCase stroked(PreparedCase stimulus, const Manner& manner) {
     return stimulus;
 }
 
-std::vector<StrokeSample> stroke(const PreparedCase& stimulus, const Manner& manner) {
+std::vector<LiveSample> stroke(const PreparedCase& stimulus, const Manner& manner) {
     const PreparedCase prepared = stroked(stimulus, manner);
     const auto law = make_path_law<double>(prepared);
     const auto hand = device::make_sim(prepared, manner.rate, manner.still);
-    std::vector<StrokeSample> samples(prepared.one.scene.paths->steps + manner.still);
+    std::vector<LiveSample> samples(prepared.one.scene.paths->steps + manner.still);
     std::size_t path = 0;
-    for (StrokeSample& sample : samples) {
+    for (LiveSample& sample : samples) {
         const device::Reading reading = hand->read();
         path += reading.begins_path;
-        const auto contact = law->at(path, reading.position).contact;
-        sample = {reading.position, glm::dvec3(contact.force), contact.depth, contact.facet};
+        const auto found = law->at(path, reading.position);
+        sample.tick = static_cast<std::uint64_t>(&sample - samples.data());
+        sample.time = static_cast<double>(sample.tick) / manner.rate;
+        sample.path = static_cast<std::uint32_t>(path);
+        sample.happened = found.finished ? 0U : std::uint32_t(device::kUnfinished);
+        sample.probe = reading.position;
+        sample.proxy = glm::dvec3(found.contact.proxy);
+        sample.force = sample.commanded = glm::dvec3(found.contact.force);
+        sample.depth = found.contact.depth;
+        sample.facet = found.contact.facet;
         hand->write(sample.force);
     }
     return samples;
 }
 
-std::vector<StrokeSignals> passes_over(const Feature& feature, const std::vector<StrokeSample>& samples) {
+std::vector<StrokeSignals> passes_over(const Feature& feature, const std::vector<LiveSample>& samples) {
     std::vector<StrokeSignals> passes;
-    std::vector<StrokeSample> pass; // since the probe was last beside the feature
-    int from = 0;                   // on which side
-    for (const StrokeSample& sample : samples) {
+    std::vector<LiveSample> pass; // since the probe was last beside the feature
+    int from = 0;                 // on which side
+    for (const LiveSample& sample : samples) {
         const double x = sample.probe.x - feature.centre.x;
         const int side = x < -feature.width / 2 ? -1 : x > feature.width / 2 ? 1 : 0;
         if (side != 0 && side == -from)

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include <glm/vec2.hpp>
-#include <glm/vec3.hpp>
 
+#include "device/loop/sample.h"
 #include "host/experiment/observer.h"
 #include "host/prepare/prepared_case.h"
 
@@ -21,6 +21,9 @@ struct Manner {
     std::uint64_t still = 0; /* samples before the hand begins to move */
 };
 
+/// As the scene's [paths] say, or 0.1 m/s, 1 N and 1 kHz.
+Manner manner_of(const Scene& scene);
+
 /// Where a stimulus' feature lies: the default region of its paths (host/paths), less its margins.
 struct Feature {
     glm::dvec2 centre{0}; /* m */
@@ -28,23 +31,15 @@ struct Feature {
 };
 Feature feature_of(const PreparedCase& stimulus);
 
-/// What moved and what was felt, a sample each period.
-struct StrokeSample {
-    glm::dvec3 probe{0};     /* m */
-    glm::dvec3 force{0};     /* N */
-    double depth = 0;        /* m */
-    std::uint32_t facet = 0; /* layout::kNoFacet out of contact */
-};
-
 /// The stimulus with the paths that this manner takes: what the simulated device of `live` follows, too.
 PreparedCase stroked(PreparedCase stimulus, const Manner& manner);
 
 /// Steps hand, device and law (in double) until all passes are done. The manner's values are positive.
-std::vector<StrokeSample> stroke(const PreparedCase& stimulus, const Manner& manner);
+std::vector<device::LiveSample> stroke(const PreparedCase& stimulus, const Manner& manner);
 
 /// The passes across the whole feature, each in the order of x: what was felt of them, without what was flown over. A
 /// pass less than half of which was in contact is none.
-std::vector<StrokeSignals> passes_over(const Feature& feature, const std::vector<StrokeSample>& samples);
+std::vector<StrokeSignals> passes_over(const Feature& feature, const std::vector<device::LiveSample>& samples);
 
 /// What the observer answers after these passes: the shares of their mean cues. \throws UsageError without any.
 Shares answer_shares(const std::vector<StrokeSignals>& passes, const ObserverParameters& observer);

@@ -18,6 +18,7 @@ using Type = TomlNode::Type;
 using Override = std::pair<std::string, std::string>;
 
 constexpr std::string_view kVariant = "variant";
+constexpr std::string_view kExperiment = "experiment"; // a table of host/experiment
 
 // The names of tables, or of the keys of one, each once.
 std::vector<std::string> names_in(std::string_view Key::*name, std::string_view table = "") {
@@ -106,7 +107,7 @@ private:
         const std::string with = tables_with(member.key);
         if (!with.empty())
             fail(source_, member.where, "\"{}\" stands in no table; it belongs in {}", member.key, with);
-        tables.emplace_back(kVariant);
+        tables.insert(tables.end(), {std::string(kVariant), std::string(kExperiment)});
         const std::string_view near = nearest(member.key, tables);
         const std::string hint = near.empty() ? fmt::format("known are [{}]", fmt::join(tables, "], ["))
                                               : fmt::format("did you mean [{}]?", near);
@@ -257,6 +258,12 @@ Document read_document(std::string_view text, const std::string& source, const s
         read_variants(*variant, folder, document);
         root.members.erase(variant);
     }
+    const auto experiment =
+        std::ranges::find_if(root.members, [](const TomlMember& member) { return member.key == kExperiment; });
+    if (experiment != root.members.end()) {
+        document.experiment = std::make_shared<const TomlNode>(std::move(experiment->value));
+        root.members.erase(experiment);
+    }
     document.base = LayerReader(document.source, folder).read(root);
     document.overrides = read_overrides(overrides, folder);
     document.order = key_order(document);
@@ -350,8 +357,11 @@ TomlNode convert(const toml::node& node, const std::string& source, int depth) {
     } else if (const auto* real = node.as_floating_point()) {
         result.type = TomlNode::Type::real;
         result.real = real->get();
+    } else if (const auto* boolean = node.as_boolean()) {
+        result.type = TomlNode::Type::boolean;
+        result.truth = boolean->get();
     } else {
-        result.type = node.is_boolean() ? TomlNode::Type::boolean : TomlNode::Type::date;
+        result.type = TomlNode::Type::date;
     }
     return result;
 }

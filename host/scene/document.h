@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <set>
 #include <span>
 #include <string>
@@ -45,11 +46,14 @@ struct Layer : GivenTables {
     const Entry* find(std::size_t key) const;
 };
 
+struct TomlNode;
+
 struct Document {
     std::string source;
     Layer base;
     std::vector<Layer> variants;
     Layer overrides;
+    std::shared_ptr<const TomlNode> experiment; // [experiment], which host/experiment reads; null: there is none
 
     /// The base, the overrides, then the variants.
     std::vector<const Layer*> layers() const;
@@ -90,6 +94,7 @@ struct TomlNode {
     std::string text; // of a string
     std::int64_t integer = 0;
     double real = 0;
+    bool truth = false;          // of a boolean
     std::vector<TomlNode> items;     // of an array
     std::vector<TomlMember> members; // of a table, in file order
 };

@@ -10,7 +10,7 @@
 namespace forceshade::experiment {
 namespace {
 
-constexpr double kMil = 25.4e-6, kWidth = 1000 * kMil; // m
+constexpr double kWidth = 1000 * kMil; // m
 
 struct Stimulus {
     unsigned facets; // 0: the cylinder

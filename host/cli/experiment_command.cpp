@@ -1,0 +1,113 @@
+#include <algorithm>
+#include <charconv>
+
+#include <fmt/format.h>
+
+#include "host/cli/command.h"
+#include "host/error.h"
+#include "host/experiment/analysis.h"
+#include "host/experiment/run.h"
+#include "host/output/files.h"
+#include "host/report/report.h"
+#include "host/study/data/data_files.h"
+
+namespace forceshade {
+
+namespace {
+
+struct ExperimentArguments {
+    std::string action, out, session = "1", participant;
+    std::vector<std::string> files, subjects;
+    bool paths = false;
+};
+
+std::uint64_t session_number(const std::string& text) {
+    std::uint64_t number = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+    if (error != std::errc() || end != text.data() + text.size() || number < 1 || number > 9999)
+        throw UsageError(fmt::format("--session: a number from 1 to 9999, got \"{}\"", text));
+    return number;
+}
+
+int run_experiment(const ExperimentArguments& arguments, const CommonOptions& common) {
+    if (arguments.out.empty())
+        throw UsageError("--out is missing: name the folder of the data");
+    if (arguments.subjects.empty())
+        throw UsageError("--subject is missing: name who takes part, as 03; letters and digits, no person's name");
+    if (arguments.participant != "observer")
+        throw UsageError(fmt::format("--participant \"{}\": observer is the simulated one", arguments.participant));
+    if (arguments.files.size() > 1)
+        throw UsageError(
+            fmt::format("run takes one experiment file; got {} and {}", arguments.files[0], arguments.files[1]));
+    const experiment::Experiment experiment = experiment::read_experiment(
+        arguments.files.empty() ? "" : arguments.files[0], overrides(common));
+    print_warnings(experiment.study.warnings, common);
+    const auto participant = experiment::make_observer(experiment);
+    for (const std::string& subject : arguments.subjects) {
+        experiment::RunOptions options;
+        options.folder = arguments.out;
+        options.info = {subject, session_number(arguments.session), arguments.participant, "simulated hand and device"};
+        options.paths = arguments.paths;
+        experiment::run_session(experiment, *participant, options);
+        if (!common.quiet)
+            remark("subject {}, session {}: {} in {}\n", subject, arguments.session,
+                   plural(experiment.size() + experiment.spec.practice, "trial"), arguments.out);
+    }
+    return 0;
+}
+
+int analyse_data(const ExperimentArguments& arguments, const CommonOptions& common) {
+    if (arguments.files.empty())
+        throw UsageError("analyse what? Name the folder that experiment run wrote, or several");
+    const std::filesystem::path first = arguments.files[0],
+                                out = arguments.out.empty() ? first / "analysis" : std::filesystem::path(arguments.out);
+    study::StudyData data =
+        experiment::analyse(experiment::read_answers({arguments.files.begin(), arguments.files.end()}));
+    make_subfolder(out.has_parent_path() ? out.parent_path() : ".", out.filename().string());
+    make_subfolder(out, data.study);
+    std::vector<std::string> warnings;
+    for (const std::string& name : study::write_data(out / data.study, data, study::figure_files(data)))
+        warnings.push_back(fmt::format("{} is of an earlier analysis and was changed since, so it stays",
+                                       (out / data.study / name).string()));
+    const report::ReportResult written = report::write_report(out);
+    print_warnings(warnings, common);
+    if (!common.quiet) {
+        for (const study::Finding& finding : data.findings)
+            remark("- {}\n", finding.text);
+        remark("look at {}, tables in {}\n", std::filesystem::absolute(written.file).lexically_normal().string(),
+               std::filesystem::absolute(out / data.study).lexically_normal().string());
+    }
+    if (common.json)
+        print_data(study::data_json(data));
+    return 0;
+}
+
+int run(const ExperimentArguments& arguments, const CommonOptions& common) {
+    if (arguments.action == "run")
+        return run_experiment(arguments, common);
+    if (arguments.action == "analyse" || arguments.action == "analyze")
+        return analyse_data(arguments, common);
+    refuse_unknown("action", arguments.action, {"run", "analyse"});
+}
+
+void describe(Options& options, ExperimentArguments& arguments) {
+    options.required("ACTION", arguments.action,
+                     "run: take a subject through the trials; analyse: tables, tests and figures of data");
+    options.list("FILES", arguments.files,
+                 "run: experiment file (TOML); without it the paper's. analyse: folders that run wrote");
+    options.optional("--out", arguments.out,
+                     "run: folder of the data; analyse: of the results (default: DIR/analysis)");
+    options.list("--subject", arguments.subjects, "who takes part: letters and digits, as 03; several between commas");
+    options.optional("--session", arguments.session, "of the subject, from 1 on");
+    options.optional("--participant", arguments.participant, "observer: a simulated one answers");
+    options.flag("--paths", arguments.paths, "keep the simulated participant's paths, too");
+}
+
+} // namespace
+
+void add_experiment_command(CommandLine& program) {
+    program.add<ExperimentArguments>("experiment", "Run the classification experiment, simulated or on a device", run,
+                                     describe);
+}
+
+} // namespace forceshade

@@ -1,0 +1,37 @@
+// Random numbers of an experiment, the same on every machine.
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+
+namespace forceshade::experiment {
+
+/// Of a seed and a name (FNV-1a over the name's bytes, then splitmix64).
+class Random {
+public:
+    explicit Random(std::uint64_t seed, std::string_view name = {}) : state_(seed ^ 0xCBF29CE484222325u) {
+        for (const char c : name)
+            state_ = (state_ ^ static_cast<unsigned char>(c)) * 0x100000001B3u;
+    }
+    std::uint64_t word() {
+        std::uint64_t z = state_ += 0x9E3779B97F4A7C15u;
+        z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9u;
+        z = (z ^ (z >> 27)) * 0x94D049BB133111EBu;
+        return z ^ (z >> 31);
+    }
+    /// In [0, 1).
+    double uniform() { return static_cast<double>(word() >> 11) * 0x1p-53; }
+    /// An integer in [0, count), each equally often.
+    std::uint64_t below(std::uint64_t count) {
+        const std::uint64_t whole = UINT64_MAX - UINT64_MAX % count;
+        std::uint64_t one = word();
+        while (one >= whole)
+            one = word();
+        return one % count;
+    }
+
+private:
+    std::uint64_t state_;
+};
+
+} // namespace forceshade::experiment

@@ -1,0 +1,109 @@
+// The data of an experiment as a Psych-DS folder: a row a trial, on the disk as soon as it is there.
+//
+//   dataset_description.json                 what the columns are
+//   data/subject-03_session-1_data.csv       a row a trial
+//   materials/experiment.toml                the experiment, resolved
+//   materials/order/subject-03_session-1.csv its order, written before the first trial
+//   materials/stimuli/CASE.toml              the scene of each condition
+//   paths/subject-03_session-1_trial-12.csv  the probe's path, as `live` logs it, where paths are kept
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "host/experiment/experiment.h"
+#include "host/experiment/trials.h"
+
+namespace forceshade::experiment {
+
+/// How a trial ended: answered, or why it does not count and is done again at the end.
+inline constexpr const char* kAnswered = "answered";
+
+/// What came of a trial.
+struct TrialOutcome {
+    std::string status = kAnswered;    /* else "no answer", "device lost", "force clamped" */
+    std::optional<std::size_t> answer; /* index of the experiment's answers */
+    double reaction = 0;               /* s: from the stimulus to the answer */
+    double contact = 0;                /* s: in contact */
+    double largest_force = 0;          /* N */
+    std::uint64_t strokes = 0;         /* passes across the whole feature */
+    double speed = 0;                  /* m/s: mean in contact */
+    double press = 0;                  /* N: mean vertical force in contact */
+};
+
+/// A row of the data.
+struct TrialRow {
+    std::string subject; /* of letters and digits */
+    std::uint64_t session = 1;
+    std::uint64_t sequence = 0;  /* 1: the first row of the session */
+    std::uint64_t number = 0;    /* of the trial in its order */
+    std::uint64_t block = 0;     /* 0: practice */
+    std::string condition;       /* the case's name */
+    std::string answer;          /* its name; empty: none */
+    std::optional<bool> correct; /* whether it names the stimulus' nominal shape; nothing: no answer does */
+    TrialOutcome outcome;        /* read back without the answer's index */
+    std::uint64_t seed = 0;
+    std::string participant, device, program, started; /* as SessionInfo; UTC */
+    bool counts() const { return block > 0 && outcome.status == kAnswered; }
+};
+
+/// Rows of one file. \throws IoError, or UsageError `file:line:column: ...` for a row that is none.
+std::vector<TrialRow> read_rows(const std::filesystem::path& file);
+
+/// The data files of a folder, by name. \throws IoError if it has none.
+std::vector<std::filesystem::path> data_files(const std::filesystem::path& folder);
+
+/// What the rows say about who and how.
+struct SessionInfo {
+    std::string subject; /* of letters and digits */
+    std::uint64_t session = 1;
+    std::string participant; /* "person", or the simulated one's name */
+    std::string device;      /* "simulated hand and device" */
+};
+
+/// One session of one subject, begun or taken up again.
+class SessionRecord {
+public:
+    /// Makes the folder and its files, or checks that they are of the same experiment and reads what is done. A last
+    /// line that was cut off is removed. \throws UsageError for a name that is none, another experiment in the folder,
+    /// a session that is complete, a damaged row; IoError if another process has it, or files cannot be written.
+    SessionRecord(const std::filesystem::path& folder, const Experiment& experiment, const SessionInfo& info);
+    ~SessionRecord();
+    SessionRecord(const SessionRecord&) = delete;
+    SessionRecord& operator=(const SessionRecord&) = delete;
+
+    const std::vector<Trial>& order() const { return order_; }
+    const std::vector<TrialRow>& rows() const { return rows_; }
+    /// What an earlier run left behind that is gone now; empty: nothing.
+    const std::string& repaired() const { return repaired_; }
+
+    /// The next trial: first those of the order, then those that have to be done again; null: none is left.
+    const Trial* next() const;
+    std::uint64_t left() const; /* trials */
+
+    /// Onto the disk. \throws IoError: the row is not there then, not in part either.
+    void add(const Trial& trial, const TrialOutcome& outcome);
+
+    /// Where the path of the next row belongs.
+    std::filesystem::path path_file(const Trial& trial) const;
+
+private:
+    void write_materials() const;
+    void open_data();
+    void read_back();
+    std::string stem() const;
+
+    const std::filesystem::path folder_;
+    const Experiment& experiment_;
+    const SessionInfo info_;
+    const std::vector<Trial> order_;
+    std::filesystem::path file_;
+    int descriptor_ = -1;
+    std::vector<TrialRow> rows_;
+    std::string repaired_;
+};
+
+} // namespace forceshade::experiment

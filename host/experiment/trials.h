@@ -1,0 +1,22 @@
+// The trials of a session, in an order that follows from the experiment's seed, the subject and the session alone.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "host/experiment/experiment.h"
+
+namespace forceshade::experiment {
+
+struct Trial {
+    std::uint64_t number = 0;  /* 1: the first of the session, practice included */
+    std::uint64_t block = 0;   /* 1: the first; 0: practice */
+    std::size_t condition = 0; /* index of the study's case */
+    std::uint64_t seed = 0;    /* of what is random in the trial */
+    bool is_practice() const { return block == 0; }
+};
+
+std::vector<Trial> trials_of(const Experiment& experiment, const std::string& subject, std::uint64_t session);
+
+} // namespace forceshade::experiment

@@ -1,0 +1,69 @@
+// Intervals, tests, and the analysis of simulated subjects.
+#include <cmath>
+#include <filesystem>
+
+#include <gtest/gtest.h>
+
+#include "host/error.h"
+#include "host/experiment/analysis.h"
+#include "host/experiment/run.h"
+#include "host/experiment/statistics.h"
+
+namespace forceshade::experiment {
+namespace {
+
+// Brown, Cai & DasGupta 2001, table 5: Jeffreys intervals of 0, 1, 2 and 5 of 10.
+TEST(Statistics, JeffreysIntervals) {
+    EXPECT_EQ(jeffreys(0, 10).low, 0);
+    EXPECT_NEAR(jeffreys(0, 10).high, 0.217, 5e-4);
+    EXPECT_NEAR(jeffreys(1, 10).low, 0.011, 5e-4);
+    EXPECT_NEAR(jeffreys(1, 10).high, 0.381, 5e-4);
+    EXPECT_NEAR(jeffreys(5, 10).low, 0.224, 5e-4);
+    EXPECT_NEAR(jeffreys(5, 10).high, 0.776, 5e-4);
+    EXPECT_EQ(jeffreys(10, 10).high, 1);
+}
+
+TEST(Statistics, SignFlipsAreExactForFewSubjects) {
+    EXPECT_EQ(sign_flip_p({1, 2, 3, 4, 5}), 2.0 / 32);
+    EXPECT_EQ(sign_flip_p({1, -1}), 1);
+    EXPECT_EQ(sign_flip_p({}), 1);
+    EXPECT_LT(sign_flip_p(std::vector<double>(40, 1.0)), 1e-3);
+}
+
+TEST(Statistics, BootstrapOfOneIsThatOne) {
+    EXPECT_EQ(bootstrap_mean({3}).low, 3);
+    const Range range = bootstrap_mean({1, 2, 3, 4, 5, 6, 7, 8, 9});
+    EXPECT_GT(range.low, 2.5);
+    EXPECT_LT(range.high, 7.5);
+}
+
+TEST(Analysis, OfSimulatedSubjectsFindsTheObserver) {
+    const std::filesystem::path folder = std::filesystem::temp_directory_path() / "forceshade_experiment_analysis";
+    std::filesystem::remove_all(folder);
+    const Experiment paper = read_experiment({});
+    const auto observer = make_observer(paper);
+    for (const char* subject : {"01", "02", "03"})
+        run_session(paper, *observer, {folder, {subject, 1, "observer", "simulated"}, false, {}});
+    const Answers answers = read_answers({folder});
+    EXPECT_EQ(answers.rows.size(), 3u * 504);
+    EXPECT_THROW(read_answers({folder, folder}), UsageError) << "the same session twice";
+    const study::StudyData data = analyse(answers);
+    const study::Table& table = data.table("answers");
+    ASSERT_EQ(table.rows.size(), 4u * 21);
+    EXPECT_EQ(table.word(0, "condition"), "bump_radius-600mil_facets-1_shading-none") << "as in the paper's Table 2";
+    EXPECT_EQ(table.needed(0, "trials"), 72);
+    EXPECT_GT(table.needed(0, "flat_percent"), 94);
+    // Fitted to answers that it gave itself, each row is within its binomial noise: 63 degrees of freedom less 5.
+    const study::Table& fits = data.table("observer");
+    for (std::size_t row = 0; row < fits.rows.size(); ++row)
+        if (fits.word(row, "data") == "measured" && fits.word(row, "model") == "observer") {
+            EXPECT_LT(fits.needed(row, "deviance"), 58 + 4 * std::sqrt(2.0 * 58));
+            EXPECT_NEAR(fits.needed(row, "kappa"), 0.7588, 0.15);
+        }
+    ASSERT_EQ(data.findings.size(), 3u);
+    EXPECT_EQ(data.findings[0].name, "shading");
+    std::filesystem::remove_all(folder);
+}
+
+} // namespace
+} // namespace forceshade::experiment
