@@ -124,36 +124,47 @@ template <typename State> struct Watched {
     }
 };
 
+SafetyLimits limits_of(const SessionOptions& options, const DeviceFacts& facts, std::vector<std::string>& warnings) {
+    SafetyLimits limits = options.limits;
+    limits.max_force = std::min(options.max_force.value_or(kUnknown), facts.max_force);
+    if (std::isinf(limits.max_force) && !options.max_force) {
+        limits.max_force = kCautiousForce;
+        if (!facts.simulated)
+            warnings.push_back(fmt::format("the device does not say how much force it displays: {} N at most; "
+                                           "--max-force says another limit",
+                                           kCautiousForce));
+    }
+    limits.lasting_force = options.lasting_force.value_or(facts.lasting_force);
+    if (!facts.has_watchdog && !options.without_watchdog && limits.max_force > kUnwatchedForce) {
+        limits.max_force = kUnwatchedForce;
+        warnings.push_back(fmt::format("{} N at most without the device's watchdog; --without-device-watchdog displays "
+                                       "more all the same",
+                                       kUnwatchedForce));
+    }
+    limits.low = options.workspace ? options.workspace->first : facts.low;
+    limits.high = options.workspace ? options.workspace->second : facts.high;
+    return limits;
+}
+
 class Session {
 public:
     explicit Session(const SessionOptions& options)
-        : options_(checked(options)), line_(options.quiet), prepared_(options.read()), device_(opened()),
-          origin_(options.origin_here ? first_position(*device_, options.patience) : options.origin),
+        : options_(checked(options)), line_(options.quiet), prepared_(options.read()), opened_(opened()),
           scenes_(options.scene, options.read, prepared_, kept_stem(), options.device == "sim") {
-        facts_ = device_->facts();
-        facts_.low -= origin_;
-        facts_.high -= origin_;
-        if (!facts_.remark.empty())
-            warn(facts_.remark);
-        settings_.rate = checked_rate(options.rate.value_or(facts_.rate));
-        settings_.real_time = options.real_time;
-        settings_.patience = options.patience;
-        settings_.cpu = options.cpu;
-        settings_.origin = origin_;
-        settings_.limits = limits();
-        settings_.samples = samples_in(options.duration, settings_.rate);
+        for (const std::string& warning : opened_.warnings)
+            warn(warning);
         if (!options.log.empty()) {
             const QuietSignals quiet;
-            ring_.emplace(static_cast<std::size_t>(kBuffered * settings_.rate));
+            ring_.emplace(static_cast<std::size_t>(kBuffered * opened_.settings.rate));
             log_.emplace(options.log, *ring_, prepared_.one.scene.precision, options.replace_log);
             scenes_.keep_first();
         }
-        loop_.emplace(*device_, make_live_law(prepared_), settings_, ring_ ? &*ring_ : nullptr);
+        loop_.emplace(*opened_.device, make_live_law(prepared_), opened_.settings, ring_ ? &*ring_ : nullptr);
     }
 
     SessionResult run() {
         {
-            const Emergency emergency(*device_);
+            const Emergency emergency(*opened_.device);
             const LoopSignals signals(*loop_);
             start();
             while (loop_->end() == LoopEnd::running) {
@@ -165,44 +176,22 @@ public:
                 std::this_thread::sleep_for(kLook);
             }
             loop_->join();
-            device_->halt();
+            opened_.device->halt();
         }
         return finish();
     }
 
 private:
     // Every signal from outside is left to the main thread, not to threads that are started here.
-    std::unique_ptr<BackEnd> opened() const {
+    OpenDevice opened() const {
         const QuietSignals quiet;
-        return open_device(options_.device, prepared_, options_.rate, options_.limits.ramp);
+        return open_for_loop(options_, prepared_);
     }
 
     void start() {
         const QuietSignals quiet;
         begun_ = Clock::now();
         loop_->start();
-    }
-
-    SafetyLimits limits() {
-        SafetyLimits limits = options_.limits;
-        limits.max_force = std::min(options_.max_force.value_or(kUnknown), facts_.max_force);
-        if (std::isinf(limits.max_force) && !options_.max_force) {
-            limits.max_force = kCautiousForce;
-            if (!facts_.simulated)
-                warn(fmt::format("the device does not say how much force it displays: {} N at most; --max-force says "
-                                 "another limit",
-                                 kCautiousForce));
-        }
-        limits.lasting_force = options_.lasting_force.value_or(facts_.lasting_force);
-        if (!facts_.has_watchdog && !options_.without_watchdog && limits.max_force > kUnwatchedForce) {
-            limits.max_force = kUnwatchedForce;
-            warn(fmt::format("{} N at most without the device's watchdog; --without-device-watchdog displays more all "
-                             "the same",
-                             kUnwatchedForce));
-        }
-        limits.low = options_.workspace ? options_.workspace->first : facts_.low;
-        limits.high = options_.workspace ? options_.workspace->second : facts_.high;
-        return limits;
     }
 
     // Empty: there is no log that scenes could be kept beside; /dev/null and pipes have no place beside them.
@@ -233,8 +222,8 @@ private:
         const LoopStatus& now = loop_->status();
         const bool fails = (now.happened & kFailed) != 0 && now.samples > 0;
         if (fails_.changes(fails))
-            warn_now(fails ? "the device fails" + complaint_of(*device_) : "the device answers again");
-        const char* const withheld = device_->withheld();
+            warn_now(fails ? "the device fails" + complaint_of(*opened_.device) : "the device answers again");
+        const char* const withheld = opened_.device->withheld();
         if (withheld_.changes(withheld))
             warn_now(withheld != nullptr ? fmt::format("no force: {}", withheld) : "the device displays forces again");
     }
@@ -263,10 +252,10 @@ private:
         SessionResult result;
         result.end = loop_->end();
         result.interrupted = is_interrupted() && result.end == LoopEnd::stopped;
-        result.complaint = complaint_of(*device_);
-        device_.reset(); // the device is closed before anything that is slow
+        result.complaint = complaint_of(*opened_.device);
+        opened_.device.reset(); // the device is closed before anything that is slow
         LiveOutcome& outcome = result.outcome;
-        outcome.facts = facts_;
+        outcome.facts = opened_.facts;
         outcome.counts = loop_->counts();
         outcome.permissions = loop_->permissions();
         if (log_) {
@@ -280,9 +269,9 @@ private:
         outcome.scenes = scenes_.used();
         outcome.precision = prepared_.one.scene.precision == Precision::f32 ? "f32" : "f64";
         outcome.device = options_.device;
-        outcome.rate = settings_.rate;
-        outcome.real_time = settings_.real_time;
-        outcome.limits = limits_as_text(settings_.limits);
+        outcome.rate = opened_.settings.rate;
+        outcome.real_time = opened_.settings.real_time;
+        outcome.limits = limits_as_text(opened_.settings.limits);
         outcome.ended = result.end == LoopEnd::done             ? "after the time that was asked for"
                         : result.end == LoopEnd::recording_over ? "at the end of the recording"
                         : result.end == LoopEnd::device_gone    ? "because the device was gone" + result.complaint
@@ -307,11 +296,8 @@ private:
     StatusLine line_;
     std::vector<std::string> remarks_;
     PreparedCase prepared_;
-    std::unique_ptr<BackEnd> device_;
-    const glm::dvec3 origin_; /* m: of the scene, in the device's space */
-    DeviceFacts facts_;       // in the scene's coordinates
+    OpenDevice opened_;
     SceneChanges scenes_;
-    LoopSettings settings_;
     std::optional<SampleRing> ring_;
     std::optional<LiveLog> log_;
     std::optional<LiveLoop> loop_; // before the log goes
@@ -323,6 +309,26 @@ private:
 };
 
 } // namespace
+
+OpenDevice open_for_loop(const SessionOptions& options, const PreparedCase& prepared) {
+    OpenDevice opened;
+    opened.device = open_device(options.device, prepared, options.rate, options.limits.ramp);
+    const glm::dvec3 origin = options.origin_here ? first_position(*opened.device, options.patience) : options.origin;
+    opened.facts = opened.device->facts();
+    opened.facts.low -= origin;
+    opened.facts.high -= origin;
+    if (!opened.facts.remark.empty())
+        opened.warnings.push_back(opened.facts.remark);
+    LoopSettings& settings = opened.settings;
+    settings.rate = checked_rate(options.rate.value_or(opened.facts.rate));
+    settings.real_time = options.real_time;
+    settings.patience = options.patience;
+    settings.cpu = options.cpu;
+    settings.origin = origin;
+    settings.limits = limits_of(options, opened.facts, opened.warnings);
+    settings.samples = samples_in(options.duration, settings.rate);
+    return opened;
+}
 
 SessionResult run_session(const SessionOptions& options) {
     return Session(options).run();

@@ -3,9 +3,11 @@
 
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "device/loop/live_loop.h"
 #include "device/report/report.h"
@@ -43,6 +45,18 @@ struct SessionResult {
     std::string complaint;   // of the device that is gone, after ": "; empty: none
     std::string log_failure; // why the log is not whole
 };
+
+/// A device that is open, and how its loop is to run: for those that have a loop of their own.
+struct OpenDevice {
+    std::unique_ptr<BackEnd> device;
+    DeviceFacts facts; /* in the scene's coordinates */
+    LoopSettings settings;
+    std::vector<std::string> warnings;
+};
+
+/// Opens the device that the options name, for a scene; rate, origin and limits as they say. \throws UsageError,
+/// IoError, DeviceAbsent.
+OpenDevice open_for_loop(const SessionOptions& options, const PreparedCase& prepared);
 
 /// Runs until it is over. Whatever happens, the device is left without force. \throws UsageError, IoError, DeviceAbsent
 /// before the loop begins.

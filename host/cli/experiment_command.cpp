@@ -4,8 +4,10 @@
 #include <fmt/format.h>
 
 #include "host/cli/command.h"
+#include "host/cli/device_options.h"
 #include "host/error.h"
 #include "host/experiment/analysis.h"
+#include "host/experiment/person.h"
 #include "host/experiment/run.h"
 #include "host/output/files.h"
 #include "host/report/report.h"
@@ -16,7 +18,9 @@ namespace forceshade {
 namespace {
 
 struct ExperimentArguments {
-    std::string action, out, session = "1", participant;
+    std::string action, out, session = "1", participant = "person";
+    std::optional<int> port;
+    DeviceArguments device;
     std::vector<std::string> files, subjects;
     bool paths = false;
 };
@@ -29,25 +33,42 @@ std::uint64_t session_number(const std::string& text) {
     return number;
 }
 
+experiment::PersonOptions person_options(const ExperimentArguments& arguments) {
+    constexpr int kMostPort = 65535;
+    const int port = arguments.port.value_or(0);
+    if (port < 0 || port > kMostPort)
+        throw UsageError(fmt::format("--port: 1 to {}, got {}", kMostPort, port));
+    experiment::PersonOptions options;
+    options.session = checked_options(arguments.device);
+    options.port = static_cast<std::uint16_t>(port);
+    return options;
+}
+
 int run_experiment(const ExperimentArguments& arguments, const CommonOptions& common) {
     if (arguments.out.empty())
         throw UsageError("--out is missing: name the folder of the data");
     if (arguments.subjects.empty())
         throw UsageError("--subject is missing: name who takes part, as 03; letters and digits, no person's name");
-    if (arguments.participant != "observer")
-        throw UsageError(fmt::format("--participant \"{}\": observer is the simulated one", arguments.participant));
+    if (arguments.participant != "observer" && arguments.participant != "person")
+        throw UsageError(
+            fmt::format("--participant \"{}\": person (at a device), or observer (simulated)", arguments.participant));
     if (arguments.files.size() > 1)
         throw UsageError(
             fmt::format("run takes one experiment file; got {} and {}", arguments.files[0], arguments.files[1]));
-    const experiment::Experiment experiment = experiment::read_experiment(
-        arguments.files.empty() ? "" : arguments.files[0], overrides(common));
+    const experiment::Experiment experiment =
+        experiment::read_experiment(arguments.files.empty() ? "" : arguments.files[0], overrides(common));
     print_warnings(experiment.study.warnings, common);
-    const auto participant = experiment::make_observer(experiment);
+    const bool person = arguments.participant == "person";
+    if (person && arguments.subjects.size() > 1)
+        throw UsageError("--subject: one person at a time; several are for --participant observer");
+    const std::unique_ptr<experiment::Participant> participant =
+        person ? experiment::make_person(experiment, person_options(arguments))
+               : experiment::make_observer(experiment);
     for (const std::string& subject : arguments.subjects) {
         experiment::RunOptions options;
         options.folder = arguments.out;
-        options.info = {subject, session_number(arguments.session), arguments.participant, "simulated hand and device"};
-        options.paths = arguments.paths;
+        options.info = {subject, session_number(arguments.session), arguments.participant, participant->device()};
+        options.paths = person || arguments.paths;
         experiment::run_session(experiment, *participant, options);
         if (!common.quiet)
             remark("subject {}, session {}: {} in {}\n", subject, arguments.session,
@@ -99,8 +120,12 @@ void describe(Options& options, ExperimentArguments& arguments) {
                      "run: folder of the data; analyse: of the results (default: DIR/analysis)");
     options.list("--subject", arguments.subjects, "who takes part: letters and digits, as 03; several between commas");
     options.optional("--session", arguments.session, "of the subject, from 1 on");
-    options.optional("--participant", arguments.participant, "observer: a simulated one answers");
+    options.optional("--participant", arguments.participant,
+                     "person: at a device, answers in a page (default); observer: a simulated one");
     options.flag("--paths", arguments.paths, "keep the simulated participant's paths, too");
+    options.optional("--port", arguments.port, "of the pages on this machine (default: any that is free)");
+    describe_device(options, arguments.device);
+    describe_safety(options, arguments.device);
 }
 
 } // namespace

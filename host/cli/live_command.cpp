@@ -1,7 +1,5 @@
 #include <algorithm>
 #include <cerrno>
-#include <charconv>
-#include <cmath>
 #include <filesystem>
 #include <optional>
 #include <string_view>
@@ -12,28 +10,24 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "device/loop/permissions.h"
 #include "device/report/report.h"
 #include "device/session/session.h"
 #include "host/cli/command.h"
+#include "host/cli/device_options.h"
 #include "host/error.h"
 #include "host/output/files.h"
 #include "host/prepare/prepared_case.h"
 #include "host/scene/document.h"
-#include "host/scene/quantity.h"
 #include "host/scene/schema.h"
 
 namespace forceshade {
 
 namespace {
 
-constexpr std::string_view kNone = "none"; // for a limit that is to be switched off
-
 struct LiveArguments {
     std::string scene, log, report;
     bool fast = false;
-    std::optional<double> damping;  /* N s/m */
-    device::SessionOptions session; // what the options say directly
+    DeviceArguments device;
 };
 
 // STEM of the report: as on the command line, or beside the log, unless that is no regular file; empty: none.
@@ -51,7 +45,7 @@ std::filesystem::path report_stem(const LiveArguments& arguments) {
 
 // Before the run: what is written at the end has a place, and nothing that is read is written over.
 void check_outputs(const LiveArguments& arguments, const std::filesystem::path& report, const Scene& scene) {
-    const std::string& device = arguments.session.device;
+    const std::string& device = arguments.device.session.device;
     std::vector<std::filesystem::path> inputs{arguments.scene, scene.surface.map.path, scene.surface.mesh.path};
     if (scene.texture)
         inputs.emplace_back(scene.texture->map.path);
@@ -86,84 +80,6 @@ void check_outputs(const LiveArguments& arguments, const std::filesystem::path& 
                                      arguments.log, arguments.scene));
     if (!report.empty() && ::access(report.parent_path().c_str(), W_OK) != 0)
         throw file_error("write", report, errno);
-}
-
-double parsed(const std::string& flag, const std::string& text, Dimension dimension) {
-    try {
-        return parse_quantity(text, dimension);
-    } catch (const UsageError& error) {
-        throw UsageError(fmt::format("{}: {}", flag, error.what()));
-    }
-}
-
-enum class Accepted { positive, positive_or_none, ramp }; // none is no limit, or no ramp at all
-
-// In SI units.
-double quantity(const std::string& flag, const std::string& text, Dimension dimension, Accepted accepted) {
-    const bool is_ramp = accepted == Accepted::ramp;
-    if (accepted != Accepted::positive && text == kNone)
-        return is_ramp ? 0 : device::kUnknown;
-    const double value = parsed(flag, text, dimension);
-    if (!(value > 0) && !(is_ramp && value == 0))
-        throw UsageError(fmt::format("{} must be {}, got {}", flag, is_ramp ? "zero or more" : "positive", text));
-    return value;
-}
-
-double periods(const std::string& text) {
-    if (text == kNone)
-        return device::kUnknown;
-    double value = 0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (error != std::errc() || end != text.data() + text.size() || !(value >= 1) || !std::isfinite(value))
-        throw UsageError(
-            fmt::format("--watchdog: a sample may be late by 1 period or more, as in --watchdog 20, or by any "
-                        "time with none; got \"{}\"",
-                        text));
-    return value;
-}
-
-void check_cpu(std::optional<int> cpu) {
-    const std::vector<int> allowed = device::allowed_cpus();
-    if (cpu && !allowed.empty() && std::find(allowed.begin(), allowed.end(), *cpu) == allowed.end())
-        throw UsageError(fmt::format("--cpu {}: this process may run on {}", *cpu, fmt::join(allowed, ", ")));
-}
-
-// "0 m, -0.15 m, 0.2 m" as lengths in m; `count` of them.
-std::vector<double> lengths(const std::string& flag, const std::string& text, std::size_t count,
-                            const std::string& example) {
-    std::vector<double> values;
-    for (std::size_t begin = 0; begin <= text.size();) {
-        const std::size_t end = std::min(text.find(',', begin), text.size());
-        std::string part = text.substr(begin, end - begin);
-        part.erase(0, part.find_first_not_of(' '));
-        part.erase(part.find_last_not_of(' ') + 1);
-        values.push_back(parsed(flag, part, Dimension::length)); // of either sign
-        begin = end + 1;
-    }
-    if (values.size() != count)
-        throw UsageError(fmt::format("{}: {} lengths are wanted, got {}, as in {} \"{}\"", flag, count, values.size(),
-                                     flag, example));
-    return values;
-}
-
-std::pair<glm::dvec3, glm::dvec3> workspace(const std::string& text) {
-    if (text == kNone)
-        return {glm::dvec3(-device::kUnknown), glm::dvec3(device::kUnknown)};
-    const std::vector<double> ends = lengths("--workspace", text, 6, "-0.1 m, -0.1 m, -0.1 m, 0.1 m, 0.1 m, 0.1 m");
-    for (std::size_t i = 0; i < 3; ++i)
-        if (!(ends[i] < ends[i + 3]))
-            throw UsageError(fmt::format("--workspace: {} m is not below {} m; first the lowest x, y and z, then the "
-                                         "highest",
-                                         ends[i], ends[i + 3]));
-    return {{ends[0], ends[1], ends[2]}, {ends[3], ends[4], ends[5]}};
-}
-
-void read_origin(const std::string& text, device::SessionOptions& session) {
-    session.origin_here = text == "here";
-    if (session.origin_here)
-        return;
-    const std::vector<double> origin = lengths("--origin", text, 3, "0 m, -0.15 m, 0.2 m");
-    session.origin = {origin[0], origin[1], origin[2]};
 }
 
 // A live loop goes in double precision unless somebody says otherwise.
@@ -207,13 +123,10 @@ std::string written_report(const device::LiveOutcome& outcome, const std::filesy
 int run(const LiveArguments& arguments, const CommonOptions& common) {
     if (!common.gpu.empty())
         throw UsageError("--gpu: the live loop runs on the CPU");
-    if (arguments.damping && !arguments.session.limits.passivity)
-        throw UsageError("--damping is the passivity controller's: say --passivity, too");
     const Case one = load_scene(arguments.scene, common);
     const std::filesystem::path stem = report_stem(arguments);
     check_outputs(arguments, stem, one.scene);
-    check_cpu(arguments.session.cpu);
-    device::SessionOptions options = arguments.session;
+    device::SessionOptions options = checked_options(arguments.device);
     options.scene = arguments.scene;
     options.read = [path = arguments.scene, replaced = precision_of(arguments.scene, common),
                     preparation = std::make_shared<CasePreparation>()] {
@@ -223,7 +136,6 @@ int run(const LiveArguments& arguments, const CommonOptions& common) {
     if (!arguments.log.empty())
         options.log = std::filesystem::absolute(arguments.log);
     options.quiet = common.quiet;
-    options.limits.damping = arguments.damping.value_or(options.limits.damping);
     const device::SessionResult result = device::run_session(options);
     if (!common.quiet)
         remark("{}", device::report_text(result.outcome));
@@ -233,25 +145,11 @@ int run(const LiveArguments& arguments, const CommonOptions& common) {
 }
 
 void describe(Options& options, LiveArguments& arguments) {
-    device::SessionOptions& session = arguments.session;
-    device::SafetyLimits& limits = session.limits;
-    const auto add = [&options](const char* flag, auto& value, Dimension dimension, Accepted accepted,
-                                const char* help) {
-        const auto read = [=, &value](const std::string& text) { value = quantity(flag, text, dimension, accepted); };
-        options.read(flag, read, help);
-    };
+    device::SessionOptions& session = arguments.device.session;
     options.required("SCENE", arguments.scene, "scene file (TOML); needs no [grid]");
-    options.optional("--device", session.device,
-                     "sim (default: the hand and device of [hand], along [paths] or strokes that press 1 N), "
-                     "replay:FILE.csv, haply[:URL], dhd[:INDEX] or hd[:NAME]; forceshade devices tells what is there");
-    options.read(
-        "--origin", [&session](const std::string& text) { read_origin(text, session); },
-        "where the scene's origin lies in the device's space: \"X, Y, Z\" with units, or here: where the "
-        "probe is at the start (default: at the device's)");
-    add("--rate", session.rate, Dimension::frequency, Accepted::positive,
-        "100 Hz to 10 kHz; default: the scene's paths.rate, a recording's own, else \"1 kHz\"");
-    add("--duration", session.duration, Dimension::time, Accepted::positive,
-        "ends after it (\"60 s\"); default: until Ctrl-C");
+    describe_device(options, arguments.device);
+    read_positive(options, "--duration", session.duration, Dimension::time,
+                  "ends after it (\"60 s\"); default: until Ctrl-C");
     options.optional("--log", arguments.log,
                      "a CSV file, a line a sample: what explore writes, the displayed force, times");
     options.flag("--overwrite", session.replace_log, "--log may replace a file");
@@ -259,38 +157,7 @@ void describe(Options& options, LiveArguments& arguments) {
                      "STEM.txt, STEM.json and STEM.png at the end (default: beside the log, LOG.live.*)");
     options.flag("--watch", session.watch, "read the scene again whenever its file is saved");
     options.flag("--fast", arguments.fast, "sim and replay: as fast as possible, not by the clock");
-    options.optional("--cpu", session.cpu, "CPU to run on (default: the last one, with SCHED_FIFO)");
-    add("--patience", session.patience, Dimension::time, Accepted::positive_or_none,
-        "ends when the device is gone for so long (default \"5 s\"; \"none\": never)");
-    options.heading("Safety (\"none\" switches a limit off)");
-    add("--max-force", session.max_force, Dimension::force, Accepted::positive_or_none,
-        "largest force; larger ones keep their direction (default: the device's, or \"3 N\")");
-    add("--lasting-force", session.lasting_force, Dimension::force, Accepted::positive_or_none,
-        "largest root mean square of the force over 10 s, for the motors' sake (default: the device's)");
-    options.flag("--without-device-watchdog", session.without_watchdog,
-                 "more than 0.5 N even where the device refuses its own watchdog: what a killed process displayed "
-                 "last then stays on");
-    add("--slew", limits.slew, Dimension::force_rate, Accepted::positive_or_none,
-        "how fast the force may come up (default \"2 N/ms\"); it falls at once");
-    add("--ramp", limits.ramp, Dimension::time, Accepted::ramp,
-        "in which the force comes up after the start and after a fault (default \"200 ms\")");
-    add("--contact-ramp", limits.contact_ramp, Dimension::time, Accepted::ramp,
-        "likewise when contact is made after 50 ms without (default \"5 ms\")");
-    add("--max-speed", limits.max_speed, Dimension::speed, Accepted::positive_or_none,
-        "no force while the probe is faster (default \"2 m/s\")");
-    add("--stale", limits.stale, Dimension::time, Accepted::positive_or_none,
-        "no force when positions are older (default \"20 ms\")");
-    options.read(
-        "--watchdog", [&limits](const std::string& text) { limits.late = periods(text); },
-        "periods: no force when a sample is later than so many (default 20)");
-    options.read(
-        "--workspace", [&session](const std::string& text) { session.workspace = workspace(text); },
-        "no force outside of lowest x, y, z and highest x, y, z, six lengths between commas (default: "
-        "the device's)");
-    options.flag("--passivity", limits.passivity,
-                 "take back by damping what energy the hand is given (Hannaford & Ryu 2002)");
-    add("--damping", arguments.damping, Dimension::damping, Accepted::positive,
-        "the most that --passivity may damp (default \"10 N s/m\")");
+    describe_safety(options, arguments.device);
 }
 
 } // namespace

@@ -460,7 +460,7 @@ Answers read_answers(const std::vector<std::filesystem::path>& folders) {
                                          folders[0].string(), folder.string()));
         }
         for (const std::filesystem::path& one : files)
-            for (TrialRow& row : read_rows(one)) {
+            for (TrialRow& row : last_rows(read_rows(one))) {
                 if (!row.counts()) {
                     ++answers->left_out;
                     continue;

@@ -10,6 +10,7 @@
 #include "host/error.h"
 #include "host/scene/document.h"
 #include "host/scene/quantity.h"
+#include "host/scene/schema.h"
 
 namespace forceshade::experiment {
 namespace {
@@ -236,15 +237,31 @@ std::optional<std::size_t> Experiment::correct_answer(const Case& stimulus) cons
     return std::nullopt;
 }
 
+namespace {
+
+// Laws go in double precision, as the live loop's, unless somebody says otherwise.
+Experiment in_double(std::span<const Override> overrides, const std::function<Study(std::span<const Override>)>& read) {
+    const auto key = key_index("run.precision");
+    Study study = read(overrides);
+    if (study.document->base.find(key) || study.document->overrides.find(key))
+        return checked(std::move(study));
+    std::vector<Override> all(overrides.begin(), overrides.end());
+    all.emplace_back("run.precision", "f64");
+    return checked(read(all));
+}
+
+} // namespace
+
 Experiment parse_experiment(std::string_view text, const std::string& source, const std::filesystem::path& folder,
                             std::span<const Override> overrides) {
-    return checked(parse_study(text, source, folder, overrides));
+    return in_double(overrides,
+                     [&](std::span<const Override> some) { return parse_study(text, source, folder, some); });
 }
 
 Experiment read_experiment(const std::filesystem::path& file, std::span<const Override> overrides) {
     if (file.empty())
         return parse_experiment(paper_experiment(), kSource, {}, overrides);
-    return checked(read_study(file, overrides));
+    return in_double(overrides, [&](std::span<const Override> some) { return read_study(file, some); });
 }
 
 std::string_view paper_experiment() {

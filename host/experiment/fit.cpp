@@ -11,7 +11,6 @@
 namespace forceshade::experiment {
 namespace {
 
-
 using Free = std::array<double ObserverParameters::*, 5>;
 constexpr Free kFree{&ObserverParameters::edge, &ObserverParameters::level_gain, &ObserverParameters::path_weight,
                      &ObserverParameters::noise, &ObserverParameters::level};

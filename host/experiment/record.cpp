@@ -136,14 +136,6 @@ bool is_word(const std::string& text) {
     });
 }
 
-std::string utc_now() {
-    const std::time_t now = std::time(nullptr);
-    std::tm parts{};
-    ::gmtime_r(&now, &parts);
-    return fmt::format("{:04}-{:02}-{:02}T{:02}:{:02}:{:02}Z", parts.tm_year + 1900, parts.tm_mon + 1, parts.tm_mday,
-                       parts.tm_hour, parts.tm_min, parts.tm_sec);
-}
-
 std::string description(const Experiment& experiment) {
     Json variables = Json::array();
     for (const DataColumn& column : data_columns()) {
@@ -175,6 +167,28 @@ std::string readme(const Experiment& experiment) {
 }
 
 } // namespace
+
+std::string utc_now() {
+    const std::time_t now = std::time(nullptr);
+    std::tm parts{};
+    ::gmtime_r(&now, &parts);
+    return fmt::format("{:04}-{:02}-{:02}T{:02}:{:02}:{:02}Z", parts.tm_year + 1900, parts.tm_mon + 1, parts.tm_mday,
+                       parts.tm_hour, parts.tm_min, parts.tm_sec);
+}
+
+std::vector<TrialRow> last_rows(const std::vector<TrialRow>& rows) {
+    std::vector<TrialRow> last;
+    for (const TrialRow& row : rows) {
+        const auto same = std::ranges::find_if(last, [&](const TrialRow& one) {
+            return one.number == row.number && one.session == row.session && one.subject == row.subject;
+        });
+        if (same == last.end())
+            last.push_back(row);
+        else
+            *same = row;
+    }
+    return last;
+}
 
 std::vector<TrialRow> read_rows(const std::filesystem::path& file) {
     CsvReader csv(file);
@@ -322,7 +336,9 @@ void SessionRecord::read_back() {
         if (!known)
             throw UsageError(fmt::format("{}: row {} is of no trial of this session's order; the file was changed",
                                          file_.string(), row.sequence));
-        if (row.outcome.status == kAnswered && !answered.insert(row.number).second)
+        if (row.outcome.status != kAnswered)
+            answered.erase(row.number);
+        else if (!answered.insert(row.number).second)
             throw UsageError(
                 fmt::format("{}: trial {} was answered twice; delete one of its rows", file_.string(), row.number));
     }
@@ -331,27 +347,59 @@ void SessionRecord::read_back() {
                                      info_.session, info_.subject, order_.size(), info_.session + 1));
 }
 
-const Trial* SessionRecord::next() const {
-    std::set<std::uint64_t> seen, answered;
-    std::vector<std::uint64_t> again; // in the order of their last failure
+// The last row of each trial, in the order of these rows.
+std::vector<const TrialRow*> SessionRecord::latest() const {
+    std::vector<const TrialRow*> last;
     for (const TrialRow& row : rows_) {
-        seen.insert(row.number);
-        std::erase(again, row.number);
-        if (row.outcome.status == kAnswered)
-            answered.insert(row.number);
-        else
-            again.push_back(row.number);
+        std::erase_if(last, [&](const TrialRow* one) { return one->number == row.number; });
+        last.push_back(&row);
     }
+    return last;
+}
+
+const Trial* SessionRecord::next() const {
+    const std::vector<const TrialRow*> last = latest();
     for (const Trial& trial : order_)
-        if (!seen.contains(trial.number))
+        if (std::ranges::none_of(last, [&](const TrialRow* row) { return row->number == trial.number; }))
             return &trial;
-    std::erase_if(again, [&](std::uint64_t number) { return answered.contains(number); });
-    return again.empty() ? nullptr : &order_[again.front() - 1];
+    for (const TrialRow* row : last)
+        if (row->outcome.status != kAnswered)
+            return &order_[row->number - 1];
+    return nullptr;
 }
 
 std::uint64_t SessionRecord::left() const {
+    const std::vector<const TrialRow*> last = latest();
     return order_.size() - static_cast<std::uint64_t>(std::ranges::count_if(
-                               rows_, [](const TrialRow& row) { return row.outcome.status == kAnswered; }));
+                               last, [](const TrialRow* row) { return row->outcome.status == kAnswered; }));
+}
+
+bool SessionRecord::withdraw_last() {
+    const std::vector<const TrialRow*> last = latest();
+    for (auto row = last.rbegin(); row != last.rend(); ++row)
+        if ((*row)->outcome.status == kAnswered) {
+            TrialOutcome outcome;
+            outcome.status = kWithdrawn;
+            add(order_[(*row)->number - 1], outcome);
+            return true;
+        }
+    return false;
+}
+
+void SessionRecord::note(const std::string& text) const {
+    make_subfolder(folder_, "documentation");
+    const std::filesystem::path file = folder_ / "documentation" / (stem() + "_notes.csv");
+    const int descriptor = ::open(file.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
+    CsvText line;
+    line.add(utc_now()).add(rows_.size()).add(text).end();
+    const std::string& all = line.text();
+    const bool whole = descriptor >= 0 && ::write(descriptor, all.data(), all.size()) == std::ssize(all) &&
+                       ::fdatasync(descriptor) == 0;
+    const int error = errno;
+    if (descriptor >= 0)
+        ::close(descriptor);
+    if (!whole)
+        throw file_error("write", file, error);
 }
 
 void SessionRecord::add(const Trial& trial, const TrialOutcome& outcome) {
@@ -368,7 +416,7 @@ void SessionRecord::add(const Trial& trial, const TrialOutcome& outcome) {
     row.participant = info_.participant;
     row.device = info_.device;
     row.program = version();
-    row.started = utc_now();
+    row.started = outcome.started.empty() ? utc_now() : outcome.started;
     if (outcome.answer) {
         row.answer = experiment_.spec.answers[*outcome.answer].name;
         if (const auto right = experiment_.correct_answer(stimulus))

@@ -20,11 +20,12 @@
 namespace forceshade::experiment {
 
 /// How a trial ended: answered, or why it does not count and is done again at the end.
-inline constexpr const char* kAnswered = "answered";
+inline constexpr const char *kAnswered = "answered", *kWithdrawn = "withdrawn";
 
 /// What came of a trial.
 struct TrialOutcome {
-    std::string status = kAnswered;    /* else "no answer", "device lost", "force clamped" */
+    std::string status = kAnswered; /* else "no answer", "interrupted", "device lost", "force clamped", "withdrawn" */
+    std::string started = {};       /* UTC; empty: now */
     std::optional<std::size_t> answer; /* index of the experiment's answers */
     double reaction = 0;               /* s: from the stimulus to the answer */
     double contact = 0;                /* s: in contact */
@@ -52,6 +53,12 @@ struct TrialRow {
 
 /// Rows of one file. \throws IoError, or UsageError `file:line:column: ...` for a row that is none.
 std::vector<TrialRow> read_rows(const std::filesystem::path& file);
+
+/// The last row of each trial, which decides whether it counts: one that was withdrawn has a later row.
+std::vector<TrialRow> last_rows(const std::vector<TrialRow>& rows);
+
+/// "2026-11-23T14:05:09Z"
+std::string utc_now();
 
 /// The data files of a folder, by name. \throws IoError if it has none.
 std::vector<std::filesystem::path> data_files(const std::filesystem::path& folder);
@@ -87,12 +94,19 @@ public:
     /// Onto the disk. \throws IoError: the row is not there then, not in part either.
     void add(const Trial& trial, const TrialOutcome& outcome);
 
+    /// The last answered trial does not count and comes again; false: there is none. \throws IoError.
+    bool withdraw_last();
+
+    /// Keeps an operator's note, in documentation/. \throws IoError.
+    void note(const std::string& text) const;
+
     /// Where the path of the next row belongs.
     std::filesystem::path path_file(const Trial& trial) const;
 
 private:
     void write_materials() const;
     void open_data();
+    std::vector<const TrialRow*> latest() const;
     void read_back();
     std::string stem() const;
 

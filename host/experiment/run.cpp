@@ -19,7 +19,10 @@ class Observer final : public Participant {
 public:
     explicit Observer(const ObserverParameters& parameters) : parameters_(parameters) {}
 
-    TrialOutcome take(const Trial& trial, const PreparedCase& stimulus, const std::filesystem::path& path) override {
+    std::string device() const override { return "simulated hand and device"; }
+
+    TrialOutcome take(const Trial& trial, const PreparedCase& stimulus, const std::filesystem::path& path,
+                      SessionRecord&) override {
         const Manner manner = manner_of(stimulus.one.scene);
         const Feature feature = feature_of(stimulus);
         const std::vector<device::LiveSample> samples = stroke(stimulus, manner);
@@ -32,21 +35,11 @@ public:
             left -= shares[answer++];
         outcome.answer = answer;
         if (!path.empty())
-            log(samples, path);
+            log_path(samples, path, Precision::f64);
         return outcome;
     }
 
 private:
-    static void log(const std::vector<device::LiveSample>& samples, const std::filesystem::path& path) {
-        device::SampleRing ring(samples.size());
-        device::LiveLog log(path, ring, Precision::f64, true);
-        for (const device::LiveSample& sample : samples)
-            ring.put(sample);
-        log.close();
-        if (!log.failure().empty())
-            throw IoError(log.failure());
-    }
-
     const ObserverParameters parameters_;
 };
 
@@ -62,6 +55,16 @@ std::unique_ptr<Participant> make_observer(const Experiment& experiment, const O
                                      "others",
                                      fmt::join(kPictureNames, ", ")));
     return std::make_unique<Observer>(parameters);
+}
+
+void log_path(const std::vector<device::LiveSample>& samples, const std::filesystem::path& file, Precision precision) {
+    device::SampleRing ring(samples.size());
+    device::LiveLog log(file, ring, precision, true);
+    for (const device::LiveSample& sample : samples)
+        ring.put(sample);
+    log.close();
+    if (!log.failure().empty())
+        throw IoError(log.failure());
 }
 
 TrialOutcome outcome_of(const Feature& feature, const std::vector<device::LiveSample>& samples, double period) {
@@ -100,11 +103,10 @@ void run_session(const Experiment& experiment, Participant& participant, const R
         if (!stimulus)
             stimulus = preparation.prepare(experiment.study.cases[trial->condition]);
         const Trial now = *trial;
-        record.add(now,
-                   participant.take(now, *stimulus, options.paths ? record.path_file(now) : std::filesystem::path()));
-        if (options.progress)
-            options.progress(record);
+        const std::filesystem::path path = options.paths ? record.path_file(now) : std::filesystem::path();
+        record.add(now, participant.take(now, *stimulus, path, record));
     }
+    participant.finish();
 }
 
 } // namespace forceshade::experiment

@@ -1,7 +1,6 @@
 // A session: trial after trial is put before a participant, and what comes of it is recorded.
 #pragma once
 
-#include <functional>
 #include <memory>
 #include <string>
 
@@ -18,12 +17,20 @@ public:
     virtual ~Participant() = default;
     /// Feels the stimulus and answers. `path`: where its path is logged; empty: nowhere. \throws Error if nobody can go
     /// on.
-    virtual TrialOutcome take(const Trial& trial, const PreparedCase& stimulus, const std::filesystem::path& path) = 0;
+    virtual TrialOutcome take(const Trial& trial, const PreparedCase& stimulus, const std::filesystem::path& path,
+                              SessionRecord& record) = 0;
+    /// After the last trial.
+    virtual void finish() {}
+    /// What displays the forces.
+    virtual std::string device() const = 0;
 };
 
 /// The model observer: a simulated hand strokes, the answer is drawn from the shares that its cues give. Answers are
 /// the paper's four. \throws UsageError for an experiment of others.
 std::unique_ptr<Participant> make_observer(const Experiment& experiment, const ObserverParameters& parameters = {});
+
+/// Writes samples as `live --log` does. \throws IoError.
+void log_path(const std::vector<device::LiveSample>& samples, const std::filesystem::path& file, Precision precision);
 
 /// What the samples of a trial say: everything but status, answer and reaction.
 TrialOutcome outcome_of(const Feature& feature, const std::vector<device::LiveSample>& samples, double period);
@@ -31,8 +38,7 @@ TrialOutcome outcome_of(const Feature& feature, const std::vector<device::LiveSa
 struct RunOptions {
     std::filesystem::path folder;
     SessionInfo info;
-    bool paths = false;                                 /* keep them */
-    std::function<void(const SessionRecord&)> progress; /* after each trial */
+    bool paths = false; /* keep them */
 };
 
 /// Until no trial is left. \throws as SessionRecord and Participant; Interrupted: what is answered stays.

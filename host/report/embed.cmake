@@ -1,5 +1,5 @@
-# Writes the texts of FILES (a list parted by commas) as raw string literals NAME_text into OUTPUT.
-set(header "#pragma once\n\n#include <string_view>\n\nnamespace forceshade::report::assets {\n\n")
+# Writes the texts of FILES (a list parted by commas) as raw string literals NAME_text into OUTPUT, in NAMESPACE.
+set(header "#pragma once\n\n#include <string_view>\n\nnamespace ${NAMESPACE} {\n\n")
 string(REPLACE "," ";" files "${FILES}")
 foreach(entry ${files})
     string(REPLACE "=" ";" parts "${entry}")
@@ -9,4 +9,4 @@ foreach(entry ${files})
     string(APPEND header "inline constexpr char ${name}_text[] = R\"embedded(${text})embedded\";\n"
            "inline constexpr std::string_view ${name}{${name}_text, sizeof ${name}_text - 1};\n")
 endforeach()
-file(WRITE "${OUTPUT}" "${header}\n} // namespace forceshade::report::assets\n")
+file(WRITE "${OUTPUT}" "${header}\n} // namespace ${NAMESPACE}\n")

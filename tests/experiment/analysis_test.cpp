@@ -43,7 +43,7 @@ TEST(Analysis, OfSimulatedSubjectsFindsTheObserver) {
     const Experiment paper = read_experiment({});
     const auto observer = make_observer(paper);
     for (const char* subject : {"01", "02", "03"})
-        run_session(paper, *observer, {folder, {subject, 1, "observer", "simulated"}, false, {}});
+        run_session(paper, *observer, {folder, {subject, 1, "observer", "simulated"}, false});
     const Answers answers = read_answers({folder});
     EXPECT_EQ(answers.rows.size(), 3u * 504);
     EXPECT_THROW(read_answers({folder, folder}), UsageError) << "the same session twice";

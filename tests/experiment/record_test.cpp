@@ -178,7 +178,7 @@ TEST(SessionRecords, KeepToPsychDs) {
     const Folder folder("psychds");
     const Experiment one = small();
     const auto observer = make_observer(one);
-    run_session(one, *observer, {folder.path, {"03", 1, "observer", "simulated"}, true, {}});
+    run_session(one, *observer, {folder.path, {"03", 1, "observer", "simulated"}, true});
     const auto description = nlohmann::json::parse(read_file(folder.path / "dataset_description.json"));
     EXPECT_EQ(description.at("@context"), "https://schema.org");
     EXPECT_EQ(description.at("@type"), "Dataset");
@@ -206,7 +206,7 @@ TEST(SimulatedSessions, AnswerByTheObserversShares) {
                                             "[2, 3]\n[force]\nshading = [\"none\", \"reference\"]\n",
                                             "e.toml");
     const auto observer = make_observer(one);
-    run_session(one, *observer, {folder.path, {"01", 1, "observer", "simulated"}, false, {}});
+    run_session(one, *observer, {folder.path, {"01", 1, "observer", "simulated"}, false});
     const auto rows = read_rows(data_files(folder.path)[0]);
     double chi = 0;
     int degrees = 0;

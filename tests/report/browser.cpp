@@ -169,6 +169,10 @@ Json Browser::call(const std::string& method, Json parameters) {
 }
 
 void Browser::open(const std::filesystem::path& file, unsigned width, bool dark, const std::string& before) {
+    open_address("file://" + file.string(), width, dark, before);
+}
+
+void Browser::open_address(const std::string& address, unsigned width, bool dark, const std::string& before) {
     if (!state_->target.empty())
         call("Target.closeTarget", {{"targetId", state_->target}});
     state_->session.clear();
@@ -183,8 +187,8 @@ void Browser::open(const std::filesystem::path& file, unsigned width, bool dark,
          {{"features", {{{"name", "prefers-color-scheme"}, {"value", dark ? "dark" : "light"}}}}});
     if (!before.empty())
         call("Page.addScriptToEvaluateOnNewDocument", {{"source", before}});
-    call("Page.navigate", {{"url", "file://" + file.string()}});
-    if (!wait_for("location.protocol === 'file:' && document.readyState === 'complete'"))
+    call("Page.navigate", {{"url", address}});
+    if (!wait_for("location.protocol !== 'about:' && document.readyState === 'complete'"))
         throw std::runtime_error("the page does not load");
 }
 
@@ -237,7 +241,8 @@ void Browser::click(const std::string& selector) {
 void Browser::press(const std::string& key) {
     static const std::map<std::string, int> kCodes{
         {"ArrowLeft", 37}, {"ArrowUp", 38},  {"ArrowRight", 39}, {"ArrowDown", 40}, {"ArrowDown", 40},
-        {"PageUp", 33},    {"PageDown", 34}, {"Tab", 9},         {"1", 49},         {"2", 50}};
+        {"PageUp", 33},    {"PageDown", 34}, {"Tab", 9},         {"1", 49},         {"2", 50},
+        {"3", 51},         {"4", 52},        {" ", 32},          {"p", 80},         {"r", 82}};
     for (const char* type : {"keyDown", "keyUp"})
         call("Input.dispatchKeyEvent", {{"type", type},
                                         {"key", key},

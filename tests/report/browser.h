@@ -30,6 +30,9 @@ public:
     /// A new page of that size (px) and colour scheme shows the file; `before` is run before any script of it.
     void open(const std::filesystem::path& file, unsigned width = 1200, bool dark = false,
               const std::string& before = {});
+    /// Likewise what a server on this machine gives.
+    void open_address(const std::string& address, unsigned width = 1200, bool dark = false,
+                      const std::string& before = {});
     /// The value of a JavaScript expression. \throws std::runtime_error if it throws.
     nlohmann::json evaluate(const std::string& expression);
     std::string text(const std::string& expression) {

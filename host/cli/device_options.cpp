@@ -1,0 +1,173 @@
+#include "host/cli/device_options.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "device/loop/permissions.h"
+#include "host/error.h"
+
+namespace forceshade {
+
+namespace {
+
+constexpr std::string_view kNone = "none"; // for a limit that is to be switched off
+
+double parsed(const std::string& flag, const std::string& text, Dimension dimension) {
+    try {
+        return parse_quantity(text, dimension);
+    } catch (const UsageError& error) {
+        throw UsageError(fmt::format("{}: {}", flag, error.what()));
+    }
+}
+
+enum class Accepted { positive, positive_or_none, ramp }; // none is no limit, or no ramp at all
+
+// In SI units.
+double quantity(const std::string& flag, const std::string& text, Dimension dimension, Accepted accepted) {
+    const bool is_ramp = accepted == Accepted::ramp;
+    if (accepted != Accepted::positive && text == kNone)
+        return is_ramp ? 0 : device::kUnknown;
+    const double value = parsed(flag, text, dimension);
+    if (!(value > 0) && !(is_ramp && value == 0))
+        throw UsageError(fmt::format("{} must be {}, got {}", flag, is_ramp ? "zero or more" : "positive", text));
+    return value;
+}
+
+double periods(const std::string& text) {
+    if (text == kNone)
+        return device::kUnknown;
+    double value = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (error != std::errc() || end != text.data() + text.size() || !(value >= 1) || !std::isfinite(value))
+        throw UsageError(
+            fmt::format("--watchdog: a sample may be late by 1 period or more, as in --watchdog 20, or by any "
+                        "time with none; got \"{}\"",
+                        text));
+    return value;
+}
+
+void check_cpu(std::optional<int> cpu) {
+    const std::vector<int> allowed = device::allowed_cpus();
+    if (cpu && !allowed.empty() && std::find(allowed.begin(), allowed.end(), *cpu) == allowed.end())
+        throw UsageError(fmt::format("--cpu {}: this process may run on {}", *cpu, fmt::join(allowed, ", ")));
+}
+
+// "0 m, -0.15 m, 0.2 m" as lengths in m; `count` of them.
+std::vector<double> lengths(const std::string& flag, const std::string& text, std::size_t count,
+                            const std::string& example) {
+    std::vector<double> values;
+    for (std::size_t begin = 0; begin <= text.size();) {
+        const std::size_t end = std::min(text.find(',', begin), text.size());
+        std::string part = text.substr(begin, end - begin);
+        part.erase(0, part.find_first_not_of(' '));
+        part.erase(part.find_last_not_of(' ') + 1);
+        values.push_back(parsed(flag, part, Dimension::length)); // of either sign
+        begin = end + 1;
+    }
+    if (values.size() != count)
+        throw UsageError(fmt::format("{}: {} lengths are wanted, got {}, as in {} \"{}\"", flag, count, values.size(),
+                                     flag, example));
+    return values;
+}
+
+std::pair<glm::dvec3, glm::dvec3> workspace(const std::string& text) {
+    if (text == kNone)
+        return {glm::dvec3(-device::kUnknown), glm::dvec3(device::kUnknown)};
+    const std::vector<double> ends = lengths("--workspace", text, 6, "-0.1 m, -0.1 m, -0.1 m, 0.1 m, 0.1 m, 0.1 m");
+    for (std::size_t i = 0; i < 3; ++i)
+        if (!(ends[i] < ends[i + 3]))
+            throw UsageError(fmt::format("--workspace: {} m is not below {} m; first the lowest x, y and z, then the "
+                                         "highest",
+                                         ends[i], ends[i + 3]));
+    return {{ends[0], ends[1], ends[2]}, {ends[3], ends[4], ends[5]}};
+}
+
+void read_origin(const std::string& text, device::SessionOptions& session) {
+    session.origin_here = text == "here";
+    if (session.origin_here)
+        return;
+    const std::vector<double> origin = lengths("--origin", text, 3, "0 m, -0.15 m, 0.2 m");
+    session.origin = {origin[0], origin[1], origin[2]};
+}
+
+// Adds an option that reads a quantity.
+template <typename T>
+void add(Options& options, const char* flag, T& value, Dimension dimension, Accepted accepted, const char* help) {
+    options.read(
+        flag, [=, &value](const std::string& text) { value = quantity(flag, text, dimension, accepted); }, help);
+}
+
+} // namespace
+
+void describe_device(Options& options, DeviceArguments& arguments) {
+    device::SessionOptions& session = arguments.session;
+    options.optional("--device", session.device,
+                     "sim (default: the hand and device of [hand], along [paths] or strokes that press 1 N), "
+                     "replay:FILE.csv, haply[:URL], dhd[:INDEX] or hd[:NAME]; forceshade devices tells what is there");
+    options.read(
+        "--origin", [&session](const std::string& text) { read_origin(text, session); },
+        "where the scene's origin lies in the device's space: \"X, Y, Z\" with units, or here: where the "
+        "probe is at the start (default: at the device's)");
+    add(options, "--rate", session.rate, Dimension::frequency, Accepted::positive,
+        "100 Hz to 10 kHz; default: the scene's paths.rate, a recording's own, else \"1 kHz\"");
+    options.optional("--cpu", session.cpu, "CPU to run on (default: the last one, with SCHED_FIFO)");
+    add(options, "--patience", session.patience, Dimension::time, Accepted::positive_or_none,
+        "ends when the device is gone for so long (default \"5 s\"; \"none\": never)");
+}
+
+void describe_safety(Options& options, DeviceArguments& arguments) {
+    device::SessionOptions& session = arguments.session;
+    device::SafetyLimits& limits = session.limits;
+    options.heading("Safety (\"none\" switches a limit off)");
+    add(options, "--max-force", session.max_force, Dimension::force, Accepted::positive_or_none,
+        "largest force; larger ones keep their direction (default: the device's, or \"3 N\")");
+    add(options, "--lasting-force", session.lasting_force, Dimension::force, Accepted::positive_or_none,
+        "largest root mean square of the force over 10 s, for the motors' sake (default: the device's)");
+    options.flag("--without-device-watchdog", session.without_watchdog,
+                 "more than 0.5 N even where the device refuses its own watchdog: what a killed process displayed "
+                 "last then stays on");
+    add(options, "--slew", limits.slew, Dimension::force_rate, Accepted::positive_or_none,
+        "how fast the force may come up (default \"2 N/ms\"); it falls at once");
+    add(options, "--ramp", limits.ramp, Dimension::time, Accepted::ramp,
+        "in which the force comes up after the start and after a fault (default \"200 ms\")");
+    add(options, "--contact-ramp", limits.contact_ramp, Dimension::time, Accepted::ramp,
+        "likewise when contact is made after 50 ms without (default \"5 ms\")");
+    add(options, "--max-speed", limits.max_speed, Dimension::speed, Accepted::positive_or_none,
+        "no force while the probe is faster (default \"2 m/s\")");
+    add(options, "--stale", limits.stale, Dimension::time, Accepted::positive_or_none,
+        "no force when positions are older (default \"20 ms\")");
+    options.read(
+        "--watchdog", [&limits](const std::string& text) { limits.late = periods(text); },
+        "periods: no force when a sample is later than so many (default 20)");
+    options.read(
+        "--workspace", [&session](const std::string& text) { session.workspace = workspace(text); },
+        "no force outside of lowest x, y, z and highest x, y, z, six lengths between commas (default: "
+        "the device's)");
+    options.flag("--passivity", limits.passivity,
+                 "take back by damping what energy the hand is given (Hannaford & Ryu 2002)");
+    add(options, "--damping", arguments.damping, Dimension::damping, Accepted::positive,
+        "the most that --passivity may damp (default \"10 N s/m\")");
+}
+
+void read_positive(Options& options, const char* flag, std::optional<double>& value, Dimension dimension,
+                   const char* help) {
+    add(options, flag, value, dimension, Accepted::positive, help);
+}
+
+device::SessionOptions checked_options(const DeviceArguments& arguments) {
+    if (arguments.damping && !arguments.session.limits.passivity)
+        throw UsageError("--damping is the passivity controller's: say --passivity, too");
+    check_cpu(arguments.session.cpu);
+    device::SessionOptions options = arguments.session;
+    options.limits.damping = arguments.damping.value_or(options.limits.damping);
+    return options;
+}
+
+} // namespace forceshade

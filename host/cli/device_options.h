@@ -1,0 +1,27 @@
+// The options of a device, its loop and its safety: those of live and of experiment.
+#pragma once
+
+#include <optional>
+
+#include "device/session/session.h"
+#include "host/cli/command.h"
+#include "host/scene/quantity.h"
+
+namespace forceshade {
+
+struct DeviceArguments {
+    device::SessionOptions session; /* what the options say directly */
+    std::optional<double> damping;  /* N s/m */
+};
+
+void describe_device(Options& options, DeviceArguments& arguments);
+void describe_safety(Options& options, DeviceArguments& arguments);
+
+/// A quantity that must be positive, in SI units.
+void read_positive(Options& options, const char* flag, std::optional<double>& value, Dimension dimension,
+                   const char* help);
+
+/// \throws UsageError for what does not fit together.
+device::SessionOptions checked_options(const DeviceArguments& arguments);
+
+} // namespace forceshade

@@ -1,0 +1,275 @@
+#include "host/experiment/page_server.h"
+
+#include <algorithm>
+#include <deque>
+#include <mutex>
+#include <random>
+#include <sys/socket.h>
+#include <sys/time.h>
+#include <thread>
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/beast/core.hpp>
+#include <boost/beast/http.hpp>
+#include <boost/beast/websocket.hpp>
+#include <fmt/format.h>
+
+#include "device/session/signals.h"
+#include "host/error.h"
+
+namespace forceshade::experiment {
+namespace {
+
+namespace asio = boost::asio;
+namespace beast = boost::beast;
+namespace http = beast::http;
+using Tcp = asio::ip::tcp;
+using WebSocket = beast::websocket::stream<Tcp::socket>;
+using Request = http::request<http::string_body>;
+
+constexpr std::size_t kLongestText = 16384; // bytes that a page may send at once
+constexpr std::size_t kMostEvents = 1000;   // that wait
+
+std::string random_token() {
+    std::random_device source;
+    std::string token;
+    for (int i = 0; i < 4; ++i)
+        token += fmt::format("{:08x}", source());
+    return token;
+}
+
+} // namespace
+
+class PageServer::Core : public std::enable_shared_from_this<Core> {
+public:
+    Core(std::vector<ServedPage> pages, std::function<void(const std::string&)> on_close)
+        : pages_(std::move(pages)), on_close_(std::move(on_close)), acceptor_(io_) {}
+
+    void listen(std::uint16_t port) {
+        beast::error_code error;
+        const Tcp::endpoint here(asio::ip::make_address("127.0.0.1"), port);
+        acceptor_.open(here.protocol(), error);
+        acceptor_.set_option(asio::socket_base::reuse_address(true), error);
+        acceptor_.bind(here, error);
+        if (!error)
+            acceptor_.listen(16, error);
+        if (error)
+            throw UsageError(
+                fmt::format("--port {}: cannot be had ({}); choose another, or none", port, error.message()));
+        port_ = acceptor_.local_endpoint().port();
+        accepting_ = std::thread([self = shared_from_this()] { self->accept(); });
+    }
+
+    void stop() {
+        {
+            const std::lock_guard lock(mutex_);
+            stopped_ = true;
+            for (const auto& client : clients_)
+                ::shutdown(client->socket.next_layer().native_handle(), SHUT_RDWR);
+        }
+        ::shutdown(acceptor_.native_handle(), SHUT_RDWR);
+        accepting_.join();
+        // Clients' threads hold the core until their reads have failed.
+        for (int i = 0; i < 200 && running_ > 0; ++i)
+            std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+
+    std::string address(const std::string& page) const {
+        return fmt::format("http://127.0.0.1:{}/{}/{}", port_, token_, page);
+    }
+
+    std::optional<PageEvent> next_event() {
+        const std::lock_guard lock(mutex_);
+        if (events_.empty())
+            return std::nullopt;
+        PageEvent event = std::move(events_.front());
+        events_.pop_front();
+        return event;
+    }
+
+    void send(const std::string& page, const std::string& text) {
+        std::vector<std::shared_ptr<Client>> to;
+        {
+            const std::lock_guard lock(mutex_);
+            std::ranges::copy_if(clients_, std::back_inserter(to),
+                                 [&](const auto& client) { return client->page == page; });
+        }
+        for (const auto& client : to) {
+            const std::lock_guard lock(client->writing);
+            beast::error_code error;
+            client->socket.write(asio::buffer(text), error);
+            if (error)
+                ::shutdown(client->socket.next_layer().native_handle(), SHUT_RDWR);
+        }
+    }
+
+    bool is_open(const std::string& page) const {
+        const std::lock_guard lock(mutex_);
+        return std::ranges::any_of(clients_, [&](const auto& client) { return client->page == page; });
+    }
+
+private:
+    struct Client {
+        Client(Tcp::socket raw, std::string name) : socket(std::move(raw)), page(std::move(name)) {}
+        WebSocket socket;
+        const std::string page;
+        std::mutex writing;
+    };
+
+    void accept() {
+        const device::QuietSignals quiet;
+        while (!stopped_) {
+            beast::error_code error;
+            Tcp::socket socket(io_);
+            acceptor_.accept(socket, error);
+            if (error)
+                continue;
+            const timeval patience{1, 0};
+            ::setsockopt(socket.native_handle(), SOL_SOCKET, SO_SNDTIMEO, &patience, sizeof patience);
+            socket.set_option(Tcp::no_delay(true), error);
+            ++running_;
+            std::thread([self = shared_from_this(), one = std::move(socket)]() mutable {
+                self->serve(std::move(one));
+                --self->running_;
+            }).detach();
+        }
+    }
+
+    void serve(Tcp::socket socket) {
+        beast::flat_buffer buffer;
+        beast::error_code error;
+        http::request_parser<http::string_body> parser;
+        parser.body_limit(kLongestText);
+        const timeval patience{5, 0};
+        ::setsockopt(socket.native_handle(), SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
+        http::read(socket, buffer, parser, error);
+        if (error)
+            return;
+        const Request request = parser.release();
+        const ServedPage* page = page_of(request);
+        if (page == nullptr)
+            return answer(socket, request, http::status::not_found, "There is nothing here.\n", "text/plain");
+        if (!beast::websocket::is_upgrade(request))
+            return answer(socket, request, http::status::ok, page->html, "text/html; charset=utf-8");
+        talk(std::make_shared<Client>(std::move(socket), page->name), request, page->one_client);
+    }
+
+    // Null: a request that does not come from one of our own pages.
+    const ServedPage* page_of(const Request& request) const {
+        const std::string host = std::string(request[http::field::host]), origin(request[http::field::origin]);
+        const auto is_here = [&](const std::string& name) { return host == fmt::format("{}:{}", name, port_); };
+        if (!is_here("127.0.0.1") && !is_here("localhost"))
+            return nullptr;
+        if (!origin.empty() && origin != "http://" + host)
+            return nullptr;
+        for (const ServedPage& page : pages_)
+            if (request.target() == fmt::format("/{}/{}", token_, page.name))
+                return &page;
+        return nullptr;
+    }
+
+    static void answer(Tcp::socket& socket, const Request& request, http::status status, const std::string& text,
+                       const char* type) {
+        http::response<http::string_body> response(status, request.version());
+        response.set(http::field::content_type, type);
+        response.set(http::field::cache_control, "no-store");
+        response.set("Referrer-Policy", "no-referrer");
+        response.set("X-Content-Type-Options", "nosniff");
+        response.set("Content-Security-Policy", "default-src 'none'; style-src 'unsafe-inline'; script-src "
+                                                "'unsafe-inline'; connect-src 'self'; base-uri 'none'; frame-ancestors "
+                                                "'none'");
+        response.keep_alive(false);
+        response.body() = text;
+        response.prepare_payload();
+        beast::error_code error;
+        http::write(socket, response, error);
+        socket.shutdown(Tcp::socket::shutdown_send, error);
+    }
+
+    void talk(const std::shared_ptr<Client>& client, const Request& request, bool alone) {
+        beast::error_code error;
+        const timeval forever{0, 0};
+        ::setsockopt(client->socket.next_layer().native_handle(), SOL_SOCKET, SO_RCVTIMEO, &forever, sizeof forever);
+        client->socket.read_message_max(kLongestText);
+        client->socket.accept(request, error);
+        if (error)
+            return;
+        if (!enter(client, alone)) {
+            client->socket.write(asio::buffer(std::string(R"({"type":"taken"})")), error);
+            client->socket.close(beast::websocket::close_code::normal, error);
+            return;
+        }
+        beast::flat_buffer buffer;
+        while (true) {
+            client->socket.read(buffer, error);
+            if (error)
+                break;
+            add({PageEvent::Kind::text, client->page, beast::buffers_to_string(buffer.data())});
+            buffer.clear();
+        }
+        {
+            const std::lock_guard lock(mutex_);
+            std::erase(clients_, client);
+            if (stopped_)
+                return;
+        }
+        on_close_(client->page);
+        add({PageEvent::Kind::closed, client->page, {}});
+    }
+
+    bool enter(const std::shared_ptr<Client>& client, bool alone) {
+        const std::lock_guard lock(mutex_);
+        if (stopped_ ||
+            (alone && std::ranges::any_of(clients_, [&](const auto& one) { return one->page == client->page; })))
+            return false;
+        clients_.push_back(client);
+        events_.push_back({PageEvent::Kind::opened, client->page, {}});
+        return true;
+    }
+
+    void add(PageEvent event) {
+        const std::lock_guard lock(mutex_);
+        if (events_.size() < kMostEvents)
+            events_.push_back(std::move(event));
+    }
+
+    const std::vector<ServedPage> pages_;
+    const std::function<void(const std::string&)> on_close_;
+    const std::string token_ = random_token();
+    asio::io_context io_;
+    Tcp::acceptor acceptor_;
+    std::uint16_t port_ = 0;
+    std::thread accepting_;
+    std::atomic<int> running_ = 0;
+    std::atomic<bool> stopped_ = false;
+    mutable std::mutex mutex_; // of what follows
+    std::vector<std::shared_ptr<Client>> clients_;
+    std::deque<PageEvent> events_;
+};
+
+PageServer::PageServer(std::vector<ServedPage> pages, std::uint16_t port,
+                       std::function<void(const std::string& page)> on_close)
+    : core_(std::make_shared<Core>(std::move(pages), std::move(on_close))) {
+    const device::QuietSignals quiet;
+    core_->listen(port);
+}
+
+PageServer::~PageServer() {
+    core_->stop();
+}
+
+std::string PageServer::address(const std::string& page) const {
+    return core_->address(page);
+}
+std::optional<PageEvent> PageServer::next_event() {
+    return core_->next_event();
+}
+void PageServer::send(const std::string& page, const std::string& text) {
+    core_->send(page, text);
+}
+bool PageServer::is_open(const std::string& page) const {
+    return core_->is_open(page);
+}
+
+} // namespace forceshade::experiment

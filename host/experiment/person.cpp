@@ -1,0 +1,413 @@
+#include "host/experiment/person.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <ctime>
+#include <optional>
+#include <thread>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "device/backends/devices.h"
+#include "device/loop/live_loop.h"
+#include "device/session/signals.h"
+#include "experiment_pages.h"
+#include "host/error.h"
+#include "host/experiment/page_server.h"
+#include "host/program.h"
+
+namespace forceshade::experiment {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using Clock = std::chrono::steady_clock;
+
+constexpr const char *kParticipant = "participant", *kOperator = "operator";
+constexpr double kBuffered = 16;        // s: of samples between two looks
+constexpr double kFreeOfContact = 0.05; // s: without contact before a stimulus is displayed
+constexpr double kSilence = 1.5;        // s: without a sign of life the page counts as closed
+constexpr double kThanks = 0.4;         // s: after an answer
+constexpr double kFeedback = 1.2;       // s
+constexpr auto kLook = std::chrono::milliseconds(2);
+constexpr double kOperatorEach = 0.1; // s
+
+double seconds_after(Clock::time_point begin) {
+    return std::chrono::duration<double>(Clock::now() - begin).count();
+}
+
+// The section of a bump of these facets, as a picture.
+Json picture(unsigned facets) {
+    constexpr double kRadius = 0.65, kHalf = 0.5; // of the width
+    constexpr int kRound = 48;
+    const double opening = std::asin(kHalf / kRadius), low = std::sqrt(kRadius * kRadius - kHalf * kHalf);
+    const int pieces = facets == 0 ? kRound : int(facets);
+    Json points = Json::array({Json::array({-1.0, 0.0})});
+    for (int i = 0; i <= pieces; ++i) {
+        const double angle = opening * (2.0 * i / pieces - 1);
+        points.push_back({kRadius * std::sin(angle), low - kRadius * std::cos(angle)});
+    }
+    points.push_back({1.0, 0.0});
+    return points;
+}
+
+class Person final : public Participant {
+public:
+    Person(const Experiment& experiment, const PersonOptions& options)
+        : experiment_(experiment), first_(stimulus_of(experiment)), opened_(open(options)),
+          ring_(static_cast<std::size_t>(kBuffered * opened_.settings.rate)),
+          loop_(*opened_.device, device::make_live_law(first_), opened_.settings, &ring_),
+          server_({{kParticipant, std::string(pages::participant_html), true},
+                   {kOperator, std::string(pages::operator_html), false}},
+                  options.port, [this](const std::string& page) { closed(page); }),
+          emergency_(*opened_.device), signals_(loop_) {
+        for (const std::string& warning : opened_.warnings)
+            remark("warning: {}\n", warning);
+        loop_.suspend(true);
+        {
+            const device::QuietSignals quiet;
+            loop_.start();
+        }
+        remark("participant's page: {}\noperator's page:    {}\n", server_.address(kParticipant),
+               server_.address(kOperator));
+    }
+
+    ~Person() override {
+        loop_.suspend(true);
+        loop_.stop();
+        loop_.join();
+        opened_.device->halt();
+    }
+
+    std::string device() const override { return opened_.facts.name; }
+
+    TrialOutcome take(const Trial& trial, const PreparedCase& stimulus, const std::filesystem::path& path,
+                      SessionRecord& record) override {
+        record_ = &record;
+        trial_ = &trial;
+        condition_ = stimulus.one.name;
+        if (!block_)
+            wait_for_go("welcome");
+        else if (*block_ != trial.block && !paused_) // a pause is a break, too
+            wait_for_go("rest");
+        block_ = trial.block;
+        TrialOutcome outcome;
+        do {
+            load(stimulus);
+        } while (!until_free());
+        outcome = feel(stimulus);
+        if (!path.empty() && !samples_.empty())
+            log_path(samples_, path, stimulus.one.scene.precision);
+        thank(outcome, stimulus.one);
+        return outcome;
+    }
+
+    void finish() override {
+        enter("done");
+        for (const auto begin = Clock::now(); seconds_after(begin) < kThanks;)
+            look();
+    }
+
+private:
+    static PreparedCase stimulus_of(const Experiment& experiment) {
+        const PreparedCase first = CasePreparation().prepare(experiment.study.cases.front());
+        return stroked(first, manner_of(first.one.scene)); // for a simulated hand
+    }
+
+    device::OpenDevice open(const PersonOptions& options) const {
+        const device::QuietSignals quiet;
+        return device::open_for_loop(options.session, first_);
+    }
+
+    // In a thread of the server's: the force is off with the next sample.
+    void closed(const std::string& page) {
+        if (page == kParticipant)
+            loop_.suspend(true);
+    }
+
+    void enter(const char* phase, const std::string& message = {}) {
+        phase_ = phase;
+        message_ = message;
+        tell_participant();
+        tell_operator(true);
+    }
+
+    // Events of pages and samples of the loop, for a moment.
+    void look() {
+        std::this_thread::sleep_for(kLook);
+        check_interrupt();
+        if (loop_.end() == device::LoopEnd::stopped && is_interrupted())
+            throw Interrupted();
+        while (const std::optional<PageEvent> event = server_.next_event())
+            handle(*event);
+        if (server_.is_open(kParticipant) && seconds_after(heard_) > kSilence)
+            pause("The page does not answer.");
+        take_samples();
+        tell_operator(false);
+    }
+
+    void handle(const PageEvent& event) {
+        if (event.kind == PageEvent::Kind::opened) {
+            heard_ = Clock::now();
+            told_answers_ = told_answers_ && event.page != kParticipant;
+            tell_participant();
+            return tell_operator(true);
+        }
+        if (event.kind == PageEvent::Kind::closed) {
+            if (event.page == kParticipant && !server_.is_open(kParticipant))
+                pause("The page was closed.");
+            return;
+        }
+        const Json json = Json::parse(event.text, nullptr, false);
+        if (!json.is_object())
+            return;
+        const std::string type = json.value("type", "");
+        if (event.page == kParticipant)
+            hear_participant(type, json);
+        else
+            hear_operator(type, json.value("text", ""));
+    }
+
+    void hear_participant(const std::string& type, const Json& json) {
+        heard_ = Clock::now();
+        if (type == "go" && !held_)
+            go_ = true;
+        const auto answer = json.find("answer");
+        if (type != "answer" || phase_ != "feel" || json.value("sequence", std::uint64_t{0}) != sequence_ || answer_ ||
+            answer == json.end() || !answer->is_number_unsigned() || *answer >= experiment_.spec.answers.size())
+            return; // a key pressed twice, or while loading
+        answer_ = answer->get<std::size_t>();
+        answered_ = Clock::now();
+    }
+
+    void hear_operator(const std::string& type, const std::string& text) {
+        if (type == "pause") {
+            held_ = !held_;
+            if (held_)
+                pause("The operator has paused the experiment.");
+            else
+                go_ = true;
+        } else if (type == "repeat") {
+            said_ = record_ && record_->withdraw_last() ? "The last trial comes again at the end."
+                                                        : "There is no trial to repeat.";
+        } else if (type == "note" && record_) {
+            record_->note(text);
+            said_ = "Noted.";
+        } else if (type == "stop") {
+            enter("over");
+            throw Error(ExitCode::interrupted, "stopped by the operator; the same command goes on from here");
+        }
+        tell_operator(true);
+    }
+
+    void pause(const std::string& why) {
+        loop_.suspend(true);
+        paused_ = true;
+        pause_message_ = why;
+    }
+
+    void wait_for_go(const char* phase, const std::string& message = {}) {
+        loop_.suspend(true);
+        go_ = false;
+        enter(phase, message);
+        while (!go_ || held_ || !server_.is_open(kParticipant))
+            look();
+        paused_ = false;
+        require_device();
+    }
+
+    void require_device() const {
+        if (loop_.end() == device::LoopEnd::running)
+            return;
+        const char* const complaint = opened_.device->complaint();
+        throw device::DeviceAbsent(fmt::format("{} is gone{}; the same command goes on with the next trial",
+                                               opened_.facts.name,
+                                               complaint != nullptr ? fmt::format(": {}", complaint) : ""));
+    }
+
+    // Hands over the law, without force.
+    void load(const PreparedCase& stimulus) {
+        if (paused_)
+            wait_for_go("pause", pause_message_);
+        require_device();
+        enter("loading");
+        const std::uint32_t laws = loop_.status().laws;
+        loop_.offer(device::make_live_law(stimulus));
+        while (loop_.status().laws == laws) {
+            look();
+            require_device();
+        }
+        from_path_ = loop_.status().law_path;
+        samples_.clear();
+    }
+
+    // Waits until the probe has been free of contact for a while; false: somebody paused.
+    bool until_free() {
+        Clock::time_point touched = Clock::now();
+        while (seconds_after(touched) < kFreeOfContact) {
+            look();
+            require_device();
+            if (paused_)
+                return false;
+            if (loop_.status().depth > 0 || loop_.status().samples == 0 || opened_.device->withheld() != nullptr)
+                touched = Clock::now();
+        }
+        return true;
+    }
+
+    TrialOutcome feel(const PreparedCase& stimulus) {
+        ++sequence_;
+        answer_.reset();
+        take_samples();
+        const std::size_t from = samples_.size();
+        const std::string started = utc_now();
+        const Clock::time_point begin = Clock::now();
+        loop_.suspend(false);
+        enter("feel");
+        if (!server_.is_open(kParticipant)) // closed meanwhile: its suspend() may have come first
+            pause("The page was closed.");
+        bool late = false;
+        while (!answer_ && !paused_ && !late && loop_.end() == device::LoopEnd::running) {
+            look();
+            late = seconds_after(begin) > experiment_.spec.longest_trial;
+        }
+        loop_.suspend(true);
+        take_samples();
+        const std::vector<device::LiveSample> felt(samples_.begin() + static_cast<std::ptrdiff_t>(from),
+                                                   samples_.end());
+        TrialOutcome outcome = outcome_of(feature_of(stimulus), felt, 1 / opened_.settings.rate);
+        outcome.started = started;
+        outcome.answer = answer_;
+        outcome.reaction = std::chrono::duration<double>((answer_ ? answered_ : Clock::now()) - begin).count();
+        const bool clamped = std::ranges::any_of(felt, [](const device::LiveSample& sample) {
+            return (sample.happened & (device::kClamped | device::kLasting)) != 0;
+        });
+        if (loop_.end() != device::LoopEnd::running)
+            outcome.status = "device lost";
+        else if (paused_)
+            outcome.status = "interrupted";
+        else if (late)
+            outcome.status = "no answer";
+        else if (clamped)
+            outcome.status = "force clamped";
+        return outcome;
+    }
+
+    void thank(const TrialOutcome& outcome, const Case& stimulus) {
+        if (outcome.status != kAnswered)
+            return;
+        last_ = experiment_.spec.answers[*outcome.answer].label;
+        const bool right = experiment_.correct_answer(stimulus) == outcome.answer;
+        enter(experiment_.spec.feedback ? "feedback" : "answered", right ? "Right." : "Not quite.");
+        for (const auto begin = Clock::now(); seconds_after(begin) < (experiment_.spec.feedback ? kFeedback : kThanks);)
+            look();
+    }
+
+    void take_samples() {
+        for (auto some = ring_.look(); !some.empty(); some = ring_.look()) {
+            for (const device::LiveSample& sample : some) {
+                if (sample.path >= from_path_)
+                    samples_.push_back(sample);
+                if (sample.tick % 20 == 0)
+                    shown_.push_back({1e3 * sample.probe.x, sample.commanded.x, sample.commanded.z});
+            }
+            ring_.release(some.size());
+        }
+    }
+
+    void tell_participant() {
+        if (!server_.is_open(kParticipant))
+            return;
+        Json json{{"type", "state"}, {"phase", phase_}, {"message", message_}, {"sequence", sequence_}};
+        if (record_) {
+            json["total"] = record_->order().size();
+            json["done"] = record_->order().size() - record_->left();
+            json["trial"] = trial_->number;
+        }
+        if (!told_answers_) {
+            json["question"] = experiment_.spec.question;
+            json["answers"] = Json::array();
+            for (const Answer& answer : experiment_.spec.answers) {
+                Json one{{"label", answer.label}};
+                if (answer.facets) {
+                    one["points"] = picture(*answer.facets);
+                    one["box"] = {-1.05, -0.3, 2.1, 0.35};
+                }
+                json["answers"].push_back(std::move(one));
+            }
+            told_answers_ = true;
+        }
+        server_.send(kParticipant, json.dump());
+    }
+
+    void tell_operator(bool now) {
+        if (!now && seconds_after(told_operator_) < kOperatorEach)
+            return;
+        told_operator_ = Clock::now();
+        if (!server_.is_open(kOperator)) {
+            shown_.clear();
+            return;
+        }
+        const device::LoopStatus& status = loop_.status();
+        const char* const withheld = opened_.device->withheld();
+        std::string happened;
+        for (std::size_t bit = 0; bit < device::kHappenings.size(); ++bit)
+            if (status.happened.load() >> bit & 1u)
+                happened += (happened.empty() ? "" : ", ") + std::string(device::kHappenings[bit]);
+        const bool off = phase_ != "feel";
+        Json json{{"type", "state"},
+                  {"phase", phase_},
+                  {"title", experiment_.spec.title},
+                  {"paused", held_},
+                  {"said", said_},
+                  {"last", last_},
+                  {"trouble", withheld != nullptr},
+                  {"page", server_.is_open(kParticipant) ? "open" : "closed"},
+                  {"device", fmt::format("{}, {:.0f} Hz, {} late samples", opened_.facts.name, opened_.settings.rate,
+                                         status.overruns.load())},
+                  {"safety", withheld != nullptr ? withheld
+                             : off               ? "no force"
+                             : happened.empty()  ? "on"
+                                                 : happened},
+                  {"force", fmt::format("{:.2f} N, {:.2f} mm", status.force.load(), 1e3 * status.depth.load())}};
+        if (record_) {
+            json["trial"] =
+                fmt::format("{} of {} done; now number {}{}", record_->order().size() - record_->left(),
+                            record_->order().size(), trial_->number, trial_->is_practice() ? ", practice" : "");
+            json["condition"] = condition_;
+        }
+        server_.send(kOperator, json.dump());
+        if (!shown_.empty())
+            server_.send(kOperator, Json{{"type", "samples"}, {"samples", std::exchange(shown_, {})}}.dump());
+    }
+
+    const Experiment& experiment_;
+    const PreparedCase first_;
+    device::OpenDevice opened_;
+    device::SampleRing ring_;
+    device::LiveLoop loop_;
+    PageServer server_;
+    device::Emergency emergency_;
+    device::LoopSignals signals_;
+
+    SessionRecord* record_ = nullptr;
+    const Trial* trial_ = nullptr;
+    std::string condition_, phase_ = "welcome", message_, pause_message_, said_, last_;
+    std::optional<std::uint64_t> block_;
+    std::uint64_t sequence_ = 0; // of stimuli, so that an answer belongs to one
+    std::uint32_t from_path_ = 0;
+    std::optional<std::size_t> answer_;
+    Clock::time_point answered_, heard_, told_operator_;
+    bool go_ = false, paused_ = false, held_ = false, told_answers_ = false;
+    std::vector<device::LiveSample> samples_;  // of the trial
+    std::vector<std::array<double, 3>> shown_; // mm, N, N: for the operator
+};
+
+} // namespace
+
+std::unique_ptr<Participant> make_person(const Experiment& experiment, const PersonOptions& options) {
+    return std::make_unique<Person>(experiment, options);
+}
+
+} // namespace forceshade::experiment

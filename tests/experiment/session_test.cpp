@@ -1,0 +1,182 @@
+// A person's session at a simulated device, by keys in headless Chromium: killed in the middle, resumed, finished.
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <memory>
+#include <set>
+#include <thread>
+
+#include <gtest/gtest.h>
+
+#include "host/experiment/analysis.h"
+#include "host/experiment/record.h"
+#include "host/output/reading.h"
+#include "tests/e2e/process.h"
+#include "tests/report/browser.h"
+
+namespace forceshade::experiment {
+namespace {
+
+using forceshade::testing::Browser;
+using forceshade::testing::Launch;
+using forceshade::testing::Outcome;
+using forceshade::testing::Process;
+
+constexpr const char* kPhase = "document.body.dataset.phase";
+
+class Session : public ::testing::Test {
+protected:
+    Session() {
+        std::filesystem::remove_all(folder);
+        std::filesystem::create_directories(folder);
+        std::ofstream(folder / "e.toml")
+            << "[experiment]\ntrials = 1\nblocks = 2\n[surface]\nradius = \"600 mil\"\nfacets = "
+               "[2, 3]\n[force]\nshading = [\"none\", \"reference\"]\n";
+    }
+    ~Session() override {
+        process.reset();
+        std::filesystem::remove_all(folder);
+    }
+
+    void start(const std::string& session = "1") {
+        Launch launch;
+        launch.arguments = {"experiment", "run",   (folder / "e.toml").string(),
+                            "--subject",  "03",    "--session",
+                            session,      "--out", data().string()};
+        launch.error = folder / "stderr.txt";
+        std::filesystem::remove(launch.error);
+        process = std::make_unique<Process>(launch);
+        for (int i = 0; i < 400 && address("operator").empty(); ++i)
+            std::this_thread::sleep_for(std::chrono::milliseconds(25));
+        ASSERT_FALSE(address("operator").empty());
+    }
+    std::string address(const std::string& page) const {
+        std::error_code error;
+        if (!std::filesystem::exists(folder / "stderr.txt", error))
+            return "";
+        const std::string text = read_file(folder / "stderr.txt");
+        const std::size_t end = text.find("/" + page + "\n");
+        const std::size_t begin = end == std::string::npos ? end : text.rfind("http://", end);
+        return begin == std::string::npos ? "" : text.substr(begin, end - begin) + "/" + page;
+    }
+    bool reaches(const std::string& phase) { return browser.wait_for(std::string(kPhase) + " === '" + phase + "'"); }
+    void begin() {
+        browser.open_address(address("participant"));
+        ASSERT_TRUE(reaches("welcome") || reaches("pause"));
+        browser.press(" ");
+    }
+    std::vector<TrialRow> rows() const { return read_rows(data_files(data())[0]); }
+    std::filesystem::path data() const { return folder / "data"; }
+
+    const std::filesystem::path folder = std::filesystem::temp_directory_path() / "forceshade_experiment_session";
+    Browser browser;
+    std::unique_ptr<Process> process;
+};
+
+TEST_F(Session, IsKilledResumedAndFinishedWithEveryTrialOnce) {
+    start();
+    begin();
+    ASSERT_TRUE(reaches("feel")) << browser.text("document.body.textContent");
+    EXPECT_EQ(browser.text("document.querySelectorAll('.answer svg path').length"), "4") << "four pictures";
+    EXPECT_EQ(browser.evaluate("document.documentElement.scrollHeight <= innerHeight"), true) << "nothing to scroll";
+    browser.press("2");
+    browser.press("3"); // a second key does not count
+    ASSERT_TRUE(browser.wait_for("document.body.dataset.trial === '2'"));
+    ASSERT_TRUE(reaches("feel"));
+    process->send(SIGKILL);
+    process->wait();
+    ASSERT_EQ(rows().size(), 1u) << "the running trial alone is lost";
+    EXPECT_EQ(rows()[0].answer, "two_poly");
+
+    start();
+    begin();
+    for (int i = 0; i < 20 && browser.text(kPhase) != "done"; ++i) {
+        ASSERT_TRUE(browser.wait_for(std::string("['feel', 'rest', 'done'].includes(") + kPhase + ")"));
+        const std::string phase = browser.text(kPhase);
+        if (phase == "rest")
+            browser.press(" ");
+        else if (phase == "feel") {
+            std::this_thread::sleep_for(std::chrono::milliseconds(900));
+            browser.press("4");
+            ASSERT_TRUE(browser.wait_for(std::string(kPhase) + " !== 'feel'"));
+        }
+    }
+    EXPECT_TRUE(reaches("done"));
+    const Outcome outcome = process->wait();
+    EXPECT_EQ(outcome.code, 0) << read_file(folder / "stderr.txt");
+    std::map<std::uint64_t, int> answered;
+    for (const TrialRow& row : rows())
+        answered[row.number] += row.counts();
+    EXPECT_EQ(answered, (std::map<std::uint64_t, int>{{1, 1}, {2, 1}, {3, 1}, {4, 1}}));
+    const TrialRow last = rows().back();
+    EXPECT_EQ(last.participant, "person");
+    EXPECT_GT(last.outcome.reaction, 0.5);
+    EXPECT_GT(last.outcome.contact, 0.3);
+    EXPECT_GT(last.outcome.largest_force, 0.5);
+    EXPECT_EQ(read_answers({data()}).rows.size(), 4u);
+
+    // The path that was recorded gives the same forces, digit for digit.
+    const std::string name = "subject-03_session-1_trial-" + std::to_string(last.number) + ".csv";
+    Launch explore;
+    explore.arguments = {"explore",     (data() / "materials" / "stimuli" / (last.condition + ".toml")).string(),
+                         "--paths",     (data() / "paths" / name).string(),
+                         "--out",       (folder / "again.csv").string(),
+                         "--engine",    "cpu",
+                         "--precision", "f64"};
+    const Outcome explored = Process(explore).wait();
+    ASSERT_EQ(explored.code, 0) << explored.error;
+    const auto lines = [](const std::filesystem::path& file) {
+        std::vector<std::string> cut;
+        std::ifstream in(file);
+        for (std::string line; std::getline(in, line);) {
+            std::size_t end = 0;
+            for (int i = 0; i < 13; ++i) // to the facet
+                end = line.find(',', end + 1);
+            cut.push_back(line.substr(line.find(',') + 1, end == std::string::npos ? end : end - line.find(',') - 1));
+        }
+        return cut;
+    };
+    const auto recorded = lines(data() / "paths" / name), again = lines(folder / "again.csv");
+    EXPECT_GT(recorded.size(), 500u);
+    EXPECT_EQ(recorded, again);
+}
+
+TEST_F(Session, PausesWhenThePageIsClosedAndRefusesASecondPage) {
+    start();
+    begin();
+    ASSERT_TRUE(reaches("feel"));
+    Browser other;
+    other.open_address(address("participant"));
+    EXPECT_TRUE(other.wait_for("document.body.dataset.phase === 'taken'"));
+    browser.open_address("data:text/html,gone"); // closes the page
+    Browser desk;
+    desk.open_address(address("operator"));
+    EXPECT_TRUE(desk.wait_for("document.getElementById('page').textContent === 'closed'"));
+    EXPECT_TRUE(desk.wait_for("document.getElementById('safety').textContent === 'no force'"));
+    browser.open_address(address("participant"));
+    ASSERT_TRUE(reaches("pause"));
+    browser.press(" ");
+    ASSERT_TRUE(reaches("feel"));
+    desk.press("p");
+    EXPECT_TRUE(reaches("pause"));
+    EXPECT_TRUE(desk.wait_for("document.getElementById('pause').textContent.startsWith('Go on')"));
+    desk.press("p");
+    ASSERT_TRUE(reaches("feel"));
+    browser.press("1");
+    ASSERT_TRUE(browser.wait_for(std::string(kPhase) + " !== 'feel'"));
+    ASSERT_TRUE(reaches("feel"));
+    desk.press("r");
+    EXPECT_TRUE(desk.wait_for("document.getElementById('said').textContent.includes('comes again')"));
+    process->send(SIGINT);
+    EXPECT_EQ(process->wait().code, 130);
+    std::map<std::string, int> statuses;
+    for (const TrialRow& row : rows())
+        ++statuses[row.outcome.status];
+    EXPECT_EQ(statuses, (std::map<std::string, int>{{"answered", 1}, {"interrupted", 2}, {"withdrawn", 1}}));
+}
+
+} // namespace
+} // namespace forceshade::experiment
