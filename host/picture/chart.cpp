@@ -16,7 +16,7 @@ namespace forceshade::picture {
 namespace {
 
 constexpr int kChartWidth = 1000; // pixels
-constexpr double kChartHeight = 480, kRowOfBars = 34;
+constexpr double kChartHeight = 480, kRowOfBars = 34, kPanelGap = 28, kPanelTitle = 26;
 constexpr TextStyle kChartLabelStyle{kSmallTextSize, false, Horizontal::left, Vertical::middle, false};
 constexpr std::size_t kMostLabels = 12;
 
@@ -147,8 +147,9 @@ public:
         const double top = kMargin + heading_.height + 10;
         plan_ranges();
         y_axis_ = make_y_axis(height);
-        const double left = std::ceil(kMargin + left_room(y_axis_));
-        plot_ = {left, top, kChartWidth - kMargin - left, height};
+        const double left = std::ceil(kMargin + left_room(y_axis_)), panels = double(this->panels());
+        plot_ = {left, top + (chart.panels.empty() ? 0 : kPanelTitle),
+                 (kChartWidth - kMargin - left - (panels - 1) * kPanelGap) / panels, height};
         for (double beyond = 0; plot_.width > 100; plot_.width -= beyond) { // the last label, behind the sheet
             x_axis_ = fit_axis(plot_.width, false, [&](std::size_t most) {
                 return map() ? Cells::axis(chart.x.label, cells_.xs, most) : chart_axis(chart.x, x_, most);
@@ -170,18 +171,11 @@ public:
         const double end = legend_top + legend_height(legend_, width) + (left_out_ > 0 ? 24 : 0) + kMargin / 2;
         Canvas canvas(kChartWidth, static_cast<int>(std::ceil(end)));
         draw_heading(canvas, heading_);
-        draw_axes(canvas, plot_, x_axis_, y_axis_, {true, true, !map()});
-        draw_axis_titles(canvas, plot_, x_axis_, y_axis_);
-        canvas.begin_clip(plot_);
-        if (map())
-            draw_cells(canvas);
-        if (bars())
-            draw_bars(canvas);
-        else
-            draw_series(canvas);
-        canvas.end_clip();
-        canvas.outline({plot_.x - 0.5, plot_.y - 0.5, plot_.width + 1, plot_.height + 1}, {});
-        draw_labels(canvas);
+        const double pitch = plot_.width + kPanelGap;
+        draw_axis_titles(canvas, {plot_.x, plot_.y, double(panels()) * pitch - kPanelGap, plot_.height}, x_axis_,
+                         y_axis_);
+        for (std::size_t panel = 0; panel < panels(); ++panel, plot_.x += pitch)
+            draw_plot(canvas, panel);
         draw_legend(canvas, legend_, {kMargin, legend_top}, width);
         if (left_out_ > 0)
             canvas.text(fmt::format("{} points have no number that these axes can show.", left_out_),
@@ -200,6 +194,24 @@ private:
             return point.x >= cells_.xs.front() && point.x <= cells_.xs.back() && point.y >= cells_.ys.front() &&
                    point.y <= cells_.ys.back();
         return can_show(chart_.x, point.x) && can_show(chart_.y, point.y);
+    }
+
+    std::size_t panels() const { return std::max<std::size_t>(1, chart_.panels.size()); }
+
+    void draw_plot(Canvas& canvas, std::size_t panel) {
+        draw_axes(canvas, plot_, x_axis_, y_axis_, {true, panel == 0, !map()});
+        if (!chart_.panels.empty())
+            canvas.text(chart_.panels[panel], {plot_.x, plot_.y - kPanelTitle / 2}, kChartLabelStyle);
+        canvas.begin_clip(plot_);
+        if (map())
+            draw_cells(canvas, panel);
+        if (bars())
+            draw_bars(canvas);
+        else
+            draw_series(canvas);
+        canvas.end_clip();
+        canvas.outline({plot_.x - 0.5, plot_.y - 0.5, plot_.width + 1, plot_.height + 1}, {});
+        draw_labels(canvas);
     }
 
     void plan_ranges() {
@@ -283,10 +295,12 @@ private:
                                }});
     }
 
-    void draw_cells(Canvas& canvas) const {
+    void draw_cells(Canvas& canvas, std::size_t panel) const {
         const double width = plot_.width / static_cast<double>(cells_.xs.size()),
                      height = plot_.height / static_cast<double>(cells_.ys.size());
         for (const ChartCell& cell : chart_.cells) {
+            if (cell.panel != panel)
+                continue;
             const Point middle = place(cell.x, cell.y);
             canvas.fill({middle.x - width / 2, middle.y - height / 2, width + 0.5, height + 0.5},
                         cell.word.empty() ? cells_.of(cell.value) : cells_.of(cell.word));

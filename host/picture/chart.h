@@ -32,7 +32,8 @@ struct ChartSeries {
 struct ChartCell {
     double x = 0, y = 0;
     double value = 0;
-    std::string word; /* instead of a number */
+    std::string word;      /* instead of a number */
+    std::size_t panel = 0; /* of Chart::panels */
 };
 
 /// Bars are those of series, a point each; their x are words.
@@ -41,8 +42,9 @@ struct Chart {
     std::vector<std::string> notes; /* lines below it */
     ChartAxis x, y;
     std::vector<ChartSeries> series;
-    std::vector<ChartCell> cells; /* of a map, beneath the series; empty: no map */
-    std::string value_label;      /* of the cells' numbers */
+    std::vector<ChartCell> cells;    /* of a map, beneath the series; empty: no map */
+    std::vector<std::string> panels; /* of a map: several side by side on the same axes; empty: one */
+    std::string value_label;         /* of the cells' numbers */
     bool value_logarithmic = false;
     double value_limit = 0;          /* the colours end at this size; 0: at the largest */
     std::vector<std::string> words;  /* of the cells, in the legend's order */

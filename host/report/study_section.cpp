@@ -1,5 +1,8 @@
 // A study: what it found, beside the figure that shows it; how it was measured, its tables and files. Figures and
 // tables are drawn by the page, out of the study's data.
+#include <algorithm>
+#include <map>
+
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -14,7 +17,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::size_t kMostRows = 3000; // of a table in the page; the CSV file has all
+constexpr std::size_t kMostRows = 3000; // of a table that no figure shows; the CSV file has all
 
 // A link to a file of the study, if it is there: its absence is told already.
 std::string file_link(const std::filesystem::path& root, const StudyPart& part, const std::string& name,
@@ -46,14 +49,36 @@ std::string files(const std::filesystem::path& root, const StudyPart& part) {
     return folded("Files", "<ul class=\"files\">\n" + html + "</ul>\n");
 }
 
-// What the page draws: figures, and tables that are not too long.
+// A column's cells; of few different ones these, and whereabouts they are.
+Json packed_column(const Json& rows, std::size_t column) {
+    Json cells = Json::array(), different = Json::array(), at = Json::array();
+    std::map<Json, std::size_t> numbers;
+    for (const Json& row : rows) {
+        const auto [found, is_new] = numbers.try_emplace(row[column], numbers.size());
+        if (is_new)
+            different.push_back(row[column]);
+        cells.push_back(row[column]);
+        at.push_back(found->second);
+    }
+    return 4 * different.size() < rows.size() ? Json{{"of", different}, {"at", at}} : cells;
+}
+
+// What the page draws: figures, and their tables and others that are not too long.
 std::string page_data(const study::StudyData& data) {
     Json all = Json::parse(study::data_json(data)), json;
     json["figures"] = all["figures"];
     json["tables"] = Json::array();
-    for (Json& table : all["tables"])
-        if (table["rows"].size() <= kMostRows)
-            json["tables"].push_back(std::move(table));
+    for (Json& table : all["tables"]) {
+        const bool drawn = std::ranges::find(data.figures, table["name"].get<std::string>(), &study::Figure::table) !=
+                           data.figures.end();
+        if (!drawn && table["rows"].size() > kMostRows)
+            continue;
+        table["cells"] = Json::array();
+        for (std::size_t i = 0; i < table["columns"].size(); ++i)
+            table["cells"].push_back(packed_column(table["rows"], i));
+        table.erase("rows");
+        json["tables"].push_back(std::move(table));
+    }
     return script_text(json);
 }
 

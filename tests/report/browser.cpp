@@ -240,7 +240,7 @@ void Browser::click(const std::string& selector) {
 
 void Browser::press(const std::string& key) {
     static const std::map<std::string, int> kCodes{
-        {"ArrowLeft", 37}, {"ArrowUp", 38},  {"ArrowRight", 39}, {"ArrowDown", 40}, {"ArrowDown", 40},
+        {"ArrowLeft", 37}, {"ArrowUp", 38},  {"ArrowRight", 39}, {"ArrowDown", 40}, {"Enter", 13},
         {"PageUp", 33},    {"PageDown", 34}, {"Tab", 9},         {"1", 49},         {"2", 50},
         {"3", 51},         {"4", 52},        {" ", 32},          {"p", 80},         {"r", 82}};
     for (const char* type : {"keyDown", "keyUp"})

@@ -199,6 +199,32 @@ TEST_F(Page, MarksSayWhatTheyAre) {
                     .get<bool>());
 }
 
+// A mark that others know more of shows it when it is clicked or Enter is pressed on it, or it is chosen by name.
+TEST_F(Page, PickingAMarkShowsItsLinkedFigures) {
+    open();
+    const auto title = [&](int i) {
+        return browser_->text("document.querySelectorAll('.linked figure h4')[" + std::to_string(i) + "].textContent");
+    };
+    EXPECT_EQ(browser_->evaluate("document.querySelectorAll('.linked figure').length"), 0);
+    EXPECT_EQ(browser_->evaluate("document.querySelectorAll('.answer .pick').length"), 2) << "the others have none";
+    browser_->click(".answer .pick");
+    EXPECT_EQ(title(0), "Where: none n=4");
+    EXPECT_EQ(title(1), "How deep: none n=4");
+    const std::string value = "d3.select('.linked .mark:last-child').datum().row.error";
+    EXPECT_NEAR(browser_->evaluate(value).get<double>(), 0.75, 1e-9);
+    const std::string ramp = "document.querySelector('.linked .ramp').textContent", before = browser_->text(ramp);
+    browser_->evaluate("document.querySelectorAll('.answer .pick')[1].focus()");
+    browser_->press("Enter");
+    EXPECT_EQ(title(0), "Where: mean_value n=64");
+    EXPECT_NEAR(browser_->evaluate(value).get<double>(), 0.15, 1e-9);
+    EXPECT_EQ(browser_->text(ramp), before) << "colours mean the same of all marks";
+    EXPECT_EQ(browser_->text("document.querySelector('.linked select').value"), "mean_value n=64");
+    browser_->evaluate("(() => { const s = document.querySelector('.linked select'); s.value = 'none n=4'; "
+                       "s.dispatchEvent(new Event('change')); })()");
+    EXPECT_EQ(title(1), "How deep: none n=4");
+    EXPECT_EQ(browser_->evaluate("document.querySelectorAll('.linked figure').length"), 2);
+}
+
 // Shading keeps the magnitude: between two samples whose directions differ a stroke must not show a notch.
 TEST_F(Page, StrokesKeepTheMagnitudeBetweenSamples) {
     open();

@@ -62,6 +62,20 @@ Table critical() {
     return table;
 }
 
+// Of two points of error_time() what a map and a line show.
+Table details() {
+    Table table{"details",
+                "Details",
+                {{"name", "", ""}, {"place_mm", "mm", ""}, {"depth_mm", "mm", ""}, {"error", "1", ""}},
+                {}};
+    for (const char* name : {"none n=4", "mean_value n=64"})
+        for (int i = 0; i < 8; ++i)
+            for (int j = 0; j < 3; ++j)
+                table.rows.push_back(
+                    {std::string(name), cell(i), cell(j), cell(0.01 * (1 + i * j) * (name[0] == 'n' ? 5 : 1))});
+    return table;
+}
+
 Table energies() {
     Table table{"energies",
                 "Energy",
@@ -101,7 +115,11 @@ void add_scatters(study::StudyData& data) {
                       {"error_max_deg", "largest error of direction / deg", true});
     f.series = "scheme";
     f.label = "name";
+    f.pick = "name";
+    f.linked = {"detail", "depth"};
     data.figures.push_back(f);
+    f.pick = "";
+    f.linked.clear();
     f.name = "order";
     f.x = {"n", "facets n", true};
     f.label = "";
@@ -138,6 +156,21 @@ void add_maps(study::StudyData& data) {
     data.figures.push_back(f);
 }
 
+void add_linked(study::StudyData& data) {
+    Figure f = figure("detail", "Where: none n=4", FigureKind::map, "details", {"place_mm", "place / mm", false},
+                      {"depth_mm", "depth / mm", false});
+    f.where = {{"name", "none n=4"}};
+    f.value = "error";
+    f.value_label = "error";
+    data.figures.push_back(f);
+    f.name = "depth";
+    f.title = "How deep: none n=4";
+    f.kind = FigureKind::scatter;
+    f.x = {"depth_mm", "depth / mm", false};
+    f.y = {"error", "error", false};
+    data.figures.push_back(f);
+}
+
 void add_bars(study::StudyData& data) {
     Figure f = figure("eta", "Energy over effort", FigureKind::bars, "energies", {"surface", "surface", false},
                       {"eta", "η = W / ∮|F·dl|", true});
@@ -166,10 +199,11 @@ study::StudyData sample_study() {
     data.quick = true;
     data.seconds = 12.5;
     data.notes = {"These numbers are made up."};
-    data.tables = {error_time(), loop(), critical(), energies()};
+    data.tables = {error_time(), loop(), critical(), energies(), details()};
     add_scatters(data);
     add_maps(data);
     add_bars(data);
+    add_linked(data);
     return data;
 }
 

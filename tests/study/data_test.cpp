@@ -1,5 +1,6 @@
 // A study's data survive their files, and what is no such file is told.
 #include <limits>
+#include <regex>
 
 #include <gtest/gtest.h>
 
@@ -30,6 +31,8 @@ StudyData written_sample() {
     figure.y = {"work_J", "work / J", true};
     figure.value_limit = 0.5;
     figure.curves = {{"loops", {}, "work_J", "work_J", "a curve", true}};
+    figure.panels = figure.pick = "scheme";
+    figure.linked = {"g"};
     data.figures = {figure};
     data.findings = {{"name", "A sentence."}};
     data.files = {{"loops.csv", "11ee", 34}};
@@ -48,6 +51,28 @@ TEST(StudyFiles, WhatIsNoNumberIsNothing) {
     const StudyData data = parse_data(data_json(written_sample()));
     EXPECT_FALSE(data.table("loops").number(1, "work_J"));
     EXPECT_EQ(data.table("loops").word(1, "scheme"), "x");
+}
+
+// A cell is drawn in its panel.
+TEST(StudyFigures, HavePanels) {
+    StudyData data;
+    data.tables = {{"cells", "", {{"law", "", ""}, {"x", "m", ""}}, {}}};
+    for (int i = 0; i < 6; ++i)
+        data.tables[0].rows.push_back({std::string(i < 3 ? "unshaded" : "shaded"), cell(i)});
+    Figure figure;
+    figure.kind = FigureKind::map;
+    figure.table = "cells";
+    figure.x = figure.y = {"x", "x / m", false};
+    figure.value = "x";
+    figure.panels = "law";
+    data.figures = {figure};
+    const auto drawn = [&] { // names within an SVG file are counted on from file to file
+        return std::regex_replace(figure_files(data)[0].text, std::regex("(clip|surface|glyph)[0-9-]*"), "");
+    };
+    const std::string before = drawn();
+    EXPECT_EQ(drawn(), before);
+    data.tables[0].rows[2][0] = std::string("shaded");
+    EXPECT_NE(drawn(), before);
 }
 
 std::string complaint_about(const std::string& text) {

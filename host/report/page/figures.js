@@ -2,7 +2,7 @@
 
 const WIDTH = 720, NARROWEST = 300, HEIGHT = 440, PLOT = { left: 74, right: 16, top: 12, bottom: 46 }; // px
 const MARKS = [d3.symbolCircle, d3.symbolSquare, d3.symbolTriangle, d3.symbolDiamond, d3.symbolCross, d3.symbolStar, d3.symbolWye];
-const SERIES_COLOURS = 8, MOST_LABELS = 8;
+const SERIES_COLOURS = 8, MOST_LABELS = 8, MOST_MARKS = 100;
 
 // The same colour and mark for the same name everywhere: on the page and, of known names (chart_style.cpp), in pictures.
 const styles = new Map(Object.entries(KNOWN_SERIES)), FIRST_UNKNOWN = 32, known = styles.size;
@@ -123,23 +123,24 @@ const CURVE_DASHES = [null, "7 4", "2 3", "8 3 2 3", "1 5"];
 function drawScatter(element, study, figure) {
   const canShow = (axis, value) => typeof value === "number" && (!axis.logarithmic || value > 0);
   const all = rowsOf(study, figure.table, figure.where);
-  const rows = all.filter((row) => canShow(figure.x, row[figure.x.column]) && canShow(figure.y, row[figure.y.column]));
+  const shown = (some) => some.filter((row) => canShow(figure.x, row[figure.x.column]) && canShow(figure.y, row[figure.y.column]));
+  const rows = shown(all), spanned = figure.span ? shown(rowsOf(study, figure.table, figure.span)) : rows;
   const curves = figure.curves.map((curve) => ({ ...curve, points: rowsOf(study, curve.table, curve.where).map((row) => [row[curve.x], row[curve.y]])
     .filter(([a, b]) => canShow(figure.x, a) && canShow(figure.y, b)) })).filter((curve) => curve.points.length);
-  const spread = (axis, column) => rows.map((row) => row[column]).filter((value) => canShow(axis, value));
+  const spread = (axis, column) => spanned.map((row) => row[column]).filter((value) => canShow(axis, value));
   const frame = new FigureFrame(element, figure);
-  const x = scaleOf(figure.x, [...rows.map((row) => row[figure.x.column]), ...curves.flatMap((c) => c.points.map((p) => p[0])), ...spread(figure.x, figure.x_low), ...spread(figure.x, figure.x_high)],
+  const x = scaleOf(figure.x, [...spanned.map((row) => row[figure.x.column]), ...curves.flatMap((c) => c.points.map((p) => p[0])), ...spread(figure.x, figure.x_low), ...spread(figure.x, figure.x_high)],
     [PLOT.left, frame.right]);
-  const y = scaleOf(figure.y, [...rows.map((row) => row[figure.y.column]), ...curves.flatMap((c) => c.points.map((p) => p[1])), ...spread(figure.y, figure.low), ...spread(figure.y, figure.high)],
+  const y = scaleOf(figure.y, [...spanned.map((row) => row[figure.y.column]), ...curves.flatMap((c) => c.points.map((p) => p[1])), ...spread(figure.y, figure.low), ...spread(figure.y, figure.high)],
     [frame.bottom, PLOT.top]);
   frame.drawAxes(x, y, ticksOf(x, figure.x, frame.width / 90), ticksOf(y, figure.y, 7));
   const names = d3.set(rows, (row) => row[figure.series] === undefined || row[figure.series] === null ? "" : row[figure.series]).values();
-  // A curve of a series' name is that series' own.
+  // A curve of a series' name, or of that and more, is that series' own.
   curves.forEach((curve, i) => {
-    const own = names.includes(curve.label), dash = curve.dashed ? CURVE_DASHES[1 + i % 4] : null;
-    drawLine(frame.body, curve.points, x, y, own ? styleOf(curve.label).colour : "var(--plot-ink)", dash, 1.2);
+    const own = names.includes(curve.label), of = own ? curve.label : names.find((name) => name && curve.label.startsWith(name + ", ")), dash = curve.dashed ? CURVE_DASHES[1 + i % 4] : null;
+    drawLine(frame.body, curve.points, x, y, of ? styleOf(of).colour : "var(--plot-ink)", dash, 1.2);
     if (!own)
-      frame.addLegend(curve.label, (key) => drawLine(key, [[-12, 0], [12, 0]], (v) => v, (v) => v, "var(--plot-ink)", dash, 1.2));
+      frame.addLegend(curve.label, (key) => drawLine(key, [[-12, 0], [12, 0]], (v) => v, (v) => v, of ? styleOf(of).colour : "var(--plot-ink)", dash, 1.2));
   });
   for (const name of names) {
     const style = styleOf(name), own = rows.filter((row) => !figure.series || String(row[figure.series] || "") === name);
@@ -154,7 +155,9 @@ function drawScatter(element, study, figure) {
       };
       whisker(figure.y, figure.low, figure.high, (a, b) => `M${px - 3},${y(a)}h6m-3,0V${y(b)}m-3,0h6`);
       whisker(figure.x, figure.x_low, figure.x_high, (a, b) => `M${x(a)},${py - 3}v6m0,-3H${x(b)}m0,-3v6`);
-      frame.body.append("path").attr("class", "mark").attr("tabindex", -1).attr("transform", `translate(${px},${py})`)
+      const pick = figure.picks && figure.picks.includes(row[figure.pick]);
+      frame.body.append("path").attr("class", "mark").classed("pick", pick).classed("line", figure.joined && own.length > MOST_MARKS)
+        .attr("tabindex", pick ? 0 : -1).attr("role", pick ? "button" : null).attr("transform", `translate(${px},${py})`)
         .attr("d", d3.symbol().type(style.symbol).size(46)()).attr("fill", style.colour).attr("stroke", "var(--plot-paper)").attr("stroke-width", 0.7)
         .datum(() => ({ study, figure, row }))
         .append("title").text(rowText(study, figure.table, row, ["way", figure.label, figure.series, figure.x.column, figure.y.column, figure.low, figure.high,
@@ -194,13 +197,14 @@ function placeLabels(frame, labels, marks) {
 }
 
 function drawMap(element, study, figure) {
-  const rows = rowsOf(study, figure.table, figure.where).filter((row) => row[figure.x.column] !== null && row[figure.y.column] !== null);
-  const numbers = (column) => [...new Set(rows.map((row) => row[column]))].sort((a, b) => a - b);
+  const whole = (where) => rowsOf(study, figure.table, where).filter((row) => row[figure.x.column] !== null && row[figure.y.column] !== null);
+  const rows = whole(figure.where), spanned = figure.span ? whole(figure.span) : rows;
+  const numbers = (column) => [...new Set(spanned.map((row) => row[column]))].sort((a, b) => a - b);
   const xs = numbers(figure.x.column), ys = numbers(figure.y.column), frame = new FigureFrame(element, figure);
   const x = d3.scaleBand().domain(xs).range([PLOT.left, frame.right]), y = d3.scaleBand().domain(ys).range([frame.bottom, PLOT.top]);
   const some = (all, most) => all.filter((_, i) => i % Math.ceil(all.length / most) === 0);
   frame.drawAxes(x, y, some(xs, frame.width / 75), some(ys, 9), (value) => typeof value === "number" ? numberText(value, 2) : value);
-  const values = rows.map((row) => row[figure.value]).filter((value) => value !== null);
+  const values = spanned.map((row) => row[figure.value]).filter((value) => value !== null);
   let colour;
   if (values.some((value) => typeof value === "string")) {
     const words = figure.value_words.length ? figure.value_words : [...new Set(values)];
@@ -278,16 +282,25 @@ function save(name, address) {
 const STYLED = ["fill", "stroke", "stroke-width", "stroke-dasharray", "font-size", "font-weight"];
 
 function wholeSvg(element, figure) {
-  const svg = element.querySelector("svg.plot"), copy = svg.cloneNode(true);
-  const from = svg.querySelectorAll("*"), to = copy.querySelectorAll("*");
-  from.forEach((one, i) => STYLED.forEach((property) => to[i].setAttribute(property, getComputedStyle(one)[property])));
-  copy.setAttribute("xmlns", "http://www.w3.org/2000/svg");
-  const [, , width, height] = svg.getAttribute("viewBox").split(" ").map(Number), colours = palette();
-  const names = [...element.querySelectorAll(".legend > span")].map((one) => one.textContent).filter((text) => text);
-  copy.setAttribute("viewBox", `0 -26 ${width} ${height + 30 + 16 * Math.ceil(names.length / 4)}`);
+  const plots = [...element.querySelectorAll("svg.plot")], legend = [...element.querySelectorAll(".legend")].pop(), colours = palette();
+  const names = [...legend.querySelectorAll(":scope > span")].map((one) => one.textContent).filter((text) => text);
   const text = (x, y, words, size) => `<text x="${x}" y="${y}" font-size="${size}" fill="${colours.ink}">${words.replace(/&/g, "&amp;").replace(/</g, "&lt;")}</text>`;
-  copy.insertAdjacentHTML("afterbegin", `<rect x="0" y="-26" width="100%" height="100%" fill="${colours.paper}"/>` + text(8, -8, figure.title, 14));
-  element.querySelectorAll(".legend > span > svg").forEach((key, i) => {
+  const whole = document.createElementNS("http://www.w3.org/2000/svg", "svg");
+  let width = 0, height = 0, titles = text(8, -8, figure.title, 14);
+  for (const svg of plots) { // one below the other
+    const plot = svg.cloneNode(true), from = svg.querySelectorAll("*"), to = plot.querySelectorAll("*"), [, , w, h] = svg.getAttribute("viewBox").split(" ").map(Number);
+    from.forEach((one, i) => STYLED.forEach((property) => to[i].setAttribute(property, getComputedStyle(one)[property])));
+    if (plots.length > 1)
+      titles += text(8, (height += 20) - 6, svg.getAttribute("aria-label"), 12);
+    Object.entries({ y: height, width: w, height: h }).forEach(([name, value]) => plot.setAttribute(name, value));
+    whole.append(plot);
+    height += h;
+    width = Math.max(width, w);
+  }
+  whole.setAttribute("viewBox", `0 -26 ${width} ${height + 30 + 16 * Math.ceil(names.length / 4)}`);
+  whole.setAttribute("font-family", "system-ui, 'DejaVu Sans', Verdana, sans-serif");
+  whole.insertAdjacentHTML("afterbegin", `<rect x="0" y="-26" width="100%" height="100%" fill="${colours.paper}"/>` + titles);
+  legend.querySelectorAll(":scope > span > svg").forEach((key, i) => {
     const group = document.createElementNS("http://www.w3.org/2000/svg", "g"), x = 20 + (i % 4) * width / 4, y = height + 8 + 16 * Math.floor(i / 4);
     group.setAttribute("transform", `translate(${x},${y})`);
     [...key.children].forEach((part) => {
@@ -296,9 +309,9 @@ function wholeSvg(element, figure) {
       group.append(clone);
     });
     group.insertAdjacentHTML("beforeend", text(18, 4, names[i] || "", 11));
-    copy.append(group);
+    whole.append(group);
   });
-  return new XMLSerializer().serializeToString(copy);
+  return new XMLSerializer().serializeToString(whole);
 }
 
 function savePng(name, text) {
@@ -318,26 +331,40 @@ function csvText(study, figure) {
   return [columns.join(","), ...rowsOf(study, figure.table, figure.where).map((row) => columns.map((name) => cell(row[name])).join(","))].join("\n") + "\n";
 }
 
-// `alone`: without caption and buttons.
+// `alone`: without caption and buttons. Returns what draws another figure in its place.
 function drawFigure(element, study, figure, alone = false) {
-  const canvas = element.appendChild(document.createElement("div"));
-  element.prepend(Object.assign(document.createElement("h4"), { textContent: figure.title }));
+  const title = document.createElement("h4"), canvas = element.appendChild(document.createElement("div"));
+  element.prepend(title);
   let width = 0;
   const draw = () => {
     if (canvas.clientWidth === width)
       return;
     width = canvas.clientWidth;
+    title.textContent = figure.title;
     canvas.replaceChildren();
     try {
-      DRAW[figure.kind](canvas, study, figure);
+      const words = figure.panels ? [...new Set(rowsOf(study, figure.table, figure.where).map((row) => row[figure.panels]))] : [];
+      canvas.classList.toggle("panels", words.length > 1);
+      canvas.append(...words.map(() => document.createElement("div"))); // all, before the width of any is asked for
+      words.forEach((word, i) => {
+        canvas.children[i].append(Object.assign(document.createElement("h5"), { textContent: word }));
+        DRAW[figure.kind](canvas.children[i], study, { ...figure, title: word, where: { ...figure.where, [figure.panels]: String(word) }, span: figure.where, height: 300 });
+      });
+      if (!words.length)
+        DRAW[figure.kind](canvas, study, figure);
     } catch (error) {
       canvas.textContent = "This figure cannot be drawn: " + error.message;
     }
   };
+  const another = (one) => {
+    figure = one;
+    width = 0;
+    draw();
+  };
   draw();
   window.addEventListener("resize", draw);
   if (alone)
-    return;
+    return another;
   const caption = element.appendChild(document.createElement("figcaption"));
   caption.append(figure.caption + " ");
   const actions = { SVG: () => save(figure.name + ".svg", "data:image/svg+xml;charset=utf-8," + encodeURIComponent(wholeSvg(canvas, figure))),
@@ -348,4 +375,35 @@ function drawFigure(element, study, figure, alone = false) {
     button.addEventListener("click", act);
     caption.append(button);
   }
+  return another;
+}
+
+// Below a figure, of the mark that is picked in it or chosen by name, the figures linked to it.
+function linkFigures(element, study, figure) {
+  const linked = study.figures.filter((one) => figure.linked.includes(one.name)), span = (one) => Object.fromEntries(Object.entries(one.where).filter(([name]) => name !== figure.pick));
+  if (linked.length)
+    figure.picks = [...new Set(rowsOf(study, linked[0].table, span(linked[0])).map((row) => row[figure.pick]))];
+  drawFigure(element, study, figure);
+  if (!linked.length)
+    return;
+  const panel = d3.select(element.closest(".answer") || element).append("div").attr("class", "linked"), draws = [];
+  const choice = panel.append("label").text("Click a ringed mark, or choose here, to see where it errs and what a stroke feels: ").append("select");
+  choice.selectAll("option").data(["", ...figure.picks]).enter().append("option").text((word) => word);
+  const show = (word) => {
+    choice.property("value", word);
+    linked.forEach((one, i) => {
+      const shown = { ...one, title: one.title.replace(one.where[figure.pick], word), where: { ...one.where, [figure.pick]: word }, span: span(one), height: 300 };
+      if (draws[i])
+        draws[i](shown);
+      else
+        draws[i] = drawFigure(panel.append("figure").node(), study, shown);
+    });
+  };
+  choice.on("change", () => choice.property("value") && show(choice.property("value")));
+  const take = (event) => {
+    const mark = event.target.closest(".pick");
+    if (mark && (event.type === "click" || event.key === "Enter"))
+      show(d3.select(mark).datum().row[figure.pick]);
+  };
+  ["click", "keydown"].forEach((type) => element.addEventListener(type, take));
 }

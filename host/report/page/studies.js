@@ -20,13 +20,23 @@ function tableElement(table) {
   return details;
 }
 
+// Tables come by columns, those of few different cells as these and whereabouts they are.
+function unpacked(study) {
+  study.tables.forEach((table) => {
+    table.rows = d3.transpose(table.cells.map((cells) => cells.of ? cells.at.map((i) => cells.of[i]) : cells));
+  });
+  return study;
+}
+
 function startStudies() {
   document.querySelectorAll("script.study").forEach((script) => {
-    const study = JSON.parse(script.textContent), element = (name, ...path) => document.getElementById(script.id + name);
-    study.figures.forEach((figure, i) => drawFigure(element(i === 0 ? "-hero" : "-figures").appendChild(document.createElement("figure")), study, figure));
+    const study = unpacked(JSON.parse(script.textContent)), element = (name, ...path) => document.getElementById(script.id + name);
+    const linked = study.figures.flatMap((figure) => figure.linked);
+    study.figures.filter((figure) => !linked.includes(figure.name))
+      .forEach((figure, i) => linkFigures(element(i === 0 ? "-hero" : "-figures").appendChild(document.createElement("figure")), study, figure));
     const glance = element("-glance"), shown = glance && (study.figures.find((one) => one.name === glance.dataset.figure) || study.figures[0]);
     if (shown)
-      drawFigure(glance, study, { ...shown, height: 300 }, true);
+      drawFigure(glance, study, { ...shown, height: 300, picks: [] }, true);
     study.tables.forEach((table) => element("-tables").append(tableElement(table)));
   });
   document.documentElement.dataset.figures = "ready";

@@ -99,7 +99,10 @@ Json figure_json(const Figure& figure) {
               {"value_logarithmic", figure.value_logarithmic},
               {"value_limit", figure.value_limit},
               {"value_words", figure.value_words},
-              {"curves", Json::array()}};
+              {"curves", Json::array()},
+              {"panels", figure.panels},
+              {"pick", figure.pick},
+              {"linked", figure.linked}};
     for (const Curve& curve : figure.curves)
         json["curves"].push_back({{"table", curve.table},
                                   {"where", where_json(curve.where)},
@@ -142,6 +145,9 @@ Figure figure_of(const Json& json) {
     for (const Json& curve : json.at("curves"))
         figure.curves.push_back({curve.at("table"), where_of(curve.at("where")), curve.at("x"), curve.at("y"),
                                  curve.at("label"), curve.at("dashed")});
+    figure.panels = json.value("panels", "");
+    figure.pick = json.value("pick", "");
+    figure.linked = json.value("linked", std::vector<std::string>());
     return figure;
 }
 

@@ -8,6 +8,8 @@
 namespace forceshade::study {
 namespace {
 
+constexpr std::size_t kMostMarks = 100; // of a joined series; of more the line alone
+
 bool shows(const Table& table, std::size_t row, const Where& where) {
     return std::ranges::all_of(
         where, [&](const auto& one) { return cell_text(table.rows[row][table.index(one.first)]) == one.second; });
@@ -27,22 +29,28 @@ picture::ChartSeries& series_named(picture::Chart& chart, const std::string& nam
                                        : chart.series.emplace_back(picture::ChartSeries{name, {}, true, joined, false});
 }
 
+// Of a word among others, the last if it is new.
+std::size_t place_in(std::vector<std::string>& words, const std::string& word) {
+    const auto found = std::ranges::find(words, word);
+    const auto place = static_cast<std::size_t>(found - words.begin());
+    if (found == words.end())
+        words.push_back(word);
+    return place;
+}
+
 void add_row(picture::Chart& chart, const Figure& figure, const Table& table, std::size_t row) {
     const auto number = [&](const std::string& column) { return table.number(row, column).value_or(NAN); };
     if (figure.kind == FigureKind::map) {
-        picture::ChartCell cell{number(figure.x.column), number(figure.y.column), number(figure.value),
-                                table.word(row, figure.value)};
-        if (!std::isnan(cell.value) || !cell.word.empty())
-            chart.cells.push_back({cell.x, cell.y, std::isnan(cell.value) ? 0 : cell.value, cell.word});
+        const std::size_t panel =
+            figure.panels.empty() ? 0 : place_in(chart.panels, text_of(table, row, figure.panels));
+        const auto value = table.number(row, figure.value);
+        if (const std::string word = table.word(row, figure.value); value || !word.empty())
+            chart.cells.push_back({number(figure.x.column), number(figure.y.column), value.value_or(0), word, panel});
         return;
     }
     picture::ChartPoint point;
     if (figure.kind == FigureKind::bars) {
-        const std::string group = text_of(table, row, figure.x.column);
-        const auto found = std::ranges::find(chart.groups, group);
-        point.x = static_cast<double>(found - chart.groups.begin());
-        if (found == chart.groups.end())
-            chart.groups.push_back(group);
+        point.x = static_cast<double>(place_in(chart.groups, text_of(table, row, figure.x.column)));
     } else {
         point.x = number(figure.x.column);
     }
@@ -72,6 +80,9 @@ picture::Chart chart_of(const Figure& figure, const StudyData& data) {
     for (std::size_t row = 0; row < table.rows.size(); ++row)
         if (shows(table, row, figure.where))
             add_row(chart, figure, table, row);
+    for (picture::ChartSeries& series : chart.series)
+        for (picture::ChartPoint& point : series.points)
+            point.marked = !series.joined || series.points.size() <= kMostMarks;
     for (const Curve& curve : figure.curves) {
         const Table& of = data.table(curve.table);
         picture::ChartSeries line{curve.label, {}, false, true, curve.dashed};

@@ -85,6 +85,9 @@ struct Figure {
     double value_limit = 0; /* map of numbers: the colours end at this size, 0: at the largest number shown */
     std::vector<std::string> value_words; /* map of words: their order in the legend */
     std::vector<Curve> curves;
+    std::string panels{};              /* map: column whose words have a small map each, all on the same axes */
+    std::string pick{};                /* column: picking a mark shows its word's rows in the `linked` figures */
+    std::vector<std::string> linked{}; /* names of figures whose `where` has that column, with a word to begin with */
 };
 
 /// A claim that follows from the tables: fixed words with the numbers in their slots.
