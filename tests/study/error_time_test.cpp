@@ -1,6 +1,7 @@
 // Error against time: places that a hand touches, errors there, volumes, and what paired rounds say for sure.
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include <gtest/gtest.h>
 
@@ -8,6 +9,7 @@
 #include "host/study/error_time/findings.h"
 #include "host/study/error_time/law_at.h"
 #include "host/study/error_time/rounds.h"
+#include "host/study/error_time/sections.h"
 #include "host/study/error_time/volume.h"
 #include "tests/io/folder.h"
 #include "tests/mesh/shapes.h"
@@ -200,6 +202,44 @@ TEST(PairedRounds, FrontHasWhatIsCheaperForSure) {
     //                           error: 8, 4, 5 (tied with 4), 1, none
     EXPECT_EQ(front_of(times, {0, 1, 2, 3, 4}, {8, 4, 5, 1, NAN}), (std::vector<std::size_t>{3, 1, 0}));
     EXPECT_EQ(front_of(times, {0, 1}, {1, 2}), std::vector<std::size_t>{0}) << "closer and cheaper";
+}
+
+// Where facets are few the field has errors that shading over many does not have; a stroke has what is true beside it.
+TEST(Sections, ShowWhereAWayErrsAndWhatAStrokeFeels) {
+    const std::vector<Subject> subjects = own_subjects(few());
+    const auto way_of = [&](const std::string& name) {
+        Way way;
+        way.name = name;
+        way.subject = &subjects.front();
+        way.variant = &variant_named(subjects.front(), name);
+        way.forces = [&, variant = way.variant](std::span<const Place> at) {
+            return direct_forces<double>(*variant->prepared, at);
+        };
+        return way;
+    };
+    const Way coarse = way_of("4 facets, none"), fine = way_of("64 facets, reference");
+    const Way* const ways[] = {&coarse, &fine};
+    const std::vector<Table> tables = section_tables(ways);
+    std::map<std::string, double> largest, deep;
+    for (std::size_t row = 0; row < tables[0].rows.size(); ++row) {
+        const std::string way = tables[0].word(row, "way");
+        const double error = tables[0].needed(row, "local_max_1");
+        EXPECT_GE(error, 1e-4);
+        largest[way] = std::max(largest[way], error);
+        if (tables[0].needed(row, "height_mm") == -2)
+            deep[way] = std::max(deep[way], error);
+    }
+    EXPECT_GT(deep[coarse.name], 0.2) << "the direction is wrong however deep";
+    EXPECT_LT(deep[fine.name], 0.01);
+    EXPECT_GT(largest[fine.name], 0.05) << "a chord lies 1.8 um below its arc, 0.02 mm over the probe";
+    std::size_t planes = 0;
+    for (std::size_t row = 0; row < tables[1].rows.size(); ++row)
+        if (tables[1].word(row, "way") == kSmoothShape && std::abs(tables[1].needed(row, "x_mm")) > 13) {
+            EXPECT_NEAR(tables[1].needed(row, "force_N"), tables[1].word(row, "component") == "along x" ? 0 : 0.5,
+                        1e-3);
+            ++planes;
+        }
+    EXPECT_GT(planes, 20u) << "0.5 mm below the plane beside the bump, 1 N/mm";
 }
 
 // A whole run on a scene whose smooth shape is not known.

@@ -29,9 +29,8 @@ glm::dvec3 surface_between(const Truth& truth, glm::dvec3 inside, glm::dvec3 out
     return inside;
 }
 
-// A point of the surface above or below (x, y) drawn in the box, its normal the smooth shape's.
-std::optional<Place> drawn_on_graph(const Subject& subject, Draw& draw) {
-    const double x = draw(subject.low.x, subject.high.x), y = draw(subject.low.y, subject.high.y);
+// Its normal is the smooth shape's.
+std::optional<Place> on_graph(const Subject& subject, double x, double y) {
     const glm::dvec3 inside(x, y, subject.low.z), outside(x, y, subject.high.z);
     if (!touches(subject.truth({inside})) || touches(subject.truth({outside})))
         return std::nullopt;
@@ -50,7 +49,7 @@ public:
             areas_.push_back((areas_.empty() ? 0 : areas_.back()) + area);
         }
     }
-    std::optional<Place> operator()(const Subject& subject, Draw& draw) const {
+    std::optional<Place> draw(const Subject& subject, Draw& draw) const {
         const double share = draw(0, areas_.back());
         const auto i = static_cast<std::size_t>(std::ranges::upper_bound(areas_, share) - areas_.begin());
         double u = draw(0, 1), v = draw(0, 1);
@@ -58,6 +57,24 @@ public:
             u = 1 - u;
             v = 1 - v;
         }
+        return on_triangle(subject, i, u, v);
+    }
+    std::optional<Place> highest(const Subject& subject, double x, double y) const {
+        std::optional<Place> found;
+        for (std::size_t i = 0; i < mesh_.triangles.corners.size(); ++i) {
+            const auto [a, b, c] = corners(i);
+            const glm::dvec3 p = b - a, q = c - a, at = glm::dvec3(x, y, 0) - a;
+            const double area = p.x * q.y - p.y * q.x, u = (at.x * q.y - at.y * q.x) / area,
+                         v = (p.x * at.y - p.y * at.x) / area;
+            if (u >= 0 && v >= 0 && u + v <= 1)
+                if (const auto place = on_triangle(subject, i, u, v); place && (!found || place->at.z > found->at.z))
+                    found = place;
+        }
+        return found;
+    }
+
+private:
+    std::optional<Place> on_triangle(const Subject& subject, std::size_t i, double u, double v) const {
         const auto [a, b, c] = corners(i);
         const glm::dvec3 normal = mesh_.triangles.normals[i];
         Place place{a + u * (b - a) + v * (c - a), normal, 0};
@@ -73,7 +90,6 @@ public:
         return place;
     }
 
-private:
     std::array<glm::dvec3, 3> corners(std::size_t triangle) const {
         const auto& at = mesh_.triangles.corners[triangle];
         return {mesh_.polygons.vertices[at[0]], mesh_.polygons.vertices[at[1]], mesh_.polygons.vertices[at[2]]};
@@ -100,7 +116,7 @@ public:
     }
     /// Nothing where no surface is, or the place would be outside of the box or not in contact.
     std::optional<Place> operator()() {
-        std::optional<Place> place = mesh_ ? (*mesh_)(subject_, draw_) : drawn_on_graph(subject_, draw_);
+        std::optional<Place> place = mesh_ ? mesh_->draw(subject_, draw_) : on_graph();
         const TouchScale& scale = subject_.scale;
         const double depth = scale.shallowest() * std::pow(scale.deepest / scale.shallowest(), draw_(0, 1));
         if (!place)
@@ -111,6 +127,11 @@ public:
     }
 
 private:
+    std::optional<Place> on_graph() {
+        const double x = draw_(subject_.low.x, subject_.high.x), y = draw_(subject_.low.y, subject_.high.y);
+        return error_time::on_graph(subject_, x, y);
+    }
+
     const Subject& subject_;
     Draw draw_;
     std::optional<MeshDraw> mesh_;
@@ -179,6 +200,10 @@ std::vector<Place> shared_places(const Subject& subject, const PreparedCase& pre
         if (const auto place = draw())
             places.push_back(*place);
     return places;
+}
+
+std::optional<Place> surface_at(const Subject& subject, const PreparedCase& prepared, double x, double y) {
+    return prepared.images.mesh ? MeshDraw(prepared.images.mesh->mesh).highest(subject, x, y) : on_graph(subject, x, y);
 }
 
 KindPlaces places_of(const Subject& subject, const Variant& variant, const Extents& extents) {

@@ -35,6 +35,9 @@ private:
 /// Places of a subject that has all but these: uniform over the surface of `prepared`, depths log-uniform.
 std::vector<Place> shared_places(const Subject& subject, const PreparedCase& prepared, std::size_t count);
 
+/// The point of the surface of `prepared` above or below (x, y), the highest of a mesh; nothing where there is none.
+std::optional<Place> surface_at(const Subject& subject, const PreparedCase& prepared, double x, double y);
+
 /// The places at which a law is held against the truth, and their kinds.
 struct KindPlaces {
     std::vector<Place> at; /* the subject's own come first */

@@ -8,6 +8,7 @@
 #include <fmt/ranges.h>
 
 #include "host/study/data/rows.h"
+#include "host/study/error_time/sections.h"
 
 namespace forceshade::study::error_time {
 namespace {
@@ -382,9 +383,10 @@ double local_error(const ForceErrors& errors) {
 std::vector<Table> tables_of(const Measured& measured) {
     const std::vector<FrontRow> front = fronts(measured);
     std::set<std::size_t> on_front;
+    std::vector<const Way*> front_ways;
     for (const FrontRow& row : front)
-        if (row.criterion.error == local_error)
-            on_front.insert(row.way);
+        if (row.criterion.error == local_error && on_front.insert(row.way).second)
+            front_ways.push_back(&measured.ways[row.way]);
     std::vector<WayRow> ways;
     std::vector<KindRow> kinds;
     for (std::size_t i = 0; i < measured.ways.size(); ++i) {
@@ -397,18 +399,34 @@ std::vector<Table> tables_of(const Measured& measured) {
                 if (const auto& errors = measured.errors[i]->by_kind[static_cast<std::size_t>(kind)])
                     kinds.push_back({way, kind, *errors});
     }
+    std::vector<Table> tables = section_tables(front_ways);
     return {table_of<WayRow>("ways", "Every way of coming by a force: error and time", way_columns(), ways),
             table_of<KindRow>("kinds", "Errors by what is touched", kind_columns(), kinds),
             front_table(measured, front),
             cheapest_table(measured),
             budgets_table(measured),
+            std::move(tables[0]),
+            std::move(tables[1]),
             rounds_table(measured)};
 }
 
 std::vector<Figure> figures_of(const Measured& measured, bool own) {
-    std::vector<Figure> figures;
-    for (const Subject& subject : measured.subjects)
-        figures.push_back(error_over_time(subject, own));
+    std::vector<Figure> figures, sections;
+    for (const Subject& subject : measured.subjects) {
+        Figure figure = error_over_time(subject, own);
+        std::vector<std::size_t> live;
+        for (const FrontRow& row : fronts(measured))
+            if (&row.subject == &subject && row.use == Use::live && row.criterion.error == local_error)
+                live.push_back(row.way);
+        if (!live.empty()) {
+            figure.pick = "way";
+            for (Figure& one : section_figures(subject, measured.ways[live[live.size() / 2]])) {
+                figure.linked.push_back(one.name);
+                sections.push_back(std::move(one));
+            }
+        }
+        figures.push_back(std::move(figure));
+    }
     for (const Variant& variant : measured.subjects.front().variants)
         if (variant.lookups && variant.shading != "none") {
             figures.push_back(lookup_figure(measured, variant));
@@ -416,6 +434,7 @@ std::vector<Figure> figures_of(const Measured& measured, bool own) {
         }
     if (const Subject& last = measured.subjects.back(); !last.elements.empty())
         figures.push_back(convergence(last, last.variants.front().prepared->images.mesh ? "god-object" : "direct"));
+    std::ranges::move(sections, std::back_inserter(figures));
     return figures;
 }
 
