@@ -171,20 +171,15 @@ std::vector<Figure> figures_of(const EnergyResults& results) {
     pairs.series = "scheme";
     if (std::ranges::any_of(results.laws, [](const LawRow& row) { return row.more.has_value(); }))
         figures.push_back(pairs);
-    std::string map;
-    for (const CurlCell& one : results.curl) {
-        if (one.map == map)
-            continue;
-        map = one.map;
+    if (!results.curl.empty()) {
         Figure figure;
-        figure.name = fmt::format("curl-{}", figures.size());
-        figure.title = fmt::format("Where loops give energy: {}", map);
-        figure.caption =
-            "Work round a cell over its area and K, in a section; what a loop gives is the sum of the cells "
-            "inside it. Along a jump of the force, colours that alternate cancel.";
+        figure.name = "curl";
+        figure.title = "Where loops give energy, in a section";
+        figure.caption = "Work round a cell over its area and K; what a loop gives is the sum of the cells "
+                         "inside it. Along a jump of the force, colours that alternate cancel.";
         figure.kind = FigureKind::map;
         figure.table = "curl";
-        figure.where = {{"map", map}};
+        figure.panels = "map";
         figure.x = {"x_mm", "x / mm", false};
         figure.y = {"z_mm", "z / mm", false};
         figure.value = "curl_per_K";
