@@ -9,6 +9,7 @@
 #include "host/report/contents.h"
 #include "host/report/page.h"
 #include "host/report/sections.h"
+#include "host/report/tables.h"
 #include "host/report/viewer_section.h"
 #include "host/report/words.h"
 
@@ -35,6 +36,38 @@ std::string contents_list(const Contents& contents, bool viewer) {
     for (const Sweep& sweep : contents.sweeps)
         html += entry(anchor(sweep), title(sweep));
     return "<nav aria-label=\"Contents\">\n<ul>\n" + html + "</ul>\n</nav>\n";
+}
+
+// Of the finding, as the study wrote it; `otherwise` where there is none.
+std::string sentence_of(const Contents& contents, const char* study, const char* finding, const char* otherwise) {
+    for (const StudyPart& part : contents.studies)
+        for (const study::Finding& one : part.data.findings)
+            if (part.data.study == study && one.name == finding)
+                return one.text;
+    return otherwise;
+}
+
+// What shading buys and what it costs, and the words that the page takes for known.
+std::string opening(const Contents& contents) {
+    const std::string buys =
+        sentence_of(contents, "error-time", "shading", "Edges are felt less, at some more time for each evaluation.");
+    const std::string costs = sentence_of(contents, "stability", "loop_shading",
+                                          "Such a force has no potential: a round can give the hand energy, and a "
+                                          "loop may come to rest only at lower stiffness.");
+    std::string words;
+    for (const auto& [word, meaning] :
+         {std::pair("reference", "shading of the bump: the direction of the cylinder that its facets stand for"),
+          {"none", "no shading: the direction is the facet's normal"},
+          {"mean_value", "shading of a mesh: vertex normals, averaged with Floater's weights for facets of any number "
+                         "of corners; the size of the force stays"},
+          {"two_pass", "likewise by Ruspini 1997: the force grows with the angle by which it is turned"},
+          {"rest", "a loop comes to rest if its swing dies out after a small disturbance"},
+          {"gain, effort", "the energy that a round gives the hand, and the integral of |F dl| along it"}})
+        words += fmt::format("<dt>{}</dt><dd>{}</dd>\n", word, meaning);
+    return fmt::format("<p id=\"opening\">Force shading turns the force on a polyhedron, whose direction jumps from "
+                       "facet to facet, towards that on the smooth shape. {} {}</p>\n",
+                       escaped(buys), escaped(costs)) +
+           folded("Words", "<dl class=\"meanings\">\n" + words + "</dl>\n");
 }
 
 // Of several studies the first finding of each, beside its figure, which the page draws.
@@ -76,8 +109,9 @@ std::string page_of(const std::string& name, const std::filesystem::path& folder
         fmt::format("<header>\n<h1>{}</h1>\n<p>Haptic force fields with and without force shading. Written by "
                     "forceshade {}.</p>\n</header>\n",
                     escaped(name), escaped(version())) +
-        contents_list(contents, !viewer.empty()) + "<main>\n" + troubles_section(contents.troubles) + nothing +
-        glance(contents.studies) + studies + viewer + device + sweeps + "</main>\n";
+        (nothing.empty() ? opening(contents) : "") + contents_list(contents, !viewer.empty()) + "<main>\n" +
+        troubles_section(contents.troubles) + nothing + glance(contents.studies) + studies + viewer + device + sweeps +
+        "</main>\n";
     return page(name + " – forceshade", body, page_script(!viewer.empty()));
 }
 
