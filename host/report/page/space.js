@@ -43,7 +43,8 @@ class Space {
     canvas.addEventListener("pointerdown", (event) => { pressed = [event.clientX, event.clientY]; });
     canvas.addEventListener("pointermove", (event) => event.buttons || this.pick(event));
     canvas.addEventListener("pointerup", (event) => pressed && Math.hypot(event.clientX - pressed[0], event.clientY - pressed[1]) < 5 && this.pick(event));
-    byId("path").addEventListener("change", () => this.drawPaths());
+    for (const id of ["path", "path-colour"])
+      byId(id).addEventListener("change", () => this.drawPaths());
     byId("path-time").addEventListener("input", () => { this.stop(); this.drawProbe(); });
     byId("path-play").addEventListener("click", () => this.playing ? this.stop() : this.play());
     byId("space-home").addEventListener("click", () => this.lookFromHome());
@@ -214,18 +215,19 @@ class Space {
     return mesh;
   }
 
-  // Every path as a line, the chosen one thick, coloured by the size of its force.
+  // Every path as a line, the chosen one thick, coloured by the size of its force or by how fast its direction turns.
   drawPaths() {
-    const walking = this.sides.filter((side) => side.paths), chosen = Number(byId("path").value);
-    const size = (walk, i) => Math.hypot(walk.force[0][i], walk.force[1][i], walk.force[2][i]);
-    const most = d3.max(walking, (side) => d3.max(d3.range(side.paths.steps * side.paths.count), (i) => size(side.paths, i) || 0));
-    const scale = new ColourScale(this.viewer.tables.sequential, 0, most || 1, "size of the force along the paths / N");
+    const walking = this.sides.filter((side) => side.paths), chosen = Number(byId("path").value), turns = byId("path-colour").value === "turn";
+    const value = turns ? turnAt : (walk, i) => length(vectorAt(walk.force, i)) || 0;
+    const values = walking.flatMap((side) => d3.range(side.paths.steps * side.paths.count).map((i) => value(side.paths, i))).sort(d3.ascending);
+    const scale = turns ? new ColourScale(this.viewer.tables.second, 0, d3.quantile(values, 0.99) || 1, "turn of the force along the paths / (deg/mm); one place in 100 has more")
+      : new ColourScale(this.viewer.tables.sequential, 0, d3.max(values) || 1, "size of the force along the paths / N");
     for (const side of walking) {
       const { steps, count, position } = side.paths, places = [], colours = [], index = [];
       for (let i = 0; i < steps * count; ++i) {
         const there = Number.isFinite(position[0][i]);
         places.push(...position.map((values) => there ? MM * values[i] : 0));
-        colours.push(...(scale.rgb(size(side.paths, i) || 0).map((value) => value / 255)));
+        colours.push(...(scale.rgb(value(side.paths, i)).map((value) => value / 255)));
         if (there && i % steps && Number.isFinite(position[0][i - 1]))
           index.push(i - 1, i);
       }
@@ -395,6 +397,14 @@ function solidLines(places, colours, index) {
   geometry.setAttribute("color", new THREE.Float32BufferAttribute(colours, 3));
   geometry.setIndex(index);
   return geometry;
+}
+
+const vectorAt = (vectors, i) => vectors.map((values) => values[i]);
+
+// deg/mm: between a sample of a path and the one before; 0 out of contact, and where the probe hardly moves.
+function turnAt(walk, i) {
+  const moved = i % walk.steps ? MM * length(less(vectorAt(walk.position, i), vectorAt(walk.position, i - 1))) : 0;
+  return moved > 1e-3 ? angleBetween(vectorAt(walk.force, i - 1), vectorAt(walk.force, i)) / moved || 0 : 0;
 }
 
 // "12° from +z towards +x, 3° out of the slice"

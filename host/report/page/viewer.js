@@ -13,7 +13,7 @@ class Viewer {
   constructor(about) {
     this.cases = about.cases;
     this.surfaces = about.surfaces;
-    this.tables = { sequential: colourTable(d3.interpolateViridis), diverging: colourTable((t) => d3.interpolateRdBu(1 - t)),
+    this.tables = { sequential: colourTable(d3.interpolateViridis), second: colourTable(d3.interpolatePlasma), diverging: colourTable((t) => d3.interpolateRdBu(1 - t)),
       cyclic: colourTable(d3.interpolateRainbow) };
     this.state = { quantity: "direction", arrows: true, axis: 1, point: null, strokes: [null, null, null] };
     this.panes = { a: new Pane(byId("pane-a")), b: new Pane(byId("pane-b")), d: new Pane(byId("pane-d")) };
@@ -152,12 +152,12 @@ class Viewer {
       if (value !== null && Number.isFinite(value))
         most = Math.max(most, Math.abs(value));
     });
-    const { quantity } = this.state, { sequential, diverging } = this.tables;
+    const { quantity } = this.state, { sequential, second, diverging } = this.tables;
     if (quantity === "direction")
       most = Math.max(most, 0.2); // less is the page's rounding
     const label = { magnitude: "size of the difference of forces / N", direction: "angle between the forces / deg" }[quantity] ||
       "difference along " + quantity + " / N";
-    return quantity === "magnitude" || quantity === "direction" ? new ColourScale(sequential, 0, most || 1, label)
+    return quantity === "magnitude" || quantity === "direction" ? new ColourScale(quantity === "direction" ? second : sequential, 0, most || 1, label)
       : new ColourScale(diverging, -(most || 1), most || 1, label);
   }
 
