@@ -1,13 +1,11 @@
 #include "device/report/report.h"
 
 #include <cmath>
-#include <span>
 #include <vector>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "device/report/live_picture.h"
 #include "device/report/text.h"
 #include "host/output/files.h"
 #include "host/picture/canvas.h"
@@ -275,12 +273,12 @@ nlohmann::ordered_json report_json(const LiveOutcome& outcome) {
     return json;
 }
 
-void write_live_report(const LiveOutcome& outcome, const std::filesystem::path& stem) {
+void write_live_report(const LiveOutcome& outcome, const std::filesystem::path& stem,
+                       const std::filesystem::path& log) {
     const auto named = [&](const char* ending) { return std::filesystem::path(stem) += ending; };
     write_file_atomically(named(".txt"), report_text(outcome));
     write_file_atomically(named(".json"), report_json(outcome).dump(2) + "\n");
-    const picture::Picture picture = draw_live_report(outcome);
-    write_file_atomically(named(".png"), std::as_bytes(std::span(picture.png)));
+    write_file_atomically(named(".html"), live_page(outcome, log));
 }
 
 } // namespace forceshade::device

@@ -1,4 +1,4 @@
-// The end of a run: in words for the person at the terminal, as JSON for a program, and as files.
+// The end of a run: in words for the person at the terminal, as JSON for a program, and as files with a page.
 #pragma once
 
 #include <cstdint>
@@ -43,7 +43,7 @@ struct LiveOutcome {
 /// Some 25 lines of at most 100 columns.
 std::string report_text(const LiveOutcome& outcome);
 
-/// "60000 samples in 60 s at 1 kHz", or as fast as possible; one sentence, for the picture too.
+/// "60000 samples in 60 s at 1 kHz", or as fast as possible; one sentence, for the page too.
 std::string pace_text(const LiveOutcome& outcome, std::string_view micro = "u");
 /// "3 samples late (0.005 %), 0 of them by our own computing"; that none can be, as fast as possible.
 std::string lateness_text(const LiveOutcome& outcome);
@@ -57,7 +57,11 @@ std::string energy_text(const LoopCounts& counts, std::string_view micro = "u");
 /// Never throws on what a device says of itself: bad UTF-8 becomes U+FFFD.
 nlohmann::ordered_json report_json(const LiveOutcome& outcome);
 
-/// STEM.txt, STEM.json and STEM.png, each whole or not at all. Throws IoError.
-void write_live_report(const LiveOutcome& outcome, const std::filesystem::path& stem);
+/// The times of the samples, and force, direction and position of those in `log`, where one is.
+std::string live_page(const LiveOutcome& outcome, const std::filesystem::path& log = {});
+
+/// STEM.txt, STEM.json and STEM.html, each whole or not at all. Throws IoError.
+void write_live_report(const LiveOutcome& outcome, const std::filesystem::path& stem,
+                       const std::filesystem::path& log = {});
 
 } // namespace forceshade::device

@@ -16,6 +16,7 @@
 #include "host/paths/recorded.h"
 #include "host/prepare/prepared_case.h"
 #include "host/program.h"
+#include "host/report/run_page.h"
 #include "host/sweep/sweep.h"
 
 namespace forceshade {
@@ -184,12 +185,15 @@ int run_all(const ExploreArguments& arguments, const CommonOptions& common, cons
     if (!arguments.paths.empty())
         options.recorded = arguments.paths;
     options.threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+    std::filesystem::path page;
     for (const std::string& name : arguments.also)
         if (name == "npy")
             options.npy = true;
+        else if (name == "html")
+            page = options.stem.string() + ".html";
         else if (!options.pictures.add(name))
-            throw UsageError(
-                fmt::format("--also {}: for paths there are npy, png, svg and pdf, with commas between them", name));
+            throw UsageError(fmt::format(
+                "--also {}: for paths there are npy, html, png, svg and pdf, with commas between them", name));
     options.look = arguments.look;
     refuse_unused(options.pictures, arguments.look == picture::Look{});
     LateProgress reading = reading_progress(common);
@@ -198,6 +202,12 @@ int run_all(const ExploreArguments& arguments, const CommonOptions& common, cons
     options.progress = [&](std::uint64_t done, std::uint64_t total) { bar.show(done, total); };
     clear_stale_temporaries(options.stem.parent_path());
     const PathRecord record = run_paths(*engine, prepared, options);
+    if (!page.empty()) {
+        study::StudyData data;
+        report::add_samples(data, options.samples);
+        write_file_atomically(page,
+                              report::run_page(arguments.scene + ", explored", {{"Samples", arguments.out}}, data));
+    }
     bar.end();
     const std::string out = arguments.metrics_only ? arguments.summary().filename().string() : arguments.out;
     print_warnings(record.warnings, common);
@@ -253,9 +263,9 @@ void describe(Options& options, ExploreArguments& arguments) {
                      "y, z (s, m); others are not read, and times of a path increase");
     options.required("--out", arguments.out,
                      "OUT.exr (a row a path) or OUT.csv (a line a sample); OUT.paths.csv beside it has a line a path");
-    options.list(
-        "--also", arguments.also,
-        "further files beside it: npy (NumPy); png, svg, pdf (paths over the surface, direction of the force)");
+    options.list("--also", arguments.also,
+                 "further files beside it: npy (NumPy); html (force and position over time and place); png, svg, pdf "
+                 "(paths over the surface, direction of the force)");
     describe_look(options, arguments.look);
     options.flag("--open-loop", arguments.open_loop,
                  "the positions of --paths are the probe's own, as in the log of a live loop, even if the scene's "

@@ -54,7 +54,7 @@ void check_outputs(const LiveArguments& arguments, const std::filesystem::path& 
     if (constexpr std::string_view kReplay = "replay:"; device.starts_with(kReplay))
         inputs.emplace_back(device.substr(kReplay.size()));
     std::vector<std::pair<std::string, std::filesystem::path>> outputs{{"--log " + arguments.log, arguments.log}};
-    for (const char* const ending : {".txt", ".json", ".png"})
+    for (const char* const ending : {".txt", ".json", ".html"})
         if (!report.empty())
             outputs.emplace_back("the report's " + report.filename().string() + ending,
                                  std::filesystem::path(report) += ending);
@@ -62,7 +62,7 @@ void check_outputs(const LiveArguments& arguments, const std::filesystem::path& 
     if (!arguments.log.empty() && std::filesystem::is_directory(arguments.log, ignored))
         throw UsageError(fmt::format("--log {}: is a folder; say the name of a CSV file in it", arguments.log));
     if (const std::string ending = std::filesystem::path(arguments.log).extension().string();
-        ending == ".exr" || ending == ".npy" || ending == ".json" || ending == ".png")
+        ending == ".exr" || ending == ".npy" || ending == ".json" || ending == ".html")
         throw UsageError(fmt::format(
             "--log {}: a log is a CSV file, so its name ends in .csv; explore makes an EXR of it", arguments.log));
     for (const auto& [name, output] : outputs)
@@ -110,12 +110,13 @@ int outcome_code(const device::SessionResult& result, const std::string& report)
 }
 
 // Why there is none.
-std::string written_report(const device::LiveOutcome& outcome, const std::filesystem::path& stem) {
+std::string written_report(const device::LiveOutcome& outcome, const std::filesystem::path& stem,
+                           const std::filesystem::path& log) {
     try {
         if (!stem.empty())
-            device::write_live_report(outcome, stem);
+            device::write_live_report(outcome, stem, std::filesystem::is_regular_file(log) ? log : "");
         return {};
-    } catch (const IoError& error) {
+    } catch (const Error& error) {
         return error.what();
     }
 }
@@ -141,7 +142,7 @@ int run(const LiveArguments& arguments, const CommonOptions& common) {
         remark("{}", device::report_text(result.outcome));
     if (common.json)
         print_data(device::report_json(result.outcome).dump(2) + "\n");
-    return outcome_code(result, written_report(result.outcome, stem));
+    return outcome_code(result, written_report(result.outcome, stem, options.log));
 }
 
 void describe(Options& options, LiveArguments& arguments) {
@@ -154,7 +155,7 @@ void describe(Options& options, LiveArguments& arguments) {
                      "a CSV file, a line a sample: what explore writes, the displayed force, times");
     options.flag("--overwrite", session.replace_log, "--log may replace a file");
     options.optional("--report", arguments.report,
-                     "STEM.txt, STEM.json and STEM.png at the end (default: beside the log, LOG.live.*)");
+                     "STEM.txt, STEM.json and STEM.html at the end (default: beside the log, LOG.live.*)");
     options.flag("--watch", session.watch, "read the scene again whenever its file is saved");
     options.flag("--fast", arguments.fast, "sim and replay: as fast as possible, not by the clock");
     describe_safety(options, arguments.device);

@@ -15,6 +15,9 @@ std::string findings_list(const std::string& id, const std::vector<study::Findin
 /// What is missing, damaged or foreign; empty where nothing is.
 std::string troubles_section(const std::vector<std::string>& troubles);
 
+/// What the page draws, as JSON: figures, and their tables and others that are not too long.
+std::string page_data(const study::StudyData& data);
+
 /// A study: findings beside the first figure, the other figures, methods, tables and files.
 std::string study_section(const std::filesystem::path& root, const StudyPart& part);
 

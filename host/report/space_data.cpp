@@ -86,13 +86,17 @@ Json loop_data(const std::string& scene) {
             {"stiffness", one->scene.force.stiffness}};
 }
 
+double path_period(const std::string& scene) {
+    const std::optional<Case> one = case_of(scene);
+    return one && one->scene.paths && one->scene.paths->kind != PathKind::recorded ? 1 / one->scene.paths->rate : NAN;
+}
+
 PackedPaths pack_paths(const std::filesystem::path& path, std::size_t budget) {
     const std::uint64_t samples = budget / kCharactersASample;
     const PathSamples read = read_paths(path, kMostPaths, std::clamp(samples / kMostPaths, kLeastSteps, kMostSteps));
     PackedPaths packed{{{"size", {read.steps, read.paths, 1}}}, {}};
-    const std::optional<Case> one = case_of(read.scene);
-    if (one && one->scene.paths && one->scene.paths->kind != PathKind::recorded)
-        packed.about["rate_Hz"] = one->scene.paths->rate / static_cast<double>(read.every_step);
+    if (const double period = path_period(read.scene); period > 0)
+        packed.about["rate_Hz"] = 1 / (period * static_cast<double>(read.every_step));
     for (const auto& [name, values] :
          {std::pair("force", &read.force), {"position", &read.position}, {"proxy", &read.proxy}}) {
         if (values->empty())

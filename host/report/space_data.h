@@ -22,6 +22,9 @@ nlohmann::ordered_json surface_data(const SampledVolume& volume);
 /// The loop of the scene: {mass, damping, grip, delay, period, stiffness} in SI; null where the scene does not tell.
 nlohmann::ordered_json loop_data(const std::string& scene);
 
+/// s: between samples of a scene's paths; NaN where it does not tell, as of recorded ones.
+double path_period(const std::string& scene);
+
 /// Some paths, thinned until they take no more than about `budget` characters: {size: [samples, paths], rate_Hz of the
 /// samples here (absent of recorded ones), scale: {NAME: N or m}}, and `force`, `position` and, if stored, `proxy` as
 /// pack_force packs. \throws IoError as read_paths.

@@ -63,7 +63,8 @@ Json packed_column(const Json& rows, std::size_t column) {
     return 4 * different.size() < rows.size() ? Json{{"of", different}, {"at", at}} : cells;
 }
 
-// What the page draws: figures, and their tables and others that are not too long.
+} // namespace
+
 std::string page_data(const study::StudyData& data) {
     Json all = Json::parse(study::data_json(data)), json;
     json["figures"] = all["figures"];
@@ -81,8 +82,6 @@ std::string page_data(const study::StudyData& data) {
     }
     return script_text(json);
 }
-
-} // namespace
 
 std::string findings_list(const std::string& id, const std::vector<study::Finding>& findings) {
     std::string html;

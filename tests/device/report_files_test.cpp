@@ -7,7 +7,6 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "device/report/live_picture.h"
 #include "device/report/report.h"
 #include "host/error.h"
 #include "tests/device/report_cases.h"
@@ -34,13 +33,12 @@ protected:
     fs::path folder_;
 };
 
-TEST_F(ReportFiles, are_the_text_the_json_and_the_picture) {
+TEST_F(ReportFiles, are_the_text_the_json_and_the_page) {
     const LiveOutcome outcome = usual(1000);
     write_live_report(outcome, folder_ / "run.1");
     EXPECT_EQ(read("run.1.txt"), report_text(outcome));
     EXPECT_EQ(read("run.1.json"), report_json(outcome).dump(2) + "\n");
-    const picture::Picture picture = draw_live_report(outcome);
-    EXPECT_EQ(read("run.1.png"), std::string(picture.png.begin(), picture.png.end()));
+    EXPECT_EQ(read("run.1.html"), live_page(outcome));
     EXPECT_EQ(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()), 3) << "and nothing else";
 }
 
@@ -51,7 +49,7 @@ TEST_F(ReportFiles, an_error_names_what_could_not_be_written) {
     } catch (const IoError& error) {
         EXPECT_NE(std::string(error.what()).find("missing/run.txt"), std::string::npos) << error.what();
     }
-    fs::create_directories(folder_ / "run.png" / "in_the_way");
+    fs::create_directories(folder_ / "run.html" / "in_the_way");
     EXPECT_THROW(write_live_report(usual(1000), folder_ / "run"), IoError);
     EXPECT_EQ(read("run.txt"), report_text(usual(1000))) << "the others are there";
 }

@@ -55,6 +55,16 @@ TEST_F(Explore, writes_what_was_felt_and_says_so) {
     EXPECT_EQ(temporaries_in(folder_.path()), std::vector<std::string>{});
 }
 
+TEST_F(Explore, writes_a_page_of_what_was_felt) {
+    for (const char* name : {"out.csv", "out.exr"}) {
+        expect_success(
+            {"explore", "scene.toml", "--paths", "in.csv", "--out", name, "--engine", "cpu", "--also", "html"});
+        const std::string text = read_text(path("out.html"));
+        EXPECT_NE(text.find("Force over place"), std::string::npos);
+        EXPECT_NE(text.find(name == std::string("out.csv") ? "\"path 5\"" : "\"path 1\""), std::string::npos);
+    }
+}
+
 TEST_F(Explore, takes_the_precision_that_is_asked_for) {
     expect_success(arguments({"--precision", "f32"}));
     const std::string single = read_text(path("out.csv"));
