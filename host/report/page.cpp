@@ -46,8 +46,8 @@ std::string page_script(bool in_space) {
     if (in_space)
         for (const std::string_view part : {assets::three_js, assets::orbit_js})
             text += part;
-    for (const std::string_view part : {assets::volume_js, assets::pane_js, assets::profile_js, assets::solids_js,
-                                        assets::space_js, assets::viewer_js, assets::controls_js, assets::start_js})
+    for (const std::string_view part : {assets::volume_js, assets::pane_js, assets::solids_js, assets::space_js,
+                                        assets::viewer_js, assets::controls_js, assets::start_js})
         text += part;
     return text;
 }

@@ -16,7 +16,7 @@ using namespace testing;
 constexpr const char* kReady = "document.documentElement.dataset.viewer === 'ready'";
 constexpr const char* kPaneA = "document.getElementById('pane-a').toDataURL()";
 constexpr const char* kPaneD = "document.getElementById('pane-d').toDataURL()";
-constexpr const char* kProfile = "document.getElementById('profile-size').toDataURL()";
+constexpr const char* kProfile = "document.querySelector('#profile-size g path').getAttribute('d')";
 
 class Page : public ::testing::Test {
 protected:

@@ -18,11 +18,11 @@ constexpr const char* kMesh = "[surface]\nkind = \"mesh\"\nfile = \"a.off\"\n";
 constexpr const char* kNoteOfDifference = "document.getElementById('note-d').textContent";
 constexpr const char* kNoteOfReadout = "document.getElementById('read-note').textContent";
 
-// Of what is drawn within the frame of a canvas: colours(id) how many there are, pixels(id, colour) how many have one.
+// Of what is drawn within the frame of a canvas: colours(id): how many there are.
 constexpr const char* kLook = R"(
-const FRAMES = { pane: [46, 6, 10, 36], profile: [63, 27, 13, 41] };
+const FRAME = [46, 6, 10, 36];
 function drawn(id) {
-  const from = document.getElementById(id), [left, top, right, bottom] = FRAMES[id.split("-")[0]];
+  const from = document.getElementById(id), [left, top, right, bottom] = FRAME;
   const copy = document.createElement("canvas"), [width, height] = [from.width - left - right, from.height - top - bottom];
   const context = copy.getContext("2d", { willReadFrequently: true }), counts = new Map();
   Object.assign(copy, { width, height });
@@ -34,8 +34,9 @@ function drawn(id) {
   }
   return counts;
 }
-const colours = (id) => drawn(id).size, pixels = (id, colour) => drawn(id).get(colour) || 0;
-const A = 0x0062ad, B = 0xc2410c; // of their curves
+const colours = (id) => drawn(id).size;
+// px: of a case's curve.
+const line = (i) => document.querySelector("#profile-size g path[stroke^='var(--plot-s" + i + "']").getTotalLength();
 
 // What is empty without a word, across every axis.
 function silent() {
@@ -45,7 +46,7 @@ function silent() {
     for (const pane of ["a", "b", "d"])
       if (colours("pane-" + pane) < 40 && !text("note-" + pane))
         empty.push(axis + ": picture " + pane);
-    if (pixels("profile-size", A) < 50)
+    if (line(0) < 50)
       empty.push(axis + ": curve of A");
     const [a, b] = [0, 1].map((i) => document.getElementById("read-rows").children[i].children[1].textContent);
     if (a === "–" || (b === "–" && !text("read-note")))
@@ -113,8 +114,8 @@ protected:
     }
     static double number(int row) { return std::stod(read(row)); }
     static int count(const std::string& expression) { return browser_->evaluate(expression).get<int>(); }
-    static int line_of_a() { return count("pixels('profile-size', A)"); }
-    static int line_of_b() { return count("pixels('profile-size', B)"); }
+    static int line_of_a() { return count("Math.round(line(0))"); }
+    static int line_of_b() { return count("Math.round(line(1))"); }
 
     static std::unique_ptr<Folder> folder_;
     static std::unique_ptr<Browser> browser_;

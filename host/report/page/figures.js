@@ -115,7 +115,19 @@ class FigureFrame {
 
 function drawLine(target, points, x, y, colour, dash, width = 1.6) {
   target.append("path").attr("fill", "none").attr("stroke", colour).attr("stroke-width", width).attr("stroke-dasharray", dash)
-    .attr("d", d3.line()(points.map(([a, b]) => [x(a), y(b)])));
+    .attr("d", d3.line().defined(([, b]) => b !== null && Number.isFinite(b)).x(([a]) => x(a)).y(([, b]) => y(b))(points));
+}
+
+// Lines of numbers, null where there is none, against a place: [{name, values, colour, dash}].
+function drawProfile(element, places, lines, label, placeLabel) {
+  element.replaceChildren();
+  const frame = new FigureFrame(element, { title: label + " along the stroke", x: { label: placeLabel }, y: { label } }, 270), values = lines.flatMap((line) => line.values);
+  const x = scaleOf({}, [0, places[places.length - 1]], [PLOT.left, frame.right]), y = scaleOf({}, [0, ...values.filter((value) => value !== null)], [frame.bottom, PLOT.top]);
+  frame.drawAxes(x, y, ticksOf(x, {}, frame.width / 90), ticksOf(y, {}, 5));
+  for (const line of lines) {
+    drawLine(frame.body, line.values.map((value, i) => [places[i], value]), x, y, line.colour, line.dash, 2);
+    frame.addLegend(line.name, (key) => drawLine(key, [[-12, 0], [12, 0]], (v) => v, (v) => v, line.colour, line.dash, 2));
+  }
 }
 
 const CURVE_DASHES = [null, "7 4", "2 3", "8 3 2 3", "1 5"];

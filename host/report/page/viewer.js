@@ -256,7 +256,7 @@ class Viewer {
   }
 
   drawStroke() {
-    const { stroke, plane } = this, { point } = this.state, colours = palette();
+    const { stroke, plane } = this, { point } = this.state;
     const whole = 1e3 * Math.hypot(stroke[1][0] - stroke[0][0], stroke[1][1] - stroke[0][1]);
     const ways = [], forces = { a: [], b: [] };
     for (let i = 0; i <= PROFILE_SAMPLES; ++i) {
@@ -267,7 +267,7 @@ class Viewer {
       forces.b.push(this.b.force(at));
     }
     const why = (all, values) => all.every((f) => f === null) ? " has no values here" : values.every((value) => value === null) ? ": no force lies in the slice" : "";
-    const lines = (number) => [["A", "a", colours.s0, []], ["B", "b", colours.s1, [7, 4]]].map(([name, key, colour, dash]) => {
+    const lines = (number) => [["A", "a", "var(--plot-s0)", null], ["B", "b", "var(--plot-s1)", CURVE_DASHES[1]]].map(([name, key, colour, dash]) => {
       const values = forces[key].map((f) => f && number(f));
       return { name: name + why(forces[key], values), colour, dash, values };
     });
