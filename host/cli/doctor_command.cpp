@@ -10,6 +10,7 @@
 #include "device/loop/permissions.h"
 #include "host/cli/command.h"
 #include "host/error.h"
+#include "host/experiment/experiment.h"
 #include "host/output/files.h"
 #include "host/paths/recorded.h"
 #include "host/referee/validate.h"
@@ -248,7 +249,9 @@ struct SchemaArguments {
 int print_schema(const SchemaArguments& arguments, const CommonOptions& common) {
     if (arguments.paper && common.json)
         throw UsageError("--default-study prints TOML: leave out --json");
-    print_data(arguments.paper ? std::string(default_study_toml()) : common.json ? schema_json() : schema_text());
+    print_data(arguments.paper ? std::string(default_study_toml())
+               : common.json   ? schema_json()
+                               : schema_text() + "\n" + experiment::experiment_schema());
     return 0;
 }
 

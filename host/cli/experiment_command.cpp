@@ -2,12 +2,14 @@
 #include <charconv>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "host/cli/command.h"
 #include "host/cli/device_options.h"
 #include "host/error.h"
 #include "host/experiment/analysis.h"
 #include "host/experiment/person.h"
+#include "host/experiment/plan.h"
 #include "host/experiment/run.h"
 #include "host/output/files.h"
 #include "host/report/report.h"
@@ -21,7 +23,7 @@ struct ExperimentArguments {
     std::string action, out, session = "1", participant = "person";
     std::optional<int> port;
     DeviceArguments device;
-    std::vector<std::string> files, subjects;
+    std::vector<std::string> files, subjects, compare;
     bool paths = false;
 };
 
@@ -44,6 +46,16 @@ experiment::PersonOptions person_options(const ExperimentArguments& arguments) {
     return options;
 }
 
+experiment::Experiment read(const ExperimentArguments& arguments, const CommonOptions& common) {
+    if (arguments.files.size() > 1)
+        throw UsageError(fmt::format("{} takes one experiment file; got {} and {}", arguments.action,
+                                     arguments.files[0], arguments.files[1]));
+    experiment::Experiment experiment =
+        experiment::read_experiment(arguments.files.empty() ? "" : arguments.files[0], overrides(common));
+    print_warnings(experiment.study.warnings, common);
+    return experiment;
+}
+
 int run_experiment(const ExperimentArguments& arguments, const CommonOptions& common) {
     if (arguments.out.empty())
         throw UsageError("--out is missing: name the folder of the data");
@@ -52,18 +64,12 @@ int run_experiment(const ExperimentArguments& arguments, const CommonOptions& co
     if (arguments.participant != "observer" && arguments.participant != "person")
         throw UsageError(
             fmt::format("--participant \"{}\": person (at a device), or observer (simulated)", arguments.participant));
-    if (arguments.files.size() > 1)
-        throw UsageError(
-            fmt::format("run takes one experiment file; got {} and {}", arguments.files[0], arguments.files[1]));
-    const experiment::Experiment experiment =
-        experiment::read_experiment(arguments.files.empty() ? "" : arguments.files[0], overrides(common));
-    print_warnings(experiment.study.warnings, common);
+    const experiment::Experiment experiment = read(arguments, common);
     const bool person = arguments.participant == "person";
     if (person && arguments.subjects.size() > 1)
         throw UsageError("--subject: one person at a time; several are for --participant observer");
     const std::unique_ptr<experiment::Participant> participant =
-        person ? experiment::make_person(experiment, person_options(arguments))
-               : experiment::make_observer(experiment);
+        person ? experiment::make_person(experiment, person_options(arguments)) : experiment::make_observer(experiment);
     for (const std::string& subject : arguments.subjects) {
         experiment::RunOptions options;
         options.folder = arguments.out;
@@ -103,17 +109,60 @@ int analyse_data(const ExperimentArguments& arguments, const CommonOptions& comm
     return 0;
 }
 
+int plan_experiment(const ExperimentArguments& arguments, const CommonOptions& common) {
+    const experiment::Experiment experiment = read(arguments, common);
+    std::vector<std::pair<std::string, std::string>> pairs = experiment::natural_pairs(experiment);
+    if (!arguments.compare.empty()) {
+        if (arguments.compare.size() != 2)
+            throw UsageError(
+                fmt::format("--compare wants two conditions between a comma, got {}", arguments.compare.size()));
+        pairs = {{arguments.compare[0], arguments.compare[1]}};
+    }
+    if (pairs.empty())
+        throw UsageError("no stimulus is there shaded and unshaded: say --compare CONDITION,CONDITION");
+    std::string text = "Subjects that tell two conditions apart (80 % power, paired t test at 5 %), by trials of each\n"
+                       "condition; answers as the observer expects them, subjects as different as in 1996.\n\n";
+    nlohmann::ordered_json all = nlohmann::ordered_json::array();
+    for (const auto& [first, second] : pairs) {
+        const experiment::Plan plan = experiment::planned(experiment, first, second);
+        text += fmt::format("{} against {}\n  answer \"{}\": {:.0f} % against {:.0f} %\n ", plan.first, plan.second,
+                            plan.answer, 100 * plan.first_share, 100 * plan.second_share);
+        nlohmann::ordered_json one{{"first", plan.first},
+                                   {"second", plan.second},
+                                   {"answer", plan.answer},
+                                   {"first_share", plan.first_share},
+                                   {"second_share", plan.second_share},
+                                   {"subjects", nlohmann::ordered_json::array()}};
+        for (const experiment::PlannedSubjects& needed : plan.needed) {
+            text += fmt::format(" {} trials: {}{}", needed.trials,
+                                needed.subjects ? std::to_string(*needed.subjects)
+                                                : fmt::format("more than {}", experiment::kMostSubjects),
+                                &needed == &plan.needed.back() ? "\n\n" : ",");
+            one["subjects"].push_back({{"trials", needed.trials}, {"subjects", nullptr}});
+            if (needed.subjects)
+                one["subjects"].back()["subjects"] = *needed.subjects;
+        }
+        all.push_back(std::move(one));
+    }
+    print_data(common.json ? all.dump(2) + "\n" : text);
+    return 0;
+}
+
 int run(const ExperimentArguments& arguments, const CommonOptions& common) {
     if (arguments.action == "run")
         return run_experiment(arguments, common);
     if (arguments.action == "analyse" || arguments.action == "analyze")
         return analyse_data(arguments, common);
-    refuse_unknown("action", arguments.action, {"run", "analyse"});
+    if (arguments.action == "plan")
+        return plan_experiment(arguments, common);
+    refuse_unknown("action", arguments.action, {"run", "analyse", "plan"});
 }
 
 void describe(Options& options, ExperimentArguments& arguments) {
-    options.required("ACTION", arguments.action,
-                     "run: take a subject through the trials; analyse: tables, tests and figures of data");
+    options.required(
+        "ACTION", arguments.action,
+        "run: take a subject through the trials; analyse: tables, tests and figures of data; plan: how many "
+        "subjects and trials tell conditions apart");
     options.list("FILES", arguments.files,
                  "run: experiment file (TOML); without it the paper's. analyse: folders that run wrote");
     options.optional("--out", arguments.out,
@@ -123,6 +172,7 @@ void describe(Options& options, ExperimentArguments& arguments) {
     options.optional("--participant", arguments.participant,
                      "person: at a device, answers in a page (default); observer: a simulated one");
     options.flag("--paths", arguments.paths, "keep the simulated participant's paths, too");
+    options.list("--compare", arguments.compare, "plan: two conditions (default: all shaded and unshaded)");
     options.optional("--port", arguments.port, "of the pages on this machine (default: any that is free)");
     describe_device(options, arguments.device);
     describe_safety(options, arguments.device);
