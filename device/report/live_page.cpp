@@ -7,7 +7,7 @@
 #include "device/report/text.h"
 #include "host/program.h"
 #include "host/report/run_page.h"
-#include "host/study/data/rows.h"
+#include "host/study/data/study_data.h"
 
 namespace forceshade::device {
 namespace {

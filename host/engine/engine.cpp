@@ -65,8 +65,8 @@ namespace {
 class CpuEngine final : public Engine {
 public:
     explicit CpuEngine(const EngineOptions& options) {
-        options_.chunk_bytes = options.chunk_bytes;
-        path_options_.chunk_bytes = options.chunk_bytes;
+        options_.threads = path_options_.threads = options.threads;
+        options_.chunk_bytes = path_options_.chunk_bytes = options.chunk_bytes;
     }
 
     EngineReport report() const override { return {"cpu", "CPU reference", "", "", true, true}; }

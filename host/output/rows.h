@@ -55,6 +55,17 @@ constexpr std::size_t components_of(std::uint32_t channel) {
     return channel == layout::kChannelDepth || channel == layout::kChannelFacet ? 1 : 3;
 }
 
+/// A chunk's channel behind the rows that came before, without padding, each row `repeats` times.
+template <typename Value, typename T>
+void append_rows(const layout::FieldChunk<T>& chunk, std::span<const Value> channel, std::size_t components,
+                 std::size_t repeats, std::vector<Value>& into) {
+    for (std::size_t row = 0; !channel.empty() && row < chunk.y_count * chunk.z_count; ++row) {
+        const auto values = channel.subspan(row * chunk.x_pitch * components, chunk.x_count * components);
+        for (std::size_t i = 0; i < repeats; ++i)
+            into.insert(into.end(), values.begin(), values.end());
+    }
+}
+
 /// The channel's name as a part, an array or a file calls it: force, depth, facet, proxy, unshaded, position.
 const char* name_of_channel(std::uint32_t channel);
 

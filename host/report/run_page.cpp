@@ -15,7 +15,7 @@
 #include "host/report/sections.h"
 #include "host/report/space_data.h"
 #include "host/report/words.h"
-#include "host/study/data/rows.h"
+#include "host/study/data/study_data.h"
 
 namespace forceshade::report {
 namespace {

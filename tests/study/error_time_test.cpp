@@ -6,9 +6,8 @@
 #include <gtest/gtest.h>
 
 #include "host/study/error_time/error_time.h"
-#include "host/study/error_time/findings.h"
 #include "host/study/error_time/law_at.h"
-#include "host/study/error_time/rounds.h"
+#include "host/study/error_time/measured.h"
 #include "host/study/error_time/sections.h"
 #include "host/study/error_time/volume.h"
 #include "tests/io/folder.h"
@@ -98,7 +97,7 @@ TEST(TouchedPlaces, ShowWhatALookUpDoesWhereContactBegins) {
     const Subject bump = own_subjects(few()).front();
     const Variant& shaded = variant_named(bump, "64 facets, reference");
     const VolumeGrid grid = volume_grid(bump.low, bump.high, 0.4e-3);
-    const ForceVolume<float, float> volume(grid, sampled<float>(*shaded.prepared, grid));
+    const ForceVolume<float, float> volume(grid, sampled(*shaded.prepared, grid));
     const KindPlaces all = places_of(bump, shaded, few());
     std::vector<glm::dvec3> found[2], truth[2];
     for (std::size_t i = 0; i < all.at.size(); ++i) {
@@ -115,8 +114,8 @@ TEST(TouchedPlaces, ShowWhatALookUpDoesWhereContactBegins) {
 TEST(TouchedPlaces, OfAGodObjectAreReachedFromAbove) {
     const Subject mesh = own_subjects(few()).back();
     const Variant& flat = variant_named(mesh, "8 cells, none");
-    const std::vector<glm::dvec3> found = proxy_forces<double>(*flat.prepared, mesh.places, mesh.scale),
-                                  direct = direct_forces<double>(*flat.prepared, mesh.places);
+    const std::vector<glm::dvec3> found = forces_by(ProxyLaw<double>(*flat.prepared, mesh.scale), mesh.places),
+                                  direct = forces_by(DirectLaw<double>(*flat.prepared), mesh.places);
     std::vector<glm::dvec3> truth;
     for (const Place& place : mesh.places)
         truth.push_back(mesh.truth(place));
@@ -151,16 +150,6 @@ TEST(Volume, TrilinearIsExactForProductsTricubicForSquares) {
         expect_near(read(product, true, at), product(at));
         expect_near(read(square, true, at), square(at));
         EXPECT_GT(std::abs(read(square, false, {0.1, 0.2, 0.33}).x - 0.01), 1e-3);
-    }
-}
-
-TEST(Volume, HalvesAreThoseOfTheFiles) {
-    const std::vector<float> numbers{0.0F, -0.0F, 1.0F, -2.5F, 65504.0F, 6e-8F, -3.1e-5F, 0.1F, 1234.5F};
-    const std::vector<Half> halves = halves_of(numbers);
-    for (std::size_t i = 0; i < numbers.size(); ++i) {
-        const float back = to_float(halves[i]);
-        EXPECT_NEAR(back, numbers[i], std::max(0x1p-11F * std::abs(numbers[i]), 0x1p-25F));
-        EXPECT_EQ(std::signbit(back), std::signbit(numbers[i]));
     }
 }
 
@@ -213,7 +202,7 @@ TEST(Sections, ShowWhereAWayErrsAndWhatAStrokeFeels) {
         way.subject = &subjects.front();
         way.variant = &variant_named(subjects.front(), name);
         way.forces = [&, variant = way.variant](std::span<const Place> at) {
-            return direct_forces<double>(*variant->prepared, at);
+            return forces_by(DirectLaw<double>(*variant->prepared), at);
         };
         return way;
     };

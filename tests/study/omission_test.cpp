@@ -7,8 +7,8 @@
 #include "host/engine/engine.h"
 #include "host/error.h"
 #include "host/prepare/prepared_case.h"
+#include "host/study/omission/measurement.h"
 #include "host/study/omission/omission.h"
-#include "host/study/omission/results.h"
 #include "tests/io/folder.h"
 
 namespace forceshade::study {
@@ -68,8 +68,8 @@ protected:
     }
 
     Agreement held(const Comparison& one) {
-        return compare(one, make_side<float>(one.with, one.paths)->capture(*engine_, one.channels),
-                       make_side<float>(one.without, one.paths)->capture(*engine_, one.channels));
+        return compare(one, capture<float>(*engine_, one.with, one.paths, one.channels),
+                       capture<float>(*engine_, one.without, one.paths, one.channels));
     }
 
     std::unique_ptr<Engine> engine_;
@@ -98,7 +98,7 @@ TEST_F(OnTheOracle, WhatDiffersIsCounted) {
     const Agreement turned = held(shading);
     EXPECT_GT(turned.differing, 1000u);
     EXPECT_LT(turned.differing, turned.compared);
-    EXPECT_FALSE((OmissionRow{shading, {{}, {}, turned}}.same_forces()));
+    EXPECT_FALSE((Measurement{shading, {}, {}, turned}.same_forces()));
 
     Comparison smaller = comparison("bump", "depth channel");
     smaller.with.prepared.one.scene.grid.size[2] /= 2;
@@ -196,19 +196,19 @@ TEST(OmissionScene, OnAnOpenMeshComparesNoLawWithAnother) {
     EXPECT_FALSE(has_winding(given));
 }
 
-OmissionRow timed(const std::string& feature, double ratio, bool always = false, std::uint64_t differing = 0) {
-    OmissionRow row;
+Measurement timed(const std::string& feature, double ratio, bool always = false, std::uint64_t differing = 0) {
+    Measurement row;
     row.comparison.feature = feature;
     row.comparison.scene = "bump";
     row.comparison.always = always;
     for (const double jitter : {0.99, 1.0, 1.01, 1.0, 1.005, 0.995}) {
-        row.measured.with.kernel.push_back(ratio * jitter);
-        row.measured.without.kernel.push_back(1);
+        row.with.kernel.push_back(ratio * jitter);
+        row.without.kernel.push_back(1);
     }
-    row.measured.with.whole = row.measured.with.kernel;
-    row.measured.without.whole = row.measured.without.kernel;
-    row.measured.with.samples = row.measured.without.samples = 10;
-    row.measured.agreement = {10, 5, differing};
+    row.with.whole = row.with.kernel;
+    row.without.whole = row.without.kernel;
+    row.with.samples = row.without.samples = 10;
+    row.agreement = {10, 5, differing};
     return row;
 }
 

@@ -64,13 +64,6 @@ std::vector<std::string> remove_intact(const std::filesystem::path& folder, cons
 
 } // namespace
 
-std::string cell_text(const Cell& cell) {
-    if (const double* number = std::get_if<double>(&cell))
-        return fmt::format("{}", *number);
-    const std::string* word = std::get_if<std::string>(&cell);
-    return word ? *word : std::string();
-}
-
 std::string table_csv(const Table& table) {
     CsvText csv;
     for (const Column& column : table.columns)
@@ -78,7 +71,7 @@ std::string table_csv(const Table& table) {
     csv.end();
     for (const std::vector<Cell>& row : table.rows) {
         for (const Cell& one : row)
-            csv.add(cell_text(one));
+            csv.add(one.text());
         csv.end();
     }
     return csv.text();
@@ -109,7 +102,7 @@ bool files_are_intact(const std::filesystem::path& folder, const StudyData& data
 }
 
 StudyData read_data(const std::filesystem::path& folder) {
-    return data_from(read_json(folder / kAccount));
+    return parse_data(read_json(folder / kAccount));
 }
 
 } // namespace forceshade::study

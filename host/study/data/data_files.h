@@ -17,14 +17,10 @@ inline constexpr int kDataFormat = 3;
 std::string data_json(const StudyData& data);
 
 /// \throws DataError that says what is missing, damaged or of another format.
-StudyData parse_data(const std::string& json);
-StudyData data_from(const nlohmann::ordered_json& json);
+StudyData parse_data(const nlohmann::ordered_json& json);
 
 /// A header of column names, then a line a row; numbers read back exactly, nothing is empty.
 std::string table_csv(const Table& table);
-
-/// As in CSV: the word, the number, or nothing.
-std::string cell_text(const Cell& cell);
 
 /// What the account of a study's run, of whatever format, names as written beside it: tables, figures and volumes.
 /// Nothing if it is of another study or cannot be understood.

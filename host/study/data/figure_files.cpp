@@ -12,7 +12,7 @@ constexpr std::size_t kMostMarks = 100; // of a joined series; of more the line 
 
 bool shows(const Table& table, std::size_t row, const Where& where) {
     return std::ranges::all_of(
-        where, [&](const auto& one) { return cell_text(table.rows[row][table.index(one.first)]) == one.second; });
+        where, [&](const auto& one) { return table.rows[row][table.index(one.first)].text() == one.second; });
 }
 
 std::optional<double> end_of(const Table& table, std::size_t row, const std::string& column) {
@@ -20,7 +20,7 @@ std::optional<double> end_of(const Table& table, std::size_t row, const std::str
 }
 
 std::string text_of(const Table& table, std::size_t row, const std::string& column) {
-    return column.empty() ? "" : cell_text(table.rows[row][table.index(column)]);
+    return column.empty() ? "" : table.rows[row][table.index(column)].text();
 }
 
 picture::ChartSeries& series_named(picture::Chart& chart, const std::string& name, bool joined) {

@@ -1,24 +1,20 @@
 #include "host/study/data/study_data.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include <fmt/format.h>
 
-#include "host/study/data/data_error.h"
-
 namespace forceshade::study {
 
-Cell cell(double value) {
-    return std::isfinite(value) ? Cell(value) : Cell();
-}
-
-bool Table::has(std::string_view column) const {
-    return std::ranges::any_of(columns, [&](const Column& one) { return one.name == column; });
+std::string Cell::text() const {
+    if (const double* number = std::get_if<double>(this))
+        return fmt::format("{}", *number);
+    const std::string* word = std::get_if<std::string>(this);
+    return word ? *word : std::string();
 }
 
 std::size_t Table::index(std::string_view column) const {
-    const auto found = std::ranges::find_if(columns, [&](const Column& one) { return one.name == column; });
+    const auto found = std::ranges::find(columns, column, &Column::name);
     if (found != columns.end())
         return static_cast<std::size_t>(found - columns.begin());
     std::vector<std::string> names;
@@ -43,15 +39,11 @@ std::string Table::word(std::size_t row, std::string_view column) const {
     return value ? *value : std::string();
 }
 
-const Table* StudyData::find(std::string_view table) const {
-    const auto found = std::ranges::find_if(tables, [&](const Table& one) { return one.name == table; });
-    return found == tables.end() ? nullptr : &*found;
-}
-
-const Table& StudyData::table(std::string_view name) const {
-    if (const Table* found = find(name))
-        return *found;
-    throw DataError(fmt::format("the study {} has no table {}", study, name));
+const Table& StudyData::table(std::string_view wanted) const {
+    const auto found = std::ranges::find(tables, wanted, &Table::name);
+    if (found == tables.end())
+        throw DataError(fmt::format("the study {} has no table {}", study, wanted));
+    return *found;
 }
 
 } // namespace forceshade::study

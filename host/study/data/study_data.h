@@ -2,24 +2,44 @@
 // speaks in these; files, plots and the report know nothing else of it.
 #pragma once
 
+#include <cmath>
+#include <concepts>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
-#include <utility>
 #include <variant>
 #include <vector>
 
+#include "host/error.h"
 #include "host/output/files.h"
 
 namespace forceshade::study {
 
-/// Nothing (no meaning there, no number), a finite number, or a word.
-using Cell = std::variant<std::monostate, double, std::string>;
+/// Data that do not hold what they should: "points has no column error_rms_deg; it has ...".
+class DataError : public Error {
+public:
+    explicit DataError(const std::string& message) : Error(ExitCode::failed, message) {}
+};
 
-/// A number that is not finite becomes nothing.
-Cell cell(double value);
+/// Nothing (no meaning there, no number), a finite number, or a word. A number that is not finite becomes nothing.
+struct Cell : std::variant<std::monostate, double, std::string> {
+    Cell() = default;
+    Cell(double value) {
+        if (std::isfinite(value))
+            emplace<double>(value);
+    }
+    Cell(std::integral auto value) : Cell(static_cast<double>(value)) {}
+    Cell(const std::optional<double>& value) : Cell(value.value_or(NAN)) {}
+    Cell(std::string word) : variant(std::move(word)) {}
+    Cell(const char* word) : variant(std::string(word)) {}
+
+    /// As in CSV: the word, the number, or nothing.
+    std::string text() const;
+};
 
 struct Column {
     std::string name;    /* as in CSV and JSON, with its unit at the end: "error_rms_deg" */
@@ -33,7 +53,6 @@ struct Table {
     std::vector<Column> columns;
     std::vector<std::vector<Cell>> rows; /* as long as columns */
 
-    bool has(std::string_view column) const;
     /// \throws DataError if there is no such column.
     std::size_t index(std::string_view column) const;
     /// The number in a row; nothing where there is none. \throws DataError if there is no such column.
@@ -43,6 +62,34 @@ struct Table {
     /// The word in a row, empty where there is none. \throws DataError if there is no such column.
     std::string word(std::size_t row, std::string_view column) const;
 };
+
+inline Cell cell(double value) {
+    return value;
+}
+inline Cell cell_of(const std::optional<double>& value) {
+    return value;
+}
+
+/// A column, and what stands in it of a row: a function, or a member.
+template <typename Row> struct ColumnOf {
+    Column column;
+    std::function<Cell(const Row&)> value;
+};
+
+/// A table with a row for each of `rows`.
+template <typename Row>
+Table table_of(std::string name, std::string title, const std::vector<ColumnOf<Row>>& columns,
+               const std::vector<Row>& rows) {
+    Table table{std::move(name), std::move(title), {}, {}};
+    for (const ColumnOf<Row>& one : columns)
+        table.columns.push_back(one.column);
+    for (const Row& row : rows) {
+        std::vector<Cell>& cells = table.rows.emplace_back();
+        for (const ColumnOf<Row>& one : columns)
+            cells.push_back(one.value(row));
+    }
+    return table;
+}
 
 /// scatter: points (x, y) by series, joined by lines or not. map: a cell at each (x, y), coloured by a number or a
 /// word. bars: a bar of height y for each word x, side by side by series.
@@ -55,7 +102,7 @@ struct FigureAxis {
 };
 
 /// Rows of a table that a figure shows: those whose column holds the word (numbers as CSV prints them).
-using Where = std::vector<std::pair<std::string, std::string>>;
+using Where = std::map<std::string, std::string>;
 
 /// A line drawn over a figure, through the rows of a table in their order.
 struct Curve {
@@ -100,16 +147,19 @@ struct Finding {
     std::string interval{};  /* how sure: "95 % of 2000 bootstrap samples: 1.9 to 2.3 times"; empty: no measurement */
 };
 
-struct StudyData {
-    std::string study;   /* "error-time", "stability", "energy", "omission" */
-    std::string program; /* version */
+struct RunFacts {
     std::string engine, device, driver, cpu;
     unsigned cores = 0;
     bool software = true; /* device */
     bool quick = false;
+    std::string fingerprint; /* of program, device, scene and form: equal where a run would do the same again */
+    double seconds = 0;      /* that the run took */
+};
+
+struct StudyData : RunFacts {
+    std::string study;              /* "error-time", "stability", "energy", "omission" */
+    std::string program;            /* version */
     std::string scene;              /* resolved TOML; empty: the study's own */
-    std::string fingerprint;        /* of program, device, scene and form: equal where a run would do the same again */
-    double seconds = 0;             /* that the run took */
     std::vector<std::string> notes; /* what a reader must know to read the numbers, a sentence each */
     std::vector<Table> tables;
     std::vector<Figure> figures;
@@ -117,8 +167,6 @@ struct StudyData {
     std::vector<FileRecord> files;   /* CSV and SVG files beside, by name in the study's folder */
     std::vector<FileRecord> volumes; /* EXR files beside, likewise */
 
-    /// Nothing if there is none.
-    const Table* find(std::string_view table) const;
     /// \throws DataError if there is none.
     const Table& table(std::string_view name) const;
 };

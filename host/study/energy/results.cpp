@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "host/study/data/rows.h"
+#include "host/study/data/study_data.h"
 
 namespace forceshade::study {
 namespace {

@@ -2,74 +2,12 @@
 
 #include <fmt/format.h>
 
-#include "host/study/error_time/findings.h"
-#include "host/study/error_time/tables.h"
+#include "host/study/error_time/measured.h"
 
 namespace forceshade::study {
 namespace {
 
 using namespace error_time;
-
-// What is true at a law's places, and what double precision makes of them: the same for all its ways.
-struct Held {
-    KindPlaces places;
-    std::vector<glm::dvec3> truth;
-};
-
-std::vector<glm::dvec3> true_forces(const Subject& subject, std::span<const Place> at) {
-    std::vector<glm::dvec3> forces;
-    for (const Place& place : at)
-        forces.push_back(subject.truth(place));
-    return forces;
-}
-
-WayErrors errors_of(const Way& way, const Held& held, double typical) {
-    const std::vector<glm::dvec3> forces = way.forces(held.places.at);
-    WayErrors errors;
-    const std::size_t shared = held.places.shared;
-    errors.shared = force_errors(std::span(forces).first(shared), std::span(held.truth).first(shared), typical);
-    for (const Kind kind : kKinds) {
-        std::vector<glm::dvec3> some, truth;
-        for (std::size_t i = 0; i < forces.size(); ++i)
-            if (held.places.kinds[i] == kind) {
-                some.push_back(forces[i]);
-                truth.push_back(held.truth[i]);
-            }
-        if (!some.empty())
-            errors.by_kind[static_cast<std::size_t>(kind)] = force_errors(some, truth, typical);
-    }
-    const std::vector<glm::dvec3> exact = exact_forces(way, held.places.at);
-    errors.precision = force_errors(forces, exact, typical).typical;
-    return errors;
-}
-
-// The errors of all ways of a law.
-void add_errors(std::vector<std::optional<WayErrors>>& errors, const std::vector<Way>& ways, const Variant& variant,
-                const Extents& extents) {
-    const Subject* subject = nullptr;
-    for (const Way& way : ways)
-        if (way.variant == &variant)
-            subject = way.subject;
-    Held held{places_of(*subject, variant, extents), {}};
-    held.truth = true_forces(*subject, held.places.at);
-    const double typical = rms_of(true_forces(*subject, subject->places));
-    KindOf kind_of(*subject, variant);
-    for (std::size_t i = 0; i < ways.size(); ++i) {
-        const Way& way = ways[i];
-        if (way.variant != &variant || !way.forces)
-            continue;
-        if (!way.places) {
-            errors[i] = errors_of(way, held, typical);
-            continue;
-        }
-        Held own{{way.places(), {}, 0}, {}};
-        own.places.shared = own.places.at.size();
-        for (const Place& place : own.places.at)
-            own.places.kinds.push_back(kind_of(place));
-        own.truth = true_forces(*subject, own.places.at);
-        errors[i] = errors_of(way, own, typical);
-    }
-}
 
 std::vector<std::string> notes_of(const std::vector<Subject>& subjects, const Way& unit, const EngineReport& engine,
                                   unsigned cores) {
@@ -99,16 +37,20 @@ StudyData study_error_time(StudyRun& run) {
     const Extents extents = extents_of(run.options().quick);
     const std::vector<Subject> subjects =
         run.scene() ? std::vector{scene_subject(*run.scene(), extents)} : own_subjects(extents);
+    EngineOptions one_thread;
+    one_thread.cpu = true;
+    one_thread.threads = 1;
+    const std::unique_ptr<Engine> alone = make_engine(one_thread);
     std::vector<Way> ways;
     for (const Subject& subject : subjects)
-        add_ways(ways, subject, run.engine());
+        add_ways(ways, subject, run.engine(), *alone);
     std::vector<std::optional<WayErrors>> errors(ways.size());
     std::vector<Round> rounds;
     std::vector<Part> parts;
     for (const Subject& subject : subjects)
         for (const Variant& variant : subject.variants)
             parts.push_back({fmt::format("errors of {}, {}", subject.name, variant.name),
-                             [&] { add_errors(errors, ways, variant, extents); }});
+                             [&] { add_errors(errors, ways, subject, variant, extents); }});
     parts.push_back({"compiling", [&] { measure_round(ways, 0); }}); // and making volumes: not within a round
     for (std::size_t round = 1; round <= extents.rounds; ++round)
         parts.push_back({"times", [&, round] { rounds.push_back(measure_round(ways, round)); }});

@@ -1,13 +1,10 @@
 // A scene's law by the CPU oracle at places of the world, one after the other: what a live loop does.
 #pragma once
 
-#include <cmath>
-#include <numbers>
 #include <span>
 #include <vector>
 
 #include "host/prepare/prepared_case.h"
-#include "host/study/error_time/angle.h"
 #include "host/study/error_time/subject.h"
 
 namespace forceshade::study::error_time {
@@ -25,8 +22,10 @@ std::vector<reference::Vector<T>> rounded_places(const PreparedCase& prepared, s
 /// Without a history: of a mesh the static field.
 template <typename T> class DirectLaw {
 public:
+    /// `prepared` must outlive it.
     explicit DirectLaw(const PreparedCase& prepared)
-        : tables_(make_tables<T>(on_a_point(prepared.one.scene), prepared.images, Extent::what_varies)),
+        : prepared_(prepared),
+          tables_(make_tables<T>(on_a_point(prepared.one.scene), prepared.images, Extent::what_varies)),
           law_(tables_.law()) {}
     DirectLaw(const DirectLaw&) = delete;
     DirectLaw& operator=(const DirectLaw&) = delete;
@@ -39,6 +38,12 @@ public:
     }
     const layout::Law<T>& law() const { return law_; }
 
+    /// What the law takes of a place, and the force there, N.
+    reference::Vector<T> input(const Place& place) const {
+        return rounded_places<T>(prepared_, std::span(&place.at, 1))[0];
+    }
+    reference::Vector<T> force(const reference::Vector<T>& input) noexcept { return at(input).force; }
+
 private:
     static Scene on_a_point(Scene scene) {
         scene.grid.size = {1, 1, 1};
@@ -47,19 +52,11 @@ private:
         return scene;
     }
 
+    const PreparedCase& prepared_;
     FieldTables<T> tables_;
     layout::Law<T> law_; // points into the tables
     layout::uint hint_ = 0;
 };
-
-/// The forces, N, at places.
-template <typename T> std::vector<glm::dvec3> direct_forces(const PreparedCase& prepared, std::span<const Place> at) {
-    DirectLaw<T> law(prepared);
-    std::vector<glm::dvec3> forces;
-    for (const Place& place : at)
-        forces.emplace_back(law.at(rounded_places<T>(prepared, std::span(&place.at, 1))[0]).force);
-    return forces;
-}
 
 /// Updates of a god-object on its way to a place.
 inline constexpr std::size_t kDescent = 8;
@@ -73,11 +70,15 @@ inline std::vector<glm::dvec3> descent(const Place& place, const TouchScale& sca
     return way;
 }
 
-/// With a history: the god-object of a mesh.
+/// With a history: the god-object of a mesh, which comes to places from above.
 template <typename T> class ProxyLaw {
 public:
-    explicit ProxyLaw(const PreparedCase& prepared) : direct_(prepared) {}
+    explicit ProxyLaw(const PreparedCase& prepared, const TouchScale& scale = {})
+        : prepared_(prepared), scale_(scale), direct_(prepared) {}
 
+    std::vector<reference::Vector<T>> input(const Place& place) const {
+        return rounded_places<T>(prepared_, descent(place, scale_));
+    }
     /// N, at the end of a way of rounded_places().
     reference::Vector<T> force(std::span<const reference::Vector<T>> way) noexcept {
         begin_probe(direct_.law(), around_, proxy_, way.front());
@@ -88,18 +89,18 @@ public:
     }
 
 private:
+    const PreparedCase& prepared_;
+    TouchScale scale_;
     DirectLaw<T> direct_;
     reference::Neighbourhood<T> around_;
     reference::GodObject<T> proxy_;
 };
 
-/// The god-object's forces, N, at places to which it comes from above.
-template <typename T>
-std::vector<glm::dvec3> proxy_forces(const PreparedCase& prepared, std::span<const Place> at, const TouchScale& scale) {
-    ProxyLaw<T> law(prepared);
+/// N, at places, by a law with input() and force().
+template <typename Law> std::vector<glm::dvec3> forces_by(Law&& law, std::span<const Place> at) {
     std::vector<glm::dvec3> forces;
     for (const Place& place : at)
-        forces.emplace_back(law.force(rounded_places<T>(prepared, descent(place, scale))));
+        forces.emplace_back(law.force(law.input(place)));
     return forces;
 }
 

@@ -1,9 +1,12 @@
 // Places that a hand touches: under points anywhere on the surface, at depths that are log-uniform.
+#include "host/study/error_time/places.h"
+
 #include <algorithm>
 #include <cmath>
+#include <glm/vector_relational.hpp>
 
+#include "host/study/error_time/angle.h"
 #include "host/study/error_time/law_at.h"
-#include "host/study/error_time/places.h"
 
 namespace forceshade::study::error_time {
 namespace {
@@ -20,138 +23,84 @@ bool touches(const glm::dvec3& force) {
     return force != glm::dvec3(0);
 }
 
-// Where contact begins between a place inside and one outside.
-glm::dvec3 surface_between(const Truth& truth, glm::dvec3 inside, glm::dvec3 outside) {
-    for (int i = 0; i < kHalvings; ++i) {
-        const glm::dvec3 middle = 0.5 * (inside + outside);
-        (touches(truth({middle})) ? inside : outside) = middle;
-    }
-    return inside;
-}
-
-// Its normal is the smooth shape's.
-std::optional<Place> on_graph(const Subject& subject, double x, double y) {
-    const glm::dvec3 inside(x, y, subject.low.z), outside(x, y, subject.high.z);
+// Where the true shape's surface is between a place inside and one outside, with its normal; `up` where it has none.
+std::optional<Place> surface_between(const Subject& subject, glm::dvec3 inside, glm::dvec3 outside, glm::dvec3 up) {
     if (!touches(subject.truth({inside})) || touches(subject.truth({outside})))
         return std::nullopt;
-    const glm::dvec3 at = surface_between(subject.truth, inside, outside);
-    const glm::dvec3 force = subject.truth({at - glm::dvec3(0, 0, 1e-3 * subject.scale.shallowest())});
-    return touches(force) ? std::optional(Place{at, force / reference::length(force), 0}) : std::nullopt;
+    for (int i = 0; i < kHalvings; ++i) {
+        const glm::dvec3 middle = 0.5 * (inside + outside);
+        (touches(subject.truth({middle})) ? inside : outside) = middle;
+    }
+    const glm::dvec3 force = subject.truth({inside - 1e-3 * subject.scale.shallowest() * up});
+    return Place{inside, touches(force) ? force / reference::length(force) : up, 0};
 }
 
-// Uniform over the triangles' area; moved onto the smooth shape where that is known.
-class MeshDraw {
+std::optional<Place> on_graph(const Subject& subject, double x, double y) {
+    return surface_between(subject, {x, y, subject.low.z}, {x, y, subject.high.z}, {0, 0, 1});
+}
+
+std::array<glm::dvec3, 3> corners_of(const Mesh& mesh, std::size_t triangle) {
+    const auto& at = mesh.triangles.corners[triangle];
+    return {mesh.polygons.vertices[at[0]], mesh.polygons.vertices[at[1]], mesh.polygons.vertices[at[2]]};
+}
+
+std::optional<Place> on_triangle(const Subject& subject, const Mesh& mesh, std::size_t i, double u, double v) {
+    const auto [a, b, c] = corners_of(mesh, i);
+    const glm::dvec3 at = a + u * (b - a) + v * (c - a), normal = mesh.triangles.normals[i],
+                     reach = subject.scale.deepest * normal;
+    return subject.against == kSmoothShape ? surface_between(subject, at - reach, at + reach, normal)
+                                           : Place{at, normal, 0};
+}
+
+// Draws places of a subject: of a mesh uniform over the triangles' area, moved onto the smooth shape where that is
+// known; else above or below (x, y) drawn in the box.
+class PlaceDraw {
 public:
-    explicit MeshDraw(const Mesh& mesh) : mesh_(mesh) {
-        for (std::size_t i = 0; i < mesh.triangles.corners.size(); ++i) {
-            const auto [a, b, c] = corners(i);
+    PlaceDraw(const Subject& subject, const PreparedCase& prepared, std::uint64_t seed)
+        : subject_(subject), mesh_(prepared.images.mesh ? &prepared.images.mesh->mesh : nullptr), draw_(seed) {
+        for (std::size_t i = 0; mesh_ && i < mesh_->triangles.corners.size(); ++i) {
+            const auto [a, b, c] = corners_of(*mesh_, i);
             const double area = reference::length(reference::cross(b - a, c - a));
             areas_.push_back((areas_.empty() ? 0 : areas_.back()) + area);
         }
     }
-    std::optional<Place> draw(const Subject& subject, Draw& draw) const {
-        const double share = draw(0, areas_.back());
-        const auto i = static_cast<std::size_t>(std::ranges::upper_bound(areas_, share) - areas_.begin());
-        double u = draw(0, 1), v = draw(0, 1);
-        if (u + v > 1) {
-            u = 1 - u;
-            v = 1 - v;
-        }
-        return on_triangle(subject, i, u, v);
-    }
-    std::optional<Place> highest(const Subject& subject, double x, double y) const {
-        std::optional<Place> found;
-        for (std::size_t i = 0; i < mesh_.triangles.corners.size(); ++i) {
-            const auto [a, b, c] = corners(i);
-            const glm::dvec3 p = b - a, q = c - a, at = glm::dvec3(x, y, 0) - a;
-            const double area = p.x * q.y - p.y * q.x, u = (at.x * q.y - at.y * q.x) / area,
-                         v = (p.x * at.y - p.y * at.x) / area;
-            if (u >= 0 && v >= 0 && u + v <= 1)
-                if (const auto place = on_triangle(subject, i, u, v); place && (!found || place->at.z > found->at.z))
-                    found = place;
-        }
-        return found;
-    }
-
-private:
-    std::optional<Place> on_triangle(const Subject& subject, std::size_t i, double u, double v) const {
-        const auto [a, b, c] = corners(i);
-        const glm::dvec3 normal = mesh_.triangles.normals[i];
-        Place place{a + u * (b - a) + v * (c - a), normal, 0};
-        if (subject.against == kSmoothShape) {
-            const double reach = subject.scale.deepest;
-            const glm::dvec3 inside = place.at - reach * normal, outside = place.at + reach * normal;
-            if (!touches(subject.truth({inside})) || touches(subject.truth({outside})))
-                return std::nullopt;
-            place.at = surface_between(subject.truth, inside, outside);
-            const glm::dvec3 force = subject.truth({place.at - 1e-3 * subject.scale.shallowest() * normal});
-            place.normal = touches(force) ? force / reference::length(force) : normal;
-        }
-        return place;
-    }
-
-    std::array<glm::dvec3, 3> corners(std::size_t triangle) const {
-        const auto& at = mesh_.triangles.corners[triangle];
-        return {mesh_.polygons.vertices[at[0]], mesh_.polygons.vertices[at[1]], mesh_.polygons.vertices[at[2]]};
-    }
-
-    const Mesh& mesh_;
-    std::vector<double> areas_;
-};
-
-bool is_in_box(const Subject& subject, const glm::dvec3& at) {
-    for (int i = 0; i < 3; ++i)
-        if (!(at[i] >= subject.low[i] && at[i] <= subject.high[i]))
-            return false;
-    return true;
-}
-
-// Draws places of a subject.
-class PlaceDraw {
-public:
-    PlaceDraw(const Subject& subject, const PreparedCase& prepared, std::uint64_t seed)
-        : subject_(subject), draw_(seed) {
-        if (prepared.images.mesh)
-            mesh_.emplace(prepared.images.mesh->mesh);
-    }
     /// Nothing where no surface is, or the place would be outside of the box or not in contact.
     std::optional<Place> operator()() {
-        std::optional<Place> place = mesh_ ? mesh_->draw(subject_, draw_) : on_graph();
+        std::optional<Place> place = mesh_ ? drawn_on_mesh() : drawn_on_graph();
         const TouchScale& scale = subject_.scale;
         const double depth = scale.shallowest() * std::pow(scale.deepest / scale.shallowest(), draw_(0, 1));
         if (!place)
             return place;
         place->depth = depth;
         place->at -= depth * place->normal;
-        return is_in_box(subject_, place->at) && touches(subject_.truth(*place)) ? place : std::nullopt;
+        return is_in_box(place->at) && touches(subject_.truth(*place)) ? place : std::nullopt;
     }
 
 private:
-    std::optional<Place> on_graph() {
+    std::optional<Place> drawn_on_graph() {
         const double x = draw_(subject_.low.x, subject_.high.x), y = draw_(subject_.low.y, subject_.high.y);
-        return error_time::on_graph(subject_, x, y);
+        return on_graph(subject_, x, y);
+    }
+    std::optional<Place> drawn_on_mesh() {
+        const double share = draw_(0, areas_.back());
+        const auto i = static_cast<std::size_t>(std::ranges::upper_bound(areas_, share) - areas_.begin());
+        const double u = draw_(0, 1), v = draw_(0, 1);
+        return u + v > 1 ? on_triangle(subject_, *mesh_, i, 1 - u, 1 - v) : on_triangle(subject_, *mesh_, i, u, v);
+    }
+    bool is_in_box(const glm::dvec3& at) const {
+        return glm::all(glm::greaterThanEqual(at, subject_.low)) && glm::all(glm::lessThanEqual(at, subject_.high));
     }
 
     const Subject& subject_;
+    const Mesh* mesh_;
     Draw draw_;
-    std::optional<MeshDraw> mesh_;
+    std::vector<double> areas_; // up to each triangle
 };
 
-double largest_turn(const glm::dvec3& middle, const std::vector<glm::dvec3>& ring) {
-    double largest = 0;
-    for (const glm::dvec3& force : ring)
-        if (touches(force) && touches(middle))
-            largest = std::max(largest, angle_between(middle, force));
-    return largest;
-}
-
-Variant unshaded(const Variant& variant) {
-    auto prepared = std::make_shared<PreparedCase>(*variant.prepared);
-    prepared->one.scene.force.shading = Shading::none;
-    prepared->one.scene.texture.reset();
-    Variant plain = variant;
-    plain.prepared = std::move(prepared);
-    return plain;
+PreparedCase unshaded(PreparedCase prepared) {
+    prepared.one.scene.force.shading = Shading::none;
+    prepared.one.scene.texture.reset();
+    return prepared;
 }
 
 } // namespace
@@ -162,7 +111,8 @@ const char* name_of(Kind kind) {
 }
 
 KindOf::KindOf(const Subject& subject, const Variant& variant)
-    : subject_(subject), plain_(unshaded(variant)), facets_(std::make_unique<DirectLaw<double>>(*plain_.prepared)) {}
+    : subject_(subject), plain_(std::make_unique<PreparedCase>(unshaded(*variant.prepared))),
+      facets_(std::make_unique<DirectLaw<double>>(*plain_)) {}
 
 KindOf::~KindOf() = default;
 
@@ -171,19 +121,21 @@ Kind KindOf::operator()(const Place& place) {
     glm::dvec3 u = reference::cross(place.normal, across);
     u /= reference::length(u);
     const glm::dvec3 v = reference::cross(place.normal, u);
-    const auto facet_force = [&](const glm::dvec3& at) {
-        return facets_->at(rounded_places<double>(*plain_.prepared, std::span(&at, 1))[0]).force;
+    // By how much a force turns on a ring about the place.
+    const auto turn_of = [&](const auto& force_at) {
+        const glm::dvec3 middle = force_at(place);
+        double largest = 0;
+        for (std::size_t i = 0; i < kRing; ++i) {
+            const double angle = 2 * std::numbers::pi * static_cast<double>(i) / kRing;
+            Place near = place;
+            near.at += subject_.scale.ring() * (std::cos(angle) * u + std::sin(angle) * v);
+            if (const glm::dvec3 force = force_at(near); touches(force) && touches(middle))
+                largest = std::max(largest, angle_between(middle, force));
+        }
+        return largest;
     };
-    std::vector<glm::dvec3> smooth, flat;
-    for (std::size_t i = 0; i < kRing; ++i) {
-        const double angle = 2 * std::numbers::pi * static_cast<double>(i) / kRing;
-        Place near = place;
-        near.at += subject_.scale.ring() * (std::cos(angle) * u + std::sin(angle) * v);
-        smooth.push_back(subject_.truth(near));
-        flat.push_back(facet_force(near.at));
-    }
-    const double smooth_turn = largest_turn(subject_.truth(place), smooth);
-    const double facet_turn = largest_turn(facet_force(place.at), flat);
+    const double smooth_turn = turn_of(subject_.truth);
+    const double facet_turn = turn_of([&](const Place& at) { return facets_->force(facets_->input(at)); });
     if (smooth_turn > kSmoothTurn)
         return Kind::rim;
     if (facet_turn > kFeltTurn)
@@ -203,31 +155,42 @@ std::vector<Place> shared_places(const Subject& subject, const PreparedCase& pre
 }
 
 std::optional<Place> surface_at(const Subject& subject, const PreparedCase& prepared, double x, double y) {
-    return prepared.images.mesh ? MeshDraw(prepared.images.mesh->mesh).highest(subject, x, y) : on_graph(subject, x, y);
+    if (!prepared.images.mesh)
+        return on_graph(subject, x, y);
+    const Mesh& mesh = prepared.images.mesh->mesh;
+    std::optional<Place> found;
+    for (std::size_t i = 0; i < mesh.triangles.corners.size(); ++i) {
+        const auto [a, b, c] = corners_of(mesh, i);
+        const glm::dvec3 p = b - a, q = c - a, at = glm::dvec3(x, y, 0) - a;
+        const double area = p.x * q.y - p.y * q.x, u = (at.x * q.y - at.y * q.x) / area,
+                     v = (p.x * at.y - p.y * at.x) / area;
+        if (u >= 0 && v >= 0 && u + v <= 1)
+            if (const auto place = on_triangle(subject, mesh, i, u, v); place && (!found || place->at.z > found->at.z))
+                found = place;
+    }
+    return found;
 }
 
 KindPlaces places_of(const Subject& subject, const Variant& variant, const Extents& extents) {
     KindOf kind_of(subject, variant);
-    KindPlaces all{subject.places, {}, subject.places.size()};
+    KindPlaces all{{}, {}, subject.places.size()};
     std::array<std::size_t, kKinds.size()> counts{};
-    const auto add_kind = [&](Kind kind) {
+    const auto add = [&](const Place& place, Kind kind) {
+        all.at.push_back(place);
         all.kinds.push_back(kind);
         ++counts[static_cast<std::size_t>(kind)];
     };
     for (const Place& place : subject.places)
-        add_kind(kind_of(place));
+        add(place, kind_of(place));
     PlaceDraw draw(subject, *variant.prepared, 2);
     const std::size_t wanted = extents.places_of_kind;
     for (std::size_t tries = 0; tries < kTriesOfKinds * wanted; ++tries) {
         const bool early = tries < kTriesOfRare * wanted; // a kind that was not met by then is not there
         if (std::ranges::all_of(counts, [&](std::size_t count) { return count >= wanted || (count == 0 && !early); }))
             break;
-        const auto place = draw();
-        const Kind kind = place ? kind_of(*place) : Kind::flat;
-        if (!place || counts[static_cast<std::size_t>(kind)] >= wanted)
-            continue;
-        all.at.push_back(*place);
-        add_kind(kind);
+        if (const auto place = draw())
+            if (const Kind kind = kind_of(*place); counts[static_cast<std::size_t>(kind)] < wanted)
+                add(*place, kind);
     }
     // As far above the surface as the shallow ones are below it: there should be no force.
     for (std::size_t i = 0, end = all.at.size(); i < end; ++i)
@@ -235,10 +198,8 @@ KindPlaces places_of(const Subject& subject, const Variant& variant, const Exten
             Place above = all.at[i];
             above.at += 2 * above.depth * above.normal;
             above.depth = -above.depth;
-            if (subject.truth(above) != glm::dvec3(0))
-                continue;
-            all.at.push_back(above);
-            all.kinds.push_back(Kind::boundary);
+            if (!touches(subject.truth(above)))
+                add(above, Kind::boundary);
         }
     return all;
 }

@@ -28,7 +28,7 @@ public:
 
 private:
     const Subject& subject_;
-    Variant plain_; /* without shading */
+    std::unique_ptr<const PreparedCase> plain_; /* without shading */
     std::unique_ptr<DirectLaw<double>> facets_;
 };
 

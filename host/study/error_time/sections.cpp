@@ -6,7 +6,6 @@
 
 #include <fmt/format.h>
 
-#include "host/study/data/rows.h"
 #include "host/study/error_time/law_at.h"
 #include "host/study/error_time/places.h"
 
@@ -74,8 +73,8 @@ std::vector<glm::dvec3> forces_of(const Way& way, const std::vector<SectionPlace
         places.push_back(one.place);
     if (!way.places)
         return way.forces(places);
-    return way.precision == "f32" ? direct_forces<float>(*way.variant->prepared, places)
-                                  : direct_forces<double>(*way.variant->prepared, places);
+    return way.precision == "f32" ? forces_by(DirectLaw<float>(*way.variant->prepared), places)
+                                  : forces_by(DirectLaw<double>(*way.variant->prepared), places);
 }
 
 struct FieldRow {
@@ -127,25 +126,22 @@ std::vector<Table> section_tables(std::span<const Way* const> ways) {
         add_field(fields, *way, found->second.field);
         add_stroke(strokes, subject.name, way->name, found->second.stroke, forces_of(*way, found->second.stroke));
     }
-    return {
-        table_of<FieldRow>(
-            "fields", "Where on a section the ways of the fronts err",
-            {{{"way", "", "as in ways"}, [](const FieldRow& r) { return Cell(r.way->name); }},
-             {{"surface", "", "as in ways"}, [](const FieldRow& r) { return Cell(r.way->subject->name); }},
-             {{"x_mm", "mm", "middle of the cell"}, [](const FieldRow& r) { return cell(r.x); }},
-             {{"height_mm", "mm", "over the surface along its normal"},
-              [](const FieldRow& r) { return cell(r.height); }},
-             {{"local_max_1", "1", "largest of eight errors over the true force there; 1e-4 where it is less"},
-              [](const FieldRow& r) { return cell(r.error); }}},
-            fields),
-        table_of<StrokeRow>(
-            "strokes", "Force along a stroke, of the ways of the fronts and of what is true",
-            {{{"way", "", "as in ways, or what they are held against"}, [](const StrokeRow& r) { return Cell(r.way); }},
-             {{"surface", "", "as in ways"}, [](const StrokeRow& r) { return Cell(r.surface); }},
-             {{"component", "", "of the force"}, [](const StrokeRow& r) { return Cell(std::string(r.component)); }},
-             {{"x_mm", "mm", "of the surface above the place"}, [](const StrokeRow& r) { return cell(r.x); }},
-             {{"force_N", "N", "of that component"}, [](const StrokeRow& r) { return cell(r.force); }}},
-            strokes)};
+    return {table_of<FieldRow>(
+                "fields", "Where on a section the ways of the fronts err",
+                {{"way", "", "as in ways", [](const FieldRow& r) { return r.way->name; }},
+                 {"surface", "", "as in ways", [](const FieldRow& r) { return r.way->subject->name; }},
+                 {"x_mm", "mm", "middle of the cell", &FieldRow::x},
+                 {"height_mm", "mm", "over the surface along its normal", &FieldRow::height},
+                 {"local_max_1", "1", "largest of eight errors over the true force there; 1e-4 where it is less",
+                  &FieldRow::error}},
+                fields),
+            table_of<StrokeRow>("strokes", "Force along a stroke, of the ways of the fronts and of what is true",
+                                {{"way", "", "as in ways, or what they are held against", &StrokeRow::way},
+                                 {"surface", "", "as in ways", &StrokeRow::surface},
+                                 {"component", "", "of the force", &StrokeRow::component},
+                                 {"x_mm", "mm", "of the surface above the place", &StrokeRow::x},
+                                 {"force_N", "N", "of that component", &StrokeRow::force}},
+                                strokes)};
 }
 
 std::vector<Figure> section_figures(const Subject& subject, const Way& way) {

@@ -50,8 +50,7 @@ struct Variant {
     std::shared_ptr<const PreparedCase> prepared;
     std::string shading;
     std::optional<double> elements; /* facets of a bump, cells of a mesh along a side */
-    bool lookups = false;           /* also from volumes */
-    bool thorough = false;          /* also over grids and along closed loops */
+    bool thorough = false;          /* also from volumes, over grids and along closed loops */
 };
 
 /// What errors are against where it is known; only then is less error closer to a truth.

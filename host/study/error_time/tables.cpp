@@ -1,154 +1,126 @@
-#include "host/study/error_time/tables.h"
-
+// Everything that was measured, as tables and figures.
 #include <algorithm>
-#include <cmath>
 #include <set>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "host/study/data/rows.h"
+#include "host/study/error_time/measured.h"
 #include "host/study/error_time/sections.h"
 
 namespace forceshade::study::error_time {
 namespace {
 
-constexpr double kMostMissed = 0.01;  // of the places
 constexpr double kLeastShown = 1e-7;  // deg or 1: less stands at this in figures
 constexpr double kLoopSeconds = 1e-3; // of a loop of 1 kHz
 
-struct WayRow {
+// A way, and its errors over all places that laws share or over those of a kind.
+struct ErrorRow {
     const Way& way;
-    const std::optional<WayErrors>& errors;
-    Interval seconds, unit_ratio;
-    std::string on_front; /* name, if a front has it */
+    const ForceErrors* errors;
+    Interval seconds{}, unit_ratio{};
+    std::optional<Summary> precision{};
+    std::string on_front{}; /* name, if a front has it */
+    Kind kind{};
 };
+using ErrorColumns = std::vector<ColumnOf<ErrorRow>>;
 
-Cell part(const std::optional<Summary>& summary, double Summary::*number) {
-    return summary ? cell((*summary).*number) : Cell();
+// A number of the errors, nothing where there are none.
+template <typename Number> auto of_errors(Number number) {
+    return [number](const ErrorRow& row) { return row.errors ? Cell(std::invoke(number, *row.errors)) : Cell(); };
+}
+auto of_errors(std::optional<Summary> ForceErrors::*summary, double Summary::*number) {
+    return of_errors([=](const ForceErrors& e) { return e.*summary ? Cell(*(e.*summary).*number) : Cell(); });
 }
 
-template <typename Part> Cell of_errors(const WayRow& row, const Part& part_of) {
-    return row.errors ? part_of(row.errors->shared) : Cell();
+// NaN stays.
+double shown(double error) {
+    return error < kLeastShown ? kLeastShown : error;
 }
 
-Cell shown(double error) {
-    return std::isfinite(error) ? cell(std::max(error, kLeastShown)) : Cell();
-}
-
-const std::vector<ColumnOf<WayRow>>& way_columns() {
-    using R = WayRow;
-    static const std::vector<ColumnOf<R>> columns{
-        {{"way", "", "the law, and how it is evaluated"}, [](const R& r) { return Cell(r.way.name); }},
-        {{"surface", "", "what is compared with each other"}, [](const R& r) { return Cell(r.way.subject->name); }},
-        {{"against", "", "what the errors are against"}, [](const R& r) { return Cell(r.way.subject->against); }},
-        {{"use", "", "live: one place after the other on one thread; volume: whole grids; loop: steps with a hand"},
-         [](const R& r) { return Cell(std::string(name_of(r.way.use))); }},
-        {{"family", "", "how it is evaluated"}, [](const R& r) { return Cell(r.way.family); }},
-        {{"precision", "", "of the arithmetic, and of what is stored"},
-         [](const R& r) { return Cell(r.way.precision); }},
-        {{"shading", "", "as in a scene's [force]"}, [](const R& r) { return Cell(r.way.variant->shading); }},
-        {{"elements", "1", "facets of a bump, cells of a mesh along a side"},
-         [](const R& r) { return cell_of(r.way.variant->elements); }},
-        {{"one_element", "1", "1 / elements"},
-         [](const R& r) { return r.way.variant->elements ? cell(1 / *r.way.variant->elements) : Cell(); }},
-        {{"spacing_mm", "mm", "of a look-up's volume"},
-         [](const R& r) { return r.way.spacing ? cell(1e3 * *r.way.spacing) : Cell(); }},
-        {{"volume_bytes", "B", "of a look-up's volume"}, [](const R& r) { return cell_of(r.way.bytes); }},
-        {{"time_ns", "ns", "of an evaluation, median over the rounds"},
-         [](const R& r) { return cell(1e9 * r.seconds.median); }},
-        {{"time_low_ns", "ns", "low end of its 95 % interval"}, [](const R& r) { return cell(1e9 * r.seconds.low); }},
-        {{"time_high_ns", "ns", "high end"}, [](const R& r) { return cell(1e9 * r.seconds.high); }},
-        {{"share_of_1ms", "1", "time_ns over the millisecond of a loop of 1 kHz"},
-         [](const R& r) { return cell(r.seconds.median / kLoopSeconds); }},
-        {{"ratio_to_unit", "1", "time over that of the unit (see the notes) in the same round, median"},
-         [](const R& r) { return cell(r.unit_ratio.median); }},
-        {{"ratio_low", "1", "low end of its 95 % interval"}, [](const R& r) { return cell(r.unit_ratio.low); }},
-        {{"ratio_high", "1", "high end"}, [](const R& r) { return cell(r.unit_ratio.high); }},
-        {{"places", "1", "that all laws of the surface share, or that a grid has there"},
-         [](const R& r) { return of_errors(r, [](const ForceErrors& e) { return cell(double(e.places)); }); }},
-        {{"missed", "1", "share of the places where there should be a force, and none is"},
-         [](const R& r) {
-             return of_errors(r, [](const ForceErrors& e) { return cell(double(e.missed) / double(e.places)); });
-         }},
-        {{"direction_rms_deg", "deg", "angle to the true force, root mean square"},
-         [](const R& r) {
-             return of_errors(r, [](const ForceErrors& e) { return part(e.direction, &Summary::rms); });
-         }},
-        {{"direction_max_deg", "deg", "the largest"},
-         [](const R& r) {
-             return of_errors(r, [](const ForceErrors& e) { return part(e.direction, &Summary::largest); });
-         }},
-        {{"local_median_1", "1", "error of the force over the true force there, median"},
-         [](const R& r) { return of_errors(r, [](const ForceErrors& e) { return part(e.local, &Summary::median); }); }},
-        {{"local_p95_1", "1", "likewise, what 95 % of the places do not exceed"},
-         [](const R& r) { return of_errors(r, [](const ForceErrors& e) { return part(e.local, &Summary::p95); }); }},
-        {{"typical_rms_1", "1", "error of the force over the RMS true force, root mean square"},
-         [](const R& r) { return of_errors(r, [](const ForceErrors& e) { return part(e.typical, &Summary::rms); }); }},
-        {{"precision_max_1", "1",
-          "largest difference from the same law in double, over the RMS true force, at all places of "
-          "all kinds"},
-         [](const R& r) { return r.errors ? part(r.errors->precision, &Summary::largest) : Cell(); }},
-        {{"shown_direction_deg", "deg", "direction_rms_deg where less than 1 % is missed, 1e-7 where it is less"},
-         [](const R& r) { return r.errors ? shown(direction_error(r.errors->shared)) : Cell(); }},
-        {{"shown_local_1", "1", "local_p95_1, likewise"},
-         [](const R& r) { return r.errors ? shown(local_error(r.errors->shared)) : Cell(); }},
-        {{"on_front", "", "its law and way, if it is on the front of live use or of volumes"},
+const ErrorColumns& way_columns() {
+    using R = ErrorRow;
+    static const ErrorColumns columns{
+        {"way", "", "the law, and how it is evaluated", [](const R& r) { return r.way.name; }},
+        {"surface", "", "what is compared with each other", [](const R& r) { return r.way.subject->name; }},
+        {"against", "", "what the errors are against", [](const R& r) { return r.way.subject->against; }},
+        {"use", "", "live: one place after the other on one thread; volume: whole grids; loop: steps with a hand",
+         [](const R& r) { return name_of(r.way.use); }},
+        {"family", "", "how it is evaluated", [](const R& r) { return r.way.family; }},
+        {"precision", "", "of the arithmetic, and of what is stored", [](const R& r) { return r.way.precision; }},
+        {"shading", "", "as in a scene's [force]", [](const R& r) { return r.way.variant->shading; }},
+        {"elements", "1", "facets of a bump, cells of a mesh along a side",
+         [](const R& r) { return r.way.variant->elements; }},
+        {"one_element", "1", "1 / elements", [](const R& r) { return 1 / r.way.variant->elements.value_or(0); }},
+        {"spacing_mm", "mm", "of a look-up's volume", [](const R& r) { return 1e3 * r.way.spacing.value_or(NAN); }},
+        {"volume_bytes", "B", "of a look-up's volume", [](const R& r) { return r.way.bytes; }},
+        {"time_ns", "ns", "of an evaluation, median over the rounds",
+         [](const R& r) { return 1e9 * r.seconds.median; }},
+        {"time_low_ns", "ns", "low end of its 95 % interval", [](const R& r) { return 1e9 * r.seconds.low; }},
+        {"time_high_ns", "ns", "high end", [](const R& r) { return 1e9 * r.seconds.high; }},
+        {"share_of_1ms", "1", "time_ns over the millisecond of a loop of 1 kHz",
+         [](const R& r) { return r.seconds.median / kLoopSeconds; }},
+        {"ratio_to_unit", "1", "time over that of the unit (see the notes) in the same round, median",
+         [](const R& r) { return r.unit_ratio.median; }},
+        {"ratio_low", "1", "low end of its 95 % interval", [](const R& r) { return r.unit_ratio.low; }},
+        {"ratio_high", "1", "high end", [](const R& r) { return r.unit_ratio.high; }},
+        {"places", "1", "that all laws of the surface share, or that a grid has there",
+         of_errors(&ForceErrors::places)},
+        {"missed", "1", "share of the places where there should be a force, and none is",
+         of_errors([](const ForceErrors& e) { return double(e.missed) / double(e.places); })},
+        {"direction_rms_deg", "deg", "angle to the true force, root mean square",
+         of_errors(&ForceErrors::direction, &Summary::rms)},
+        {"direction_max_deg", "deg", "the largest", of_errors(&ForceErrors::direction, &Summary::largest)},
+        {"local_median_1", "1", "error of the force over the true force there, median",
+         of_errors(&ForceErrors::local, &Summary::median)},
+        {"local_p95_1", "1", "likewise, what 95 % of the places do not exceed",
+         of_errors(&ForceErrors::local, &Summary::p95)},
+        {"typical_rms_1", "1", "error of the force over the RMS true force, root mean square",
+         of_errors(&ForceErrors::typical, &Summary::rms)},
+        {"precision_max_1", "1",
+         "largest difference from the same law in double, over the RMS true force, at all places of all kinds",
+         [](const R& r) { return r.precision ? Cell(r.precision->largest) : Cell(); }},
+        {"shown_direction_deg", "deg", "direction_rms_deg where less than 1 % is missed, 1e-7 where it is less",
+         of_errors([](const ForceErrors& e) { return shown(e.bounded_direction()); })},
+        {"shown_local_1", "1", "local_p95_1, likewise",
+         of_errors([](const ForceErrors& e) { return shown(e.bounded_local()); })},
+        {"on_front", "", "its law and way, if it is on the front of live use or of volumes",
          [](const R& r) { return r.on_front.empty() ? Cell() : Cell(r.on_front); }},
     };
     return columns;
 }
 
-struct KindRow {
-    const Way& way;
-    Kind kind;
-    const ForceErrors& errors;
-};
-
-const std::vector<ColumnOf<KindRow>>& kind_columns() {
-    using R = KindRow;
-    static const std::vector<ColumnOf<R>> columns{
-        {{"way", "", "as in ways"}, [](const R& r) { return Cell(r.way.name); }},
-        {{"surface", "", "as in ways"}, [](const R& r) { return Cell(r.way.subject->name); }},
-        {{"family", "", "as in ways"}, [](const R& r) { return Cell(r.way.family); }},
-        {{"precision", "", "as in ways"}, [](const R& r) { return Cell(r.way.precision); }},
-        {{"shading", "", "as in ways"}, [](const R& r) { return Cell(r.way.variant->shading); }},
-        {{"elements", "1", "as in ways"}, [](const R& r) { return cell_of(r.way.variant->elements); }},
-        {{"spacing_mm", "mm", "as in ways"},
-         [](const R& r) { return r.way.spacing ? cell(1e3 * *r.way.spacing) : Cell(); }},
-        {{"kind", "", "flat, facet, edge, rim, boundary: see the notes"},
-         [](const R& r) { return Cell(std::string(name_of(r.kind))); }},
-        {{"places", "1", "of this kind"}, [](const R& r) { return cell(double(r.errors.places)); }},
-        {{"missed", "1", "of these: no force where one should be"},
-         [](const R& r) { return cell(double(r.errors.missed)); }},
-        {{"phantom", "1", "of these: a force where none should be"},
-         [](const R& r) { return cell(double(r.errors.phantom)); }},
-        {{"direction_rms_deg", "deg", "as in ways"},
-         [](const R& r) { return part(r.errors.direction, &Summary::rms); }},
-        {{"direction_max_deg", "deg", "as in ways"},
-         [](const R& r) { return part(r.errors.direction, &Summary::largest); }},
-        {{"local_median_1", "1", "as in ways"}, [](const R& r) { return part(r.errors.local, &Summary::median); }},
-        {{"local_p95_1", "1", "as in ways"}, [](const R& r) { return part(r.errors.local, &Summary::p95); }},
-        {{"typical_rms_1", "1", "as in ways"}, [](const R& r) { return part(r.errors.typical, &Summary::rms); }},
+ErrorColumns kind_columns() {
+    using R = ErrorRow;
+    ErrorColumns columns;
+    const auto as_in_ways = [&](std::initializer_list<const char*> names) {
+        for (const char* name : names) {
+            columns.push_back(*std::ranges::find(way_columns(), name, [](const auto& one) { return one.column.name; }));
+            columns.back().column.meaning = "as in ways";
+        }
     };
+    as_in_ways({"way", "surface", "family", "precision", "shading", "elements", "spacing_mm"});
+    columns.insert(
+        columns.end(),
+        {{"kind", "", "flat, facet, edge, rim, boundary: see the notes", [](const R& r) { return name_of(r.kind); }},
+         {"places", "1", "of this kind", of_errors(&ForceErrors::places)},
+         {"missed", "1", "of these: no force where one should be", of_errors(&ForceErrors::missed)},
+         {"phantom", "1", "of these: a force where none should be", of_errors(&ForceErrors::phantom)}});
+    as_in_ways({"direction_rms_deg", "direction_max_deg", "local_median_1", "local_p95_1", "typical_rms_1"});
     return columns;
 }
 
 // What a front is about.
 struct Criterion {
-    const char *name, *unit;
-    double (*error)(const ForceErrors&);
+    const char* name;
+    double (ForceErrors::*error)() const;
 };
-constexpr Criterion kCriteria[] = {{"direction, RMS", "deg", direction_error},
-                                   {"local force, 95 % of places", "1", local_error}};
-constexpr std::array<Use, 2> kUses{Use::live, Use::volume};
+constexpr Criterion kDirection{"direction, RMS", &ForceErrors::bounded_direction},
+    kLocal{"local force, 95 % of places", &ForceErrors::bounded_local};
+constexpr Use kUses[] = {Use::live, Use::volume};
 
 std::vector<std::size_t> ways_with(const Measured& measured, const Subject& subject, Use use) {
-    std::vector<std::size_t> ways;
-    for (std::size_t i = 0; i < measured.ways.size(); ++i)
-        if (measured.ways[i].subject == &subject && measured.ways[i].use == use && measured.errors[i])
-            ways.push_back(i);
-    return ways;
+    return measured.find([&](const Way& way) { return way.subject == &subject && way.use == use; });
 }
 
 struct FrontRow {
@@ -156,19 +128,22 @@ struct FrontRow {
     Use use;
     const Criterion& criterion;
     std::size_t way;
+    double error;
 };
 
 std::vector<FrontRow> fronts(const Measured& measured) {
     std::vector<FrontRow> rows;
     for (const Subject& subject : measured.subjects)
         for (const Use use : kUses)
-            for (const Criterion& criterion : kCriteria) {
+            for (const Criterion* criterion : {&kDirection, &kLocal}) {
+                const auto error_of = [&](std::size_t way) {
+                    return shown((measured.errors[way]->shared.*criterion->error)());
+                };
                 const std::vector<std::size_t> ways = ways_with(measured, subject, use);
                 std::vector<double> errors;
-                for (const std::size_t way : ways)
-                    errors.push_back(std::max(criterion.error(measured.errors[way]->shared), kLeastShown));
+                std::ranges::transform(ways, std::back_inserter(errors), error_of);
                 for (const std::size_t way : front_of(measured.times, ways, errors))
-                    rows.push_back({subject, use, criterion, way});
+                    rows.push_back({subject, use, *criterion, way, error_of(way)});
             }
     return rows;
 }
@@ -176,129 +151,114 @@ std::vector<FrontRow> fronts(const Measured& measured) {
 Table front_table(const Measured& measured, const std::vector<FrontRow>& rows) {
     using R = FrontRow;
     const auto time = [&](double Interval::*end) {
-        return [&measured, end](const R& r) { return cell(1e9 * measured.times.seconds(r.way).*end); };
-    };
-    const std::vector<ColumnOf<R>> columns{
-        {{"surface", "", "as in ways"}, [](const R& r) { return Cell(r.subject.name); }},
-        {{"use", "", "as in ways: fronts of live use and of volumes are apart"},
-         [](const R& r) { return Cell(std::string(name_of(r.use))); }},
-        {{"criterion", "", "the error"}, [](const R& r) { return Cell(std::string(r.criterion.name)); }},
-        {{"way", "", "as in ways"}, [&](const R& r) { return Cell(measured.ways[r.way].name); }},
-        {{"time_ns", "ns", "as in ways"}, time(&Interval::median)},
-        {{"time_low_ns", "ns", "as in ways"}, time(&Interval::low)},
-        {{"time_high_ns", "ns", "as in ways"}, time(&Interval::high)},
-        {{"error", "deg or 1", "the criterion's, 1e-7 where it is less"},
-         [&](const R& r) { return shown(r.criterion.error(measured.errors[r.way]->shared)); }},
+        return [&measured, end](const R& r) { return 1e9 * measured.times.seconds(r.way).*end; };
     };
     return table_of<R>("front",
                        "The fronts: each way is cheaper, for sure, than all that are closer (paired rounds, 95 % "
                        "bootstrap interval of the ratio below 1)",
-                       columns, rows);
+                       {{"surface", "", "as in ways", [](const R& r) { return r.subject.name; }},
+                        {"use", "", "as in ways: fronts of live use and of volumes are apart",
+                         [](const R& r) { return name_of(r.use); }},
+                        {"criterion", "", "the error", [](const R& r) { return r.criterion.name; }},
+                        {"way", "", "as in ways", [&](const R& r) { return measured.ways[r.way].name; }},
+                        {"time_ns", "ns", "as in ways", time(&Interval::median)},
+                        {"time_low_ns", "ns", "as in ways", time(&Interval::low)},
+                        {"time_high_ns", "ns", "as in ways", time(&Interval::high)},
+                        {"error", "deg or 1", "the criterion's, 1e-7 where it is less", &R::error}},
+                       rows);
 }
 
-constexpr Bound kBounds[] = {{"direction, RMS", "deg", 1, direction_error},
-                             {"direction, RMS", "deg", 0.1, direction_error},
-                             {"local force, 95 % of places", "1", 0.1, local_error},
-                             {"local force, 95 % of places", "1", 0.01, local_error}};
-
+// A bound, and the ways that keep to it.
 struct CheapestRow {
     const Subject& subject;
     Use use;
-    const Bound& bound;
-    std::vector<std::size_t> candidates;
-    std::optional<Cheapest> cheapest;
+    const char* criterion;
+    double bound;
+    std::size_t candidates;
+    Cell way{}, time{}, error{}, ties{}, tied_with{};
 };
 
 Table cheapest_table(const Measured& measured) {
-    std::vector<CheapestRow> rows;
-    for (const Subject& subject : measured.subjects) {
-        if (subject.against != kSmoothShape)
-            continue;
-        for (const Use use : kUses)
-            for (const Bound& bound : kBounds) {
-                CheapestRow row{subject, use, bound, ways_with(measured, subject, use), {}};
-                std::erase_if(row.candidates, [&](std::size_t way) {
-                    return !(bound.error(measured.errors[way]->shared) <= bound.most);
-                });
-                if (!row.candidates.empty())
-                    row.cheapest = cheapest_of(measured.times, row.candidates);
-                rows.push_back(std::move(row));
-            }
-    }
     using R = CheapestRow;
-    const auto names = [&measured](const std::vector<std::size_t>& ways) {
-        std::vector<std::string> all;
-        for (const std::size_t way : ways)
-            all.push_back(measured.ways[way].name);
-        return fmt::format("{}", fmt::join(all, "; "));
-    };
-    const std::vector<ColumnOf<R>> columns{
-        {{"surface", "", "as in ways"}, [](const R& r) { return Cell(r.subject.name); }},
-        {{"use", "", "as in ways"}, [](const R& r) { return Cell(std::string(name_of(r.use))); }},
-        {{"criterion", "", "what is bounded"}, [](const R& r) { return Cell(std::string(r.bound.criterion)); }},
-        {{"bound", "deg or 1", "the most that it may be"}, [](const R& r) { return cell(r.bound.most); }},
-        {{"candidates", "1", "ways that keep to it"}, [](const R& r) { return cell(double(r.candidates.size())); }},
-        {{"way", "", "of the least median time among them; nothing if there is none"},
-         [&](const R& r) { return r.cheapest ? Cell(measured.ways[r.cheapest->way].name) : Cell(); }},
-        {{"time_ns", "ns", "its time"},
-         [&](const R& r) { return r.cheapest ? cell(1e9 * measured.times.seconds(r.cheapest->way).median) : Cell(); }},
-        {{"error", "deg or 1", "what it has of the criterion"},
-         [&](const R& r) {
-             return r.cheapest ? cell(r.bound.error(measured.errors[r.cheapest->way]->shared)) : Cell();
-         }},
-        {{"ties", "1", "others whose paired ratio to it does not exclude 1"},
-         [](const R& r) { return r.cheapest ? cell(double(r.cheapest->ties.size())) : Cell(); }},
-        {{"tied_with", "", "their names"},
-         [&](const R& r) { return r.cheapest && !r.cheapest->ties.empty() ? Cell(names(r.cheapest->ties)) : Cell(); }},
-    };
+    std::vector<R> rows;
+    for (const Subject& subject : measured.subjects)
+        for (const Use use : kUses)
+            for (const auto& [criterion, bound] :
+                 {std::pair(&kDirection, 1.0), {&kDirection, 0.1}, {&kLocal, 0.1}, {&kLocal, 0.01}}) {
+                if (subject.against != kSmoothShape)
+                    continue;
+                const auto error_of = [&](std::size_t way) {
+                    return (measured.errors[way]->shared.*criterion->error)();
+                };
+                std::vector<std::size_t> ways = ways_with(measured, subject, use);
+                std::erase_if(ways, [&](std::size_t way) { return !(error_of(way) <= bound); });
+                R& row = rows.emplace_back(R{subject, use, criterion->name, bound, ways.size()});
+                if (ways.empty())
+                    continue;
+                const auto [cheapest, ties] = cheapest_of(measured.times, ways);
+                std::vector<std::string> names;
+                for (const std::size_t way : ties)
+                    names.push_back(measured.ways[way].name);
+                row.way = measured.ways[cheapest].name;
+                row.time = 1e9 * measured.times.seconds(cheapest).median;
+                row.error = error_of(cheapest);
+                row.ties = ties.size();
+                if (!names.empty())
+                    row.tied_with = fmt::format("{}", fmt::join(names, "; "));
+            }
     return table_of<R>("cheapest", "The cheapest way within a bound, and those that the rounds do not tell from it",
-                       columns, rows);
+                       {{"surface", "", "as in ways", [](const R& r) { return r.subject.name; }},
+                        {"use", "", "as in ways", [](const R& r) { return name_of(r.use); }},
+                        {"criterion", "", "what is bounded", &R::criterion},
+                        {"bound", "deg or 1", "the most that it may be", &R::bound},
+                        {"candidates", "1", "ways that keep to it", &R::candidates},
+                        {"way", "", "of the least median time among them; nothing if there is none", &R::way},
+                        {"time_ns", "ns", "its time", &R::time},
+                        {"error", "deg or 1", "what it has of the criterion", &R::error},
+                        {"ties", "1", "others whose paired ratio to it does not exclude 1", &R::ties},
+                        {"tied_with", "", "their names", &R::tied_with}},
+                       rows);
 }
 
-struct RoundRow {
-    std::size_t round, way;
-    double seconds;
-};
-
 Table rounds_table(const Measured& measured) {
-    std::vector<RoundRow> rows;
+    struct R {
+        std::size_t round, way;
+        double time;
+    };
+    std::vector<R> rows;
     for (std::size_t round = 0; round < measured.times.rounds().size(); ++round)
         for (std::size_t way = 0; way < measured.ways.size(); ++way)
-            rows.push_back({round, way, measured.times.rounds()[round][way]});
-    using R = RoundRow;
+            rows.push_back({round, way + 1, 1e9 * measured.times.rounds()[round][way]});
     return table_of<R>("rounds", "Every time that was taken",
-                       {{{"round", "1", "each measures every way once, in an order of its own"},
-                         [](const R& r) { return cell(double(r.round)); }},
-                        {{"way", "1", "its row in ways, from 1"}, [](const R& r) { return cell(double(r.way + 1)); }},
-                        {{"time_ns", "ns", "of an evaluation"}, [](const R& r) { return cell(1e9 * r.seconds); }}},
+                       {{"round", "1", "each measures every way once, in an order of its own", &R::round},
+                        {"way", "1", "its row in ways, from 1", &R::way},
+                        {"time_ns", "ns", "of an evaluation", &R::time}},
                        rows);
 }
 
 // What time there is: an evaluation a period of a loop, or a voxel of a sweep.
-struct BudgetRow {
-    const char* name;
-    double seconds, error;
-};
 constexpr std::pair<const char*, double> kBudgets[] = {
     {"loop of 4 kHz", 0.25e-3}, {"loop of 1 kHz", 1e-3}, {"1e9 voxels in 10 min", 600e-9}};
 
 Table budgets_table(const Measured& measured) {
     double least = 1, most = kLeastShown;
     for (const auto& errors : measured.errors)
-        if (const double error = errors ? local_error(errors->shared) : NAN; std::isfinite(error)) {
-            least = std::min(least, std::max(error, kLeastShown));
+        if (const double error = errors ? errors->shared.bounded_local() : NAN; std::isfinite(error)) {
+            least = std::min(least, shown(error));
             most = std::max(most, error);
         }
-    std::vector<BudgetRow> rows;
-    for (const auto& [name, seconds] : kBudgets) {
-        rows.push_back({name, seconds, least});
-        rows.push_back({name, seconds, most});
-    }
-    using R = BudgetRow;
+    struct R {
+        const char* name;
+        double time, error;
+    };
+    std::vector<R> rows;
+    for (const auto& [name, seconds] : kBudgets)
+        for (const double end : {least, most})
+            rows.push_back({name, 1e9 * seconds, end});
     return table_of<R>("budgets", "Lines of figures: the time there is for an evaluation",
-                       {{{"budget", "", "of what"}, [](const R& r) { return Cell(std::string(r.name)); }},
-                        {{"time_ns", "ns", "for an evaluation"}, [](const R& r) { return cell(1e9 * r.seconds); }},
-                        {{"error", "1", "where the line begins and ends"}, [](const R& r) { return cell(r.error); }}},
+                       {{"budget", "", "of what", &R::name},
+                        {"time_ns", "ns", "for an evaluation", &R::time},
+                        {"error", "1", "where the line begins and ends", &R::error}},
                        rows);
 }
 
@@ -323,7 +283,7 @@ Figure error_over_time(const Subject& subject, bool own) {
     figure.x_high = "time_high_ns";
     for (const Use use : kUses)
         figure.curves.push_back({"front",
-                                 {{"surface", subject.name}, {"use", name_of(use)}, {"criterion", kCriteria[1].name}},
+                                 {{"surface", subject.name}, {"use", name_of(use)}, {"criterion", kLocal.name}},
                                  "time_ns",
                                  "error",
                                  fmt::format("front, {}", name_of(use)),
@@ -334,16 +294,15 @@ Figure error_over_time(const Subject& subject, bool own) {
 }
 
 // Errors of look-ups over the volume's spacing, kind by kind, of the law that has them.
-Figure lookup_figure(const Measured& measured, const Variant& variant) {
+Figure lookup_figure(const Subject& subject, const Variant& variant) {
     Figure figure;
-    figure.name = "look-up-" + measured.subjects.front().name;
-    figure.title = fmt::format("{}, {}: error of a trilinear look-up by what is touched",
-                               measured.subjects.front().name, variant.name);
+    figure.name = "look-up-" + subject.name;
+    figure.title = fmt::format("{}, {}: error of a trilinear look-up by what is touched", subject.name, variant.name);
     figure.caption =
         "What 95 % of the places of a kind do not exceed, over the force there. A finer volume helps least "
         "where contact begins and where facets or surfaces meet.";
     figure.table = "kinds";
-    figure.where = {{"surface", measured.subjects.front().name},
+    figure.where = {{"surface", subject.name},
                     {"family", "look-up, trilinear"},
                     {"precision", "f32"},
                     {"shading", variant.shading}};
@@ -370,38 +329,27 @@ Figure convergence(const Subject& subject, const std::string& family) {
 
 } // namespace
 
-double direction_error(const ForceErrors& errors) {
-    const bool whole = double(errors.missed) <= kMostMissed * double(errors.places);
-    return whole && errors.direction ? errors.direction->rms : NAN;
-}
-
-double local_error(const ForceErrors& errors) {
-    const bool whole = double(errors.missed) <= kMostMissed * double(errors.places);
-    return whole && errors.local ? errors.local->p95 : NAN;
-}
-
 std::vector<Table> tables_of(const Measured& measured) {
     const std::vector<FrontRow> front = fronts(measured);
     std::set<std::size_t> on_front;
     std::vector<const Way*> front_ways;
     for (const FrontRow& row : front)
-        if (row.criterion.error == local_error && on_front.insert(row.way).second)
+        if (&row.criterion == &kLocal && on_front.insert(row.way).second)
             front_ways.push_back(&measured.ways[row.way]);
-    std::vector<WayRow> ways;
-    std::vector<KindRow> kinds;
+    std::vector<ErrorRow> ways, kinds;
     for (std::size_t i = 0; i < measured.ways.size(); ++i) {
         const Way& way = measured.ways[i];
-        ways.push_back({way, measured.errors[i], measured.times.seconds(i),
-                        measured.times.ratio(i, measured.times.unit()),
+        const auto& errors = measured.errors[i];
+        ways.push_back({way, errors ? &errors->shared : nullptr, measured.times.seconds(i),
+                        measured.times.ratio(i, measured.times.unit()), errors ? errors->precision : std::nullopt,
                         on_front.contains(i) ? way.name.substr(way.subject->name.size() + 2) : ""});
         for (const Kind kind : kKinds)
-            if (measured.errors[i])
-                if (const auto& errors = measured.errors[i]->by_kind[static_cast<std::size_t>(kind)])
-                    kinds.push_back({way, kind, *errors});
+            if (const ForceErrors* of_kind = errors ? errors->of(kind) : nullptr)
+                kinds.push_back({.way = way, .errors = of_kind, .kind = kind});
     }
     std::vector<Table> tables = section_tables(front_ways);
-    return {table_of<WayRow>("ways", "Every way of coming by a force: error and time", way_columns(), ways),
-            table_of<KindRow>("kinds", "Errors by what is touched", kind_columns(), kinds),
+    return {table_of("ways", "Every way of coming by a force: error and time", way_columns(), ways),
+            table_of("kinds", "Errors by what is touched", kind_columns(), kinds),
             front_table(measured, front),
             cheapest_table(measured),
             budgets_table(measured),
@@ -412,27 +360,27 @@ std::vector<Table> tables_of(const Measured& measured) {
 
 std::vector<Figure> figures_of(const Measured& measured, bool own) {
     std::vector<Figure> figures, sections;
+    const std::vector<FrontRow> front = fronts(measured);
     for (const Subject& subject : measured.subjects) {
-        Figure figure = error_over_time(subject, own);
+        Figure& figure = figures.emplace_back(error_over_time(subject, own));
         std::vector<std::size_t> live;
-        for (const FrontRow& row : fronts(measured))
-            if (&row.subject == &subject && row.use == Use::live && row.criterion.error == local_error)
+        for (const FrontRow& row : front)
+            if (&row.subject == &subject && row.use == Use::live && &row.criterion == &kLocal)
                 live.push_back(row.way);
-        if (!live.empty()) {
-            figure.pick = "way";
-            for (Figure& one : section_figures(subject, measured.ways[live[live.size() / 2]])) {
-                figure.linked.push_back(one.name);
-                sections.push_back(std::move(one));
-            }
+        if (live.empty())
+            continue;
+        figure.pick = "way";
+        for (Figure& one : section_figures(subject, measured.ways[live[live.size() / 2]])) {
+            figure.linked.push_back(one.name);
+            sections.push_back(std::move(one));
         }
-        figures.push_back(std::move(figure));
     }
-    for (const Variant& variant : measured.subjects.front().variants)
-        if (variant.lookups && variant.shading != "none") {
-            figures.push_back(lookup_figure(measured, variant));
-            break;
-        }
-    if (const Subject& last = measured.subjects.back(); !last.elements.empty())
+    const Subject &first = measured.subjects.front(), &last = measured.subjects.back();
+    if (const auto shaded = std::ranges::find_if(
+            first.variants, [](const Variant& one) { return one.thorough && one.shading != "none"; });
+        shaded != first.variants.end())
+        figures.push_back(lookup_figure(first, *shaded));
+    if (!last.elements.empty())
         figures.push_back(convergence(last, last.variants.front().prepared->images.mesh ? "god-object" : "direct"));
     std::ranges::move(sections, std::back_inserter(figures));
     return figures;

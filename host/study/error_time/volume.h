@@ -2,36 +2,15 @@
 // convolution: Keys 1981).
 #pragma once
 
+#include <Imath/half.h>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <cstddef>
-#include <cstdint>
-#include <span>
 #include <vector>
 
 #include "host/prepare/prepared_case.h"
 
 namespace forceshade::study::error_time {
-
-/// A half as it stands in a file.
-enum class Half : std::uint16_t {};
-
-/// Exact; halves that are infinite or no numbers are not expected.
-inline float to_float(Half half) noexcept {
-    const auto bits = static_cast<std::uint32_t>(half);
-    const float magnitude = std::bit_cast<float>((bits & 0x7fffu) << 13) * 0x1p112f;
-    return bits & 0x8000u ? -magnitude : magnitude;
-}
-inline float to_float(float value) noexcept {
-    return value;
-}
-inline double to_float(double value) noexcept {
-    return value;
-}
-
-/// As the volumes' files round them.
-std::vector<Half> halves_of(std::span<const float> numbers);
 
 /// Cubic samples lie `spacing` apart along all axes, x fastest, then y, then z.
 struct VolumeGrid {
@@ -45,10 +24,10 @@ struct VolumeGrid {
 /// The grid over a box, with two samples more than it takes on each side, as the tricubic reading wants.
 VolumeGrid volume_grid(const glm::dvec3& low, const glm::dvec3& high, double spacing);
 
-/// The scene's forces at the samples of a grid, N, 3 a sample, by the oracle in T on all cores.
-template <typename T> std::vector<T> sampled(const PreparedCase& prepared, const VolumeGrid& grid);
+/// The scene's forces at the samples of a grid, N, 3 a sample, by the oracle on all cores.
+std::vector<float> sampled(const PreparedCase& prepared, const VolumeGrid& grid);
 
-/// Forces as Stored (Half, float, double), read in the arithmetic of T at places of the world, m.
+/// Forces as Stored (half, float, double), read in the arithmetic of T at places of the world, m.
 template <typename Stored, typename T> class ForceVolume {
 public:
     /// `forces`: 3 a sample, N.
@@ -105,7 +84,7 @@ private:
 
     reference::Vector<T> force_at(std::size_t sample) const noexcept {
         const Stored* force = forces_.data() + 3 * sample;
-        return {T(to_float(force[0])), T(to_float(force[1])), T(to_float(force[2]))};
+        return {T(force[0]), T(force[1]), T(force[2])};
     }
 
     VolumeGrid grid_;

@@ -7,9 +7,8 @@
 #include <fmt/format.h>
 
 #include "host/clock.h"
+#include "host/output/rows.h"
 #include "host/paths/scene_paths.h"
-#include "host/reference/field.h"
-#include "host/reference/paths.h"
 #include "host/study/error_time/law_at.h"
 #include "host/study/error_time/volume.h"
 
@@ -19,7 +18,6 @@ namespace {
 constexpr std::size_t kTimedPlaces = 2048;
 constexpr std::size_t kGridPlaces = 2000; // of a grid, at which it is held against the truth
 constexpr double kShortest = 1e-3;        // s: of a measurement
-constexpr const char* kGodObject = "god-object";
 
 template <typename T> constexpr const char* kPrecision = std::is_same_v<T, float> ? "f32" : "f64";
 
@@ -54,123 +52,15 @@ template <typename Pass> std::function<double()> timed(std::size_t count, Pass p
     };
 }
 
-// The places at which live ways are timed.
-std::span<const Place> timed_places(const Subject& subject) {
-    return std::span(subject.places).first(std::min(kTimedPlaces, subject.places.size()));
-}
-
-template <typename T> double sum_of(const reference::Vector<T>& force) {
-    return static_cast<double>(force.x) + static_cast<double>(force.z);
-}
-
-Way way_of(const Subject& subject, const Variant& variant, Use use, const std::string& family,
-           const std::string& precision) {
-    Way way;
-    way.name = fmt::format("{}, {}: {} {}", subject.name, variant.name, family, precision);
-    way.subject = &subject;
-    way.variant = &variant;
-    way.use = use;
-    way.family = family;
-    way.precision = precision;
-    return way;
-}
-
-template <typename T> Way direct(const Subject& subject, const Variant& variant) {
-    Way way = way_of(subject, variant, Use::live, "direct", kPrecision<T>);
-    way.forces = [&variant](std::span<const Place> at) { return direct_forces<T>(*variant.prepared, at); };
-    struct Loop {
-        std::unique_ptr<DirectLaw<T>> law;
-        std::vector<reference::Vector<T>> places;
-    };
-    const auto loop = lazily([&] {
-        std::vector<glm::dvec3> world;
-        for (const Place& place : timed_places(subject))
-            world.push_back(place.at);
-        return Loop{std::make_unique<DirectLaw<T>>(*variant.prepared), rounded_places<T>(*variant.prepared, world)};
-    });
-    way.seconds = timed(timed_places(subject).size(), [loop] {
-        auto& [law, places] = loop();
-        double sum = 0;
-        for (const reference::Vector<T>& place : places)
-            sum += sum_of(law->at(place).force);
-        return sum;
-    });
-    return way;
-}
-
-template <typename T> Way god_object(const Subject& subject, const Variant& variant) {
-    Way way = way_of(subject, variant, Use::live, kGodObject, kPrecision<T>);
-    way.forces = [&](std::span<const Place> at) { return proxy_forces<T>(*variant.prepared, at, subject.scale); };
-    struct Loop {
-        std::unique_ptr<ProxyLaw<T>> law;
-        std::vector<std::vector<reference::Vector<T>>> descents;
-    };
-    const auto loop = lazily([&] {
-        Loop made{std::make_unique<ProxyLaw<T>>(*variant.prepared), {}};
-        for (const Place& place : timed_places(subject))
-            made.descents.push_back(rounded_places<T>(*variant.prepared, descent(place, subject.scale)));
-        return made;
-    });
-    way.seconds = timed(kDescent * timed_places(subject).size(), [loop] {
-        auto& [law, descents] = loop();
-        double sum = 0;
-        for (const auto& one : descents)
-            sum += sum_of(law->force(one));
-        return sum;
-    });
-    return way;
-}
-
-template <typename Stored, typename Volume>
-Way lookup(const Subject& subject, const Variant& variant, const VolumeGrid& grid, bool cubic, const Volume& volume) {
-    const bool half = sizeof(Stored) == 2;
-    Way way = way_of(subject, variant, Use::live, cubic ? "look-up, tricubic" : "look-up, trilinear",
-                     half ? "f32, half stored" : "f32");
-    way.name = fmt::format("{}, {}: {} {:.3g} mm{}", subject.name, variant.name, way.family, grid.spacing * 1e3,
-                           half ? ", half stored" : "");
-    way.spacing = grid.spacing;
-    way.bytes = static_cast<double>(3 * sizeof(Stored) * grid.samples());
-    const auto read = [volume, cubic](const reference::Vector<float>& place) {
-        return cubic ? volume().tricubic(place) : volume().trilinear(place);
-    };
-    way.forces = [read](std::span<const Place> at) {
-        std::vector<glm::dvec3> forces;
-        for (const Place& place : at)
-            forces.emplace_back(read(reference::Vector<float>(place.at)));
-        return forces;
-    };
-    const auto places = lazily([&] {
-        std::vector<reference::Vector<float>> made;
-        for (const Place& place : timed_places(subject))
-            made.emplace_back(place.at);
-        return made;
-    });
-    way.seconds = timed(timed_places(subject).size(), [places, read] {
-        double sum = 0;
-        for (const reference::Vector<float>& place : places())
-            sum += sum_of(read(place));
-        return sum;
-    });
-    return way;
-}
-
-void add_lookups(std::vector<Way>& ways, const Subject& subject, const Variant& variant) {
-    for (const double spacing : subject.spacings) {
-        const VolumeGrid grid = volume_grid(subject.low, subject.high, spacing);
-        const auto volume = lazily(
-            [&variant, grid] { return ForceVolume<float, float>(grid, sampled<float>(*variant.prepared, grid)); });
-        const auto halves = lazily([&variant, grid] {
-            return ForceVolume<Half, float>(grid, halves_of(sampled<float>(*variant.prepared, grid)));
-        });
-        ways.push_back(lookup<float>(subject, variant, grid, false, volume));
-        ways.push_back(lookup<float>(subject, variant, grid, true, volume));
-        ways.push_back(lookup<Half>(subject, variant, grid, false, halves));
+// A look-up volume, made when it is first wanted, as a law.
+template <typename Volume> struct LookUp {
+    Volume& volume;
+    bool cubic;
+    static reference::Vector<float> input(const Place& place) { return reference::Vector<float>(place.at); }
+    reference::Vector<float> force(const reference::Vector<float>& at) const noexcept {
+        return cubic ? volume.tricubic(at) : volume.trilinear(at);
     }
-}
-
-// Evaluates a grid, and hands its chunks on; returns seconds.
-template <typename T> using TakeField = std::function<void(const layout::FieldChunk<T>&)>;
-template <typename T> using EvaluateGrid = std::function<double(const layout::FieldInput<T>&, const TakeField<T>&)>;
+};
 
 // Voxels at which a hand would touch, and the forces there.
 struct TouchedVoxels {
@@ -179,144 +69,173 @@ struct TouchedVoxels {
 };
 
 template <typename T>
-TouchedVoxels touched_voxels(const Subject& subject, const FieldTables<T>& tables, const EvaluateGrid<T>& evaluate) {
+TouchedVoxels touched_voxels(const Subject& subject, const FieldTables<T>& tables, Engine& engine) {
+    const GridSpec& grid = subject.grid;
+    std::vector<T> field;
+    engine.evaluate<T>(tables.input(), [&](const auto& chunk) { append_rows(chunk, chunk.force, 3, 1, field); });
     TouchedVoxels all;
-    evaluate(tables.input(), [&](const layout::FieldChunk<T>& chunk) {
-        for (std::size_t z = 0; z < chunk.z_count; ++z)
-            for (std::size_t y = 0; y < chunk.y_count; ++y)
-                for (std::size_t x = 0; x < chunk.x_count; ++x) {
-                    const std::size_t index[3] = {x, chunk.y_first + y, chunk.z_first + z};
-                    Place place;
-                    for (int i = 0; i < 3; ++i) {
-                        const auto axis = static_cast<std::size_t>(i);
-                        place.at[i] =
-                            subject.grid.origin[axis] + subject.grid.spacing[axis] * static_cast<double>(index[axis]);
-                    }
-                    const glm::dvec3 force(
-                        reference::vector_at(chunk.force, (z * chunk.y_count + y) * chunk.x_pitch + x));
-                    if (force == glm::dvec3(0))
-                        continue;
-                    place.normal = force / reference::length(force);
-                    place.depth = reference::length(force) / subject.stiffness;
-                    if (place.depth < subject.scale.shallowest() || place.depth > subject.scale.deepest)
-                        continue;
-                    all.at.push_back(place);
-                    all.forces.push_back(force);
-                }
-    });
-    const std::size_t stride = all.at.size() / kGridPlaces + 1;
+    for (std::size_t i = 0; i < field.size() / 3; ++i) {
+        const std::size_t index[3] = {i % grid.size[0], i / grid.size[0] % grid.size[1],
+                                      i / grid.size[0] / grid.size[1]};
+        const glm::dvec3 force(field[3 * i], field[3 * i + 1], field[3 * i + 2]);
+        const double size = reference::length(force), depth = size / subject.stiffness;
+        if (size == 0 || depth < subject.scale.shallowest() || depth > subject.scale.deepest)
+            continue;
+        Place place{{}, force / size, depth};
+        for (int k = 0; k < 3; ++k) {
+            const auto axis = static_cast<std::size_t>(k);
+            place.at[k] = grid.origin[axis] + grid.spacing[axis] * static_cast<double>(index[axis]);
+        }
+        all.at.push_back(place);
+        all.forces.push_back(force);
+    }
     TouchedVoxels some;
-    for (std::size_t i = 0; i < all.at.size(); i += stride) {
+    for (std::size_t i = 0; i < all.at.size(); i += all.at.size() / kGridPlaces + 1) {
         some.at.push_back(all.at[i]);
         some.forces.push_back(all.forces[i]);
     }
     return some;
 }
 
-template <typename T>
-Way grid_way(const Subject& subject, const Variant& variant, const std::string& family,
-             const EvaluateGrid<T>& evaluate) {
-    Way way = way_of(subject, variant, Use::volume, family, kPrecision<T>);
-    const auto tables = lazily([&] {
-        Scene scene = variant.prepared->one.scene;
-        scene.grid = subject.grid;
-        scene.output.channels = layout::kChannelForce;
-        return make_tables<T>(scene, variant.prepared->images, Extent::everything);
-    });
-    const auto touched =
-        lazily([&subject, tables, evaluate] { return touched_voxels<T>(subject, tables(), evaluate); });
-    way.places = [touched] { return touched().at; };
-    way.forces = [touched](std::span<const Place>) { return touched().forces; };
-    way.seconds = [tables, evaluate] {
-        const auto voxels = static_cast<double>(tables().x.size() * tables().y.size() * tables().z.size());
-        // A small grid is over in a millisecond, of which one says little: the median of three.
-        double seconds[3];
-        for (double& one : seconds)
-            one = evaluate(tables().input(), [](const layout::FieldChunk<T>&) {}) / voxels;
-        std::ranges::sort(seconds);
-        return seconds[1];
-    };
-    return way;
-}
+// Adds the ways of a law.
+class WaysOf {
+    template <typename T> auto direct_law() const {
+        return [&prepared = *variant_.prepared] { return std::make_unique<DirectLaw<T>>(prepared); };
+    }
 
-template <typename T> EvaluateGrid<T> grid_on_engine(Engine& engine) {
-    return [&engine](const layout::FieldInput<T>& input, const TakeField<T>& take) {
-        const EngineTimes times = engine.evaluate(input, take);
-        return times.kernel + times.plan;
-    };
-}
+    // By a law that is made anew.
+    template <typename Make> static ForcesAt forces_of(Make make) {
+        return [make](std::span<const Place> at) { return forces_by(*make(), at); };
+    }
 
-template <typename T> double grid_on_one_thread(const layout::FieldInput<T>& input, const TakeField<T>& take) {
-    reference::FieldOptions options;
-    options.threads = 1;
-    double seconds = 0;
-    Clock::time_point start = Clock::now();
-    reference::evaluate_field<T>(input, options, [&](const layout::FieldChunk<T>& chunk) {
-        seconds += seconds_since(start);
-        take(chunk);
-        start = Clock::now();
-    });
-    return seconds;
-}
+public:
+    WaysOf(std::vector<Way>& ways, const Subject& subject, const Variant& variant)
+        : ways_(ways), subject_(subject), variant_(variant) {}
 
-// Takes all paths through their law; returns seconds.
-template <typename T> using Explore = std::function<double(const layout::PathInput<T>&)>;
+    void add_direct() {
+        add_laws("direct", 1, [&]<typename T>(T) { return direct_law<T>(); });
+    }
+    void add_god_object() {
+        add_laws("god-object", kDescent, [&]<typename T>(T) {
+            return [&prepared = *variant_.prepared, &scale = subject_.scale] {
+                return std::make_unique<ProxyLaw<T>>(prepared, scale);
+            };
+        });
+    }
+    void add_lookups() {
+        for (const double spacing : subject_.spacings) {
+            const VolumeGrid grid = volume_grid(subject_.low, subject_.high, spacing);
+            const auto volume = [&]<typename Stored>(Stored) {
+                return lazily([&prepared = *variant_.prepared, grid] {
+                    const std::vector<float> forces = sampled(prepared, grid);
+                    return ForceVolume<Stored, float>(grid, std::vector<Stored>(forces.begin(), forces.end()));
+                });
+            };
+            const auto floats = volume(0.0F);
+            add_lookup(floats, false, grid, sizeof(float));
+            add_lookup(floats, true, grid, sizeof(float));
+            add_lookup(volume(half()), false, grid, sizeof(half));
+        }
+    }
 
-// Steps of a hand that presses a probe along the surface. Where the probe is then depends on all forces before: a step
-// has a time, and no error of its own.
-template <typename T>
-Way closed_loop(const Subject& subject, const Variant& variant, const std::string& family, const Explore<T>& explore) {
-    Way way = way_of(subject, variant, Use::loop, family, kPrecision<T>);
-    struct Walk {
-        std::unique_ptr<ScenePaths<T>> source;
-        layout::PathInput<T> input;
-    };
-    const auto walk = lazily([&] {
-        Walk made{std::make_unique<ScenePaths<T>>(*variant.prepared), {}};
-        made.input = made.source->input();
-        made.input.features.channels = 0;
-        return made;
-    });
-    way.seconds = [walk, explore] {
-        const layout::PathInput<T>& input = walk().input;
-        return explore(input) / static_cast<double>(input.paths * input.steps);
-    };
-    return way;
-}
+    template <typename T> void add_field(const std::string& by, Engine& engine) {
+        Way& way = add(Use::volume, "field, " + by, kPrecision<T>);
+        const auto tables = lazily([this_subject = &subject_, &prepared = *variant_.prepared] {
+            Scene scene = prepared.one.scene;
+            scene.grid = this_subject->grid;
+            scene.output.channels = layout::kChannelForce;
+            return make_tables<T>(scene, prepared.images, Extent::everything);
+        });
+        const auto touched = lazily(
+            [this_subject = &subject_, tables, &engine] { return touched_voxels<T>(*this_subject, tables(), engine); });
+        way.places = [touched] { return touched().at; };
+        way.forces = [touched](std::span<const Place>) { return touched().forces; };
+        way.seconds = [tables, &engine] {
+            const auto voxels = static_cast<double>(tables().x.size() * tables().y.size() * tables().z.size());
+            // A small grid is over in a millisecond, of which one says little: the median of three.
+            double seconds[3];
+            for (double& one : seconds) {
+                const EngineTimes times = engine.evaluate<T>(tables().input(), [](const auto&) {});
+                one = (times.kernel + times.plan) / voxels;
+            }
+            std::ranges::sort(seconds);
+            return seconds[1];
+        };
+    }
 
-template <typename T> Explore<T> loop_on_engine(Engine& engine) {
-    return [&engine](const layout::PathInput<T>& input) {
-        return engine
-            .explore(
-                input, [](const layout::PathChunk<T>&) {}, [](std::size_t, std::span<const layout::PathMetrics<T>>) {})
-            .kernel;
-    };
-}
+    // Steps of a hand that presses a probe along the surface. Where the probe is then depends on all forces before: a
+    // step has a time, and no error of its own.
+    template <typename T> void add_closed_loop(const std::string& by, Engine& engine) {
+        const auto paths =
+            lazily([&prepared = *variant_.prepared] { return std::make_unique<ScenePaths<T>>(prepared); });
+        add(Use::loop, "closed loop, " + by, kPrecision<T>).seconds = [paths, &engine] {
+            layout::PathInput<T> input = paths()->input();
+            input.features.channels = 0;
+            const EngineTimes times = engine.explore<T>(
+                input, [](const auto&) {}, [](std::size_t, const auto&) {});
+            return times.kernel / static_cast<double>(input.paths * input.steps);
+        };
+    }
 
-template <typename T> double loop_on_one_thread(const layout::PathInput<T>& input) {
-    reference::PathOptions options;
-    options.threads = 1;
-    const Clock::time_point start = Clock::now();
-    reference::evaluate_paths<T>(
-        input, options, [](const layout::PathChunk<T>&) {},
-        [](std::size_t, std::span<const layout::PathMetrics<T>>) {});
-    return seconds_since(start);
-}
+private:
+    Way& add(Use use, const std::string& family, const std::string& precision) {
+        Way way;
+        way.name = fmt::format("{}, {}: {} {}", subject_.name, variant_.name, family, precision);
+        way.subject = &subject_;
+        way.variant = &variant_;
+        way.use = use;
+        way.family = family;
+        way.precision = precision;
+        way.exact = forces_of(direct_law<double>());
+        return ways_.emplace_back(std::move(way));
+    }
 
-void add_thorough(std::vector<Way>& ways, const Subject& subject, const Variant& variant, Engine& engine) {
-    const EngineReport report = engine.report();
-    const std::string by = report.engine == "gpu" ? "kernel" : "CPU on all cores", alone = "CPU on one thread";
-    ways.push_back(grid_way<float>(subject, variant, "field, " + by, grid_on_engine<float>(engine)));
-    if (report.f64)
-        ways.push_back(grid_way<double>(subject, variant, "field, " + by, grid_on_engine<double>(engine)));
-    ways.push_back(grid_way<float>(subject, variant, "field, " + alone, grid_on_one_thread<float>));
-    ways.push_back(grid_way<double>(subject, variant, "field, " + alone, grid_on_one_thread<double>));
-    ways.push_back(closed_loop<float>(subject, variant, "closed loop, " + by, loop_on_engine<float>(engine)));
-    if (report.f64)
-        ways.push_back(closed_loop<double>(subject, variant, "closed loop, " + by, loop_on_engine<double>(engine)));
-    ways.push_back(closed_loop<float>(subject, variant, "closed loop, " + alone, loop_on_one_thread<float>));
-    ways.push_back(closed_loop<double>(subject, variant, "closed loop, " + alone, loop_on_one_thread<double>));
-}
+    // A law in both precisions; `updates` a place.
+    template <typename MakeOf> void add_laws(const std::string& family, std::size_t updates, const MakeOf& make_of) {
+        const ForcesAt exact = forces_of(make_of(0.0));
+        set_law(add(Use::live, family, "f64"), updates, make_of(0.0)).exact = exact;
+        set_law(add(Use::live, family, "f32"), updates, make_of(0.0F)).exact = exact;
+    }
+
+    template <typename Make> Way& set_law(Way& way, std::size_t updates, Make make) const {
+        way.forces = forces_of(make);
+        const std::span<const Place> places =
+            std::span(subject_.places).first(std::min(kTimedPlaces, subject_.places.size()));
+        const auto loop = lazily([make, places] {
+            auto law = make();
+            std::vector<decltype(law->input(places[0]))> inputs;
+            for (const Place& place : places)
+                inputs.push_back(law->input(place));
+            return std::pair(std::move(law), std::move(inputs));
+        });
+        way.seconds = timed(updates * places.size(), [loop] {
+            auto& [law, inputs] = loop();
+            double sum = 0;
+            for (const auto& input : inputs) {
+                const auto force = law->force(input);
+                sum += static_cast<double>(force.x) + static_cast<double>(force.z);
+            }
+            return sum;
+        });
+        return way;
+    }
+
+    template <typename Volume>
+    void add_lookup(const Volume& volume, bool cubic, const VolumeGrid& grid, std::size_t stored) {
+        const bool halves = stored == sizeof(half);
+        Way& way =
+            add(Use::live, cubic ? "look-up, tricubic" : "look-up, trilinear", halves ? "f32, half stored" : "f32");
+        way.name = fmt::format("{}, {}: {} {:.3g} mm{}", subject_.name, variant_.name, way.family, grid.spacing * 1e3,
+                               halves ? ", half stored" : "");
+        way.spacing = grid.spacing;
+        way.bytes = static_cast<double>(3 * stored * grid.samples());
+        set_law(way, 1, [volume, cubic] { return std::make_unique<LookUp<decltype(volume())>>(volume(), cubic); });
+    }
+
+    std::vector<Way>& ways_;
+    const Subject& subject_;
+    const Variant& variant_;
+};
 
 } // namespace
 
@@ -325,25 +244,28 @@ const char* name_of(Use use) {
     return kNames[static_cast<std::size_t>(use)];
 }
 
-void add_ways(std::vector<Way>& ways, const Subject& subject, Engine& engine) {
+void add_ways(std::vector<Way>& ways, const Subject& subject, Engine& engine, Engine& alone) {
+    const EngineReport report = engine.report();
+    const std::string by = report.engine == "gpu" ? "kernel" : "CPU on all cores", by_one = "CPU on one thread";
     for (const Variant& variant : subject.variants) {
-        ways.push_back(direct<double>(subject, variant));
-        ways.push_back(direct<float>(subject, variant));
-        if (variant.prepared->images.mesh) {
-            ways.push_back(god_object<double>(subject, variant));
-            ways.push_back(god_object<float>(subject, variant));
-        }
-        if (variant.lookups)
-            add_lookups(ways, subject, variant);
-        if (variant.thorough)
-            add_thorough(ways, subject, variant, engine);
+        WaysOf law(ways, subject, variant);
+        law.add_direct();
+        if (variant.prepared->images.mesh)
+            law.add_god_object();
+        if (!variant.thorough)
+            continue;
+        law.add_lookups();
+        law.add_field<float>(by, engine);
+        if (report.f64)
+            law.add_field<double>(by, engine);
+        law.add_field<float>(by_one, alone);
+        law.add_field<double>(by_one, alone);
+        law.add_closed_loop<float>(by, engine);
+        if (report.f64)
+            law.add_closed_loop<double>(by, engine);
+        law.add_closed_loop<float>(by_one, alone);
+        law.add_closed_loop<double>(by_one, alone);
     }
-}
-
-std::vector<glm::dvec3> exact_forces(const Way& way, std::span<const Place> at) {
-    const PreparedCase& prepared = *way.variant->prepared;
-    return way.family == kGodObject ? proxy_forces<double>(prepared, at, way.subject->scale)
-                                    : direct_forces<double>(prepared, at);
 }
 
 } // namespace forceshade::study::error_time

@@ -17,26 +17,27 @@ namespace forceshade::study::error_time {
 enum class Use { live, volume, loop };
 const char* name_of(Use use);
 
+/// N, at places.
+using ForcesAt = std::function<std::vector<glm::dvec3>(std::span<const Place>)>;
+
 struct Way {
     std::string name; /* unique: "bump, 64 facets, reference: direct f64" */
     const Subject* subject = nullptr;
     const Variant* variant = nullptr;
     Use use = Use::live;
-    std::string family;                   /* "direct", "god-object", "look-up, trilinear", "kernel", ... */
+    std::string family;                   /* "direct", "god-object", "look-up, trilinear", "field, kernel", ... */
     std::string precision;                /* "f64", "f32", "f32, half stored" */
     std::optional<double> spacing, bytes; /* m, B: of a look-up's volume */
-    /// N, at places. Empty: has no errors of its own.
-    std::function<std::vector<glm::dvec3>(std::span<const Place>)> forces;
+    ForcesAt forces;                      /* empty: has no errors of its own */
+    ForcesAt exact;                       /* the same law in double: what precision is held against */
     /// The places at which it has forces, where it cannot have any; empty: any.
     std::function<std::vector<Place>()> places;
     /// s of an evaluation, measured now.
     std::function<double()> seconds;
 };
 
-/// All ways of all laws of a subject, in a fixed order. `subject` and `engine` must outlive them.
-void add_ways(std::vector<Way>& ways, const Subject& subject, Engine& engine);
-
-/// The same law in double at the same places: what precision is held against.
-std::vector<glm::dvec3> exact_forces(const Way& way, std::span<const Place> at);
+/// All ways of all laws of a subject, in a fixed order. `subject` and the engines must outlive them; `alone` is the
+/// oracle on one thread.
+void add_ways(std::vector<Way>& ways, const Subject& subject, Engine& engine, Engine& alone);
 
 } // namespace forceshade::study::error_time

@@ -2,58 +2,180 @@
 
 #include <algorithm>
 #include <cstring>
-#include <utility>
 
+#include "host/clock.h"
 #include "host/norm.h"
 #include "host/output/exr_volume.h"
+#include "host/paths/scene_paths.h"
 #include "host/program.h"
 
 namespace forceshade::study {
 namespace {
 
-// Of the volume that a sweep would write; nothing of it stays.
-template <typename T>
-std::uint64_t volume_bytes(Engine& engine, const Setup& setup, const std::filesystem::path& folder) {
-    const Scene& scene = setup.prepared.one.scene;
-    VolumeHeader header;
-    header.size = scene.grid.size;
-    header.origin = scene.grid.origin;
-    header.spacing = scene.grid.spacing;
-    header.channels = scene.output.channels | layout::kChannelForce;
-    header.compression = scene.output.compression;
-    header.pixel = scene.output.pixel;
-    header.scene = setup.prepared.scene;
-    header.version = version();
-    header.threads = 2;
-    const FieldTables<T> tables = make_tables<T>(scene, setup.prepared.images, setup.extent);
-    const std::filesystem::path file = folder / ".volume.exr";
-    struct Removed {
-        const std::filesystem::path& file;
-        ~Removed() {
-            std::error_code ignored;
-            std::filesystem::remove(file, ignored);
+// A chunk's channel, by step, to its places by path.
+template <typename Value, typename T>
+void place(const layout::PathChunk<T>& chunk, const layout::PathInput<T>& input, std::span<const Value> channel,
+           std::size_t components, std::vector<Value>& into) {
+    if (channel.empty())
+        return;
+    into.resize(input.paths * input.steps * components);
+    for (std::size_t step = 0; step < chunk.step_count; ++step)
+        for (std::size_t path = 0; path < chunk.path_count; ++path) {
+            const auto from = channel.subspan((step * chunk.pitch + path) * components, components);
+            const std::size_t to = (chunk.path_first + path) * input.steps + chunk.step_first + step;
+            std::ranges::copy(from, into.begin() + std::ptrdiff_t(to * components));
         }
-    } removed{file};
-    VolumeWriter writer(file, header);
-    const std::size_t repeats = scene.grid.size[1] / tables.y.size();
-    engine.evaluate(tables.input(), [&](const layout::FieldChunk<T>& chunk) { writer.write(chunk, repeats); });
-    return writer.finish().bytes;
 }
 
-template <typename T> struct Measuring {
-    std::unique_ptr<Side<T>> side;
-    MeasuredSide measured{};
-    std::vector<double> kernel{}, whole{}; // of the round
-
-    void measure(Engine& engine) {
-        measured.cost = side->measure(engine);
-        kernel.push_back(measured.cost.kernel);
-        whole.push_back(measured.cost.whole);
+// One side, ready to be evaluated again and again.
+template <typename T> class Side {
+public:
+    /// `setup` must outlive it; `paths`: those of its scene, not its field.
+    Side(const Setup& setup, bool paths) : setup_(setup), scene_(setup.prepared.one.scene) {
+        if (paths)
+            paths_ = std::make_unique<ScenePaths<T>>(setup.prepared);
+        else
+            tables_ = make_tables<T>(scene_, setup.prepared.images, setup.extent);
     }
-    // The least of the round: what comes between makes times longer, never shorter.
+
+    /// Of the grid, or of all paths.
+    std::size_t samples() const {
+        const auto& size = scene_.grid.size;
+        return paths_ ? scene_.paths->count * scene_.paths->steps : size[0] * size[1] * size[2];
+    }
+
+    /// With every result looked at by nobody, unless the setup has the oracle check it.
+    Cost measure(Engine& engine) {
+        Cost cost;
+        const auto receive = [&](const auto&... channels) { cost.received += (channels.size_bytes() + ...); };
+        Clock::time_point start{};
+        EngineTimes times;
+        if (paths_) {
+            const layout::PathInput<T> input = path_input(0);
+            start = Clock::now();
+            times = engine.explore<T>(
+                input, [&](const auto& c) { receive(c.position, c.force, c.depth, c.facet, c.proxy); },
+                [&](std::size_t, const auto& metrics) { receive(metrics); });
+            cost.evaluated = samples();
+        } else {
+            const layout::FieldInput<T> input = tables_.input();
+            start = Clock::now();
+            times = evaluate(engine, input,
+                             [&](const auto& c) { receive(c.force, c.depth, c.facet, c.proxy, c.unshaded); });
+            cost.evaluated =
+                times.voxels_evaluated ? times.voxels_evaluated : input.x.size() * input.y.size() * input.z.size();
+        }
+        cost.whole = seconds_since(start);
+        cost.kernel = times.kernel;
+        cost.uploaded = times.uploaded;
+        return cost;
+    }
+
+    Captured<T> capture(Engine& engine, std::uint32_t channels) {
+        Captured<T> captured;
+        if (paths_) {
+            const layout::PathInput<T> input = path_input(channels & ~layout::kChannelUnshaded);
+            engine.explore<T>(
+                input,
+                [&](const auto& chunk) {
+                    place(chunk, input, chunk.force, 3, captured.force);
+                    place(chunk, input, chunk.depth, 1, captured.depth);
+                    place(chunk, input, chunk.facet, 1, captured.facet);
+                    place(chunk, input, chunk.proxy, 3, captured.proxy);
+                    place(chunk, input, chunk.position, 3, captured.position);
+                },
+                [&](std::size_t, const auto& metrics) {
+                    captured.metrics.insert(captured.metrics.end(), metrics.begin(), metrics.end());
+                });
+            return captured;
+        }
+        layout::FieldInput<T> input = tables_.input();
+        input.law.features.channels |= channels;
+        const std::size_t repeats = scene_.grid.size[1] / input.y.size();
+        evaluate(engine, input, [&](const auto& chunk) {
+            append_rows(chunk, chunk.force, 3, repeats, captured.force);
+            append_rows(chunk, chunk.depth, 1, repeats, captured.depth);
+            append_rows(chunk, chunk.facet, 1, repeats, captured.facet);
+            append_rows(chunk, chunk.proxy, 3, repeats, captured.proxy);
+            append_rows(chunk, chunk.unshaded, 3, repeats, captured.unshaded);
+        });
+        return captured;
+    }
+
+    /// Bytes of the volume that a sweep would write; nothing of it stays. Of paths 0.
+    std::uint64_t volume_bytes(Engine& engine, const std::filesystem::path& folder) {
+        if (paths_)
+            return 0;
+        VolumeHeader header;
+        header.size = scene_.grid.size;
+        header.origin = scene_.grid.origin;
+        header.spacing = scene_.grid.spacing;
+        header.channels = scene_.output.channels | layout::kChannelForce;
+        header.compression = scene_.output.compression;
+        header.pixel = scene_.output.pixel;
+        header.scene = setup_.prepared.scene;
+        header.version = version();
+        header.threads = 2;
+        struct Removed {
+            std::filesystem::path file;
+            ~Removed() {
+                std::error_code ignored;
+                std::filesystem::remove(file, ignored);
+            }
+        } const volume{folder / ".volume.exr"};
+        VolumeWriter writer(volume.file, header);
+        const std::size_t repeats = scene_.grid.size[1] / tables_.y.size();
+        engine.evaluate<T>(tables_.input(), [&](const auto& chunk) { writer.write(chunk, repeats); });
+        return writer.finish().bytes;
+    }
+
+private:
+    layout::PathInput<T> path_input(std::uint32_t more_channels) {
+        layout::PathInput<T> input = paths_->input();
+        input.features.channels = setup_.samples ? input.features.channels | more_channels : 0;
+        return input;
+    }
+
+    // A mesh's blocks are planned here where free space is visited; else by the engine, slab by slab.
+    EngineTimes evaluate(Engine& engine, layout::FieldInput<T> input,
+                         const std::function<void(const layout::FieldChunk<T>&)>& consume) const {
+        if (setup_.free == FreeSpace::skipped)
+            return engine.evaluate(input, consume);
+        const Clock::time_point start = Clock::now();
+        const BlockPlan plan =
+            plan_blocks<T>(input.law.mesh, input.x, input.y, input.z, input.law.features.inside, 0, setup_.free);
+        const double planning = seconds_since(start);
+        input.plan = plan.view();
+        EngineTimes times = engine.evaluate(input, consume);
+        times.plan = planning;
+        times.voxels_evaluated = plan.voxels_evaluated;
+        return times;
+    }
+
+    const Setup& setup_;
+    const Scene& scene_;
+    FieldTables<T> tables_{};
+    std::unique_ptr<ScenePaths<T>> paths_{};
+};
+
+template <typename T> struct Measuring {
+    Side<T> side;
+    MeasuredSide measured{};
+    Cost least{}; // of the round: what comes between makes times longer, never shorter
+
+    void measure(Engine& engine, bool first) {
+        const Cost cost = measured.cost = side.measure(engine);
+        least.kernel = first ? cost.kernel : std::min(least.kernel, cost.kernel);
+        least.whole = first ? cost.whole : std::min(least.whole, cost.whole);
+    }
     void end_round() {
-        measured.kernel.push_back(std::ranges::min(std::exchange(kernel, {})));
-        measured.whole.push_back(std::ranges::min(std::exchange(whole, {})));
+        measured.kernel.push_back(least.kernel);
+        measured.whole.push_back(least.whole);
+    }
+    MeasuredSide finish(Engine& engine, const std::filesystem::path& folder) {
+        measured.samples = side.samples();
+        measured.file = side.volume_bytes(engine, folder);
+        return std::move(measured);
     }
 };
 
@@ -61,34 +183,24 @@ template <typename T>
 Measurement measure_in(Engine& engine, const Comparison& comparison, const Rounds& rounds,
                        const std::filesystem::path& folder) {
     constexpr double kLeastRounds = 5, kMostTimes = 64;
-    Measuring<T> with{make_side<T>(comparison.with, comparison.paths)};
-    Measuring<T> without{make_side<T>(comparison.without, comparison.paths)};
-    Measurement result;
+    Measuring<T> with{{comparison.with, comparison.paths}}, without{{comparison.without, comparison.paths}};
     // Also compiles the kernels and warms the caches.
-    result.agreement = compare(comparison, with.side->capture(engine, comparison.channels),
-                               without.side->capture(engine, comparison.channels));
-    const double taken = std::max(1e-6, with.side->measure(engine).whole + without.side->measure(engine).whole);
+    const Agreement agreement = compare(comparison, with.side.capture(engine, comparison.channels),
+                                        without.side.capture(engine, comparison.channels));
+    const double taken = std::max(1e-6, with.side.measure(engine).whole + without.side.measure(engine).whole);
     const auto count = static_cast<unsigned>(std::clamp(rounds.budget / taken, kLeastRounds, double(rounds.count)));
     const auto times = static_cast<unsigned>(std::clamp(rounds.seconds / taken, 1.0, kMostTimes));
     for (unsigned round = 0; round < count; ++round) {
         check_interrupt();
         for (unsigned i = 0; i < times; ++i) { // each side comes first as often
             const bool turned = ((round + i) & 1) != 0;
-            (turned ? with : without).measure(engine);
-            (turned ? without : with).measure(engine);
+            (turned ? with : without).measure(engine, i == 0);
+            (turned ? without : with).measure(engine, i == 0);
         }
         with.end_round();
         without.end_round();
     }
-    result.with = std::move(with.measured);
-    result.without = std::move(without.measured);
-    result.with.samples = with.side->samples();
-    result.without.samples = without.side->samples();
-    if (!comparison.paths) {
-        result.with.file = volume_bytes<T>(engine, comparison.with, folder);
-        result.without.file = volume_bytes<T>(engine, comparison.without, folder);
-    }
-    return result;
+    return {comparison, with.finish(engine, folder), without.finish(engine, folder), agreement};
 }
 
 template <typename Value>
@@ -110,7 +222,7 @@ template <typename T> bool same_force(Same same, const std::vector<T>& a, const 
 }
 
 template <typename T> std::uint64_t with_force(Engine& engine, const Setup& setup, bool paths) {
-    const std::vector<T> force = make_side<T>(setup, paths)->capture(engine, 0).force;
+    const std::vector<T> force = capture<T>(engine, setup, paths, 0).force;
     std::uint64_t count = 0;
     for (std::size_t i = 0; i < force.size() / 3; ++i)
         count += is_felt(force, i);
@@ -118,6 +230,12 @@ template <typename T> std::uint64_t with_force(Engine& engine, const Setup& setu
 }
 
 } // namespace
+
+template <typename T> Captured<T> capture(Engine& engine, const Setup& setup, bool paths, std::uint32_t channels) {
+    return Side<T>(setup, paths).capture(engine, channels);
+}
+
+template Captured<float> capture<float>(Engine&, const Setup&, bool, std::uint32_t);
 
 template <typename T>
 Agreement compare(const Comparison& comparison, const Captured<T>& with, const Captured<T>& without) {

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "host/error.h"
-#include "host/study/omission/results.h"
+#include "host/study/omission/measurement.h"
 
 namespace forceshade::study {
 namespace {
@@ -57,7 +57,7 @@ StudyData study_omission(StudyRun& run) {
     const std::vector<BaseScene> scenes =
         run.scene() ? std::vector{user_scene(*run.scene(), run.options().quick)} : own_scenes(run.options().quick);
     Touched samples;
-    std::vector<OmissionRow> rows;
+    std::vector<Measurement> rows;
     std::vector<Part> parts;
     if (run.scene())
         parts.push_back({"contact", [&] {
@@ -67,7 +67,7 @@ StudyData study_omission(StudyRun& run) {
     for (const BaseScene& base : scenes)
         for (Comparison& one : comparisons_of(base, !run.options().engine.cpu))
             parts.push_back({fmt::format("{}: {}", one.scene, one.feature), [&run, &rows, rounds, one] {
-                                 rows.push_back({one, measure(run.engine(), one, rounds, run.options().folder)});
+                                 rows.push_back(measure(run.engine(), one, rounds, run.options().folder));
                              }});
     run.run(parts);
     StudyData data = run.data();

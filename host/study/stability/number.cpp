@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "host/study/data/rows.h"
+#include "host/study/data/study_data.h"
 #include "host/study/error_time/angle.h"
 
 namespace forceshade::study {

@@ -6,7 +6,7 @@
 #include <fmt/ranges.h>
 
 #include "host/study/data/data_files.h"
-#include "host/study/data/rows.h"
+#include "host/study/data/study_data.h"
 #include "host/study/error_time/angle.h"
 
 namespace forceshade::study {
@@ -246,7 +246,7 @@ std::vector<Figure> figures_of(const LoopResults& results) {
         edges.x = {"stiffness_N_per_m", "stiffness / (N/m)", true};
         edges.y = {"swing_um", "swing / um", true};
         edges.series = "series";
-        edges.where = {{"kind", "foot"}, {"depth_mm", cell_text(cell(1e3 * first.depths()[2]))}};
+        edges.where = {{"kind", "foot"}, {"depth_mm", Cell(1e3 * first.depths()[2]).text()}};
         edges.joined = true;
         figures.push_back(edges);
     }

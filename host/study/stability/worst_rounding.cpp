@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "host/study/data/rows.h"
+#include "host/study/data/study_data.h"
 #include "host/study/energy/bump_mesh.h"
 #include "host/study/error_time/law_at.h"
 
