@@ -11,7 +11,7 @@
 
 #include "host/output/files.h"
 #include "host/output/rows.h"
-#include "host/picture/path_plot.h"
+#include "host/picture/picture.h"
 #include "host/reference/contact.h"
 #include "host/scene/scene.h"
 #include "shaders/shared/law.h"

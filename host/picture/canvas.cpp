@@ -1,5 +1,7 @@
 #include "host/picture/canvas.h"
 
+#include <algorithm>
+#include <boost/locale/utf.hpp>
 #include <cairo-pdf.h>
 #include <cairo-svg.h>
 #include <cairo.h>
@@ -51,72 +53,40 @@ template <typename Bytes> cairo_status_t append(void* bytes, const unsigned char
     return CAIRO_STATUS_SUCCESS;
 }
 
-[[noreturn]] void refuse(cairo_status_t status) {
-    throw std::runtime_error(fmt::format("drawing a picture: {}", cairo_status_to_string(status)));
+void require(cairo_status_t status) {
+    if (status != CAIRO_STATUS_SUCCESS)
+        throw std::runtime_error(fmt::format("drawing a picture: {}", cairo_status_to_string(status)));
 }
 
-// What was drawn, to be drawn again on a surface of another kind.
-class RecordedDrawing final : public Drawing {
-public:
-    RecordedDrawing(cairo_surface_t* recording, int width, int height)
-        : recording_(cairo_surface_reference(recording)), width_(width), height_(height) {}
-    ~RecordedDrawing() override { cairo_surface_destroy(recording_); }
-    RecordedDrawing(const RecordedDrawing&) = delete;
-    RecordedDrawing& operator=(const RecordedDrawing&) = delete;
+using Surface = std::shared_ptr<cairo_surface_t>;
+using Context = std::unique_ptr<cairo_t, decltype(&cairo_destroy)>;
 
-    std::string svg() const override {
-        std::string bytes;
-        cairo_surface_t* surface = cairo_svg_surface_create_for_stream(append<std::string>, &bytes, width_, height_);
-        cairo_svg_surface_set_document_unit(surface, CAIRO_SVG_UNIT_PX);
-        draw_on(surface);
-        return bytes;
-    }
-    std::string pdf() const override {
-        std::string bytes;
-        cairo_surface_t* surface = cairo_pdf_surface_create_for_stream(append<std::string>, &bytes, width_, height_);
-        cairo_pdf_surface_set_metadata(surface, CAIRO_PDF_METADATA_CREATE_DATE, "2000-01-01T00:00:00Z"); // always one
-        draw_on(surface);
-        return bytes;
-    }
-    std::vector<std::uint8_t> png() const {
-        cairo_surface_t* surface = cairo_image_surface_create(CAIRO_FORMAT_RGB24, width_, height_);
-        std::vector<std::uint8_t> bytes;
-        replay(surface);
-        const cairo_status_t status = cairo_surface_write_to_png_stream(surface, append<decltype(bytes)>, &bytes);
-        cairo_surface_destroy(surface);
-        if (status != CAIRO_STATUS_SUCCESS)
-            refuse(status);
-        return bytes;
-    }
+Surface owned(cairo_surface_t* surface) {
+    return {surface, cairo_surface_destroy};
+}
 
-private:
-    void replay(cairo_surface_t* surface) const {
-        cairo_t* context = cairo_create(surface);
-        cairo_set_source_surface(context, recording_, 0, 0);
-        cairo_paint(context);
-        const cairo_status_t status = cairo_status(context);
-        cairo_destroy(context);
-        if (status != CAIRO_STATUS_SUCCESS) {
-            cairo_surface_destroy(surface);
-            refuse(status);
-        }
-    }
-    void draw_on(cairo_surface_t* surface) const {
-        replay(surface);
-        cairo_surface_finish(surface);
-        const cairo_status_t status = cairo_surface_status(surface);
-        cairo_surface_destroy(surface);
-        if (status != CAIRO_STATUS_SUCCESS)
-            refuse(status);
-    }
+Context context_of(const Surface& surface) {
+    return {cairo_create(surface.get()), cairo_destroy};
+}
 
-    cairo_surface_t* recording_;
-    int width_, height_;
-};
-
-cairo_surface_t* recording_of(int width, int height) {
+Surface recording_of(int width, int height) {
     const cairo_rectangle_t extents{0, 0, static_cast<double>(width), static_cast<double>(height)};
-    return cairo_recording_surface_create(CAIRO_CONTENT_COLOR, &extents);
+    return owned(cairo_recording_surface_create(CAIRO_CONTENT_COLOR, &extents));
+}
+
+// What was drawn, again on a surface of another kind.
+void replay(const Surface& recording, const Surface& surface) {
+    const Context context = context_of(surface);
+    cairo_set_source_surface(context.get(), recording.get(), 0, 0);
+    cairo_paint(context.get());
+    require(cairo_status(context.get()));
+}
+
+// Its bytes are there when the surface is finished.
+void replay_to_end(const Surface& recording, const Surface& surface) {
+    replay(recording, surface);
+    cairo_surface_finish(surface.get());
+    require(cairo_surface_status(surface.get()));
 }
 
 double aligned(Horizontal side, double width) {
@@ -128,32 +98,41 @@ double aligned(Vertical side, double height) {
 
 } // namespace
 
+std::string Picture::svg() const {
+    std::string bytes;
+    const Surface surface = owned(cairo_svg_surface_create_for_stream(append<std::string>, &bytes, width, height));
+    cairo_svg_surface_set_document_unit(surface.get(), CAIRO_SVG_UNIT_PX);
+    replay_to_end(drawing, surface);
+    return bytes;
+}
+
+std::string Picture::pdf() const {
+    std::string bytes;
+    const Surface surface = owned(cairo_pdf_surface_create_for_stream(append<std::string>, &bytes, width, height));
+    cairo_pdf_surface_set_metadata(surface.get(), CAIRO_PDF_METADATA_CREATE_DATE, "2000-01-01T00:00:00Z"); // always one
+    replay_to_end(drawing, surface);
+    return bytes;
+}
+
 struct Canvas::Sheet {
     Sheet(int wide, int high)
-        : width(wide), height(high), surface(recording_of(wide, high)), context(cairo_create(surface)) {}
-    ~Sheet() {
-        cairo_destroy(context);
-        cairo_surface_destroy(surface);
-    }
-    Sheet(const Sheet&) = delete;
-    Sheet& operator=(const Sheet&) = delete;
+        : width(wide), height(high), surface(recording_of(wide, high)), owner(context_of(surface)),
+          context(owner.get()) {}
 
     int width, height; // pixels
-    cairo_surface_t* surface;
+    Surface surface;
+    Context owner;
     cairo_t* context;
     std::vector<PlacedText> texts;
 };
 
 Extent measure(std::string_view text, const TextStyle& style) {
-    cairo_surface_t* surface = cairo_image_surface_create(CAIRO_FORMAT_A8, 1, 1);
-    cairo_t* context = cairo_create(surface);
-    set_font(context, style);
+    const Context context = context_of(owned(cairo_image_surface_create(CAIRO_FORMAT_A8, 1, 1)));
+    set_font(context.get(), style);
     cairo_text_extents_t extents;
     cairo_font_extents_t font;
-    cairo_text_extents(context, std::string(text).c_str(), &extents);
-    cairo_font_extents(context, &font);
-    cairo_destroy(context);
-    cairo_surface_destroy(surface);
+    cairo_text_extents(context.get(), std::string(text).c_str(), &extents);
+    cairo_font_extents(context.get(), &font);
     const Extent flat{extents.x_advance, font.ascent + font.descent};
     return style.upwards ? Extent{flat.height, flat.width} : flat;
 }
@@ -200,16 +179,15 @@ void Canvas::disc(Point centre, double radius, Rgb8 colour) {
 
 void Canvas::image(int x, int y, int width, int height, std::span<const std::uint32_t> pixels) {
     assert(pixels.size() == static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
-    cairo_surface_t* source = cairo_image_surface_create(CAIRO_FORMAT_RGB24, width, height);
-    unsigned char* data = cairo_image_surface_get_data(source);
-    const auto stride = static_cast<std::size_t>(cairo_image_surface_get_stride(source));
+    const Surface source = owned(cairo_image_surface_create(CAIRO_FORMAT_RGB24, width, height));
+    unsigned char* data = cairo_image_surface_get_data(source.get());
+    const auto stride = static_cast<std::size_t>(cairo_image_surface_get_stride(source.get()));
     const auto row_bytes = static_cast<std::size_t>(width) * sizeof(std::uint32_t);
     for (std::size_t row = 0; data && row < static_cast<std::size_t>(height); ++row)
         std::memcpy(data + row * stride, pixels.data() + row * static_cast<std::size_t>(width), row_bytes);
-    cairo_surface_mark_dirty(source);
-    cairo_set_source_surface(sheet_->context, source, x, y);
+    cairo_surface_mark_dirty(source.get());
+    cairo_set_source_surface(sheet_->context, source.get(), x, y);
     cairo_paint(sheet_->context);
-    cairo_surface_destroy(source);
 }
 
 void Canvas::begin_clip(const Box& box) {
@@ -225,7 +203,7 @@ void Canvas::end_clip() {
 
 void Canvas::text(std::string_view text, Point anchor, const TextStyle& style, Rgb8 colour) {
     cairo_t* context = sheet_->context;
-    const std::string owned(text);
+    const std::string whole(text);
     const Extent size = measure(text, style);
     const Point corner{anchor.x + aligned(style.horizontal, size.width),
                        anchor.y + aligned(style.vertical, size.height)};
@@ -234,7 +212,7 @@ void Canvas::text(std::string_view text, Point anchor, const TextStyle& style, R
     cairo_font_extents_t font;
     cairo_text_extents_t ink;
     cairo_font_extents(context, &font);
-    cairo_text_extents(context, owned.c_str(), &ink);
+    cairo_text_extents(context, whole.c_str(), &ink);
     cairo_save(context);
     Box box;
     if (style.upwards) {
@@ -248,16 +226,72 @@ void Canvas::text(std::string_view text, Point anchor, const TextStyle& style, R
         box = {origin.x + ink.x_bearing, origin.y + ink.y_bearing, ink.width, ink.height};
     }
     cairo_move_to(context, 0, 0);
-    cairo_show_text(context, owned.c_str());
+    cairo_show_text(context, whole.c_str());
     cairo_restore(context);
-    sheet_->texts.push_back({owned, box});
+    sheet_->texts.push_back({whole, box});
 }
 
 Picture Canvas::finish() const {
-    if (const cairo_status_t drawn = cairo_status(sheet_->context); drawn != CAIRO_STATUS_SUCCESS)
-        refuse(drawn);
-    const auto drawing = std::make_shared<RecordedDrawing>(sheet_->surface, sheet_->width, sheet_->height);
-    return {drawing->png(), sheet_->width, sheet_->height, sheet_->texts, drawing};
+    require(cairo_status(sheet_->context));
+    const Surface surface = owned(cairo_image_surface_create(CAIRO_FORMAT_RGB24, sheet_->width, sheet_->height));
+    replay(sheet_->surface, surface);
+    std::vector<std::uint8_t> png;
+    require(cairo_surface_write_to_png_stream(surface.get(), append<decltype(png)>, &png));
+    return {std::move(png), sheet_->width, sheet_->height, sheet_->texts, sheet_->surface};
+}
+
+namespace {
+
+bool breaks_after(char c) {
+    return c == ' ' || c == '_' || c == '-' || c == '/';
+}
+
+// How many bytes of `text` go on a line of `width`: up to the last allowed break, or else as many characters as fit.
+std::size_t line_length(std::string_view text, const TextStyle& style, double width) {
+    std::size_t fitting = 0, at_break = 0;
+    while (fitting < text.size()) {
+        const std::size_t next = fitting + character_length(text.substr(fitting));
+        if (fitting > 0 && measure(text.substr(0, next), style).width > width)
+            return at_break > 0 ? at_break : fitting;
+        fitting = next;
+        if (breaks_after(text[fitting - 1]))
+            at_break = fitting;
+    }
+    return fitting;
+}
+
+} // namespace
+
+std::size_t character_length(std::string_view text) {
+    namespace utf = boost::locale::utf;
+    const char* at = text.data();
+    const utf::code_point code = utf::utf_traits<char>::decode(at, text.data() + text.size());
+    return code == utf::illegal || code == utf::incomplete ? 0 : static_cast<std::size_t>(at - text.data());
+}
+
+std::string printable(std::string_view text) {
+    std::string result;
+    while (!text.empty()) {
+        const std::size_t length = character_length(text);
+        const auto first = static_cast<unsigned char>(text.front());
+        if (length == 1 && (first < 0x20 || first == 0x7F))
+            result += ' ';
+        else
+            result += length == 0 ? "\xEF\xBF\xBD" : text.substr(0, length); // U+FFFD
+        text.remove_prefix(std::max<std::size_t>(length, 1));
+    }
+    return result;
+}
+
+std::vector<std::string> wrap(std::string_view text, const TextStyle& style, double width) {
+    const std::string clean = printable(text);
+    std::vector<std::string> lines;
+    for (std::string_view rest = clean; !rest.empty();) {
+        const std::size_t length = line_length(rest, style, width);
+        lines.emplace_back(rest.substr(0, length));
+        rest.remove_prefix(length);
+    }
+    return lines;
 }
 
 } // namespace forceshade::picture

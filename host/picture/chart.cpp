@@ -9,14 +9,12 @@
 
 #include "host/picture/chart_style.h"
 #include "host/picture/frame.h"
-#include "host/picture/legend.h"
-#include "host/picture/polyline.h"
 
 namespace forceshade::picture {
 namespace {
 
 constexpr int kChartWidth = 1000; // pixels
-constexpr double kChartHeight = 480, kRowOfBars = 34, kPanelGap = 28, kPanelTitle = 26;
+constexpr double kRowOfBars = 34, kPanelGap = 28, kPanelTitle = 26;
 constexpr TextStyle kChartLabelStyle{kSmallTextSize, false, Horizontal::left, Vertical::middle, false};
 constexpr std::size_t kMostLabels = 12;
 
@@ -43,6 +41,8 @@ Range range_of(const ChartAxis& axis, const std::vector<double>& values) {
 }
 
 Axis chart_axis(const ChartAxis& axis, const Range& range, std::size_t most) {
+    if (axis.make)
+        return axis.make(most);
     return number_axis(axis.label, range, most, axis.tick ? axis.tick : number_label);
 }
 
@@ -129,10 +129,10 @@ struct Cells {
     }
 };
 
-class ChartSheet {
+// The plot of a chart, on a sheet with others or alone.
+class ChartPlot {
 public:
-    explicit ChartSheet(const Chart& chart)
-        : chart_(chart), look_{chart.title, kChartWidth, 0}, heading_(plan_heading(look_, chart.notes)), cells_(chart) {
+    explicit ChartPlot(const Chart& chart) : chart_(chart), cells_(chart) {
         std::vector<std::string> names;
         for (const ChartSeries& series : chart.series)
             names.push_back(series.marks ? series.name : "");
@@ -142,63 +142,66 @@ public:
         for (const std::string& name : names)
             numbers_.push_back(
                 name.empty() ? 0 : numbers[static_cast<std::size_t>(std::ranges::find(marked, name) - marked.begin())]);
-        const double height =
-            bars() ? std::max(120.0, kRowOfBars * static_cast<double>(chart.groups.size())) : kChartHeight;
-        const double top = kMargin + heading_.height + 10;
         plan_ranges();
-        y_axis_ = make_y_axis(height);
-        const double left = std::ceil(kMargin + left_room(y_axis_)), panels = double(this->panels());
-        plot_ = {left, top + (chart.panels.empty() ? 0 : kPanelTitle),
-                 (kChartWidth - kMargin - left - (panels - 1) * kPanelGap) / panels, height};
-        for (double beyond = 0; plot_.width > 100; plot_.width -= beyond) { // the last label, behind the sheet
+    }
+
+    double height(double share) const {
+        return bars() ? std::max(120.0, kRowOfBars * static_cast<double>(chart_.groups.size())) : chart_.height * share;
+    }
+    double room_on_left(double share) const {
+        double room = 0;
+        for (const double pixels : {chart_.aspect > 0 ? 60 : height(share), height(share)})
+            room = std::max(room, left_room(make_y_axis(pixels)));
+        return room;
+    }
+    double most_width(double share) const { return chart_.aspect > 0 ? height(share) / chart_.aspect : INFINITY; }
+
+    /// The plot, but for its width, of which as much is taken as leaves the last label on the sheet.
+    void place(const Box& box, double sheet_width) {
+        const auto count = static_cast<double>(panels());
+        const double title = chart_.panels.empty() ? 0 : kPanelTitle;
+        plot_ = {box.x, box.y + title, (box.width - (count - 1) * kPanelGap) / count, box.height};
+        for (double beyond = 0; plot_.width > 100; plot_.width -= beyond) {
             x_axis_ = fit_axis(plot_.width, false, [&](std::size_t most) {
-                return map() ? Cells::axis(chart.x.label, cells_.xs, most) : chart_axis(chart.x, x_, most);
+                return map() ? Cells::axis(chart_.x.label, cells_.xs, most) : chart_axis(chart_.x, x_, most);
             });
             const AxisTick& last = x_axis_.ticks.back();
-            beyond = last.fraction * plot_.width + measure(last.label, kChartLabelStyle).width / 2 - plot_.width -
-                     kMargin + 4;
+            beyond = plot_.x + (count - 1) * (plot_.width + kPanelGap) + last.fraction * plot_.width +
+                     measure(last.label, kChartLabelStyle).width / 2 - sheet_width + 4;
             if (beyond <= 0)
                 break;
         }
+        if (chart_.aspect > 0)
+            plot_.height = std::round(plot_.width * chart_.aspect);
+        y_axis_ = make_y_axis(plot_.height);
+    }
+    const Box& box() const { return plot_; }
+    std::size_t left_out() const { return left_out_; }
+
+    void add_to(std::vector<LegendItem>& legend) const {
         if (map())
-            cells_.add_to(legend_);
-        for (std::size_t i = 0; i < chart.series.size(); ++i)
-            add_item(i);
+            cells_.add_to(legend);
+        for (std::size_t i = 0; i < chart_.series.size(); ++i)
+            add_item(i, legend);
     }
 
-    Picture draw() {
-        const double legend_top = plot_.y + plot_.height + bottom_room() + 12, width = kChartWidth - 2 * kMargin;
-        const double end = legend_top + legend_height(legend_, width) + (left_out_ > 0 ? 24 : 0) + kMargin / 2;
-        Canvas canvas(kChartWidth, static_cast<int>(std::ceil(end)));
-        draw_heading(canvas, heading_);
+    void draw(Canvas& canvas, bool lowest) {
+        if (!lowest)
+            x_axis_.title.clear();
         const double pitch = plot_.width + kPanelGap;
         draw_axis_titles(canvas, {plot_.x, plot_.y, double(panels()) * pitch - kPanelGap, plot_.height}, x_axis_,
                          y_axis_);
         for (std::size_t panel = 0; panel < panels(); ++panel, plot_.x += pitch)
-            draw_plot(canvas, panel);
-        draw_legend(canvas, legend_, {kMargin, legend_top}, width);
-        if (left_out_ > 0)
-            canvas.text(fmt::format("{} points have no number that these axes can show.", left_out_),
-                        {kMargin, end - kMargin / 2 - 8}, kChartLabelStyle, kQuietInk);
-        return canvas.finish();
+            draw_panel(canvas, panel);
+        plot_.x -= double(panels()) * pitch;
+        if (!chart_.remark.empty())
+            canvas.text(chart_.remark, {plot_.x + plot_.width / 2, plot_.y + plot_.height / 4}, kNoteStyle, kQuietInk);
     }
 
 private:
-    bool map() const { return !chart_.cells.empty(); }
-    bool bars() const { return !chart_.groups.empty(); }
-
-    bool shown(const ChartPoint& point) const {
-        if (bars())
-            return can_show(chart_.x, point.y);
-        if (map())
-            return point.x >= cells_.xs.front() && point.x <= cells_.xs.back() && point.y >= cells_.ys.front() &&
-                   point.y <= cells_.ys.back();
-        return can_show(chart_.x, point.x) && can_show(chart_.y, point.y);
-    }
-
     std::size_t panels() const { return std::max<std::size_t>(1, chart_.panels.size()); }
 
-    void draw_plot(Canvas& canvas, std::size_t panel) {
+    void draw_panel(Canvas& canvas, std::size_t panel) {
         draw_axes(canvas, plot_, x_axis_, y_axis_, {true, panel == 0, !map()});
         if (!chart_.panels.empty())
             canvas.text(chart_.panels[panel], {plot_.x, plot_.y - kPanelTitle / 2}, kChartLabelStyle);
@@ -214,12 +217,24 @@ private:
         draw_labels(canvas);
     }
 
+    bool map() const { return !chart_.cells.empty(); }
+    bool bars() const { return !chart_.groups.empty(); }
+
+    bool shown(const ChartPoint& point) const {
+        if (bars())
+            return can_show(chart_.x, point.y);
+        if (map())
+            return point.x >= cells_.xs.front() && point.x <= cells_.xs.back() && point.y >= cells_.ys.front() &&
+                   point.y <= cells_.ys.back();
+        return can_show(chart_.x, point.x) && can_show(chart_.y, point.y);
+    }
+
     void plan_ranges() {
         std::vector<double> xs, ys;
         for (const ChartSeries& series : chart_.series)
             for (const ChartPoint& point : series.points) {
                 if (!shown(point)) {
-                    left_out_ += !map();
+                    left_out_ += !map() && series.marks;
                     continue;
                 }
                 for (const auto& [values, at, low, high] :
@@ -230,8 +245,8 @@ private:
             ys.push_back(0);
             xs = ys;
         }
-        x_ = range_of(chart_.x, xs);
-        y_ = range_of(chart_.y, ys);
+        x_ = chart_.x.range ? *chart_.x.range : range_of(chart_.x, xs);
+        y_ = chart_.y.range ? *chart_.y.range : range_of(chart_.y, ys);
     }
 
     Axis make_y_axis(double height) const {
@@ -263,6 +278,8 @@ private:
     Stroke stroke_of(std::size_t number) const {
         static const std::vector<std::vector<double>> kDashes{{8, 5}, {2, 4}, {10, 4, 2, 4}, {4, 4}, {12, 3}};
         const ChartSeries& series = chart_.series[number];
+        if (!series.strokes.empty())
+            return series.strokes.back();
         if (series.marks)
             return {series_colour(numbers_[number]), 1.8, series.dashed ? kDashes[0] : std::vector<double>{}, true};
         if (const ChartSeries* own = marked_as(series))
@@ -278,21 +295,21 @@ private:
     }
 
     // Only of what is drawn.
-    void add_item(std::size_t i) {
+    void add_item(std::size_t i, std::vector<LegendItem>& legend) const {
         const ChartSeries& series = chart_.series[i];
         const auto points = std::ranges::count_if(series.points, [&](const ChartPoint& one) { return shown(one); });
         if (series.name.empty() || points < (series.marks ? 1 : 2) || marked_as(series))
             return;
         if (bars())
-            legend_.push_back(swatch_item(series.name, series_colour(numbers_[i])));
+            legend.push_back(swatch_item(series.name, series_colour(numbers_[i])));
         else
-            legend_.push_back({series.name, series.joined || !series.marks ? kKeyLength : 14,
-                               [this, i, &series](Canvas& canvas, Point left, Point right) {
-                                   if (series.joined || !series.marks)
-                                       canvas.polyline(std::array{left, right}, stroke_of(i));
-                                   if (series.marks)
-                                       draw_mark(canvas, numbers_[i], {(left.x + right.x) / 2, left.y});
-                               }});
+            legend.push_back({series.name, series.joined || !series.marks ? kKeyLength : 14,
+                              [this, i, &series](Canvas& canvas, Point left, Point right) {
+                                  if (series.joined || !series.marks)
+                                      canvas.polyline(std::array{left, right}, stroke_of(i));
+                                  if (series.marks)
+                                      draw_mark(canvas, numbers_[i], {(left.x + right.x) / 2, left.y});
+                              }});
     }
 
     void draw_cells(Canvas& canvas, std::size_t panel) const {
@@ -342,15 +359,28 @@ private:
                 std::array{Point{end.x - aside.x, end.y - aside.y}, Point{end.x + aside.x, end.y + aside.y}}, stroke);
     }
 
+    void draw_line(Canvas& canvas, std::size_t number, const std::vector<Point>& places) {
+        const ChartSeries& series = chart_.series[number];
+        const std::vector<Stroke> strokes = series.strokes.empty() ? std::vector{stroke_of(number)} : series.strokes;
+        for (const std::vector<Point>& piece : visible_pieces(places, plot_))
+            for (const Stroke& stroke : strokes)
+                canvas.polyline(series.bar_if_still ? seen_as_line(piece) : piece, stroke);
+        for (std::size_t k = 1; k < places.size(); ++k)
+            lines_.emplace_back(places[k - 1], places[k]);
+    }
+
     // Lines, whiskers and marks, and what labels must keep clear of.
     void draw_series(Canvas& canvas) {
         for (std::size_t i = 0; i < chart_.series.size(); ++i) {
             const ChartSeries& series = chart_.series[i];
             std::vector<Point> places;
             for (const ChartPoint& point : series.points) {
+                if (shown(point))
+                    places.push_back(place(point.x, point.y));
+                else if (!series.marks && !map())
+                    places.push_back({NAN, NAN});
                 if (!shown(point))
                     continue;
-                places.push_back(place(point.x, point.y));
                 const Stroke thin{series_colour(numbers_[i]), 1.3, {}, false};
                 if (point.x_low && point.x_high && can_show(chart_.x, *point.x_low))
                     draw_whisker(canvas, place(*point.x_low, point.y), place(*point.x_high, point.y), thin);
@@ -359,11 +389,8 @@ private:
                 if (!point.label.empty())
                     labels_.emplace_back(point.label, places.back());
             }
-            if (series.joined || !series.marks) {
-                canvas.polyline(places, stroke_of(i));
-                for (std::size_t k = 1; k < places.size(); ++k)
-                    lines_.emplace_back(places[k - 1], places[k]);
-            }
+            if (series.joined || !series.marks)
+                draw_line(canvas, i, places);
             for (const ChartPoint& point : series.points)
                 if (series.marks && point.marked && shown(point)) {
                     marks_.push_back(place(point.x, point.y));
@@ -408,14 +435,11 @@ private:
     }
 
     const Chart& chart_;
-    Look look_;
-    Heading heading_;
     Cells cells_;
     std::vector<std::size_t> numbers_; // of the series, for colour and mark
     Range x_, y_;
     Axis x_axis_, y_axis_;
     Box plot_;
-    std::vector<LegendItem> legend_;
     std::size_t left_out_ = 0; // points
     std::vector<std::pair<std::string, Point>> labels_;
     std::vector<Point> marks_;
@@ -425,7 +449,50 @@ private:
 } // namespace
 
 Picture draw_chart(const Chart& chart) {
-    return ChartSheet(chart).draw();
+    return draw_charts({chart.title, kChartWidth, 0}, chart.notes, {chart});
+}
+
+Picture draw_charts(const Look& look, const std::vector<std::string>& notes, const std::vector<Chart>& charts) {
+    constexpr double kBetween = 20;
+    const Heading heading = plan_heading(look, notes);
+    const double whole_width = look.width - 2 * kMargin;
+    std::vector<ChartPlot> plots(charts.begin(), charts.end());
+    std::vector<LegendItem> legend;
+    std::size_t left_out = 0;
+    for (const ChartPlot& plot : plots) {
+        plot.add_to(legend);
+        left_out += plot.left_out();
+    }
+    double legend_top = 0, end = 0, share = 1;
+    for (const bool again : {false, true}) { // smaller, if it is too high
+        double left = 0, top = kMargin + heading.height + 10, width = INFINITY, heights = 0;
+        for (const ChartPlot& plot : plots) {
+            left = std::max(left, plot.room_on_left(share));
+            width = std::min(width, plot.most_width(share));
+        }
+        const double room = look.width - kMargin - std::ceil(kMargin + left);
+        width = std::min(width, room);
+        const double x = std::ceil(kMargin + left) + std::floor((room - width) / 2);
+        for (ChartPlot& plot : plots) {
+            plot.place({x, top, width, plot.height(share)}, look.width);
+            heights += plot.box().height;
+            legend_top = plot.box().y + plot.box().height + bottom_room() + 12;
+            top = plot.box().y + plot.box().height + bottom_room(false) + kBetween;
+        }
+        end = legend_top + legend_height(legend, whole_width) + (left_out > 0 ? 24 : 0) + kMargin / 2;
+        if (again || look.most_height == 0 || end <= look.most_height)
+            break;
+        share = std::max(heights - (std::ceil(end) - look.most_height), 80.0) / heights;
+    }
+    Canvas canvas(look.width, static_cast<int>(std::ceil(end)));
+    draw_heading(canvas, heading);
+    for (ChartPlot& plot : plots)
+        plot.draw(canvas, &plot == &plots.back());
+    draw_legend(canvas, legend, {kMargin, legend_top}, whole_width);
+    if (left_out > 0)
+        canvas.text(fmt::format("{} points have no number that these axes can show.", left_out),
+                    {kMargin, end - kMargin / 2 - 8}, kChartLabelStyle, kQuietInk);
+    return canvas.finish();
 }
 
 } // namespace forceshade::picture

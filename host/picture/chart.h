@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "host/picture/picture.h"
+#include "host/picture/canvas.h"
 #include "host/picture/ticks.h"
 
 namespace forceshade::picture {
@@ -13,7 +13,9 @@ namespace forceshade::picture {
 struct ChartAxis {
     std::string label; /* with its unit: "time / ns" */
     bool logarithmic = false;
-    TickLabel tick{}; /* how a number is written; empty: as number_label does */
+    TickLabel tick{};             /* how a number is written; empty: as number_label does */
+    std::optional<Range> range{}; /* empty: that of the points, with a border */
+    AxisMaker make{};             /* of the axis in place of label and tick */
 };
 
 struct ChartPoint {
@@ -26,7 +28,9 @@ struct ChartPoint {
 struct ChartSeries {
     std::string name;
     std::vector<ChartPoint> points;
-    bool marks = true, joined = false, dashed = false;
+    bool marks = true, joined = false, dashed = false; /* without marks a point that is no number breaks the line */
+    std::vector<Stroke> strokes{};                     /* of the line, one over the other; empty: by the name */
+    bool bar_if_still = false;                         /* a line that stays in one place is a short bar there */
 };
 
 struct ChartCell {
@@ -49,10 +53,16 @@ struct Chart {
     double value_limit = 0;          /* the colours end at this size; 0: at the largest */
     std::vector<std::string> words;  /* of the cells, in the legend's order */
     std::vector<std::string> groups; /* of bars: what stands at x = 0, 1, 2, ...; empty: no bars */
+    double height = 480;             /* pixels, of the plot; of bars as many as they need */
+    double aspect = 0;               /* height over width, with `height` as the most; 0: any */
+    std::string remark;              /* in the plot */
 };
 
 /// Points and cells that an axis cannot show (no number, not positive on a logarithmic one) are left out, and the
 /// picture says how many.
 Picture draw_chart(const Chart& chart);
+
+/// Charts below each other on one sheet, with one axis of x and one legend, in place of their titles and notes.
+Picture draw_charts(const Look& look, const std::vector<std::string>& notes, const std::vector<Chart>& charts);
 
 } // namespace forceshade::picture

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <set>
 
@@ -22,47 +23,26 @@ constexpr std::array<Rgb8, 8> kColours{{{0, 98, 173},
                                         {179, 23, 79},
                                         {77, 77, 77}}};
 
-// Names that meet in a figure differ in their colours: number modulo 8.
-constexpr auto kKnownSeries = std::to_array<std::pair<std::string_view, std::size_t>>(
-    {{"direct", 0},
-     {"look-up, trilinear", 1},
-     {"look-up, tricubic", 2},
-     {"god-object", 3},
-     {"field, kernel", 4},
-     {"field, CPU on one thread", 5},
-     {"static field", 8},
-     {"closed loop, kernel", 6},
-     {"closed loop, CPU on one thread", 7},
-     {"flat", 8},
-     {"facet", 9},
-     {"edge", 10},
-     {"rim", 11},
-     {"boundary", 12},
-     {"slope", 13},
-     {"crest", 14},
-     {"hollow", 15},
-     {"shaded", 16},
-     {"reference", 16},
-     {"morgenbesser", 17},
-     {"barycentric", 18},
-     {"two_pass", 19},
-     {"mean_value", 20},
-     {"height_map", 21},
-     {"computing the force and its safety", 24},
-     {"late: woken after the sample was due", 25},
-     {"jitter: the time between two samples off the period", 26},
-     {"shaded mesh", 24},
-     {"map of a bump", 25},
-     {"shaded bump", 26},
-     {"bump", 27},
-     {"strokes", 28},
-     {"map of a dip", 29},
-     {"mesh", 30},
-     {"plane", 31},
-     {"unshaded, normal depth", 33},
-     {"shaded, normal depth", 34},
-     {"none", 23},
-     {"unshaded", 23}});
+// The names of a family get numbers from `first` on. Names that meet in a figure differ in their colours: number modulo
+// 8.
+struct Family {
+    std::size_t first;
+    std::initializer_list<std::string_view> names;
+};
+const Family kFamilies[] = {
+    {0,
+     {"direct", "look-up, trilinear", "look-up, tricubic", "god-object", "field, kernel", "field, CPU on one thread"}},
+    {6, {"closed loop, kernel", "closed loop, CPU on one thread", "static field"}},
+    {8, {"flat", "facet", "edge", "rim", "boundary", "slope", "crest", "hollow"}},
+    {16, {"shaded"}},
+    {16, {"reference", "morgenbesser", "barycentric", "two_pass", "mean_value", "height_map"}},
+    {23, {"none"}},
+    {23, {"unshaded"}},
+    {24,
+     {"computing the force and its safety", "late: woken after the sample was due",
+      "jitter: the time between two samples off the period"}},
+    {24, {"shaded mesh", "map of a bump", "shaded bump", "bump", "strokes", "map of a dip", "mesh", "plane"}},
+    {33, {"unshaded, normal depth", "shaded, normal depth"}}};
 
 constexpr std::size_t kFirstUnknown = 40; // no mark of a known name has its colour, too
 
@@ -107,20 +87,26 @@ std::vector<Point> mark_outline(std::size_t kind) {
     }
 }
 
+std::map<std::string_view, std::size_t> make_known() {
+    std::map<std::string_view, std::size_t> known;
+    for (const Family& family : kFamilies)
+        for (std::size_t i = 0; i < family.names.size(); ++i)
+            known.emplace(family.names.begin()[i], family.first + i);
+    return known;
+}
+const std::map<std::string_view, std::size_t> kKnown = make_known();
+
 } // namespace
 
 std::vector<std::size_t> series_numbers(std::span<const std::string> names) {
     std::vector<std::size_t> numbers;
     std::set<std::size_t> colours;
-    const auto known = [](const std::string& name) {
-        return std::ranges::find(kKnownSeries, name, &std::pair<std::string_view, std::size_t>::first);
-    };
     for (const std::string& name : names)
-        if (const auto found = known(name); found != kKnownSeries.end())
+        if (const auto found = kKnown.find(name); found != kKnown.end())
             colours.insert(found->second % kColours.size());
     std::size_t next = kFirstUnknown;
     for (const std::string& name : names) {
-        if (const auto found = known(name); found != kKnownSeries.end()) {
+        if (const auto found = kKnown.find(name); found != kKnown.end()) {
             numbers.push_back(found->second);
             continue;
         }
@@ -133,7 +119,7 @@ std::vector<std::size_t> series_numbers(std::span<const std::string> names) {
 
 std::string known_series_json() {
     std::string text;
-    for (const auto& [name, number] : kKnownSeries)
+    for (const auto& [name, number] : kKnown)
         text += fmt::format("{}\"{}\": {}", text.empty() ? "" : ", ", name, number);
     return "{" + text + "}";
 }

@@ -1,4 +1,5 @@
-// What the pictures of a field show: a mosaic, arrows, what shading changes.
+// Slices side by side on one sheet, and what the pictures of a field show by them: a mosaic, arrows, what shading
+// changes.
 #include <algorithm>
 #include <cassert>
 #include <cmath>
@@ -6,23 +7,287 @@
 #include <fmt/format.h>
 
 #include "host/picture/frame.h"
-#include "host/picture/panels.h"
 #include "host/picture/slice_collector.h"
 
 namespace forceshade::picture {
 namespace {
 
-constexpr std::size_t kShownTiles = 12;
+struct Panel {
+    std::string label; // above it
+    ValueSlice values; // its axes are those of all panels, but for `at`
+    std::size_t scale = 0;
+    FieldSlice force{}; // drawn as arrows unless it has no samples
+};
 
-std::string non_finite_note(const Census& census) {
-    return fmt::format("not a finite number ({} of {} samples)", census.non_finite, census.samples);
+struct PanelSheet {
+    Look look;
+    std::vector<std::string> notes; // below the title
+    std::vector<Panel> panels;      // at least one
+    std::vector<ColourScale> scales;
+    SurfaceLines lines; // over every panel
+    Census census;      // of all that was there before it was cropped
+};
+
+constexpr double kRoomForOne = 860, kRoomForMany = 1100; // pixels: the height of all panels together
+constexpr double kLeastPanelSide = 8;
+constexpr std::size_t kShownTiles = 12;
+constexpr double kLeastArrowPitch = 44; // pixels between arrows
+constexpr double kLongestArrow = 90;
+constexpr double kLeastBarHeight = 180;
+constexpr double kBarHeight = 500; // pixels: for which the width of bars is known well enough
+constexpr TextStyle kPanelStyle{kSmallTextSize, false, Horizontal::left, Vertical::bottom, false};
+
+// The samples along one side of a panel that carry an arrow: every n-th, so that arrows stand kLeastArrowPitch apart
+// and half of that from both ends; and how long arrows may be to neither touch each other nor leave the panel.
+struct ArrowRow {
+    std::vector<std::size_t> samples;
+    double longest = 0; // pixels
+
+    ArrowRow(std::size_t count, double pixels) {
+        const double apart = pixels / static_cast<double>(count);
+        const auto stride = static_cast<std::size_t>(std::max(1.0, std::ceil(kLeastArrowPitch / apart)));
+        const std::size_t arrows = std::max<std::size_t>(1, count / stride);
+        const std::size_t first = (count - 1 - (arrows - 1) * stride) / 2;
+        for (std::size_t i = 0; i < arrows; ++i)
+            samples.push_back(first + i * stride);
+        longest = std::min({0.95 * static_cast<double>(arrows > 1 ? stride : count),
+                            2 * (static_cast<double>(samples.front()) + 0.5),
+                            2 * (static_cast<double>(count - samples.back()) - 0.5)}) *
+                  apart;
+    }
+};
+
+class Layout {
+public:
+    explicit Layout(const PanelSheet& sheet)
+        : sheet_(sheet), axes_(plan_axes(sheet.panels[0].values.axes)), heading_(plan_heading(sheet.look, sheet.notes)),
+          width_(sheet.look.width - 2 * kMargin) {
+        const auto [u, v, normal] = axes_.samples.axis;
+        for (const Panel& panel : sheet.panels)
+            for (const auto& force : panel.force.force)
+                if (const double size = std::hypot(force[u], force[v]); std::isfinite(size + force[normal]))
+                    largest_in_plane_ = std::max(largest_in_plane_, size);
+        plan(sheet.panels.size() == 1 ? kRoomForOne : kRoomForMany);
+        if (const int excess = height() - sheet.look.most_height; sheet.look.most_height > 0 && excess > 0)
+            plan(std::max(grid_height() - excess, kLeastPanelSide));
+    }
+
+    int height() const { return static_cast<int>(std::ceil(below_ + legend_height(legend_, width_) + kMargin / 2)); }
+
+    void draw(Canvas& canvas) const {
+        draw_heading(canvas, heading_);
+        for (std::size_t i = 0; i < sheet_.panels.size(); ++i)
+            draw_panel(canvas, i);
+        draw_axis_titles(canvas, {first_.x, first_.y, grid_width(), grid_height()}, horizontal_, vertical_);
+        double x = first_.x + grid_width();
+        for (std::size_t i = 0; i < sheet_.scales.size(); ++i)
+            if (const ColourScale& scale = sheet_.scales[i]; scale.shows()) {
+                const auto [top, height] = bar_of(i);
+                draw_colour_bar(canvas, {std::round(x + kBarGap), top}, height, scale);
+                x += beside_their_panels() ? 0 : kBarGap + colour_bar_width(scale, height);
+            }
+        draw_legend(canvas, legend_, {kMargin, below_}, width_);
+    }
+
+private:
+    double grid_width() const { return static_cast<double>(columns_ - 1) * column_pitch_ + panel_width_; }
+    double grid_height() const { return static_cast<double>(rows_ - 1) * row_pitch_ + panel_height_; }
+    Box box(std::size_t i) const {
+        return {first_.x + static_cast<double>(i % columns_) * column_pitch_,
+                first_.y + static_cast<double>(i / columns_) * row_pitch_, panel_width_, panel_height_};
+    }
+    Point place(const Box& plot, double u, double v) const { // from the first sample, m
+        const SliceAxes& s = axes_.samples;
+        return {plot.x + (u + s.u_spacing / 2) / axis_extent(s.u, s.u_spacing) * plot.width,
+                plot.y + plot.height - (v + s.v_spacing / 2) / axis_extent(s.v, s.v_spacing) * plot.height};
+    }
+    std::vector<std::vector<Point>> pieces(const Box& plot, const std::vector<LinePoint>& line) const {
+        std::vector<Point> points;
+        for (const LinePoint& point : line)
+            points.push_back(place(plot, point.x - axes_.samples.u[0], point.z - axes_.samples.v[0]));
+        return visible_pieces(points, plot);
+    }
+
+    // Panels in one column have the bars of their scales beside them; else bars stand in a row.
+    bool beside_their_panels() const {
+        return columns_ == 1 && sheet_.scales.size() > 1 && panel_height_ >= kLeastBarHeight;
+    }
+    std::pair<double, double> bar_of(std::size_t scale) const { // top and height
+        if (!beside_their_panels())
+            return {top_, body_};
+        double top = INFINITY, bottom = 0;
+        for (std::size_t i = 0; i < sheet_.panels.size(); ++i)
+            if (sheet_.panels[i].scale == scale) {
+                top = std::min(top, box(i).y);
+                bottom = std::max(bottom, box(i).y + panel_height_);
+            }
+        return {top, bottom - top};
+    }
+    double bars_width() const {
+        double all = 0, widest = 0;
+        for (const ColourScale& scale : sheet_.scales)
+            if (scale.shows()) {
+                const double width = kBarGap + colour_bar_width(scale, kBarHeight);
+                all += width;
+                widest = std::max(widest, width);
+            }
+        return beside_their_panels() ? widest : all;
+    }
+
+    // Everything for panels that are together at most `room` high.
+    void plan(double room) {
+        double left = 0;
+        for (const double pixels : {60.0, 250.0, kRoomForMany}) // the panels' height is not known yet
+            left = std::max(left, left_room(fit_axis(pixels, true, axes_.up)));
+        arrange(width_ - left - bars_width(), room);
+        horizontal_ = fit_axis(panel_width_, false, axes_.across);
+        vertical_ = fit_axis(panel_height_, true, axes_.up);
+        plan_arrows();
+        plan_legend();
+        body_ = std::max(grid_height(), measure(vertical_.title, {kTextSize}).width);
+        for (const ColourScale& scale : sheet_.scales)
+            body_ = std::max(body_, colour_bar_least_height(scale));
+        body_ = std::ceil(body_);
+        const double labels = left_room(vertical_);
+        top_ = std::ceil(kMargin + heading_.height + 12 + label_height_);
+        first_ = {kMargin + std::round((width_ - labels - grid_width() - bars_width()) / 2 + labels),
+                  top_ + std::round((body_ - grid_height()) / 2)};
+        below_ = top_ + body_ + bottom_room() + 14;
+    }
+
+    // Tries every number of columns and keeps the one with the largest panels.
+    void arrange(double available, double room) {
+        double label_width = 0, best = 0;
+        for (const Panel& panel : sheet_.panels)
+            label_width = std::max(label_width, measure(panel.label, kPanelStyle).width);
+        double tick_width = 0;
+        for (const AxisTick& tick : fit_axis(available, false, axes_.across).ticks)
+            tick_width = std::max(tick_width, measure(tick.label, kPanelStyle).width);
+        const double gap = std::ceil(tick_width + 12);
+        label_height_ = label_width > 0 ? std::ceil(measure("z", kPanelStyle).height + 4) : 0;
+        const std::size_t count = sheet_.panels.size();
+        for (std::size_t columns = 1; columns <= count; ++columns) {
+            const std::size_t rows = (count + columns - 1) / columns;
+            const double across = static_cast<double>(columns), down = static_cast<double>(rows);
+            const double most_u = most_pixels(axes_.samples.u.size(), (available - (across - 1) * gap) / across);
+            const double most_v = most_pixels(axes_.samples.v.size(), room / down - label_height_ - 10);
+            const double width = std::max(std::floor(std::min(most_u, most_v / axes_.aspect)), kLeastPanelSide);
+            const double pitch = std::ceil(std::max(width, label_width) + gap);
+            if (width <= best || (columns > 1 && pitch * (across - 1) + width > available))
+                continue;
+            best = width;
+            columns_ = columns;
+            rows_ = rows;
+            panel_width_ = width;
+            column_pitch_ = pitch;
+        }
+        panel_height_ = std::max(std::round(panel_width_ * axes_.aspect), kLeastPanelSide);
+        row_pitch_ = panel_height_ + label_height_ + 10;
+    }
+
+    void plan_arrows() {
+        const ArrowRow across(axes_.samples.u.size(), panel_width_), up(axes_.samples.v.size(), panel_height_);
+        arrow_columns_ = across.samples;
+        arrow_rows_ = up.samples;
+        longest_arrow_ = std::min({across.longest, up.longest, kLongestArrow});
+    }
+
+    void plan_legend() {
+        legend_.clear();
+        if (largest_in_plane_ > 0) {
+            const Unit unit = choose_unit(largest_in_plane_, "N");
+            const double largest = divide_by_power_of_ten(largest_in_plane_, unit.exponent); // in that unit
+            const double key = round_below(largest), least = kLeastArrowLength / longest_arrow_ * largest;
+            legend_.push_back({fmt::format("in-plane force of {} (dot: under {})", with_unit(decimal(key, 0), unit),
+                                           with_unit(three_digits(least), unit)),
+                               key / largest * longest_arrow_, draw_arrow});
+        }
+        const Box sample{0, 0, panel_width_, panel_height_};
+        if (!pieces(sample, sheet_.lines.nominal).empty())
+            legend_.push_back(surface_item("surface", false));
+        if (!pieces(sample, sheet_.lines.smooth).empty())
+            legend_.push_back(surface_item("shape that the shading imitates", true));
+        Census all;
+        for (const Panel& panel : sheet_.panels)
+            all = all + take_census(panel.values.value);
+        if (all.none > 0)
+            legend_.push_back(swatch_item("no force", kNoForceColour));
+        if (all.non_finite > 0)
+            legend_.push_back(checker_item(fmt::format("not a finite number ({} of {} samples)",
+                                                       sheet_.census.non_finite, sheet_.census.samples)));
+    }
+
+    void draw_panel(Canvas& canvas, std::size_t i) const {
+        const Panel& panel = sheet_.panels[i];
+        const Box plot = box(i);
+        const auto width = static_cast<int>(plot.width), height = static_cast<int>(plot.height);
+        canvas.image(static_cast<int>(plot.x), static_cast<int>(plot.y), width, height,
+                     rasterise(panel.values, width, height, sheet_.scales[panel.scale]));
+        canvas.begin_clip(plot);
+        if (!panel.force.force.empty())
+            draw_arrows_of(canvas, panel, plot);
+        for (const bool smooth : {false, true})
+            for (const auto& piece : pieces(plot, smooth ? sheet_.lines.smooth : sheet_.lines.nominal))
+                draw_surface_line(canvas, piece, smooth);
+        canvas.end_clip();
+        const bool lowest = i + columns_ >= sheet_.panels.size();
+        draw_axes(canvas, plot, horizontal_, vertical_, {lowest, i % columns_ == 0});
+        if (!panel.label.empty())
+            canvas.text(panel.label, {plot.x, plot.y - 4}, kPanelStyle);
+        if (const Census census = take_census(panel.values.value); census.none == census.samples)
+            for (const char* text : {"no force in this slice", "no force", "0 N"})
+                if (const Extent size = measure(text, kNoteStyle);
+                    size.width + 8 <= plot.width && size.height <= plot.height) {
+                    const Point middle{plot.x + plot.width / 2, plot.y + plot.height / 2};
+                    canvas.fill(
+                        {middle.x - size.width / 2 - 4, middle.y - size.height / 2, size.width + 8, size.height},
+                        kPaper);
+                    canvas.text(text, middle, kNoteStyle, kQuietInk);
+                    break;
+                }
+    }
+
+    void draw_arrows_of(Canvas& canvas, const Panel& panel, const Box& plot) const {
+        const SliceAxes& s = axes_.samples;
+        for (const std::size_t row : arrow_rows_)
+            for (const std::size_t column : arrow_columns_) {
+                const auto& force = panel.force.force[row * s.u.size() + column];
+                const double x = force[s.axis[0]] / largest_in_plane_ * longest_arrow_ / 2,
+                             y = force[s.axis[1]] / largest_in_plane_ * longest_arrow_ / 2;
+                if (!std::isfinite(x + y + force[s.axis[2]]) || (force[0] == 0 && force[1] == 0 && force[2] == 0))
+                    continue;
+                const Point middle = place(plot, s.u[column] - s.u[0], s.v[row] - s.v[0]);
+                draw_arrow(canvas, {middle.x - x, middle.y + y}, {middle.x + x, middle.y - y});
+            }
+    }
+
+    const PanelSheet& sheet_;
+    PlaneAxes axes_;
+    Heading heading_;
+    double width_;                                    // between the margins
+    double largest_in_plane_ = 0, longest_arrow_ = 0; /* N, and pixels for it */
+    std::size_t columns_ = 1, rows_ = 1;
+    double panel_width_ = 0, panel_height_ = 0, column_pitch_ = 0, row_pitch_ = 0, label_height_ = 0; // whole pixels
+    double top_ = 0, body_ = 0, below_ = 0;
+    Point first_{}; // upper left corner of the first panel
+    Axis horizontal_{}, vertical_{};
+    std::vector<std::size_t> arrow_columns_, arrow_rows_;
+    std::vector<LegendItem> legend_;
+};
+
+// As many columns as make the panels largest.
+Picture draw_panels(const PanelSheet& sheet) {
+    const Layout layout(sheet);
+    Canvas canvas(sheet.look.width, layout.height());
+    layout.draw(canvas);
+    return canvas.finish();
 }
 
 void add_axes_notes(const PlaneAxes& axes, bool arrows, std::vector<std::string>& notes) {
     if (!axes.stretch_note.empty())
         notes.push_back(axes.stretch_note + (arrows ? "; arrows keep their true direction" : ""));
-    if (const std::string sampling = sampling_note(axes); !sampling.empty())
-        notes.push_back(sampling);
+    if (!axes.sampling_note.empty())
+        notes.push_back(axes.sampling_note);
 }
 
 // From the lowest to the highest place of the lines over the slice.
@@ -35,15 +300,35 @@ std::optional<std::array<double, 2>> reach_of(const SurfaceLines& lines, const S
     return reach[0] <= reach[1] ? std::optional(reach) : std::nullopt;
 }
 
-// "x–z slice at y = 0.2 mm"
-std::string where(const SliceAxes& axes, const Unit& unit) {
-    const std::string at = position_labels(kAxisNames[axes.axis[2]], {axes.at}, axes.at_spacing, unit).front();
-    return fmt::format("{}–{} slice at {}", kAxisNames[axes.axis[0]], kAxisNames[axes.axis[1]], at);
-}
-
-std::string arrows_note(const SliceAxes& axes) {
-    return fmt::format("in-plane force (F{}, F{}) as arrows centred on their samples", kAxisNames[axes.axis[0]],
-                       kAxisNames[axes.axis[1]]);
+// Slices of one plane with arrows; panels have their scales in order.
+Picture draw_slices(const Look& look, std::vector<Panel> panels, const std::vector<Quantity>& quantities,
+                    const SurfaceLines& lines, const std::vector<std::string>& more_notes) {
+    std::vector<ValueSlice> values;
+    std::vector<Census> censuses(quantities.size());
+    PanelSheet sheet{look, {}, {}, {}, lines, {}};
+    for (const Panel& panel : panels) {
+        assert(panel.values.value.size() == panel.values.axes.u.size() * panel.values.axes.v.size());
+        values.push_back(panel.values);
+        const Census census = take_census(panel.values.value);
+        sheet.census = sheet.census + census;
+        censuses[panel.scale] = censuses[panel.scale] + census;
+    }
+    const SliceAxes& whole = values[0].axes;
+    for (std::size_t i = 0; i < quantities.size(); ++i)
+        sheet.scales.push_back(scale_for(quantities[i], censuses[i].largest, whole.axis));
+    const Window window = contact_window(values, reach_of(lines, whole));
+    for (Panel& panel : panels)
+        sheet.panels.push_back({panel.label, cropped(panel.values, window), panel.scale, cropped(panel.force, window)});
+    const PlaneAxes axes = plan_axes(sheet.panels[0].values.axes);
+    const auto [u, v, normal] = whole.axis;
+    sheet.notes.push_back(fmt::format(
+        "{}–{} slice at {}: {} as colour{}, in-plane force (F{}, F{}) as arrows centred on their samples",
+        kAxisNames[u], kAxisNames[v],
+        position_labels(kAxisNames[normal], {whole.at}, whole.at_spacing, axes.longer_unit).front(),
+        sheet.scales[0].words, largest_note(sheet.scales[0], censuses[0].largest), kAxisNames[u], kAxisNames[v]));
+    sheet.notes.insert(sheet.notes.end(), more_notes.begin(), more_notes.end());
+    add_axes_notes(axes, true, sheet.notes);
+    return draw_panels(sheet);
 }
 
 // Of forces before and after shading.
@@ -59,11 +344,6 @@ std::string magnitude_note(const ValueSlice& before, const ValueSlice& after) {
     return "changes by up to " + quantity_text(change, "N");
 }
 
-bool has_force(const ValueSlice& tile) {
-    const Census census = take_census(tile.value);
-    return census.none < census.samples;
-}
-
 } // namespace
 
 Picture draw_mosaic(const Look& look, std::span<const ValueSlice> tiles, Quantity quantity) {
@@ -71,15 +351,16 @@ Picture draw_mosaic(const Look& look, std::span<const ValueSlice> tiles, Quantit
     Census census;
     std::vector<ValueSlice> filled;
     for (const ValueSlice& tile : tiles) {
-        census = census + take_census(tile.value);
-        if (has_force(tile))
+        const Census of_tile = take_census(tile.value);
+        census = census + of_tile;
+        if (of_tile.none < of_tile.samples)
             filled.push_back(tile);
     }
     const bool nothing = filled.empty();
     if (nothing)
         filled.push_back(tiles[0]);
     const Window window = contact_window(filled);
-    PanelSheet sheet{look, {}, {}, {scale_for(quantity, census.largest, tiles[0].axes.axis)}, {}, ""};
+    PanelSheet sheet{look, {}, {}, {scale_for(quantity, census.largest, tiles[0].axes.axis)}, {}, census};
     std::vector<double> heights;
     for (std::size_t i = 0; i < filled.size(); i += (filled.size() + kShownTiles - 1) / kShownTiles) {
         heights.push_back(filled[i].axes.at);
@@ -97,57 +378,28 @@ Picture draw_mosaic(const Look& look, std::span<const ValueSlice> tiles, Quantit
     add_axes_notes(axes, false, sheet.notes);
     if (nothing)
         sheet.notes.push_back("no force in this field");
-    sheet.non_finite_note = non_finite_note(census);
     return draw_panels(sheet);
 }
 
 Picture draw_arrows(const Look& look, const FieldSlice& slice, const SurfaceLines& lines, Quantity quantity,
                     const FieldSlice& unshaded) {
-    assert(slice.force.size() == slice.axes.u.size() * slice.axes.v.size() && !slice.force.empty());
-    const ValueSlice values = values_of(slice, quantity, unshaded);
-    const Window window = contact_window(std::span(&values, 1), reach_of(lines, slice.axes));
-    const Census census = take_census(values.value);
-    PanelSheet sheet{look,
-                     {},
-                     {{"", cropped(values, window), 0, cropped(slice, window)}},
-                     {scale_for(quantity, census.largest, slice.axes.axis)},
-                     lines,
-                     non_finite_note(census)};
-    const PlaneAxes axes = plan_axes(sheet.panels[0].values.axes);
-    sheet.notes.push_back(fmt::format("{}: {} as colour{}, {}", where(slice.axes, axes.longer_unit),
-                                      sheet.scales[0].words, largest_note(sheet.scales[0], census.largest),
-                                      arrows_note(slice.axes)));
-    add_axes_notes(axes, true, sheet.notes);
-    return draw_panels(sheet);
+    return draw_slices(look, {{"", values_of(slice, quantity, unshaded), 0, slice}}, {quantity}, lines, {});
 }
 
 Picture draw_shading(const Look& look, const FieldSlice& unshaded, const FieldSlice& shaded,
                      const SurfaceLines& lines) {
     assert(unshaded.force.size() == shaded.force.size());
-    const SliceAxes& whole = shaded.axes;
-    const std::array values{values_of(unshaded, Quantity::magnitude), values_of(shaded, Quantity::magnitude),
-                            values_of(shaded, Quantity::angle, unshaded)};
-    const Window window = contact_window(values, reach_of(lines, whole));
-    const Census force = take_census(values[0].value) + take_census(values[1].value);
-    const Census angle = take_census(values[2].value);
-    PanelSheet sheet{look,
-                     {},
-                     {{"unshaded", cropped(values[0], window), 0, cropped(unshaded, window)},
-                      {"shaded", cropped(values[1], window), 0, cropped(shaded, window)},
-                      {"angle between unshaded and shaded force", cropped(values[2], window), 1}},
-                     {scale_for(Quantity::magnitude, force.largest, whole.axis),
-                      scale_for(Quantity::angle, angle.largest, whole.axis)},
-                     lines,
-                     non_finite_note(force + angle)};
-    const PlaneAxes axes = plan_axes(sheet.panels[0].values.axes);
-    sheet.notes.push_back(fmt::format("{}: {} as colour{}, {}", where(whole, axes.longer_unit), sheet.scales[0].words,
-                                      largest_note(sheet.scales[0], force.largest), arrows_note(whole)));
-    sheet.notes.push_back(angle.largest > 0
-                              ? fmt::format("shading turns the force by up to {}°; the magnitude {}",
-                                            three_digits(angle.largest), magnitude_note(values[0], values[1]))
-                              : "shading turns the force nowhere in this slice");
-    add_axes_notes(axes, true, sheet.notes);
-    return draw_panels(sheet);
+    const ValueSlice before = values_of(unshaded, Quantity::magnitude), after = values_of(shaded, Quantity::magnitude),
+                     angle = values_of(shaded, Quantity::angle, unshaded);
+    const double turn = take_census(angle.value).largest;
+    return draw_slices(look,
+                       {{"unshaded", before, 0, unshaded},
+                        {"shaded", after, 0, shaded},
+                        {"angle between unshaded and shaded force", angle, 1}},
+                       {Quantity::magnitude, Quantity::angle}, lines,
+                       {turn > 0 ? fmt::format("shading turns the force by up to {}°; the magnitude {}",
+                                               three_digits(turn), magnitude_note(before, after))
+                                 : "shading turns the force nowhere in this slice"});
 }
 
 } // namespace forceshade::picture

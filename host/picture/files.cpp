@@ -25,8 +25,8 @@ std::vector<FileRecord> write_picture(const std::filesystem::path& stem, const E
                                       const Picture& picture) {
     std::vector<FileRecord> records;
     for (const std::string& name : names_with(stem.filename().string(), endings)) {
-        const std::string vectors = name.ends_with(".svg")   ? picture.drawing->svg()
-                                    : name.ends_with(".pdf") ? picture.drawing->pdf()
+        const std::string vectors = name.ends_with(".svg")   ? picture.svg()
+                                    : name.ends_with(".pdf") ? picture.pdf()
                                                              : "";
         const auto bytes = vectors.empty() ? std::as_bytes(std::span(picture.png)) : std::as_bytes(std::span(vectors));
         write_file_atomically(stem.parent_path() / name, bytes);

@@ -2,8 +2,16 @@
 
 #include <algorithm>
 #include <array>
+#include <boost/geometry/algorithms/intersection.hpp>
+#include <boost/geometry/algorithms/intersects.hpp>
+#include <boost/geometry/geometries/box.hpp>
+#include <boost/geometry/geometries/linestring.hpp>
+#include <boost/geometry/geometries/register/point.hpp>
+#include <boost/geometry/geometries/segment.hpp>
 #include <cmath>
 #include <fmt/format.h>
+
+BOOST_GEOMETRY_REGISTER_POINT_2D(forceshade::picture::Point, double, boost::geometry::cs::cartesian, x, y)
 
 namespace forceshade::picture {
 namespace {
@@ -57,35 +65,29 @@ double most_pixels(std::size_t samples, double room) {
 PlaneAxes plan_axes(const SliceAxes& samples) {
     const double u = axis_extent(samples.u, samples.u_spacing), v = axis_extent(samples.v, samples.v_spacing);
     const double longer = std::max(u, v), shorter = std::min(u, v);
-    const Unit unit = choose_unit(longer, "m");
-    PlaneAxes axes{kAxisNames[samples.axis[0]], kAxisNames[samples.axis[1]], samples, unit, unit, unit, v / u, ""};
-    if (longer > kSharedUnitRatio * shorter) {
-        axes.u_unit = choose_unit(u, "m");
-        axes.v_unit = choose_unit(v, "m");
-    }
+    PlaneAxes axes{samples, {}, {}, choose_unit(longer, "m"), v / u, "", ""};
+    const std::string u_name = kAxisNames[samples.axis[0]], v_name = kAxisNames[samples.axis[1]];
+    const auto add = [&](AxisMaker& make, const std::string& name, const std::vector<double>& along, double spacing,
+                         double extent) {
+        const Unit unit = longer > kSharedUnitRatio * shorter ? choose_unit(extent, "m") : axes.longer_unit;
+        make = [=](std::size_t most) { return make_axis(name, along, spacing, unit, most); };
+        const double count = std::round((along.back() - along.front()) / spacing) + 1;
+        if (spacing > 0 && count >= static_cast<double>(along.size()) + 0.5)
+            axes.sampling_note += fmt::format("{}{} of {:.0f} samples along {}",
+                                              axes.sampling_note.empty() ? "shown: " : ", ", along.size(), count, name);
+    };
+    add(axes.across, u_name, samples.u, samples.u_spacing, u);
+    add(axes.up, v_name, samples.v, samples.v_spacing, v);
     if (longer > kMaxAspect * shorter) {
         axes.aspect = u > v ? 1 / kMaxAspect : kMaxAspect;
-        axes.stretch_note = fmt::format("not to scale: {} is stretched {} times", u > v ? axes.v_name : axes.u_name,
+        axes.stretch_note = fmt::format("not to scale: {} is stretched {} times", u > v ? v_name : u_name,
                                         three_digits(longer / shorter / kMaxAspect));
     }
     return axes;
 }
 
-std::string sampling_note(const PlaneAxes& axes) {
-    std::string note;
-    const auto describe = [&](const std::string& name, const std::vector<double>& samples, double spacing) {
-        const double count = std::round((samples.back() - samples.front()) / spacing) + 1;
-        if (count >= static_cast<double>(samples.size()) + 0.5)
-            note += fmt::format("{}{} of {:.0f} samples along {}", note.empty() ? "shown: " : ", ", samples.size(),
-                                count, name);
-    };
-    describe(axes.u_name, axes.samples.u, axes.samples.u_spacing);
-    describe(axes.v_name, axes.samples.v, axes.samples.v_spacing);
-    return note;
-}
-
 // The most ticks that look neither crowded nor bare; more rather than fewer than two; else the outer ones, or one.
-Axis fit_axis(double pixels, bool vertical, const std::function<Axis(std::size_t)>& make) {
+Axis fit_axis(double pixels, bool vertical, const AxisMaker& make) {
     const auto roomy = static_cast<std::size_t>(std::clamp(pixels / (vertical ? 45 : 80), 2.0, 12.0));
     for (const bool upwards : {false, true})
         for (std::size_t most = roomy; most >= 2 && most <= roomy + 4; upwards ? ++most : --most) {
@@ -98,18 +100,6 @@ Axis fit_axis(double pixels, bool vertical, const std::function<Axis(std::size_t
     if (!labels_clear(axis, pixels, vertical))
         axis.ticks.resize(1);
     return axis;
-}
-
-Axis fit_horizontal(const PlaneAxes& axes, double pixels) {
-    return fit_axis(pixels, false, [&](std::size_t most) {
-        return make_axis(axes.u_name, axes.samples.u, axes.samples.u_spacing, axes.u_unit, most);
-    });
-}
-
-Axis fit_vertical(const PlaneAxes& axes, double pixels) {
-    return fit_axis(pixels, true, [&](std::size_t most) {
-        return make_axis(axes.v_name, axes.samples.v, axes.samples.v_spacing, axes.v_unit, most);
-    });
 }
 
 double left_room(const Axis& axis, bool title) {
@@ -223,6 +213,161 @@ void draw_heading(Canvas& canvas, const Heading& heading) {
         }
         y += gap;
     }
+}
+
+namespace {
+
+constexpr double kItemGap = 34; // pixels between items
+constexpr double kSignGap = 8;  // between a sign and its text
+constexpr double kLegendRow = 26;
+constexpr double kSwatch = 18;
+constexpr TextStyle kLegendStyle{kTextSize, false, Horizontal::left, Vertical::middle, false};
+
+double item_width(const LegendItem& item) {
+    return item.width + kSignGap + measure(item.text, kLegendStyle).width;
+}
+
+std::vector<Point> place_items(const std::vector<LegendItem>& items, double width) {
+    std::vector<Point> places;
+    Point next;
+    for (const LegendItem& item : items) {
+        if (next.x > 0 && next.x + item_width(item) > width)
+            next = {0, next.y + kLegendRow};
+        places.push_back(next);
+        next.x += item_width(item) + kItemGap;
+    }
+    return places;
+}
+
+} // namespace
+
+double legend_height(const std::vector<LegendItem>& items, double width) {
+    return items.empty() ? 0 : place_items(items, width).back().y + kLegendRow;
+}
+
+void draw_legend(Canvas& canvas, const std::vector<LegendItem>& items, Point upper_left, double width) {
+    const std::vector<Point> places = place_items(items, width);
+    for (std::size_t i = 0; i < items.size(); ++i) {
+        const Point left{upper_left.x + places[i].x, upper_left.y + places[i].y + kLegendRow / 2};
+        items[i].draw(canvas, left, {left.x + items[i].width, left.y});
+        canvas.text(items[i].text, {left.x + items[i].width + kSignGap, left.y}, kLegendStyle);
+    }
+}
+
+LegendItem line_item(std::string text, const Stroke& stroke) {
+    return {std::move(text), kKeyLength, [stroke](Canvas& canvas, Point left, Point right) {
+                canvas.polyline(std::array{left, right}, stroke);
+            }};
+}
+
+LegendItem swatch_item(std::string text, Rgb8 colour) {
+    return {std::move(text), kSwatch, [colour](Canvas& canvas, Point left, Point) {
+                const Box box{left.x, left.y - kSwatch / 2, kSwatch, kSwatch};
+                canvas.fill(box, colour);
+                canvas.outline(box, {});
+            }};
+}
+
+LegendItem checker_item(std::string text) {
+    return {std::move(text), kSwatch, [](Canvas& canvas, Point left, Point) {
+                constexpr double kSquare = kSwatch / 4;
+                for (int y = 0; y < 4; ++y)
+                    for (int x = 0; x < 4; ++x)
+                        canvas.fill({left.x + x * kSquare, left.y - kSwatch / 2 + y * kSquare, kSquare, kSquare},
+                                    kNonFiniteColours[static_cast<std::size_t>((x + y) % 2)]);
+            }};
+}
+
+void draw_arrow(Canvas& canvas, Point tail, Point tip) {
+    const double length = std::hypot(tip.x - tail.x, tip.y - tail.y);
+    if (length < kLeastArrowLength) {
+        const Point middle{(tail.x + tip.x) / 2, (tail.y + tip.y) / 2};
+        canvas.disc(middle, 2.2, kInk);
+        canvas.disc(middle, 1.2, kPaper);
+        return;
+    }
+    const double along_x = (tip.x - tail.x) / length, along_y = (tip.y - tail.y) / length;
+    const double head = std::min(0.45 * length, 12.0), half_head = std::max(0.45 * head, 2.0),
+                 half_shaft = std::min(1.3, 0.18 * head);
+    const std::array<Point, 7> local{{{0, half_shaft},
+                                      {length - head, half_shaft},
+                                      {length - head, half_head},
+                                      {length, 0},
+                                      {length - head, -half_head},
+                                      {length - head, -half_shaft},
+                                      {0, -half_shaft}}};
+    std::array<Point, 7> points;
+    std::transform(local.begin(), local.end(), points.begin(), [&](Point p) {
+        return Point{tail.x + along_x * p.x - along_y * p.y, tail.y + along_y * p.x + along_x * p.y};
+    });
+    canvas.polygon(points, kPaper, {kInk, 1.8, {}, true});
+}
+
+Stroke surface_stroke(bool smooth, double width) {
+    return smooth ? Stroke{{200, 20, 60}, width, {9, 5}, true} : Stroke{kInk, width, {}, true};
+}
+
+void draw_surface_line(Canvas& canvas, const std::vector<Point>& points, bool smooth) {
+    canvas.polyline(points, {kPaper, 5, {}, true});
+    canvas.polyline(points, surface_stroke(smooth));
+}
+
+LegendItem surface_item(std::string text, bool smooth) {
+    return line_item(std::move(text), surface_stroke(smooth));
+}
+
+namespace {
+
+namespace geometry = boost::geometry;
+using Shape = geometry::model::box<Point>;
+
+bool finite(Point p) {
+    return std::isfinite(p.x) && std::isfinite(p.y);
+}
+
+Shape shape_of(const Box& box, double border) {
+    return {{box.x - border, box.y - border}, {box.x + box.width + border, box.y + box.height + border}};
+}
+
+} // namespace
+
+std::vector<std::vector<Point>> visible_pieces(std::span<const Point> line, const Box& box) {
+    constexpr double kBorder = 8; // pixels: the width of a line with its halo, so that its cut ends stay outside
+    constexpr double kNear = 1.0 / 3;
+    std::vector<std::vector<Point>> pieces;
+    geometry::model::linestring<Point> run;
+    for (std::size_t i = 0; i <= line.size(); ++i) {
+        if (i < line.size() && finite(line[i])) {
+            const bool last = i + 1 == line.size() || !finite(line[i + 1]);
+            if (run.empty() || last || std::hypot(line[i].x - run.back().x, line[i].y - run.back().y) >= kNear)
+                run.push_back(line[i]);
+            continue;
+        }
+        std::vector<geometry::model::linestring<Point>> seen;
+        if (run.size() > 1)
+            geometry::intersection(run, shape_of(box, kBorder), seen);
+        for (const auto& piece : seen)
+            pieces.emplace_back(piece.begin(), piece.end());
+        run.clear();
+    }
+    return pieces;
+}
+
+bool crosses(Point from, Point to, const Box& box) {
+    return finite(from) && finite(to) &&
+           geometry::intersects(geometry::model::segment<Point>(from, to), shape_of(box, 0));
+}
+
+std::vector<Point> seen_as_line(std::vector<Point> piece) {
+    constexpr double kBar = 14; // pixels
+    if (piece.empty())
+        return piece;
+    const auto [left, right] = std::ranges::minmax(piece, {}, &Point::x);
+    const auto [high, low] = std::ranges::minmax(piece, {}, &Point::y);
+    if (std::max(right.x - left.x, low.y - high.y) > kBar / 4)
+        return piece;
+    const double middle = (left.x + right.x) / 2;
+    return {{middle - kBar / 2, high.y}, {middle + kBar / 2, high.y}};
 }
 
 } // namespace forceshade::picture

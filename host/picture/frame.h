@@ -1,4 +1,5 @@
-// What stands round a plot: axes with labels that keep clear of each other, colour bar, title.
+// What stands round and in a plot: axes with labels that keep clear of each other, colour bar, title, legend, and lines
+// cut to what is shown, so that far-away or non-finite points and a million vertices do no harm.
 #pragma once
 
 #include "host/picture/canvas.h"
@@ -6,6 +7,7 @@
 
 #include <cstddef>
 #include <functional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -20,26 +22,21 @@ inline constexpr TextStyle kNoteStyle{kTextSize, false, Horizontal::centre, Vert
 
 /// The axes of a slice in the plane of the picture, at most kMaxAspect apart in length.
 struct PlaneAxes {
-    std::string u_name, v_name;
     SliceAxes samples;
-    Unit u_unit, v_unit;      // the same unless the extents are far apart
-    Unit longer_unit;         // that of the longer axis
-    double aspect = 1;        // height over width to draw: the true one, unless one axis is stretched
-    std::string stretch_note; // says so if one is, else empty
+    AxisMaker across, up;      // in one unit unless the extents are far apart
+    Unit longer_unit;          // that of the longer axis
+    double aspect = 1;         // height over width to draw: the true one, unless one axis is stretched
+    std::string stretch_note;  // says so if one is, else empty
+    std::string sampling_note; // "shown: 256 of 1024 samples along x", of axes shown sub-sampled; else empty
 };
 
 PlaneAxes plan_axes(const SliceAxes& samples);
-
-/// "256 of 1024 samples along x" for each axis that is shown sub-sampled; empty if none is.
-std::string sampling_note(const PlaneAxes& axes);
 
 /// How long a plot side of so many samples may be, at most `room` pixels: a handful of samples needs no whole sheet.
 double most_pixels(std::size_t samples, double room);
 
 /// Of the axes that make(most ticks) returns the one with as many ticks as so many pixels leave room for.
-Axis fit_axis(double pixels, bool vertical, const std::function<Axis(std::size_t most)>& make);
-Axis fit_horizontal(const PlaneAxes& axes, double pixels);
-Axis fit_vertical(const PlaneAxes& axes, double pixels);
+Axis fit_axis(double pixels, bool vertical, const AxisMaker& make);
 
 struct AxesStyle {
     bool bottom_labels = true, left_labels = true, grid = false;
@@ -66,5 +63,42 @@ struct Heading {
 };
 Heading plan_heading(const Look& look, const std::vector<std::string>& notes);
 void draw_heading(Canvas& canvas, const Heading& heading);
+
+inline constexpr double kKeyLength = 44; // pixels: of a line's sign
+
+struct LegendItem {
+    std::string text;
+    double width = kKeyLength;                                         // pixels: of its sign
+    std::function<void(Canvas& canvas, Point left, Point right)> draw; // at half the height of the text
+};
+
+/// Height of the items, flowed into rows of `width` pixels; 0 if there are none.
+double legend_height(const std::vector<LegendItem>& items, double width);
+void draw_legend(Canvas& canvas, const std::vector<LegendItem>& items, Point upper_left, double width);
+
+LegendItem line_item(std::string text, const Stroke& stroke);
+LegendItem swatch_item(std::string text, Rgb8 colour);
+/// Of values that are no finite number.
+LegendItem checker_item(std::string text);
+
+inline constexpr double kLeastArrowLength = 4; // pixels
+
+/// An arrow that stays readable on any colour: white, outlined in dark. One shorter than kLeastArrowLength is a dot.
+void draw_arrow(Canvas& canvas, Point tail, Point tip);
+
+/// The nominal surface is a solid line, the smooth shape a dashed one; over colours they have a halo.
+Stroke surface_stroke(bool smooth, double width = 2.6);
+void draw_surface_line(Canvas& canvas, const std::vector<Point>& points, bool smooth);
+LegendItem surface_item(std::string text, bool smooth);
+
+/// The connected pieces of the line that pass within a few pixels of `box`; points closer than a third of a pixel to
+/// the one before are dropped. A point that is not finite breaks the line.
+std::vector<std::vector<Point>> visible_pieces(std::span<const Point> line, const Box& box);
+
+/// Whether the segment passes through `box`.
+bool crosses(Point from, Point to, const Box& box);
+
+/// The piece; one that stays in one place, as the force's direction in taps does, as a short bar there.
+std::vector<Point> seen_as_line(std::vector<Point> piece);
 
 } // namespace forceshade::picture

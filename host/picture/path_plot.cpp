@@ -1,25 +1,20 @@
-#include "host/picture/path_plot.h"
+// Explored paths over the section of the surface, and below it where the force pointed.
+#include <algorithm>
+#include <cmath>
+#include <numbers>
 
+#include <fmt/format.h>
+
+#include "host/picture/chart.h"
 #include "host/picture/chart_style.h"
 #include "host/picture/frame.h"
-#include "host/picture/legend.h"
-#include "host/picture/polyline.h"
-
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <fmt/format.h>
-#include <numbers>
-#include <utility>
 
 namespace forceshade::picture {
 namespace {
 
-constexpr double kMostSectionHeight = 560; // pixels
-constexpr double kAngleHeight = 360;
-constexpr double kBetween = 20;        // between the upper panel's labels and the lower panel
-constexpr double kHardlyWide = 0.1;    // of the height
-constexpr double kLeastBreadth = 2e-3; // m: of what has neither width nor height
+constexpr double kMostSectionHeight = 560, kAngleHeight = 360; // pixels
+constexpr double kHardlyWide = 0.1;                            // of the height
+constexpr double kLeastBreadth = 2e-3;                         // m: of what has neither width nor height
 
 struct Bounds {
     double low = INFINITY, high = -INFINITY;
@@ -29,173 +24,79 @@ struct Bounds {
         low = std::min(low, value);
         high = std::max(high, value);
     }
-    // With a border, and never empty.
+    // With a border, and never empty; `least` of border if there is no width.
     Range widened(double least) const {
         if (!(low <= high))
             return {-least, least};
-        const double border = std::max({0.05 * (high - low), least, 1e-9 * std::max(std::fabs(low), std::fabs(high))});
-        return {low - border, high + border};
+        const double border = std::max(0.05 * (high - low), 1e-9 * std::max(std::fabs(low), std::fabs(high)));
+        return border > 0 ? Range{low - border, high + border} : Range{low - least, high + least};
     }
 };
 
-struct Section {
-    Box box;
-    Range x, y;
-    std::vector<std::vector<Point>> pieces(const std::vector<LinePoint>& line) const {
-        std::vector<Point> points;
-        for (const LinePoint& point : line)
-            points.push_back({box.x + x.fraction(point.x) * box.width, box.y + (1 - y.fraction(point.z)) * box.height});
-        return visible_pieces(points, box);
-    }
-};
-
-class PathSheet {
-public:
-    explicit PathSheet(const PathDrawing& drawing) : drawing_(drawing) {
-        find_ranges();
-        axes_ = plan_axes({{x_.low, x_.high}, {z_.low, z_.high}, 0, 0, 0, 0});
-        std::vector<std::string> notes = drawing.notes;
-        if (!axes_.stretch_note.empty())
-            notes.push_back(axes_.stretch_note);
-        heading_ = plan_heading(drawing.look, notes);
-        plan_legend();
-        plan(kMostSectionHeight, kAngleHeight);
-        if (const int excess = height() - drawing.look.most_height; drawing.look.most_height > 0 && excess > 0) {
-            const double both = section_.box.height + below_.box.height;
-            const double share = std::max(both - excess, 80.0) / both;
-            plan(section_.box.height * share, kAngleHeight * share);
-        }
-    }
-
-    int height() const {
-        return static_cast<int>(std::ceil(legend_top_ + legend_height(legend_, legend_width()) + kMargin / 2));
-    }
-
-    void draw(Canvas& canvas) const {
-        draw_heading(canvas, heading_);
-        draw_section(canvas);
-        draw_angles(canvas);
-        Axis untitled = horizontal_;
-        untitled.title.clear();
-        for (const auto& [panel, x, y] : {std::tuple(&section_, &std::as_const(untitled), &vertical_),
-                                          std::tuple(&below_, &horizontal_, &angles_)}) {
-            draw_axes(canvas, panel->box, *x, *y);
-            draw_axis_titles(canvas, panel->box, *x, *y);
-        }
-        draw_legend(canvas, legend_, {kMargin, legend_top_}, legend_width());
-    }
-
-private:
-    double legend_width() const { return drawing_.look.width - 2 * kMargin; }
-
-    // The section keeps its shape, at most so high.
-    void plan(double most_height, double angle_height) {
-        angles_ = fit_axis(angle_height, true, [&](std::size_t most) {
-            return quantity_axis("force direction", "°", angle_.low, angle_.high, most);
-        });
-        double left = left_room(angles_);
-        for (const double pixels : {60.0, most_height})
-            left = std::max(left, left_room(fit_vertical(axes_, pixels)));
-        const double room = std::floor(legend_width() - left);
-        const double width = std::floor(std::min(room, most_height / axes_.aspect));
-        const double x = std::floor(kMargin + left + (room - width) / 2),
-                     top = std::floor(kMargin + heading_.height + 14);
-        section_ = {{x, top, width, std::round(width * axes_.aspect)}, x_, z_};
-        below_ = {{x, top + section_.box.height + bottom_room(false) + kBetween, width, angle_height}, x_, angle_};
-        horizontal_ = fit_horizontal(axes_, width);
-        vertical_ = fit_vertical(axes_, section_.box.height);
-        legend_top_ = below_.box.y + below_.box.height + bottom_room() + 14;
-    }
-
-    void find_ranges() {
-        Bounds x, z, angle;
-        const Breadth breadth = drawn_breadth(drawing_.paths);
-        x.add(breadth.low);
-        x.add(breadth.high);
-        x_ = x.widened(0);
-        if (!(x_.high > x_.low))
-            x_ = x.widened(kLeastBreadth / 2);
-        for (const DrawnPath& path : drawing_.paths) {
-            for (const LinePoint& point : path.way)
-                z.add(point.z);
-            for (const double direction : path.direction) {
-                angle.add(direction);
-                any_force_ = any_force_ || std::isfinite(direction);
-            }
-        }
-        const auto add_shown = [&](const std::vector<LinePoint>& line, Bounds& bounds) {
-            for (const LinePoint& point : line)
-                if (point.x >= x_.low && point.x <= x_.high)
-                    bounds.add(point.z);
-        };
-        for (const auto* line : {&drawing_.surface.nominal, &drawing_.surface.smooth}) {
-            add_shown(*line, z);
-            if (drawing_.draws_normals)
-                add_shown(normals_of(*line), angle);
-        }
-        z_ = z.widened(0);
-        if (!(z_.high > z_.low))
-            z_ = z.widened(0.1 * (x_.high - x_.low));
-        angle_ = angle.widened(1);
-    }
-
-    Stroke stroke_of(std::size_t path, double width) const { return {series_colour(path), width, {}, true}; }
-
-    void plan_legend() {
-        const char* normals = drawing_.draws_normals ? "; below, its normal" : "";
-        if (!drawing_.surface.nominal.empty())
-            legend_.push_back(surface_item(fmt::format("surface{}", normals), false));
-        if (!drawing_.surface.smooth.empty())
-            legend_.push_back(surface_item(fmt::format("shape that the shading imitates{}", normals), true));
-        for (std::size_t i = 0; i < drawing_.paths.size(); ++i)
-            legend_.push_back(line_item(drawing_.paths[i].label, stroke_of(i, 2.4)));
-    }
-
-    void draw_section(Canvas& canvas) const {
-        canvas.begin_clip(section_.box);
-        for (const bool smooth : {true, false})
-            for (const auto& piece : section_.pieces(smooth ? drawing_.surface.smooth : drawing_.surface.nominal))
-                draw_surface_line(canvas, piece, smooth);
-        for (std::size_t i = 0; i < drawing_.paths.size(); ++i)
-            for (const auto& piece : section_.pieces(drawing_.paths[i].way))
-                canvas.polyline(piece, stroke_of(i, 1.4));
-        canvas.end_clip();
-    }
-
-    void draw_angles(Canvas& canvas) const {
-        canvas.begin_clip(below_.box);
-        for (std::size_t i = 0; i < drawing_.paths.size(); ++i) {
-            const DrawnPath& path = drawing_.paths[i];
-            std::vector<LinePoint> line;
-            for (std::size_t s = 0; s < path.way.size(); ++s)
-                line.push_back({path.way[s].x, path.direction[s]});
-            for (const auto& piece : below_.pieces(line))
-                canvas.polyline(seen_as_line(piece), {lighter(series_colour(i)), 5, {}, true});
-        }
-        for (const bool smooth : {false, true}) // without a halo, which would hide the forces that follow them
-            if (drawing_.draws_normals)
-                for (const auto& piece :
-                     below_.pieces(normals_of(smooth ? drawing_.surface.smooth : drawing_.surface.nominal)))
-                    canvas.polyline(piece, surface_stroke(smooth, 1.4));
-        canvas.end_clip();
-        if (!any_force_)
-            canvas.text("no force on these paths",
-                        {below_.box.x + below_.box.width / 2, below_.box.y + below_.box.height / 4}, kNoteStyle,
-                        kQuietInk);
-    }
-
-    const PathDrawing& drawing_;
-    std::vector<LegendItem> legend_;
-    Range x_, z_, angle_;
-    bool any_force_ = false;
-    PlaneAxes axes_;
-    Axis horizontal_, vertical_, angles_;
-    double legend_top_ = 0;
-    Heading heading_;
-    Section section_{}, below_{};
-};
+ChartSeries line_of(std::string name, const std::vector<LinePoint>& line, std::vector<Stroke> strokes) {
+    ChartSeries series{std::move(name), {}, false, true, false, std::move(strokes)};
+    for (const LinePoint& point : line)
+        series.points.push_back({point.x, point.z});
+    return series;
+}
 
 } // namespace
+
+Picture draw_paths(const PathDrawing& drawing) {
+    Bounds z_bounds, angles;
+    const Breadth breadth = drawn_breadth(drawing.paths);
+    const Range x = Bounds{breadth.low, breadth.high}.widened(kLeastBreadth / 2);
+    bool any_force = false;
+    for (const DrawnPath& path : drawing.paths) {
+        for (const LinePoint& point : path.way)
+            z_bounds.add(point.z);
+        for (const double direction : path.direction) {
+            angles.add(direction);
+            any_force = any_force || std::isfinite(direction);
+        }
+    }
+    Chart section, below;
+    const char* normals = drawing.draws_normals ? "; below, its normal" : "";
+    std::vector<ChartSeries> surfaces;
+    for (const bool smooth : {true, false}) {
+        const std::vector<LinePoint>& line = smooth ? drawing.surface.smooth : drawing.surface.nominal;
+        const std::vector<LinePoint> turned = drawing.draws_normals ? normals_of(line) : std::vector<LinePoint>();
+        for (const auto& [points, bounds] : {std::pair(&line, &z_bounds), {&turned, &angles}})
+            for (const LinePoint& point : *points)
+                if (point.x >= x.low && point.x <= x.high)
+                    bounds->add(point.z);
+        section.series.push_back(
+            line_of((smooth ? "shape that the shading imitates" : "surface") + std::string(normals), line,
+                    {{kPaper, 5, {}, true}, surface_stroke(smooth)}));
+        surfaces.push_back(line_of("", turned, {surface_stroke(smooth, 1.4)})); // a halo would hide forces that follow
+    }
+    for (std::size_t i = 0; i < drawing.paths.size(); ++i) {
+        const DrawnPath& path = drawing.paths[i];
+        section.series.push_back(line_of(path.label, path.way, {{series_colour(i), 1.8, {}, true}}));
+        std::vector<LinePoint> directions;
+        for (std::size_t s = 0; s < path.way.size(); ++s)
+            directions.push_back({path.way[s].x, path.direction[s]});
+        below.series.push_back(line_of("", directions, {{lighter(series_colour(i)), 5, {}, true}}));
+        below.series.back().bar_if_still = true;
+    }
+    std::ranges::reverse_copy(surfaces, std::back_inserter(below.series));
+    const Range z = z_bounds.widened(0.1 * (x.high - x.low)), angle = angles.widened(1);
+    const PlaneAxes axes = plan_axes({{x.low, x.high}, {z.low, z.high}, 0, 0, 0, 0});
+    section.x.range = below.x.range = x;
+    section.y.range = z;
+    below.y.range = angle;
+    section.x.make = below.x.make = axes.across;
+    section.y.make = axes.up;
+    below.y.make = [&](std::size_t most) { return quantity_axis("force direction", "°", angle.low, angle.high, most); };
+    section.height = kMostSectionHeight;
+    section.aspect = axes.aspect;
+    below.height = kAngleHeight;
+    below.remark = any_force ? "" : "no force on these paths";
+    std::vector<std::string> notes = drawing.notes;
+    if (!axes.stretch_note.empty())
+        notes.push_back(axes.stretch_note);
+    return draw_charts(drawing.look, notes, {section, below});
+}
 
 Breadth drawn_breadth(const std::vector<DrawnPath>& paths) {
     Bounds x, z;
@@ -222,13 +123,6 @@ std::vector<LinePoint> normals_of(const std::vector<LinePoint>& line) {
         normals.push_back({line[i].x, angle});
     }
     return normals;
-}
-
-Picture draw_paths(const PathDrawing& drawing) {
-    const PathSheet sheet(drawing);
-    Canvas canvas(drawing.look.width, sheet.height());
-    sheet.draw(canvas);
-    return canvas.finish();
 }
 
 } // namespace forceshade::picture

@@ -9,6 +9,8 @@
 
 #include "host/picture/values.h"
 
+struct _cairo_surface;
+
 namespace forceshade::picture {
 
 /// Pixels; (x, y) is the upper left corner.
@@ -21,21 +23,17 @@ struct PlacedText {
     Box ink; // where its ink lies
 };
 
-/// What a picture shows, as vectors. Text is text or outlines of it. \throws std::runtime_error if the drawing library
-/// fails (out of memory).
-class Drawing {
-public:
-    virtual ~Drawing() = default;
-    virtual std::string svg() const = 0;
-    virtual std::string pdf() const = 0;
-};
-
 /// A finished picture. The same input gives the same bytes: the file holds no date and no program version.
 struct Picture {
     std::vector<std::uint8_t> png;
     int width = 0, height = 0;     // pixels
     std::vector<PlacedText> texts; // every text drawn, so that a test can see that none overlaps or is cut
-    std::shared_ptr<const Drawing> drawing;
+    std::shared_ptr<_cairo_surface> drawing;
+
+    /// As vectors; letters are outlines in SVG. \throws std::runtime_error if the drawing library fails (out of
+    /// memory).
+    std::string svg() const;
+    std::string pdf() const;
 };
 
 /// What the user may choose of any picture.
@@ -69,5 +67,34 @@ Picture draw_arrows(const Look& look, const FieldSlice& slice, const SurfaceLine
 /// What shading changes: unshaded and shaded force to one scale, and the angle between them.
 Picture draw_shading(const Look& look, const FieldSlice& unshaded, const FieldSlice& shaded,
                      const SurfaceLines& lines = {});
+
+/// A path to draw: sample i was at way[i]; direction[i] is the force's, NaN where there is none.
+struct DrawnPath {
+    std::string label;
+    std::vector<LinePoint> way;
+    std::vector<double> direction; /* deg: in the x-z plane, from z towards x */
+};
+
+struct PathDrawing {
+    Look look;
+    std::vector<std::string> notes; // lines below the title
+    std::vector<DrawnPath> paths;   // one at least, with a finite sample
+    SurfaceLines surface;           // its normals are drawn beside the forces' directions
+    bool draws_normals = true;
+};
+
+/// Explored paths over the section of the surface, and below it where the force pointed.
+Picture draw_paths(const PathDrawing& drawing);
+
+/// The normals of a line whose x increases, as a line of its own: x in m, z the angle from z towards x in deg. A
+/// segment's normal stands at both its ends.
+std::vector<LinePoint> normals_of(const std::vector<LinePoint>& line);
+
+/// m: the x between which paths are drawn, before a border. Paths that are hardly wide, as taps are, are shown as wide
+/// as high, so that the surface below them is seen. Without a finite sample low > high.
+struct Breadth {
+    double low = 0, high = 0;
+};
+Breadth drawn_breadth(const std::vector<DrawnPath>& paths);
 
 } // namespace forceshade::picture

@@ -31,6 +31,9 @@ struct Range {
     double fraction(double value) const;
 };
 
+/// Makes an axis with at most so many ticks.
+using AxisMaker = std::function<struct Axis(std::size_t most)>;
+
 struct AxisTick {
     double fraction; // of the axis length, in [0, 1]
     std::string label;

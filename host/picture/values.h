@@ -1,4 +1,5 @@
-// A slice as one number a sample, and the colours that show it.
+// What a picture of a field is drawn from: plane slices of a force volume, whole or sub-sampled; a slice as one number
+// a sample; and the colours that show it.
 #pragma once
 
 #include <array>
@@ -12,9 +13,27 @@
 #include <vector>
 
 #include "host/picture/colour_map.h"
-#include "host/picture/field_slice.h"
 
 namespace forceshade::picture {
+
+/// Where the samples of a slice lie: horizontal u and vertical v, increasing; sample (i, j) is number j * u.size() + i.
+struct SliceAxes {
+    std::vector<double> u; /* m, at least one */
+    std::vector<double> v; /* m, at least one */
+    double u_spacing = 0;  /* m, of the grid sliced: a sample stands for the cell of this width around it */
+    double v_spacing = 0;  /* m */
+    double at_spacing = 0; /* m, of the grid along the third axis */
+    double at = 0;         /* m: where the slice cuts the third axis */
+    std::array<std::size_t, 3> axis{0, 2, 1}; // which of x, y, z are u, v and the third
+};
+
+inline constexpr std::array kAxisNames{"x", "y", "z"};
+
+/// Force vectors over a slice; (Fx, Fy, Fz) whatever u and v are.
+struct FieldSlice {
+    SliceAxes axes;
+    std::vector<std::array<double, 3>> force; /* N */
+};
 
 /// What colours show: |F|, a component, the direction in the plane of the slice, or the angle by which shading turns F.
 enum class Quantity { magnitude, x, y, z, direction, angle };

@@ -161,11 +161,11 @@ TEST(Chart, KeepsLabelsClearOfLines) {
 // As vectors, too, and always with the same bytes.
 TEST(Chart, IsDrawnAsSvgAndPdf) {
     const Picture picture = draw_chart(sample()), again = draw_chart(sample());
-    EXPECT_EQ(picture.drawing->svg().substr(0, 5), "<?xml");
-    EXPECT_NE(picture.drawing->svg().find("viewBox=\"0 0 1000 "), std::string::npos);
-    EXPECT_EQ(picture.drawing->pdf().substr(0, 5), "%PDF-");
+    EXPECT_EQ(picture.svg().substr(0, 5), "<?xml");
+    EXPECT_NE(picture.svg().find("viewBox=\"0 0 1000 "), std::string::npos);
+    EXPECT_EQ(picture.pdf().substr(0, 5), "%PDF-");
     EXPECT_TRUE(picture.png == again.png);
-    EXPECT_TRUE(picture.drawing->pdf() == again.drawing->pdf());
+    EXPECT_TRUE(picture.pdf() == again.pdf());
 }
 
 } // namespace

@@ -19,7 +19,7 @@ TEST(FitAxis, LabelsKeepClearOfEachOther) {
          {line_of(-0.025, 2e-4, 256), line_of(-123.4567, 1.1e-2, 90), line_of(5e3, 10, 40)}) {
         const PlaneAxes axes = plan_axes(samples);
         for (double pixels = 8; pixels < 1300; pixels *= 1.15) {
-            const Axis across = fit_horizontal(axes, pixels), up = fit_vertical(axes, pixels);
+            const Axis across = fit_axis(pixels, false, axes.across), up = fit_axis(pixels, true, axes.up);
             ASSERT_FALSE(across.ticks.empty() || up.ticks.empty());
             const auto gap = [&](const Axis& axis, std::size_t i) {
                 return (axis.ticks[i].fraction - axis.ticks[i - 1].fraction) * pixels;

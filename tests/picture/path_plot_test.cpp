@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "host/picture/canvas.h"
-#include "host/picture/path_plot.h"
+#include "host/picture/picture.h"
 
 namespace forceshade::picture::test {
 namespace {

@@ -1,4 +1,4 @@
-#include "host/picture/polyline.h"
+#include "host/picture/frame.h"
 
 #include <cmath>
 #include <gtest/gtest.h>
@@ -33,7 +33,10 @@ TEST(VisiblePieces, LeavesAndComesBackAsTwoPieces) {
 TEST(VisiblePieces, BreaksAtWhatIsNoNumber) {
     const double nan = std::numeric_limits<double>::quiet_NaN();
     const std::vector<Point> line{{110, 150}, {150, 150}, {nan, 150}, {200, 150}, {250, 150}};
-    EXPECT_EQ(visible_pieces(line, kPlot).size(), 2U);
+    const auto pieces = visible_pieces(line, kPlot);
+    ASSERT_EQ(pieces.size(), 2U);
+    EXPECT_EQ(pieces[0].back().x, 150);
+    EXPECT_EQ(pieces[1].front().x, 200);
 }
 
 TEST(VisiblePieces, ThinsOutAMillionPoints) {

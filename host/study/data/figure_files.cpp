@@ -100,7 +100,7 @@ picture::Chart chart_of(const Figure& figure, const StudyData& data) {
 std::vector<TextFile> figure_files(const StudyData& data) {
     std::vector<TextFile> files;
     for (const Figure& figure : data.figures)
-        files.push_back({figure.name + ".svg", picture::draw_chart(chart_of(figure, data)).drawing->svg()});
+        files.push_back({figure.name + ".svg", picture::draw_chart(chart_of(figure, data)).svg()});
     return files;
 }
 
