@@ -4,7 +4,7 @@
 #include <string>
 
 #include "host/cli/command.h"
-#include "host/picture/files.h"
+#include "host/picture/picture.h"
 #include "host/picture/slice_collector.h"
 
 namespace forceshade {

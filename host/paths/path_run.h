@@ -11,7 +11,7 @@
 #include "host/engine/engine.h"
 #include "host/output/exr_volume.h"
 #include "host/output/record.h"
-#include "host/picture/files.h"
+#include "host/picture/picture.h"
 #include "host/prepare/prepared_case.h"
 #include "host/referee/path_oracle.h"
 #include "host/referee/proxy_sides.h"

@@ -2,7 +2,7 @@
 // down.
 #pragma once
 
-#include "host/picture/colour_map.h"
+#include "host/picture/colours.h"
 #include "host/picture/picture.h"
 
 #include <cstdint>

@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "host/picture/chart_style.h"
+#include "host/picture/colours.h"
 #include "host/picture/frame.h"
 
 namespace forceshade::picture {

@@ -1,12 +1,15 @@
-// Pictures as PNG bytes and vectors: of a force volume slices and arrows, of explored paths, and charts.
+// Pictures as PNG bytes and vectors: of a force volume slices and arrows, of explored paths, and charts; and their
+// files.
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <memory>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "host/output/record.h"
 #include "host/picture/values.h"
 
 struct _cairo_surface;
@@ -96,5 +99,20 @@ struct Breadth {
     double low = 0, high = 0;
 };
 Breadth drawn_breadth(const std::vector<DrawnPath>& paths);
+
+/// Which of the files of a picture are wanted.
+struct Endings {
+    bool png = false, svg = false, pdf = false;
+    bool any() const { return png || svg || pdf; }
+    /// False if `name` is none of them.
+    bool add(std::string_view name);
+};
+
+/// "STEM.png" and so on.
+std::vector<std::string> names_with(const std::string& stem, const Endings& endings);
+
+/// Writes them, each whole or not at all. \throws IoError.
+std::vector<FileRecord> write_picture(const std::filesystem::path& stem, const Endings& endings,
+                                      const Picture& picture);
 
 } // namespace forceshade::picture

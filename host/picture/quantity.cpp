@@ -45,16 +45,7 @@ int decade(double value) {
 }
 
 double divide_by_power_of_ten(double value, int exponent) {
-    constexpr int kExact = 22; // 10^22 is the last power of ten that a double holds exactly
-    while (exponent > kExact) {
-        value /= 1e22;
-        exponent -= kExact;
-    }
-    while (exponent < -kExact) {
-        value *= 1e22;
-        exponent += kExact;
-    }
-    return exponent >= 0 ? value / std::pow(10.0, exponent) : value * std::pow(10.0, -exponent);
+    return static_cast<double>(value / std::pow(10.0L, exponent));
 }
 
 Unit choose_unit(double largest, std::string_view base) {

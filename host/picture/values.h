@@ -12,7 +12,7 @@
 #include <string_view>
 #include <vector>
 
-#include "host/picture/colour_map.h"
+#include "host/picture/colours.h"
 
 namespace forceshade::picture {
 

@@ -7,7 +7,7 @@
 #include "host/error.h"
 #include "host/output/files.h"
 #include "host/output/reading.h"
-#include "host/picture/chart_style.h"
+#include "host/picture/colours.h"
 #include "host/report/base64.h"
 #include "host/report/words.h"
 #include "report_assets.h"

@@ -5,7 +5,7 @@
 
 #include "host/error.h"
 #include "host/output/exr_volume.h"
-#include "host/picture/surface_lines.h"
+#include "host/picture/scene_picture.h"
 #include "host/prepare/prepared_case.h"
 #include "host/scene/study.h"
 

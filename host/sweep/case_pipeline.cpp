@@ -12,8 +12,7 @@
 #include "host/output/files.h"
 #include "host/output/raw_formats.h"
 #include "host/picture/picture.h"
-#include "host/picture/surface_lines.h"
-#include "host/picture/titles.h"
+#include "host/picture/scene_picture.h"
 #include "host/program.h"
 #include "host/referee/validate.h"
 

@@ -21,7 +21,7 @@
 #include "host/output/record.h"
 #include "host/output/rows.h"
 #include "host/paths/path_run.h"
-#include "host/picture/files.h"
+#include "host/picture/picture.h"
 #include "host/picture/slice_collector.h"
 #include "host/prepare/prepared_case.h"
 #include "host/referee/oracle_check.h"

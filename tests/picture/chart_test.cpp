@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "host/picture/chart.h"
-#include "host/picture/chart_style.h"
+#include "host/picture/colours.h"
 #include "tests/picture/cases.h"
 
 namespace forceshade::picture {

@@ -1,5 +1,5 @@
 // The colours of numbers: those of d3, whose page shows the same volumes.
-#include "host/picture/colour_map.h"
+#include "host/picture/colours.h"
 
 #include <algorithm>
 #include <cmath>

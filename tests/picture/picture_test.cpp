@@ -1,4 +1,4 @@
-#include "host/picture/colour_map.h"
+#include "host/picture/colours.h"
 #include "tests/picture/cases.h"
 
 #include <algorithm>

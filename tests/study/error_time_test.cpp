@@ -96,7 +96,7 @@ TEST(TouchedPlaces, HaveTheKindOfWhatIsMetThere) {
 TEST(TouchedPlaces, ShowWhatALookUpDoesWhereContactBegins) {
     const Subject bump = own_subjects(few()).front();
     const Variant& shaded = variant_named(bump, "64 facets, reference");
-    const VolumeGrid grid = volume_grid(bump.low, bump.high, 0.4e-3);
+    const GridSpec grid = volume_grid(bump.low, bump.high, 0.4e-3);
     const ForceVolume<float, float> volume(grid, sampled(*shaded.prepared, grid));
     const KindPlaces all = places_of(bump, shaded, few());
     std::vector<glm::dvec3> found[2], truth[2];
@@ -126,12 +126,13 @@ TEST(TouchedPlaces, OfAGodObjectAreReachedFromAbove) {
 
 // A volume of a function of the place, and a place within.
 template <typename Function> glm::dvec3 read(const Function& function, bool cubic, const glm::dvec3& at) {
-    const VolumeGrid grid = volume_grid({0, 0, 0}, {1, 1, 1}, 0.25);
+    const GridSpec grid = volume_grid({0, 0, 0}, {1, 1, 1}, 0.25);
     std::vector<double> forces;
     for (std::size_t k = 0; k < grid.size[2]; ++k)
         for (std::size_t j = 0; j < grid.size[1]; ++j)
             for (std::size_t i = 0; i < grid.size[0]; ++i) {
-                const glm::dvec3 force = function(grid.origin + grid.spacing * glm::dvec3(i, j, k));
+                const glm::dvec3 origin(grid.origin[0], grid.origin[1], grid.origin[2]);
+                const glm::dvec3 force = function(origin + grid.spacing[0] * glm::dvec3(i, j, k));
                 forces.insert(forces.end(), {force.x, force.y, force.z});
             }
     const ForceVolume<double, double> volume(grid, std::move(forces));

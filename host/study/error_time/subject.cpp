@@ -193,12 +193,13 @@ std::shared_ptr<const SceneMesh> cylinder_mesh(const Cylinder& own, unsigned cel
 }
 
 Subject own_bump(const PreparedCase& own, const Extents& extents) {
-    Subject subject;
-    subject.name = "bump";
-    subject.elements = "facets";
+    Subject subject{"bump", "facets"};
     subject.truth = bump_truth(own.one.scene);
     set_grid(subject, own.one.scene.grid);
     subject.spacings = extents.spacings;
+    subject.notes = {"The bump is the paper's, R = 600 mil and W = 1000 mil on a plane, K = 1000 N/m. Its smooth shape "
+                     "is the cylinder, with the force K (U(x) - z) along the normal N(x) above the probe: the depth is "
+                     "read vertically, as that of the facets is."};
     std::vector<Base> bases;
     for (const unsigned facets : extents.facets) {
         auto prepared = std::make_shared<PreparedCase>(own);
@@ -206,21 +207,19 @@ Subject own_bump(const PreparedCase& own, const Extents& extents) {
         bases.push_back({prepared, facets});
     }
     complete(subject, bases, extents, [](const Variant& one) { return one.elements == kThoroughFacets; });
-    subject.notes = {"The bump is the paper's, R = 600 mil and W = 1000 mil on a plane, K = 1000 N/m. Its smooth shape "
-                     "is the cylinder, with the force K (U(x) - z) along the normal N(x) above the probe: the depth is "
-                     "read vertically, as that of the facets is."};
     return subject;
 }
 
 Subject own_mesh(const PreparedCase& own, const Extents& extents) {
-    Subject subject;
-    subject.name = "mesh";
-    subject.elements = "cells";
+    Subject subject{"mesh", "cells"};
     subject.truth = mesh_truth(own.one.scene);
     subject.low = kMeshLow;
     subject.high = kMeshHigh;
     resample(subject, {64, 32, 32});
     subject.spacings = spacings_within(subject, extents.spacings, kMostMeshSamples);
+    subject.notes = {"The meshes are patches of the same cylinder, cut into triangles between equal arcs. Their smooth "
+                     "shape has the force K (R - r) along the radius: the depth is that of the nearest point, as the "
+                     "meshes' is."};
     std::vector<Base> bases;
     for (const unsigned cells : extents.cells) {
         auto prepared = std::make_shared<PreparedCase>(own);
@@ -231,9 +230,6 @@ Subject own_mesh(const PreparedCase& own, const Extents& extents) {
     complete(subject, bases, extents, [](const Variant& one) {
         return one.elements == kThoroughCells && (one.shading == "none" || one.shading == "mean_value");
     });
-    subject.notes = {"The meshes are patches of the same cylinder, cut into triangles between equal arcs. Their smooth "
-                     "shape has the force K (R - r) along the radius: the depth is that of the nearest point, as the "
-                     "meshes' is."};
     return subject;
 }
 

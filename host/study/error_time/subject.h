@@ -60,15 +60,15 @@ struct Subject {
     std::string name;     /* "bump", "mesh", "scene" */
     std::string elements; /* what Variant::elements counts: "facets", "cells"; empty: nothing */
     std::string against = kSmoothShape;
-    Truth truth;
+    Truth truth{};
     double stiffness = 1; /* N/m */
-    TouchScale scale;
-    std::vector<Place> places;  /* uniform over the surface, depths log-uniform: all laws meet these */
-    GridSpec grid;              /* for kernels */
-    glm::dvec3 low{0}, high{0}; /* m: the box of volumes */
-    std::vector<double> spacings;
-    std::vector<Variant> variants;
-    std::vector<std::string> notes;
+    TouchScale scale{};
+    std::vector<Place> places{}; /* uniform over the surface, depths log-uniform: all laws meet these */
+    GridSpec grid{};             /* for kernels */
+    glm::dvec3 low{0}, high{0};  /* m: the box of volumes */
+    std::vector<double> spacings{};
+    std::vector<Variant> variants{};
+    std::vector<std::string> notes{};
 };
 
 /// The paper's bump of R = 600 mil, and the same cylinder as meshes of triangles.

@@ -12,27 +12,19 @@
 
 namespace forceshade::study::error_time {
 
-/// Cubic samples lie `spacing` apart along all axes, x fastest, then y, then z.
-struct VolumeGrid {
-    std::array<std::size_t, 3> size{};
-    glm::dvec3 origin{0}; /* m: of the first sample */
-    double spacing = 1;   /* m */
-
-    std::size_t samples() const { return size[0] * size[1] * size[2]; }
-};
-
-/// The grid over a box, with two samples more than it takes on each side, as the tricubic reading wants.
-VolumeGrid volume_grid(const glm::dvec3& low, const glm::dvec3& high, double spacing);
+/// The grid of cubic samples over a box, with two more than it takes on each side, as the tricubic reading wants.
+GridSpec volume_grid(const glm::dvec3& low, const glm::dvec3& high, double spacing);
 
 /// The scene's forces at the samples of a grid, N, 3 a sample, by the oracle on all cores.
-std::vector<float> sampled(const PreparedCase& prepared, const VolumeGrid& grid);
+std::vector<float> sampled(const PreparedCase& prepared, const GridSpec& grid);
 
 /// Forces as Stored (half, float, double), read in the arithmetic of T at places of the world, m.
 template <typename Stored, typename T> class ForceVolume {
 public:
     /// `forces`: 3 a sample, N.
-    ForceVolume(const VolumeGrid& grid, std::vector<Stored> forces)
-        : grid_(grid), forces_(std::move(forces)), origin_(grid.origin), inverse_(T(1 / grid.spacing)) {}
+    ForceVolume(const GridSpec& grid, std::vector<Stored> forces)
+        : grid_(grid), forces_(std::move(forces)), origin_(grid.origin[0], grid.origin[1], grid.origin[2]),
+          inverse_(T(1 / grid.spacing[0])) {}
 
     reference::Vector<T> trilinear(const reference::Vector<T>& place) const noexcept {
         const Cell x = cell_at(place, 0), y = cell_at(place, 1), z = cell_at(place, 2);
@@ -87,7 +79,7 @@ private:
         return {T(force[0]), T(force[1]), T(force[2])};
     }
 
-    VolumeGrid grid_;
+    GridSpec grid_;
     std::vector<Stored> forces_;
     reference::Vector<T> origin_;
     T inverse_; /* 1/m */

@@ -124,7 +124,7 @@ public:
     }
     void add_lookups() {
         for (const double spacing : subject_.spacings) {
-            const VolumeGrid grid = volume_grid(subject_.low, subject_.high, spacing);
+            const GridSpec grid = volume_grid(subject_.low, subject_.high, spacing);
             const auto volume = [&]<typename Stored>(Stored) {
                 return lazily([&prepared = *variant_.prepared, grid] {
                     const std::vector<float> forces = sampled(prepared, grid);
@@ -221,14 +221,14 @@ private:
     }
 
     template <typename Volume>
-    void add_lookup(const Volume& volume, bool cubic, const VolumeGrid& grid, std::size_t stored) {
+    void add_lookup(const Volume& volume, bool cubic, const GridSpec& grid, std::size_t stored) {
         const bool halves = stored == sizeof(half);
         Way& way =
             add(Use::live, cubic ? "look-up, tricubic" : "look-up, trilinear", halves ? "f32, half stored" : "f32");
-        way.name = fmt::format("{}, {}: {} {:.3g} mm{}", subject_.name, variant_.name, way.family, grid.spacing * 1e3,
-                               halves ? ", half stored" : "");
-        way.spacing = grid.spacing;
-        way.bytes = static_cast<double>(3 * stored * grid.samples());
+        way.name = fmt::format("{}, {}: {} {:.3g} mm{}", subject_.name, variant_.name, way.family,
+                               grid.spacing[0] * 1e3, halves ? ", half stored" : "");
+        way.spacing = grid.spacing[0];
+        way.bytes = static_cast<double>(3 * stored * grid.size[0] * grid.size[1] * grid.size[2]);
         set_law(way, 1, [volume, cubic] { return std::make_unique<LookUp<decltype(volume())>>(volume(), cubic); });
     }
 

@@ -6,6 +6,7 @@
 #include "host/clock.h"
 #include "host/norm.h"
 #include "host/output/exr_volume.h"
+#include "host/paths/path_run.h"
 #include "host/paths/scene_paths.h"
 #include "host/program.h"
 
@@ -111,11 +112,7 @@ public:
         header.origin = scene_.grid.origin;
         header.spacing = scene_.grid.spacing;
         header.channels = scene_.output.channels | layout::kChannelForce;
-        header.compression = scene_.output.compression;
-        header.pixel = scene_.output.pixel;
-        header.scene = setup_.prepared.scene;
-        header.version = version();
-        header.threads = 2;
+        set_options(header, setup_.prepared, scene_, 2);
         struct Removed {
             std::filesystem::path file;
             ~Removed() {

@@ -1,10 +1,23 @@
-// The outlines that a picture of a field shows over the forces.
+// What a scene says of its pictures: their title, and the outlines over the forces.
 #pragma once
+
+#include <string>
 
 #include "host/picture/picture.h"
 #include "host/prepare/prepared_case.h"
 
 namespace forceshade {
+
+namespace picture {
+
+/// "Bump of 2 facets, radius 15.2 mm, shaded as its cylinder, stiffness 2 N/mm": the surface, its shading, and whatever
+/// else varies in the case's study.
+std::string title_of(const Case& one, bool with_shading = true);
+
+/// "100 paths (strokes)".
+std::string paths_title(const PathsSpec& paths);
+
+} // namespace picture
 
 /// Where a section in the x-z plane lies.
 struct SectionSpan {
