@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include <boost/math/distributions/beta.hpp>
 #include <boost/math/distributions/students_t.hpp>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -18,17 +17,30 @@ namespace {
 
 constexpr double kPower = 0.8;
 
-// A subject's share of an answer in so many trials.
-double drawn_share(double share, unsigned trials, Random& random) {
-    constexpr double kSpread = 1 / kSubjectCorrelation - 1;
-    const double leaning =
-        boost::math::quantile(boost::math::beta_distribution<>(share * kSpread, (1 - share) * kSpread),
-                              std::clamp(random.uniform(), 1e-9, 1 - 1e-9));
-    unsigned count = 0;
-    for (unsigned i = 0; i < trials; ++i)
-        count += random.uniform() < leaning;
-    return static_cast<double>(count) / trials;
-}
+// How many of a subject's answers are a certain one: beta-binomial, drawn from its distribution function.
+class Counts {
+public:
+    Counts(double share, unsigned trials) {
+        constexpr double kSpread = 1 / kSubjectCorrelation - 1;
+        const double a = share * kSpread, b = (1 - share) * kSpread;
+        const auto log_beta = [](double x, double y) { return std::lgamma(x) + std::lgamma(y) - std::lgamma(x + y); };
+        double below = 0;
+        for (unsigned k = 0; k <= trials; ++k) {
+            const double ways = -std::log(trials + 1.0) - log_beta(trials - k + 1.0, k + 1.0);
+            below += std::exp(ways + log_beta(k + a, trials - k + b) - log_beta(a, b));
+            below_.push_back(below);
+        }
+    }
+    /// Of 1.
+    double share(Random& random) const {
+        const auto count = std::ranges::upper_bound(below_, random.uniform()) - below_.begin();
+        const auto trials = static_cast<double>(below_.size() - 1);
+        return std::min(static_cast<double>(count), trials) / trials;
+    }
+
+private:
+    std::vector<double> below_; // the probability of at most so many
+};
 
 const Case& condition_named(const Experiment& experiment, const std::string& name) {
     std::vector<std::string> names;
@@ -56,11 +68,12 @@ double power_of(double first, double second, unsigned trials, unsigned subjects)
     Random random(1, fmt::format("{} {} {} {}", first, second, trials, subjects));
     const double limit =
         boost::math::quantile(boost::math::complement(boost::math::students_t(subjects - 1.0), kSides));
+    const Counts of_first(first, trials), of_second(second, trials);
     unsigned found = 0;
     for (unsigned i = 0; i < kExperiments; ++i) {
         double sum = 0, squares = 0;
         for (unsigned subject = 0; subject < subjects; ++subject) {
-            const double d = drawn_share(first, trials, random) - drawn_share(second, trials, random);
+            const double d = of_first.share(random) - of_second.share(random);
             sum += d;
             squares += d * d;
         }
