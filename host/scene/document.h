@@ -94,7 +94,7 @@ struct TomlNode {
     std::string text; // of a string
     std::int64_t integer = 0;
     double real = 0;
-    bool truth = false;          // of a boolean
+    bool truth = false;              // of a boolean
     std::vector<TomlNode> items;     // of an array
     std::vector<TomlMember> members; // of a table, in file order
 };
