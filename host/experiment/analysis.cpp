@@ -45,6 +45,19 @@ bool has_papers_answers(const ExperimentSpec& spec) {
     return std::ranges::equal(spec.answers, kPictureNames, {}, &Answer::name);
 }
 
+// As readers call a stimulus: "two facets shaded, 600", the radius in mil, or its name.
+std::string label_of(const Case& stimulus) {
+    std::string name = paper_name(stimulus);
+    if (name.empty())
+        return stimulus.name;
+    if (const std::size_t poly = name.find("_poly"); poly != std::string::npos)
+        name.replace(poly, 5, " facets");
+    if (const std::size_t bare = name.find("_unshaded"); bare != std::string::npos)
+        name.erase(bare);
+    std::ranges::replace(name, '_', ' ');
+    return fmt::format("{}, {:.0f}", name, stimulus.scene.surface.radius / kMil);
+}
+
 // Table 2: a row a condition, percent of answers with their intervals, all subjects and each.
 Table answer_table(const Answers& data) {
     const ExperimentSpec& spec = data.experiment.spec;
@@ -103,19 +116,20 @@ std::vector<Share> shares_of_all(const Answers& data, const std::vector<Conditio
         const std::vector<double> counts = data.counts(condition);
         for (std::size_t i = 0; i < counts.size(); ++i)
             if (sum_of(counts) > 0)
-                shares.push_back({"measured", stimulus.name, spec.answers[i].label, 100 * counts[i] / sum_of(counts)});
+                shares.push_back(
+                    {"measured", label_of(stimulus), spec.answers[i].label, 100 * counts[i] / sum_of(counts)});
         if (!has_papers_answers(spec))
             continue;
         for (const ConditionAnswers& row : printed)
             if (row.name == paper_name(stimulus) &&
                 row.group == fmt::format("{:.0f} mil", stimulus.scene.surface.radius / kMil))
                 for (std::size_t i = 0; i < kPictures; ++i)
-                    shares.push_back({"1996", stimulus.name, spec.answers[i].label, 100 * row.answered[i]});
+                    shares.push_back({"1996", label_of(stimulus), spec.answers[i].label, 100 * row.answered[i]});
         const auto own = std::ranges::find(felt, stimulus.name, &ConditionAnswers::name);
         if (own != felt.end()) {
             const Shares expected = shares_of(own->signals, observer);
             for (std::size_t i = 0; i < kPictures; ++i)
-                shares.push_back({"observer", stimulus.name, spec.answers[i].label, 100 * expected[i]});
+                shares.push_back({"observer", label_of(stimulus), spec.answers[i].label, 100 * expected[i]});
         }
     }
     return shares;
@@ -382,6 +396,38 @@ Table prediction_table() {
     return table;
 }
 
+std::vector<study::Figure> figures_of(const std::vector<Tested>& tests, const std::string& smooth) {
+    study::Figure shares;
+    shares.name = "shares";
+    shares.title = "Answers by stimulus";
+    shares.caption = "Percent of the answers to each stimulus (radius in mil). 1996: the paper's Table 2; observer: "
+                     "what the model expects of a "
+                     "simulated hand's strokes.";
+    shares.kind = study::FigureKind::map;
+    shares.table = "shares";
+    shares.x = {"answer", ""};
+    shares.y = {"condition", ""};
+    shares.value = "percent";
+    shares.value_label = "% of the answers";
+    shares.value_limit = 100;
+    shares.panels = "source";
+    std::vector<study::Figure> figures{shares};
+    if (!tests.empty()) {
+        study::Figure contrasts;
+        contrasts.name = "tests";
+        contrasts.title = fmt::format("How much more often \"{}\" is answered", smooth);
+        contrasts.caption = "Means over subjects, with 95 % of bootstrap samples of subjects.";
+        contrasts.kind = study::FigureKind::bars;
+        contrasts.table = "tests";
+        contrasts.x = {"contrast", "contrast"};
+        contrasts.y = {"difference_points", "difference / percentage points"};
+        contrasts.low = "from_points";
+        contrasts.high = "to_points";
+        figures.push_back(contrasts);
+    }
+    return figures;
+}
+
 void add_findings(study::StudyData& data, const Answers& answers, const std::vector<Tested>& tests,
                   const std::vector<Fit>& fits, const std::string& smooth) {
     const std::size_t subjects = answers.subjects().size();
@@ -415,7 +461,7 @@ void add_findings(study::StudyData& data, const Answers& answers, const std::vec
             {"observer",
              fmt::format("Fitted to these answers the observer's deviance is {:.0f} and its rival's {:.0f}.",
                          own->deviance, other->deviance),
-             "", "cues of a simulated hand's strokes over each stimulus", who,
+             "shares", "cues of a simulated hand's strokes over each stimulus", who,
              own->left_out > 0
                  ? fmt::format("radii left out in turn: {:.0f} and {:.0f}", own->left_out, other->left_out)
                  : "no radius can be left out"});
@@ -535,6 +581,7 @@ study::StudyData analyse(const Answers& answers) {
         data.tables.push_back(fit_table(fits));
         data.tables.push_back(prediction_table());
     }
+    data.figures = figures_of(tests, smooth_label);
     add_findings(data, answers, tests, fits, smooth_label);
     data.notes = {
         fmt::format("{} rows that do not count (practice, trials without an answer) are left out.", answers.left_out),

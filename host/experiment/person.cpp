@@ -137,8 +137,6 @@ private:
     void look() {
         std::this_thread::sleep_for(kLook);
         check_interrupt();
-        if (loop_.end() == device::LoopEnd::stopped && is_interrupted())
-            throw Interrupted();
         while (const std::optional<PageEvent> event = server_.next_event())
             handle(*event);
         if (server_.is_open(kParticipant) && seconds_after(heard_) > kSilence)

@@ -14,7 +14,7 @@ namespace forceshade::picture {
 namespace {
 
 constexpr int kChartWidth = 1000; // pixels
-constexpr double kRowOfBars = 34, kPanelGap = 28, kPanelTitle = 26;
+constexpr double kRowOfBars = 34, kRowOfWords = 22, kPanelGap = 28, kPanelTitle = 26;
 constexpr TextStyle kChartLabelStyle{kSmallTextSize, false, Horizontal::left, Vertical::middle, false};
 constexpr std::size_t kMostLabels = 12;
 
@@ -104,11 +104,14 @@ struct Cells {
         const double part = (value - values[above - 1]) / (values[above] - values[above - 1]);
         return (static_cast<double>(above) - 0.5 + part) / count;
     }
-    // Every n-th value has a tick.
-    static Axis axis(const std::string& title, const std::vector<double>& values, std::size_t most) {
-        Axis axis{title, {}};
-        for (std::size_t i = 0; i < values.size(); i += (values.size() + most - 1) / most)
-            axis.ticks.push_back({fraction(values, values[i]), cell_number(values[i])});
+    // Every n-th value has a tick, and every word.
+    static Axis axis(const ChartAxis& of, const std::vector<double>& values, std::size_t most) {
+        Axis axis{of.label, {}};
+        const std::size_t each = of.words.empty() ? (values.size() + most - 1) / most : 1;
+        for (std::size_t i = 0; i < values.size(); i += each)
+            axis.ticks.push_back(
+                {fraction(values, values[i]),
+                 of.words.empty() ? cell_number(values[i]) : of.words[static_cast<std::size_t>(std::fabs(values[i]))]});
         return axis;
     }
 
@@ -146,7 +149,9 @@ public:
     }
 
     double height(double share) const {
-        return bars() ? std::max(120.0, kRowOfBars * static_cast<double>(chart_.groups.size())) : chart_.height * share;
+        if (bars())
+            return std::max(120.0, kRowOfBars * static_cast<double>(chart_.groups.size()));
+        return std::max(chart_.height * share, kRowOfWords * static_cast<double>(chart_.y.words.size()));
     }
     double room_on_left(double share) const {
         double room = 0;
@@ -163,7 +168,7 @@ public:
         plot_ = {box.x, box.y + title, (box.width - (count - 1) * kPanelGap) / count, box.height};
         for (double beyond = 0; plot_.width > 100; plot_.width -= beyond) {
             x_axis_ = fit_axis(plot_.width, false, [&](std::size_t most) {
-                return map() ? Cells::axis(chart_.x.label, cells_.xs, most) : chart_axis(chart_.x, x_, most);
+                return map() ? Cells::axis(chart_.x, cells_.xs, most) : chart_axis(chart_.x, x_, most);
             });
             const AxisTick& last = x_axis_.ticks.back();
             beyond = plot_.x + (count - 1) * (plot_.width + kPanelGap) + last.fraction * plot_.width +
@@ -252,7 +257,7 @@ private:
     Axis make_y_axis(double height) const {
         if (!bars())
             return fit_axis(height, true, [&](std::size_t most) {
-                return map() ? Cells::axis(chart_.y.label, cells_.ys, most) : chart_axis(chart_.y, y_, most);
+                return map() ? Cells::axis(chart_.y, cells_.ys, most) : chart_axis(chart_.y, y_, most);
             });
         Axis axis{chart_.y.label, {}};
         const auto count = static_cast<double>(chart_.groups.size());

@@ -13,9 +13,10 @@ namespace forceshade::picture {
 struct ChartAxis {
     std::string label; /* with its unit: "time / ns" */
     bool logarithmic = false;
-    TickLabel tick{};             /* how a number is written; empty: as number_label does */
-    std::optional<Range> range{}; /* empty: that of the points, with a border */
-    AxisMaker make{};             /* of the axis in place of label and tick */
+    TickLabel tick{};                 /* how a number is written; empty: as number_label does */
+    std::optional<Range> range{};     /* empty: that of the points, with a border */
+    AxisMaker make{};                 /* of the axis in place of label and tick */
+    std::vector<std::string> words{}; /* of a map: what stands at 0, 1, 2, ...; of y at 0, -1, -2, ... */
 };
 
 struct ChartPoint {

@@ -8,6 +8,7 @@
 #include "host/experiment/analysis.h"
 #include "host/experiment/run.h"
 #include "host/experiment/statistics.h"
+#include "host/study/data/data_files.h"
 
 namespace forceshade::experiment {
 namespace {
@@ -60,6 +61,9 @@ TEST(Analysis, OfSimulatedSubjectsFindsTheObserver) {
             EXPECT_LT(fits.needed(row, "deviance"), 58 + 4 * std::sqrt(2.0 * 58));
             EXPECT_NEAR(fits.needed(row, "kappa"), 0.7588, 0.15);
         }
+    const std::vector<study::TextFile> figures = study::figure_files(data);
+    ASSERT_EQ(figures.size(), 2u);
+    EXPECT_EQ(figures[0].name, "shares.svg") << "a map over words";
     ASSERT_EQ(data.findings.size(), 3u);
     EXPECT_EQ(data.findings[0].name, "shading");
     std::filesystem::remove_all(folder);

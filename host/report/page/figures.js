@@ -211,11 +211,24 @@ function placeLabels(frame, labels, marks) {
 function drawMap(element, study, figure) {
   const whole = (where) => rowsOf(study, figure.table, where).filter((row) => row[figure.x.column] !== null && row[figure.y.column] !== null);
   const rows = whole(figure.where), spanned = figure.span ? whole(figure.span) : rows;
-  const numbers = (column) => [...new Set(spanned.map((row) => row[column]))].sort((a, b) => a - b);
-  const xs = numbers(figure.x.column), ys = numbers(figure.y.column), frame = new FigureFrame(element, figure);
+  // Numbers rise; words stand in the order of the rows, from the left and from the top.
+  const valuesOf = (column) => [...new Set(spanned.map((row) => row[column]))], isWord = (values) => typeof values[0] === "string";
+  const inOrder = (values, turned) => isWord(values) ? turned ? values.reverse() : values : values.sort((a, b) => a - b);
+  const xs = inOrder(valuesOf(figure.x.column)), ys = inOrder(valuesOf(figure.y.column), true), words = isWord(ys), margins = { ...PLOT };
+  if (isWord(xs))
+    PLOT.bottom += 30; // where they do not fit they slant
+  const frame = new FigureFrame(element, figure, words ? PLOT.top + PLOT.bottom + 20 * ys.length : undefined);
+  if (words) {
+    PLOT.left = Math.min(0.6 * frame.width, 14 + 7 * d3.max(ys, (name) => name.length));
+    frame.svg.select("clipPath rect").attr("x", PLOT.left).attr("width", frame.right - PLOT.left);
+  }
   const x = d3.scaleBand().domain(xs).range([PLOT.left, frame.right]), y = d3.scaleBand().domain(ys).range([frame.bottom, PLOT.top]);
   const some = (all, most) => all.filter((_, i) => i % Math.ceil(all.length / most) === 0);
-  frame.drawAxes(x, y, some(xs, frame.width / 75), some(ys, 9), (value) => typeof value === "number" ? numberText(value, 2) : value);
+  frame.drawAxes(x, y, isWord(xs) ? xs : some(xs, frame.width / 75), words ? ys : some(ys, 9), (value) => typeof value === "number" ? numberText(value, 2) : value);
+  Object.assign(PLOT, margins);
+  if (isWord(xs) && x.bandwidth() < 7 * d3.max(xs, (name) => name.length))
+    frame.svg.selectAll(".tick").filter(function () { return this.getAttribute("text-anchor") === "middle"; }).attr("text-anchor", "end")
+      .attr("transform", function () { return `rotate(-30 ${this.getAttribute("x")} ${frame.bottom + 12})`; });
   const values = spanned.map((row) => row[figure.value]).filter((value) => value !== null);
   let colour;
   if (values.some((value) => typeof value === "string")) {

@@ -43,9 +43,14 @@ void add_row(picture::Chart& chart, const Figure& figure, const Table& table, st
     if (figure.kind == FigureKind::map) {
         const std::size_t panel =
             figure.panels.empty() ? 0 : place_in(chart.panels, text_of(table, row, figure.panels));
+        const auto place = [&](const FigureAxis& axis, picture::ChartAxis& to) {
+            const std::string word = table.word(row, axis.column);
+            return word.empty() ? number(axis.column) : static_cast<double>(place_in(to.words, word));
+        };
+        const double x = place(figure.x, chart.x), y = place(figure.y, chart.y);
         const auto value = table.number(row, figure.value);
         if (const std::string word = table.word(row, figure.value); value || !word.empty())
-            chart.cells.push_back({number(figure.x.column), number(figure.y.column), value.value_or(0), word, panel});
+            chart.cells.push_back({x, chart.y.words.empty() ? y : -y, value.value_or(0), word, panel});
         return;
     }
     picture::ChartPoint point;
