@@ -6,6 +6,7 @@
 
 #include "host/cli/command.h"
 #include "host/error.h"
+#include "host/experiment/perception.h"
 #include "host/program.h"
 #include "host/report/report.h"
 #include "host/scene/value.h"
@@ -25,15 +26,18 @@ struct KnownStudy {
     const char* about;
     study::StudyData (*run)(study::StudyRun&);
     const char* precision = ""; /* what it uses in place of the scene's; empty: the scene's */
+    bool many = false;          /* of a study's scenes, not of one */
 };
 
-constexpr std::array<KnownStudy, 4> kStudies{{
+constexpr std::array<KnownStudy, 5> kStudies{{
     {"error-time", "force error against run time: facets, shadings, precision, look-up volumes",
      study::study_error_time},
     {"stability", "where the sampled loop and the numbers stop being stable", study::study_stability},
     {"energy", "work round closed loops and curl, for each shading", study::study_energy,
      "quadrature and oracle are in double precision, the engine in double where the device has it"},
     {"omission", "what leaving out what a scene does not need saves", study::study_omission},
+    {"perception", "what a model observer expects people to feel", experiment::study_perception,
+     "strokes and oracle are in double precision", true},
 }};
 
 struct StudyArguments {
@@ -58,7 +62,7 @@ std::optional<Case> scene_of(const KnownStudy& known, const StudyArguments& argu
             fmt::format("--precision changes nothing in the study {}: {}; leave it out", known.name, known.precision));
     if (arguments.scene.empty() && !common.precision.empty())
         throw UsageError("--precision is of a scene, and none is given; the study's own scenes are measured in both");
-    if (arguments.scene.empty())
+    if (arguments.scene.empty() || known.many)
         return std::nullopt;
     return load_scene(arguments.scene, common);
 }
@@ -98,6 +102,8 @@ int run(const StudyArguments& arguments, const CommonOptions& common) {
     study::StudyOptions options;
     options.folder = out / known.name;
     options.scene = scene_of(known, arguments, common);
+    if (known.many && !arguments.scene.empty())
+        options.cases = load_study(arguments.scene, common).cases;
     options.quick = arguments.quick;
     options.quiet = common.quiet;
     options.engine = engine_options(common, true);
@@ -111,7 +117,7 @@ int run(const StudyArguments& arguments, const CommonOptions& common) {
                                     "command without --quick computes them anew",
                                     options.folder.string())},
                        common);
-    if (before && before->scene != (study_run.scene() ? study_run.scene()->scene : std::string()))
+    if (before && before->scene != study_run.scene_text())
         print_warnings({fmt::format("{} holds this study of another scene, whose tables and figures are replaced; "
                                     "name another --out to keep both",
                                     options.folder.string())},
@@ -132,7 +138,8 @@ void describe(Options& options, StudyArguments& arguments) {
         names += fmt::format(" {} ({});", one.name, one.about);
     names.back() = '.';
     options.required("NAME", arguments.name, names);
-    options.optional("SCENE", arguments.scene, "scene file (TOML) to study; without it the study's own scenes");
+    options.optional("SCENE", arguments.scene,
+                     "scene file (TOML) to study, for perception also one of many scenes; without it the study's own");
     options.required("--out", arguments.out, "folder of the results; each study has a folder of its name in it");
     options.flag("--quick", arguments.quick, "coarse, within a minute");
     options.flag("--fresh", arguments.fresh, "compute it anew although the same run is there already");
@@ -161,10 +168,11 @@ int run(const ReportArguments& arguments, const CommonOptions& common) {
 } // namespace
 
 void add_study_commands(CommandLine& program) {
-    program.add<StudyArguments>("study",
-                                "Measure errors, run times, stability, energy or savings into a folder, with figures "
-                                "and a report",
-                                run, describe);
+    program.add<StudyArguments>(
+        "study",
+        "Measure errors, run times, stability, energy, savings or what is felt into a folder, with figures "
+        "and a report",
+        run, describe);
     program.add<ReportArguments>(
         "report", "Write report.html of a folder of results: sweeps and studies, in one file that opens offline", run,
         [](Options& options, ReportArguments& arguments) {

@@ -6,6 +6,7 @@
 
 #include "host/error.h"
 #include "host/experiment/fit.h"
+#include "host/experiment/perception.h"
 
 namespace forceshade::experiment {
 namespace {
@@ -105,6 +106,16 @@ TEST(ObserverFit, PredictsRadiiThatWereLeftOut) {
     rival.level = 0.32;
     EXPECT_NEAR(deviance(table, fitted(table, rival)), 147, 0.5);
     EXPECT_NEAR(predicted_by_observer(table, rival).deviance, 191, 1);
+}
+
+// As published: unshaded 39, 23, 22 at 600, 1000, 1400 mil, shaded 6.
+TEST(ObserverShares, SayHowManyFacetsFeelRound) {
+    constexpr double kRadii[] = {600, 1000, 1400}; // mil
+    constexpr unsigned kUnshaded[] = {39, 23, 22};
+    for (std::size_t i = 0; i < 3; ++i) {
+        EXPECT_EQ(facets_within(5, kRadii[i] * kMil, kWidth, false), kUnshaded[i]);
+        EXPECT_EQ(facets_within(5, kRadii[i] * kMil, kWidth, true), 6u);
+    }
 }
 
 } // namespace

@@ -15,13 +15,16 @@ namespace forceshade::study {
 StudyRun::StudyRun(std::string study, const StudyOptions& options) : study_(std::move(study)), options_(options) {
     if (options_.scene)
         scene_ = CasePreparation().prepare(*options_.scene);
+    scene_text_ = scene_ ? scene_->scene : "";
+    for (const Case& one : options_.cases)
+        scene_text_ += resolved_toml(one) + "\n";
     engine_ = make_engine(options_.engine);
     make_subfolder(options_.folder.parent_path(), options_.folder.filename().string());
     clear_stale_temporaries(options_.folder);
     const EngineReport report = engine_->report();
-    fingerprint_ = sha256_of(fmt::format(
-        "{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}", study_, version(), report.engine, report.device, report.uuid,
-        report.driver, cpu_name(), options_.engine.validation, options_.quick, scene_ ? scene_->scene : std::string()));
+    fingerprint_ = sha256_of(fmt::format("{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}", study_, version(), report.engine,
+                                         report.device, report.uuid, report.driver, cpu_name(),
+                                         options_.engine.validation, options_.quick, scene_text_));
 }
 
 void StudyRun::run(const std::vector<Part>& parts) {
@@ -49,8 +52,7 @@ StudyData StudyRun::data() const {
     data.quick = options_.quick;
     data.fingerprint = fingerprint_;
     data.seconds = seconds_since(start_);
-    if (scene_)
-        data.scene = scene_->scene;
+    data.scene = scene_text_;
     return data;
 }
 

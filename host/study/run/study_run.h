@@ -18,6 +18,7 @@ namespace forceshade::study {
 struct StudyOptions {
     std::filesystem::path folder; /* of this study: OUT/error-time */
     std::optional<Case> scene;    /* the user's; none: the study's own */
+    std::vector<Case> cases;      /* likewise, of a study of many scenes */
     bool quick = false;           /* coarse, within a minute */
     bool quiet = false;
     EngineOptions engine;
@@ -39,6 +40,8 @@ public:
     const StudyOptions& options() const { return options_; }
     /// The user's scene with its files; nothing without one.
     const std::optional<PreparedCase>& scene() const { return scene_; }
+    /// What the user gave, as resolved TOML; empty: nothing.
+    const std::string& scene_text() const { return scene_text_; }
 
     /// Takes the parts in their order. An interrupt ends it between parts. \throws Interrupted, and whatever a part
     /// throws.
@@ -55,7 +58,7 @@ private:
     StudyOptions options_;
     std::optional<PreparedCase> scene_;
     std::unique_ptr<Engine> engine_;
-    std::string fingerprint_;
+    std::string scene_text_, fingerprint_;
     std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
