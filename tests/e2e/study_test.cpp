@@ -37,7 +37,8 @@ TEST_P(EveryStudy, takes_a_scene) {
     EXPECT_NE(scene.find("facets = 3"), std::string::npos) << scene;
 }
 
-INSTANTIATE_TEST_SUITE_P(All, EveryStudy, ::testing::Values("error-time", "stability", "energy", "omission"),
+INSTANTIATE_TEST_SUITE_P(All, EveryStudy,
+                         ::testing::Values("error-time", "stability", "energy", "omission", "perception"),
                          [](const auto& study) {
                              std::string name = study.param;
                              std::ranges::replace(name, '-', '_');
