@@ -149,7 +149,8 @@ SafetyLimits limits_of(const SessionOptions& options, const DeviceFacts& facts, 
 class Session {
 public:
     explicit Session(const SessionOptions& options)
-        : options_(checked(options)), line_(options.quiet), prepared_(options.read()), opened_(opened()),
+        : options_(checked(options)), line_(options.quiet), prepared_(options.read()),
+          opened_(open_for_loop(options, prepared_)),
           scenes_(options.scene, options.read, prepared_, kept_stem(), options.device == "sim") {
         for (const std::string& warning : opened_.warnings)
             warn(warning);
@@ -182,12 +183,6 @@ public:
     }
 
 private:
-    // Every signal from outside is left to the main thread, not to threads that are started here.
-    OpenDevice opened() const {
-        const QuietSignals quiet;
-        return open_for_loop(options_, prepared_);
-    }
-
     void start() {
         const QuietSignals quiet;
         begun_ = Clock::now();
@@ -312,7 +307,11 @@ private:
 
 OpenDevice open_for_loop(const SessionOptions& options, const PreparedCase& prepared) {
     OpenDevice opened;
-    opened.device = open_device(options.device, prepared, options.rate, options.limits.ramp);
+    {
+        // Every signal from outside is left to the main thread, not to threads that are started here.
+        const QuietSignals quiet;
+        opened.device = open_device(options.device, prepared, options.rate, options.limits.ramp);
+    }
     const glm::dvec3 origin = options.origin_here ? first_position(*opened.device, options.patience) : options.origin;
     opened.facts = opened.device->facts();
     opened.facts.low -= origin;

@@ -55,7 +55,8 @@ Json picture(unsigned facets) {
 class Person final : public Participant {
 public:
     Person(const Experiment& experiment, const PersonOptions& options)
-        : experiment_(experiment), first_(stimulus_of(experiment)), opened_(open(options)),
+        : experiment_(experiment), first_(stimulus_of(experiment)),
+          opened_(device::open_for_loop(options.session, first_)),
           ring_(static_cast<std::size_t>(kBuffered * opened_.settings.rate)),
           loop_(*opened_.device, device::make_live_law(first_), opened_.settings, &ring_),
           server_({{kParticipant, std::string(pages::participant_html), true},
@@ -113,11 +114,6 @@ private:
     static PreparedCase stimulus_of(const Experiment& experiment) {
         const PreparedCase first = CasePreparation().prepare(experiment.study.cases.front());
         return stroked(first, manner_of(first.one.scene)); // for a simulated hand
-    }
-
-    device::OpenDevice open(const PersonOptions& options) const {
-        const device::QuietSignals quiet;
-        return device::open_for_loop(options.session, first_);
     }
 
     // In a thread of the server's: the force is off with the next sample.
