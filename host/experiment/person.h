@@ -15,7 +15,7 @@ struct PersonOptions {
 };
 
 /// Opens the device and serves the pages, whose addresses go to stderr. The force is zero but for the time in which a
-/// stimulus is felt: it comes up once the probe is free of contact, and is off two samples after the page was closed.
+/// stimulus is felt: it comes up once the probe is free of contact, and is switched off when the page is closed.
 /// \throws UsageError, IoError, DeviceAbsent.
 std::unique_ptr<Participant> make_person(const Experiment& experiment, const PersonOptions& options);
 
