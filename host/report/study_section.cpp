@@ -1,7 +1,6 @@
 // A study: what it found, beside the figure that shows it; how it was measured, its tables and files. Figures and
 // tables are drawn by the page, out of the study's data.
 #include <algorithm>
-#include <map>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -49,36 +48,17 @@ std::string files(const std::filesystem::path& root, const StudyPart& part) {
     return folded("Files", "<ul class=\"files\">\n" + html + "</ul>\n");
 }
 
-// A column's cells; of few different ones these, and whereabouts they are.
-Json packed_column(const Json& rows, std::size_t column) {
-    Json cells = Json::array(), different = Json::array(), at = Json::array();
-    std::map<Json, std::size_t> numbers;
-    for (const Json& row : rows) {
-        const auto [found, is_new] = numbers.try_emplace(row[column], numbers.size());
-        if (is_new)
-            different.push_back(row[column]);
-        cells.push_back(row[column]);
-        at.push_back(found->second);
-    }
-    return 4 * different.size() < rows.size() ? Json{{"of", different}, {"at", at}} : cells;
-}
-
 } // namespace
 
 std::string page_data(const study::StudyData& data) {
     Json all = Json::parse(study::data_json(data)), json;
     json["figures"] = all["figures"];
     json["tables"] = Json::array();
-    for (Json& table : all["tables"]) {
-        const bool drawn = std::ranges::find(data.figures, table["name"].get<std::string>(), &study::Figure::table) !=
-                           data.figures.end();
-        if (!drawn && table["rows"].size() > kMostRows)
-            continue;
-        table["cells"] = Json::array();
-        for (std::size_t i = 0; i < table["columns"].size(); ++i)
-            table["cells"].push_back(packed_column(table["rows"], i));
-        table.erase("rows");
-        json["tables"].push_back(std::move(table));
+    for (std::size_t i = 0; i < data.tables.size(); ++i) {
+        const bool drawn =
+            std::ranges::find(data.figures, data.tables[i].name, &study::Figure::table) != data.figures.end();
+        if (drawn || data.tables[i].rows.size() <= kMostRows)
+            json["tables"].push_back(std::move(all["tables"][i]));
     }
     return script_text(json);
 }

@@ -59,8 +59,8 @@ TEST_F(SceneStudy, switches_the_features_of_that_scene) {
     expect_whole("out/omission", "omission");
     const Json data = read_json("out/omission/study.json");
     EXPECT_NE(data["scene"].get<std::string>().find("facets = 3"), std::string::npos);
-    for (const Json& row : data["tables"][0]["rows"])
-        EXPECT_EQ(row[1], "scene");
+    for (const Json& scene : column_of(data["tables"][0], 1))
+        EXPECT_EQ(scene, "scene");
     Launch cpu = launch(on_scene("cpu"));
     cpu.arguments.insert(cpu.arguments.end(), {"--engine", "cpu"});
     const Outcome outcome = run(cpu);
@@ -121,13 +121,11 @@ TEST_F(SceneStudy, is_the_same_from_every_run_but_for_times) {
     EXPECT_EQ(read_text(path("one/omission/omitted.csv")), read_text(path("two/omission/omitted.csv")));
     const Json one = read_json("one/omission/study.json"), two = read_json("two/omission/study.json");
     const Json &a = one["tables"][0], &b = two["tables"][0];
-    ASSERT_EQ(a["rows"].size(), b["rows"].size());
     for (std::size_t column = 0; column < a["columns"].size(); ++column) {
         const std::string name = a["columns"][column]["name"];
         if (name.starts_with("kernel_") || name.starts_with("whole_"))
             continue;
-        for (std::size_t row = 0; row < a["rows"].size(); ++row)
-            EXPECT_EQ(a["rows"][row][column], b["rows"][row][column]) << name;
+        EXPECT_EQ(column_of(a, column), column_of(b, column)) << name;
     }
 }
 

@@ -7,6 +7,9 @@ namespace forceshade::testing {
 
 constexpr double kStudyPatience = 300; // s, on a machine that others load too
 
+/// The cells of a table of study.json, of one column.
+std::vector<nlohmann::json> column_of(const nlohmann::json& table, std::size_t column);
+
 class Study : public Workplace {
 protected:
     /// Arguments of the quick form.

@@ -12,7 +12,7 @@
 namespace forceshade::study {
 
 /// Of the layout of study.json; another is refused on reading.
-inline constexpr int kDataFormat = 3;
+inline constexpr int kDataFormat = 4;
 
 std::string data_json(const StudyData& data);
 

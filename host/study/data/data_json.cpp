@@ -2,6 +2,7 @@
 #include "host/study/data/data_files.h"
 
 #include <algorithm>
+#include <map>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -43,7 +44,41 @@ void from_json(const Json& json, Cell& cell) {
 }
 
 FORCESHADE_FIELDS(Column, name, unit, meaning)
-FORCESHADE_FIELDS(Table, name, title, columns, rows)
+
+// Tables go by columns; a column of few different cells as these and whereabouts they are.
+Json column_json(const Table& table, std::size_t column) {
+    Json cells = Json::array(), different = Json::array(), at = Json::array();
+    std::map<Cell, std::size_t> numbers;
+    for (const std::vector<Cell>& row : table.rows) {
+        const auto [found, is_new] = numbers.try_emplace(row[column], numbers.size());
+        if (is_new)
+            different.push_back(row[column]);
+        cells.push_back(row[column]);
+        at.push_back(found->second);
+    }
+    return 4 * different.size() < table.rows.size() ? Json{{"of", different}, {"at", at}} : cells;
+}
+
+void to_json(Json& json, const Table& table) {
+    json = {{"name", table.name}, {"title", table.title}, {"columns", table.columns}, {"cells", Json::array()}};
+    for (std::size_t column = 0; column < table.columns.size(); ++column)
+        json["cells"].push_back(column_json(table, column));
+}
+
+void from_json(const Json& json, Table& table) {
+    json.at("name").get_to(table.name);
+    json.at("title").get_to(table.title);
+    json.at("columns").get_to(table.columns);
+    const Json& cells = json.at("cells");
+    for (std::size_t column = 0; column < cells.size(); ++column) {
+        const bool packed = cells[column].is_object();
+        const Json& values = packed ? cells[column].at("at") : cells[column];
+        table.rows.resize(std::max(table.rows.size(), values.size()));
+        for (std::size_t row = 0; row < values.size(); ++row)
+            table.rows[row].push_back(
+                (packed ? cells[column].at("of").at(values[row].get<std::size_t>()) : values[row]).get<Cell>());
+    }
+}
 
 constexpr const char* kKinds[] = {"scatter", "map", "bars"};
 
@@ -73,7 +108,7 @@ std::string data_json(const StudyData& data) {
                     {"findings", data.findings}, {"tables", data.tables},
                     {"figures", data.figures},   {"files", data.files},
                     {"volumes", data.volumes}};
-    return json.dump(1) + "\n";
+    return json.dump() + "\n";
 }
 
 StudyData parse_data(const Json& json) {
@@ -99,7 +134,7 @@ StudyData parse_data(const Json& json) {
         for (const Table& table : data.tables)
             for (std::size_t row = 0; row < table.rows.size(); ++row)
                 if (table.rows[row].size() != table.columns.size())
-                    throw DataError(fmt::format("row {} of table {} has {} cells for {} columns", row + 1, table.name,
+                    throw DataError(fmt::format("row {} of table {}: {} of {} columns", row + 1, table.name,
                                                 table.rows[row].size(), table.columns.size()));
         return data;
     } catch (const Json::exception& error) {

@@ -153,7 +153,7 @@ void add_budget(std::vector<Finding>& findings, const Measured& measured) {
                                     1e6 * time.median, percent(time.median / kLoopPeriod)),
                         "error-time-" + way.subject->name, way.name,
                         "mean of an evaluation on one thread; a single one may take longer",
-                        fmt::format("{:.2g} to {:.2g} us, {}", 1e6 * time.low, 1e6 * time.high, kBootstrap)});
+                        fmt::format("{:.3g} to {:.3g} us, {}", 1e6 * time.low, 1e6 * time.high, kBootstrap)});
 }
 
 } // namespace

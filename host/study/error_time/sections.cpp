@@ -13,7 +13,7 @@ namespace forceshade::study::error_time {
 namespace {
 
 constexpr double kSectionAcross = 0.53; // of the box along y: no line of the own meshes' vertices lies there
-constexpr std::size_t kFieldColumns = 60, kCellPlaces = 8, kFieldDepths = 8, kStrokeSteps = 240;
+constexpr std::size_t kFieldColumns = 50, kCellPlaces = 8, kFieldDepths = 6, kStrokeSteps = 160;
 constexpr double kLeastError = 1e-4; // less stands at this
 
 double shortened(double value, int digits) {
