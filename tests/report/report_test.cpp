@@ -255,12 +255,12 @@ TEST_F(Report, TellsOfStudiesThatCannotBeRead) {
     put_text(path("energy/study.json"), text);
     expect_trouble("energy/study.json: it is damaged");
     text = whole;
-    text.replace(text.find("\"name\": \"time_ratio\""), 20, "\"name\": \"other_ratio\"");
+    text.replace(text.find("\"name\":\"time_ratio\""), 19, "\"name\":\"other_ratio\"");
     put_text(path("energy/study.json"), text);
     expect_trouble("the figure error_time cannot be drawn: table points has no column time_ratio");
     EXPECT_TRUE(says("Where the loop is stable")) << "the other figures are shown";
     text = whole;
-    text.replace(text.find("\"study\": \"energy\""), 17, "\"study\": \"<b>luck\"");
+    text.replace(text.find("\"study\":\"energy\""), 16, "\"study\":\"<b>luck\"");
     put_text(path("energy/study.json"), text);
     write();
     EXPECT_FALSE(says("<b>luck"));
