@@ -1,0 +1,300 @@
+// A session at a device while something goes wrong: the device or the page is gone, the force is clamped, the clock
+// leaps, the disk is full. No trial is lost or counted twice.
+#include <atomic>
+#include <chrono>
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <thread>
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/beast/core.hpp>
+#include <boost/beast/websocket.hpp>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "host/experiment/record.h"
+#include "host/output/reading.h"
+#include "tests/device/simulated_service.h"
+#include "tests/e2e/process.h"
+#include "tests/e2e/small_disk.h"
+
+namespace forceshade::experiment {
+namespace {
+
+namespace asio = boost::asio;
+namespace websocket = boost::beast::websocket;
+using device::test::Received;
+using device::test::ServiceScript;
+using device::test::SimulatedService;
+using forceshade::testing::Launch;
+using forceshade::testing::Outcome;
+using forceshade::testing::Process;
+using forceshade::testing::SmallDisk;
+using Clock = std::chrono::steady_clock;
+
+// Whether it comes about within 20 s.
+bool await(const std::function<bool()>& condition) {
+    for (const auto begin = Clock::now(); Clock::now() - begin < std::chrono::seconds(20);) {
+        if (condition())
+            return true;
+        std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    }
+    return false;
+}
+
+/// The participant's page without a browser: tells that it lives, remembers what it was told last.
+class Page {
+public:
+    explicit Page(const std::string& address) : socket_(io_) {
+        const std::size_t port = address.find(':', 7) + 1, path = address.find('/', port);
+        socket_.next_layer().connect(
+            {asio::ip::make_address("127.0.0.1"), static_cast<unsigned short>(std::stoi(address.substr(port)))});
+        socket_.handshake(address.substr(7, path - 7), address.substr(path));
+        reader_ = std::thread([this] {
+            boost::beast::flat_buffer buffer;
+            for (boost::beast::error_code error; socket_.read(buffer, error), !error; buffer.clear()) {
+                const std::lock_guard lock(mutex_);
+                state_ = nlohmann::json::parse(boost::beast::buffers_to_string(buffer.data()));
+            }
+        });
+        heart_ = std::jthread([this](const std::stop_token& stop) {
+            for (; !stop.stop_requested(); std::this_thread::sleep_for(std::chrono::milliseconds(200)))
+                say({{"type", "alive"}});
+        });
+    }
+    ~Page() {
+        vanish();
+        heart_ = {};
+        reader_.join();
+    }
+    void vanish() { ::shutdown(socket_.next_layer().native_handle(), SHUT_RDWR); }
+    void say(const nlohmann::json& json) {
+        const std::lock_guard lock(writing_);
+        boost::beast::error_code gone;
+        socket_.write(asio::buffer(json.dump()), gone);
+    }
+    void answer(unsigned key) { say({{"type", "answer"}, {"sequence", told("sequence")}, {"answer", key - 1}}); }
+    nlohmann::json told(const char* what) const {
+        const std::lock_guard lock(mutex_);
+        return state_.value(what, nlohmann::json());
+    }
+    bool reaches(const char* phase) const {
+        return await([&] { return told("phase") == phase; });
+    }
+    /// Answers every trial until the end.
+    void finish() {
+        EXPECT_TRUE(await([&] {
+            if (told("phase") == "feel")
+                answer(1);
+            else if (told("phase") == "rest" || told("phase") == "pause" || told("phase") == "welcome")
+                say({{"type", "go"}});
+            std::this_thread::sleep_for(std::chrono::milliseconds(20));
+            return told("phase") == "done";
+        }));
+    }
+
+private:
+    asio::io_context io_;
+    websocket::stream<asio::ip::tcp::socket> socket_;
+    mutable std::mutex mutex_; // of the state
+    std::mutex writing_;
+    nlohmann::json state_ = nlohmann::json::object();
+    std::thread reader_;
+    std::jthread heart_;
+};
+
+// A probe that swings down onto the bump's crest, twice a second.
+ServiceScript swinging() {
+    ServiceScript script;
+    script.center = {0, 0, 0.009};
+    script.amplitude = {0.002, 0.001, 0.004};
+    script.frequency = 2;
+    return script;
+}
+
+class FaultySession : public ::testing::Test {
+protected:
+    FaultySession() {
+        std::filesystem::remove_all(folder);
+        std::filesystem::create_directories(folder);
+        std::ofstream(folder / "e.toml") << "[experiment]\ntrials = 1\n[surface]\nradius = \"600 mil\"\nfacets = 2\n"
+                                            "[force]\nstiffness = \"0.5 N/mm\"\nshading = [\"none\", \"reference\"]\n";
+    }
+    ~FaultySession() override {
+        page.reset();
+        process.reset();
+        std::filesystem::remove_all(folder);
+    }
+
+    void start(const std::vector<std::string>& further = {},
+               const std::map<std::string, std::string>& environment = {}) {
+        page.reset();
+        Launch launch;
+        launch.arguments = {"experiment",  "run",      (folder / "e.toml").string(), "--subject",  "03",   "--out",
+                            data.string(), "--device", "haply:" + service.url(),     "--patience", "0.3 s"};
+        launch.arguments.insert(launch.arguments.end(), further.begin(), further.end());
+        launch.environment.insert(environment.begin(), environment.end());
+        launch.error = folder / "stderr.txt";
+        std::filesystem::remove(launch.error);
+        process = std::make_unique<Process>(launch);
+        ASSERT_TRUE(await([&] { return said().find("/operator\n") != std::string::npos; })) << said();
+        const std::string text = said();
+        const std::size_t end = text.find("/participant\n") + 12;
+        page = std::make_unique<Page>(text.substr(text.rfind("http://", end), end - text.rfind("http://", end)));
+        ASSERT_TRUE(await([&] { return page->told("phase") == "welcome" || page->told("phase") == "pause"; }));
+        page->say({{"type", "go"}});
+    }
+    std::string said() const {
+        return std::filesystem::exists(folder / "stderr.txt") ? read_file(folder / "stderr.txt") : "";
+    }
+    std::vector<TrialRow> rows() const { return read_rows(data_files(data)[0]); }
+    std::vector<Received> forces(Clock::time_point after) const {
+        std::vector<Received> some;
+        for (const Received& one : service.received())
+            if (one.time > after && one.force != glm::dvec3(0))
+                some.push_back(one);
+        return some;
+    }
+    bool is_pushing() const { return !forces(Clock::now() - std::chrono::milliseconds(3)).empty(); }
+    // Both trials are answered, each once.
+    void expect_whole() {
+        std::map<std::uint64_t, int> answered;
+        for (const TrialRow& row : last_rows(rows()))
+            answered[row.number] += row.counts();
+        EXPECT_EQ(answered, (std::map<std::uint64_t, int>{{1, 1}, {2, 1}}));
+    }
+
+    const std::filesystem::path folder = std::filesystem::temp_directory_path() / "forceshade_experiment_fault";
+    const std::filesystem::path data = folder / "data";
+    SimulatedService service{swinging()};
+    std::unique_ptr<Process> process;
+    std::unique_ptr<Page> page;
+};
+
+TEST_F(FaultySession, ADeviceThatIsLostInATrialMarksItAndTheSameCommandRepeatsIt) {
+    start();
+    ASSERT_TRUE(page->reaches("feel"));
+    ASSERT_TRUE(await([&] { return is_pushing(); }));
+    service.go_away();
+    const Outcome outcome = process->wait();
+    EXPECT_EQ(outcome.code, 3);
+    EXPECT_NE(said().find("is gone"), std::string::npos) << said();
+    EXPECT_NE(said().find("the same command goes on"), std::string::npos) << said();
+    ASSERT_EQ(rows().size(), 1u);
+    EXPECT_EQ(rows()[0].outcome.status, "device lost");
+    EXPECT_FALSE(rows()[0].counts());
+    service.come_back();
+    start();
+    page->finish();
+    EXPECT_EQ(process->wait().code, 0) << said();
+    EXPECT_EQ(rows().back().number, 1u) << "it comes at the end";
+    expect_whole();
+}
+
+TEST_F(FaultySession, AForceThatWasClampedMarksTheTrialAndItIsRepeated) {
+    start({"--max-force", "0.05 N"});
+    ASSERT_TRUE(page->reaches("feel"));
+    ASSERT_TRUE(await([&] { return is_pushing(); }));
+    page->answer(2);
+    ASSERT_TRUE(await([&] { return page->told("trial") == 2; }));
+    EXPECT_EQ(page->told("done"), 0) << "it does not count";
+    ASSERT_TRUE(page->reaches("feel"));
+    process->send(SIGINT);
+    EXPECT_EQ(process->wait().code, 130);
+    EXPECT_EQ(rows()[0].outcome.status, "force clamped");
+    start();
+    page->finish();
+    EXPECT_EQ(process->wait().code, 0) << said();
+    expect_whole();
+}
+
+// Measured at the device: forces that it was sent after the page's connection broke.
+TEST_F(FaultySession, APageThatIsClosedSwitchesTheForceOffWithinTwoSamples) {
+    std::size_t fewest = 1000;
+    start();
+    for (int attempt = 0; attempt < 6 && fewest > 2; ++attempt) { // a busy machine may not wake us in time
+        ASSERT_TRUE(page->reaches("feel"));
+        ASSERT_TRUE(await([&] { return is_pushing(); }));
+        const Clock::time_point closed = Clock::now();
+        page->vanish();
+        std::this_thread::sleep_for(std::chrono::milliseconds(1200)); // two swings
+        fewest = std::min(fewest, forces(closed).size());
+        const std::string text = said();
+        const std::size_t end = text.find("/participant\n") + 12;
+        page = std::make_unique<Page>(text.substr(text.rfind("http://", end), end - text.rfind("http://", end)));
+        ASSERT_TRUE(page->reaches("pause"));
+        page->say({{"type", "go"}});
+    }
+    EXPECT_LE(fewest, 2u);
+    page->finish();
+    EXPECT_EQ(process->wait().code, 0) << said();
+    EXPECT_EQ(rows()[0].outcome.status, "interrupted");
+    expect_whole();
+}
+
+TEST_F(FaultySession, AClockThatLeapsChangesNoTrial) {
+    start({}, {{"LD_PRELOAD", LEAPING_CLOCK}, {"LEAP_AFTER", "1"}, {"LEAP_WITNESS", (folder / "witness").string()}});
+    ASSERT_TRUE(std::filesystem::exists(folder / "witness")) << "the clock was in place";
+    ASSERT_TRUE(page->reaches("feel"));
+    std::this_thread::sleep_for(std::chrono::milliseconds(1500));
+    page->finish();
+    EXPECT_EQ(process->wait().code, 0) << said();
+    ASSERT_EQ(rows().size(), 2u);
+    EXPECT_GT(rows()[0].outcome.reaction, 1.4);
+    for (const TrialRow& row : rows())
+        EXPECT_LT(row.outcome.reaction, 30) << "an hour would be more";
+    expect_whole();
+}
+
+TEST_F(FaultySession, AnswersWhileAStimulusIsLoadedOrTwiceDoNotCount) {
+    start();
+    for (int i = 0; i < 200 && page->told("phase") != "feel"; ++i) {
+        page->answer(3); // in welcome and loading
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    ASSERT_TRUE(page->reaches("feel"));
+    page->say({{"type", "answer"}, {"sequence", 7}, {"answer", 1}});   // of no stimulus
+    page->say({{"type", "answer"}, {"sequence", 1}, {"answer", 99}});  // no such key
+    page->say({{"type", "answer"}, {"sequence", 1}, {"answer", "1"}}); // no number
+    page->answer(2);
+    page->answer(4);
+    ASSERT_TRUE(await([&] { return page->told("trial") == 2; }));
+    page->finish();
+    EXPECT_EQ(process->wait().code, 0) << said();
+    ASSERT_EQ(rows().size(), 2u);
+    EXPECT_EQ(rows()[0].answer, "two_poly");
+}
+
+TEST(FullDisks, LoseNoTrialAndCountNoneTwice) {
+    const std::filesystem::path folder = std::filesystem::temp_directory_path() / "forceshade_experiment_full";
+    std::filesystem::remove_all(folder);
+    SmallDisk disk(folder, "size=160k");
+    if (disk.bad())
+        GTEST_SKIP() << "mounting is not permitted";
+    Launch launch;
+    launch.arguments = {"experiment", "run", "--participant", "observer",
+                        "--subject",  "01",  "--out",         (folder / "data").string()};
+    Outcome outcome = Process(launch).wait();
+    EXPECT_EQ(outcome.code, 4);
+    EXPECT_NE(outcome.error.find("o space left"), std::string::npos) << outcome.error;
+    const std::size_t kept = read_rows(data_files(folder / "data")[0]).size();
+    EXPECT_GT(kept, 10u);
+    EXPECT_LT(kept, 504u);
+    ASSERT_TRUE(disk.change(0, "size=30m"));
+    outcome = Process(launch).wait();
+    EXPECT_EQ(outcome.code, 0) << outcome.error;
+    std::map<std::uint64_t, int> answered;
+    for (const TrialRow& row : read_rows(data_files(folder / "data")[0]))
+        answered[row.number] += row.counts();
+    EXPECT_EQ(answered.size(), 504u);
+    EXPECT_TRUE(std::ranges::all_of(answered, [](const auto& one) { return one.second == 1; }));
+}
+
+} // namespace
+} // namespace forceshade::experiment
