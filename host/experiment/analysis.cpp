@@ -295,7 +295,8 @@ std::vector<ConditionAnswers> felt_conditions(const Answers& data) {
 struct Fit {
     std::string data, model;
     ObserverParameters parameters;
-    double deviance = 0, left_out = 0; // 1
+    double deviance = 0, left_out = 0;  // 1
+    std::vector<ConditionAnswers> rows; // what it was fitted to
 };
 
 ObserverParameters rival() {
@@ -317,18 +318,37 @@ Table fit_table(const std::vector<Fit>& fits) {
          {{"deviance", "1", "2 sum O ln(O / E), in sample"},
           [](const F& f) { return f.deviance > 0 ? cell(f.deviance) : Cell(); }},
          {{"left_out_deviance", "1", "each radius predicted by the others"},
-          [](const F& f) { return f.left_out > 0 ? cell(f.left_out) : Cell(); }},
-         {{"kappa", "1", "jump of the lateral force ratio for an expected edge"},
-          [](const F& f) { return f.deviance > 0 ? cell(f.parameters.edge) : Cell(); }},
-         {{"g", "1", "events of a wholly level bump"},
-          [](const F& f) { return f.deviance > 0 ? cell(f.parameters.level_gain) : Cell(); }},
-         {{"w", "1", "weight of the path beside the force"},
-          [](const F& f) { return f.deviance > 0 ? cell(f.parameters.path_weight) : Cell(); }},
-         {{"nu", "1", "noise of the force's direction"},
-          [](const F& f) { return f.deviance > 0 ? cell(f.parameters.noise) : Cell(); }},
-         {{"rho", "1", "threshold for level; of the rival b"},
-          [](const F& f) { return f.deviance > 0 ? cell(f.parameters.level) : Cell(); }}},
+          [](const F& f) { return f.left_out > 0 ? cell(f.left_out) : Cell(); }}},
         fits);
+}
+
+Table parameter_table(const std::vector<Fit>& fits) {
+    struct Row {
+        const Fit* fit;
+        NamedParameter parameter;
+        double dispersion;
+        double low, high;
+    };
+    std::vector<Row> rows;
+    for (const Fit& fit : fits) {
+        if (fit.rows.empty())
+            continue;
+        const ObserverRange range = bootstrapped(fit.rows, fit.parameters);
+        for (const NamedParameter& one : kFreeParameters)
+            rows.push_back({&fit, one, range.dispersion, range.low.*one.member, range.high.*one.member});
+    }
+    return study::table_of<Row>(
+        "parameters", "The observer's parameters",
+        {{{"data", "", "as in observer"}, [](const Row& row) { return Cell(row.fit->data); }},
+         {{"model", "", "as in observer"}, [](const Row& row) { return Cell(row.fit->model); }},
+         {{"parameter", "", "1 each"}, [](const Row& row) { return Cell(row.parameter.name); }},
+         {{"fitted", "1", "by maximum likelihood"},
+          [](const Row& row) { return cell(row.fit->parameters.*row.parameter.member); }},
+         {{"from", "1", "95 % of answers drawn anew from the fitted shares, as many as count"}, &Row::low},
+         {{"to", "1", "likewise"}, &Row::high},
+         {{"dispersion", "1", "deviance over degrees of freedom, which divides the trials"}, &Row::dispersion},
+         {{"what", "", "what it is"}, [](const Row& row) { return Cell(row.parameter.meaning); }}},
+        rows);
 }
 
 std::size_t groups_in(const std::vector<ConditionAnswers>& rows) {
@@ -345,11 +365,11 @@ std::vector<Fit> fits_of(const std::vector<ConditionAnswers>& felt) {
         for (const bool is_rival : {false, true}) {
             const ObserverParameters start = is_rival ? rival() : ObserverParameters{}, best = fitted(rows, start);
             fits.push_back({name, is_rival ? "rival" : "observer", best, deviance(rows, best),
-                            leaves ? predicted_by_observer(rows, best).deviance : 0});
+                            leaves ? predicted_by_observer(rows, best).deviance : 0, rows});
         }
     };
     add("1996", table_2());
-    fits.push_back({"1996", "row means", {}, 0, predicted_by_means(table_2()).deviance});
+    fits.push_back({"1996", "row means", {}, 0, predicted_by_means(table_2()).deviance, {}});
     if (!felt.empty())
         add("measured", felt);
     return fits;
@@ -364,18 +384,22 @@ Table prediction_table() {
     std::vector<Row> rows;
     for (const double radius : {600.0, 800.0, 1000.0, 1400.0, 2000.0})
         for (const unsigned facets : {0u, 1u, 2u, 3u, 4u, 5u})
-            for (const bool shaded : {false, true}) {
-                const bool printed = facets <= 3 && radius != 800 && radius != 2000;
-                if (printed || (facets == 0 && shaded) || (facets == 1 && !shaded))
-                    continue;
-                const StrokeSignals signals = rigid_signals(radius * kMil, 1000 * kMil, facets, shaded);
-                rows.push_back({facets == 0 ? fmt::format("cylinder, {:.0f} mil", radius)
-                                            : fmt::format("{} facet{}, {:.0f} mil, {}", facets, facets == 1 ? "" : "s",
-                                                          radius, shaded ? "shaded" : "unshaded"),
-                                shares_of(signals, ObserverParameters{}), shares_of(signals, rival())});
-            }
+            for (const bool shaded : {false, true})
+                for (const Hold hold : {Hold::force, Hold::depth}) {
+                    const bool printed = facets <= 3 && radius != 800 && radius != 2000 && hold == Hold::force;
+                    if (printed || (facets == 0 && shaded) || (facets == 1 && !shaded))
+                        continue;
+                    const StrokeSignals signals = rigid_signals(radius * kMil, 1000 * kMil, facets, shaded, hold);
+                    rows.push_back(
+                        {(facets == 0 ? fmt::format("cylinder, {:.0f} mil", radius)
+                                      : fmt::format("{} facet{}, {:.0f} mil, {}", facets, facets == 1 ? "" : "s",
+                                                    radius, shaded ? "shaded" : "unshaded")) +
+                             (hold == Hold::depth ? ", constant depth" : ""),
+                         shares_of(signals, ObserverParameters{}), shares_of(signals, rival())});
+                }
     std::vector<study::ColumnOf<Row>> columns{
-        {{"stimulus", "", "of W = 1000 mil, never tested"}, [](const Row& row) { return Cell(row.stimulus); }}};
+        {{"stimulus", "", "of W = 1000 mil, never tested; pressed with a constant force but where it says depth"},
+         [](const Row& row) { return Cell(row.stimulus); }}};
     for (std::size_t i = 0; i < kPictures; ++i)
         for (const bool other : {false, true})
             columns.push_back(
@@ -579,6 +603,7 @@ study::StudyData analyse(const Answers& answers) {
     data.tables.push_back(stroke_table(answers));
     if (papers) {
         data.tables.push_back(fit_table(fits));
+        data.tables.push_back(parameter_table(fits));
         data.tables.push_back(prediction_table());
     }
     data.figures = figures_of(tests, smooth_label);

@@ -7,18 +7,44 @@
 #include <nlopt.hpp>
 
 #include "host/error.h"
+#include "host/experiment/random.h"
 
 namespace forceshade::experiment {
 namespace {
 
-using Free = std::array<double ObserverParameters::*, 5>;
-constexpr Free kFree{&ObserverParameters::edge, &ObserverParameters::level_gain, &ObserverParameters::path_weight,
-                     &ObserverParameters::noise, &ObserverParameters::level};
-
 ObserverParameters with_logarithms(ObserverParameters observer, const std::vector<double>& logarithms) {
-    for (std::size_t i = 0; i < kFree.size(); ++i)
-        observer.*kFree[i] = std::exp(logarithms[i]);
+    for (std::size_t i = 0; i < kFreeParameters.size(); ++i)
+        observer.*kFreeParameters[i].member = std::exp(logarithms[i]);
     return observer;
+}
+
+std::vector<double> logarithms_of(const ObserverParameters& observer) {
+    std::vector<double> logarithms;
+    for (const NamedParameter& one : kFreeParameters)
+        logarithms.push_back(std::log(observer.*one.member));
+    return logarithms;
+}
+
+// Nelder-Mead in logarithms; the deviance that it reached.
+double search_from(std::span<const ConditionAnswers> rows, ObserverParameters& observer, double tolerance) {
+    std::function<double(const std::vector<double>&)> cost = [&](const std::vector<double>& logarithms) {
+        return deviance(rows, with_logarithms(observer, logarithms));
+    };
+    nlopt::opt search(nlopt::LN_NELDERMEAD, kFreeParameters.size());
+    search.set_min_objective(
+        [](const std::vector<double>& at, std::vector<double>&, void* data) {
+            return (*static_cast<std::function<double(const std::vector<double>&)>*>(data))(at);
+        },
+        &cost);
+    search.set_lower_bounds(std::log(1e-4));
+    search.set_upper_bounds(std::log(1e3));
+    search.set_xtol_rel(tolerance);
+    search.set_maxeval(1500);
+    std::vector<double> at = logarithms_of(observer);
+    double reached = 0;
+    search.optimize(at, reached);
+    observer = with_logarithms(observer, at);
+    return reached;
 }
 
 std::vector<std::string> groups_of(std::span<const ConditionAnswers> rows) {
@@ -108,33 +134,49 @@ double mean_error(std::span<const ConditionAnswers> rows, const std::vector<Shar
 ObserverParameters fitted(std::span<const ConditionAnswers> rows, const ObserverParameters& start) {
     if (rows.empty())
         throw UsageError("there are no answers to fit the observer to");
-    std::function<double(const std::vector<double>&)> cost = [&](const std::vector<double>& logarithms) {
-        return deviance(rows, with_logarithms(start, logarithms));
-    };
-    nlopt::opt search(nlopt::LN_NELDERMEAD, kFree.size());
-    search.set_min_objective(
-        [](const std::vector<double>& at, std::vector<double>&, void* data) {
-            return (*static_cast<std::function<double(const std::vector<double>&)>*>(data))(at);
-        },
-        &cost);
-    search.set_lower_bounds(std::log(1e-4));
-    search.set_upper_bounds(std::log(1e3));
-    search.set_xtol_rel(1e-6);
-    search.set_maxeval(1500);
-    std::vector<double> best;
-    double least = 0;
+    constexpr double kTolerance = 1e-6;
+    ObserverParameters best;
+    double least = INFINITY;
     for (const double factor : {1.0, 0.5, 2.0}) {
-        std::vector<double> at;
-        for (std::size_t i = 0; i < kFree.size(); ++i)
-            at.push_back(std::log(start.*kFree[i] * (i % 2 == 0 ? factor : 1 / factor)));
-        double reached = 0;
-        search.optimize(at, reached);
-        if (best.empty() || reached < least) {
-            best = at;
+        ObserverParameters observer = start;
+        for (std::size_t i = 0; i < kFreeParameters.size(); ++i)
+            observer.*kFreeParameters[i].member *= i % 2 == 0 ? factor : 1 / factor;
+        const double reached = search_from(rows, observer, kTolerance);
+        if (reached < least) {
+            best = observer;
             least = reached;
         }
     }
-    return with_logarithms(start, best);
+    return best;
+}
+
+ObserverRange bootstrapped(std::span<const ConditionAnswers> rows, const ObserverParameters& best) {
+    constexpr std::size_t kSamples = 200;
+    constexpr double kTolerance = 1e-3;
+    const double freedom = double(rows.size() * (kPictures - 1)) - double(kFreeParameters.size());
+    ObserverRange range{best, best, freedom > 0 ? std::max(1.0, deviance(rows, best) / freedom) : 1};
+    Random random(1, "bootstrap of the observer");
+    std::array<std::vector<double>, kFreeParameters.size()> values;
+    for (std::size_t sample = 0; sample < kSamples; ++sample) {
+        std::vector<ConditionAnswers> drawn(rows.begin(), rows.end());
+        for (ConditionAnswers& row : drawn) {
+            const Shares shares = shares_of(row.signals, best);
+            row.trials = std::max(1.0, std::round(row.trials / range.dispersion));
+            row.answered = {};
+            for (double i = 0; i < row.trials; ++i)
+                row.answered[random.among(shares)] += 1 / row.trials;
+        }
+        ObserverParameters observer = best;
+        search_from(drawn, observer, kTolerance);
+        for (std::size_t i = 0; i < values.size(); ++i)
+            values[i].push_back(observer.*kFreeParameters[i].member);
+    }
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        std::ranges::sort(values[i]);
+        range.low.*kFreeParameters[i].member = values[i][kSamples / 40];
+        range.high.*kFreeParameters[i].member = values[i][kSamples - 1 - kSamples / 40];
+    }
+    return range;
 }
 
 Prediction predicted_by_observer(std::span<const ConditionAnswers> rows, const ObserverParameters& start) {

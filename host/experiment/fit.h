@@ -33,6 +33,26 @@ double mean_error(std::span<const ConditionAnswers> rows, const std::vector<Shar
 /// logarithms.
 ObserverParameters fitted(std::span<const ConditionAnswers> rows, const ObserverParameters& start = {});
 
+/// 95 % of the parameters that answers drawn anew from the fitted shares give (parametric bootstrap), as many of them
+/// as the trials count for: a deviance above the degrees of freedom divides the trials (over-dispersion).
+struct ObserverRange {
+    ObserverParameters low, high;
+    double dispersion = 1; /* 1: deviance over degrees of freedom, at least 1 */
+};
+ObserverRange bootstrapped(std::span<const ConditionAnswers> rows, const ObserverParameters& best);
+
+/// The free parameters of an observer, as published.
+struct NamedParameter {
+    const char *name, *meaning;
+    double ObserverParameters::*member;
+};
+inline constexpr std::array<NamedParameter, 5> kFreeParameters{
+    {{"kappa", "jump of the lateral force ratio for an expected edge", &ObserverParameters::edge},
+     {"g", "events of a wholly level bump", &ObserverParameters::level_gain},
+     {"w", "weight of the path beside the force", &ObserverParameters::path_weight},
+     {"nu", "noise of the force's direction", &ObserverParameters::noise},
+     {"rho", "threshold for level; of the rival b, its gain of kinks at the base", &ObserverParameters::level}}};
+
 /// What each row is expected to be by those of the other groups alone.
 struct Prediction {
     std::vector<Shares> expected;                         /* by row */

@@ -36,7 +36,7 @@ double level_share(const StrokeSignals& signals, const std::vector<double>& valu
     const auto outward = [&](std::size_t from, std::size_t to, std::ptrdiff_t step) {
         double most = std::abs(value_at(signals, values, 0)), last = 0; // m
         double before = levelness(most);
-        for (std::size_t i = from; i != to; i += static_cast<std::size_t>(step)) {
+        for (std::size_t i = from; i != to && before > 0; i += static_cast<std::size_t>(step)) {
             most = std::max(most, std::abs(values[i]));
             const double level = levelness(most), x = signals.x[i];
             sum += 0.5 * (before + level) * std::abs(x - last);
@@ -51,7 +51,7 @@ double level_share(const StrokeSignals& signals, const std::vector<double>& valu
 
 } // namespace
 
-StrokeSignals rigid_signals(double radius, double width, unsigned facets, bool shaded) {
+StrokeSignals rigid_signals(double radius, double width, unsigned facets, bool shaded, Hold hold) {
     constexpr int kSamples = 2000; // apart by much less than kGap
     const double half = width / 2, opening = std::asin(half / radius);
     StrokeSignals signals;
@@ -66,7 +66,8 @@ StrokeSignals rigid_signals(double radius, double width, unsigned facets, bool s
         }
         signals.x.push_back(x);
         signals.path.push_back(facets == 1 ? 0 : facet);
-        signals.force.push_back(shaded ? round : signals.path.back());
+        const double tangent = shaded ? round : signals.path.back();
+        signals.force.push_back(hold == Hold::force ? tangent : std::sin(std::atan(tangent)));
     }
     return signals;
 }

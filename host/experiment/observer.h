@@ -24,9 +24,13 @@ struct StrokeSignals {
     std::vector<double> path;  /* 1: -dz/dx of the path traced, signed as the force */
 };
 
+/// What a stroking hand keeps: the vertical force, or the depth. At constant depth the force has one magnitude, which
+/// takes the place of F_z: lateral ratios are sines of the force's angle where else they are tangents.
+enum class Hold { force, depth };
+
 /// In the limit of a rigid surface and a small force, where the path is the nominal surface: a bump of that radius and
 /// width, m, of so many facets of equal angles (0: the cylinder). Shaded: the force has the cylinder's direction.
-StrokeSignals rigid_signals(double radius, double width, unsigned facets, bool shaded);
+StrokeSignals rigid_signals(double radius, double width, unsigned facets, bool shaded, Hold hold = Hold::force);
 
 /// How the observer counts what keeps a top from being level.
 enum class LevelRule {

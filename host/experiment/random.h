@@ -1,7 +1,9 @@
 // Random numbers of an experiment, the same on every machine.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <span>
 #include <string_view>
 
 namespace forceshade::experiment {
@@ -28,6 +30,14 @@ public:
         while (one >= whole)
             one = word();
         return one % count;
+    }
+    /// Where one falls among shares whose sum is 1.
+    std::size_t among(std::span<const double> shares) {
+        double left = uniform();
+        std::size_t at = 0;
+        while (at + 1 < shares.size() && left >= shares[at])
+            left -= shares[at++];
+        return at;
     }
 
 private:

@@ -29,11 +29,7 @@ public:
         TrialOutcome outcome = outcome_of(feature, samples, 1 / manner.rate);
         outcome.reaction = static_cast<double>(samples.size()) / manner.rate;
         const Shares shares = answer_shares(passes_over(feature, samples), parameters_);
-        double left = Random(trial.seed).uniform();
-        std::size_t answer = 0;
-        while (answer + 1 < shares.size() && left >= shares[answer])
-            left -= shares[answer++];
-        outcome.answer = answer;
+        outcome.answer = Random(trial.seed).among(shares);
         if (!path.empty())
             log_path(samples, path, Precision::f64);
         return outcome;

@@ -108,6 +108,29 @@ TEST(ObserverFit, PredictsRadiiThatWereLeftOut) {
     EXPECT_NEAR(predicted_by_observer(table, rival).deviance, 191, 1);
 }
 
+// As published, by an over-dispersed bootstrap of another kind: ends within a fifth.
+TEST(ObserverFit, HasIntervals) {
+    const std::vector<ConditionAnswers> table = table_2();
+    const ObserverRange range = bootstrapped(table, fitted(table));
+    EXPECT_NEAR(range.dispersion, 2.75, 0.01);
+    constexpr std::array<std::array<double, 2>, 5> kPublished{
+        {{0.62, 0.94}, {5.8, 9.8}, {0.038, 0.086}, {0.053, 0.085}, {0.048, 0.108}}};
+    for (std::size_t i = 0; i < kPublished.size(); ++i) {
+        const NamedParameter& one = kFreeParameters[i];
+        EXPECT_NEAR(range.low.*one.member / kPublished[i][0], 1, 0.2) << one.name;
+        EXPECT_NEAR(range.high.*one.member / kPublished[i][1], 1, 0.2) << one.name;
+    }
+}
+
+// "three" for the narrowest cylinder falls from 19 % to chance if the depth is kept in place of the force.
+TEST(ObserverShares, OfAConstantDepthTakeNoCylinderForThreeFacets) {
+    const auto three = [](Hold hold) {
+        return 100 * shares_of(rigid_signals(600 * kMil, kWidth, 0, false, hold), ObserverParameters{})[2];
+    };
+    EXPECT_NEAR(three(Hold::force), 19.4, 0.15);
+    EXPECT_NEAR(three(Hold::depth), 0.5, 0.05);
+}
+
 // As published: unshaded 39, 23, 22 at 600, 1000, 1400 mil, shaded 6.
 TEST(ObserverShares, SayHowManyFacetsFeelRound) {
     constexpr double kRadii[] = {600, 1000, 1400}; // mil
