@@ -15,11 +15,11 @@ std::string plain_id(const std::string& name) {
 
 std::string title(const StudyPart& part) {
     const std::string& name = part.data.study;
-    const std::string words = name == "error-time"  ? "Error against run time"
-                              : name == "stability" ? "Stability"
-                              : name == "energy"    ? "Energy"
-                              : name == "omission"  ? "What leaving out saves"
-                                                    : "Study " + name;
+    std::string words = name == "error-time" ? "Error against run time"
+                        : name == "omission" ? "What leaving out saves"
+                                             : name;
+    if (words[0] >= 'a' && words[0] <= 'z')
+        words[0] -= 'a' - 'A';
     return part.folder.empty() || part.folder == name ? words : words + " (" + part.folder + ")";
 }
 

@@ -208,7 +208,7 @@ std::vector<Figure> figures_of(const LoopResults& results) {
     std::vector<Figure> figures;
     Figure kinds;
     kinds.name = "loop-kinds";
-    kinds.title = "The largest stiffness that rests, by the kind of place";
+    kinds.title = "Largest stable stiffness, by the kind of place";
     kinds.caption =
         fmt::format("Hand: {}. The least over all places of a kind, depths of {:.2g} to {:.2g} mm and ways of "
                     "holding. Places where the direction jumps are in another figure.",

@@ -204,7 +204,7 @@ void add_worst_rounding(StudyData& data, const std::vector<WorstRounding>& found
          {{"facet", "",
            "same: both precisions meet the same facet, away from edges of the law; another: rounding chose another "
            "facet of a tie, or the other side of an edge"},
-          [](const R& r) { return Cell(std::string(r.same_facet ? "same" : "another")); }},
+          [](const R& r) { return Cell(std::string(r.same_facet ? "same facet" : "another facet")); }},
          {{"error_1", "1", "difference of the forces over the largest force of the search, that at 2 mm"},
           [](const R& r) { return cell(r.error); }},
          {{"local_1", "1", "over the force there"}, [](const R& r) { return cell(r.local); }},
