@@ -43,12 +43,19 @@ void add_lookup(std::vector<Finding>& findings, const Measured& measured) {
     const std::string at_rim =
         rim && rim->direction ? fmt::format(", and its direction by {:.2g} deg RMS at the rim", rim->direction->rms)
                               : "";
+    const std::vector<std::size_t> direct = measured.find([&](const Way& other) {
+        return other.variant == way.variant && other.family == "direct" && other.precision == way.precision;
+    });
+    const auto nanoseconds = [&](std::size_t i) { return 1e9 * measured.times.seconds(i).median; };
     findings.push_back(
         {"lookup",
-         fmt::format("A trilinear look-up volume of {:.2g} mm errs by {} of the root mean square force, but by more "
-                     "than {} of the force there at one in twenty places less than {:.2g} mm deep{}.",
-                     1e3 * *way.spacing, percent(errors.shared.typical->rms), percent(boundary->local->p95),
-                     1e3 * way.subject->scale.skin(), at_rim),
+         fmt::format(
+             "A trilinear look-up volume of {:.2g} mm takes {:.2g} ns{} and errs by {} of the root mean square "
+             "force, but by {} of the force there, or more, at one in twenty places less than {:.2g} mm deep{}.",
+             1e3 * *way.spacing, nanoseconds(*finest),
+             direct.empty() ? "" : fmt::format(", direct evaluation {:.2g},", nanoseconds(direct[0])),
+             percent(errors.shared.typical->rms), percent(boundary->local->p95), 1e3 * way.subject->scale.skin(),
+             at_rim),
          "look-up-" + measured.subjects.front().name, law_name(way), touched_depths(*way.subject),
          fmt::format("{} places, {} of them shallow", errors.shared.places, boundary->places)});
 }
@@ -56,13 +63,15 @@ void add_lookup(std::vector<Finding>& findings, const Measured& measured) {
 // What shading of a mesh buys, and what it costs.
 void add_shading(std::vector<Finding>& findings, const Measured& measured) {
     const Subject& subject = measured.subjects.back();
+    const auto elements = std::ranges::find_if(subject.variants, [](const Variant& one) { return one.thorough; });
     const auto find = [&](const char* shading) {
         return measured.find([&](const Way& way) {
-            return way.subject == &subject && way.family == "god-object" && way.precision == "f32" &&
-                   way.variant->shading == shading && (!way.variant->elements || way.variant->thorough);
+            return way.subject == &subject && way.family == "god-object" && way.precision == "f64" &&
+                   way.variant->shading == shading &&
+                   (elements == subject.variants.end() || way.variant->elements == elements->elements);
         });
     };
-    const std::vector<std::size_t> plain = find("none"), shaded = find("mean_value");
+    const std::vector<std::size_t> plain = find("none"), shaded = find("barycentric");
     if (plain.empty() || shaded.empty() || subject.against != kSmoothShape)
         return;
     const ForceErrors &without = measured.errors[plain[0]]->shared, &with = measured.errors[shaded[0]]->shared;
@@ -71,8 +80,8 @@ void add_shading(std::vector<Finding>& findings, const Measured& measured) {
     const Interval cost = measured.times.ratio(shaded[0], plain[0]);
     findings.push_back(
         {"shading",
-         fmt::format("Mean-value shading of a mesh takes the direction's RMS error from {:.2g} to {:.2g} deg and the "
-                     "time of a god-object's update to {:.2f} times.",
+         fmt::format("Barycentric shading of a mesh (on triangles mean_value is the same) takes the direction's RMS "
+                     "error from {:.2g} to {:.2g} deg; a god-object's update then takes {:.2f} times as long.",
                      without.direction->rms, with.direction->rms, cost.median),
          "error-time-" + subject.name, law_name(measured.ways[shaded[0]]), touched_depths(subject),
          fmt::format("{:.2f} to {:.2f} times, {}; {} places", cost.low, cost.high, kBootstrap, with.places)});

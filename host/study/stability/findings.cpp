@@ -67,6 +67,12 @@ bool is_of_the_grip(const LoopResults& results, const LeastLimit& worst) {
     });
 }
 
+// As "5313 N/m at 0.2 mm".
+std::string limit_at(const LoopResults& results, const std::string& surface, double depth) {
+    const LeastLimit* const least = results.worst(surface, depth);
+    return (least ? newtons(*least->limit) : "no limit") + fmt::format(" at {:.2g} mm", 1e3 * depth);
+}
+
 Finding about_least(const LoopResults& results, const LeastLimit& worst) {
     const LoopSurface& surface = results.surfaces.front();
     Finding finding{
@@ -85,14 +91,23 @@ Finding about_least(const LoopResults& results, const LeastLimit& worst) {
     } else {
         finding.text = fmt::format(
             "Of {} surfaces the {} bears least: away from jumps of the direction small disturbances die out everywhere "
-            "up to {}{}; a wall bears {}.",
-            results.surfaces.size(), worst.surface, newtons(*worst.limit),
+            "up to {} of depth{}, {}; a wall bears {}.",
+            results.surfaces.size(), worst.surface, limit_at(results, worst.surface, worst.place.depth),
             is_of_the_grip(results, worst)
-                ? " (the grip no longer holds the hand; neither more damping nor a faster rate raises it)"
+                ? fmt::format(" (the grip's spring holds no more than {:.2g} N that turn so fast; "
+                              "neither more damping nor a faster rate helps)",
+                              *worst.limit * worst.place.depth)
                 : "",
-            newtons(worst.wall));
+            limit_at(results, worst.surface, results.surfaces.front().depths().front()), newtons(worst.wall));
     }
     return finding;
+}
+
+// As "the bump of 2 facets".
+std::string of_facets(const LoopResults& results, const std::string& name) {
+    const LoopSurface& one = *std::ranges::find(results.surfaces, name, &LoopSurface::name);
+    const SurfaceSpec& surface = one.prepared.one.scene.surface;
+    return "the " + name + (surface.kind == SurfaceKind::bump ? fmt::format(" of {} facets", surface.facets) : "");
 }
 
 void add_shading(std::vector<Finding>& findings, const LoopResults& results) {
@@ -101,9 +116,16 @@ void add_shading(std::vector<Finding>& findings, const LoopResults& results) {
         const LeastLimit *bare = results.worst(surface), *shaded = results.worst("shaded " + std::string(surface));
         if (!bare || !shaded)
             continue;
-        parts.push_back(fmt::format("of the {} from {} to {}{}", surface, newtons(*bare->limit),
-                                    newtons(*shaded->limit),
-                                    is_of_the_grip(results, *shaded) ? " (set by the grip)" : ""));
+        const auto change_at = [&](double depth) {
+            constexpr double kSame = 0.01;
+            const double change = *results.worst(shaded->surface, depth)->limit / *results.worst(surface, depth)->limit;
+            return std::abs(change - 1) < kSame
+                       ? fmt::format("not at {:.2g} mm", 1e3 * depth)
+                       : fmt::format("from {} to {}", newtons(*results.worst(surface, depth)->limit),
+                                     limit_at(results, shaded->surface, depth));
+        };
+        parts.push_back(fmt::format("{} {} of depth, {}", of_facets(results, surface), change_at(shaded->place.depth),
+                                    change_at(results.surfaces.front().depths().front())));
         places.push_back(place_of(*shaded));
         sure.push_back(fmt::format("{}: {}", shaded->surface, sureness_of(results, shaded->surface)));
     }
@@ -113,8 +135,8 @@ void add_shading(std::vector<Finding>& findings, const LoopResults& results) {
         {"loop_shading",
          fmt::format(
              "Away from jumps of the direction, force shading changes the stiffness up to which small disturbances die "
-             "out everywhere, {}.",
-             fmt::join(parts, ", ")),
+             "out everywhere: of {}.",
+             fmt::join(parts, "; of ")),
          "loop-places", fmt::format("{}", fmt::join(places, "; ")), hand_of(results.surfaces.front()),
          fmt::format("{}", fmt::join(sure, "; "))});
 }

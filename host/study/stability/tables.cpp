@@ -294,11 +294,11 @@ std::vector<Figure> figures_of(const LoopResults& results) {
 
 } // namespace
 
-const LeastLimit* LoopResults::worst(const std::string& surface) const {
+const LeastLimit* LoopResults::worst(const std::string& surface, std::optional<double> depth) const {
     const LeastLimit* least = nullptr;
     for (const LeastLimit& one : limits)
         if (one.own && one.limit && (surface.empty() || one.surface == surface) &&
-            (!least || *one.limit < *least->limit))
+            (!depth || one.place.depth == *depth) && (!least || *one.limit < *least->limit))
             least = &one;
     return least;
 }

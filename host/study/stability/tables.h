@@ -25,7 +25,7 @@ struct LoopResults {
 
     /// The row with the least limit of those with the hand's own damping, rate and delay; of all surfaces where
     /// `surface` is empty. Null if there is none.
-    const LeastLimit* worst(const std::string& surface = {}) const;
+    const LeastLimit* worst(const std::string& surface = {}, std::optional<double> depth = {}) const;
 };
 
 /// Adds tables, figures and notes of the loops.
