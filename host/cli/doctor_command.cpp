@@ -249,8 +249,14 @@ struct SchemaArguments {
 int print_schema(const SchemaArguments& arguments, const CommonOptions& common) {
     if (arguments.paper && common.json)
         throw UsageError("--default-study prints TOML: leave out --json");
+    if (common.json) {
+        nlohmann::ordered_json schema = schema_json();
+        for (nlohmann::ordered_json& key : experiment::experiment_schema_json())
+            schema["keys"].push_back(std::move(key));
+        print_data(schema.dump(2) + "\n");
+        return 0;
+    }
     print_data(arguments.paper ? std::string(default_study_toml())
-               : common.json   ? schema_json()
                                : schema_text() + "\n" + experiment::experiment_schema());
     return 0;
 }

@@ -75,10 +75,11 @@ int run_experiment(const ExperimentArguments& arguments, const CommonOptions& co
         options.folder = arguments.out;
         options.info = {subject, session_number(arguments.session), arguments.participant, participant->device()};
         options.paths = person || arguments.paths;
-        experiment::run_session(experiment, *participant, options);
+        options.quiet = person || common.quiet;
+        const std::size_t answered = experiment::run_session(experiment, *participant, options);
         if (!common.quiet)
-            remark("subject {}, session {}: {} in {}\n", subject, arguments.session,
-                   plural(experiment.size() + experiment.spec.practice, "trial"), arguments.out);
+            remark("subject {}, session {}: {} in {}\n", subject, arguments.session, plural(answered, "trial"),
+                   arguments.out);
     }
     return 0;
 }

@@ -9,6 +9,7 @@
 #include <fmt/ranges.h>
 
 #include "host/error.h"
+#include "host/experiment/comparison.h"
 #include "host/experiment/statistics.h"
 #include "host/experiment/stroke.h"
 #include "host/output/reading.h"
@@ -582,6 +583,15 @@ study::StudyData analyse(const Answers& answers) {
     data.device = answers.rows.front().device;
     data.cores = std::thread::hardware_concurrency();
     data.scene = resolved_toml(answers.experiment);
+    const std::string left_out =
+        fmt::format("{} rows that do not count (practice, trials without an answer) are left out.", answers.left_out);
+    if (spec.task == Task::compare) {
+        data.study = "comparison";
+        data.notes.push_back(left_out);
+        add_comparisons(data, answers);
+        data.tables.push_back(stroke_table(answers));
+        return data;
+    }
     const bool papers = has_papers_answers(spec);
     const std::vector<ConditionAnswers> felt = papers ? felt_conditions(answers) : std::vector<ConditionAnswers>();
     const std::vector<Fit> fits = papers ? fits_of(felt) : std::vector<Fit>();
@@ -609,7 +619,7 @@ study::StudyData analyse(const Answers& answers) {
     data.figures = figures_of(tests, smooth_label);
     add_findings(data, answers, tests, fits, smooth_label);
     data.notes = {
-        fmt::format("{} rows that do not count (practice, trials without an answer) are left out.", answers.left_out),
+        left_out,
         "Intervals of shares take trials as independent (Jeffreys) or draw whole subjects anew (bootstrap); tests "
         "change "
         "the signs of whole subjects, so that with few of them no p can be small."};

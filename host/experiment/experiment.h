@@ -9,43 +9,91 @@
 #include <string_view>
 #include <vector>
 
+#include <nlohmann/json_fwd.hpp>
+
 #include "host/experiment/observer.h"
 #include "host/scene/study.h"
 
 namespace forceshade::experiment {
 
+/// Which answer a stimulus is named by, or which of two, felt one after the other, is asked for.
+enum class Task { name, compare };
+
 /// Over a whole session, or so that each block has every condition equally often.
 enum class Order { random, balanced };
+
+/// A picture file, PNG or SVG, as read.
+struct AnswerPicture {
+    std::string extension; /* ".png" or ".svg" */
+    std::string bytes;     /* empty: none */
+};
 
 /// An answer, in the order of its key: 1 for the first.
 struct Answer {
     std::string name;               /* of [a-z0-9_], as data has it: "two_poly" */
     std::string label;              /* as a participant reads it */
-    std::optional<unsigned> facets; /* of the nominal shape that its picture shows; 0: the smooth shape */
+    std::optional<unsigned> facets; /* of the nominal shape that it names; 0: the smooth shape */
     std::string correct_for;        /* shell pattern of case names; empty: stimuli of these facets */
+    AnswerPicture picture;          /* in place of the drawn shape */
+
+    /// "edge.png": as materials/ has it; empty: none.
+    std::string picture_file() const { return picture.bytes.empty() ? "" : name + picture.extension; }
 };
 
+/// The rule of the task compare by which the stimulus of more facets is right, the smooth shape before all.
+inline constexpr const char* kSmoother = "smoother";
+
 struct ExperimentSpec {
+    Task task = Task::name;
     std::string title = "Shapes that are felt";
     std::string question = "Which shape did you feel?";
     std::vector<Answer> answers;
-    std::uint64_t trials = 24;  /* of each condition */
+    std::uint64_t trials = 24;  /* of each condition; of each track the most */
     std::uint64_t practice = 0; /* trials before, of conditions in turn; they do not count */
     std::uint64_t blocks = 1;   /* with a break between */
     Order order = Order::random;
     bool feedback = false;
     double longest_trial = 60; /* s */
     std::uint64_t seed = 1996;
+    /* of the task compare: */
+    std::string standard;            /* shell pattern of the cases that the others are compared with */
+    std::string correct = kSmoother; /* or a shell pattern of the case names that are right */
+    double interval = 0;             /* s: that a stimulus is felt; 0: until a key is pressed */
+    std::string track;               /* key of the study whose levels are chosen adaptively; empty: none */
+    double track_ratio = 1;          /* of the ends of a threshold's interval, which end its track; 1: trials do */
 };
+
+/// What is asked about in a trial: indices of the study's cases.
+struct Condition {
+    std::size_t stimulus = 0;
+    std::optional<std::size_t> standard; /* that it is compared with */
+};
+
+/// Conditions that differ by one numeric key alone, whose threshold is looked for.
+struct Track {
+    std::string name;                    /* what they share and others do not: "shading none"; "all" */
+    std::vector<std::size_t> conditions; /* by level, ascending */
+    std::vector<double> levels;          /* SI: positive */
+    bool rises = true;                   /* whether higher levels are told from the standard more easily */
+};
+
+struct Trial;
 
 /// Stimuli are a study's cases. A participant strokes them as [paths] says, if it is given.
 struct Experiment {
     ExperimentSpec spec;
     Study study;
+    std::vector<Condition> conditions; /* of the task name: the study's cases as they are */
+    std::vector<Track> tracks;         /* empty: each condition is equally frequent */
+    std::string track_key, track_unit; /* "surface.radius", "m" or "1" */
 
     /// Which answer names a stimulus' nominal shape; nothing if none does.
     std::optional<std::size_t> correct_answer(const Case& stimulus) const;
-    std::size_t size() const { return study.cases.size() * spec.trials; } /* trials that count */
+    /// Which answer is right, of either task; nothing if none is.
+    std::optional<std::size_t> correct_answer(const Trial& trial) const;
+    const Case& stimulus(const Condition& condition) const { return study.cases[condition.stimulus]; }
+    /// Trials that count; with tracks the most.
+    std::size_t size() const { return (tracks.empty() ? conditions.size() : tracks.size()) * spec.trials; }
 };
 
 /// Reads an experiment, or with an empty path the paper's. \throws IoError, UsageError `file:line:column: ...`.
@@ -61,5 +109,8 @@ std::string resolved_toml(const Experiment& experiment);
 
 /// The keys of [experiment] as TOML with comments; it parses as the defaults.
 std::string experiment_schema();
+
+/// The same in the form of schema_json()'s keys.
+nlohmann::ordered_json experiment_schema_json();
 
 } // namespace forceshade::experiment

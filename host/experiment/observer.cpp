@@ -90,13 +90,20 @@ Cues cues_of(const StrokeSignals& signals, double level) {
     return cues;
 }
 
-Shares shares_of(const Cues& cues, const ObserverParameters& observer) {
+Events events_of(const Cues& cues, const ObserverParameters& observer) {
     const double w = observer.path_weight;
-    const double edges = (cues.force_jump + w * cues.path_jump + observer.noise) / observer.edge;
-    double levels = observer.level_gain * (cues.force_level + w * cues.path_level);
+    Events events;
+    events.edges = (cues.force_jump + w * cues.path_jump + observer.noise) / observer.edge;
+    events.levels = observer.level_gain * (cues.force_level + w * cues.path_level);
     if (observer.rule == LevelRule::base_kinks)
-        levels += std::pow(observer.level * cues.base, 2);
-    const double events = edges + levels, felt = -std::expm1(-std::pow(cues.steepest / observer.noise, 2) / 2);
+        events.levels += std::pow(observer.level * cues.base, 2);
+    events.felt = -std::expm1(-std::pow(cues.steepest / observer.noise, 2) / 2);
+    return events;
+}
+
+Shares shares_of(const Cues& cues, const ObserverParameters& observer) {
+    const auto [felt, edges, levels] = events_of(cues, observer);
+    const double events = edges + levels;
     const double any = -std::expm1(-events);
     Shares shares{1 - felt, felt * any * edges / events, felt * any * levels / events, felt * std::exp(-events)};
     for (double& share : shares)

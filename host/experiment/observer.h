@@ -62,6 +62,13 @@ struct ObserverParameters {
 /// Of the steepest lateral force: what the observer's rule counts as level.
 double level_of(const ObserverParameters& observer);
 
+/// What is expected to be noticed: whether a bump is felt at all, and then the numbers of the race (Poisson).
+struct Events {
+    double felt = 0;              /* 1: probability */
+    double edges = 0, levels = 0; /* 1: expected numbers of "an edge" and "a level top" */
+};
+Events events_of(const Cues& cues, const ObserverParameters& observer);
+
 Shares shares_of(const Cues& cues, const ObserverParameters& observer);
 Shares shares_of(const StrokeSignals& signals, const ObserverParameters& observer);
 

@@ -151,7 +151,7 @@ private:
         if (page == nullptr)
             return answer(socket, request, http::status::not_found, "There is nothing here.\n", "text/plain");
         if (!beast::websocket::is_upgrade(request))
-            return answer(socket, request, http::status::ok, page->html, "text/html; charset=utf-8");
+            return answer(socket, request, http::status::ok, page->content, page->type);
         talk(std::make_shared<Client>(std::move(socket), page->name), request, page->one_client);
     }
 
@@ -170,15 +170,16 @@ private:
     }
 
     static void answer(Tcp::socket& socket, const Request& request, http::status status, const std::string& text,
-                       const char* type) {
+                       const std::string& type) {
         http::response<http::string_body> response(status, request.version());
         response.set(http::field::content_type, type);
         response.set(http::field::cache_control, "no-store");
         response.set("Referrer-Policy", "no-referrer");
         response.set("X-Content-Type-Options", "nosniff");
-        response.set("Content-Security-Policy", "default-src 'none'; style-src 'unsafe-inline'; script-src "
-                                                "'unsafe-inline'; connect-src 'self'; base-uri 'none'; frame-ancestors "
-                                                "'none'");
+        response.set("Content-Security-Policy",
+                     "default-src 'none'; style-src 'unsafe-inline'; script-src "
+                     "'unsafe-inline'; img-src 'self'; connect-src 'self'; base-uri 'none'; frame-ancestors "
+                     "'none'");
         response.keep_alive(false);
         response.body() = text;
         response.prepare_payload();

@@ -11,9 +11,10 @@
 namespace forceshade::experiment {
 
 struct ServedPage {
-    std::string name; /* "participant": served as /TOKEN/participant */
-    std::string html;
+    std::string name;        /* "participant": served as /TOKEN/participant */
+    std::string content;     /* HTML, or a picture that a page shows */
     bool one_client = false; /* a second browser is turned away */
+    std::string type = "text/html; charset=utf-8";
 };
 
 /// What a page did. Texts are what its script sent.

@@ -59,9 +59,7 @@ public:
           opened_(device::open_for_loop(options.session, first_)),
           ring_(static_cast<std::size_t>(kBuffered * opened_.settings.rate)),
           loop_(*opened_.device, device::make_live_law(first_), opened_.settings, &ring_),
-          server_({{kParticipant, std::string(pages::participant_html), true},
-                   {kOperator, std::string(pages::operator_html), false}},
-                  options.port, [this](const std::string& page) { closed(page); }),
+          server_(served(experiment), options.port, [this](const std::string& page) { closed(page); }),
           emergency_(*opened_.device), signals_(loop_) {
         for (const std::string& warning : opened_.warnings)
             remark("warning: {}\n", warning);
@@ -83,24 +81,36 @@ public:
 
     std::string device() const override { return opened_.facts.name; }
 
-    TrialOutcome take(const Trial& trial, const PreparedCase& stimulus, const std::filesystem::path& path,
-                      SessionRecord& record) override {
+    TrialOutcome take(const Trial& trial, std::span<const Shown> shown, SessionRecord& record) override {
         record_ = &record;
         trial_ = &trial;
-        condition_ = stimulus.one.name;
         if (!block_)
             wait_for_go("welcome");
         else if (*block_ != trial.block && !paused_) // a pause is a break, too
             wait_for_go("rest");
         block_ = trial.block;
         TrialOutcome outcome;
-        do {
-            load(stimulus);
-        } while (!until_free());
-        outcome = feel(stimulus);
-        if (!path.empty() && !samples_.empty())
-            log_path(samples_, path, stimulus.one.scene.precision);
-        thank(outcome, stimulus.one);
+        for (const Shown& one : shown) {
+            const bool is_first = &one == &shown.front(), is_last = &one == &shown.back();
+            condition_ = one.stimulus.one.name;
+            do {
+                if (!is_first && paused_) { // what was felt first is forgotten
+                    outcome.status = "interrupted";
+                    return outcome;
+                }
+                load(one.stimulus, !is_first);
+            } while (!until_free());
+            const TrialOutcome of_one = feel(one.stimulus, is_last);
+            if (is_first)
+                outcome = of_one;
+            else
+                add_interval(outcome, of_one);
+            if (!one.path.empty() && !samples_.empty())
+                log_path(samples_, one.path, one.stimulus.one.scene.precision);
+            if (outcome.status != kAnswered)
+                return outcome;
+        }
+        thank(outcome, trial);
         return outcome;
     }
 
@@ -111,6 +121,16 @@ public:
     }
 
 private:
+    static std::vector<ServedPage> served(const Experiment& experiment) {
+        std::vector<ServedPage> pages{{kParticipant, std::string(pages::participant_html), true},
+                                      {kOperator, std::string(pages::operator_html), false}};
+        for (const Answer& answer : experiment.spec.answers)
+            if (const std::string name = answer.picture_file(); !name.empty())
+                pages.push_back({name, answer.picture.bytes, false,
+                                 answer.picture.extension == ".png" ? "image/png" : "image/svg+xml"});
+        return pages;
+    }
+
     static PreparedCase stimulus_of(const Experiment& experiment) {
         const PreparedCase first = CasePreparation().prepare(experiment.study.cases.front());
         return stroked(first, manner_of(first.one.scene)); // for a simulated hand
@@ -221,11 +241,11 @@ private:
     }
 
     // Hands over the law, without force.
-    void load(const PreparedCase& stimulus) {
+    void load(const PreparedCase& stimulus, bool is_second) {
         if (paused_)
             wait_for_go("pause", pause_message_);
         require_device();
-        enter("loading");
+        enter(is_second ? "between" : "loading");
         const std::uint32_t laws = loop_.status().laws;
         loop_.offer(device::make_live_law(stimulus));
         while (loop_.status().laws == laws) {
@@ -250,26 +270,40 @@ private:
         return true;
     }
 
-    TrialOutcome feel(const PreparedCase& stimulus) {
+    // The last stimulus of a trial is felt until it is answered, one before until a key is pressed; or for the
+    // interval.
+    TrialOutcome feel(const PreparedCase& stimulus, bool is_last) {
         ++sequence_;
         answer_.reset();
+        go_ = false;
         take_samples();
         const std::size_t from = samples_.size();
+        std::optional<std::size_t> to;
         const std::string started = utc_now();
         const Clock::time_point begin = Clock::now();
         loop_.suspend(false);
-        enter("feel");
+        enter(is_last ? "feel" : "first");
         if (!server_.is_open(kParticipant)) // closed meanwhile: its suspend() may have come first
             pause("The page was closed.");
-        bool late = false;
+        const double interval = experiment_.spec.interval;
+        bool late = false, over = false;
         while (!answer_ && !paused_ && !late && loop_.end() == device::LoopEnd::running) {
             look();
             late = seconds_after(begin) > experiment_.spec.longest_trial;
+            if (!over && interval > 0 && seconds_after(begin) > interval) {
+                loop_.suspend(true);
+                take_samples();
+                to = samples_.size();
+                over = true;
+            }
+            if (!is_last && (interval > 0 ? over : go_))
+                break;
         }
         loop_.suspend(true);
         take_samples();
         const std::vector<device::LiveSample> felt(samples_.begin() + static_cast<std::ptrdiff_t>(from),
-                                                   samples_.end());
+                                                   samples_.begin() +
+                                                       static_cast<std::ptrdiff_t>(to.value_or(samples_.size())));
         TrialOutcome outcome = outcome_of(feature_of(stimulus), felt, 1 / opened_.settings.rate);
         outcome.started = started;
         outcome.answer = answer_;
@@ -288,11 +322,9 @@ private:
         return outcome;
     }
 
-    void thank(const TrialOutcome& outcome, const Case& stimulus) {
-        if (outcome.status != kAnswered)
-            return;
+    void thank(const TrialOutcome& outcome, const Trial& trial) {
         last_ = experiment_.spec.answers[*outcome.answer].label;
-        const bool right = experiment_.correct_answer(stimulus) == outcome.answer;
+        const bool right = experiment_.correct_answer(trial) == outcome.answer;
         enter(experiment_.spec.feedback ? "feedback" : "answered", right ? "Right." : "Not quite.");
         for (const auto begin = Clock::now(); seconds_after(begin) < (experiment_.spec.feedback ? kFeedback : kThanks);)
             look();
@@ -321,10 +353,14 @@ private:
         }
         if (!told_answers_) {
             json["question"] = experiment_.spec.question;
+            json["compare"] = experiment_.spec.task == Task::compare;
+            json["by_key"] = experiment_.spec.interval == 0;
             json["answers"] = Json::array();
             for (const Answer& answer : experiment_.spec.answers) {
                 Json one{{"label", answer.label}};
-                if (answer.facets) {
+                if (const std::string name = answer.picture_file(); !name.empty()) {
+                    one["picture"] = name;
+                } else if (answer.facets) {
                     one["points"] = picture(*answer.facets);
                     one["box"] = {-1.05, -0.3, 2.1, 0.35};
                 }
@@ -349,7 +385,7 @@ private:
         for (std::size_t bit = 0; bit < device::kHappenings.size(); ++bit)
             if (status.happened.load() >> bit & 1u)
                 happened += (happened.empty() ? "" : ", ") + std::string(device::kHappenings[bit]);
-        const bool off = phase_ != "feel";
+        const bool off = phase_ != "feel" && phase_ != "first";
         Json json{{"type", "state"},
                   {"phase", phase_},
                   {"title", experiment_.spec.title},

@@ -84,6 +84,9 @@ double power_of(double first, double second, unsigned trials, unsigned subjects)
 }
 
 Plan planned(const Experiment& experiment, const std::string& first, const std::string& second) {
+    if (experiment.spec.task == Task::compare)
+        throw UsageError("plan is for task = \"name\"; how many trials a comparison wants, a run with --participant "
+                         "observer and its analysis tell");
     make_observer(experiment); // refuses other answers
     const Shares a = expected_answers(condition_named(experiment, first)),
                  b = expected_answers(condition_named(experiment, second));

@@ -6,6 +6,7 @@
 #include <ctime>
 #include <fcntl.h>
 #include <functional>
+#include <ranges>
 #include <set>
 #include <sys/file.h>
 #include <sys/stat.h>
@@ -38,6 +39,7 @@ struct DataColumn {
     const char* meaning;
     std::function<std::string(const TrialRow&)> text;
     std::function<bool(TrialRow&, std::string_view)> read;
+    bool (*is_of)(const ExperimentSpec&) = nullptr; // experiments that have it; null: all
 };
 
 template <typename Part> DataColumn column_of(const char* name, const char* unit, const char* meaning, Part part) {
@@ -60,8 +62,14 @@ template <typename Part> DataColumn column_of(const char* name, const char* unit
             }};
 }
 
-const std::vector<DataColumn>& data_columns() {
+DataColumn of_some(DataColumn column, bool (*is_of)(const ExperimentSpec&)) {
+    column.is_of = is_of;
+    return column;
+}
+
+const std::vector<DataColumn>& all_columns() {
     using R = TrialRow;
+    const auto compares = [](const ExperimentSpec& spec) { return spec.task == Task::compare; };
     static const std::vector<DataColumn> columns{
         {"row_id", "", "subject, session and sequence",
          [](const R& r) { return fmt::format("{}-{}-{}", r.subject, r.session, r.sequence); },
@@ -79,9 +87,25 @@ const std::vector<DataColumn>& data_columns() {
             "block", "", "from 1 on; 0: practice", [](R & r) -> auto& { return r.block; }),
         column_of(
             "condition", "", "name of the stimulus", [](R & r) -> auto& { return r.condition; }),
+        of_some(column_of(
+                    "standard", "", "name of the stimulus that it was compared with",
+                    [](R & r) -> auto& { return r.standard; }),
+                compares),
+        of_some(column_of(
+                    "standard_interval", "",
+                    "1: the standard was felt first, 2: second; reaction_time is from the second stimulus, all else of "
+                    "both",
+                    [](R & r) -> auto& { return r.standard_interval; }),
+                compares),
+        of_some(column_of(
+                    "track", "", "the adaptive track that chose the stimulus; empty: practice",
+                    [](R & r) -> auto& { return r.track; }),
+                [](const ExperimentSpec& spec) { return !spec.track.empty(); }),
         column_of(
             "answer", "", "name of the answer; empty: none", [](R & r) -> auto& { return r.answer; }),
-        {"correct", "", "1: it names the stimulus' nominal shape, 0: it does not; empty: no answer is right",
+        {"correct", "",
+         "1: it names the stimulus' nominal shape, or the stimulus that is right, 0: it does not; empty: no answer is "
+         "right",
          [](const R& r) { return std::string(r.correct ? (*r.correct ? "1" : "0") : ""); },
          [](R& r, std::string_view text) {
              if (!text.empty())
@@ -116,9 +140,17 @@ const std::vector<DataColumn>& data_columns() {
     return columns;
 }
 
-std::string header() {
+std::vector<DataColumn> columns_of(const Experiment& experiment) {
+    std::vector<DataColumn> columns;
+    for (const DataColumn& column : all_columns())
+        if (!column.is_of || column.is_of(experiment.spec))
+            columns.push_back(column);
+    return columns;
+}
+
+std::string header(const Experiment& experiment) {
     CsvText text;
-    for (const DataColumn& column : data_columns())
+    for (const DataColumn& column : columns_of(experiment))
         text.add(column.name);
     text.end();
     return text.text();
@@ -138,7 +170,7 @@ bool is_word(const std::string& text) {
 
 std::string description(const Experiment& experiment) {
     Json variables = Json::array();
-    for (const DataColumn& column : data_columns()) {
+    for (const DataColumn& column : columns_of(experiment)) {
         Json variable{{"@type", "PropertyValue"}, {"name", column.name}, {"description", column.meaning}};
         if (*column.unit)
             variable["unitText"] = column.unit;
@@ -149,9 +181,11 @@ std::string description(const Experiment& experiment) {
                 {"name", experiment.spec.title},
                 {"description",
                  fmt::format(
-                     "Answers to haptic stimuli: {} conditions, {} trials of each. {} Stimuli, order and question "
+                     "Answers to haptic stimuli: {} conditions, {} trials of each{}. {} Stimuli, order and question "
                      "stand in materials/.",
-                     experiment.study.cases.size(), experiment.spec.trials, experiment.spec.question)},
+                     experiment.conditions.size(), experiment.spec.trials,
+                     experiment.tracks.empty() ? "" : fmt::format(" track over {}", experiment.track_key),
+                     experiment.spec.question)},
                 {"schemaVersion", "Psych-DS 0.4.0"},
                 {"variableMeasured", std::move(variables)}}
                .dump(2) +
@@ -167,6 +201,13 @@ std::string readme(const Experiment& experiment) {
 }
 
 } // namespace
+
+std::vector<ThresholdTrack> unanswered_tracks(const Experiment& experiment) {
+    std::vector<ThresholdTrack> tracks;
+    for (const Track& track : experiment.tracks)
+        tracks.emplace_back(track.levels, track.rises);
+    return tracks;
+}
 
 std::string utc_now() {
     const std::time_t now = std::time(nullptr);
@@ -197,11 +238,11 @@ std::vector<TrialRow> read_rows(const std::filesystem::path& file) {
         fail(csv.source(), {}, "has no header; it is no data of an experiment");
     std::vector<const DataColumn*> columns;
     for (std::size_t i = 0; i < csv.size(); ++i) {
-        const auto known = std::ranges::find(data_columns(), csv.text(i), &DataColumn::name);
-        columns.push_back(known == data_columns().end() ? nullptr : &*known);
+        const auto known = std::ranges::find(all_columns(), csv.text(i), &DataColumn::name);
+        columns.push_back(known == all_columns().end() ? nullptr : &*known);
     }
-    for (const DataColumn& column : data_columns())
-        if (std::ranges::find(columns, &column) == columns.end())
+    for (const DataColumn& column : all_columns())
+        if (!column.is_of && std::ranges::find(columns, &column) == columns.end())
             fail(csv.source(), {1, 1}, "has no column \"{}\"; it is no data of an experiment", column.name);
     while (csv.next()) {
         if (csv.size() != columns.size())
@@ -234,7 +275,8 @@ std::vector<std::filesystem::path> data_files(const std::filesystem::path& folde
 }
 
 SessionRecord::SessionRecord(const std::filesystem::path& folder, const Experiment& experiment, const SessionInfo& info)
-    : folder_(folder), experiment_(experiment), info_(info), order_(trials_of(experiment, info.subject, info.session)) {
+    : folder_(folder), experiment_(experiment), info_(info), order_(trials_of(experiment, info.subject, info.session)),
+      unanswered_(unanswered_tracks(experiment)), tracks_(unanswered_), ended_(unanswered_.size()) {
     if (!is_word(info.subject))
         throw UsageError(fmt::format("--subject \"{}\": a subject is letters and digits, as 03; it stands in names of "
                                      "files, and names no person",
@@ -261,12 +303,17 @@ void SessionRecord::write_materials() const {
     const std::filesystem::path materials = folder_ / "materials", experiment_file = materials / "experiment.toml";
     const std::string toml = resolved_toml(experiment_);
     std::error_code error;
+    const auto require_same = [&](const std::string& name, const std::string& bytes) {
+        if (read_file(materials / name) != bytes)
+            throw UsageError(fmt::format("{} holds another experiment (materials/{} differs); name another folder, or "
+                                         "give the file that this folder was begun with",
+                                         folder_.string(), name));
+    };
     if (std::filesystem::exists(experiment_file, error)) {
-        if (read_file(experiment_file) != toml)
-            throw UsageError(
-                fmt::format("{} holds another experiment (materials/experiment.toml differs); name another "
-                            "folder, or give the file that this folder was begun with",
-                            folder_.string()));
+        require_same("experiment.toml", toml);
+        for (const Answer& answer : experiment_.spec.answers)
+            if (const std::string name = answer.picture_file(); !name.empty())
+                require_same(name, answer.picture.bytes);
     } else if (std::filesystem::exists(folder_, error) && !std::filesystem::is_empty(folder_, error)) {
         throw UsageError(fmt::format("{} is not empty and holds no experiment; name a new folder", folder_.string()));
     }
@@ -276,14 +323,23 @@ void SessionRecord::write_materials() const {
     for (const char* name : {"order", "stimuli"})
         make_subfolder(materials, name);
     const std::filesystem::path order_file = materials / "order" / (stem() + ".csv");
+    const bool compares = experiment_.spec.task == Task::compare;
     CsvText order;
-    order.add("trial").add("block").add("condition").add("seed").end();
-    for (const Trial& trial : order_)
-        order.add(trial.number)
-            .add(trial.block)
-            .add(experiment_.study.cases[trial.condition].name)
-            .add(trial.seed)
-            .end();
+    order.add("trial").add("block").add("condition");
+    if (compares)
+        order.add("standard_interval");
+    if (!experiment_.tracks.empty())
+        order.add("track");
+    order.add("seed").end();
+    for (const Trial& trial : order_) {
+        order.add(trial.number).add(trial.block);
+        order.add(trial.track ? "" : experiment_.stimulus(experiment_.conditions[trial.condition]).name);
+        if (compares)
+            order.add(trial.standard_first ? 1 : 2);
+        if (!experiment_.tracks.empty())
+            order.add(trial.track ? experiment_.tracks[*trial.track].name : "");
+        order.add(trial.seed).end();
+    }
     if (!std::filesystem::exists(order_file, error))
         write_whole(order_file, order.text());
     else if (read_file(order_file) != order.text())
@@ -294,6 +350,9 @@ void SessionRecord::write_materials() const {
         return;
     for (const Case& one : experiment_.study.cases)
         write_whole(materials / "stimuli" / (one.name + ".toml"), forceshade::resolved_toml(one));
+    for (const Answer& answer : experiment_.spec.answers)
+        if (const std::string name = answer.picture_file(); !name.empty())
+            write_whole(materials / name, answer.picture.bytes);
     write_whole(folder_ / "dataset_description.json", description(experiment_));
     write_whole(folder_ / "README.md", readme(experiment_));
     write_whole(experiment_file, toml); // last: with it the rest is there
@@ -322,7 +381,7 @@ void SessionRecord::read_back() {
             throw file_error("write", file_, errno);
     }
     if (whole == 0) {
-        const std::string first = header();
+        const std::string first = header(experiment_);
         if (::write(descriptor_, first.data(), first.size()) != std::ssize(first) || ::fdatasync(descriptor_) != 0)
             throw file_error("write", file_, errno);
         return;
@@ -330,10 +389,7 @@ void SessionRecord::read_back() {
     rows_ = read_rows(file_);
     std::set<std::uint64_t> answered;
     for (const TrialRow& row : rows_) {
-        const bool known = row.number >= 1 && row.number <= order_.size() && row.subject == info_.subject &&
-                           row.session == info_.session &&
-                           row.condition == experiment_.study.cases[order_[row.number - 1].condition].name;
-        if (!known)
+        if (!trial_of(row))
             throw UsageError(fmt::format("{}: row {} is of no trial of this session's order; the file was changed",
                                          file_.string(), row.sequence));
         if (row.outcome.status != kAnswered)
@@ -342,36 +398,86 @@ void SessionRecord::read_back() {
             throw UsageError(
                 fmt::format("{}: trial {} was answered twice; delete one of its rows", file_.string(), row.number));
     }
-    if (next() == nullptr)
+    update_tracks();
+    if (!next())
         throw UsageError(fmt::format("session {} of subject {} is complete ({} trials); another one is --session {}",
-                                     info_.session, info_.subject, order_.size(), info_.session + 1));
+                                     info_.session, info_.subject, answered.size(), info_.session + 1));
+}
+
+// With the condition that the row says, if that is one of its track's; nothing: it is of no trial of this session.
+std::optional<Trial> SessionRecord::trial_of(const TrialRow& row) const {
+    if (row.number < 1 || row.number > order_.size() || row.subject != info_.subject || row.session != info_.session)
+        return std::nullopt;
+    Trial trial = order_[row.number - 1];
+    const auto is_of_row = [&](std::size_t condition) {
+        return experiment_.stimulus(experiment_.conditions[condition]).name == row.condition;
+    };
+    if (trial.track) {
+        const Track& track = experiment_.tracks[*trial.track];
+        const auto found = std::ranges::find_if(track.conditions, is_of_row);
+        if (found == track.conditions.end())
+            return std::nullopt;
+        trial.condition = *found;
+    }
+    return is_of_row(trial.condition) ? std::optional(trial) : std::nullopt;
+}
+
+void SessionRecord::update_tracks() {
+    tracks_ = unanswered_;
+    ended_.assign(tracks_.size(), false);
+    for (const TrialRow* row : latest())
+        learn(*row);
+}
+
+void SessionRecord::learn(const TrialRow& row) {
+    const std::optional<Trial> trial = trial_of(row);
+    if (!trial->track || !row.counts() || !row.correct)
+        return;
+    const std::vector<std::size_t>& conditions = experiment_.tracks[*trial->track].conditions;
+    ThresholdTrack& track = tracks_[*trial->track];
+    track.add(static_cast<std::size_t>(std::ranges::find(conditions, trial->condition) - conditions.begin()),
+              *row.correct);
+    const Range range = track.threshold().range;
+    ended_[*trial->track] = range.high < experiment_.spec.track_ratio * range.low;
 }
 
 // The last row of each trial, in the order of these rows.
 std::vector<const TrialRow*> SessionRecord::latest() const {
     std::vector<const TrialRow*> last;
-    for (const TrialRow& row : rows_) {
-        std::erase_if(last, [&](const TrialRow* one) { return one->number == row.number; });
-        last.push_back(&row);
-    }
+    std::set<std::uint64_t> seen;
+    for (const TrialRow& row : std::views::reverse(rows_))
+        if (seen.insert(row.number).second)
+            last.push_back(&row);
+    std::ranges::reverse(last);
     return last;
 }
 
-const Trial* SessionRecord::next() const {
+std::optional<Trial> SessionRecord::next() const {
     const std::vector<const TrialRow*> last = latest();
-    for (const Trial& trial : order_)
-        if (std::ranges::none_of(last, [&](const TrialRow* row) { return row->number == trial.number; }))
-            return &trial;
+    std::set<std::uint64_t> begun;
     for (const TrialRow* row : last)
-        if (row->outcome.status != kAnswered)
-            return &order_[row->number - 1];
-    return nullptr;
+        begun.insert(row->number);
+    const auto chosen = [&](Trial trial) {
+        if (trial.track)
+            trial.condition = experiment_.tracks[*trial.track].conditions[tracks_[*trial.track].next()];
+        return trial;
+    };
+    for (const Trial& trial : order_)
+        if (!begun.contains(trial.number) && !has_ended(trial))
+            return chosen(trial);
+    for (const TrialRow* row : last)
+        if (row->outcome.status != kAnswered && !has_ended(order_[row->number - 1]))
+            return chosen(order_[row->number - 1]);
+    return std::nullopt;
 }
 
 std::uint64_t SessionRecord::left() const {
-    const std::vector<const TrialRow*> last = latest();
-    return order_.size() - static_cast<std::uint64_t>(std::ranges::count_if(
-                               last, [](const TrialRow* row) { return row->outcome.status == kAnswered; }));
+    std::set<std::uint64_t> answered;
+    for (const TrialRow* row : latest())
+        if (row->outcome.status == kAnswered)
+            answered.insert(row->number);
+    return static_cast<std::uint64_t>(std::ranges::count_if(
+        order_, [&](const Trial& trial) { return !answered.contains(trial.number) && !has_ended(trial); }));
 }
 
 bool SessionRecord::withdraw_last() {
@@ -380,7 +486,7 @@ bool SessionRecord::withdraw_last() {
         if ((*row)->outcome.status == kAnswered) {
             TrialOutcome outcome;
             outcome.status = kWithdrawn;
-            add(order_[(*row)->number - 1], outcome);
+            add(*trial_of(**row), outcome);
             return true;
         }
     return false;
@@ -403,14 +509,20 @@ void SessionRecord::note(const std::string& text) const {
 }
 
 void SessionRecord::add(const Trial& trial, const TrialOutcome& outcome) {
-    const Case& stimulus = experiment_.study.cases[trial.condition];
+    const Condition& condition = experiment_.conditions[trial.condition];
     TrialRow row;
     row.subject = info_.subject;
     row.session = info_.session;
     row.sequence = rows_.empty() ? 1 : rows_.back().sequence + 1;
     row.number = trial.number;
     row.block = trial.block;
-    row.condition = stimulus.name;
+    row.condition = experiment_.stimulus(condition).name;
+    if (condition.standard) {
+        row.standard = experiment_.study.cases[*condition.standard].name;
+        row.standard_interval = trial.standard_first ? 1 : 2;
+    }
+    if (trial.track)
+        row.track = experiment_.tracks[*trial.track].name;
     row.outcome = outcome;
     row.seed = trial.seed;
     row.participant = info_.participant;
@@ -419,11 +531,11 @@ void SessionRecord::add(const Trial& trial, const TrialOutcome& outcome) {
     row.started = outcome.started.empty() ? utc_now() : outcome.started;
     if (outcome.answer) {
         row.answer = experiment_.spec.answers[*outcome.answer].name;
-        if (const auto right = experiment_.correct_answer(stimulus))
+        if (const auto right = experiment_.correct_answer(trial))
             row.correct = *right == *outcome.answer;
     }
     CsvText line;
-    for (const DataColumn& column : data_columns())
+    for (const DataColumn& column : columns_of(experiment_))
         line.add(column.text(row));
     line.end();
     struct stat before {};
@@ -438,14 +550,19 @@ void SessionRecord::add(const Trial& trial, const TrialOutcome& outcome) {
         throw file_error("write", file_, error);
     }
     rows_.push_back(std::move(row));
+    if (outcome.status == kAnswered)
+        learn(rows_.back());
+    else
+        update_tracks();
 }
 
-std::filesystem::path SessionRecord::path_file(const Trial& trial) const {
+std::filesystem::path SessionRecord::path_file(const Trial& trial, std::size_t interval) const {
     std::size_t tries = 1;
     for (const TrialRow& row : rows_)
         tries += row.number == trial.number;
     return folder_ / "paths" /
-           fmt::format("{}_trial-{}{}.csv", stem(), trial.number, tries > 1 ? fmt::format("_try-{}", tries) : "");
+           fmt::format("{}_trial-{}{}{}.csv", stem(), trial.number, tries > 1 ? fmt::format("_try-{}", tries) : "",
+                       interval > 0 ? fmt::format("_interval-{}", interval) : "");
 }
 
 } // namespace forceshade::experiment

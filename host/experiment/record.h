@@ -5,7 +5,9 @@
 //   materials/experiment.toml                the experiment, resolved
 //   materials/order/subject-03_session-1.csv its order, written before the first trial
 //   materials/stimuli/CASE.toml              the scene of each condition
+//   materials/edge.png                       the picture of an answer, under the answer's name
 //   paths/subject-03_session-1_trial-12.csv  the probe's path, as `live` logs it, where paths are kept
+//   paths/subject-03_session-1_trial-12_interval-2.csv  likewise where two stimuli are compared
 #pragma once
 
 #include <cstdint>
@@ -15,6 +17,7 @@
 #include <vector>
 
 #include "host/experiment/experiment.h"
+#include "host/experiment/threshold.h"
 #include "host/experiment/trials.h"
 
 namespace forceshade::experiment {
@@ -27,7 +30,7 @@ struct TrialOutcome {
     std::string status = kAnswered; /* else "no answer", "interrupted", "device lost", "force clamped", "withdrawn" */
     std::string started = {};       /* UTC; empty: now */
     std::optional<std::size_t> answer; /* index of the experiment's answers */
-    double reaction = 0;               /* s: from the stimulus to the answer */
+    double reaction = 0;               /* s: from the stimulus, of two the second, to the answer */
     double contact = 0;                /* s: in contact */
     double largest_force = 0;          /* N */
     std::uint64_t strokes = 0;         /* passes across the whole feature */
@@ -39,17 +42,23 @@ struct TrialOutcome {
 struct TrialRow {
     std::string subject; /* of letters and digits */
     std::uint64_t session = 1;
-    std::uint64_t sequence = 0;  /* 1: the first row of the session */
-    std::uint64_t number = 0;    /* of the trial in its order */
-    std::uint64_t block = 0;     /* 0: practice */
-    std::string condition;       /* the case's name */
-    std::string answer;          /* its name; empty: none */
-    std::optional<bool> correct; /* whether it names the stimulus' nominal shape; nothing: no answer does */
-    TrialOutcome outcome;        /* read back without the answer's index */
+    std::uint64_t sequence = 0;          /* 1: the first row of the session */
+    std::uint64_t number = 0;            /* of the trial in its order */
+    std::uint64_t block = 0;             /* 0: practice */
+    std::string condition;               /* the case's name */
+    std::string standard;                /* the case that it was compared with; empty: none */
+    std::uint64_t standard_interval = 0; /* 1 or 2: when the standard was felt; 0: there is none */
+    std::string track;                   /* that chose the condition; empty: none */
+    std::string answer;                  /* its name; empty: none */
+    std::optional<bool> correct;         /* whether it names the stimulus' nominal shape; nothing: no answer does */
+    TrialOutcome outcome;                /* read back without the answer's index */
     std::uint64_t seed = 0;
     std::string participant, device, program, started; /* as SessionInfo; UTC */
     bool counts() const { return block > 0 && outcome.status == kAnswered; }
 };
+
+/// The posteriors of an experiment's tracks before the first trial.
+std::vector<ThresholdTrack> unanswered_tracks(const Experiment& experiment);
 
 /// Rows of one file. \throws IoError, or UsageError `file:line:column: ...` for a row that is none.
 std::vector<TrialRow> read_rows(const std::filesystem::path& file);
@@ -87,9 +96,10 @@ public:
     /// What an earlier run left behind that is gone now; empty: nothing.
     const std::string& repaired() const { return repaired_; }
 
-    /// The next trial: first those of the order, then those that have to be done again; null: none is left.
-    const Trial* next() const;
-    std::uint64_t left() const; /* trials */
+    /// The next trial: first those of the order, then those that have to be done again; nothing: none is left. A
+    /// track's condition is chosen by the rows that are there.
+    std::optional<Trial> next() const;
+    std::uint64_t left() const; /* trials; the most where tracks may end before */
 
     /// Onto the disk. \throws IoError: the row is not there then, not in part either.
     void add(const Trial& trial, const TrialOutcome& outcome);
@@ -100,14 +110,18 @@ public:
     /// Keeps an operator's note, in documentation/. \throws IoError.
     void note(const std::string& text) const;
 
-    /// Where the path of the next row belongs.
-    std::filesystem::path path_file(const Trial& trial) const;
+    /// Where the path of the next row belongs. `interval`: 1 or 2 where stimuli are compared, else 0.
+    std::filesystem::path path_file(const Trial& trial, std::size_t interval = 0) const;
 
 private:
     void write_materials() const;
     void open_data();
     std::vector<const TrialRow*> latest() const;
     void read_back();
+    void update_tracks();
+    void learn(const TrialRow& row);
+    bool has_ended(const Trial& trial) const { return trial.track && ended_[*trial.track]; }
+    std::optional<Trial> trial_of(const TrialRow& row) const;
     std::string stem() const;
 
     const std::filesystem::path folder_;
@@ -117,6 +131,9 @@ private:
     std::filesystem::path file_;
     int descriptor_ = -1;
     std::vector<TrialRow> rows_;
+    const std::vector<ThresholdTrack> unanswered_; // by track: before the first row
+    std::vector<ThresholdTrack> tracks_;           // with what the rows say
+    std::vector<bool> ended_;                      // by track: its threshold is known well enough
     std::string repaired_;
 };
 

@@ -4,16 +4,30 @@
 #include <cmath>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "device/session/live_log.h"
 #include "host/error.h"
 #include "host/experiment/random.h"
 #include "host/norm.h"
 #include "host/program.h"
+#include "host/sweep/sweep.h"
 #include "shaders/shared/law.h"
 
 namespace forceshade::experiment {
 namespace {
+
+// By inversion.
+std::uint64_t poisson(double mean, Random& random) {
+    const double drawn = random.uniform();
+    double share = std::exp(-mean), below = share;
+    std::uint64_t count = 0;
+    while (drawn >= below && share > 0) {
+        share *= mean / static_cast<double>(++count);
+        below += share;
+    }
+    return count;
+}
 
 class Observer final : public Participant {
 public:
@@ -21,21 +35,43 @@ public:
 
     std::string device() const override { return "simulated hand and device"; }
 
-    TrialOutcome take(const Trial& trial, const PreparedCase& stimulus, const std::filesystem::path& path,
-                      SessionRecord&) override {
-        const Manner manner = manner_of(stimulus.one.scene);
-        const Feature feature = feature_of(stimulus);
-        const std::vector<device::LiveSample> samples = stroke(stimulus, manner);
-        TrialOutcome outcome = outcome_of(feature, samples, 1 / manner.rate);
-        outcome.reaction = static_cast<double>(samples.size()) / manner.rate;
-        const Shares shares = answer_shares(passes_over(feature, samples), parameters_);
-        outcome.answer = Random(trial.seed).among(shares);
-        if (!path.empty())
-            log_path(samples, path, Precision::f64);
+    TrialOutcome take(const Trial& trial, std::span<const Shown> shown, SessionRecord&) override {
+        TrialOutcome outcome;
+        std::vector<Cues> cues;
+        for (const Shown& one : shown) {
+            const Manner manner = manner_of(one.stimulus.one.scene);
+            const Feature feature = feature_of(one.stimulus);
+            const std::vector<device::LiveSample> samples = stroke(one.stimulus, manner);
+            TrialOutcome of_one = outcome_of(feature, samples, 1 / manner.rate);
+            of_one.reaction = static_cast<double>(samples.size()) / manner.rate;
+            if (cues.empty())
+                outcome = of_one;
+            else
+                add_interval(outcome, of_one);
+            cues.push_back(mean_cues(passes_over(feature, samples), parameters_));
+            if (!one.path.empty())
+                log_path(samples, one.path, Precision::f64);
+        }
+        Random random(trial.seed);
+        outcome.answer =
+            cues.size() == 1 ? random.among(shares_of(cues.front(), parameters_)) : smoother(cues[0], cues[1], random);
         return outcome;
     }
 
 private:
+    // Of each the edges and level tops are counted that it happens to notice: fewer are smoother, as many are guessed.
+    std::size_t smoother(const Cues& first, const Cues& second, Random& random) const {
+        const auto noticed = [&](const Cues& cues) {
+            const Events events = events_of(cues, parameters_);
+            const bool felt = random.uniform() < events.felt;
+            return felt ? poisson(events.edges + events.levels, random) : 0;
+        };
+        const std::uint64_t one = noticed(first), other = noticed(second);
+        if (one == other || random.uniform() < parameters_.lapse)
+            return random.below(2);
+        return one < other ? 0 : 1;
+    }
+
     const ObserverParameters parameters_;
 };
 
@@ -43,10 +79,13 @@ private:
 
 std::unique_ptr<Participant> make_observer(const Experiment& experiment, const ObserverParameters& parameters) {
     const auto& answers = experiment.spec.answers;
-    bool papers = answers.size() == kPictures;
-    for (std::size_t i = 0; papers && i < kPictures; ++i)
-        papers = answers[i].name == kPictureNames[i];
-    if (!papers)
+    if (experiment.spec.task == Task::compare) {
+        if (experiment.spec.correct != kSmoother)
+            throw UsageError("--participant observer: of two stimuli it knows which is smoother only; correct = \"" +
+                             experiment.spec.correct + "\" asks something else");
+        return std::make_unique<Observer>(parameters);
+    }
+    if (!std::ranges::equal(answers, kPictureNames, {}, &Answer::name))
         throw UsageError(fmt::format("--participant observer: it knows the paper's four answers only, {}; these are "
                                      "others",
                                      fmt::join(kPictureNames, ", ")));
@@ -87,22 +126,50 @@ TrialOutcome outcome_of(const Feature& feature, const std::vector<device::LiveSa
     return outcome;
 }
 
-void run_session(const Experiment& experiment, Participant& participant, const RunOptions& options) {
+void add_interval(TrialOutcome& outcome, const TrialOutcome& other) {
+    const double contact = outcome.contact + other.contact; // s
+    const auto mean = [&](double one, double two) {
+        return contact > 0 ? (one * outcome.contact + two * other.contact) / contact : 0;
+    };
+    outcome.speed = mean(outcome.speed, other.speed);
+    outcome.press = mean(outcome.press, other.press);
+    outcome.contact = contact;
+    outcome.strokes += other.strokes;
+    outcome.largest_force = std::max(outcome.largest_force, other.largest_force);
+    outcome.reaction = other.reaction;
+    outcome.answer = other.answer;
+    outcome.status = other.status;
+}
+
+std::size_t run_session(const Experiment& experiment, Participant& participant, const RunOptions& options) {
     SessionRecord record(options.folder, experiment, options.info);
     if (!record.repaired().empty())
         remark("warning: {}\n", record.repaired());
-    std::vector<std::optional<PreparedCase>> stimuli(experiment.study.cases.size());
+    std::vector<std::optional<PreparedCase>> prepared(experiment.study.cases.size());
     CasePreparation preparation;
-    while (const Trial* trial = record.next()) {
+    const std::uint64_t all = record.left();
+    Progress progress("trials", all, options.quiet);
+    while (const std::optional<Trial> trial = record.next()) {
         check_interrupt();
-        std::optional<PreparedCase>& stimulus = stimuli[trial->condition];
-        if (!stimulus)
-            stimulus = preparation.prepare(experiment.study.cases[trial->condition]);
-        const Trial now = *trial;
-        const std::filesystem::path path = options.paths ? record.path_file(now) : std::filesystem::path();
-        record.add(now, participant.take(now, *stimulus, path, record));
+        const Condition& condition = experiment.conditions[trial->condition];
+        std::vector<std::size_t> cases{condition.stimulus};
+        if (condition.standard)
+            cases.insert(trial->standard_first ? cases.begin() : cases.end(), *condition.standard);
+        std::vector<Shown> shown;
+        for (const std::size_t one : cases) {
+            if (!prepared[one])
+                prepared[one] = preparation.prepare(experiment.study.cases[one]);
+            const std::size_t interval = cases.size() > 1 ? shown.size() + 1 : 0;
+            shown.push_back(
+                {*prepared[one], options.paths ? record.path_file(*trial, interval) : std::filesystem::path()});
+        }
+        record.add(*trial, participant.take(*trial, shown, record));
+        progress.update(all - std::min(all, record.left()), experiment.stimulus(condition).name);
     }
     participant.finish();
+    const std::vector<TrialRow> last = last_rows(record.rows());
+    return static_cast<std::size_t>(
+        std::ranges::count_if(last, [](const TrialRow& row) { return row.outcome.status == kAnswered; }));
 }
 
 } // namespace forceshade::experiment

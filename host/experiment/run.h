@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <string>
 
 #include "device/loop/sample.h"
@@ -11,14 +12,18 @@
 
 namespace forceshade::experiment {
 
+/// A stimulus of a trial, and where its path is logged; empty: nowhere.
+struct Shown {
+    const PreparedCase& stimulus;
+    std::filesystem::path path;
+};
+
 /// Who answers: a person at a device, or a simulated one.
 class Participant {
 public:
     virtual ~Participant() = default;
-    /// Feels the stimulus and answers. `path`: where its path is logged; empty: nowhere. \throws Error if nobody can go
-    /// on.
-    virtual TrialOutcome take(const Trial& trial, const PreparedCase& stimulus, const std::filesystem::path& path,
-                              SessionRecord& record) = 0;
+    /// Feels the stimulus, or two one after the other, and answers. \throws Error if nobody can go on.
+    virtual TrialOutcome take(const Trial& trial, std::span<const Shown> shown, SessionRecord& record) = 0;
     /// After the last trial.
     virtual void finish() {}
     /// What displays the forces.
@@ -26,22 +31,27 @@ public:
 };
 
 /// The model observer: a simulated hand strokes, the answer is drawn from the shares that its cues give. Answers are
-/// the paper's four. \throws UsageError for an experiment of others.
+/// the paper's four, or which of two is smoother. \throws UsageError for an experiment of others.
 std::unique_ptr<Participant> make_observer(const Experiment& experiment, const ObserverParameters& parameters = {});
 
 /// Writes samples as `live --log` does. \throws IoError.
 void log_path(const std::vector<device::LiveSample>& samples, const std::filesystem::path& file, Precision precision);
 
-/// What the samples of a trial say: everything but status, answer and reaction.
+/// What the samples of a stimulus say: everything but status, answer and reaction.
 TrialOutcome outcome_of(const Feature& feature, const std::vector<device::LiveSample>& samples, double period);
+
+/// Adds what came of another stimulus of the same trial, whose reaction and status count.
+void add_interval(TrialOutcome& outcome, const TrialOutcome& other);
 
 struct RunOptions {
     std::filesystem::path folder;
     SessionInfo info;
     bool paths = false; /* keep them */
+    bool quiet = true;  /* no progress on stderr */
 };
 
-/// Until no trial is left. \throws as SessionRecord and Participant; Interrupted: what is answered stays.
-void run_session(const Experiment& experiment, Participant& participant, const RunOptions& options);
+/// Until no trial is left; returns how many trials of the session are answered. \throws as SessionRecord and
+/// Participant; Interrupted: what is answered stays.
+std::size_t run_session(const Experiment& experiment, Participant& participant, const RunOptions& options);
 
 } // namespace forceshade::experiment

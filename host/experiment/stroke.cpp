@@ -122,7 +122,7 @@ std::vector<StrokeSignals> passes_over(const Feature& feature, const std::vector
     return passes;
 }
 
-Shares answer_shares(const std::vector<StrokeSignals>& passes, const ObserverParameters& observer) {
+Cues mean_cues(const std::vector<StrokeSignals>& passes, const ObserverParameters& observer) {
     if (passes.empty())
         throw UsageError("no stroke crossed the stimulus in contact, so that nothing was felt of it");
     Cues mean;
@@ -133,7 +133,11 @@ Shares answer_shares(const std::vector<StrokeSignals>& passes, const ObserverPar
              {&Cues::force_jump, &Cues::path_jump, &Cues::force_level, &Cues::path_level, &Cues::steepest, &Cues::base})
             add(cue);
     }
-    return shares_of(mean, observer);
+    return mean;
+}
+
+Shares answer_shares(const std::vector<StrokeSignals>& passes, const ObserverParameters& observer) {
+    return shares_of(mean_cues(passes, observer), observer);
 }
 
 } // namespace forceshade::experiment

@@ -41,6 +41,9 @@ std::vector<device::LiveSample> stroke(const PreparedCase& stimulus, const Manne
 /// pass less than half of which was in contact is none.
 std::vector<StrokeSignals> passes_over(const Feature& feature, const std::vector<device::LiveSample>& samples);
 
+/// The mean of what these passes give to feel. \throws UsageError without any.
+Cues mean_cues(const std::vector<StrokeSignals>& passes, const ObserverParameters& observer);
+
 /// What the observer answers after these passes: the shares of their mean cues. \throws UsageError without any.
 Shares answer_shares(const std::vector<StrokeSignals>& passes, const ObserverParameters& observer);
 

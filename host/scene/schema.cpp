@@ -220,7 +220,7 @@ std::string schema_text() {
     return result;
 }
 
-std::string schema_json() {
+nlohmann::ordered_json schema_json() {
     nlohmann::ordered_json keys = nlohmann::ordered_json::array();
     for (const Key& key : schema_keys()) {
         nlohmann::ordered_json row{{"key", key.path()}, {"type", type_name(key)}};
@@ -243,7 +243,7 @@ std::string schema_json() {
         row["doc"] = std::string(key.doc);
         keys.push_back(std::move(row));
     }
-    return nlohmann::ordered_json{{"keys", std::move(keys)}}.dump(2) + '\n';
+    return {{"keys", std::move(keys)}};
 }
 
 } // namespace forceshade

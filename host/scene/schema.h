@@ -8,6 +8,8 @@
 #include <string_view>
 #include <vector>
 
+#include <nlohmann/json_fwd.hpp>
+
 #include "host/scene/quantity.h"
 
 namespace forceshade {
@@ -109,6 +111,6 @@ std::string describe_applicability(const Key& key);
 std::string schema_text();
 
 /// The same as JSON: {"keys": [{"key", "type", "default", ...}]}.
-std::string schema_json();
+nlohmann::ordered_json schema_json();
 
 } // namespace forceshade

@@ -75,5 +75,56 @@ TEST(Analysis, OfSimulatedSubjectsFindsTheObserver) {
     std::filesystem::remove_all(folder);
 }
 
+Answers simulated_comparisons(const std::string& more, const std::filesystem::path& folder) {
+    std::filesystem::remove_all(folder);
+    const Experiment one = parse_experiment("[experiment]\ntask = \"compare\"\nstandard = \"cylinder_bump\"\n" + more +
+                                                "[surface]\nradius = \"1000 mil\"\n[[variant]]\nsurface.kind = "
+                                                "\"cylinder_bump\"\n[[variant]]\nsurface.kind "
+                                                "= \"bump\"\nsurface.facets = [3, 5, 7, 9, 13, 17, 25]\n",
+                                            "e.toml");
+    const auto observer = make_observer(one);
+    for (const char* subject : {"01", "02"})
+        run_session(one, *observer, {folder, {subject, 1, "observer", "simulated"}, false});
+    Answers answers = read_answers({folder});
+    std::filesystem::remove_all(folder);
+    return answers;
+}
+
+const std::filesystem::path kComparisons = std::filesystem::temp_directory_path() / "forceshade_experiment_comparisons";
+
+// Few facets are told from the cylinder, many are not.
+TEST(Analysis, OfComparisonsHasSharesOfRightAnswers) {
+    const study::StudyData data = analyse(simulated_comparisons("trials = 40\n", kComparisons));
+    const study::Table& table = data.table("comparisons");
+    ASSERT_EQ(table.rows.size(), 3u * 7);
+    EXPECT_EQ(table.word(0, "subject"), "all");
+    EXPECT_EQ(table.needed(0, "trials"), 80);
+    EXPECT_GT(table.needed(0, "right_from_percent"), 75) << "three facets";
+    EXPECT_LT(table.needed(6, "right_percent"), table.needed(0, "right_from_percent")) << "25";
+    EXPECT_NEAR(table.needed(0, "right_percent") + table.needed(0, "stimulus_percent"), 100, 1e-9)
+        << "the standard is right";
+    EXPECT_EQ(study::figure_files(data).size(), 1u);
+    EXPECT_EQ(data.findings.at(0).name, "right");
+}
+
+TEST(Analysis, OfTracksHasThresholds) {
+    const study::StudyData data = analyse(simulated_comparisons("trials = 60\ntrack = \"facets\"\n", kComparisons));
+    const study::Table& thresholds = data.table("thresholds");
+    ASSERT_EQ(thresholds.rows.size(), 3u);
+    for (std::size_t row = 0; row < 3; ++row) {
+        EXPECT_EQ(thresholds.needed(row, "trials"), row == 0 ? 120 : 60);
+        EXPECT_LT(thresholds.needed(row, "from"), thresholds.needed(row, "threshold"));
+        EXPECT_LT(thresholds.needed(row, "threshold"), thresholds.needed(row, "to"));
+    }
+    EXPECT_GT(thresholds.needed(0, "threshold"), 3) << "as the observer's shares of right answers say: 9 in 10 at 3";
+    EXPECT_LT(thresholds.needed(0, "threshold"), 20);
+    const auto ratio = [&](std::size_t row) { return thresholds.needed(row, "to") / thresholds.needed(row, "from"); };
+    EXPECT_LT(ratio(0), std::max(ratio(1), ratio(2))) << "of twice as many trials";
+    EXPECT_EQ(data.table("tracks").rows.size(), 120u);
+    EXPECT_EQ(study::figure_files(data).size(), 3u);
+    ASSERT_EQ(data.findings.size(), 1u);
+    EXPECT_EQ(data.findings[0].text.find("Threshold of surface.facets: "), 0u) << data.findings[0].text;
+}
+
 } // namespace
 } // namespace forceshade::experiment

@@ -4,12 +4,15 @@
 #include <filesystem>
 #include <fstream>
 #include <map>
+#include <memory>
+#include <set>
 #include <string>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
 #include "host/error.h"
+#include "host/experiment/random.h"
 #include "host/experiment/run.h"
 #include "host/output/reading.h"
 
@@ -81,6 +84,160 @@ TEST(Experiments, ComplainWithPlaceAndRemedy) {
     EXPECT_NE(complaint_of("[experimnt]\n").find("did you mean [experiment]?"), std::string::npos);
 }
 
+// Bumps of so many facets, shaded or not, each against the cylinder of its radius.
+Experiment comparison(const std::string& more = "", const std::string& radii = "\"600 mil\"") {
+    return parse_experiment("[experiment]\ntask = \"compare\"\nstandard = \"cylinder_bump*\"\ntrials = 4\n" + more +
+                                "[surface]\nradius = [" + radii +
+                                "]\n[[variant]]\nsurface.kind = \"cylinder_bump\"\n[[variant]]\nsurface.kind = "
+                                "\"bump\"\nsurface.facets = [2, 3, 5]\nforce.shading = [\"none\", \"reference\"]\n",
+                            "compare.toml");
+}
+
+TEST(Comparisons, AreOfEachStimulusWithTheStandardMostLikeIt) {
+    const Experiment one = comparison("", "\"600 mil\", \"1000 mil\"");
+    ASSERT_EQ(one.conditions.size(), 12u);
+    for (const Condition& condition : one.conditions)
+        EXPECT_EQ(one.study.cases[*condition.standard].scene.surface.radius,
+                  one.stimulus(condition).scene.surface.radius);
+    EXPECT_EQ(one.spec.question, "Which one is smoother?");
+    EXPECT_EQ(one.correct_answer(Trial{1, 1, 0, 0, true}), 0u) << "the cylinder came first";
+    EXPECT_EQ(one.correct_answer(Trial{1, 1, 0, 0, false}), 1u);
+    const Experiment shaded = comparison("correct = \"*reference\"\nquestion = \"Which is shaded?\"\n");
+    EXPECT_EQ(shaded.correct_answer(Trial{1, 1, 1, 0, true}), 1u) << shaded.study.cases[2].name;
+    EXPECT_EQ(shaded.correct_answer(Trial{1, 1, 0, 0, true}), std::nullopt) << "names neither";
+    for (const char* more : {"", "interval = \"2 s\"\n", "track = \"facets\"\ntrack_ratio = 1.5\n"}) {
+        const std::string text = resolved_toml(comparison(more));
+        EXPECT_EQ(resolved_toml(parse_experiment(text, "again.toml")), text);
+    }
+}
+
+TEST(Comparisons, HaveATrackForEachCombinationOfTheOtherSettings) {
+    const Experiment one = comparison("track = \"facets\"\n", "\"600 mil\", \"1000 mil\"");
+    ASSERT_EQ(one.tracks.size(), 4u);
+    EXPECT_EQ(one.tracks[1].name, "shading reference, radius 600 mil");
+    EXPECT_EQ(one.tracks[1].levels, (std::vector<double>{2, 3, 5}));
+    EXPECT_FALSE(one.tracks[1].rises) << "the cylinder is above all: many facets are hard to tell from it";
+    EXPECT_EQ(one.size(), 16u);
+    const Experiment radius = parse_experiment(
+        "[experiment]\ntask = \"compare\"\nstandard = \"*600mil\"\ncorrect = \"*600mil\"\nquestion = \"Which is more "
+        "curved?\"\ntrack = \"surface.radius\"\n[surface]\nkind = \"cylinder_bump\"\nradius = [\"600 mil\", \"640 "
+        "mil\", \"1000 mil\", \"700 mil\"]\n",
+        "r.toml");
+    ASSERT_EQ(radius.tracks.size(), 1u);
+    EXPECT_EQ(radius.tracks[0].name, "all");
+    EXPECT_TRUE(radius.tracks[0].rises);
+    EXPECT_NEAR(radius.tracks[0].levels[1], 0.01778, 1e-9);
+    EXPECT_EQ(radius.track_unit, "m");
+}
+
+TEST(Comparisons, ComplainWithPlaceAndRemedy) {
+    const auto of = [](const std::string& more) { return complaint([&] { comparison(more); }); };
+    EXPECT_EQ(complaint_of("[experiment]\nstandard = \"a*\"\n"),
+              "e.toml:2:1: \"standard\" is of the task \"compare\": say task = \"compare\" or leave it out");
+    EXPECT_NE(
+        complaint_of("[experiment]\ntask = \"compare\"\n").find("e.toml:1:1: task = \"compare\" needs a standard"),
+        std::string::npos);
+    EXPECT_NE(complaint_of("[experiment]\ntask = \"compare\"\nstandard = \"a*\"\n").find("names no case"),
+              std::string::npos);
+    EXPECT_NE(complaint_of("[experiment]\ntask = \"compare\"\nstandard = \"*\"\n").find("nothing to compare"),
+              std::string::npos);
+    EXPECT_NE(of("correct = \"*\"\n").find("compare.toml:5:1: say what is asked"), std::string::npos);
+    EXPECT_NE(of("track = \"facetts\"\n").find("did you mean \"facets\"?"), std::string::npos);
+    EXPECT_NE(of("track = \"shading\"\n").find("no single numbers"), std::string::npos);
+    EXPECT_NE(of("track = \"radius\"\n").find("do not differ in it"), std::string::npos);
+    EXPECT_NE(of("track_ratio = 0.5\n").find("1 or more"), std::string::npos);
+    EXPECT_NE(of("track_ratio = 2\n").find("there is no track"), std::string::npos);
+    EXPECT_NE(of("track = \"facets\"\ntrack_ratio = 2.5\n").find("would end at once"), std::string::npos);
+    EXPECT_NE(of("interval = \"60 s\"\n").find("not shorter than longest_trial"), std::string::npos);
+    EXPECT_NE(of("[[experiment.answer]]\nname = \"a\"\n[[experiment.answer]]\nname = \"b\"\nfacets = 2\n")
+                  .find("is of an interval"),
+              std::string::npos);
+    EXPECT_NE(complaint([] {
+                  parse_experiment("[experiment]\ntask = \"compare\"\nstandard = \"*facets-4\"\ntrack = "
+                                   "\"facets\"\n[surface]\nfacets = [2, 3, 4, 5]\n",
+                                   "e.toml");
+              }).find("on both sides"),
+              std::string::npos);
+}
+
+// A PNG of 1 x 1 pixels.
+constexpr unsigned char kPixel[] = {137, 80, 78,  71, 13, 10, 26, 10,  0,   0,  0,   13, 73,  72,  68,  82, 0,
+                                    0,   0,  1,   0,  0,  0,  1,  8,   0,   0,  0,   0,  58,  126, 155, 85, 0,
+                                    0,   0,  10,  73, 68, 65, 84, 120, 156, 99, 248, 15, 0,   1,   1,   1,  0,
+                                    177, 56, 246, 20, 0,  0,  0,  0,   73,  69, 78,  68, 174, 66,  96,  130};
+
+class Pictures : public ::testing::Test {
+protected:
+    void write(const std::string& name, const std::string& bytes) const {
+        fs::create_directories(folder.path);
+        std::ofstream(folder.path / name, std::ios::binary) << bytes;
+    }
+    Experiment with(const std::string& picture) const {
+        return parse_experiment("[[experiment.answer]]\nname = \"edge\"\npicture = \"" + picture +
+                                    "\"\n[[experiment.answer]]\nname = \"round\"\nfacets = 0\n",
+                                "e.toml", folder.path);
+    }
+    const std::string png{reinterpret_cast<const char*>(kPixel), sizeof kPixel};
+    const std::string svg = "<?xml version=\"1.0\"?>\n<svg xmlns=\"http://www.w3.org/2000/svg\"></svg>\n";
+    const Folder folder{"pictures"};
+};
+
+TEST_F(Pictures, AreCheckedWhenTheExperimentIsRead) {
+    write("a.png", png);
+    write("a.svg", svg);
+    write("half.png", png.substr(0, 50));
+    write("letter.png", "Dear all");
+    write("page.svg", "<html><svg></svg></html>");
+    write("large.png", png + std::string(1 << 20, '.'));
+    EXPECT_EQ(with("a.png").spec.answers[0].picture_file(), "edge.png");
+    EXPECT_EQ(with("a.svg").spec.answers[0].picture_file(), "edge.svg");
+    const auto of = [&](const std::string& name) { return complaint([&] { with(name); }); };
+    EXPECT_EQ(of("none.png").find("e.toml:3:11: cannot read "), 0u) << of("none.png");
+    EXPECT_NE(of("half.png").find("half.png cannot be shown: it is damaged"), std::string::npos) << of("half.png");
+    EXPECT_NE(of("letter.png").find("is no picture"), std::string::npos);
+    EXPECT_NE(of("page.svg").find("is no picture"), std::string::npos);
+    EXPECT_NE(of("large.png").find("are the most"), std::string::npos);
+    EXPECT_NE(of(".").find("e.toml:3:11: cannot read "), std::string::npos) << of(".");
+}
+
+TEST_F(Pictures, AreKeptWithTheData) {
+    write("a.png", png);
+    const Folder data("pictures_data");
+    const SessionInfo info{"03", 1, "person", "test"};
+    const Experiment one = with("a.png");
+    SessionRecord(data.path, one, info);
+    EXPECT_EQ(read_file(data.path / "materials" / "edge.png"), png);
+    const fs::path kept = data.path / "materials" / "experiment.toml";
+    EXPECT_EQ(resolved_toml(read_experiment(kept)), read_file(kept));
+    SessionRecord(data.path, one, info);
+    write("a.png", svg);
+    const Experiment changed = with("a.png");
+    EXPECT_NE(complaint([&] { SessionRecord(data.path, changed, info); }).find("another experiment"),
+              std::string::npos);
+}
+
+TEST(Orders, HaveTheStandardFirstInHalfOfTheTrialsOfEachCondition) {
+    const Experiment one = comparison("practice = 3\n");
+    std::map<std::size_t, std::string> places; // F: the standard is first
+    const std::vector<Trial> trials = trials_of(one, "01", 1);
+    for (const Trial& trial : trials)
+        places[trial.condition] += trial.is_practice() ? "" : trial.standard_first ? "F" : "S";
+    std::set<std::string> different;
+    for (const auto& [condition, word] : places)
+        different.insert(word);
+    EXPECT_EQ(places.size(), 6u);
+    EXPECT_GT(different.size(), 2u) << "by chance, not by turns";
+    std::ptrdiff_t first = 0;
+    for (const auto& [condition, word] : places) {
+        first += std::ranges::count(word, 'F');
+        EXPECT_NEAR(double(std::ranges::count(word, 'F')), 2, 1) << word;
+    }
+    EXPECT_NEAR(double(first), 12, 3);
+    const std::vector<Trial> again = trials_of(one, "01", 1), other = trials_of(one, "02", 1);
+    EXPECT_TRUE(std::ranges::equal(trials, again, {}, &Trial::standard_first, &Trial::standard_first));
+    EXPECT_FALSE(std::ranges::equal(trials, other, {}, &Trial::standard_first, &Trial::standard_first));
+}
+
 TEST(Orders, AreOfTheSubjectAndSessionAlone) {
     const Experiment paper = read_experiment({});
     const auto conditions = [&](const std::string& subject, std::uint64_t session) {
@@ -135,7 +292,7 @@ TEST(SessionRecords, GoOnWhereTheyStopped) {
         SessionRecord record(folder.path, one, info);
         EXPECT_NE(record.repaired().find("cut off"), std::string::npos);
         EXPECT_EQ(record.left(), 5u);
-        while (const Trial* trial = record.next()) {
+        while (const auto trial = record.next()) {
             numbers.push_back(trial->number);
             record.add(*trial, answered(1));
         }
@@ -147,6 +304,64 @@ TEST(SessionRecords, GoOnWhereTheyStopped) {
     EXPECT_EQ(rows[0].outcome.reaction, 1.5);
     EXPECT_NE(complaint([&] { SessionRecord(folder.path, one, info); }).find("is complete"), std::string::npos);
     SessionRecord(folder.path, one, {"03", 2, "person", "test"});
+}
+
+// The first of two kinds of answers that somebody gives who is right at few facets, and else by chance.
+TrialOutcome answer_to(const Experiment& experiment, const Trial& trial) {
+    const std::uint32_t facets = experiment.stimulus(experiment.conditions[trial.condition]).scene.surface.facets;
+    const bool right = facets < 3 || Random(trial.seed).below(2) == 0;
+    const std::size_t correct = *experiment.correct_answer(trial);
+    return answered(right ? correct : 1 - correct);
+}
+
+// Every time from the rows alone: reopened after each trial, the conditions are those of one run.
+TEST(SessionRecords, ResumeTracksFromTheRows) {
+    const Experiment one = comparison("track = \"facets\"\npractice = 2\n");
+    const SessionInfo info{"03", 1, "person", "test"};
+    const auto run = [&](const fs::path& folder, bool reopen) {
+        std::vector<std::string> conditions;
+        auto record = std::make_unique<SessionRecord>(folder, one, info);
+        while (const auto trial = record->next()) {
+            conditions.push_back(one.stimulus(one.conditions[trial->condition]).name);
+            record->add(*trial, answer_to(one, *trial));
+            const bool withdrawn = conditions.size() == 5 && record->withdraw_last();
+            EXPECT_EQ(withdrawn, conditions.size() == 5);
+            if (reopen && record->next()) {
+                record.reset();
+                record = std::make_unique<SessionRecord>(folder, one, info);
+            }
+        }
+        return conditions;
+    };
+    const Folder whole("track_whole"), parts("track_parts");
+    const auto conditions = run(whole.path, false);
+    EXPECT_EQ(conditions.size(), 2u + 8 + 1);
+    EXPECT_EQ(conditions, run(parts.path, true));
+    const auto rows = read_rows(data_files(whole.path)[0]);
+    EXPECT_EQ(rows[0].track, "") << "practice";
+    EXPECT_EQ(std::ranges::count(rows, "shading none", &TrialRow::track) +
+                  std::ranges::count(rows, "shading reference", &TrialRow::track),
+              10);
+    for (const TrialRow& row : rows) {
+        EXPECT_EQ(row.standard, "cylinder_bump");
+        EXPECT_TRUE(row.standard_interval == 1 || row.standard_interval == 2);
+    }
+}
+
+TEST(SessionRecords, EndTracksWhoseThresholdIsKnown) {
+    const Folder folder("track_end");
+    const Experiment one = comparison("track = \"facets\"\ntrack_ratio = 2\n");
+    Experiment longer = one;
+    longer.spec.trials = 200;
+    SessionRecord record(folder.path, longer, {"03", 1, "person", "test"});
+    std::size_t trials = 0;
+    while (const auto trial = record.next()) {
+        record.add(*trial, answer_to(longer, *trial));
+        ++trials;
+    }
+    EXPECT_LT(trials, 200u) << "of 400";
+    EXPECT_GT(trials, 10u);
+    EXPECT_EQ(record.left(), 0u);
 }
 
 TEST(SessionRecords, RefuseWhatDoesNotBelong) {
@@ -174,11 +389,10 @@ TEST(SessionRecords, RefuseWhatDoesNotBelong) {
 
 // The published rules: dataset_description.json, names of files, rows as wide as the header, columns described, ids
 // that differ.
-TEST(SessionRecords, KeepToPsychDs) {
-    const Folder folder("psychds");
-    const Experiment one = small();
+void expect_psych_ds(const Experiment& one, const std::string& name, std::size_t trials, const std::string& path) {
+    const Folder folder(name);
     const auto observer = make_observer(one);
-    run_session(one, *observer, {folder.path, {"03", 1, "observer", "simulated"}, true});
+    EXPECT_EQ(run_session(one, *observer, {folder.path, {"03", 1, "observer", "simulated"}, true}), trials);
     const auto description = nlohmann::json::parse(read_file(folder.path / "dataset_description.json"));
     EXPECT_EQ(description.at("@context"), "https://schema.org");
     EXPECT_EQ(description.at("@type"), "Dataset");
@@ -195,8 +409,15 @@ TEST(SessionRecords, KeepToPsychDs) {
     for (const std::string& variable : variables)
         joined += (joined.empty() ? "" : ",") + variable;
     EXPECT_EQ(columns, joined);
-    EXPECT_EQ(read_rows(files[0]).size(), 6u);
-    EXPECT_TRUE(fs::exists(folder.path / "paths" / "subject-03_session-1_trial-6.csv"));
+    EXPECT_EQ(columns.find("standard") != std::string::npos, one.spec.task == Task::compare);
+    EXPECT_EQ(read_rows(files[0]).size(), trials);
+    EXPECT_TRUE(fs::exists(folder.path / "paths" / path)) << path;
+}
+
+TEST(SessionRecords, KeepToPsychDs) {
+    expect_psych_ds(small(), "psychds", 6, "subject-03_session-1_trial-6.csv");
+    expect_psych_ds(comparison(), "psychds", 24, "subject-03_session-1_trial-24_interval-2.csv");
+    expect_psych_ds(comparison("track = \"facets\"\n"), "psychds", 8, "subject-03_session-1_trial-8_interval-1.csv");
 }
 
 // Answers of many trials against the shares that they were drawn from.

@@ -144,6 +144,60 @@ TEST_F(Session, IsKilledResumedAndFinishedWithEveryTrialOnce) {
     EXPECT_EQ(recorded, again);
 }
 
+// Two stimuli a trial, by keys, with a picture from a file; killed in the second trial's first interval.
+TEST_F(Session, ComparesTwoStimuliAndResumesWithTheSameOrder) {
+    std::ofstream(folder / "one.svg") << "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"20\" height=\"10\"/>";
+    std::ofstream(folder / "e.toml")
+        << "[experiment]\ntask = \"compare\"\nstandard = \"cylinder_bump*\"\ntrials = 1\n"
+           "[[experiment.answer]]\nname = \"one\"\npicture = \"one.svg\"\n[[experiment.answer]]\nname = \"two\"\n"
+           "[surface]\nradius = \"600 mil\"\n[[variant]]\nsurface.kind = \"cylinder_bump\"\n[[variant]]\n"
+           "surface.kind = \"bump\"\nsurface.facets = [2, 3]\n";
+    start();
+    begin();
+    ASSERT_TRUE(reaches("first")) << browser.text("document.body.textContent");
+    browser.press("1"); // no answer yet
+    std::this_thread::sleep_for(std::chrono::milliseconds(900));
+    browser.press(" ");
+    ASSERT_TRUE(reaches("feel"));
+    EXPECT_EQ(browser.evaluate("document.querySelector('.answer img').naturalWidth"), 20) << "the picture is there";
+    std::this_thread::sleep_for(std::chrono::milliseconds(900));
+    browser.press("2");
+    ASSERT_TRUE(browser.wait_for("document.body.dataset.trial === '2'"));
+    ASSERT_TRUE(reaches("first"));
+    process->send(SIGKILL);
+    process->wait();
+    ASSERT_EQ(rows().size(), 1u);
+
+    start();
+    begin();
+    ASSERT_TRUE(reaches("first"));
+    browser.press(" ");
+    ASSERT_TRUE(reaches("feel"));
+    browser.press("1");
+    EXPECT_TRUE(reaches("done"));
+    EXPECT_EQ(process->wait().code, 0) << read_file(folder / "stderr.txt");
+    const std::vector<TrialRow> all = rows();
+    ASSERT_EQ(all.size(), 2u);
+    const std::string order = read_file(data() / "materials" / "order" / "subject-03_session-1.csv");
+    for (const TrialRow& row : all) {
+        const bool chose_standard = (row.answer == "one") == (row.standard_interval == 1);
+        EXPECT_EQ(row.correct, chose_standard) << "the cylinder is the smoother one";
+        EXPECT_NE(order.find("\n" + std::to_string(row.number) + ",1," + row.condition + "," +
+                             std::to_string(row.standard_interval) + ","),
+                  std::string::npos)
+            << order;
+    }
+    EXPECT_NE(all[0].condition, all[1].condition);
+    EXPECT_EQ(all[0].answer, "two");
+    EXPECT_GT(all[0].outcome.contact, 0.8) << "of both intervals";
+    for (const char* interval : {"1", "2"}) {
+        const std::string log =
+            read_file(data() / "paths" / ("subject-03_session-1_trial-1_interval-" + std::string(interval) + ".csv"));
+        EXPECT_GT(std::ranges::count(log, '\n'), 500);
+    }
+    EXPECT_EQ(read_answers({data()}).rows.size(), 2u);
+}
+
 TEST_F(Session, PausesWhenThePageIsClosedAndRefusesASecondPage) {
     start();
     begin();

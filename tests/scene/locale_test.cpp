@@ -9,6 +9,7 @@
 #include <locale>
 
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 namespace forceshade {
 namespace {
@@ -32,7 +33,7 @@ Outcome outcome() {
         "origin = [\"1234.5 m\", \"0 m\", \"0 m\"]\n",
         "f.toml");
     return {study.cases.at(0).name + resolved_toml(study) + resolved_toml(study.cases.at(1)),
-            schema_text() + schema_json(),
+            schema_text() + schema_json().dump(),
             test::study_error("[surface]\nradius = 0.5\n") + test::study_error("[surface]\nwidth = \"1234.5 m\"\n"),
             study.warnings.at(0), parse_quantity("1234.5 mm", Dimension::length)};
 }

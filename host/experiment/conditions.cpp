@@ -1,0 +1,233 @@
+#include "host/experiment/conditions.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <set>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <fnmatch.h>
+
+#include "host/error.h"
+#include "host/experiment/trials.h"
+#include "host/scene/quantity.h"
+#include "host/scene/schema.h"
+#include "host/scene/value.h"
+
+namespace forceshade::experiment {
+namespace {
+
+constexpr const char* kFacets = "surface.facets";
+
+bool matches(const std::string& pattern, const Case& one) {
+    return fnmatch(pattern.c_str(), one.name.c_str(), 0) == 0;
+}
+
+// Of a bump; 0: of the smooth shape; nothing: it is none.
+std::optional<unsigned> facets_of(const Case& one) {
+    const SurfaceSpec& surface = one.scene.surface;
+    if (surface.kind == SurfaceKind::bump)
+        return surface.facets;
+    return surface.kind == SurfaceKind::cylinder_bump ? std::optional(0u) : std::nullopt;
+}
+
+std::string path_of(const Setting& setting) {
+    return fmt::format("{}.{}", setting.table, setting.name);
+}
+
+// As in TOML; empty: the case has no such key.
+std::string literal_of(const Case& one, const std::string& path) {
+    const auto found = std::ranges::find(one.settings, path, path_of);
+    return found == one.settings.end() ? "" : found->literal;
+}
+
+std::string unquoted(std::string text) {
+    std::erase(text, '"');
+    return text;
+}
+
+// In SI; infinite: the facets of the smooth shape; nothing: it has no such key.
+std::optional<double> axis_level(const Case& one, const std::string& path) {
+    if (path == kFacets && facets_of(one) == 0u)
+        return std::numeric_limits<double>::infinity();
+    const std::string text = unquoted(literal_of(one, path));
+    if (text.empty())
+        return std::nullopt;
+    const Key& key = schema_keys()[key_index(path)];
+    if (key.kind == ValueKind::quantity)
+        return parse_quantity(text, key.dimension);
+    double value = 0;
+    std::from_chars(text.data(), text.data() + text.size(), value);
+    return value;
+}
+
+// The standard with most settings of the stimulus.
+std::size_t standard_for(const Study& study, const std::vector<std::size_t>& standards, std::size_t stimulus) {
+    const auto in_common = [&](std::size_t standard) {
+        return std::ranges::count_if(study.cases[stimulus].settings, [&](const Setting& one) {
+            return literal_of(study.cases[standard], path_of(one)) == one.literal;
+        });
+    };
+    std::size_t best = standards.front();
+    bool tie = false;
+    for (std::size_t i = 1; i < standards.size(); ++i) {
+        const auto difference = in_common(standards[i]) - in_common(best);
+        tie = difference == 0 || (tie && difference < 0);
+        best = difference > 0 ? standards[i] : best;
+    }
+    if (tie)
+        throw UsageError(fmt::format("{} has as much in common with the standard {} as with another; name fewer "
+                                     "standards",
+                                     study.cases[stimulus].name, study.cases[best].name));
+    return best;
+}
+
+std::vector<Condition> conditions_of(const Experiment& experiment) {
+    const Study& study = experiment.study;
+    const bool compare = experiment.spec.task == Task::compare;
+    std::vector<std::size_t> standards, stimuli;
+    for (std::size_t i = 0; i < study.cases.size(); ++i)
+        (compare && matches(experiment.spec.standard, study.cases[i]) ? standards : stimuli).push_back(i);
+    if (compare && standards.empty())
+        throw UsageError(fmt::format("standard = \"{}\" names no case; the first is {}", experiment.spec.standard,
+                                     study.cases.front().name));
+    if (stimuli.empty())
+        throw UsageError(fmt::format("standard = \"{}\" names every case, so that there is nothing to compare with it",
+                                     experiment.spec.standard));
+    std::vector<Condition> conditions;
+    for (const std::size_t stimulus : stimuli)
+        conditions.push_back(
+            {stimulus, compare ? std::optional(standard_for(study, standards, stimulus)) : std::nullopt});
+    return conditions;
+}
+
+// Keys whose values differ among the stimuli that are asked about.
+std::vector<std::string> varying_keys_of(const Experiment& experiment) {
+    std::map<std::string, std::set<std::string>> values;
+    for (const Condition& condition : experiment.conditions)
+        for (const Setting& setting : experiment.stimulus(condition).settings)
+            values[path_of(setting)].insert(setting.literal);
+    std::vector<std::string> varying;
+    for (const auto& [path, literals] : values)
+        if (literals.size() > 1)
+            varying.push_back(path);
+    return varying;
+}
+
+std::string axis_of(const std::string& word, const std::vector<std::string>& varying) {
+    std::vector<std::string> found;
+    for (const std::string& path : varying)
+        if (path == word || path.substr(path.find('.') + 1) == word)
+            found.push_back(path);
+    if (found.size() > 1)
+        throw UsageError(fmt::format("track = \"{}\" may be {}; say which", word, fmt::join(found, " or ")));
+    if (found.empty()) {
+        std::vector<std::string> names = varying;
+        for (const std::string& path : varying)
+            names.push_back(path.substr(path.find('.') + 1));
+        const std::string near = did_you_mean(word, names);
+        throw UsageError(fmt::format("track = \"{}\": the stimuli do not differ in it{}", word,
+                                     !near.empty()     ? near
+                                     : varying.empty() ? std::string("; give a key of the study several values")
+                                                       : fmt::format("; they differ in {}", fmt::join(varying, ", "))));
+    }
+    const Key& key = schema_keys()[key_index(found.front())];
+    const bool numeric =
+        key.kind == ValueKind::quantity || key.kind == ValueKind::number || key.kind == ValueKind::integer;
+    if (!numeric || key.count > 1)
+        throw UsageError(fmt::format("track = \"{}\": its values are no single numbers, which levels are", word));
+    return found.front();
+}
+
+std::vector<Track> tracks_of(const Experiment& experiment, const std::vector<std::string>& varying) {
+    constexpr std::size_t kLeastLevels = 3;
+    const std::string& axis = experiment.track_key;
+    std::vector<Track> tracks;
+    for (std::size_t i = 0; i < experiment.conditions.size(); ++i) {
+        const Case& stimulus = experiment.stimulus(experiment.conditions[i]);
+        const auto level = axis_level(stimulus, axis);
+        if (!level || !(*level > 0) || std::isinf(*level))
+            throw UsageError(
+                fmt::format("{} has no level of the track over {}, a positive number; leave it out or make "
+                            "it a standard",
+                            stimulus.name, axis));
+        const Case& standard = experiment.study.cases[*experiment.conditions[i].standard];
+        const auto reference = axis_level(standard, axis);
+        if (!reference || *reference == *level)
+            throw UsageError(fmt::format("the standard {} {} in {}, so that it is open which levels are easy",
+                                         standard.name, reference ? "equals " + stimulus.name : "has nothing", axis));
+        std::string name;
+        for (const std::string& path : varying)
+            if (const std::string text = unquoted(literal_of(stimulus, path)); path != axis && !text.empty())
+                name += fmt::format("{}{} {}", name.empty() ? "" : ", ", path.substr(path.find('.') + 1), text);
+        if (name.empty())
+            name = "all";
+        auto track = std::ranges::find(tracks, name, &Track::name);
+        if (track == tracks.end())
+            track = tracks.insert(track, {name, {}, {}, *level > *reference});
+        if (track->rises != (*level > *reference))
+            throw UsageError(
+                fmt::format("levels of {} lie on both sides of the standard's; a track wants them on one", axis));
+        const auto place = std::ranges::lower_bound(track->levels, *level) - track->levels.begin();
+        track->levels.insert(track->levels.begin() + place, *level);
+        track->conditions.insert(track->conditions.begin() + place, i);
+    }
+    for (const Track& track : tracks) {
+        if (const double ratio = track.levels.back() / track.levels.front(); experiment.spec.track_ratio >= ratio)
+            throw UsageError(
+                fmt::format("track_ratio = {} is no less than the ratio {:.3g} of the levels' ends, so that "
+                            "the track \"{}\" would end at once",
+                            experiment.spec.track_ratio, ratio, track.name));
+        if (track.levels.size() < kLeastLevels)
+            throw UsageError(fmt::format("the track \"{}\" over {} has {} levels, and {} are the fewest", track.name,
+                                         axis, track.levels.size(), kLeastLevels));
+    }
+    return tracks;
+}
+
+// Whether the stimulus is right, and not its standard; nothing: neither is.
+std::optional<bool> is_right(const Experiment& experiment, const Condition& condition) {
+    const Case &stimulus = experiment.stimulus(condition), &standard = experiment.study.cases[*condition.standard];
+    if (experiment.spec.correct != kSmoother) {
+        const bool one = matches(experiment.spec.correct, stimulus), other = matches(experiment.spec.correct, standard);
+        return one == other ? std::nullopt : std::optional(one);
+    }
+    const auto one = axis_level(stimulus, kFacets), other = axis_level(standard, kFacets);
+    return one && other && *one != *other ? std::optional(*one > *other) : std::nullopt;
+}
+
+} // namespace
+
+std::optional<std::size_t> Experiment::correct_answer(const Case& stimulus) const {
+    const std::optional<unsigned> facets = facets_of(stimulus);
+    for (std::size_t i = 0; i < spec.answers.size(); ++i) {
+        const Answer& answer = spec.answers[i];
+        if (answer.correct_for.empty() ? facets && answer.facets == facets : matches(answer.correct_for, stimulus))
+            return i;
+    }
+    return std::nullopt;
+}
+
+std::optional<std::size_t> Experiment::correct_answer(const Trial& trial) const {
+    const Condition& condition = conditions[trial.condition];
+    if (!condition.standard)
+        return correct_answer(stimulus(condition));
+    const std::optional<bool> right = is_right(*this, condition);
+    return right ? std::optional<std::size_t>(*right == trial.standard_first ? 1 : 0) : std::nullopt;
+}
+
+void arrange(Experiment& experiment) {
+    experiment.conditions = conditions_of(experiment);
+    if (experiment.spec.track.empty())
+        return;
+    const std::vector<std::string> varying = varying_keys_of(experiment);
+    experiment.track_key = axis_of(experiment.spec.track, varying);
+    const Key& key = schema_keys()[key_index(experiment.track_key)];
+    experiment.track_unit = key.kind == ValueKind::quantity ? dimension_info(key.dimension).unit : "1";
+    experiment.tracks = tracks_of(experiment, varying);
+}
+
+} // namespace forceshade::experiment

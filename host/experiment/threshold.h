@@ -1,0 +1,48 @@
+// A threshold looked for adaptively: QUEST+ (Watson 2017, J. Vision 17(3):10) over threshold, slope and lapses.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "host/experiment/statistics.h"
+
+namespace forceshade::experiment {
+
+/// What the trials so far say, in the unit of the levels.
+struct Threshold {
+    double median = 0; /* of the posterior: the level half way between chance and what lapses leave */
+    Range range;       /* 95 %, credible */
+};
+
+/// The posterior over a grid of psychometric functions, logistic in the logarithm of the level: right with the
+/// probability 1/2 + (1/2 - lapse) / (1 + exp(-(ln level - ln threshold) / spread)), mirrored where it falls. Prior:
+/// ln threshold uniform from a quarter of the levels' range below them to as much above; ln spread uniform from 1/30 to
+/// 1/3 of the range; lapse 0 to 6 %.
+class ThresholdTrack {
+public:
+    /// `levels`: positive, ascending, at least two. `rises`: whether higher levels are easier.
+    ThresholdTrack(const std::vector<double>& levels, bool rises);
+
+    /// The answer to a trial at a level (its index).
+    void add(std::size_t level, bool right);
+
+    /// The index of the level whose answer leaves the least entropy to be expected.
+    std::size_t next() const;
+
+    Threshold threshold() const;
+
+    /// The posterior's mean share of right answers at any level.
+    double share_right(double level) const;
+
+private:
+    double right(std::size_t parameters, double x) const;
+
+    std::vector<double> x_; // ln level
+    bool rises_;
+    std::vector<double> thresholds_, spreads_; // ln level
+    std::vector<double> weights_;              // by threshold, spread, lapse; their sum is 1
+    std::vector<std::vector<double>> right_;   // by level and weight
+    std::vector<std::vector<double>> entropy_; // likewise: of the answer
+};
+
+} // namespace forceshade::experiment
