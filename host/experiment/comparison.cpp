@@ -270,6 +270,10 @@ void add_comparison_figure(study::StudyData& data, const std::string& group) {
     data.figures.push_back(bars);
 }
 
+std::string subjects_text(std::size_t count) {
+    return fmt::format("{} subject{}", count, count == 1 ? "" : "s");
+}
+
 // "14.2" or "0.0161 m".
 std::string with_unit(double value, const std::string& unit) {
     return fmt::format("{:.3g}{}", value, unit == "1" ? "" : " " + unit);
@@ -295,23 +299,24 @@ void add_threshold_findings(study::StudyData& data, const Answers& answers, cons
         const Range over = bootstrap_mean(logarithms);
         const bool several = logarithms.size() > 1;
         const double threshold = std::exp(mean);
-        const std::string value =
-            threshold < track.levels.front()
-                ? fmt::format("below {}, the lowest level", with_unit(track.levels.front(), unit))
-            : threshold > track.levels.back()
-                ? fmt::format("above {}, the highest level", with_unit(track.levels.back(), unit))
-                : with_unit(threshold, unit) + (several ? ", the geometric mean of the subjects'" : "");
+        const bool below = threshold<track.levels.front(), above = threshold> track.levels.back();
+        const auto range_text = [&](const char* what, double low, double high) {
+            return fmt::format("95 % {}: {} to {}", what, with_unit(low, unit), with_unit(high, unit));
+        };
         data.findings.push_back(
             {fmt::format("threshold_{}", &track - answers.experiment.tracks.data() + 1),
              fmt::format("Threshold of {}{}: {}.", axis,
-                         answers.experiment.tracks.size() > 1 ? fmt::format(" ({})", track.name) : "", value),
+                         answers.experiment.tracks.size() > 1 ? fmt::format(" ({})", track.name) : "",
+                         below ? fmt::format("below {}, the lowest level", with_unit(track.levels.front(), unit))
+                         : above
+                             ? fmt::format("above {}, the highest level", with_unit(track.levels.back(), unit))
+                             : with_unit(threshold, unit) + (several ? ", the geometric mean of the subjects'" : "")),
              "psychometric", track.name,
-             fmt::format("{} subject{}, {:.0f} trials; right half way between chance and what lapses leave",
-                         logarithms.size(), several ? "s" : "", trials),
-             several ? fmt::format("95 % over subjects: {} to {}", with_unit(std::exp(over.low), unit),
-                                   with_unit(std::exp(over.high), unit))
-                     : fmt::format("95 % credible: {} to {}", with_unit(single.range.low, unit),
-                                   with_unit(single.range.high, unit))});
+             fmt::format("{}, {:.0f} trials; right half way between chance and what lapses leave",
+                         subjects_text(logarithms.size()), trials),
+             below || above ? "no level reaches it, so that there is no interval"
+             : several      ? range_text("over subjects", std::exp(over.low), std::exp(over.high))
+                            : range_text("credible", single.range.low, single.range.high)});
     }
 }
 
@@ -332,7 +337,7 @@ void add_comparisons(study::StudyData& data, const Answers& answers) {
             const Range range = jeffreys(right, trials);
             data.findings.push_back(
                 {"right", fmt::format("{:.0f} % of {:.0f} answers are right.", 100 * right / trials, trials),
-                 "comparisons", "all stimuli", fmt::format("{} subjects", answers.subjects().size()),
+                 "comparisons", "all stimuli", subjects_text(answers.subjects().size()),
                  fmt::format("95 % of a share of trials: {:.0f} to {:.0f} %", 100 * range.low, 100 * range.high)});
             add_comparison_figure(data, group);
         }

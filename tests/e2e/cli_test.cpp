@@ -284,7 +284,7 @@ TEST_F(CommandLine, prints_a_schema_that_is_a_scene) {
     expect_success({"field", "default.toml", "--out", "default.exr"});
     expect_success({"sweep", "study.toml", "--out", "out", "--only", "bump_radius-600mil_facets-1_shading-none"});
     const json keys = json::parse(expect_success({"schema", "--json"}).out);
-    EXPECT_GT(keys.dump().size(), 1000u);
+    EXPECT_NE(keys.dump().find("\"experiment.track\""), std::string::npos);
 }
 
 } // namespace

@@ -69,6 +69,11 @@ TEST(Experiments, ReadTheirResolvedText) {
     const std::string text = resolved_toml(one);
     EXPECT_EQ(resolved_toml(parse_experiment(text, "again.toml")), text);
     EXPECT_EQ(parse_experiment(experiment_schema(), "schema").spec.trials, ExperimentSpec{}.trials);
+    for (const auto& key : experiment_schema_json()) {
+        const std::string path = key.at("key"), name = path.substr(path.rfind('.') + 1);
+        const bool of_answer = path.find(".answer.") != std::string::npos;
+        EXPECT_NE(experiment_schema().find(of_answer ? "# " + name + ": " : name + " = "), std::string::npos) << path;
+    }
 }
 
 TEST(Experiments, ComplainWithPlaceAndRemedy) {
