@@ -270,6 +270,11 @@ private:
         return true;
     }
 
+    void hide() {
+        loop_.suspend(true);
+        displayed_ = false;
+    }
+
     // The last stimulus of a trial is felt until it is answered, one before until a key is pressed; or for the
     // interval.
     TrialOutcome feel(const PreparedCase& stimulus, bool is_last) {
@@ -282,6 +287,7 @@ private:
         const std::string started = utc_now();
         const Clock::time_point begin = Clock::now();
         loop_.suspend(false);
+        displayed_ = true;
         enter(is_last ? "feel" : "first");
         if (!server_.is_open(kParticipant)) // closed meanwhile: its suspend() may have come first
             pause("The page was closed.");
@@ -291,15 +297,17 @@ private:
             look();
             late = seconds_after(begin) > experiment_.spec.longest_trial;
             if (!over && interval > 0 && seconds_after(begin) > interval) {
-                loop_.suspend(true);
+                hide();
                 take_samples();
                 to = samples_.size();
                 over = true;
+                if (is_last)
+                    enter("feel", "It is over.");
             }
             if (!is_last && (interval > 0 ? over : go_))
                 break;
         }
-        loop_.suspend(true);
+        hide();
         take_samples();
         const std::vector<device::LiveSample> felt(samples_.begin() + static_cast<std::ptrdiff_t>(from),
                                                    samples_.begin() +
@@ -385,7 +393,6 @@ private:
         for (std::size_t bit = 0; bit < device::kHappenings.size(); ++bit)
             if (status.happened.load() >> bit & 1u)
                 happened += (happened.empty() ? "" : ", ") + std::string(device::kHappenings[bit]);
-        const bool off = phase_ != "feel" && phase_ != "first";
         Json json{{"type", "state"},
                   {"phase", phase_},
                   {"title", experiment_.spec.title},
@@ -397,7 +404,7 @@ private:
                   {"device", fmt::format("{}, {:.0f} Hz, {} late samples", opened_.facts.name, opened_.settings.rate,
                                          status.overruns.load())},
                   {"safety", withheld != nullptr ? withheld
-                             : off               ? "no force"
+                             : !displayed_       ? "no force"
                              : happened.empty()  ? "on"
                                                  : happened},
                   {"force", fmt::format("{:.2f} N, {:.2f} mm", status.force.load(), 1e3 * status.depth.load())}};
@@ -429,7 +436,7 @@ private:
     std::uint32_t from_path_ = 0;
     std::optional<std::size_t> answer_;
     Clock::time_point answered_, heard_, told_operator_;
-    bool go_ = false, paused_ = false, held_ = false, told_answers_ = false;
+    bool go_ = false, paused_ = false, held_ = false, told_answers_ = false, displayed_ = false;
     std::vector<device::LiveSample> samples_;  // of the trial
     std::vector<std::array<double, 3>> shown_; // mm, N, N: for the operator
 };

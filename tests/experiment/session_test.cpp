@@ -198,6 +198,25 @@ TEST_F(Session, ComparesTwoStimuliAndResumesWithTheSameOrder) {
     EXPECT_EQ(read_answers({data()}).rows.size(), 2u);
 }
 
+TEST_F(Session, ShowsEachStimulusForItsInterval) {
+    std::ofstream(folder / "e.toml")
+        << "[experiment]\ntask = \"compare\"\nstandard = \"*facets-3\"\ntrials = 1\ninterval = "
+           "\"500 ms\"\n[surface]\nradius = \"600 mil\"\nfacets = [2, 3]\n";
+    start();
+    begin();
+    ASSERT_TRUE(reaches("feel")) << "without a key";
+    Browser desk;
+    desk.open_address(address("operator"));
+    EXPECT_TRUE(desk.wait_for("document.getElementById('safety').textContent === 'no force'"));
+    EXPECT_EQ(browser.text(kPhase), "feel") << "still to be answered";
+    browser.press("2");
+    EXPECT_TRUE(reaches("done"));
+    EXPECT_EQ(process->wait().code, 0) << read_file(folder / "stderr.txt");
+    ASSERT_EQ(rows().size(), 1u);
+    EXPECT_LT(rows()[0].outcome.contact, 1.2) << "s: of two intervals";
+    EXPECT_GT(rows()[0].outcome.contact, 0.3);
+}
+
 TEST_F(Session, PausesWhenThePageIsClosedAndRefusesASecondPage) {
     start();
     begin();
