@@ -219,8 +219,11 @@ std::optional<std::size_t> Experiment::correct_answer(const Trial& trial) const 
     return right ? std::optional<std::size_t>(*right == trial.standard_first ? 1 : 0) : std::nullopt;
 }
 
-void arrange(Experiment& experiment) {
+void find_conditions(Experiment& experiment) {
     experiment.conditions = conditions_of(experiment);
+}
+
+void find_tracks(Experiment& experiment) {
     if (experiment.spec.track.empty())
         return;
     const std::vector<std::string> varying = varying_keys_of(experiment);

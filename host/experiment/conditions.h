@@ -5,8 +5,12 @@
 
 namespace forceshade::experiment {
 
-/// Fills in conditions and tracks from the spec and the study. \throws UsageError without a place in the file: a
-/// pattern that names no case or all, an axis that is none or whose levels no track can have.
-void arrange(Experiment& experiment);
+/// From the spec and the study. \throws UsageError without a place in the file: the standard names no case or all, or
+/// a stimulus is as much like one standard as another.
+void find_conditions(Experiment& experiment);
+
+/// After the conditions, if the spec has a track. \throws UsageError likewise: the axis is none, or no track can have
+/// its levels.
+void find_tracks(Experiment& experiment);
 
 } // namespace forceshade::experiment

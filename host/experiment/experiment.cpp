@@ -378,11 +378,18 @@ Experiment checked(Study study, const std::filesystem::path& folder) {
     Experiment experiment{read_spec(*study.document, folder), std::move(study), {}, {}, {}, {}};
     const std::string& source = experiment.study.document->source;
     const ExperimentSpec& spec = experiment.spec;
-    try {
-        arrange(experiment);
-    } catch (const UsageError& error) {
-        fail(source, {}, "{}", error.what());
-    }
+    const auto at = [&](std::string_view key, void (*arrange)(Experiment&)) {
+        try {
+            arrange(experiment);
+        } catch (const UsageError& error) {
+            const auto& members =
+                experiment.study.document->experiment->members; // else it is the paper's, and arranged
+            const auto member = std::ranges::find(members, key, &TomlMember::key);
+            fail(source, member == members.end() ? Location{} : member->value.where, "{}", error.what());
+        }
+    };
+    at("standard", find_conditions);
+    at("track", find_tracks);
     const char* const what = experiment.tracks.empty() ? "condition" : "track";
     const std::size_t units = experiment.size() / spec.trials;
     if (experiment.size() > kMostTrials * 10)
