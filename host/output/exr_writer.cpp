@@ -127,13 +127,6 @@ private:
     std::optional<IoError> failure_;
 };
 
-// Adds the time that `work` takes to a sum, s.
-template <typename Work> void timed(double& sum, const Work& work) {
-    const Clock::time_point start = Clock::now();
-    work();
-    sum += seconds_since(start);
-}
-
 // The rows of one part on their way to OpenEXR.
 struct PartRows {
     PartRows(const Part& part_, std::size_t bytes) : part(part_), rows(bytes), watch(components_of(part.channel)) {}

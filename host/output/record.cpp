@@ -53,6 +53,7 @@ void list_times(const Field& field, Engine& engine, Volume& volume) {
     field("flush", volume.flush);
     field("verify", volume.read_back);
     field("hash", volume.hash);
+    field("check", volume.check);
 }
 
 template <typename Field, typename Paths> void list_paths(const Field& field, Paths& paths) {

@@ -23,6 +23,8 @@ struct EngineTimes {
     double plan = 0;                    /* of a mesh: where there is force, and what is near */
     std::uint64_t voxels_evaluated = 0; /* of a mesh; the others were found free as whole blocks */
     std::uint64_t uploaded = 0;         /* bytes copied to a device: tables, plans, recorded positions */
+
+    double sum() const { return compile + upload + kernel + read_back + plan; } /* s */
 };
 
 struct EngineReport {

@@ -21,6 +21,9 @@ struct VolumeTimings {
     double flush = 0;     /* s: until the disk has it */
     double read_back = 0; /* s: reading, decompressing, comparing */
     double hash = 0;      /* s: SHA-256 of the file */
+    double check = 0;     /* s: against the oracle; not the writer's own */
+
+    double sum() const { return encode + flush + read_back + hash + check; }
 };
 
 /// What became of a finished file. NPY and VTI files fill in only hash and size.

@@ -8,112 +8,207 @@
 #include "host/norm.h"
 #include "host/referee/reading.h"
 #include "host/referee/validate.h"
+#include "host/reference/chunks.h"
 #include "host/reference/contact.h"
 
 namespace forceshade {
 
 namespace {
 
-// Voxels compared at most: a fraction of a second on one core.
-constexpr std::uint64_t kBudget = std::uint64_t(1) << 20;
+// Voxels of a kind, so that a check takes about a tenth of a second on one core.
+constexpr std::size_t kOfMesh = 1024, kOfOthers = 16384;
+constexpr double kJump = 0.02; // rad: of the direction between neighbours along x
+
+// A bijection that leaves no pattern (splitmix64).
+std::uint64_t rank_of(std::uint64_t number) {
+    number += 0x9E3779B97F4A7C15u;
+    number = (number ^ (number >> 30)) * 0xBF58476D1CE4E5B9u;
+    number = (number ^ (number >> 27)) * 0x94D049BB133111EBu;
+    return number ^ (number >> 31);
+}
+
+// What a referee of one thread needs; bounds are made when they are first asked for.
+class VoxelReferee {
+public:
+    VoxelReferee(const PreparedCase& prepared, bool exact_bits, const FieldTables<double>& exact, bool single)
+        : prepared_(prepared), exact_bits_(exact_bits), single_(single),
+          mesh_(exact.features.surface == layout::kSurfaceMesh), law_(exact.law()) {}
+
+    // Both sides round, so the bound counts twice.
+    bool is_beyond(const glm::dvec3& force, double off, const glm::dvec3& probe) {
+        if (exact_bits_)
+            return true;
+        if (!mesh_)
+            return !(off <= 2 * bound().at(probe.x, probe.y, probe.z).force);
+        Reading computed;
+        computed.force = force;
+        return mesh_bound().compare(computed, probe, 1, layout::kChannelForce) == Verdict::beyond;
+    }
+
+    // Whether an error says nothing: rounding chose another facet of a mesh, or took the probe, or an edge, so that it
+    // is on the other side of an edge.
+    bool is_on_edge(const glm::dvec3& force, const glm::dvec3& truth, const glm::dvec3& exact_probe,
+                    const glm::dvec3& probe) {
+        if (mesh_)
+            return mesh_bound().is_ambiguous(force, probe, truth);
+        constexpr double kSurely = 0x1p-18; // of the force: an error of less is no jump worth the look
+        if (!single_ || !(norm(force - truth) > kSurely * norm(truth)))
+            return false;
+        const double allowed = bound().at(probe.x, probe.y, probe.z).force;
+        if (norm(force - truth) <= allowed)
+            return false;
+        const auto force_at = [&](const glm::dvec3& place) { return reference::evaluate(law_, place).force; };
+        if (norm(force - force_at(probe)) <= allowed)
+            return jumps_between(exact_probe, probe, force_at);
+        if (!rounded_)
+            rounded_ =
+                make_tables<double>(rounded_scene<float>(prepared_.one.scene), prepared_.images, Extent::what_varies);
+        Reading computed;
+        computed.force = force;
+        return forceshade::is_on_edge<float>(computed, probe, OracleReferee<double>{rounded_->law()}, bound(), 1,
+                                             layout::kChannelForce);
+    }
+
+private:
+    const RoundingBound& bound() {
+        if (!bound_)
+            bound_.emplace(prepared_, prepared_.one.scene.precision);
+        return *bound_;
+    }
+    const MeshBound& mesh_bound() {
+        if (!mesh_bound_)
+            mesh_bound_.emplace(prepared_, prepared_.one.scene.precision);
+        return *mesh_bound_;
+    }
+
+    const PreparedCase& prepared_;
+    const bool exact_bits_, single_, mesh_;
+    const layout::Law<double> law_;
+    std::optional<RoundingBound> bound_;
+    std::optional<MeshBound> mesh_bound_;
+    std::optional<FieldTables<double>> rounded_; // of the scene as single precision holds it
+};
 
 } // namespace
 
 OracleCheck::OracleCheck(const PreparedCase& prepared, bool exact_bits)
     : prepared_(prepared), exact_bits_(exact_bits),
-      exact_(make_tables<double>(prepared.one.scene, prepared.images, Extent::what_varies)) {
+      exact_(make_tables<double>(prepared.one.scene, prepared.images, Extent::what_varies)),
+      most_(exact_.features.surface == layout::kSurfaceMesh ? kOfMesh : kOfOthers) {
     if (prepared.one.scene.precision == Precision::f32)
         single_ = make_tables<float>(prepared.one.scene, prepared.images, Extent::what_varies);
-    const std::uint64_t voxels = std::uint64_t(exact_.x.size()) * exact_.y.size() * exact_.z.size();
-    every_ = std::max<std::uint64_t>(1, (voxels + kBudget - 1) / kBudget);
+    touched_.resize(exact_.x.size() * exact_.y.size());
 }
 
-void OracleCheck::add(const layout::FieldChunk<float>& chunk) {
-    compare(chunk, *single_);
-}
-
-void OracleCheck::add(const layout::FieldChunk<double>& chunk) {
-    compare(chunk, exact_);
-}
-
-// Both sides round, so the bound counts twice.
-bool OracleCheck::is_beyond(const glm::dvec3& force, double off, const glm::dvec3& probe) {
-    if (exact_bits_)
-        return true;
-    if (exact_.features.surface == layout::kSurfaceMesh) {
-        Reading computed;
-        computed.force = force;
-        return mesh_bound().compare(computed, probe, 1, layout::kChannelForce) == Verdict::beyond;
+void OracleCheck::keep(VoxelKind kind, const Voxel& voxel) {
+    std::vector<Voxel>& heap = drawn_[static_cast<std::size_t>(kind)];
+    if (heap.size() == most_) {
+        if (!(voxel < heap.front()))
+            return;
+        std::pop_heap(heap.begin(), heap.end());
+        heap.pop_back();
     }
-    if (!bound_)
-        bound_.emplace(prepared_, prepared_.one.scene.precision);
-    return !(off <= 2 * bound_->at(probe.x, probe.y, probe.z).force);
+    heap.push_back(voxel);
+    std::push_heap(heap.begin(), heap.end());
 }
 
-// Whether single precision rounded the probe, or the edge, so that it is on the other side of an edge of a surface that
-// is no mesh.
-bool OracleCheck::crosses_edge(const glm::dvec3& force, const glm::dvec3& truth, const glm::dvec3& exact_probe,
-                               const glm::dvec3& probe) {
-    constexpr double kSurely = 0x1p-18; // of the force: an error of less is no jump worth the look
-    if (exact_.features.surface == layout::kSurfaceMesh || !single_ || !(norm(force - truth) > kSurely * norm(truth)))
-        return false;
-    if (!bound_)
-        bound_.emplace(prepared_, prepared_.one.scene.precision);
-    if (!rounded_)
-        rounded_ =
-            make_tables<double>(rounded_scene<float>(prepared_.one.scene), prepared_.images, Extent::what_varies);
-    const auto force_at = [law = exact_.law()](const glm::dvec3& place) {
-        return reference::evaluate(law, place).force;
-    };
-    const double allowed = bound_->at(probe.x, probe.y, probe.z).force;
-    if (norm(force - truth) <= allowed)
-        return false;
-    if (norm(force - force_at(probe)) <= allowed)
-        return jumps_between(exact_probe, probe, force_at);
-    Reading computed;
-    computed.force = force;
-    return is_on_edge<float>(computed, probe, OracleReferee<double>{rounded_->law()}, *bound_, 1,
-                             layout::kChannelForce);
-}
-
-MeshBound& OracleCheck::mesh_bound() {
-    if (!mesh_bound_)
-        mesh_bound_.emplace(prepared_, prepared_.one.scene.precision);
-    return *mesh_bound_;
-}
-
-template <typename T> void OracleCheck::compare(const layout::FieldChunk<T>& chunk, const FieldTables<T>& same) {
-    const layout::Law<T> law = same.law();
-    const layout::Law<double> exact = exact_.law();
+// Neighbours are looked up on both sides along x, and towards lower y and z.
+template <typename T> void OracleCheck::add(const layout::FieldChunk<T>& chunk) {
+    const T least = static_cast<T>(std::cos(kJump) * std::cos(kJump));
     for (std::size_t row = 0; row < chunk.z_count * chunk.y_count; ++row) {
         const std::size_t z = chunk.z_first + row / chunk.y_count, y = chunk.y_first + row % chunk.y_count;
-        if ((z * exact_.y.size() + y) % every_)
-            continue;
+        const T* const forces = &chunk.force[3 * row * chunk.x_pitch];
+        const auto force_at = [&](std::size_t x) {
+            return glm::vec<3, T>(forces[3 * x], forces[3 * x + 1], forces[3 * x + 2]);
+        };
+        char* const touched = &touched_[y * exact_.x.size()];
+        const char* const beside = y > 0 ? touched - exact_.x.size() : touched;
+        const std::uint64_t first = (z * exact_.y.size() + y) * exact_.x.size();
+        const auto kind_between = [&](const glm::vec<3, T>& one, const glm::vec<3, T>& other) {
+            const T square = glm::dot(one, one), other_square = glm::dot(other, other), along = glm::dot(one, other);
+            if ((square == 0) != (other_square == 0))
+                return VoxelKind::boundary;
+            if (square == 0)
+                return VoxelKind::free;
+            return along >= 0 && along * along >= least * square * other_square ? VoxelKind::inside : VoxelKind::jump;
+        };
+        VoxelKind before = kind_between(force_at(0), force_at(0));
         for (std::size_t x = 0; x < chunk.x_count; ++x) {
-            const glm::vec<3, T> probe(same.x[x], same.y[y], same.z[z]);
-            const glm::dvec3 exact_probe(exact_.x[x], exact_.y[y], exact_.z[z]);
-            const reference::Contact<T> contact = reference::evaluate(law, probe);
-            const reference::Contact<double> exact_contact = reference::evaluate(exact, exact_probe);
-            const T* const stored = &chunk.force[3 * (row * chunk.x_pitch + x)];
-            const glm::dvec3 force(stored[0], stored[1], stored[2]), &truth = exact_contact.force;
-            const T bits[3] = {contact.force.x, contact.force.y, contact.force.z};
-            if (std::memcmp(stored, bits, sizeof(bits)) != 0) {
-                ++error_.differing;
-                error_.beyond += is_beyond(force, norm(force - glm::dvec3(contact.force)), glm::dvec3(probe));
-            }
-            const double off = norm(force - truth);
-            ++error_.compared;
-            error_.largest_force = std::max(error_.largest_force, norm(truth));
-            if (exact_.features.surface == layout::kSurfaceMesh &&
-                (contact.facet != exact_contact.facet || mesh_bound().is_ambiguous(force, glm::dvec3(probe), truth)))
-                ++error_.on_edge;
-            else if (crosses_edge(force, truth, exact_probe, glm::dvec3(probe)))
-                ++error_.on_edge;
-            else
-                error_.largest =
-                    std::isnan(off) ? std::numeric_limits<double>::infinity() : std::max(error_.largest, off);
+            const glm::vec<3, T> force = force_at(x);
+            const bool touches = !(glm::dot(force, force) == 0);
+            const VoxelKind after = kind_between(force, force_at(std::min(x + 1, chunk.x_count - 1)));
+            VoxelKind kind = touches ? VoxelKind::inside : VoxelKind::free;
+            if (before == VoxelKind::boundary || after == VoxelKind::boundary ||
+                (z > 0 && touches != (touched[x] != 0)) || (y > 0 && touches != (beside[x] != 0)))
+                kind = VoxelKind::boundary;
+            else if (before == VoxelKind::jump || after == VoxelKind::jump)
+                kind = VoxelKind::jump;
+            touched[x] = touches;
+            before = after;
+            keep(kind, {rank_of(first + x),
+                        {static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y), static_cast<std::uint32_t>(z)},
+                        glm::dvec3(force)});
         }
     }
+}
+
+template void OracleCheck::add<float>(const layout::FieldChunk<float>&);
+template void OracleCheck::add<double>(const layout::FieldChunk<double>&);
+
+template <typename T>
+OracleError OracleCheck::compare_some(std::span<const Voxel> voxels, const FieldTables<T>& same) const {
+    OracleError error;
+    const layout::Law<T> law = same.law();
+    const layout::Law<double> exact = exact_.law();
+    VoxelReferee referee(prepared_, exact_bits_, exact_, single_.has_value());
+    for (const Voxel& voxel : voxels) {
+        const auto [x, y, z] = voxel.at;
+        const glm::vec<3, T> probe(same.x[x], same.y[y], same.z[z]);
+        const glm::dvec3 exact_probe(exact_.x[x], exact_.y[y], exact_.z[z]);
+        const reference::Contact<T> contact = reference::evaluate(law, probe);
+        const reference::Contact<double> exact_contact = reference::evaluate(exact, exact_probe);
+        const glm::dvec3 &force = voxel.force, &truth = exact_contact.force;
+        const T stored[3] = {static_cast<T>(force.x), static_cast<T>(force.y), static_cast<T>(force.z)};
+        const T bits[3] = {contact.force.x, contact.force.y, contact.force.z};
+        if (std::memcmp(stored, bits, sizeof(bits)) != 0) {
+            ++error.differing;
+            error.beyond += referee.is_beyond(force, norm(force - glm::dvec3(contact.force)), glm::dvec3(probe));
+        }
+        ++error.compared;
+        error.largest_force = std::max(error.largest_force, norm(truth));
+        const double off = norm(force - truth);
+        const bool other_facet = law.features.surface == layout::kSurfaceMesh && contact.facet != exact_contact.facet;
+        if (other_facet || referee.is_on_edge(force, truth, exact_probe, glm::dvec3(probe)))
+            ++error.on_edge;
+        else
+            error.largest = std::isnan(off) ? std::numeric_limits<double>::infinity() : std::max(error.largest, off);
+    }
+    return error;
+}
+
+OracleError OracleCheck::compare(unsigned threads) const {
+    std::vector<Voxel> voxels;
+    for (const std::vector<Voxel>& some : drawn_)
+        voxels.insert(voxels.end(), some.begin(), some.end());
+    std::sort(voxels.begin(), voxels.end()); // so that threads share the kinds evenly
+    std::vector<OracleError> errors(std::max(1u, threads));
+    const auto compare_share = [&](std::size_t share) {
+        const std::size_t from = voxels.size() * share / errors.size(),
+                          to = voxels.size() * (share + 1) / errors.size();
+        const std::span<const Voxel> some = std::span(voxels).subspan(from, to - from);
+        errors[share] = single_ ? compare_some(some, *single_) : compare_some(some, exact_);
+    };
+    reference::share_out(errors.size(), errors.size(), [&](std::size_t, std::size_t share) { compare_share(share); });
+    OracleError all;
+    for (const OracleError& one : errors) {
+        all.compared += one.compared;
+        all.differing += one.differing;
+        all.beyond += one.beyond;
+        all.on_edge += one.on_edge;
+        all.largest = std::max(all.largest, one.largest);
+        all.largest_force = std::max(all.largest_force, one.largest_force);
+    }
+    return all;
 }
 
 } // namespace forceshade

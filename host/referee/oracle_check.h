@@ -1,7 +1,11 @@
-// The error of an evaluated field against the oracle in double precision, gathered while its chunks pass by.
+// The error of an evaluated field against the oracle in double precision, over voxels drawn while its chunks pass by.
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
 
 #include "host/output/record.h"
 #include "host/prepare/prepared_case.h"
@@ -10,33 +14,41 @@
 
 namespace forceshade {
 
-/// Compares evenly chosen rows, all of them where the grid is small, so that the cost is bounded.
+/// Where a voxel lies, as its forces and those of its neighbours tell: in free space, beside the boundary of contact,
+/// beside a jump of the direction (an edge, or a tie of two facets), or else inside.
+enum class VoxelKind { free, boundary, jump, inside };
+inline constexpr std::size_t kVoxelKinds = 4;
+
+/// Draws as many voxels of every kind, all where there are fewer: which ones is decided by their numbers alone, so that
+/// it is the same in every run. The cost is bounded: some thousand evaluations on a mesh, whose oracle is dear, some
+/// ten thousand elsewhere.
 class OracleCheck {
 public:
     /// Of what varies in a case, which must outlive this; `exact_bits`: the engine must equal the oracle bit for bit.
     OracleCheck(const PreparedCase& prepared, bool exact_bits);
 
-    void add(const layout::FieldChunk<float>& chunk);
-    void add(const layout::FieldChunk<double>& chunk);
-    const OracleError& error() const { return error_; }
+    template <typename T> void add(const layout::FieldChunk<T>& chunk);
+    /// Compares what was drawn, on so many threads.
+    OracleError compare(unsigned threads) const;
 
 private:
-    template <typename T> void compare(const layout::FieldChunk<T>& chunk, const FieldTables<T>& same);
-    bool is_beyond(const glm::dvec3& force, double off, const glm::dvec3& probe);
-    bool crosses_edge(const glm::dvec3& force, const glm::dvec3& truth, const glm::dvec3& exact_probe,
-                      const glm::dvec3& probe);
-    MeshBound& mesh_bound();
+    struct Voxel {
+        std::uint64_t rank; // those of the lowest ranks are kept
+        std::array<std::uint32_t, 3> at;
+        glm::dvec3 force; /* N */
+        bool operator<(const Voxel& other) const { return rank < other.rank; }
+    };
+
+    void keep(VoxelKind kind, const Voxel& voxel);
+    template <typename T> OracleError compare_some(std::span<const Voxel> voxels, const FieldTables<T>& same) const;
 
     const PreparedCase& prepared_;
-    bool exact_bits_;
-
+    const bool exact_bits_;
     FieldTables<double> exact_;
-    std::optional<FieldTables<float>> single_;   // the oracle in single precision, where the run is
-    std::optional<RoundingBound> bound_;         // made when first asked for
-    std::optional<FieldTables<double>> rounded_; // of the scene as single precision holds it; likewise
-    std::optional<MeshBound> mesh_bound_;        // likewise
-    std::uint64_t every_;                        // rows: one in so many is compared
-    OracleError error_;
+    std::optional<FieldTables<float>> single_;          // the oracle in single precision, where the run is
+    const std::size_t most_;                            // voxels of a kind
+    std::array<std::vector<Voxel>, kVoxelKinds> drawn_; // heaps, the highest rank first
+    std::vector<char> touched_;                         // of the plane before, whether there was a force
 };
 
 } // namespace forceshade

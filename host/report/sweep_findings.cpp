@@ -87,10 +87,8 @@ std::string left_out(const std::vector<const CaseRecord*>& cases) {
 std::string stages(const std::vector<const CaseRecord*>& cases) {
     double engine = 0, files = 0;
     for (const CaseRecord* one : cases) {
-        engine += one->engine_times.plan + one->engine_times.compile + one->engine_times.upload +
-                  one->engine_times.kernel + one->engine_times.read_back;
-        files +=
-            one->volume_times.encode + one->volume_times.flush + one->volume_times.read_back + one->volume_times.hash;
+        engine += one->engine_times.sum();
+        files += one->volume_times.sum();
     }
     if (engine + files <= 0)
         return "";

@@ -95,7 +95,8 @@ std::string times_table(const Sweep& sweep) {
                                                           {"encode", "the volume"},
                                                           {"flush", "to disk"},
                                                           {"verify", "reading the volume back"},
-                                                          {"hash", ""}})
+                                                          {"hash", ""},
+                                                          {"check", "against the oracle"}})
         columns.push_back({name, "ms", meaning, true});
     Rows rows;
     for (const CaseRecord* record : listed(sweep, has_field)) {
@@ -103,7 +104,7 @@ std::string times_table(const Sweep& sweep) {
         const VolumeTimings& files = record->volume_times;
         rows.push_back({case_markup(*record)});
         for (const double seconds : {engine.plan, engine.compile, engine.upload, engine.kernel, engine.read_back,
-                                     files.encode, files.flush, files.read_back, files.hash})
+                                     files.encode, files.flush, files.read_back, files.hash, files.check})
             rows.back().push_back(milliseconds(seconds));
     }
     return rows.empty() ? "" : folded("Time by stage", html_table(columns, rows, "Time by stage"));

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "host/clock.h"
 #include "host/error.h"
 #include "host/output/exr_volume.h"
 #include "host/output/files.h"
@@ -136,7 +137,8 @@ CaseRecord empty_record(const PreparedCase& prepared) {
 
 CaseOutput::CaseOutput(const PreparedCase& prepared, const std::filesystem::path& volume, AlsoFormats also,
                        const PictureChoice& pictures, int threads, bool exact_bits)
-    : prepared_(prepared), volume_(volume), also_(also), pictures_(pictures), check_(prepared, exact_bits) {
+    : prepared_(prepared), volume_(volume), also_(also), pictures_(pictures), threads_(std::max(1, threads)),
+      check_(prepared, exact_bits) {
     const Scene& scene = prepared.one.scene;
     const bool repeats = stands_for_all_y(scene);
     repeat_y_ = repeats ? scene.grid.size[1] : 1;
@@ -166,7 +168,7 @@ template <typename T> void CaseOutput::write(const layout::FieldChunk<T>& chunk)
         sink->write(chunk, repeat_y_);
     if (slices_)
         slices_->add(chunk);
-    check_.add(chunk);
+    timed(checking_, [&] { check_.add(chunk); });
 }
 
 template void CaseOutput::write<float>(const layout::FieldChunk<float>&);
@@ -177,7 +179,7 @@ CaseRecord CaseOutput::finish() {
     CaseRecord record = empty_record(prepared_);
     record.voxels = scene.grid.size[0] * scene.grid.size[1] * scene.grid.size[2];
     record.evaluated = evaluated_;
-    record.error = check_.error();
+    timed(checking_, [&] { record.error = check_.compare(static_cast<unsigned>(threads_)); });
     // The volume comes first: it refuses what must not be published.
     for (auto& [name, sink] : sinks_) {
         const VolumeResult result = sink->finish();
@@ -188,6 +190,7 @@ CaseRecord CaseOutput::finish() {
         }
         record.files.push_back({name, result.sha256, result.bytes});
     }
+    record.volume_times.check = checking_;
     if (slices_)
         add_pictures(record);
     return record;

@@ -79,6 +79,8 @@ private:
     std::filesystem::path volume_;
     AlsoFormats also_;
     PictureChoice pictures_;
+    int threads_;
+    double checking_ = 0; /* s */
     std::size_t repeat_y_;
     std::uint64_t evaluated_;
     std::vector<std::pair<std::string, std::unique_ptr<ChunkSink>>> sinks_; // file name and sink, the volume first

@@ -205,16 +205,12 @@ void count(SweepResult& result, const CaseRecord& record) {
 }
 
 void count(RunAccount& account, const CaseRecord& record) {
-    account.engine += record.engine_times.plan + record.engine_times.upload + record.engine_times.kernel +
-                      record.engine_times.read_back;
+    account.engine += record.engine_times.sum();
+    account.output += record.volume_times.sum();
     if (record.paths) {
-        const EngineTimes& engine = record.paths->engine_times;
-        const VolumeTimings& files = record.paths->volume_times;
-        account.engine += engine.upload + engine.kernel + engine.read_back;
-        account.output += files.encode + files.flush + files.read_back + files.hash;
+        account.engine += record.paths->engine_times.sum();
+        account.output += record.paths->volume_times.sum();
     }
-    account.output += record.volume_times.encode + record.volume_times.flush + record.volume_times.read_back +
-                      record.volume_times.hash;
 }
 
 void compute_missing(Engine& engine, const std::vector<const Case*>& missing,
