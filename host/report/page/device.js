@@ -39,7 +39,7 @@ function criticalStiffness(mass, damping, period, delay) {
   return least;
 }
 
-// N/m: below it the wall gives no energy whatever holds it (Colgate & Schenkel).
+// N/m: below it the wall gives no energy whatever holds it, so that no hand's damping counts (Colgate & Schenkel).
 function passiveStiffness(damping, period, delay) {
   return damping / (period * (0.5 + delay));
 }
@@ -77,11 +77,11 @@ class Device {
     const { mass, damping, grip, period, delay, stiffness } = this.values, b = damping + grip;
     const late = (samples) => samples === 0 ? "at once" : samples === 1 ? "one sample late" : samples + " samples late";
     const rows = [...new Set([0, 1, delay])].map((samples) => ["comes to rest below; force " + late(samples), criticalStiffness(mass, b, period, samples)]);
-    rows.push(["passive (gives no energy) below; force " + late(delay), passiveStiffness(b, period, delay)]);
+    rows.push(["passive with any hand below (the device's own damping alone); force " + late(delay), passiveStiffness(damping, period, delay)]);
     const cells = this.table.select("tbody").selectAll("tr").data(rows).join("tr").selectAll("td")
       .data(([words, limit]) => [words, numberText(limit, 4), numberText(100 * stiffness / limit, 3) + " %"]).join("td");
     cells.classed("n", (_, i) => i > 0).text((text) => text);
-    const critical = criticalStiffness(mass, b, period, delay), passive = passiveStiffness(b, period, delay);
+    const critical = criticalStiffness(mass, b, period, delay), passive = passiveStiffness(damping, period, delay);
     this.verdict.text(numberText(stiffness, 3) + " N/m on a wall " + (stiffness >= critical ? "does not come to rest: it is above"
       : stiffness > passive ? "comes to rest, but is not passive: it is below" : "is passive and comes to rest: it is below") + " the limit of " + numberText(critical, 4) + " N/m.");
     this.mark();
@@ -101,7 +101,7 @@ class Device {
       marked += within;
       d3.select(body).selectAll(".device").data(place ? [0, 1] : []).join("path").attr("class", "device").attr("d", place && `M${place[0] - 9},${place[1]}h18m-9,-9v18`);
     });
-    d3.select("#device-note").text("A mass with damping on a plane wall, its force held from sample to sample; the grip adds its damping, its spring is left out. A shaded or concave surface may bear far less." +
+    d3.select("#device-note").text("A mass with damping on a plane wall, its force held from sample to sample; the grip adds its damping; its spring is left out, which sets the limit where a pressed surface turns fast, as at the rim of a shaded bump." +
       (maps ? ` A cross marks it on ${marked} of ${maps} map${maps === 1 ? "" : "s"} over stiffness and damping, whose mass and rate are their own.` : ""));
   }
 }
