@@ -44,8 +44,4 @@ struct Sheet {
     int threads = 0;                  /* that compress this file; 0: it asks for no parallel work */
 };
 
-/// The checksum of the decoded pixels of each part, in file order, read from `file`. Throws IoError naming `path`.
-std::vector<std::uint64_t> checksums_of(const std::filesystem::path& file, const std::filesystem::path& path,
-                                        const Sheet& sheet);
-
 } // namespace forceshade::exr

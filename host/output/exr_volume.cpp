@@ -141,30 +141,6 @@ void read_rows(Image& image, std::size_t layer, const Part& part, std::uint64_t 
 
 } // namespace
 
-std::vector<std::uint64_t> checksums_of(const std::filesystem::path& file, const std::filesystem::path& path,
-                                        const Sheet& sheet) {
-    const ReadableFile source(file);
-    Image image(source, path, "read back");
-    const std::uint64_t group = rows_per_group(sheet.width, sheet.rows);
-    std::vector<std::uint64_t> checksums;
-    for (std::size_t i = 0; i < sheet.parts.size(); ++i) {
-        const Part& part = sheet.parts[i];
-        if (i >= image.layers().size() || !has_layout(image.layers()[i], part, sheet.width, sheet.rows))
-            image.damaged(fmt::format("its part {} is laid out in another way than it was written",
-                                      name_of_channel(part.channel)));
-        const std::size_t row_bytes = sheet.width * part.sample_bytes();
-        std::vector<std::byte> rows(std::min(group, sheet.rows) * row_bytes);
-        PixelChecksum checksum;
-        for (std::uint64_t first = 0; first < sheet.rows; first += group) {
-            const std::uint64_t count = std::min(group, sheet.rows - first);
-            read_rows(image, i, part, first, count, false, sheet.threads, rows.data());
-            checksum.update(std::span(rows).first(count * row_bytes));
-        }
-        checksums.push_back(checksum.value());
-    }
-    return checksums;
-}
-
 } // namespace exr
 
 struct VolumeReader::State {

@@ -90,11 +90,26 @@ class WriteStream final : public Imf::OStream {
 public:
     explicit WriteStream(TemporaryFile& file) : Imf::OStream(file.path().c_str()), file_(file) {}
     void write(const char bytes[], int count) override {
-        keep_failure([&] { file_.write(std::string_view(bytes, static_cast<std::size_t>(count))); });
+        const std::string_view text(bytes, static_cast<std::size_t>(count));
+        if (data_from_ && tellp() == data_to_) {
+            data_.update(std::as_bytes(std::span(text)));
+            data_to_ += text.size();
+        }
+        keep_failure([&] { file_.write(text); });
     }
     std::uint64_t tellp() override { return file_.tell(); }
     void seekp(std::uint64_t position) override {
         keep_failure([&] { file_.seek(position); });
+    }
+
+    // What comes from here on, one block after the other, is data. Offsets of blocks are put in before it later.
+    void begin_data() { data_from_ = data_to_ = tellp(); }
+    // Throws IoError if the file does not hold the data that were written.
+    void read_back() {
+        if (sha256_of_file(file_.temporary_path(), *data_from_) != data_.finish())
+            throw IoError(fmt::format("cannot write {}: read back from the disk it differs from what was written; "
+                                      "check the disk and the memory",
+                                      file_.path().string()));
     }
 
     // Runs `work` and turns what OpenEXR throws into an IoError: the stream's own failure if there is one, else `cannot
@@ -125,6 +140,9 @@ private:
 
     TemporaryFile& file_;
     std::optional<IoError> failure_;
+    std::optional<std::uint64_t> data_from_; // byte of the file
+    std::uint64_t data_to_ = 0;              // likewise
+    Sha256 data_;
 };
 
 // The rows of one part on their way to OpenEXR.
@@ -134,7 +152,6 @@ struct PartRows {
     Part part;
     std::vector<std::byte> rows; // a group
     PixelWatch watch;
-    PixelChecksum checksum;
     std::optional<Imf::OutputPart> output;
 };
 
@@ -156,6 +173,7 @@ public:
                 stream_, sheet_.headers.data(), static_cast<int>(sheet_.headers.size()), false, sheet_.threads);
             for (std::size_t i = 0; i < parts_.size(); ++i)
                 parts_[i].output.emplace(*output_, static_cast<int>(i));
+            stream_.begin_data();
         });
     }
 
@@ -185,7 +203,6 @@ private:
     void flush_group();
     bool refused() const;
     void throw_if_refused(const PlaceText& place) const;
-    void read_back();
 
     Sheet sheet_;
     bool allow_non_finite_;
@@ -203,7 +220,6 @@ void RowsWriter::flush_group() {
     for (PartRows& rows : parts_) {
         if (refused() || group_count_ == 0)
             break;
-        rows.checksum.update(std::span(rows.rows).first(group_count_ * row_bytes(rows)));
         stream_.guard([&] {
             rows.output->setFrameBuffer(
                 frame_of(rows.part, sheet_.width, group_first_, group_count_, rows.rows.data()));
@@ -242,15 +258,6 @@ void RowsWriter::throw_if_refused(const PlaceText& place) const {
     }
 }
 
-void RowsWriter::read_back() {
-    const std::vector<std::uint64_t> found = exr::checksums_of(file_.temporary_path(), file_.path(), sheet_);
-    for (std::size_t i = 0; i < parts_.size(); ++i)
-        if (found.size() != parts_.size() || found[i] != parts_[i].checksum.value())
-            throw IoError(fmt::format("cannot write {}: read back from the disk, the part {} differs from what was "
-                                      "written; check the disk and the memory",
-                                      file_.path().string(), name_of_channel(parts_[i].part.channel)));
-}
-
 VolumeResult RowsWriter::finish(const PlaceText& place) {
     throw_if_refused(place);
     VolumeResult result;
@@ -263,7 +270,8 @@ VolumeResult RowsWriter::finish(const PlaceText& place) {
         output_.reset();
     });
     timed(timings.flush, [&] { file_.flush_to_disk(); });
-    timed(timings.read_back, [&] { read_back(); });
+    // That blocks unpack to what was packed was seen when they were (deflate.cpp).
+    timed(timings.read_back, [&] { stream_.read_back(); });
     timed(timings.hash, [&] { result.sha256 = sha256_of_file(file_.temporary_path()); });
     result.bytes = std::filesystem::file_size(file_.temporary_path());
     timed(timings.flush, [&] { file_.publish(); });

@@ -16,7 +16,6 @@
 
 #include <fmt/format.h>
 #include <openssl/evp.h>
-#include <xxhash.h>
 
 #include "host/output/reading.h"
 
@@ -260,35 +259,27 @@ void write_file_atomically(const std::filesystem::path& path, std::string_view t
     write_file_atomically(path, std::as_bytes(std::span(text)));
 }
 
-namespace {
+namespace {} // namespace
 
-// SHA-256 of what arrives piece by piece.
-class Sha256 {
-public:
-    Sha256() { require(context_ && EVP_DigestInit_ex(context_.get(), EVP_sha256(), nullptr) == 1); }
+Sha256::Sha256() : context_(EVP_MD_CTX_new(), EVP_MD_CTX_free) {
+    require(context_ && EVP_DigestInit_ex(context_.get(), EVP_sha256(), nullptr) == 1);
+}
 
-    void update(std::span<const std::byte> bytes) {
-        require(EVP_DigestUpdate(context_.get(), bytes.data(), bytes.size()) == 1);
-    }
+void Sha256::update(std::span<const std::byte> bytes) {
+    require(EVP_DigestUpdate(context_.get(), bytes.data(), bytes.size()) == 1);
+}
 
-    // 64 lower-case hex digits; once, and nothing may follow.
-    std::string finish() {
-        std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
-        unsigned size = 0;
-        require(EVP_DigestFinal_ex(context_.get(), digest.data(), &size) == 1);
-        return fmt::format("{:02x}", fmt::join(std::span(digest).first(size), ""));
-    }
+std::string Sha256::finish() {
+    std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
+    unsigned size = 0;
+    require(EVP_DigestFinal_ex(context_.get(), digest.data(), &size) == 1);
+    return fmt::format("{:02x}", fmt::join(std::span(digest).first(size), ""));
+}
 
-private:
-    static void require(bool succeeded) {
-        if (!succeeded)
-            throw std::runtime_error("OpenSSL offers no SHA-256");
-    }
-
-    std::unique_ptr<EVP_MD_CTX, void (*)(EVP_MD_CTX*)> context_{EVP_MD_CTX_new(), EVP_MD_CTX_free};
-};
-
-} // namespace
+void Sha256::require(bool succeeded) {
+    if (!succeeded)
+        throw std::runtime_error("OpenSSL offers no SHA-256");
+}
 
 std::string sha256_of(std::span<const std::byte> bytes) {
     Sha256 hash;
@@ -300,12 +291,12 @@ std::string sha256_of(std::string_view text) {
     return sha256_of(std::as_bytes(std::span(text)));
 }
 
-std::string sha256_of_file(const std::filesystem::path& path) {
+std::string sha256_of_file(const std::filesystem::path& path, std::uint64_t from) {
     constexpr std::size_t kBlock = 1 << 18; /* bytes: fits the second-level cache */
     const ReadableFile file(path);
     std::vector<std::byte> block(kBlock);
     Sha256 hash;
-    for (std::uint64_t offset = 0;;) {
+    for (std::uint64_t offset = from;;) {
         const std::size_t got = file.read_some(offset, block);
         hash.update(std::span(block).first(got));
         offset += got;
@@ -320,20 +311,6 @@ bool file_is_intact(const std::filesystem::path& path, const std::string& expect
     } catch (const IoError&) {
         return false;
     }
-}
-
-PixelChecksum::PixelChecksum() : state_(XXH3_createState(), [](XXH3_state_s* state) { XXH3_freeState(state); }) {
-    if (!state_)
-        throw std::bad_alloc();
-    XXH3_64bits_reset(state_.get());
-}
-
-void PixelChecksum::update(std::span<const std::byte> bytes) {
-    XXH3_64bits_update(state_.get(), bytes.data(), bytes.size());
-}
-
-std::uint64_t PixelChecksum::value() const {
-    return XXH3_64bits_digest(state_.get());
 }
 
 } // namespace forceshade

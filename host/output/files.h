@@ -13,7 +13,7 @@
 
 #include "host/error.h"
 
-struct XXH3_state_s; // of xxHash
+struct evp_md_ctx_st; // of OpenSSL
 
 namespace forceshade {
 
@@ -83,29 +83,30 @@ void make_subfolder(const std::filesystem::path& folder, const std::string& name
 void write_file_atomically(const std::filesystem::path& path, std::span<const std::byte> bytes);
 void write_file_atomically(const std::filesystem::path& path, std::string_view text);
 
-// SHA-256 of bytes and files (what the manifest records), and a fast checksum for pixels that are read back.
+// SHA-256 of bytes and files, which the manifest records.
 
-/// 64 lower-case hex digits.
+/// Of what arrives piece by piece.
+class Sha256 {
+public:
+    Sha256();
+    void update(std::span<const std::byte> bytes);
+    /// 64 lower-case hex digits; once, and nothing may follow.
+    std::string finish();
+
+private:
+    static void require(bool succeeded);
+    std::unique_ptr<evp_md_ctx_st, void (*)(evp_md_ctx_st*)> context_;
+};
+
 std::string sha256_of(std::span<const std::byte> bytes);
 std::string sha256_of(std::string_view text);
 
-/// Streamed: memory does not grow with the file. Throws IoError.
-std::string sha256_of_file(const std::filesystem::path& path);
+/// Streamed: memory does not grow with the file. From a byte on. Throws IoError.
+std::string sha256_of_file(const std::filesystem::path& path, std::uint64_t from = 0);
 
 /// True if the file is there and its SHA-256 is the expected one (64 hex digits). A file that cannot be read is not
 /// intact.
 bool file_is_intact(const std::filesystem::path& path, const std::string& expected_sha256);
-
-/// XXH3-64 of what arrives piece by piece: catches damage, not malice.
-class PixelChecksum {
-public:
-    PixelChecksum();
-    void update(std::span<const std::byte> bytes);
-    std::uint64_t value() const;
-
-private:
-    std::unique_ptr<XXH3_state_s, void (*)(XXH3_state_s*)> state_;
-};
 
 /// A file as accounts name it.
 struct FileRecord {

@@ -13,6 +13,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/error.h"
+#include "host/output/deflate.h"
 #include "host/output/files.h"
 #include "host/output/raw_formats.h"
 #include "host/output/reading.h"
@@ -105,6 +106,7 @@ std::vector<CaseRecord> records_of(const std::filesystem::path& folder, const St
 
 Json account(const RunAccount& run) {
     return {{"program", version()},
+            {"compressor", deflate_name()},
             {"device", run.engine_device},
             {"driver", run.engine_driver},
             {"cpu", cpu_name()},

@@ -21,17 +21,5 @@ TEST(Sha256, of_a_file_is_that_of_its_bytes) {
     EXPECT_THROW(sha256_of_file(folder / "missing"), IoError);
 }
 
-TEST(PixelChecksum, does_not_depend_on_the_pieces) {
-    const std::string text(100000, 'p');
-    const auto bytes = std::as_bytes(std::span(text));
-    PixelChecksum whole, pieces, other;
-    whole.update(bytes);
-    pieces.update(bytes.first(12345));
-    pieces.update(bytes.subspan(12345));
-    other.update(bytes.subspan(1));
-    EXPECT_EQ(whole.value(), pieces.value());
-    EXPECT_NE(whole.value(), other.value());
-}
-
 } // namespace
 } // namespace forceshade

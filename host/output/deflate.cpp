@@ -1,0 +1,118 @@
+// zlib's one-call functions by libdeflate. OpenEXR asks for them by name and finds the program's own first: its ZIP and
+// PXR24 blocks are then compressed and unpacked several times as fast, in the same format, and with the same bytes on
+// every machine. What was packed is unpacked at once and compared.
+#include "host/output/deflate.h"
+
+#include <algorithm>
+#include <cstring>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include <fmt/format.h>
+#include <libdeflate.h>
+#include <zconf.h>
+#include <zlib.h>
+
+namespace forceshade {
+namespace {
+
+using Bytes = std::span<const Bytef>;
+
+struct Free {
+    void operator()(libdeflate_compressor* one) const { libdeflate_free_compressor(one); }
+    void operator()(libdeflate_decompressor* one) const { libdeflate_free_decompressor(one); }
+};
+
+// The last block and what became of it: what repeats along y is worked on once.
+struct LastBlock {
+    std::vector<Bytef> from, to;
+    int level = 0;
+
+    bool is(Bytes block, int at_level) const {
+        return !to.empty() && level == at_level && std::ranges::equal(from, block);
+    }
+    void keep(Bytes block, int at_level, Bytes result) {
+        from.assign(block.begin(), block.end());
+        to.assign(result.begin(), result.end());
+        level = at_level;
+    }
+};
+
+int give(const LastBlock& last, Bytef* to, uLongf* room) {
+    if (last.to.size() > *room)
+        return Z_BUF_ERROR;
+    std::memcpy(to, last.to.data(), last.to.size());
+    *room = last.to.size();
+    return Z_OK;
+}
+
+int unpack(Bytef* to, uLongf* room, Bytes from) {
+    thread_local const std::unique_ptr<libdeflate_decompressor, Free> unpacker(libdeflate_alloc_decompressor());
+    thread_local LastBlock last;
+    if (last.is(from, 0))
+        return give(last, to, room);
+    if (!unpacker)
+        return Z_MEM_ERROR;
+    std::size_t size = 0;
+    switch (libdeflate_zlib_decompress(unpacker.get(), from.data(), from.size(), to, *room, &size)) {
+    case LIBDEFLATE_SUCCESS:
+        break;
+    case LIBDEFLATE_INSUFFICIENT_SPACE:
+        return Z_BUF_ERROR;
+    default:
+        return Z_DATA_ERROR;
+    }
+    *room = size;
+    last.keep(from, 0, {to, size});
+    return Z_OK;
+}
+
+int pack(Bytef* to, uLongf* room, Bytes from, int level) {
+    thread_local std::unique_ptr<libdeflate_compressor, Free> packer;
+    thread_local LastBlock last;
+    if (last.is(from, level))
+        return give(last, to, room);
+    if (!packer || last.level != level)
+        packer.reset(libdeflate_alloc_compressor(level));
+    if (!packer)
+        return Z_MEM_ERROR;
+    thread_local std::vector<Bytef> roomy, again; // libdeflate wants a little more room than zlib
+    roomy.resize(libdeflate_zlib_compress_bound(packer.get(), from.size()));
+    const std::size_t size =
+        libdeflate_zlib_compress(packer.get(), from.data(), from.size(), roomy.data(), roomy.size());
+    if (size == 0 || size > *room)
+        return Z_BUF_ERROR;
+    std::memcpy(to, roomy.data(), size);
+    again.resize(from.size());
+    uLongf found = again.size();
+    if (unpack(again.data(), &found, {to, size}) != Z_OK || !std::ranges::equal(std::span(again).first(found), from))
+        return Z_DATA_ERROR; // the memory is bad
+    *room = size;
+    last.keep(from, level, {to, size});
+    return Z_OK;
+}
+
+} // namespace
+
+std::string deflate_name() {
+    return fmt::format("libdeflate {}", LIBDEFLATE_VERSION_STRING);
+}
+
+} // namespace forceshade
+
+extern "C" {
+
+int compress2(Bytef* to, uLongf* room, const Bytef* from, uLong size, int level) {
+    constexpr int kDefault = 6, kHighest = 9; // zlib's
+    return forceshade::pack(to, room, {from, size}, level < 0 ? kDefault : std::min(level, kHighest));
+}
+
+int compress(Bytef* to, uLongf* room, const Bytef* from, uLong size) {
+    return compress2(to, room, from, size, Z_DEFAULT_COMPRESSION);
+}
+
+int uncompress(Bytef* to, uLongf* room, const Bytef* from, uLong size) {
+    return forceshade::unpack(to, room, {from, size});
+}
+}
