@@ -35,6 +35,7 @@ struct DeviceFacts {
     bool simulated = false;          // each read() is one sample later than the one before, whatever the clock says
     double silence = kUnknown;       /* s: after such a pause between forces it may have dropped the last one */
     bool has_watchdog = true;        // a process that is killed leaves no force
+    unsigned buttons = 0;            // that it tells of, at most
     std::string remark;              // what else the user should know; empty: nothing
 };
 
@@ -48,9 +49,15 @@ enum class Answer {
 
 struct Reading {
     Answer answer = Answer::failed;
-    glm::dvec3 position{0};   /* m; of `failed` and `ended` without a meaning, of `fresh` perhaps not finite */
-    bool begins_path = false; // the probe did not move here from the position before
+    glm::dvec3 position{0};    /* m; of `failed` and `ended` without a meaning, of `fresh` perhaps not finite */
+    bool begins_path = false;  // the probe did not move here from the position before
+    std::uint32_t buttons = 0; // pressed ones, button N as bit N - 1; of `failed` and `ended` without a meaning
 };
+
+/// The bit of a button, which people count from 1 to 32; none for 0.
+constexpr std::uint32_t button_bit(unsigned button) noexcept {
+    return button == 0 ? 0 : 1u << (button - 1);
+}
 
 /// A device that is open. Constructing one may take its time and throws DeviceAbsent or UsageError; destroying one
 /// leaves the device without force. In between, read() and write() are called in turn by the live loop's thread: they

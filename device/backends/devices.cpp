@@ -15,12 +15,13 @@ namespace forceshade::device {
 
 namespace {
 
-std::unique_ptr<BackEnd> open_sim(const PreparedCase& prepared, std::optional<double> rate, double ramp) {
+std::unique_ptr<BackEnd> open_sim(const PreparedCase& prepared, const std::string& buttons, std::optional<double> rate,
+                                  double ramp) {
     const std::optional<PathsSpec>& paths = prepared.one.scene.paths;
     const double chosen = rate ? *rate : paths ? paths->rate : DeviceFacts{}.rate;
     constexpr double kMost = 1e9; // samples
     const double still = ramp > 0 ? std::min(std::ceil(ramp * chosen) + 1, kMost) : 0;
-    return make_sim(prepared, chosen, static_cast<std::uint64_t>(still));
+    return make_sim(prepared, chosen, static_cast<std::uint64_t>(still), parse_held_buttons(buttons));
 }
 
 DeviceKind find_haply(const std::string& url, double wait) {
@@ -63,10 +64,8 @@ std::unique_ptr<BackEnd> open_device(const std::string& name, const PreparedCase
                                      double ramp) {
     const std::size_t colon = name.find(':');
     const std::string kind = name.substr(0, colon), further = colon == std::string::npos ? "" : name.substr(colon + 1);
-    if (kind == "sim" && colon != std::string::npos)
-        throw UsageError(fmt::format("--device {}: sim takes nothing further", name));
     if (kind == "sim")
-        return open_sim(prepared, rate, ramp);
+        return open_sim(prepared, further, rate, ramp);
     if (kind == "replay" && further.empty())
         throw UsageError("--device replay: which file? replay:FILE.csv");
     if (kind == "replay")
@@ -78,8 +77,9 @@ std::unique_ptr<BackEnd> open_device(const std::string& name, const PreparedCase
     if (kind == "hd")
         return open_hd(further);
     const std::array<std::string, 5> kinds{"sim", "replay", "haply", "dhd", "hd"};
-    throw UsageError(fmt::format("--device {}: there are sim, replay:FILE, haply[:URL], dhd[:INDEX] or hd[:NAME]{}",
-                                 name, did_you_mean(kind, kinds)));
+    throw UsageError(
+        fmt::format("--device {}: there are sim[:BUTTONS], replay:FILE, haply[:URL], dhd[:INDEX] or hd[:NAME]{}", name,
+                    did_you_mean(kind, kinds)));
 }
 
 std::vector<DeviceKind> list_devices(const std::string& service, double wait) {

@@ -17,11 +17,22 @@ struct PreparedCase;
 
 namespace forceshade::device {
 
-/// Opens sim, replay:FILE, haply[:URL], dhd[:INDEX] or hd[:NAME]. `rate`, Hz: as the user says. `ramp`, s: that forces
-/// take to come up, for which a simulated hand holds still. \throws UsageError for another name or a bad file,
-/// DeviceAbsent, IoError.
+/// Opens sim[:BUTTONS], replay:FILE, haply[:URL], dhd[:INDEX] or hd[:NAME]. `rate`, Hz: as the user says. `ramp`, s:
+/// that forces take to come up, for which a simulated hand holds still. \throws UsageError for another name or a bad
+/// file, DeviceAbsent, IoError.
 std::unique_ptr<BackEnd> open_device(const std::string& name, const PreparedCase& prepared, std::optional<double> rate,
                                      double ramp);
+
+/// Whether a name is the simulated hand's.
+inline bool is_sim(std::string_view name) {
+    return name.substr(0, name.find(':')) == "sim";
+}
+
+/// A button that a simulated hand holds for a while.
+struct HeldButton {
+    unsigned button = 0;        // from 1 on
+    double from = 0, until = 0; /* s: of the device's own time, from its first sample on */
+};
 
 /// One kind of device, found or not.
 struct DeviceKind {
@@ -45,7 +56,11 @@ std::vector<DeviceKind> list_devices(const std::string& service = {}, double wai
 /// its path by more than `paths.bound`, having fallen off a mesh or been thrown off, begins again. `rate`, Hz: samples
 /// a second, in place of the scene's. `still`: samples for which the hand holds still when it begins, while the force
 /// may come up. \throws UsageError, IoError as ScenePaths.
-std::unique_ptr<BackEnd> make_sim(PreparedCase prepared, double rate, std::uint64_t still = 0);
+std::unique_ptr<BackEnd> make_sim(PreparedCase prepared, double rate, std::uint64_t still = 0,
+                                  std::vector<HeldButton> buttons = {});
+
+/// "1@0.5 s..3 s, 2@1 s..1.2 s": which buttons a simulated hand holds, and when. \throws UsageError.
+std::vector<HeldButton> parse_held_buttons(std::string_view text);
 
 /// A recording in place of a device, one row of it for each of the loop's samples: positions of a CSV file (PathReader:
 /// path, t, x, y, z in any order, as a live log has them), each once, path after path in the order of their first rows,

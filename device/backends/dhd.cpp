@@ -24,6 +24,7 @@ constexpr Clock::duration kAsk = std::chrono::milliseconds(20); // between quest
 constexpr int kDoorPatience = 20;                               /* ms */
 constexpr int kDisplayTime = 2;                                 /* ms: until a force that was written is displayed */
 constexpr double kDhdReach = 3;                                 /* m: no device reaches further */
+constexpr unsigned kDhdButtons = 32;                            // the mask's; no device tells how many it has
 
 /// A door that one thread passes at a time, none waiting for long: who is in the vendor's library. Safe in a signal's
 /// handler, where a mutex is not: the interrupted thread may be the one inside, and is then not waited for.
@@ -168,21 +169,22 @@ public:
 
     Reading read() noexcept override {
         if (!door_.enter())
-            return {Answer::repeated, position_, false}; // another thread drops the force just now
+            return {Answer::repeated, position_, false, buttons_}; // another thread drops the force just now
         double x = NAN, y = NAN, z = NAN;
         const bool asked = ask_when_due(Clock::now());
         const int answer = library_.get_position(&x, &y, &z, id_);
         const bool told = done(answer) && asked;
+        buttons_ = library_.get_button_mask ? library_.get_button_mask(id_) : 0;
         door_.leave();
         if (!told)
             return {Answer::failed, position_, false};
         if (answer == DhdLibrary::kTimeGuard)
-            return {Answer::repeated, position_, false};
+            return {Answer::repeated, position_, false, buttons_};
         const glm::dvec3 position = to_world(x, y, z);
         if (!is_reachable(position)) // in other units, or damaged
-            return {Answer::fresh, glm::dvec3(NAN), false};
+            return {Answer::fresh, glm::dvec3(NAN), false, buttons_};
         position_ = position;
-        return {Answer::fresh, position_, false};
+        return {Answer::fresh, position_, false, buttons_};
     }
 
     bool write(const glm::dvec3& force) noexcept override {
@@ -241,6 +243,7 @@ private:
         const Model& model = known == kModels.end() ? kUnknownModel : *known;
         facts.max_force = model.force;
         facts.silence = kDhdSilence;
+        facts.buttons = library_.get_button_mask ? kDhdButtons : 0;
         facts.low = glm::dvec3(-model.reach);
         facts.high = glm::dvec3(model.reach);
         const double limit = library_.get_max_force ? library_.get_max_force(id_) : -1;
@@ -327,6 +330,7 @@ private:
     const char id_ = device_.id;
     DeviceFacts facts_;
     glm::dvec3 position_{0};
+    std::uint32_t buttons_ = 0;   // of the last reading
     Clock::time_point written_{}; // when a force was accepted last
     Clock::time_point asked_{};   // when the status was told last
     bool on_ = false;             // forces are, by that status

@@ -49,7 +49,8 @@ struct DhdLibrary : SharedLibrary {
     const char* (*get_system_name)(char id) = optional("dhdGetSystemName");
     int (*get_system_type)(char id) = optional("dhdGetSystemType");
     int (*get_serial_number)(unsigned short* number, char id) = optional("dhdGetSerialNumber");
-    double (*get_max_force)(char id) = optional("dhdGetMaxForce"); // negative: no limit is set
+    double (*get_max_force)(char id) = optional("dhdGetMaxForce");       // negative: no limit is set
+    unsigned (*get_button_mask)(char id) = optional("dhdGetButtonMask"); // one bit each, pressed: 1
     int (*enable_expert_mode)() = optional("dhdEnableExpertMode");
     int (*disable_expert_mode)() = optional("dhdDisableExpertMode");
     int (*set_watchdog)(unsigned char time, char id) = optional("dhdSetWatchdog"); // in 125 us; expert

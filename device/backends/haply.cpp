@@ -45,7 +45,7 @@ public:
         const bool newer = exchange_.measurement.take(seen_);
         if (!seen_.good || (!newer && now() - seen_.time > stale_))
             return {};
-        return {newer ? Answer::fresh : Answer::repeated, seen_.position, false};
+        return {newer ? Answer::fresh : Answer::repeated, seen_.position, false, seen_.buttons};
     }
 
     bool write(const glm::dvec3& force) noexcept override {
@@ -113,6 +113,7 @@ DeviceFacts facts_of(const HaplyFinding& finding, const HaplyDevice& device) {
     if (type == "inverse3")
         facts.max_force = kInverse3Force;
     facts.silence = kHaplySilence;
+    facts.buttons = finding.has_grip ? 3 : 0;
     facts.low = glm::dvec3(-kReach);
     facts.high = glm::dvec3(kReach);
     type.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(type.front())));

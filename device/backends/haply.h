@@ -43,6 +43,7 @@ struct HaplyFinding {
     std::string problem; // why the service cannot be used; empty: it can
     std::string version; // "3.5.0"; empty: it did not tell
     std::vector<HaplyDevice> devices;
+    bool has_grip = false; // a VerseGrip with the buttons a, b and c
 };
 
 /// Asks for version and inventory; sends no command. `wait`, in s, is for each answer.

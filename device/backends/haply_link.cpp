@@ -214,6 +214,7 @@ private:
             finding.devices = std::move(*devices);
         else
             finding.problem = "what answers there tells no inventory of devices: it is not the Inverse Service 3.x";
+        finding.has_grip = tells_of_grip(inventory);
         line->socket.next_layer().expires_after(std::min(wait_, milliseconds(200)));
         step([&](Ended done) { line->socket.async_close(websocket::close_code::normal, done); });
     }
@@ -396,7 +397,7 @@ private:
         unmet_ = (unmet_ & ~state.readiness.told) | state.readiness.unmet;
         tell_withheld();
         if (state.fault == nullptr) {
-            exchange_.measurement.put({true, now(), axes_.to_world(state.position)});
+            exchange_.measurement.put({true, now(), axes_.to_world(state.position), state.buttons});
             pause_ = kFirstPause;
         } else {
             exchange_.complaint = state.fault;

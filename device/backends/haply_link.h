@@ -17,6 +17,7 @@ struct Measurement {
     bool good = false;      // it has a position; false: it has none, came too late, or the service is gone
     std::int64_t time = 0;  /* ns, of the steady clock: when it arrived */
     glm::dvec3 position{0}; /* m, in the world's axes, finite */
+    std::uint32_t buttons = 0;
 };
 
 /// Forces one way, positions the other, without either thread waiting for the other.

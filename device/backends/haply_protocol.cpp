@@ -45,6 +45,8 @@ void set(HaplyOptions& options, std::string_view key, std::string_view value) {
 using Json = nlohmann::json;
 using Dialect = HaplyOptions::Dialect;
 
+constexpr std::array kGrips{"wireless_verse_grip", "verse_grip"};
+constexpr std::array kGripButtons{"a", "b", "c"};
 constexpr double kHaplyReach = 10; /* m: no hand-held device reaches so far: such numbers are no position */
 
 Json parse(std::string_view text) {
@@ -112,6 +114,26 @@ std::optional<glm::dvec3> position_of(const Json* value) {
             return std::nullopt;
     }
     return position;
+}
+
+// Of whatever grips the service lists; of one that is asleep or gone, none.
+std::uint32_t buttons_of(const Json& message) {
+    std::uint32_t pressed = 0;
+    for (const char* list : kGrips) {
+        const Json* grips = member(message, list);
+        if (grips == nullptr || !grips->is_array())
+            continue;
+        for (const Json& grip : *grips) {
+            const Json* state = member(grip, "state");
+            const Json* buttons = state != nullptr ? member(*state, "buttons") : nullptr;
+            if (buttons == nullptr)
+                continue;
+            for (std::size_t i = 0; i < kGripButtons.size(); ++i)
+                if (const Json* button = member(*buttons, kGripButtons[i]); button != nullptr && *button == true)
+                    pressed |= 1u << i;
+        }
+    }
+    return pressed;
 }
 
 } // namespace
@@ -203,6 +225,14 @@ std::string read_version(std::string_view body) {
     return {};
 }
 
+bool tells_of_grip(std::string_view message) {
+    const Json json = parse(message);
+    return std::ranges::any_of(kGrips, [&](const char* list) {
+        const Json* grips = member(json, list);
+        return grips != nullptr && grips->is_array() && !grips->empty();
+    });
+}
+
 std::optional<std::vector<HaplyDevice>> read_inventory(std::string_view message) {
     const Json json = parse(message);
     if (!json.is_object())
@@ -276,7 +306,7 @@ State read_state(std::string_view message, std::string_view device_id) {
             state != nullptr ? position_of(member(*state, "cursor_position")) : std::nullopt;
         if (!position)
             return {"the Inverse Service answered without a position of the device", {}, readiness};
-        return {nullptr, *position, readiness};
+        return {nullptr, *position, readiness, buttons_of(json)};
     }
     return {"the Inverse Service does not list the device any more", {}, {}};
 }

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -71,6 +72,9 @@ HaplyOptions::Dialect dialect_of(std::string_view version);
 /// What a service answers to GET /version; empty: it does not tell.
 std::string read_version(std::string_view body);
 
+/// Whether a message tells of a grip, which has the buttons a, b and c.
+bool tells_of_grip(std::string_view message);
+
 /// The first message of a connection; nothing: it is no inventory.
 std::optional<std::vector<HaplyDevice>> read_inventory(std::string_view message);
 
@@ -97,6 +101,7 @@ struct State {
     const char* fault = nullptr; // in words, what is wrong with it; null: it has a position
     glm::dvec3 position{0};      /* m, in the service's axes */
     Readiness readiness;         // of the device; with a fault, too
+    std::uint32_t buttons = 0;   // of the grips: a, b, c as bits 0, 1, 2; none where the service tells of no grip
 };
 
 /// Of one device; others are passed over.

@@ -19,6 +19,7 @@ constexpr int kMostFailures = 100;    // frames without a position at the start
 constexpr double kHdReach = 3;        /* m: no device reaches further */
 constexpr double kUnknownReach = 0.5; /* m: of a device that states no workspace */
 constexpr double kMillimetre = 1e-3;  /* m */
+constexpr unsigned kHdButtons = 4;    // that HDAPI names
 
 /// If no force was put for this long, none is displayed: three samples of the slowest loop, 100 Hz, and then some.
 constexpr std::int64_t kHdSilence = 50'000'000; /* ns */
@@ -29,6 +30,7 @@ public:
     struct Frame {
         glm::dvec3 position{0}; /* m, in the world */
         bool told = false;      // the device gave one
+        std::uint32_t buttons = 0;
     };
 
     Servo(const HdLibrary& library, unsigned device) noexcept : library_(library), device_(device) {}
@@ -86,7 +88,12 @@ private:
         library_.begin_frame(device_);
         double at[3]{}; /* mm */
         library_.get_doublev(HdValue::current_position, at);
-        const Frame frame{kMillimetre * glm::dvec3(at[0], -at[2], at[1]), succeeded()};
+        const bool told = succeeded();
+        int buttons = 0;
+        library_.get_integerv(HdValue::current_buttons, &buttons);
+        if (library_.drain_errors() != HdValue::success) // a device without is no failure
+            buttons = 0;
+        const Frame frame{kMillimetre * glm::dvec3(at[0], -at[2], at[1]), told, static_cast<std::uint32_t>(buttons)};
         commands_.take(command_);
         const bool old = time - command_.time > kHdSilence || command_.time <= rested_;
         const bool silent = halted_; // asked as late as can be
@@ -227,14 +234,16 @@ public:
     Reading read() noexcept override {
         Servo::Frame frame;
         const bool fresh = servo_.take(frame);
-        if (fresh)
+        if (fresh) {
             told_ = frame.told;
+            buttons_ = frame.buttons;
+        }
         if (!told_ || (!fresh && !servo_.runs()))
             return {Answer::failed, position_, false};
         if (!fresh)
-            return {Answer::repeated, position_, false};
+            return {Answer::repeated, position_, false, buttons_};
         position_ = frame.position;
-        return {Answer::fresh, position_, false};
+        return {Answer::fresh, position_, false, buttons_};
     }
 
     bool write(const glm::dvec3& force) noexcept override { return servo_.put(force); }
@@ -247,6 +256,9 @@ private:
         DeviceFacts facts;
         facts.name = name_of(library_);
         facts.software = software_of(library_);
+        int pressed = 0;
+        library_.get_integerv(HdValue::current_buttons, &pressed);
+        facts.buttons = library_.error().empty() ? kHdButtons : 0;
         facts.silence = 0.9e-9 * static_cast<double>(kHdSilence); // the loop's clock and the servo's are read apart
         read_forces(facts);
         read_workspace(facts);
@@ -359,7 +371,8 @@ private:
     Servo servo_;
     const Schedule schedule_;
     glm::dvec3 position_{0};
-    bool told_ = true; // the newest frame had a position
+    std::uint32_t buttons_ = 0; // of the newest frame
+    bool told_ = true;          // it had a position
 };
 
 } // namespace

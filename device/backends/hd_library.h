@@ -21,6 +21,7 @@ using HdCallback = unsigned (*)(void* user);
 struct HdValue {
     static constexpr unsigned success = 0, invalid_handle = 0xFFFFFFFF;
     static constexpr unsigned callback_done = 0, callback_continue = 1;
+    static constexpr unsigned current_buttons = 0x2000; // as an integer: button 1 to 4 as bit 0 to 3
     static constexpr unsigned current_position = 0x2050, current_force = 0x2700;
     static constexpr unsigned version = 0x2500, device_model_type = 0x2501, device_driver_version = 0x2502,
                               device_serial_number = 0x2504;

@@ -2,11 +2,15 @@
 
 #include <algorithm>
 #include <atomic>
+#include <charconv>
 #include <utility>
 #include <vector>
 
+#include <fmt/format.h>
+
 #include "host/paths/scene_paths.h"
 #include "host/reference/path_step.h"
+#include "host/scene/quantity.h"
 
 namespace forceshade::device {
 
@@ -29,9 +33,9 @@ PreparedCase with_hand(PreparedCase prepared, double rate) {
 
 class Sim final : public BackEnd {
 public:
-    Sim(PreparedCase prepared, double rate, std::uint64_t still)
+    Sim(PreparedCase prepared, double rate, std::uint64_t still, std::vector<HeldButton> buttons)
         : prepared_(with_hand(std::move(prepared), rate)), still_(still), paths_(prepared_), input_(paths_.input()),
-          hand_(input_.hands[0]), batch_(paths_.batch(0, 1)) {
+          hand_(input_.hands[0]), batch_(paths_.batch(0, 1)), buttons_(std::move(buttons)) {
         if (input_.features.motion == layout::kMotionRecorded)
             record();
         begin();
@@ -40,6 +44,8 @@ public:
         facts_.max_force = hand_.max_force;
         facts_.rate = rate;
         facts_.simulated = true;
+        for (const HeldButton& held : buttons_)
+            facts_.buttons = std::max(facts_.buttons, held.button);
     }
 
     const DeviceFacts& facts() const noexcept override { return facts_; }
@@ -49,7 +55,8 @@ public:
         const bool left = !(reference::dot(offset, offset) <= hand_.bound * hand_.bound);
         if (left)
             begin();
-        return {Answer::fresh, reference::measured(hand_, Vector<double>(state_.x, state_.y, state_.z)), left};
+        return {Answer::fresh, reference::measured(hand_, Vector<double>(state_.x, state_.y, state_.z)), left,
+                pressed(static_cast<double>(samples_++) / facts_.rate)};
     }
 
     bool write(const glm::dvec3& force) noexcept override {
@@ -67,6 +74,14 @@ public:
     void halt() noexcept override { halted_.store(true, std::memory_order_relaxed); }
 
 private:
+    std::uint32_t pressed(double time) const noexcept {
+        std::uint32_t all = 0;
+        for (const HeldButton& held : buttons_)
+            if (time >= held.from && time < held.until)
+                all |= button_bit(held.button);
+        return all;
+    }
+
     void begin() noexcept {
         state_ = reference::begin_state(input_.features, hand_, target(0));
         waits_ = still_;
@@ -99,14 +114,40 @@ private:
     const layout::PathBatch<double> batch_; // points into paths_
     std::vector<Vector<double>> recorded_;  /* m; empty: generated */
     layout::PathState<double> state_{};
+    const std::vector<HeldButton> buttons_;
+    std::uint64_t samples_ = 0; // read
     DeviceFacts facts_;
     std::atomic<bool> halted_ = false;
 };
 
 } // namespace
 
-std::unique_ptr<BackEnd> make_sim(PreparedCase prepared, double rate, std::uint64_t still) {
-    return std::make_unique<Sim>(std::move(prepared), rate, still);
+std::unique_ptr<BackEnd> make_sim(PreparedCase prepared, double rate, std::uint64_t still,
+                                  std::vector<HeldButton> buttons) {
+    return std::make_unique<Sim>(std::move(prepared), rate, still, std::move(buttons));
+}
+
+std::vector<HeldButton> parse_held_buttons(std::string_view text) {
+    constexpr std::string_view kBlanks = " ";
+    std::vector<HeldButton> buttons;
+    while (!text.empty()) {
+        const std::string_view item = text.substr(0, text.find(','));
+        text.remove_prefix(std::min(text.size(), item.size() + 1));
+        const std::size_t at = item.find('@'), dots = item.find("..");
+        const std::size_t begin = std::min(item.find_first_not_of(kBlanks), item.size());
+        HeldButton held;
+        const char* const end = item.data() + std::min(at, item.size());
+        const auto read = std::from_chars(item.data() + begin, end, held.button);
+        if (at == std::string_view::npos || dots == std::string_view::npos || dots < at || read.ec != std::errc() ||
+            read.ptr != end || held.button < 1 || held.button > 32)
+            throw UsageError(fmt::format("--device sim:{}: a button from 1 to 32 and the time for which the hand holds "
+                                         "it, as in sim:1@0.5 s..3 s,2@1 s..1.2 s",
+                                         item));
+        held.from = parse_quantity(item.substr(at + 1, dots - at - 1), Dimension::time);
+        held.until = parse_quantity(item.substr(dots + 2), Dimension::time);
+        buttons.push_back(held);
+    }
+    return buttons;
 }
 
 } // namespace forceshade::device

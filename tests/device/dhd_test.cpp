@@ -50,6 +50,18 @@ TEST_F(Dhd, turns_its_axes_into_the_worlds) {
     EXPECT_EQ(stub_.force(), dvec3(-2, 1, 3));
 }
 
+TEST_F(Dhd, tells_its_buttons) {
+    const auto device = open_dhd("");
+    EXPECT_EQ(device->facts().buttons, 32u);
+    EXPECT_EQ(device->read().buttons, 0u);
+    stub_.press(5);
+    EXPECT_EQ(device->read().buttons, 5u);
+    stub_.fail("time guard");
+    stub_.press(4);
+    EXPECT_EQ(device->read().answer, Answer::repeated);
+    EXPECT_EQ(device->read().buttons, 4u) << "of now, even if the position is not";
+}
+
 TEST_F(Dhd, is_refused_where_units_cannot_be_metres_and_newtons) {
     stub_.place(30, 0.02, 0.01);
     expect_words(refusal(), {"omega.3", "(30, 0.02, 0.01)", "metres"});
@@ -108,6 +120,7 @@ TEST_F(Dhd, does_without_what_it_can_do_without) {
     const auto device = open_dhd("");
     EXPECT_EQ(device->facts().name, "Force Dimension device");
     EXPECT_EQ(device->facts().max_force, kUnknown);
+    EXPECT_EQ(device->facts().buttons, 0u);
     EXPECT_TRUE(device->write({0, 0, 1}));
     EXPECT_EQ(old.force(), dvec3(0, 0, 1));
 }

@@ -30,6 +30,24 @@ TEST(Haply, ReadsPositionsAndDisplaysForces) {
     EXPECT_TRUE(received_only_what_was_commanded(service));
 }
 
+TEST(Haply, TellsTheButtonsOfAGrip) {
+    EXPECT_EQ(open_haply(options_of(SimulatedService({})))->facts().buttons, 0u) << "without a grip";
+    ServiceScript script;
+    script.grip = "-";
+    SimulatedService service(script);
+    const auto device = open_haply(options_of(service));
+    EXPECT_EQ(device->facts().buttons, 3u);
+    const auto tells = [&](std::uint32_t buttons) {
+        return loop_until(*device, [&](const Reading& reading, bool) {
+            return reading.answer == Answer::fresh && reading.buttons == buttons;
+        });
+    };
+    for (const auto& [grip, mask] : {std::pair("b", 2u), {"-", 0u}, {"c", 4u}, {"a", 1u}, {"", 0u}}) {
+        service.set_grip(grip);
+        EXPECT_TRUE(tells(mask)) << grip << ": of a grip that is gone nothing is held";
+    }
+}
+
 TEST(Haply, SpeaksTheOldDialectToAnOldService) {
     ServiceScript script;
     script.speaks_vector = false;

@@ -64,6 +64,23 @@ TEST_F(Hd, is_found_without_moving_it) {
     expect_words(find_hd().problem, {"Communication configuration error", "0x0303"});
 }
 
+TEST_F(Hd, tells_its_buttons) {
+    const auto device = open_hd("");
+    EXPECT_EQ(device->facts().buttons, 4u);
+    stub_.press(2);
+    EXPECT_TRUE(comes_true([&] { return device->read().buttons == 2; }));
+    stub_.fail("buttons"); // from now on
+    EXPECT_TRUE(comes_true([&] { return device->read().buttons == 0; })) << "none that it does not tell";
+    EXPECT_TRUE(displays(*device, stub_, {0, 0, 1}, {0, 1, 0})) << "which is no failure of the rest";
+    EXPECT_NE(device->read().answer, Answer::failed);
+    EXPECT_EQ(device->complaint(), nullptr);
+}
+
+TEST_F(Hd, without_buttons_it_is_a_device_all_the_same) {
+    stub_.fail("buttons");
+    EXPECT_EQ(open_hd("")->facts().buttons, 0u);
+}
+
 // The vendor's x points to the right, y up, z to the user; ours x to the right, y away from the user, z up. mm and m.
 TEST_F(Hd, turns_its_axes_into_the_worlds) {
     const auto device = open_hd("");

@@ -70,7 +70,15 @@ Json state(const ServiceScript& script, double seconds, const glm::dvec3& force)
     Json list = Json::array();
     for (std::size_t i = 0; i < script.devices.size(); ++i)
         list.push_back(device(script, i, seconds, force));
-    return {{"session_id", 7}, {"inverse3", list}, {"verse_grip", Json::array()}};
+    Json grips = Json::array();
+    if (!script.grip.empty())
+        grips.push_back(
+            {{"device_id", "VG01"},
+             {"state",
+              {{"buttons", {{"a", script.grip == "a"}, {"b", script.grip == "b"}, {"c", script.grip == "c"}}},
+               {"orientation", {{"w", 1.0}, {"x", 0.0}, {"y", 0.0}, {"z", 0.0}}}}},
+             {"status", {{"awake", true}, {"ready", true}}}});
+    return {{"session_id", 7}, {"inverse3", list}, {"verse_grip", Json::array()}, {"wireless_verse_grip", grips}};
 }
 
 /// The state with the first device's x replaced by what JSON may not even allow.

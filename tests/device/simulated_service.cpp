@@ -93,6 +93,11 @@ void SimulatedService::set_devices(std::vector<std::string> devices) {
     inside_->common_.script.devices = std::move(devices);
 }
 
+void SimulatedService::set_grip(const std::string& grip) {
+    const std::lock_guard lock(inside_->common_.mutex);
+    inside_->common_.script.grip = grip;
+}
+
 void SimulatedService::go_away() {
     inside_->there([this] { inside_->go_away(); });
 }

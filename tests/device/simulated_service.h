@@ -51,6 +51,7 @@ struct ServiceScript {
     std::vector<std::string> devices{"04BA"};
     std::chrono::milliseconds delay{250}; // of Fault::late
     Fault fault = Fault::none;
+    std::string grip; // "a": a wireless VerseGrip with this button pressed; "-": with none; empty: no grip
     glm::dvec3 center{0, -0.1, 0.15};       /* m: the first device swings about it; others are far off */
     glm::dvec3 amplitude{0.01, 0.02, 0.03}; /* m */
     double frequency = 1;                   /* Hz */
@@ -75,6 +76,7 @@ public:
 
     void set(Fault fault);
     void set_devices(std::vector<std::string> devices);
+    void set_grip(const std::string& grip);
     void go_away();   // closes all connections without a word, listens no more
     void come_back(); // at the same port
 

@@ -4,6 +4,7 @@
 //   STUB_FAIL=dhdOpen,dhdGetPosition@100+50   calls that fail, from the first or the hundredth on, for good or 50 times
 //   STUB_POSITION=0.01,0.02,0.03           in the vendor's units and axes
 //   STUB_DEVICES=0                         how many devices there are
+//   STUB_BUTTONS=2                         which buttons are pressed
 //   STUB_RECORD=FILE                       each force displayed is a line of seconds, x, y, z there, even if the
 //                                          process dies next
 #pragma once
@@ -34,7 +35,7 @@ struct Call {
 };
 
 struct State {
-    std::array<Call, 32> calls{};
+    std::array<Call, 48> calls{};
     std::array<std::atomic<double>, 3> position{0.01, 0.02, 0.03};
     std::array<std::atomic<double>, 3> force{};
     std::atomic<long> forces = 0; // displayed
@@ -43,6 +44,7 @@ struct State {
     std::atomic<long> calibration = 0x5000;
     std::atomic<long> styles = 2;             // of calibration
     std::atomic<double> lasting_force = 0.88; // N
+    std::atomic<long> buttons = 0;            // pressed, as the vendor's mask
     std::mutex order_mutex;
     std::string order; // of the calls that matter to the hand
     std::atomic<int> record = -1;
@@ -128,6 +130,8 @@ const bool set_up = [] {
         record_to(text);
     if (const char* text = std::getenv("STUB_DEVICES"))
         state.devices = std::atol(text);
+    if (const char* text = std::getenv("STUB_BUTTONS"))
+        state.buttons = std::atol(text);
     if (const char* text = std::getenv("STUB_POSITION"); text && std::sscanf(text, "%lf,%lf,%lf", &x, &y, &z) == 3) {
         state.position[0] = x;
         state.position[1] = y;
@@ -179,6 +183,9 @@ void stub_calibration(long answer) {
 }
 void stub_styles(long styles) {
     stub::state.styles = styles;
+}
+void stub_buttons(long mask) {
+    stub::state.buttons = mask;
 }
 void stub_lasting_force(double force) {
     stub::state.lasting_force = force;

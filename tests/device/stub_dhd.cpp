@@ -45,6 +45,7 @@ void stub_reset() {
     stub::display(0, 0, 0);
     stub::state.forces = 0;
     stub_devices(1);
+    stub_buttons(0);
     stub_most_force(8);
     stub_record(nullptr);
     stub_order();
@@ -165,6 +166,9 @@ int dhdGetSerialNumber(unsigned short* number, char) {
 }
 double dhdGetMaxForce(char) {
     return stub::fails("dhdGetMaxForce") ? -1 : stub::state.most_force.load();
+}
+unsigned dhdGetButtonMask(char) {
+    return static_cast<unsigned>(stub::state.buttons);
 }
 int dhdEnableExpertMode() {
     expert = true;

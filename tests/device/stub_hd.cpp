@@ -72,6 +72,7 @@ void stub_reset() {
     stub::display(0, 0, 0);
     stub::state.forces = 0;
     stub_devices(1);
+    stub_buttons(0);
     stub_most_force(3.3);
     stub_scale(1);
     stub_calibration(0x5000);
@@ -207,6 +208,11 @@ void hdStopScheduler() {
     stop();
 }
 void hdGetIntegerv(unsigned what, int* values) {
+    if (what == 0x2000) {
+        if (!failed("buttons", 0x0100))
+            *values = static_cast<int>(stub::state.buttons);
+        return;
+    }
     if (!failed("hdGetIntegerv") && what == 0x2555)
         *values = static_cast<int>(stub::state.styles);
 }
