@@ -163,7 +163,7 @@ bool LiveLoop::read_position(Turn& turn) noexcept {
         safety_.restart_ramp(); // its surface may lie high above the probe
     }
     Reading reading = back_end_.read();
-    reading.position -= settings_.origin;
+    reading.position -= settings_.mapping.origin;
     const std::int64_t read = now();
     turn.sample.reading = short_time(read - turn.begin);
     turn.now.time = settings_.real_time ? seconds(read - start_) : static_cast<double>(tick_) / settings_.rate;
@@ -174,7 +174,14 @@ bool LiveLoop::read_position(Turn& turn) noexcept {
         return false;
     }
     const bool given = reading.answer == Answer::fresh || (reading.answer == Answer::repeated && begun_);
-    turn.now.is_position = given && laws_.present().reaches(reading.position);
+    look_at_buttons(turn, reading);
+    const bool clutched = (turn.now.held_back & kClutched) != 0;
+    if (given && clutched_ && !clutched && is_finite(reading.position)) { // where the hand is now is where the probe is
+        slid_ = reading.position - settings_.mapping.to_hand(probe_);
+        clutched_ = false;
+    }
+    const glm::dvec3 probe = clutched && begun_ ? probe_ : probe_at(reading.position);
+    turn.now.is_position = given && is_finite(reading.position) && laws_.present().reaches(probe);
     path_begins_ = path_begins_ || reading.begins_path; // with the next position, if this is none
     if (turn.now.is_position) {
         turn.now.begins_path = std::exchange(path_begins_, false);
@@ -182,7 +189,9 @@ bool LiveLoop::read_position(Turn& turn) noexcept {
             laws_.present().begin_path();
             begin_path(turn);
         }
-        probe_ = reading.position;
+        hand_ = reading.position;
+        probe_ = probe;
+        clutched_ = clutched;
         begun_ = true;
     }
     const double passed = turn.now.time - std::exchange(last_time_, turn.now.time);
@@ -190,8 +199,23 @@ bool LiveLoop::read_position(Turn& turn) noexcept {
     gone_ = given && begun_ && accepted_ ? 0 : gone_ + std::min(passed, 0.1 * settings_.patience);
     if (gone_ > settings_.patience)
         end_.store(LoopEnd::device_gone, std::memory_order_release);
-    turn.now.probe = probe_;
+    turn.now.probe = hand_;
     return begun_;
+}
+
+glm::dvec3 LiveLoop::probe_at(const glm::dvec3& hand) const noexcept {
+    return settings_.clutch == 0 ? settings_.mapping.to_scene(hand) : settings_.mapping.to_scene(hand - slid_);
+}
+
+// A device that does not tell its buttons has none pressed: the dead man's is released, the clutch stays as it was.
+void LiveLoop::look_at_buttons(Turn& turn, const Reading& reading) noexcept {
+    const bool told = reading.answer == Answer::fresh || reading.answer == Answer::repeated;
+    const std::uint32_t pressed = told ? reading.buttons : 0;
+    turn.sample.buttons = pressed;
+    if (settings_.dead_man != 0 && (pressed & button_bit(settings_.dead_man)) == 0)
+        turn.now.held_back |= kDeadMan;
+    if (settings_.clutch != 0 && (told ? (pressed & button_bit(settings_.clutch)) != 0 : clutched_))
+        turn.now.held_back |= kClutched;
 }
 
 // The force of the law, what safety leaves of it, and how the device accepts that. A sample that is later than it may
@@ -208,7 +232,8 @@ void LiveLoop::display_force(Turn& turn) noexcept {
                                     ? law.at(probe_)
                                     : LiveContact{probe_, glm::dvec3(0), 0, layout::kNoFacet, true}; // a new law's
     sample.happened |= contact.finished ? 0u : kUnfinished;
-    glm::dvec3 force = safety_.limit(turn.now, contact.force, contact.facet != layout::kNoFacet, sample.happened);
+    glm::dvec3 force = safety_.limit(turn.now, settings_.mapping.force_to_device(contact.force),
+                                     contact.facet != layout::kNoFacet, sample.happened);
     const std::int64_t end = now();
     const bool let_go = settings_.real_time && written_ != 0 && seconds(end - written_) > back_end_.facts().silence;
     if (let_go || is_late(end)) {
@@ -226,7 +251,7 @@ void LiveLoop::display_force(Turn& turn) noexcept {
     sample.energy = safety_.energy();
     accepted_ = back_end_.write(force);
     turn.end = written_ = now();
-    sample.commanded = accepted_ ? force : glm::dvec3(0);
+    sample.commanded = accepted_ ? settings_.mapping.force_to_scene(force) : glm::dvec3(0);
     sample.happened |= accepted_ ? 0u : kFailed;
     const bool late = is_late(turn.end);
     sample.happened |= late ? kTooLate : 0u; // the watchdog has let the device rest meanwhile
@@ -291,6 +316,7 @@ void LiveLoop::publish(const LiveSample& sample) noexcept {
     status_.clamped.store(counts_->with(kClamped), relaxed);
     status_.lost.store(counts_->lost, relaxed);
     status_.happened.store(sample.happened, relaxed);
+    status_.buttons.store(sample.buttons, relaxed);
     status_.seconds.store(sample.time, relaxed);
     status_.force.store(magnitude(sample.commanded), relaxed);
     status_.depth.store(sample.depth, relaxed);

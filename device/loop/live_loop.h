@@ -9,6 +9,7 @@
 
 #include "device/backends/back_end.h"
 #include "device/loop/live_law.h"
+#include "device/loop/mapping.h"
 #include "device/loop/permissions.h"
 #include "device/loop/safety.h"
 #include "device/loop/sample.h"
@@ -41,7 +42,9 @@ struct LoopSettings {
     double standstill = 10; /* s: a process that stood still for longer restarts its clock where it wakes */
     double patience = 5;    /* s: without a position, or with a device that fails, after which it ends */
     std::optional<int> cpu; // to run on
-    glm::dvec3 origin{0};   /* m: where the scene's origin lies in the device's space */
+    Mapping mapping;
+    unsigned dead_man = 0; // the button without which no force is displayed; 0: none
+    unsigned clutch = 0;   // the button with which the probe stays where it is and the hand moves alone; 0: none
     SafetyLimits limits;
 };
 
@@ -51,6 +54,7 @@ enum class LoopEnd { running, done, stopped, recording_over, device_gone };
 struct LoopStatus {
     std::atomic<std::uint64_t> samples = 0, waiting = 0, overruns = 0, own_overruns = 0, clamped = 0, lost = 0;
     std::atomic<std::uint32_t> happened = 0;           // to the last sample
+    std::atomic<std::uint32_t> buttons = 0;            // pressed then
     std::atomic<std::uint32_t> laws = 0, law_path = 0; // new ones that were used, and the path that the last one began
     std::atomic<double> seconds = 0, force = 0, depth = 0, energy = 0; /* s, N commanded, m, J */
 };
@@ -95,6 +99,8 @@ private:
     void wait_until_due(Turn& turn) noexcept;
     void begin_path(Turn& turn) noexcept;
     bool read_position(Turn& turn) noexcept;
+    glm::dvec3 probe_at(const glm::dvec3& hand) const noexcept;
+    void look_at_buttons(Turn& turn, const Reading& reading) noexcept;
     void display_force(Turn& turn) noexcept;
     void skip(const Turn& turn) noexcept;
     void record(Turn& turn) noexcept;
@@ -122,7 +128,10 @@ private:
     std::uint64_t tick_ = 0;
     double last_time_ = 0;     /* s: of the last sample */
     double gone_ = 0;          /* s: since the device last answered as it should */
-    glm::dvec3 probe_{0};      /* m: the last valid position */
+    glm::dvec3 hand_{0};       /* m: the last valid position of the device, counted from the scene's origin */
+    glm::dvec3 probe_{0};      /* m: likewise, in the scene */
+    glm::dvec3 slid_{0};       /* m: how far the hand has moved alone, with the clutch held */
+    bool clutched_ = false;    // the clutch was held at the last sample that had a position
     bool begun_ = false;       // there was one
     bool path_begins_ = false; // one whose first position has not come yet
     bool accepted_ = true;     // the device accepted the last force

@@ -46,7 +46,7 @@ void Safety::follow(const Situation& now) noexcept {
 }
 
 std::uint32_t Safety::find_faults(const Situation& now) const noexcept {
-    std::uint32_t found = 0;
+    std::uint32_t found = now.held_back;
     if (now.answer == Answer::failed)
         found |= kFailed;
     else if (!now.is_position)

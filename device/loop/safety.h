@@ -25,7 +25,7 @@ struct SafetyLimits {
     double max_speed = 2;            /* m/s: of the probe */
     double stale = 0.02;             /* s: without a new position */
     double late = 20;                // periods that a sample may be late
-    glm::dvec3 low{-kUnknown};       /* m: the workspace */
+    glm::dvec3 low{-kUnknown};       /* m: the workspace, of places of the hand */
     glm::dvec3 high{kUnknown};       /* m */
     bool passivity = false;          // whether the passivity controller is on
     double damping = 10;             /* N s/m: the most that it may add */
@@ -116,15 +116,17 @@ inline Damping passive_damping(const EnergyObserver& observer, const glm::dvec3&
 /// What is known of a sample before its law is evaluated.
 struct Situation {
     Answer answer = Answer::failed;
-    glm::dvec3 probe{0};      /* m: the last valid position, this sample's if there is one */
+    glm::dvec3 probe{0};      /* m: the hand's place (mapping.h), the last valid one, this sample's if there is one */
     bool is_position = false; // the device gave one, finite and within the law's reach
     bool begins_path = false; // the probe did not move here from the position before
     bool withheld = false;    // the device displays no force
-    double time = 0;          /* s: when it was read */
-    double late = 0;          // periods
+    std::uint32_t held_back = 0; // kDeadMan, kClutched
+    double time = 0;             /* s: when it was read */
+    double late = 0;             // periods
 };
 
-/// Keeps what safety needs from one sample to the next. Neither allocates nor throws.
+/// Keeps what safety needs from one sample to the next, all in the device's axes and metres, whatever the mapping of
+/// the scene: speed, workspace and energy are the hand's. Neither allocates nor throws.
 class Safety {
 public:
     /// `period`, s.

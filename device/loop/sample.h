@@ -108,15 +108,18 @@ enum Happening : std::uint32_t {
     kWithheld = 1u << 14,   // the device displays no force: it is not calibrated, switched off, ...: likewise
     kLasting = 1u << 15,    // the force was larger than the motors bear for so long
     kNewPath = 1u << 16,    // a path begins in mid-run: the force of the one before was dropped
+    kDeadMan = 1u << 17,    // the dead-man switch was released: no force was displayed
+    kClutched = 1u << 18,   // the clutch was held: likewise, and the probe stayed where it was
 };
 
-inline constexpr std::array<std::string_view, 17> kHappenings{
-    "clamped",  "slewed", "ramping",    "damped",  "no_number",   "bad_position", "stale",   "outside", "too_fast",
-    "too_late", "failed", "unfinished", "overrun", "own_overrun", "withheld",     "lasting", "new_path"};
+inline constexpr std::array<std::string_view, 19> kHappenings{
+    "clamped",  "slewed",   "ramping",  "damped",   "no_number",  "bad_position", "stale",
+    "outside",  "too_fast", "too_late", "failed",   "unfinished", "overrun",      "own_overrun",
+    "withheld", "lasting",  "new_path", "dead_man", "clutched"};
 
 /// Those with which no force is displayed.
 inline constexpr std::uint32_t kForceless =
-    kNoNumber | kBadPosition | kStale | kOutside | kTooFast | kTooLate | kFailed | kWithheld;
+    kNoNumber | kBadPosition | kStale | kOutside | kTooFast | kTooLate | kFailed | kWithheld | kDeadMan | kClutched;
 
 struct LiveSample {
     std::uint64_t tick = 0;     // from 0 on, none left out
@@ -126,7 +129,7 @@ struct LiveSample {
     glm::dvec3 probe{0};        /* m: where the law was evaluated: the last valid position */
     glm::dvec3 proxy{0};        /* m */
     glm::dvec3 force{0};        /* N: the law's */
-    glm::dvec3 commanded{0};    /* N: sent to the device; zero where it did not accept it */
+    glm::dvec3 commanded{0};    /* N: sent to the device, in the scene's axes; zero where it did not accept it */
     double depth = 0;           /* m */
     double energy = 0;          /* J: given to the hand since the start */
     std::int64_t late = 0;      /* ns: the loop woke so long after the sample was due */
@@ -134,6 +137,7 @@ struct LiveSample {
     std::int32_t computing = 0; /* ns: law and safety */
     std::int32_t writing = 0;   /* ns */
     std::uint32_t facet = 0;    // layout::kNoFacet out of contact
+    std::uint32_t buttons = 0;  // pressed: Reading::buttons
     std::uint64_t scene = 0;    // LiveLaw::scene
 };
 

@@ -90,6 +90,7 @@ std::string live_page(const LiveOutcome& outcome, const std::filesystem::path& l
         fmt::format("{} ({}), live at {}", outcome.scene, outcome.precision, quantity(outcome.rate, "Hz")),
         {{"Program", "forceshade " + version()},
          {"Device", device},
+         {"Felt", outcome.manner.empty() ? "the device's space is the scene's" : outcome.manner},
          {"Run", pace_text(outcome, "µ")},
          {"Ended", shortened(outcome.ended)},
          {"Late", lateness_text(outcome)},

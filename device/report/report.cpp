@@ -215,6 +215,8 @@ std::string report_text(const LiveOutcome& outcome) {
     lines.add("scene", fmt::format("{} ({}){}", outcome.scene, outcome.precision,
                                    outcome.scenes.empty() ? "" : ", SHA-256 " + outcome.scenes.front().sha256));
     lines.add("device", device_text(outcome));
+    if (!outcome.manner.empty())
+        lines.add("felt", outcome.manner);
     lines.add("run", pace_text(outcome));
     lines.add("ended", outcome.ended);
     add_permissions(lines, outcome);
@@ -241,6 +243,12 @@ nlohmann::ordered_json report_json(const LiveOutcome& outcome) {
               {"scenes", scenes_json(outcome)},
               {"precision", text(outcome.precision)},
               {"device", device_json(outcome)},
+              {"mapping",
+               {{"origin_m", point(outcome.mapping.origin)},
+                {"scene_x", point(outcome.mapping.turn[0])},
+                {"scene_y", point(outcome.mapping.turn[1])},
+                {"scene_z", point(outcome.mapping.turn[2])},
+                {"scale", number(outcome.mapping.scale)}}},
               {"rate_Hz", number(outcome.rate)},
               {"real_time", outcome.real_time},
               {"ended", text(outcome.ended)},

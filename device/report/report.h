@@ -10,6 +10,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 
+#include "device/loop/mapping.h"
 #include "device/loop/permissions.h"
 #include "device/loop/sample.h"
 
@@ -29,6 +30,8 @@ struct LiveOutcome {
     std::string precision;         // "f32" or "f64"
     std::string device;            // as asked for: "sim", "haply:ws://..."
     DeviceFacts facts;
+    Mapping mapping;
+    std::string manner;    // of it and of what buttons do, in words; empty: the device's space is the scene's
     double rate = 0;       /* Hz */
     bool real_time = true; // false: as fast as possible
     LoopCounts counts;

@@ -59,10 +59,13 @@ int create(const std::filesystem::path& file, bool replace) {
 
 } // namespace
 
-LiveLog::LiveLog(const std::filesystem::path& file, SampleRing& ring, Precision precision, bool replace)
-    : path_(file), ring_(ring), single_(precision == Precision::f32), descriptor_(create(file, replace)),
+LiveLog::LiveLog(const std::filesystem::path& file, SampleRing& ring, Precision precision, bool replace,
+                 bool with_buttons)
+    : path_(file), ring_(ring), single_(precision == Precision::f32), with_buttons_(with_buttons),
+      descriptor_(create(file, replace)),
       text_("path,t,x,y,z,gx,gy,gz,fx,fy,fz,depth,facet,cx,cy,cz,energy,tick,late_ns,read_ns,compute_ns,write_ns,"
-            "happened,scene\n") {
+            "happened,scene") {
+    text_ += with_buttons ? ",buttons\n" : "\n";
     write_out();
     if (!failure_.empty()) {
         ::close(descriptor_);
@@ -139,7 +142,10 @@ void LiveLog::add(const LiveSample& sample) {
             text_ += kHappenings[bit];
             first = false;
         }
-    fmt::format_to(std::back_inserter(text_), ",{:016x}\n", sample.scene);
+    fmt::format_to(std::back_inserter(text_), ",{:016x}", sample.scene);
+    if (with_buttons_)
+        fmt::format_to(std::back_inserter(text_), ",{}", sample.buttons);
+    text_ += '\n';
 }
 
 void LiveLog::write_out() {

@@ -16,7 +16,8 @@ namespace forceshade::device {
 /// Columns path,t,x,y,z,gx,gy,gz,fx,fy,fz,depth,facet as PathWriter (host/paths/path_files.h) has them, so that
 /// `explore` gives the same numbers for the same positions; then cx,cy,cz (N: what was sent to the device), energy (J:
 /// given to the hand so far), tick, late_ns, read_ns, compute_ns, write_ns, happened: names of kHappenings, joined by
-/// '+', and scene: the first 16 digits of the SHA-256 of the scene.
+/// '+', and scene: the first 16 digits of the SHA-256 of the scene; last, of a device that has some, buttons: the
+/// pressed ones, button N as 2^(N - 1), added up.
 ///
 /// The file stands under its own name from the start, in whole lines, so that a process that dies leaves what it
 /// wrote. When the disk is full, what comes is dropped from the ring and counted as lost. A pipe whose reader is
@@ -25,7 +26,8 @@ class LiveLog {
 public:
     /// Creates the file and starts a thread that writes until close(). \throws IoError; UsageError if it is there and
     /// must not be replaced, or another run writes it.
-    LiveLog(const std::filesystem::path& file, SampleRing& ring, Precision precision, bool replace);
+    LiveLog(const std::filesystem::path& file, SampleRing& ring, Precision precision, bool replace,
+            bool with_buttons = false);
     ~LiveLog();
     LiveLog(const LiveLog&) = delete;
     LiveLog& operator=(const LiveLog&) = delete;
@@ -50,7 +52,7 @@ private:
 
     std::filesystem::path path_;
     SampleRing& ring_;
-    const bool single_;
+    const bool single_, with_buttons_;
     int descriptor_ = -1;
     std::uint64_t bytes_ = 0;   // whole lines on the disk
     std::uint64_t pending_ = 0; // samples in text_

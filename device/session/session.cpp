@@ -58,7 +58,7 @@ const SessionOptions& checked(const SessionOptions& options) {
         checked_rate(*options.rate);
     if (options.real_time)
         return options;
-    const bool sim = options.device == "sim";
+    const bool sim = is_sim(options.device);
     if (!sim && !options.device.starts_with("replay:"))
         throw UsageError(fmt::format("--fast is for sim and replay: {} goes by the clock", options.device));
     if (sim && !options.duration)
@@ -146,18 +146,27 @@ SafetyLimits limits_of(const SessionOptions& options, const DeviceFacts& facts, 
     return limits;
 }
 
+void check_button(const char* flag, unsigned button, const DeviceFacts& facts) {
+    if (button > facts.buttons)
+        throw UsageError(fmt::format("{} {}: {} tells of {}", flag, button, facts.name,
+                                     facts.buttons == 0 ? "no buttons" : fmt::format("{} at most", facts.buttons)));
+}
+
 class Session {
 public:
     explicit Session(const SessionOptions& options)
         : options_(checked(options)), line_(options.quiet), prepared_(options.read()),
           opened_(open_for_loop(options, prepared_)),
-          scenes_(options.scene, options.read, prepared_, kept_stem(), options.device == "sim") {
+          scenes_(options.scene, options.read, prepared_, kept_stem(), is_sim(options.device)) {
         for (const std::string& warning : opened_.warnings)
             warn(warning);
+        if (const std::string manner = manner_text(opened_.settings); !manner.empty())
+            line_.say(manner);
         if (!options.log.empty()) {
             const QuietSignals quiet;
             ring_.emplace(static_cast<std::size_t>(kBuffered * opened_.settings.rate));
-            log_.emplace(options.log, *ring_, prepared_.one.scene.precision, options.replace_log);
+            log_.emplace(options.log, *ring_, prepared_.one.scene.precision, options.replace_log,
+                         opened_.facts.buttons > 0);
             scenes_.keep_first();
         }
         loop_.emplace(*opened_.device, make_live_law(prepared_), opened_.settings, ring_ ? &*ring_ : nullptr);
@@ -266,13 +275,15 @@ private:
         outcome.device = options_.device;
         outcome.rate = opened_.settings.rate;
         outcome.real_time = opened_.settings.real_time;
+        outcome.mapping = opened_.settings.mapping;
+        outcome.manner = manner_text(opened_.settings);
         outcome.limits = limits_as_text(opened_.settings.limits);
         outcome.ended = result.end == LoopEnd::done             ? "after the time that was asked for"
                         : result.end == LoopEnd::recording_over ? "at the end of the recording"
                         : result.end == LoopEnd::device_gone    ? "because the device was gone" + result.complaint
                                                                 : "interrupted";
         const std::uint64_t paths = outcome.counts.paths, again = paths - std::min(paths, outcome.scenes.size());
-        if (again > 0 && options_.device == "sim")
+        if (again > 0 && is_sim(options_.device))
             remarks_.push_back(fmt::format("the simulated hand lost its path {} and began again: it left paths.bound, "
                                            "having fallen off the surface or been thrown off",
                                            again == 1 ? "once" : fmt::format("{} times", again)));
@@ -312,10 +323,16 @@ OpenDevice open_for_loop(const SessionOptions& options, const PreparedCase& prep
         const QuietSignals quiet;
         opened.device = open_device(options.device, prepared, options.rate, options.limits.ramp);
     }
-    const glm::dvec3 origin = options.origin_here ? first_position(*opened.device, options.patience) : options.origin;
     opened.facts = opened.device->facts();
-    opened.facts.low -= origin;
-    opened.facts.high -= origin;
+    check_button("--dead-man", options.dead_man, opened.facts);
+    check_button("--clutch", options.clutch, opened.facts);
+    if (options.dead_man != 0 && options.dead_man == options.clutch)
+        throw UsageError(fmt::format("--dead-man and --clutch: button {} cannot be both", options.clutch));
+    Mapping mapping = options.mapping;
+    if (options.origin_here)
+        mapping.origin = first_position(*opened.device, options.patience);
+    opened.facts.low -= mapping.origin;
+    opened.facts.high -= mapping.origin;
     if (!opened.facts.remark.empty())
         opened.warnings.push_back(opened.facts.remark);
     LoopSettings& settings = opened.settings;
@@ -323,10 +340,24 @@ OpenDevice open_for_loop(const SessionOptions& options, const PreparedCase& prep
     settings.real_time = options.real_time;
     settings.patience = options.patience;
     settings.cpu = options.cpu;
-    settings.origin = origin;
+    settings.mapping = mapping;
+    settings.dead_man = options.dead_man;
+    settings.clutch = options.clutch;
     settings.limits = limits_of(options, opened.facts, opened.warnings);
     settings.samples = samples_in(options.duration, settings.rate);
     return opened;
+}
+
+std::string manner_text(const LoopSettings& settings) {
+    std::string text;
+    const auto add = [&text](const std::string& part) { text += (text.empty() ? "" : "; ") + part; };
+    if (settings.mapping.origin != glm::dvec3(0) || !settings.mapping.is_plain())
+        add("mapping: " + mapping_text(settings.mapping));
+    if (settings.dead_man != 0)
+        add(fmt::format("force only while button {} is held", settings.dead_man));
+    if (settings.clutch != 0)
+        add(fmt::format("the hand moves alone while button {} is held", settings.clutch));
+    return text;
 }
 
 SessionResult run_session(const SessionOptions& options) {

@@ -16,11 +16,12 @@
 namespace forceshade::device {
 
 struct SessionOptions {
-    std::filesystem::path scene;         // its file
-    std::function<PreparedCase()> read;  // makes a case of it, in the precision of the run
-    std::string device = "sim";          // for open_device()
-    glm::dvec3 origin{0};                /* m: where the scene's origin lies in the device's space */
-    bool origin_here = false;            // where the probe is at the start instead
+    std::filesystem::path scene;        // its file
+    std::function<PreparedCase()> read; // makes a case of it, in the precision of the run
+    std::string device = "sim";         // for open_device()
+    Mapping mapping;
+    bool origin_here = false;            // its origin is where the probe is at the start instead
+    unsigned dead_man = 0, clutch = 0;   // buttons, as in LoopSettings
     std::optional<double> rate;          /* Hz */
     std::optional<double> duration;      /* s; none: until the recording ends or somebody interrupts */
     bool real_time = true;               // false: as fast as possible (sim and replay)
@@ -30,7 +31,7 @@ struct SessionOptions {
     std::optional<double> max_force;     /* N: none: what the device can, or kCautiousForce */
     std::optional<double> lasting_force; /* N: none: the device's */
     SafetyLimits limits;                 // the others
-    std::optional<std::pair<glm::dvec3, glm::dvec3>> workspace; /* m: none: the device's */
+    std::optional<std::pair<glm::dvec3, glm::dvec3>> workspace; /* m: as in SafetyLimits; none: the device's */
     std::filesystem::path log;                                  // empty: none
     bool replace_log = false;
     bool watch = false; // whether the loop reads the scene again when its file changes
@@ -49,14 +50,17 @@ struct SessionResult {
 /// A device that is open, and how its loop is to run: for those that have a loop of their own.
 struct OpenDevice {
     std::unique_ptr<BackEnd> device;
-    DeviceFacts facts; /* in the scene's coordinates */
+    DeviceFacts facts; /* its workspace counted from the scene's origin, in the device's axes */
     LoopSettings settings;
     std::vector<std::string> warnings;
 };
 
-/// Opens the device that the options name, for a scene; rate, origin and limits as they say. \throws UsageError,
+/// Opens the device that the options name, for a scene; rate, mapping and limits as they say. \throws UsageError,
 /// IoError, DeviceAbsent.
 OpenDevice open_for_loop(const SessionOptions& options, const PreparedCase& prepared);
+
+/// What a person is to know of how the scene is felt: the mapping, and what buttons do; one line.
+std::string manner_text(const LoopSettings& settings);
 
 /// Runs until it is over. Whatever happens, the device is left without force. \throws UsageError, IoError, DeviceAbsent
 /// before the loop begins.

@@ -94,7 +94,43 @@ void read_origin(const std::string& text, device::SessionOptions& session) {
     if (session.origin_here)
         return;
     const std::vector<double> origin = lengths("--origin", text, 3, "0 m, -0.15 m, 0.2 m");
-    session.origin = {origin[0], origin[1], origin[2]};
+    session.mapping.origin = {origin[0], origin[1], origin[2]};
+}
+
+// "z 90 deg, x 30 deg": turns about the device's axes, one after the other.
+glm::dmat3 rotation(const std::string& text) {
+    glm::dmat3 turn(1);
+    for (std::size_t begin = 0; begin <= text.size();) {
+        const std::size_t end = std::min(text.find(',', begin), text.size());
+        const std::size_t axis_at = std::min(text.find_first_not_of(' ', begin), end);
+        const std::size_t axis = axis_at < end ? std::string_view("xyz").find(text[axis_at]) : std::string_view::npos;
+        if (axis == std::string_view::npos || axis_at + 1 >= end || text[axis_at + 1] != ' ')
+            throw UsageError(fmt::format("--rotate \"{}\": an axis of the device and an angle are wanted, as in "
+                                         "--rotate \"z 90 deg\", or several between commas",
+                                         text));
+        const double angle = parsed("--rotate", text.substr(axis_at + 2, end - axis_at - 2), Dimension::angle);
+        turn = device::turn_about(static_cast<int>(axis), angle) * turn;
+        begin = end + 1;
+    }
+    return turn;
+}
+
+double scale(const std::string& text) {
+    double value = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (error != std::errc() || end != text.data() + text.size() || !(value >= 1e-3) || !(value <= 1e3))
+        throw UsageError(fmt::format("--scale: metres of the scene in a metre of the device, from 0.001 to 1000, got "
+                                     "\"{}\"",
+                                     text));
+    return value;
+}
+
+unsigned button(const char* flag, const std::string& text) {
+    unsigned number = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+    if (error != std::errc() || end != text.data() + text.size() || number < 1 || number > 32)
+        throw UsageError(fmt::format("{}: a button's number from 1 to 32, got \"{}\"", flag, text));
+    return number;
 }
 
 // Adds an option that reads a quantity.
@@ -110,11 +146,26 @@ void describe_device(Options& options, DeviceArguments& arguments) {
     device::SessionOptions& session = arguments.session;
     options.optional("--device", session.device,
                      "sim (default: the hand and device of [hand], along [paths] or strokes that press 1 N), "
-                     "replay:FILE.csv, haply[:URL], dhd[:INDEX] or hd[:NAME]; forceshade devices tells what is there");
+                     "replay:FILE.csv, haply[:URL], dhd[:INDEX] or hd[:NAME]; forceshade devices tells what is there. "
+                     "sim:1@0.5 s..3 s,2@1 s..2 s: its hand holds these buttons then");
     options.read(
         "--origin", [&session](const std::string& text) { read_origin(text, session); },
         "where the scene's origin lies in the device's space: \"X, Y, Z\" with units, or here: where the "
         "probe is at the start (default: at the device's)");
+    options.read(
+        "--rotate", [&session](const std::string& text) { session.mapping.turn = rotation(text); },
+        "how the scene lies turned in the device's space: \"z 90 deg\" about the device's z, right-handed; several, "
+        "one after the other, between commas");
+    options.read(
+        "--scale", [&session](const std::string& text) { session.mapping.scale = scale(text); },
+        "metres of the scene in a metre of the device (default 1): with 2 it is felt half as large, and springs twice "
+        "as stiff");
+    options.read(
+        "--clutch", [&session](const std::string& text) { session.clutch = button("--clutch", text); },
+        "button of the device while which is held the probe stays, without force, and the hand moves alone");
+    options.read(
+        "--dead-man", [&session](const std::string& text) { session.dead_man = button("--dead-man", text); },
+        "button of the device without which, held, there is no force");
     add(options, "--rate", session.rate, Dimension::frequency, Accepted::positive,
         "100 Hz to 10 kHz; default: the scene's paths.rate, a recording's own, else \"1 kHz\"");
     options.optional("--cpu", session.cpu, "CPU to run on (default: the last one, with SCHED_FIFO)");
@@ -148,8 +199,8 @@ void describe_safety(Options& options, DeviceArguments& arguments) {
         "periods: no force when a sample is later than so many (default 20)");
     options.read(
         "--workspace", [&session](const std::string& text) { session.workspace = workspace(text); },
-        "no force outside of lowest x, y, z and highest x, y, z, six lengths between commas (default: "
-        "the device's)");
+        "no force outside of lowest x, y, z and highest x, y, z, six lengths between commas, in the device's axes "
+        "from the scene's origin (default: the device's)");
     options.flag("--passivity", limits.passivity,
                  "take back by damping what energy the hand is given (Hannaford & Ryu 2002)");
     add(options, "--damping", arguments.damping, Dimension::damping, Accepted::positive,

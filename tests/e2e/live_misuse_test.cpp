@@ -25,14 +25,20 @@ TEST_F(LiveMisuse, of_devices) {
         return live("bump.toml", {"--device", device, "--log", "log.csv"});
     };
     expect_refused(on("replai:x.csv"), {"--device replai:x.csv", "did you mean \"replay\"?"});
-    expect_refused(on("mouse"), {"--device mouse", "sim, replay:FILE, haply[:URL], dhd[:INDEX] or hd[:NAME]"});
-    expect_refused(on(""), {"--device", "sim, replay:FILE"});
-    expect_refused(on("sim:x"), {"--device sim:x", "nothing further"});
+    expect_refused(on("mouse"), {"--device mouse", "sim[:BUTTONS], replay:FILE, haply[:URL], dhd[:INDEX] or hd[:NAME]"});
+    expect_refused(on(""), {"--device", "sim[:BUTTONS], replay:FILE"});
+    expect_refused(on("sim:x"), {"--device sim:x", "a button from 1 to 32"});
     expect_refused(on("replay:"), {"replay:FILE.csv"});
     expect_refused(on("replay"), {"replay:FILE.csv"});
     expect_refused(on("replay:nosuch.csv"), {"nosuch.csv", "No such file"}, 4);
     expect_refused(on("replay:."), {"regular file"}, 4);
     expect_refused(on("dhd:first"), {"dhd:first", "whole number"}, 2);
+    expect_refused(fast({"--dead-man", "1"}), {"--dead-man 1", "no buttons"});
+    expect_refused(fast({"--device", "sim:1@0 s..1 s", "--clutch", "2"}), {"--clutch 2", "1 at most"});
+    expect_refused(fast({"--device", "sim:1@0 s..1 s", "--clutch", "1", "--dead-man", "1"}), {"cannot be both"});
+    expect_refused(fast({"--rotate", "z90"}), {"--rotate", "an axis of the device and an angle"});
+    expect_refused(fast({"--rotate", "z 90 mm"}), {"--rotate", "angle"});
+    expect_refused(fast({"--scale", "-1"}), {"--scale", "0.001 to 1000"});
 }
 
 TEST_F(LiveMisuse, of_recordings) {

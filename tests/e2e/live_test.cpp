@@ -35,6 +35,29 @@ TEST_F(Live, a_log_of_a_run_by_the_clock_replays_likewise) {
     EXPECT_EQ(rows("log.csv").size(), 1000u);
 }
 
+// Turned, scaled, moved on by the clutch and let go of: what is logged is the scene's, and replays.
+TEST_F(Live, a_log_of_a_mapped_scene_replays_likewise) {
+    for (const char* const scene : {"bump.toml", "mesh.toml"}) {
+        SCOPED_TRACE(scene);
+        expect_success(live(scene, {"--fast", "--duration", "2 s", "--log", "log.csv", "--overwrite", "--quiet",
+                                    "--device", "sim:1@0 s..1 s,1@1.2 s..9 s,2@1.5 s..1.6 s", "--dead-man", "1",
+                                    "--clutch", "2", "--rotate", "z 90 deg, x 10 deg", "--scale", "1.5"}));
+        expect_success(replayed(scene, "log.csv", "out.csv", "cpu", "f64"));
+        EXPECT_TRUE(felt_in(text("log.csv")) == text("out.csv"));
+        const Rows log = rows("log.csv");
+        EXPECT_EQ(log[500].at("buttons"), "1");
+        EXPECT_EQ(log[1550].at("buttons"), "3");
+        EXPECT_TRUE(happened_in(log[1100], "dead_man"));
+        EXPECT_TRUE(happened_in(log[1550], "clutched"));
+        EXPECT_EQ(log[1599].at("x"), log[1500].at("x")) << "the probe stays";
+        const nlohmann::json mapping = read_json("log.live.json")["mapping"];
+        EXPECT_EQ(mapping["scale"], 1.5);
+        EXPECT_EQ(mapping["scene_y"][0], -1);
+    }
+    expect_success(live("bump.toml", {"--fast", "--duration", "1 s", "--log", "log.csv", "--overwrite", "--quiet"}));
+    EXPECT_EQ(rows("log.csv")[0].count("buttons"), 0u) << "of a device that has none";
+}
+
 TEST_F(Live, a_recordings_own_rate_is_rounded_to_one_that_the_loop_has) {
     std::string fast = "path,t,x,y,z\n", slow = fast;
     for (int i = 0; i < 200; ++i) {
