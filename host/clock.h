@@ -1,7 +1,11 @@
-// How long something took.
+// How long something took, and when.
 #pragma once
 
 #include <chrono>
+#include <ctime>
+#include <string>
+
+#include <fmt/format.h>
 
 namespace forceshade {
 
@@ -17,6 +21,15 @@ template <typename Work> void timed(double& sum, const Work& work) {
     const Clock::time_point start = Clock::now();
     work();
     sum += seconds_since(start);
+}
+
+/// "2026-11-23T14:05:09Z"
+inline std::string utc_now() {
+    const std::time_t now = std::time(nullptr);
+    std::tm parts{};
+    ::gmtime_r(&now, &parts);
+    return fmt::format("{:04}-{:02}-{:02}T{:02}:{:02}:{:02}Z", parts.tm_year + 1900, parts.tm_mon + 1, parts.tm_mday,
+                       parts.tm_hour, parts.tm_min, parts.tm_sec);
 }
 
 } // namespace forceshade

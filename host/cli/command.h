@@ -99,6 +99,7 @@ void add_mesh_command(CommandLine& program);
 void add_study_commands(CommandLine& program); // study, report
 void add_experiment_command(CommandLine& program);
 void add_live_command(CommandLine& program);
+void add_device_command(CommandLine& program);
 void add_check_commands(CommandLine& program); // validate, gpus, devices, doctor, schema
 
 /// What the flags say about the engine. `needs_f64`: some case runs in double precision.

@@ -3,6 +3,7 @@
 
 #include <optional>
 
+#include "device/session/check.h"
 #include "device/session/session.h"
 #include "host/cli/command.h"
 #include "host/scene/quantity.h"
@@ -23,5 +24,8 @@ void read_positive(Options& options, const char* flag, std::optional<double>& va
 
 /// \throws UsageError for what does not fit together.
 device::SessionOptions checked_options(const DeviceArguments& arguments);
+
+/// Who guides a check: a person at the terminal, nobody for a simulated hand or if `somebody` holds the device anyway.
+device::CheckGuide check_guide(const DeviceArguments& arguments, bool somebody, const CommonOptions& common);
 
 } // namespace forceshade

@@ -20,7 +20,7 @@ using namespace forceshade;
 int parse_and_run(int argc, char** argv) {
     CommandLine program;
     for (const auto add : {add_evaluation_commands, add_explore_command, add_mesh_command, add_study_commands,
-                           add_experiment_command, add_live_command, add_check_commands})
+                           add_experiment_command, add_live_command, add_device_command, add_check_commands})
         add(program);
     const Command command = program.parse(argc, argv);
     spdlog::set_level(program.common.quiet ? spdlog::level::err : spdlog::level::info);

@@ -14,6 +14,7 @@
 #include "device/loop/live_loop.h"
 #include "device/session/signals.h"
 #include "experiment_pages.h"
+#include "host/clock.h"
 #include "host/error.h"
 #include "host/experiment/page_server.h"
 #include "host/program.h"
@@ -22,8 +23,6 @@ namespace forceshade::experiment {
 namespace {
 
 using Json = nlohmann::ordered_json;
-using Clock = std::chrono::steady_clock;
-
 constexpr const char *kParticipant = "participant", *kOperator = "operator";
 constexpr double kBuffered = 16;        // s: of samples between two looks
 constexpr double kFreeOfContact = 0.05; // s: without contact before a stimulus is displayed

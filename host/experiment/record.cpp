@@ -15,6 +15,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "host/clock.h"
 #include "host/error.h"
 #include "host/output/files.h"
 #include "host/output/raw_formats.h"
@@ -207,14 +208,6 @@ std::vector<ThresholdTrack> unanswered_tracks(const Experiment& experiment) {
     for (const Track& track : experiment.tracks)
         tracks.emplace_back(track.levels, track.rises);
     return tracks;
-}
-
-std::string utc_now() {
-    const std::time_t now = std::time(nullptr);
-    std::tm parts{};
-    ::gmtime_r(&now, &parts);
-    return fmt::format("{:04}-{:02}-{:02}T{:02}:{:02}:{:02}Z", parts.tm_year + 1900, parts.tm_mon + 1, parts.tm_mday,
-                       parts.tm_hour, parts.tm_min, parts.tm_sec);
 }
 
 std::vector<TrialRow> last_rows(const std::vector<TrialRow>& rows) {

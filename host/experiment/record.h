@@ -66,9 +66,6 @@ std::vector<TrialRow> read_rows(const std::filesystem::path& file);
 /// The last row of each trial, which decides whether it counts: one that was withdrawn has a later row.
 std::vector<TrialRow> last_rows(const std::vector<TrialRow>& rows);
 
-/// "2026-11-23T14:05:09Z"
-std::string utc_now();
-
 /// The data files of a folder, by name. \throws IoError if it has none.
 std::vector<std::filesystem::path> data_files(const std::filesystem::path& folder);
 

@@ -5,6 +5,7 @@
 //   STUB_POSITION=0.01,0.02,0.03           in the vendor's units and axes
 //   STUB_DEVICES=0                         how many devices there are
 //   STUB_BUTTONS=2                         which buttons are pressed
+//   STUB_HAND=1                            how the hand yields that holds it, as stub_hand
 //   STUB_RECORD=FILE                       each force displayed is a line of seconds, x, y, z there, even if the
 //                                          process dies next
 #pragma once
@@ -45,6 +46,8 @@ struct State {
     std::atomic<long> styles = 2;             // of calibration
     std::atomic<double> lasting_force = 0.88; // N
     std::atomic<long> buttons = 0;            // pressed, as the vendor's mask
+    std::atomic<long> hand = 0;               // how one that holds the device yields: see stub_hand
+    std::array<double, 3> rest{};             // where it does, in the vendor's units
     std::mutex order_mutex;
     std::string order; // of the calls that matter to the hand
     std::atomic<int> record = -1;
@@ -75,11 +78,26 @@ void note(const std::string& call) {
         state.order += call + ";";
 }
 
+/// A soft hand, 2 mm a newton, goes where the force pushes it, or elsewhere. Of devices in metres.
+void yield_to(double x, double y, double z) {
+    constexpr double kGive = 2e-3;
+    const std::array<double, 3> force{x, y, z};
+    for (std::size_t i = 0; i < 3 && state.hand != 0; ++i) {
+        const bool pushed = x != 0 || y != 0 || z != 0;
+        if (state.hand == 5)
+            state.position[i] = state.position[i] + kGive * force[i]; // 0.5 N: a metre a second
+        else if (state.hand != 4 || pushed)
+            state.position[i] = state.rest[i] + kGive * (state.hand == 2 ? force[(i + 1) % 3] : force[i]) *
+                                                    (state.hand == 3 && i == 2 ? -1 : 1);
+    }
+}
+
 void display(double x, double y, double z) {
     state.force[0] = x;
     state.force[1] = y;
     state.force[2] = z;
     ++state.forces;
+    yield_to(x, y, z);
     if (state.record < 0)
         return;
     const double time = std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
@@ -121,6 +139,12 @@ void record_to(const char* file) {
     state.record = file ? ::open(file, O_WRONLY | O_APPEND | O_CREAT | O_CLOEXEC, 0600) : -1;
 }
 
+void hold(long hand) {
+    for (std::size_t i = 0; i < 3; ++i)
+        state.rest[i] = state.position[i];
+    state.hand = hand;
+}
+
 /// Run when the library is loaded.
 const bool set_up = [] {
     double x = 0, y = 0, z = 0;
@@ -137,6 +161,8 @@ const bool set_up = [] {
         state.position[1] = y;
         state.position[2] = z;
     }
+    if (const char* text = std::getenv("STUB_HAND"))
+        hold(std::atol(text));
     return true;
 }();
 
@@ -183,6 +209,11 @@ void stub_calibration(long answer) {
 }
 void stub_styles(long styles) {
     stub::state.styles = styles;
+}
+/// 0: a rock. 1: a soft hand; 2: as if the axes were others; 3: as if the third one was inverted; 4: one that stays
+/// where it was pushed; 5: one that runs away.
+void stub_hand(long hand) {
+    stub::hold(hand);
 }
 void stub_buttons(long mask) {
     stub::state.buttons = mask;

@@ -46,6 +46,7 @@ void stub_reset() {
     stub::state.forces = 0;
     stub_devices(1);
     stub_buttons(0);
+    stub::state.hand = 0;
     stub_most_force(8);
     stub_record(nullptr);
     stub_order();

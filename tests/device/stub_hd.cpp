@@ -73,6 +73,7 @@ void stub_reset() {
     stub::state.forces = 0;
     stub_devices(1);
     stub_buttons(0);
+    stub::state.hand = 0;
     stub_most_force(3.3);
     stub_scale(1);
     stub_calibration(0x5000);

@@ -57,6 +57,7 @@ public:
         return {force[0], force[1], force[2]};
     }
     long forces() const { return call<long()>("stub_forces")(); }
+    void hand(long kind) const { call<void(long)>("stub_hand")(kind); }
     void press(long mask) const { call<void(long)>("stub_buttons")(mask); }
     void devices(long count) const { call<void(long)>("stub_devices")(count); }
     void most_force(double force) const { call<void(double)>("stub_most_force")(force); }

@@ -25,7 +25,8 @@ TEST_F(LiveMisuse, of_devices) {
         return live("bump.toml", {"--device", device, "--log", "log.csv"});
     };
     expect_refused(on("replai:x.csv"), {"--device replai:x.csv", "did you mean \"replay\"?"});
-    expect_refused(on("mouse"), {"--device mouse", "sim[:BUTTONS], replay:FILE, haply[:URL], dhd[:INDEX] or hd[:NAME]"});
+    expect_refused(on("mouse"),
+                   {"--device mouse", "sim[:BUTTONS], replay:FILE, haply[:URL], dhd[:INDEX] or hd[:NAME]"});
     expect_refused(on(""), {"--device", "sim[:BUTTONS], replay:FILE"});
     expect_refused(on("sim:x"), {"--device sim:x", "a button from 1 to 32"});
     expect_refused(on("replay:"), {"replay:FILE.csv"});

@@ -6,7 +6,7 @@
 #include <sstream>
 #include <thread>
 
-#include "tests/e2e/workplace.h"
+#include "tests/e2e/live_workplace.h"
 
 namespace forceshade::testing {
 namespace {
@@ -104,6 +104,35 @@ TEST_P(LiveVendor, is_not_begun_without_device_or_library) {
 
 INSTANTIATE_TEST_SUITE_P(Vendors, LiveVendor, ::testing::Values(kDhd, kHd),
                          [](const auto& instance) { return std::string(instance.param.device); });
+
+// The check before a session: its outcome, and an exit code that a script can go by.
+TEST_F(LiveDevice, is_checked_before_it_is_felt) {
+    const auto checked = [&](std::vector<std::string> further, const char* hand) {
+        std::vector<std::string> all{"device",     "check", "plane.toml", "--quiet",
+                                     "--watchdog", "100",   "--out",      "check.json"};
+        all.insert(all.end(), further.begin(), further.end());
+        Launch launch = this->launch(std::move(all));
+        launch.environment["FORCESHADE_DHD_LIBRARY"] = DHD_STUB_OLD; // without buttons
+        launch.environment["STUB_HAND"] = hand;
+        return run(launch);
+    };
+    const Outcome sound = checked({"--device", "dhd", "--yes"}, "1");
+    EXPECT_EQ(sound.code, 1) << "the old library refuses its watchdog";
+    EXPECT_NE(sound.out.find("passed   axes"), std::string::npos) << sound.out;
+    EXPECT_NE(sound.out.find("failed   watchdog"), std::string::npos) << sound.out;
+    EXPECT_EQ(checked({"--device", "dhd", "--yes"}, "3").out.find("passed   axes"), std::string::npos);
+    const Outcome alone = checked({"--device", "dhd"}, "1");
+    EXPECT_EQ(alone.code, 1);
+    EXPECT_NE(alone.out.find("skipped  axes"), std::string::npos) << "nobody is at a terminal";
+    EXPECT_EQ(read_json("check.json")["passed"], false);
+    const Outcome simulated = checked({"--device", "sim", "--json"}, "0");
+    EXPECT_EQ(simulated.code, 0) << simulated.out;
+    EXPECT_EQ(simulated.error, "");
+    EXPECT_EQ(nlohmann::json::parse(simulated.out), read_json("check.json"));
+    EXPECT_EQ(read_json("check.json")["passed"], true);
+    expect_failure(2, {"device", "check", "--device", "replay:x.csv"}, {"yields to no force"});
+    expect_failure(2, {"device", "chek"}, {"did you mean check"});
+}
 
 } // namespace
 } // namespace forceshade::testing

@@ -1,0 +1,88 @@
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <poll.h>
+#include <unistd.h>
+
+#include <nlohmann/json.hpp>
+
+#include "device/session/check.h"
+#include "host/cli/command.h"
+#include "host/cli/device_options.h"
+#include "host/error.h"
+#include "host/output/files.h"
+#include "host/prepare/prepared_case.h"
+
+namespace forceshade {
+
+namespace {
+
+struct DeviceCommandArguments {
+    std::string action, scene, out;
+    bool yes = false;
+    DeviceArguments device;
+};
+
+// Whether Enter was pressed at the terminal since the last question.
+bool enter_pressed() {
+    bool pressed = false;
+    pollfd input{STDIN_FILENO, POLLIN, 0};
+    while (::poll(&input, 1, 0) > 0) {
+        char bytes[256];
+        const ::ssize_t count = ::read(STDIN_FILENO, bytes, sizeof bytes);
+        if (count <= 0)
+            throw Error(ExitCode::interrupted, "the terminal is gone");
+        pressed = pressed || std::string_view(bytes, static_cast<std::size_t>(count)).find('\n') != std::string::npos;
+    }
+    return pressed;
+}
+
+int run_check(const DeviceCommandArguments& arguments, const CommonOptions& common) {
+    const Case one = arguments.scene.empty() ? parse_scene("", "scene") : load_scene(arguments.scene, common);
+    const device::DeviceCheck check =
+        device::check_device(checked_options(arguments.device), CasePreparation().prepare(one),
+                             check_guide(arguments.device, arguments.yes, common));
+    const std::string json = device::check_json(check).dump(2) + "\n";
+    if (!arguments.out.empty())
+        write_file_atomically(arguments.out, json);
+    print_data(common.json ? json : device::check_text(check));
+    return static_cast<int>(check.passed() ? ExitCode::ok : ExitCode::failed);
+}
+
+int run(const DeviceCommandArguments& arguments, const CommonOptions& common) {
+    if (arguments.action != "check")
+        refuse_unknown("action", arguments.action, {"check"});
+    return run_check(arguments, common);
+}
+
+void describe(Options& options, DeviceCommandArguments& arguments) {
+    options.required("ACTION", arguments.action,
+                     "check: where the probe is, whether 0.5 N along each axis moves it that way, the workspace, the "
+                     "watchdog, the buttons; exit 1 unless all passed");
+    options.optional("SCENE", arguments.scene,
+                     "that will be felt (TOML), for the workspace; default: the paper's bump");
+    options.optional("--out", arguments.out, "a JSON file of the outcome, for experiment run --check");
+    options.flag("--yes", arguments.yes, "somebody holds the probe lightly: go on by itself, asking nothing");
+    describe_device(options, arguments.device);
+    describe_safety(options, arguments.device);
+}
+
+} // namespace
+
+device::CheckGuide check_guide(const DeviceArguments& arguments, bool somebody, const CommonOptions& common) {
+    const bool simulated = arguments.session.device.substr(0, arguments.session.device.find(':')) == "sim";
+    const bool terminal = !somebody && !simulated && ::isatty(STDIN_FILENO) == 1 && ::isatty(STDERR_FILENO) == 1;
+    device::CheckGuide guide;
+    guide.somebody = somebody || simulated || terminal;
+    if (terminal)
+        guide.entered = enter_pressed;
+    if (terminal || !common.quiet)
+        guide.tell = [](const std::string& text) { remark("{}\n", text); };
+    return guide;
+}
+
+void add_device_command(CommandLine& program) {
+    program.add<DeviceCommandArguments>("device", "Check a haptic device before it is felt", run, describe);
+}
+
+} // namespace forceshade
