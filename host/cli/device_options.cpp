@@ -125,14 +125,6 @@ double scale(const std::string& text) {
     return value;
 }
 
-unsigned button(const char* flag, const std::string& text) {
-    unsigned number = 0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-    if (error != std::errc() || end != text.data() + text.size() || number < 1 || number > 32)
-        throw UsageError(fmt::format("{}: a button's number from 1 to 32, got \"{}\"", flag, text));
-    return number;
-}
-
 // Adds an option that reads a quantity.
 template <typename T>
 void add(Options& options, const char* flag, T& value, Dimension dimension, Accepted accepted, const char* help) {
@@ -161,10 +153,10 @@ void describe_device(Options& options, DeviceArguments& arguments) {
         "metres of the scene in a metre of the device (default 1): with 2 it is felt half as large, and springs twice "
         "as stiff");
     options.read(
-        "--clutch", [&session](const std::string& text) { session.clutch = button("--clutch", text); },
+        "--clutch", [&session](const std::string& text) { session.clutch = read_button("--clutch", text); },
         "button of the device while which is held the probe stays, without force, and the hand moves alone");
     options.read(
-        "--dead-man", [&session](const std::string& text) { session.dead_man = button("--dead-man", text); },
+        "--dead-man", [&session](const std::string& text) { session.dead_man = read_button("--dead-man", text); },
         "button of the device without which, held, there is no force");
     add(options, "--rate", session.rate, Dimension::frequency, Accepted::positive,
         "100 Hz to 10 kHz; default: the scene's paths.rate, a recording's own, else \"1 kHz\"");
@@ -205,6 +197,14 @@ void describe_safety(Options& options, DeviceArguments& arguments) {
                  "take back by damping what energy the hand is given (Hannaford & Ryu 2002)");
     add(options, "--damping", arguments.damping, Dimension::damping, Accepted::positive,
         "the most that --passivity may damp (default \"10 N s/m\")");
+}
+
+unsigned read_button(const char* flag, const std::string& text) {
+    unsigned number = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+    if (error != std::errc() || end != text.data() + text.size() || number < 1 || number > 32)
+        throw UsageError(fmt::format("{}: a button's number from 1 to 32, got \"{}\"", flag, text));
+    return number;
 }
 
 void read_positive(Options& options, const char* flag, std::optional<double>& value, Dimension dimension,

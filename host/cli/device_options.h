@@ -22,6 +22,9 @@ void describe_safety(Options& options, DeviceArguments& arguments);
 void read_positive(Options& options, const char* flag, std::optional<double>& value, Dimension dimension,
                    const char* help);
 
+/// A button's number. \throws UsageError.
+unsigned read_button(const char* flag, const std::string& text);
+
 /// \throws UsageError for what does not fit together.
 device::SessionOptions checked_options(const DeviceArguments& arguments);
 

@@ -12,6 +12,7 @@
 #include "host/experiment/plan.h"
 #include "host/experiment/run.h"
 #include "host/output/files.h"
+#include "host/output/reading.h"
 #include "host/report/report.h"
 #include "host/study/data/data_files.h"
 
@@ -20,10 +21,10 @@ namespace forceshade {
 namespace {
 
 struct ExperimentArguments {
-    std::string action, out, session = "1", participant = "person";
+    std::string action, out, session = "1", participant = "person", check;
     std::optional<int> port;
     DeviceArguments device;
-    std::vector<std::string> files, subjects, compare;
+    std::vector<std::string> files, subjects, compare, buttons;
     bool paths = false;
 };
 
@@ -35,7 +36,30 @@ std::uint64_t session_number(const std::string& text) {
     return number;
 }
 
-experiment::PersonOptions person_options(const ExperimentArguments& arguments) {
+std::vector<unsigned> answer_buttons(const std::vector<std::string>& words) {
+    std::vector<unsigned> buttons;
+    for (const std::string& word : words)
+        buttons.push_back(read_button("--answer-buttons", word));
+    return buttons;
+}
+
+// The outcome of a check: of a file, or made now with the first stimulus.
+std::string checked_device(const ExperimentArguments& arguments, const experiment::Experiment& experiment,
+                           const CommonOptions& common) {
+    if (arguments.check.empty())
+        return {};
+    if (arguments.check != "now")
+        return read_file(arguments.check);
+    const device::DeviceCheck check =
+        device::check_device(checked_options(arguments.device), CasePreparation().prepare(experiment.study.cases[0]),
+                             check_guide(arguments.device, false, common));
+    if (!common.quiet || !check.passed())
+        remark("{}", device::check_text(check));
+    return device::check_json(check).dump();
+}
+
+experiment::PersonOptions person_options(const ExperimentArguments& arguments, const experiment::Experiment& experiment,
+                                         const CommonOptions& common) {
     constexpr int kMostPort = 65535;
     const int port = arguments.port.value_or(0);
     if (port < 0 || port > kMostPort)
@@ -43,6 +67,8 @@ experiment::PersonOptions person_options(const ExperimentArguments& arguments) {
     experiment::PersonOptions options;
     options.session = checked_options(arguments.device);
     options.port = static_cast<std::uint16_t>(port);
+    options.buttons = answer_buttons(arguments.buttons);
+    options.check = checked_device(arguments, experiment, common);
     return options;
 }
 
@@ -66,14 +92,18 @@ int run_experiment(const ExperimentArguments& arguments, const CommonOptions& co
             fmt::format("--participant \"{}\": person (at a device), or observer (simulated)", arguments.participant));
     const experiment::Experiment experiment = read(arguments, common);
     const bool person = arguments.participant == "person";
+    if (!person && (!arguments.check.empty() || !arguments.buttons.empty()))
+        throw UsageError("--check and --answer-buttons are of a device: they are for --participant person");
     if (person && arguments.subjects.size() > 1)
         throw UsageError("--subject: one person at a time; several are for --participant observer");
     const std::unique_ptr<experiment::Participant> participant =
-        person ? experiment::make_person(experiment, person_options(arguments)) : experiment::make_observer(experiment);
+        person ? experiment::make_person(experiment, person_options(arguments, experiment, common))
+               : experiment::make_observer(experiment);
     for (const std::string& subject : arguments.subjects) {
         experiment::RunOptions options;
         options.folder = arguments.out;
-        options.info = {subject, session_number(arguments.session), arguments.participant, participant->device()};
+        options.info = {subject, session_number(arguments.session), arguments.participant, participant->device(),
+                        person && !arguments.check.empty() ? "passed" : "none"};
         options.paths = person || arguments.paths;
         options.quiet = person || common.quiet;
         const std::size_t answered = experiment::run_session(experiment, *participant, options);
@@ -174,6 +204,10 @@ void describe(Options& options, ExperimentArguments& arguments) {
                      "person: at a device, answers in a page (default); observer: a simulated one");
     options.flag("--paths", arguments.paths, "keep the simulated participant's paths, too");
     options.list("--compare", arguments.compare, "plan: two conditions (default: all shaded and unshaded)");
+    options.list("--answer-buttons", arguments.buttons,
+                 "run: buttons of the device in the order of the answers, between commas: they answer as the keys do");
+    options.optional("--check", arguments.check,
+                     "run: outcome of forceshade device check --out, kept with the data; now: make it now");
     options.optional("--port", arguments.port, "of the pages on this machine (default: any that is free)");
     describe_device(options, arguments.device);
     describe_safety(options, arguments.device);

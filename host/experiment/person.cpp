@@ -18,11 +18,14 @@
 #include "host/error.h"
 #include "host/experiment/page_server.h"
 #include "host/program.h"
+#include "shaders/shared/law.h"
 
 namespace forceshade::experiment {
 namespace {
 
 using Json = nlohmann::ordered_json;
+using Clock = std::chrono::steady_clock;
+
 constexpr const char *kParticipant = "participant", *kOperator = "operator";
 constexpr double kBuffered = 16;        // s: of samples between two looks
 constexpr double kFreeOfContact = 0.05; // s: without contact before a stimulus is displayed
@@ -31,6 +34,7 @@ constexpr double kThanks = 0.4;         // s: after an answer
 constexpr double kFeedback = 1.2;       // s
 constexpr auto kLook = std::chrono::milliseconds(2);
 constexpr double kOperatorEach = 0.1; // s
+constexpr std::uint32_t kHeldBack = device::kDeadMan | device::kClutched;
 
 double seconds_after(Clock::time_point begin) {
     return std::chrono::duration<double>(Clock::now() - begin).count();
@@ -57,11 +61,15 @@ public:
         : experiment_(experiment), first_(stimulus_of(experiment)),
           opened_(device::open_for_loop(options.session, first_)),
           ring_(static_cast<std::size_t>(kBuffered * opened_.settings.rate)),
-          loop_(*opened_.device, device::make_live_law(first_), opened_.settings, &ring_),
+          loop_(*opened_.device, device::make_live_law(first_), opened_.settings, &ring_), buttons_(options.buttons),
           server_(served(experiment), options.port, [this](const std::string& page) { closed(page); }),
           emergency_(*opened_.device), signals_(loop_) {
+        require_buttons();
+        require_check(options.check);
         for (const std::string& warning : opened_.warnings)
             remark("warning: {}\n", warning);
+        if (!manner_.empty())
+            remark("{}\n", manner_);
         loop_.suspend(true);
         {
             const device::QuietSignals quiet;
@@ -79,6 +87,20 @@ public:
     }
 
     std::string device() const override { return opened_.facts.name; }
+    std::string about_device() const override {
+        const device::LoopSettings& settings = opened_.settings;
+        Json json{{"started", utc_now()},
+                  {"name", opened_.facts.name},
+                  {"software", opened_.facts.software},
+                  {"rate_Hz", settings.rate},
+                  {"max_force_N", settings.limits.max_force},
+                  {"manner", manner_},
+                  {"dead_man", settings.dead_man},
+                  {"clutch", settings.clutch},
+                  {"answer_buttons", buttons_},
+                  {"check", check_}};
+        return json.dump(-1, ' ', false, Json::error_handler_t::replace); // names are the vendors'
+    }
 
     TrialOutcome take(const Trial& trial, std::span<const Shown> shown, SessionRecord& record) override {
         record_ = &record;
@@ -105,7 +127,7 @@ public:
             else
                 add_interval(outcome, of_one);
             if (!one.path.empty() && !samples_.empty())
-                log_path(samples_, one.path, one.stimulus.one.scene.precision);
+                log_path(samples_, one.path, one.stimulus.one.scene.precision, opened_.facts.buttons > 0);
             if (outcome.status != kAnswered)
                 return outcome;
         }
@@ -133,6 +155,45 @@ private:
     static PreparedCase stimulus_of(const Experiment& experiment) {
         const PreparedCase first = CasePreparation().prepare(experiment.study.cases.front());
         return stroked(first, manner_of(first.one.scene)); // for a simulated hand
+    }
+
+    void require_buttons() const {
+        const device::LoopSettings& settings = opened_.settings;
+        const std::size_t answers = experiment_.spec.answers.size();
+        if (!buttons_.empty() && buttons_.size() != answers)
+            throw UsageError(
+                fmt::format("--answer-buttons: {} answers want as many buttons, got {}", answers, buttons_.size()));
+        for (const unsigned button : buttons_) {
+            if (button > opened_.facts.buttons)
+                throw UsageError(fmt::format("--answer-buttons: {} has no button {}", opened_.facts.name, button));
+            if (std::ranges::count(buttons_, button) > 1 || button == settings.dead_man || button == settings.clutch)
+                throw UsageError(fmt::format("--answer-buttons: button {} cannot be two things", button));
+        }
+    }
+
+    // Of this device as it is used now, and passed.
+    void require_check(const std::string& text) {
+        if (text.empty()) {
+            if (!opened_.facts.simulated)
+                remark("warning: {} was not checked before this session: forceshade device check, or --check now\n",
+                       opened_.facts.name);
+            return;
+        }
+        check_ = Json::parse(text, nullptr, false);
+        const Json device = check_.is_object() ? check_.value("device", Json::object()) : Json();
+        if (!device.is_object() || !check_.contains("passed") || !check_["passed"].is_boolean())
+            throw UsageError("--check: this is no outcome of forceshade device check");
+        if (device.value("name", "") != opened_.facts.name)
+            throw UsageError(fmt::format("--check: it is of {}, and this session's device is {}",
+                                         device.value("name", "no device"), opened_.facts.name));
+        if (check_.value("manner", "") != manner_)
+            throw UsageError(fmt::format("--check: it was made with another mapping or other buttons ({}); this "
+                                         "session's: {}",
+                                         check_.value("manner", ""), manner_));
+        if (!check_["passed"].get<bool>())
+            throw Error(ExitCode::failed, fmt::format("--check: {} did not pass its check; see what it says to do, and "
+                                                      "check it again",
+                                                      opened_.facts.name));
     }
 
     // In a thread of the server's: the force is off with the next sample.
@@ -187,10 +248,25 @@ private:
         if (type == "go" && !held_)
             go_ = true;
         const auto answer = json.find("answer");
-        if (type != "answer" || phase_ != "feel" || json.value("sequence", std::uint64_t{0}) != sequence_ || answer_ ||
-            answer == json.end() || !answer->is_number_unsigned() || *answer >= experiment_.spec.answers.size())
-            return; // a key pressed twice, or while loading
-        answer_ = answer->get<std::size_t>();
+        if (type == "answer" && json.value("sequence", std::uint64_t{0}) == sequence_ && answer != json.end() &&
+            answer->is_number_unsigned() && *answer < experiment_.spec.answers.size())
+            accept(answer->get<std::size_t>(), "key");
+    }
+
+    // A button that goes down; one that is still held from before does nothing.
+    void hear_buttons(std::uint32_t held) {
+        const std::uint32_t pressed = held & ~std::exchange(held_buttons_, held);
+        for (std::size_t i = 0; pressed != 0 && i < buttons_.size(); ++i)
+            if ((pressed & device::button_bit(buttons_[i])) != 0)
+                accept(i, "button");
+    }
+
+    // The first while a stimulus is felt: nothing pressed twice, or while loading.
+    void accept(std::size_t answer, const char* by) {
+        if (!asking_ || answer_)
+            return;
+        answer_ = answer;
+        answered_by_ = by;
         answered_ = Clock::now();
     }
 
@@ -244,7 +320,9 @@ private:
         if (paused_)
             wait_for_go("pause", pause_message_);
         require_device();
-        enter(is_second ? "between" : "loading");
+        const unsigned dead_man = opened_.settings.dead_man;
+        enter(is_second ? "between" : "loading",
+              dead_man != 0 ? fmt::format("Hold button {} of the device.", dead_man) : "");
         const std::uint32_t laws = loop_.status().laws;
         loop_.offer(device::make_live_law(stimulus));
         while (loop_.status().laws == laws) {
@@ -263,7 +341,8 @@ private:
             require_device();
             if (paused_)
                 return false;
-            if (loop_.status().depth > 0 || loop_.status().samples == 0 || opened_.device->withheld() != nullptr)
+            if (loop_.status().depth > 0 || loop_.status().samples == 0 || opened_.device->withheld() != nullptr ||
+                (loop_.status().happened & kHeldBack) != 0)
                 touched = Clock::now();
         }
         return true;
@@ -288,6 +367,7 @@ private:
         loop_.suspend(false);
         displayed_ = true;
         enter(is_last ? "feel" : "first");
+        asking_ = is_last;
         if (!server_.is_open(kParticipant)) // closed meanwhile: its suspend() may have come first
             pause("The page was closed.");
         const double interval = experiment_.spec.interval;
@@ -307,6 +387,7 @@ private:
                 break;
         }
         hide();
+        asking_ = false;
         take_samples();
         const std::vector<device::LiveSample> felt(samples_.begin() + static_cast<std::ptrdiff_t>(from),
                                                    samples_.begin() +
@@ -314,9 +395,14 @@ private:
         TrialOutcome outcome = outcome_of(feature_of(stimulus), felt, 1 / opened_.settings.rate);
         outcome.started = started;
         outcome.answer = answer_;
+        if (answer_)
+            outcome.answered_by = answered_by_;
         outcome.reaction = std::chrono::duration<double>((answer_ ? answered_ : Clock::now()) - begin).count();
         const bool clamped = std::ranges::any_of(felt, [](const device::LiveSample& sample) {
             return (sample.happened & (device::kClamped | device::kLasting)) != 0;
+        });
+        const bool let_go = std::ranges::any_of(felt, [](const device::LiveSample& sample) {
+            return (sample.happened & kHeldBack) != 0 && sample.facet != layout::kNoFacet;
         });
         if (loop_.end() != device::LoopEnd::running)
             outcome.status = "device lost";
@@ -324,6 +410,8 @@ private:
             outcome.status = "interrupted";
         else if (late)
             outcome.status = "no answer";
+        else if (let_go)
+            outcome.status = "force off";
         else if (clamped)
             outcome.status = "force clamped";
         return outcome;
@@ -340,6 +428,7 @@ private:
     void take_samples() {
         for (auto some = ring_.look(); !some.empty(); some = ring_.look()) {
             for (const device::LiveSample& sample : some) {
+                hear_buttons(sample.buttons);
                 if (sample.path >= from_path_)
                     samples_.push_back(sample);
                 if (sample.tick % 20 == 0)
@@ -362,6 +451,7 @@ private:
             json["question"] = experiment_.spec.question;
             json["compare"] = experiment_.spec.task == Task::compare;
             json["by_key"] = experiment_.spec.interval == 0;
+            json["buttons"] = buttons_;
             json["answers"] = Json::array();
             for (const Answer& answer : experiment_.spec.answers) {
                 Json one{{"label", answer.label}};
@@ -398,6 +488,7 @@ private:
                   {"paused", held_},
                   {"said", said_},
                   {"last", last_},
+                  {"manner", manner_.empty() ? "the device's space is the scene's" : manner_},
                   {"trouble", withheld != nullptr},
                   {"page", server_.is_open(kParticipant) ? "open" : "closed"},
                   {"device", fmt::format("{}, {:.0f} Hz, {} late samples", opened_.facts.name, opened_.settings.rate,
@@ -423,6 +514,9 @@ private:
     device::OpenDevice opened_;
     device::SampleRing ring_;
     device::LiveLoop loop_;
+    const std::string manner_ = device::manner_text(opened_.settings);
+    const std::vector<unsigned> buttons_; // of the answers
+    Json check_;                          // of the device; null: none
     PageServer server_;
     device::Emergency emergency_;
     device::LoopSignals signals_;
@@ -434,6 +528,9 @@ private:
     std::uint64_t sequence_ = 0; // of stimuli, so that an answer belongs to one
     std::uint32_t from_path_ = 0;
     std::optional<std::size_t> answer_;
+    std::string answered_by_;
+    std::uint32_t held_buttons_ = 0; // of the last sample
+    bool asking_ = false;            // a stimulus is felt
     Clock::time_point answered_, heard_, told_operator_;
     bool go_ = false, paused_ = false, held_ = false, told_answers_ = false, displayed_ = false;
     std::vector<device::LiveSample> samples_;  // of the trial

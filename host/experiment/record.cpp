@@ -41,6 +41,7 @@ struct DataColumn {
     std::function<std::string(const TrialRow&)> text;
     std::function<bool(TrialRow&, std::string_view)> read;
     bool (*is_of)(const ExperimentSpec&) = nullptr; // experiments that have it; null: all
+    bool needed = true;                             // else older data may lack it
 };
 
 template <typename Part> DataColumn column_of(const char* name, const char* unit, const char* meaning, Part part) {
@@ -65,6 +66,11 @@ template <typename Part> DataColumn column_of(const char* name, const char* unit
 
 DataColumn of_some(DataColumn column, bool (*is_of)(const ExperimentSpec&)) {
     column.is_of = is_of;
+    return column;
+}
+
+DataColumn optional(DataColumn column) {
+    column.needed = false;
     return column;
 }
 
@@ -137,7 +143,13 @@ const std::vector<DataColumn>& all_columns() {
         column_of(
             "program", "", "forceshade's version", [](R & r) -> auto& { return r.program; }),
         column_of(
-            "started", "", "of the trial, UTC", [](R & r) -> auto& { return r.started; })};
+            "started", "", "of the trial, UTC", [](R & r) -> auto& { return r.started; }),
+        optional(column_of(
+            "answered_by", "", "key of the page or button of the device; empty: neither",
+            [](R & r) -> auto& { return r.outcome.answered_by; })),
+        optional(column_of(
+            "device_check", "", "of the device before the session: passed, or none was made",
+            [](R & r) -> auto& { return r.device_check; }))};
     return columns;
 }
 
@@ -235,7 +247,7 @@ std::vector<TrialRow> read_rows(const std::filesystem::path& file) {
         columns.push_back(known == all_columns().end() ? nullptr : &*known);
     }
     for (const DataColumn& column : all_columns())
-        if (!column.is_of && std::ranges::find(columns, &column) == columns.end())
+        if (column.needed && !column.is_of && std::ranges::find(columns, &column) == columns.end())
             fail(csv.source(), {1, 1}, "has no column \"{}\"; it is no data of an experiment", column.name);
     while (csv.next()) {
         if (csv.size() != columns.size())
@@ -379,6 +391,10 @@ void SessionRecord::read_back() {
             throw file_error("write", file_, errno);
         return;
     }
+    if (!text.starts_with(header(experiment_)))
+        throw UsageError(fmt::format("{}: its columns are not those that this program writes, an older one began it; "
+                                     "finish it with that, or name another session",
+                                     file_.string()));
     rows_ = read_rows(file_);
     std::set<std::uint64_t> answered;
     for (const TrialRow& row : rows_) {
@@ -486,13 +502,21 @@ bool SessionRecord::withdraw_last() {
 }
 
 void SessionRecord::note(const std::string& text) const {
-    make_subfolder(folder_, "documentation");
-    const std::filesystem::path file = folder_ / "documentation" / (stem() + "_notes.csv");
-    const int descriptor = ::open(file.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
     CsvText line;
     line.add(utc_now()).add(rows_.size()).add(text).end();
-    const std::string& all = line.text();
-    const bool whole = descriptor >= 0 && ::write(descriptor, all.data(), all.size()) == std::ssize(all) &&
+    document("_notes.csv", line.text());
+}
+
+void SessionRecord::keep_device(const std::string& json) const {
+    document("_device.jsonl", json + "\n");
+}
+
+// Adds a line to a file of the session's in documentation/.
+void SessionRecord::document(const std::string& name, const std::string& line) const {
+    make_subfolder(folder_, "documentation");
+    const std::filesystem::path file = folder_ / "documentation" / (stem() + name);
+    const int descriptor = ::open(file.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
+    const bool whole = descriptor >= 0 && ::write(descriptor, line.data(), line.size()) == std::ssize(line) &&
                        ::fdatasync(descriptor) == 0;
     const int error = errno;
     if (descriptor >= 0)
@@ -520,6 +544,7 @@ void SessionRecord::add(const Trial& trial, const TrialOutcome& outcome) {
     row.seed = trial.seed;
     row.participant = info_.participant;
     row.device = info_.device;
+    row.device_check = info_.device_check;
     row.program = version();
     row.started = outcome.started.empty() ? utc_now() : outcome.started;
     if (outcome.answer) {

@@ -6,6 +6,7 @@
 //   materials/order/subject-03_session-1.csv its order, written before the first trial
 //   materials/stimuli/CASE.toml              the scene of each condition
 //   materials/edge.png                       the picture of an answer, under the answer's name
+//   documentation/subject-03_session-1_...   the operator's notes, and a line of JSON about the device for each start
 //   paths/subject-03_session-1_trial-12.csv  the probe's path, as `live` logs it, where paths are kept
 //   paths/subject-03_session-1_trial-12_interval-2.csv  likewise where two stimuli are compared
 #pragma once
@@ -27,8 +28,9 @@ inline constexpr const char *kAnswered = "answered", *kWithdrawn = "withdrawn";
 
 /// What came of a trial.
 struct TrialOutcome {
-    std::string status = kAnswered; /* else "no answer", "interrupted", "device lost", "force clamped", "withdrawn" */
-    std::string started = {};       /* UTC; empty: now */
+    std::string status =
+        kAnswered; /* else "no answer", "interrupted", "device lost", "force clamped", "force off", "withdrawn" */
+    std::string started = {};          /* UTC; empty: now */
     std::optional<std::size_t> answer; /* index of the experiment's answers */
     double reaction = 0;               /* s: from the stimulus, of two the second, to the answer */
     double contact = 0;                /* s: in contact */
@@ -36,6 +38,7 @@ struct TrialOutcome {
     std::uint64_t strokes = 0;         /* passes across the whole feature */
     double speed = 0;                  /* m/s: mean in contact */
     double press = 0;                  /* N: mean vertical force in contact */
+    std::string answered_by = {};      /* "key", "button"; empty: a simulated participant, or nobody */
 };
 
 /// A row of the data.
@@ -54,6 +57,7 @@ struct TrialRow {
     TrialOutcome outcome;                /* read back without the answer's index */
     std::uint64_t seed = 0;
     std::string participant, device, program, started; /* as SessionInfo; UTC */
+    std::string device_check;                          /* likewise */
     bool counts() const { return block > 0 && outcome.status == kAnswered; }
 };
 
@@ -73,8 +77,9 @@ std::vector<std::filesystem::path> data_files(const std::filesystem::path& folde
 struct SessionInfo {
     std::string subject; /* of letters and digits */
     std::uint64_t session = 1;
-    std::string participant; /* "person", or the simulated one's name */
-    std::string device;      /* "simulated hand and device" */
+    std::string participant;           /* "person", or the simulated one's name */
+    std::string device;                /* "simulated hand and device" */
+    std::string device_check = "none"; /* of it before the session: "passed", or none was made */
 };
 
 /// One session of one subject, begun or taken up again.
@@ -107,11 +112,15 @@ public:
     /// Keeps an operator's note, in documentation/. \throws IoError.
     void note(const std::string& text) const;
 
+    /// Keeps a line of JSON about the device of this start, likewise. \throws IoError.
+    void keep_device(const std::string& json) const;
+
     /// Where the path of the next row belongs. `interval`: 1 or 2 where stimuli are compared, else 0.
     std::filesystem::path path_file(const Trial& trial, std::size_t interval = 0) const;
 
 private:
     void write_materials() const;
+    void document(const std::string& name, const std::string& line) const;
     void open_data();
     std::vector<const TrialRow*> latest() const;
     void read_back();

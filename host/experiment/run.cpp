@@ -92,9 +92,10 @@ std::unique_ptr<Participant> make_observer(const Experiment& experiment, const O
     return std::make_unique<Observer>(parameters);
 }
 
-void log_path(const std::vector<device::LiveSample>& samples, const std::filesystem::path& file, Precision precision) {
+void log_path(const std::vector<device::LiveSample>& samples, const std::filesystem::path& file, Precision precision,
+              bool with_buttons) {
     device::SampleRing ring(samples.size());
-    device::LiveLog log(file, ring, precision, true);
+    device::LiveLog log(file, ring, precision, true, with_buttons);
     for (const device::LiveSample& sample : samples)
         ring.put(sample);
     log.close();
@@ -138,6 +139,7 @@ void add_interval(TrialOutcome& outcome, const TrialOutcome& other) {
     outcome.largest_force = std::max(outcome.largest_force, other.largest_force);
     outcome.reaction = other.reaction;
     outcome.answer = other.answer;
+    outcome.answered_by = other.answered_by;
     outcome.status = other.status;
 }
 
@@ -145,6 +147,8 @@ std::size_t run_session(const Experiment& experiment, Participant& participant, 
     SessionRecord record(options.folder, experiment, options.info);
     if (!record.repaired().empty())
         remark("warning: {}\n", record.repaired());
+    if (const std::string about = participant.about_device(); !about.empty())
+        record.keep_device(about);
     std::vector<std::optional<PreparedCase>> prepared(experiment.study.cases.size());
     CasePreparation preparation;
     const std::uint64_t all = record.left();

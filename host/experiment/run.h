@@ -28,6 +28,8 @@ public:
     virtual void finish() {}
     /// What displays the forces.
     virtual std::string device() const = 0;
+    /// A line of JSON that is kept of it for each start; empty: nothing.
+    virtual std::string about_device() const { return {}; }
 };
 
 /// The model observer: a simulated hand strokes, the answer is drawn from the shares that its cues give. Answers are
@@ -35,7 +37,8 @@ public:
 std::unique_ptr<Participant> make_observer(const Experiment& experiment, const ObserverParameters& parameters = {});
 
 /// Writes samples as `live --log` does. \throws IoError.
-void log_path(const std::vector<device::LiveSample>& samples, const std::filesystem::path& file, Precision precision);
+void log_path(const std::vector<device::LiveSample>& samples, const std::filesystem::path& file, Precision precision,
+              bool with_buttons = false);
 
 /// What the samples of a stimulus say: everything but status, answer and reaction.
 TrialOutcome outcome_of(const Feature& feature, const std::vector<device::LiveSample>& samples, double period);

@@ -372,6 +372,35 @@ TEST(SessionRecords, EndTracksWhoseThresholdIsKnown) {
     EXPECT_EQ(record.left(), 0u);
 }
 
+// Rows of before answers had a way and devices a check.
+TEST(SessionRecords, OlderRowsAreRead) {
+    const Folder folder("older");
+    const Experiment one = small();
+    {
+        SessionRecord record(folder.path, one, {"03", 1, "person", "test"});
+        record.add(*record.next(), answered(0));
+        record.keep_device("{}");
+        record.keep_device("{}");
+    }
+    EXPECT_EQ(read_file(folder.path / "documentation" / "subject-03_session-1_device.jsonl"), "{}\n{}\n");
+    const fs::path file = data_files(folder.path)[0];
+    std::string older;
+    for (std::string rest = read_file(file); !rest.empty(); rest.erase(0, rest.find('\n') + 1)) {
+        const std::string line = rest.substr(0, rest.find('\n'));
+        older += line.substr(0, line.rfind(',', line.rfind(',') - 1)) + "\n";
+    }
+    std::ofstream(file) << older;
+    const auto rows = read_rows(file);
+    ASSERT_EQ(rows.size(), 1u);
+    EXPECT_TRUE(rows[0].counts());
+    EXPECT_EQ(rows[0].outcome.answered_by, "");
+    EXPECT_NE(complaint([&] {
+                  SessionRecord(folder.path, one, {"03", 1, "person", "test"});
+              }).find("an older one began it"),
+              std::string::npos)
+        << "rows of two widths are not mixed";
+}
+
 TEST(SessionRecords, RefuseWhatDoesNotBelong) {
     const Folder folder("refuse");
     const Experiment one = small();

@@ -9,7 +9,9 @@
 #include <set>
 #include <thread>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "host/experiment/analysis.h"
 #include "host/experiment/record.h"
@@ -41,15 +43,16 @@ protected:
         std::filesystem::remove_all(folder);
     }
 
-    void start(const std::string& session = "1") {
+    void start(const std::string& session = "1", const std::vector<std::string>& further = {}) {
         Launch launch;
         launch.arguments = {"experiment", "run",   (folder / "e.toml").string(),
                             "--subject",  "03",    "--session",
                             session,      "--out", data().string()};
+        launch.arguments.insert(launch.arguments.end(), further.begin(), further.end());
         launch.error = folder / "stderr.txt";
         std::filesystem::remove(launch.error);
         process = std::make_unique<Process>(launch);
-        for (int i = 0; i < 400 && address("operator").empty(); ++i)
+        for (int i = 0; i < 1200 && address("operator").empty(); ++i) // a check takes some seconds
             std::this_thread::sleep_for(std::chrono::milliseconds(25));
         ASSERT_FALSE(address("operator").empty());
     }
@@ -67,6 +70,16 @@ protected:
         browser.open_address(address("participant"));
         ASSERT_TRUE(reaches("welcome") || reaches("pause"));
         browser.press(" ");
+    }
+    // What a command that is refused says.
+    std::string refusal(std::vector<std::string> further, int code = 2) const {
+        Launch launch;
+        launch.arguments = {"experiment", "run",          (folder / "e.toml").string(), "--subject", "04",
+                            "--out",      data().string()};
+        launch.arguments.insert(launch.arguments.end(), further.begin(), further.end());
+        const Outcome outcome = Process(launch).wait();
+        EXPECT_EQ(outcome.code, code) << outcome.error;
+        return outcome.error;
     }
     std::vector<TrialRow> rows() const { return read_rows(data_files(data())[0]); }
     std::filesystem::path data() const { return folder / "data"; }
@@ -202,7 +215,7 @@ TEST_F(Session, ShowsEachStimulusForItsInterval) {
     std::ofstream(folder / "e.toml")
         << "[experiment]\ntask = \"compare\"\nstandard = \"*facets-3\"\ntrials = 1\ninterval = "
            "\"500 ms\"\n[surface]\nradius = \"600 mil\"\nfacets = [2, 3]\n";
-    start();
+    start("1", {"--check", "now"});
     begin();
     ASSERT_TRUE(reaches("feel")) << "without a key";
     Browser desk;
@@ -213,6 +226,8 @@ TEST_F(Session, ShowsEachStimulusForItsInterval) {
     EXPECT_TRUE(reaches("done"));
     EXPECT_EQ(process->wait().code, 0) << read_file(folder / "stderr.txt");
     ASSERT_EQ(rows().size(), 1u);
+    EXPECT_EQ(rows()[0].device_check, "passed");
+    EXPECT_EQ(rows()[0].outcome.answered_by, "key");
     EXPECT_LT(rows()[0].outcome.contact, 1.2) << "s: of two intervals";
     EXPECT_GT(rows()[0].outcome.contact, 0.3);
 }
@@ -249,6 +264,84 @@ TEST_F(Session, PausesWhenThePageIsClosedAndRefusesASecondPage) {
     for (const TrialRow& row : rows())
         ++statuses[row.outcome.status];
     EXPECT_EQ(statuses, (std::map<std::string, int>{{"answered", 1}, {"interrupted", 2}, {"withdrawn", 1}}));
+}
+
+// Button 3 of a simulated hand goes down once a second, whatever the page shows: it answers one trial after the other,
+// and nothing in between. The dead-man's is held.
+TEST_F(Session, IsAnsweredByTheDevicesButtonsAtACheckedDevice) {
+    std::string device = "sim:1@0 s..900 s,5@899 s..900 s";
+    for (int second = 1; second < 90; ++second)
+        device += fmt::format(",3@{0} s..{0}.1 s", second);
+    const std::vector<std::string> manner{"--device", device, "--dead-man", "1", "--rotate", "z 180 deg"};
+    Launch check;
+    check.arguments = {"device", "check", (folder / "scene.toml").string(), "--out", (folder / "check.json").string()};
+    check.arguments.insert(check.arguments.end(), manner.begin(), manner.end());
+    std::ofstream(folder / "scene.toml") << "[surface]\nradius = \"600 mil\"\n";
+    Process(check).wait();
+    nlohmann::json outcome = nlohmann::json::parse(read_file(folder / "check.json"));
+    const auto with_outcome = [&](const nlohmann::json& json) {
+        std::ofstream(folder / "check.json") << json;
+        std::vector<std::string> all{"--answer-buttons", "2,3,4,5", "--check", (folder / "check.json").string()};
+        all.insert(all.end(), manner.begin(), manner.end());
+        return all;
+    };
+    outcome["passed"] = false;
+    EXPECT_NE(refusal(with_outcome(outcome), 1).find("did not pass its check"), std::string::npos);
+    outcome["passed"] = true; // the dead-man's button was never let go of
+    outcome["device"]["name"] = "omega.3";
+    EXPECT_NE(refusal(with_outcome(outcome)).find("it is of omega.3"), std::string::npos);
+    outcome["device"]["name"] = "simulated hand and device";
+    const auto right = with_outcome(outcome);
+    EXPECT_NE(refusal({"--check", (folder / "check.json").string()}).find("another mapping"), std::string::npos);
+    EXPECT_NE(refusal({"--answer-buttons", "1,2"}).find("4 answers want as many"), std::string::npos);
+    EXPECT_NE(refusal({"--device", device, "--answer-buttons", "2,3,4,6"}).find("no button 6"), std::string::npos);
+    EXPECT_NE(refusal({"--device", device, "--answer-buttons", "1,2,3,4", "--dead-man", "1"}).find("two things"),
+              std::string::npos);
+
+    start("1", right);
+    begin();
+    ASSERT_TRUE(reaches("feel")) << browser.text("document.body.textContent");
+    EXPECT_NE(browser.text("document.getElementById('hint').textContent").find("button 2, 3, 4, 5 of the device"),
+              std::string::npos);
+    Browser desk;
+    desk.open_address(address("operator"));
+    EXPECT_TRUE(desk.wait_for("document.getElementById('manner').textContent.includes('along the device')"));
+    for (int i = 0; i < 20 && browser.text(kPhase) != "done"; ++i)
+        if (browser.wait_for(std::string("['rest', 'done'].includes(") + kPhase + ")"))
+            browser.press(" ");
+    EXPECT_TRUE(reaches("done"));
+    EXPECT_EQ(process->wait().code, 0) << read_file(folder / "stderr.txt");
+    ASSERT_EQ(rows().size(), 4u) << "nothing between the trials counts";
+    for (const TrialRow& row : rows()) {
+        EXPECT_EQ(row.answer, "two_poly");
+        EXPECT_EQ(row.outcome.answered_by, "button");
+        EXPECT_EQ(row.outcome.status, kAnswered);
+        EXPECT_EQ(row.device_check, "passed");
+    }
+    const std::string line = read_file(data() / "documentation" / "subject-03_session-1_device.jsonl");
+    const nlohmann::json kept = nlohmann::json::parse(line);
+    EXPECT_EQ(kept["check"]["steps"].size(), 6u);
+    EXPECT_EQ(kept["dead_man"], 1);
+    EXPECT_NE(kept["manner"].get<std::string>().find("scene's x, y, z along the device's -x, -y, z"),
+              std::string::npos);
+    const std::string path = read_file(data() / "paths" / "subject-03_session-1_trial-1.csv");
+    EXPECT_NE(path.find(",scene,buttons\n"), std::string::npos);
+}
+
+// Without the dead-man's button no stimulus begins; one during which it is let go of does not count.
+TEST_F(Session, WaitsForTheDeadMansButton) {
+    start("1", {"--device", "sim:1@4 s..6 s,1@6.6 s..900 s", "--dead-man", "1"});
+    begin();
+    ASSERT_TRUE(reaches("loading"));
+    EXPECT_TRUE(browser.wait_for("document.getElementById('hint').textContent === 'Hold button 1 of the device.'"));
+    ASSERT_TRUE(reaches("feel"));
+    std::this_thread::sleep_for(std::chrono::milliseconds(3000));
+    browser.press("1");
+    ASSERT_TRUE(browser.wait_for("document.body.dataset.trial === '2'"));
+    ASSERT_EQ(rows().size(), 1u);
+    EXPECT_EQ(rows()[0].outcome.status, "force off");
+    EXPECT_EQ(rows()[0].outcome.answered_by, "key");
+    EXPECT_EQ(rows()[0].device_check, "none");
 }
 
 } // namespace
