@@ -140,13 +140,16 @@ TEST(LiveHeap, TheLoopTakesNothing) {
         for (const bool in_real_time : {false, true}) {
             const std::uint64_t samples = in_real_time ? 600 : 20000;
             const PreparedCase prepared = prepared_scene(scene);
-            const auto sim = make_sim(prepared, 2000);
+            const auto sim = make_sim(prepared, 2000, 0, parse_held_buttons("1@0 s..600 s,2@0.1 s..0.15 s"));
             Watched device(*sim, samples);
             LoopSettings settings;
             settings.rate = 2000;
             settings.real_time = in_real_time;
             settings.samples = samples;
             settings.limits.passivity = true;
+            settings.dead_man = 1;
+            settings.clutch = 2;
+            settings.mapping = {glm::dvec3(0), turn_about(2, 0.1), 1.1};
             SampleRing ring(samples);
             LiveLoop loop(device, make_live_law(prepared), settings, &ring);
             const std::uint64_t before = all();
