@@ -451,7 +451,7 @@ private:
             json["question"] = experiment_.spec.question;
             json["compare"] = experiment_.spec.task == Task::compare;
             json["by_key"] = experiment_.spec.interval == 0;
-            json["buttons"] = buttons_;
+            json["buttons"] = !buttons_.empty();
             json["answers"] = Json::array();
             for (const Answer& answer : experiment_.spec.answers) {
                 Json one{{"label", answer.label}};
@@ -461,6 +461,8 @@ private:
                     one["points"] = picture(*answer.facets);
                     one["box"] = {-1.05, -0.3, 2.1, 0.35};
                 }
+                if (!buttons_.empty())
+                    one["button"] = buttons_[json["answers"].size()];
                 json["answers"].push_back(std::move(one));
             }
             told_answers_ = true;
