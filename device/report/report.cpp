@@ -1,7 +1,7 @@
 #include "device/report/report.h"
 
+#include <algorithm>
 #include <cmath>
-#include <vector>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -10,6 +10,7 @@
 #include "host/output/files.h"
 #include "host/picture/canvas.h"
 #include "host/program.h"
+#include "host/report/run_page.h"
 
 namespace forceshade::device {
 
@@ -152,6 +153,62 @@ Json limits_json(const LiveOutcome& outcome) {
     return json;
 }
 
+constexpr std::size_t kMostBytes = 400; // of a text that others wrote
+
+std::string shortened(const std::string& text) {
+    return text.size() <= kMostBytes ? text : text.substr(0, kMostBytes) + "…";
+}
+
+struct TimeRow {
+    const char* what;
+    double time, share; /* ns, 1 */
+    std::string label;
+};
+
+// The share that took longer, at the end of each bin of the histogram, and marks at the quantiles.
+void add_rows(std::vector<TimeRow>& rows, const char* what, const Histogram& times) {
+    const auto all = static_cast<double>(times.count());
+    const std::size_t first = rows.size();
+    const auto add = [&](double time, double share, const std::string& word) {
+        rows.push_back({what, std::max(time, 1.0), share,
+                        word.empty() ? "" : fmt::format("{} {}", word, time_text(time, {false, "µ"}))});
+    };
+    std::uint64_t longer = times.count();
+    for (std::size_t bin = 0; bin < Histogram::kBins && longer > 0; ++bin)
+        if (times.bin(bin) > 0 && (longer -= times.bin(bin)) > 0)
+            add(static_cast<double>(Histogram::begin_of(bin + 1)), static_cast<double>(longer) / all, "");
+    for (const auto& [word, share] : {std::pair("p50", 0.5), {"p99", 0.01}, {"p99.9", 0.001}})
+        if (all * share > 1)
+            add(times.quantile(1 - share), share, word);
+    if (times.count() > 0)
+        add(static_cast<double>(times.largest()), 1 / all, "largest");
+    std::ranges::sort(rows.begin() + static_cast<std::ptrdiff_t>(first), rows.end(), {},
+                      [](const TimeRow& row) { return std::pair(row.time, -row.share); });
+}
+
+void add_times(study::StudyData& data, const LiveOutcome& outcome) {
+    std::vector<TimeRow> rows, period;
+    add_rows(rows, "computing the force and its safety", outcome.counts.computing);
+    if (outcome.real_time) {
+        add_rows(rows, "late: woken after the sample was due", outcome.counts.late);
+        add_rows(rows, "jitter: the time between two samples off the period", outcome.counts.jitter);
+        const double few = 0.3 / std::max(1.0, double(outcome.counts.computing.count()));
+        period = {{"period", 1e9 / outcome.rate, 1, ""}, {"period", 1e9 / outcome.rate, few, ""}};
+    }
+    const std::vector<study::ColumnOf<TimeRow>> columns{
+        {"what", "", "which time", &TimeRow::what},
+        {"time_ns", "ns", "", &TimeRow::time},
+        {"share", "1", "of the samples took longer", &TimeRow::share},
+        {"quantile", "", "", [](const TimeRow& r) { return r.label.empty() ? study::Cell() : study::Cell(r.label); }}};
+    data.tables = {study::table_of("times", "Times", columns, rows),
+                   study::table_of("period", "The period", columns, period)};
+    study::Figure& figure = data.figures.emplace_back(study::make_figure(
+        "times", "How long samples took", "", study::FigureKind::scatter, "times", {}, {"time_ns", "time / ns", true},
+        {"share", "share of the samples that took longer", true}, "what", "quantile"));
+    figure.joined = true;
+    figure.curves = {{"period", {}, "time_ns", "share", "period " + time_text(1e9 / outcome.rate, {false, "µ"}), true}};
+}
+
 Json scenes_json(const LiveOutcome& outcome) {
     Json json = Json::array();
     for (const UsedScene& scene : outcome.scenes)
@@ -279,6 +336,30 @@ nlohmann::ordered_json report_json(const LiveOutcome& outcome) {
     for (const std::string& remark : outcome.remarks)
         json["remarks"].push_back(text(remark));
     return json;
+}
+
+std::string live_page(const LiveOutcome& outcome, const std::filesystem::path& log) {
+    const LoopCounts& counts = outcome.counts;
+    std::string device = shortened(outcome.device);
+    for (const std::string& part : {outcome.facts.name, outcome.facts.software})
+        if (!part.empty() && part != outcome.device)
+            device += ", " + shortened(part);
+    study::StudyData data;
+    add_times(data, outcome);
+    if (outcome.logged > 0 && !log.empty())
+        report::add_samples(data, log);
+    return report::run_page(
+        fmt::format("{} ({}), live at {}", outcome.scene, outcome.precision, quantity(outcome.rate, "Hz")),
+        {{"Program", "forceshade " + version()},
+         {"Device", device},
+         {"Felt", outcome.manner.empty() ? "the device's space is the scene's" : outcome.manner},
+         {"Run", pace_text(outcome, "µ")},
+         {"Ended", shortened(outcome.ended)},
+         {"Late", lateness_text(outcome)},
+         {"Largest", extremes_text(counts, "µ")},
+         {"Safety", events_text(counts)},
+         {"Energy", energy_text(counts, "µ")}},
+        data);
 }
 
 void write_live_report(const LiveOutcome& outcome, const std::filesystem::path& stem,

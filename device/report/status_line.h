@@ -1,7 +1,6 @@
 // How the live loop fares while it runs: a line on a terminal, rewritten in place; elsewhere a line now and then.
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 #include <cstdio>
 #include <string>

@@ -8,19 +8,11 @@
 #include <fmt/format.h>
 
 #include "host/picture/canvas.h"
-#include "host/picture/quantity.h"
+#include "host/picture/ticks.h"
 
 namespace forceshade::device {
 
 namespace {
-
-void drop_zeros(std::string& number) {
-    if (number.find('.') == std::string::npos)
-        return;
-    number.erase(number.find_last_not_of('0') + 1);
-    if (number.back() == '.')
-        number.pop_back();
-}
 
 constexpr std::size_t kIndent = 14; // columns
 
@@ -86,9 +78,7 @@ std::string share_text(std::uint64_t part, std::uint64_t whole) {
     if (percent < 0.001)
         return fmt::format(" ({:.0f} in 10^9)", std::max(1.0, percent * 1e7));
     const int decimals = percent >= 10 ? 1 : percent >= 1 ? 2 : percent >= 0.1 ? 3 : percent >= 0.01 ? 4 : 5;
-    std::string number = fmt::format("{:.{}f}", percent, decimals);
-    drop_zeros(number);
-    return fmt::format(" ({} %)", number);
+    return fmt::format(" ({} %)", picture::trimmed(percent, decimals));
 }
 
 std::string counted(std::uint64_t count, std::string_view noun) {

@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 
 #include "host/output/raw_formats.h"
-#include "host/picture/quantity.h"
+#include "host/picture/ticks.h"
 
 namespace forceshade {
 

@@ -6,7 +6,6 @@
 #include <cairo-svg.h>
 #include <cairo.h>
 #include <cassert>
-#include <cmath>
 #include <cstring>
 #include <fmt/format.h>
 #include <numbers>

@@ -41,9 +41,7 @@ Range range_of(const ChartAxis& axis, const std::vector<double>& values) {
 }
 
 Axis chart_axis(const ChartAxis& axis, const Range& range, std::size_t most) {
-    if (axis.make)
-        return axis.make(most);
-    return number_axis(axis.label, range, most, axis.tick ? axis.tick : number_label);
+    return axis.make ? axis.make(most) : number_axis(axis.label, range, most);
 }
 
 // A number of cells or a limit of their colours.
@@ -454,7 +452,7 @@ private:
 } // namespace
 
 Picture draw_chart(const Chart& chart) {
-    return draw_charts({chart.title, kChartWidth, 0}, chart.notes, {chart});
+    return draw_charts({chart.title, kChartWidth, 0}, {}, {chart});
 }
 
 Picture draw_charts(const Look& look, const std::vector<std::string>& notes, const std::vector<Chart>& charts) {

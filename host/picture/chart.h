@@ -13,9 +13,8 @@ namespace forceshade::picture {
 struct ChartAxis {
     std::string label; /* with its unit: "time / ns" */
     bool logarithmic = false;
-    TickLabel tick{};                 /* how a number is written; empty: as number_label does */
     std::optional<Range> range{};     /* empty: that of the points, with a border */
-    AxisMaker make{};                 /* of the axis in place of label and tick */
+    AxisMaker make{};                 /* of the axis in place of the label */
     std::vector<std::string> words{}; /* of a map: what stands at 0, 1, 2, ...; of y at 0, -1, -2, ... */
 };
 
@@ -44,7 +43,6 @@ struct ChartCell {
 /// Bars are those of series, a point each; their x are words.
 struct Chart {
     std::string title;
-    std::vector<std::string> notes; /* lines below it */
     ChartAxis x, y;
     std::vector<ChartSeries> series;
     std::vector<ChartCell> cells;    /* of a map, beneath the series; empty: no map */

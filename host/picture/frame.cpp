@@ -254,12 +254,6 @@ void draw_legend(Canvas& canvas, const std::vector<LegendItem>& items, Point upp
     }
 }
 
-LegendItem line_item(std::string text, const Stroke& stroke) {
-    return {std::move(text), kKeyLength, [stroke](Canvas& canvas, Point left, Point right) {
-                canvas.polyline(std::array{left, right}, stroke);
-            }};
-}
-
 LegendItem swatch_item(std::string text, Rgb8 colour) {
     return {std::move(text), kSwatch, [colour](Canvas& canvas, Point left, Point) {
                 const Box box{left.x, left.y - kSwatch / 2, kSwatch, kSwatch};
@@ -313,7 +307,9 @@ void draw_surface_line(Canvas& canvas, const std::vector<Point>& points, bool sm
 }
 
 LegendItem surface_item(std::string text, bool smooth) {
-    return line_item(std::move(text), surface_stroke(smooth));
+    return {std::move(text), kKeyLength, [smooth](Canvas& canvas, Point left, Point right) {
+                canvas.polyline(std::array{left, right}, surface_stroke(smooth));
+            }};
 }
 
 namespace {

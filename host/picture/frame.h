@@ -76,7 +76,6 @@ struct LegendItem {
 double legend_height(const std::vector<LegendItem>& items, double width);
 void draw_legend(Canvas& canvas, const std::vector<LegendItem>& items, Point upper_left, double width);
 
-LegendItem line_item(std::string text, const Stroke& stroke);
 LegendItem swatch_item(std::string text, Rgb8 colour);
 /// Of values that are no finite number.
 LegendItem checker_item(std::string text);

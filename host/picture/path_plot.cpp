@@ -3,8 +3,6 @@
 #include <cmath>
 #include <numbers>
 
-#include <fmt/format.h>
-
 #include "host/picture/chart.h"
 #include "host/picture/colours.h"
 #include "host/picture/frame.h"

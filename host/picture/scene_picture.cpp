@@ -10,7 +10,7 @@
 #include <fmt/format.h>
 
 #include "host/output/height_image.h"
-#include "host/picture/quantity.h"
+#include "host/picture/ticks.h"
 #include "host/prepare/tables.h"
 #include "host/reference/elementary.h"
 #include "host/scene/schema.h"
@@ -129,11 +129,7 @@ double map_height(const HeightMapSpec& map, const HeightImage* image, double x, 
     return 0;
 }
 
-struct Span {
-    double from, to; /* m */
-};
-
-template <typename Height> std::vector<picture::LinePoint> curve(Span x, const Height& height) {
+template <typename Height> std::vector<picture::LinePoint> curve(const SectionSpan& x, const Height& height) {
     std::vector<picture::LinePoint> points(kPoints);
     for (std::size_t i = 0; i < kPoints; ++i) {
         const double at = std::lerp(x.from, x.to, static_cast<double>(i) / (kPoints - 1));
@@ -142,7 +138,7 @@ template <typename Height> std::vector<picture::LinePoint> curve(Span x, const H
     return points;
 }
 
-std::vector<picture::LinePoint> facet_line(const SurfaceSpec& surface, Span x) {
+std::vector<picture::LinePoint> facet_line(const SurfaceSpec& surface, const SectionSpan& x) {
     const double half_width = surface.width / 2;
     std::vector<picture::LinePoint> points;
     if (x.from < -half_width)
@@ -177,9 +173,8 @@ std::vector<picture::LinePoint> mesh_section(const Mesh& mesh, double y) {
 
 } // namespace
 
-picture::SurfaceLines surface_lines(const PreparedCase& prepared, const SectionSpan& section) {
+picture::SurfaceLines surface_lines(const PreparedCase& prepared, const SectionSpan& x) {
     const Scene& scene = prepared.one.scene;
-    const Span x{section.from, section.to};
     const SurfaceSpec& surface = scene.surface;
     const auto circle = [&](double at) { return circle_height(surface.width / 2, surface.radius, at); };
     picture::SurfaceLines lines;
@@ -196,10 +191,10 @@ picture::SurfaceLines surface_lines(const PreparedCase& prepared, const SectionS
         lines.nominal = {{x.from, 0}, {x.to, 0}};
         if (scene.force.shading != Shading::none)
             lines.smooth =
-                curve(x, [&](double at) { return map_height(surface.map, prepared.images.map.get(), at, section.y); });
+                curve(x, [&](double at) { return map_height(surface.map, prepared.images.map.get(), at, x.y); });
         break;
     case SurfaceKind::mesh:
-        lines.nominal = mesh_section(prepared.images.mesh->mesh, section.y);
+        lines.nominal = mesh_section(prepared.images.mesh->mesh, x.y);
         break;
     }
     return lines;

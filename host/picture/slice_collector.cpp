@@ -68,13 +68,6 @@ SliceAxes SliceCollector::axes_of(const Plane& plane) const {
             plane.axis};
 }
 
-void SliceCollector::add(const layout::FieldChunk<float>& chunk) {
-    add_chunk(chunk);
-}
-void SliceCollector::add(const layout::FieldChunk<double>& chunk) {
-    add_chunk(chunk);
-}
-
 // Calls keep(number of the sample in the plane, its place in a channel of the chunk) for all that the chunk has.
 template <typename real, typename Keep>
 void SliceCollector::visit(const layout::FieldChunk<real>& chunk, const Plane& plane, const Keep& keep) const {
@@ -98,7 +91,7 @@ void SliceCollector::visit(const layout::FieldChunk<real>& chunk, const Plane& p
     }
 }
 
-template <typename real> void SliceCollector::add_chunk(const layout::FieldChunk<real>& chunk) {
+template <typename real> void SliceCollector::add(const layout::FieldChunk<real>& chunk) {
     using Force = std::array<double, 3>;
     const auto force_at = [](std::span<const real> channel, std::size_t i) {
         return channel.empty() ? Force{} : Force{double(channel[i]), double(channel[i + 1]), double(channel[i + 2])};
@@ -116,5 +109,8 @@ template <typename real> void SliceCollector::add_chunk(const layout::FieldChunk
                                                   force_at(chunk.unshaded, place), tile_planes_[tile].axis);
         });
 }
+
+template void SliceCollector::add(const layout::FieldChunk<float>&);
+template void SliceCollector::add(const layout::FieldChunk<double>&);
 
 } // namespace forceshade::picture

@@ -31,8 +31,7 @@ public:
     /// With `repeat_y`, chunks hold the one row y_first = 0, y_count = 1, which stands for every y of the grid.
     SliceCollector(const GridSpec& grid, bool repeat_y, const SliceChoice& choice = {});
 
-    void add(const layout::FieldChunk<float>& chunk);
-    void add(const layout::FieldChunk<double>& chunk);
+    template <typename real> void add(const layout::FieldChunk<real>& chunk); // float or double
 
     /// F over the chosen slice.
     const FieldSlice& slice() const { return slice_; }
@@ -50,7 +49,6 @@ private:
     };
     Plane plane(std::size_t normal, std::uint64_t at) const;
     SliceAxes axes_of(const Plane& plane) const;
-    template <typename real> void add_chunk(const layout::FieldChunk<real>& chunk);
     template <typename real, typename Keep>
     void visit(const layout::FieldChunk<real>& chunk, const Plane& plane, const Keep& keep) const;
 

@@ -10,7 +10,7 @@
 #include "host/error.h"
 #include "host/output/files.h"
 #include "host/output/reading.h"
-#include "host/report/sweep_findings.h"
+#include "host/report/sections.h"
 #include "host/study/data/data_files.h"
 
 namespace forceshade::report {
@@ -27,112 +27,6 @@ bool is_there(const std::filesystem::path& path) {
 // A sweep or a study, or what is left of one.
 bool has_results(const std::filesystem::path& folder) {
     return is_there(folder / "manifest.json") || is_there(folder / "manifest.d") || is_there(folder / "study.json");
-}
-
-struct Reading {
-    const std::filesystem::path& root;
-    Contents contents;
-
-    template <class... Arguments>
-    void trouble(const std::string& file, fmt::format_string<Arguments...> what, Arguments&&... arguments) {
-        contents.troubles.push_back(file + ": " + fmt::format(what, std::forward<Arguments>(arguments)...));
-    }
-    void check_file(const std::string& folder, const FileRecord& file);
-    void check_case(Sweep& sweep, const CaseRecord& record);
-    void check_figure(const std::string& folder, const StudyPart& part, const study::Figure& figure);
-    void check_loose(const std::string& folder);
-    std::vector<std::string> records_beside(const std::string& folder);
-    void take_case(Sweep& sweep, const std::string& where, const Json& json);
-    void read_manifest(const std::string& folder);
-    void read_study(const std::string& folder);
-};
-
-void Reading::check_file(const std::string& folder, const FileRecord& file) {
-    const std::string name = below(folder, file.name);
-    if (!is_plain_name(file.name)) {
-        trouble(name, "it lies outside of the folder and was not looked at");
-        return;
-    }
-    std::error_code error;
-    const std::uint64_t bytes = std::filesystem::file_size(root / name, error);
-    if (error)
-        trouble(name, "it is missing");
-    else if (bytes != file.bytes)
-        trouble(name, "it has {} bytes where {} were written", bytes, file.bytes);
-    else if (bytes <= kMostHashed && !file_is_intact(root / name, file.sha256))
-        trouble(name, "its contents are not what was written");
-}
-
-void Reading::check_case(Sweep& sweep, const CaseRecord& record) {
-    for (const FileRecord& file : record.files)
-        check_file(sweep.folder, file);
-    if (const std::string wrong = complaint(record); !wrong.empty())
-        contents.troubles.push_back(wrong);
-}
-
-// The page draws figures out of tables.
-void Reading::check_figure(const std::string& folder, const StudyPart& part, const study::Figure& figure) {
-    try {
-        const study::Table& table = part.data.table(figure.table);
-        for (const std::string* column : {&figure.x.column, &figure.y.column, &figure.series, &figure.value})
-            if (!column->empty())
-                table.index(*column);
-        for (const study::Curve& curve : figure.curves)
-            part.data.table(curve.table).index(curve.x);
-    } catch (const Error& error) {
-        trouble(below(folder, "study.json"), "the figure {} cannot be drawn: {}", figure.name, error.what());
-    }
-}
-
-// Volumes that neither a manifest nor a study.json names.
-void Reading::check_loose(const std::string& folder) {
-    std::set<std::string> known;
-    std::string account;
-    const auto know = [&](const std::vector<FileRecord>& files) {
-        for (const FileRecord& file : files)
-            known.insert(file.name);
-    };
-    for (const StudyPart& part : contents.studies)
-        if (part.folder == folder) {
-            account = "study.json";
-            know(part.data.volumes);
-        }
-    for (const Sweep& sweep : contents.sweeps)
-        if (sweep.folder == folder) {
-            account = "the manifest";
-            for (const CaseRecord& record : sweep.cases)
-                know(record.files);
-        }
-    std::set<std::string> loose;
-    std::error_code ignored;
-    for (const auto& entry : std::filesystem::directory_iterator(root / folder, ignored)) {
-        const std::string name = entry.path().filename().string();
-        if (!account.empty() && name.ends_with(".exr") && name.front() != '.' && !known.contains(name))
-            loose.insert(below(folder, name));
-    }
-    for (const std::string& name : loose)
-        trouble(name, "{} does not name it, so it is not shown", account);
-}
-
-std::vector<std::string> Reading::records_beside(const std::string& folder) {
-    std::vector<std::string> names;
-    std::error_code ignored;
-    for (const auto& entry : std::filesystem::directory_iterator(root / folder / "manifest.d", ignored)) {
-        const std::string name = entry.path().filename().string();
-        if (name.ends_with(".json") && name.front() != '.')
-            names.push_back("manifest.d/" + name);
-    }
-    std::ranges::sort(names);
-    return names;
-}
-
-void Reading::take_case(Sweep& sweep, const std::string& where, const Json& json) {
-    if (std::optional<CaseRecord> record = record_of(json)) {
-        check_case(sweep, *record);
-        sweep.cases.push_back(std::move(*record));
-    } else {
-        trouble(where, "this case cannot be understood, it may be of another version of the program");
-    }
 }
 
 void take_account(Sweep& sweep, const Json& manifest) {
@@ -154,68 +48,166 @@ void take_account(Sweep& sweep, const Json& manifest) {
     sweep.seconds = number(run, "wall_s");
 }
 
-void Reading::read_manifest(const std::string& folder) {
-    const std::string name = below(folder, "manifest.json");
-    const std::vector<std::string> beside = records_beside(folder);
-    if (beside.empty() && !is_there(root / name))
-        return;
-    Sweep sweep;
-    sweep.folder = folder;
-    Json manifest;
-    std::string wrong = "it is no account of a sweep";
-    try {
-        manifest = read_json(root / name);
-        if (manifest.is_discarded())
-            wrong = "it is damaged";
-    } catch (const Error& error) {
-        wrong = error.what();
-    }
-    if (manifest.is_object() && manifest.contains("cases") && manifest["cases"].is_array()) {
-        const Json format = manifest.value("format", Json());
-        if (format != kManifestFormat)
-            trouble(name,
-                    "its format is {}, this program writes {}; what can be understood of it is shown, a sweep "
-                    "with this program brings it up to date",
-                    format.is_null() ? "an older one" : format.dump(), kManifestFormat);
-        take_account(sweep, manifest);
-        std::size_t number = 0;
-        for (const Json& one : manifest["cases"])
-            take_case(sweep, fmt::format("{}, case {}", name, ++number), one);
-    } else {
-        trouble(name, "{}{}", wrong, beside.empty() ? "" : "; the cases are taken from manifest.d");
-        for (const std::string& record : beside)
-            try {
-                take_case(sweep, below(folder, record), read_json(root / below(folder, record)));
-            } catch (const Error& error) {
-                trouble(below(folder, record), "{}", error.what());
-            }
-    }
-    sweep.cases_of_study = std::max(sweep.cases_of_study, sweep.cases.size());
-    if (sweep.cases.empty())
-        trouble(name, "it holds no case");
-    sweep.findings = sweep_findings(sweep);
-    contents.sweeps.push_back(std::move(sweep));
-}
+struct Reading {
+    const std::filesystem::path& root;
+    Contents contents;
 
-void Reading::read_study(const std::string& folder) {
-    const std::string name = below(folder, "study.json");
-    if (!is_there(root / name))
-        return;
-    StudyPart part;
-    part.folder = folder;
-    try {
-        part.data = study::read_data(root / folder);
-    } catch (const Error& error) {
-        trouble(name, "{}", error.what());
-        return;
+    template <class... Arguments>
+    void trouble(const std::string& file, fmt::format_string<Arguments...> what, Arguments&&... arguments) {
+        contents.troubles.push_back(file + ": " + fmt::format(what, std::forward<Arguments>(arguments)...));
     }
-    for (const study::Figure& figure : part.data.figures)
-        check_figure(folder, part, figure);
-    for (const std::vector<FileRecord>* files : {&part.data.files, &part.data.volumes})
-        for (const FileRecord& file : *files)
-            check_file(folder, file);
-    contents.studies.push_back(std::move(part));
-}
+
+    void check_file(const std::string& folder, const FileRecord& file) {
+        const std::string name = below(folder, file.name);
+        if (!is_plain_name(file.name)) {
+            trouble(name, "it lies outside of the folder and was not looked at");
+            return;
+        }
+        std::error_code error;
+        const std::uint64_t bytes = std::filesystem::file_size(root / name, error);
+        if (error)
+            trouble(name, "it is missing");
+        else if (bytes != file.bytes)
+            trouble(name, "it has {} bytes where {} were written", bytes, file.bytes);
+        else if (bytes <= kMostHashed && !file_is_intact(root / name, file.sha256))
+            trouble(name, "its contents are not what was written");
+    }
+
+    void check_case(Sweep& sweep, const CaseRecord& record) {
+        for (const FileRecord& file : record.files)
+            check_file(sweep.folder, file);
+        if (const std::string wrong = complaint(record); !wrong.empty())
+            contents.troubles.push_back(wrong);
+    }
+
+    // The page draws figures out of tables.
+    void check_figure(const std::string& folder, const StudyPart& part, const study::Figure& figure) {
+        try {
+            const study::Table& table = part.data.table(figure.table);
+            for (const std::string* column : {&figure.x.column, &figure.y.column, &figure.series, &figure.value})
+                if (!column->empty())
+                    table.index(*column);
+            for (const study::Curve& curve : figure.curves)
+                part.data.table(curve.table).index(curve.x);
+        } catch (const Error& error) {
+            trouble(below(folder, "study.json"), "the figure {} cannot be drawn: {}", figure.name, error.what());
+        }
+    }
+
+    // Volumes that neither a manifest nor a study.json names.
+    void check_loose(const std::string& folder) {
+        std::set<std::string> known;
+        std::string account;
+        const auto know = [&](const std::vector<FileRecord>& files) {
+            for (const FileRecord& file : files)
+                known.insert(file.name);
+        };
+        for (const StudyPart& part : contents.studies)
+            if (part.folder == folder) {
+                account = "study.json";
+                know(part.data.volumes);
+            }
+        for (const Sweep& sweep : contents.sweeps)
+            if (sweep.folder == folder) {
+                account = "the manifest";
+                for (const CaseRecord& record : sweep.cases)
+                    know(record.files);
+            }
+        std::set<std::string> loose;
+        std::error_code ignored;
+        for (const auto& entry : std::filesystem::directory_iterator(root / folder, ignored)) {
+            const std::string name = entry.path().filename().string();
+            if (!account.empty() && name.ends_with(".exr") && name.front() != '.' && !known.contains(name))
+                loose.insert(below(folder, name));
+        }
+        for (const std::string& name : loose)
+            trouble(name, "{} does not name it, so it is not shown", account);
+    }
+
+    std::vector<std::string> records_beside(const std::string& folder) {
+        std::vector<std::string> names;
+        std::error_code ignored;
+        for (const auto& entry : std::filesystem::directory_iterator(root / folder / "manifest.d", ignored)) {
+            const std::string name = entry.path().filename().string();
+            if (name.ends_with(".json") && name.front() != '.')
+                names.push_back("manifest.d/" + name);
+        }
+        std::ranges::sort(names);
+        return names;
+    }
+
+    void take_case(Sweep& sweep, const std::string& where, const Json& json) {
+        if (std::optional<CaseRecord> record = record_of(json)) {
+            check_case(sweep, *record);
+            sweep.cases.push_back(std::move(*record));
+        } else {
+            trouble(where, "this case cannot be understood, it may be of another version of the program");
+        }
+    }
+
+    void read_manifest(const std::string& folder) {
+        const std::string name = below(folder, "manifest.json");
+        const std::vector<std::string> beside = records_beside(folder);
+        if (beside.empty() && !is_there(root / name))
+            return;
+        Sweep sweep;
+        sweep.folder = folder;
+        Json manifest;
+        std::string wrong = "it is no account of a sweep";
+        try {
+            manifest = read_json(root / name);
+            if (manifest.is_discarded())
+                wrong = "it is damaged";
+        } catch (const Error& error) {
+            wrong = error.what();
+        }
+        if (manifest.is_object() && manifest.contains("cases") && manifest["cases"].is_array()) {
+            const Json format = manifest.value("format", Json());
+            if (format != kManifestFormat)
+                trouble(name,
+                        "its format is {}, this program writes {}; what can be understood of it is shown, a sweep "
+                        "with this program brings it up to date",
+                        format.is_null() ? "an older one" : format.dump(), kManifestFormat);
+            take_account(sweep, manifest);
+            std::size_t number = 0;
+            for (const Json& one : manifest["cases"])
+                take_case(sweep, fmt::format("{}, case {}", name, ++number), one);
+        } else {
+            trouble(name, "{}{}", wrong, beside.empty() ? "" : "; the cases are taken from manifest.d");
+            for (const std::string& record : beside)
+                try {
+                    take_case(sweep, below(folder, record), read_json(root / below(folder, record)));
+                } catch (const Error& error) {
+                    trouble(below(folder, record), "{}", error.what());
+                }
+        }
+        sweep.cases_of_study = std::max(sweep.cases_of_study, sweep.cases.size());
+        if (sweep.cases.empty())
+            trouble(name, "it holds no case");
+        sweep.findings = sweep_findings(sweep);
+        contents.sweeps.push_back(std::move(sweep));
+    }
+
+    void read_study(const std::string& folder) {
+        const std::string name = below(folder, "study.json");
+        if (!is_there(root / name))
+            return;
+        StudyPart part;
+        part.folder = folder;
+        try {
+            part.data = study::read_data(root / folder);
+        } catch (const Error& error) {
+            trouble(name, "{}", error.what());
+            return;
+        }
+        for (const study::Figure& figure : part.data.figures)
+            check_figure(folder, part, figure);
+        for (const std::vector<FileRecord>* files : {&part.data.files, &part.data.volumes})
+            for (const FileRecord& file : *files)
+                check_file(folder, file);
+        contents.studies.push_back(std::move(part));
+    }
+};
 
 std::vector<std::string> folders_below(const std::filesystem::path& root, std::error_code& error) {
     std::vector<std::string> names;

@@ -11,11 +11,9 @@
 #include "host/error.h"
 #include "host/output/exr_volume.h"
 #include "host/paths/path_reader.h"
-#include "host/report/page.h"
 #include "host/report/sections.h"
-#include "host/report/space_data.h"
+#include "host/report/viewer_data.h"
 #include "host/report/words.h"
-#include "host/study/data/study_data.h"
 
 namespace forceshade::report {
 namespace {
@@ -86,9 +84,9 @@ RunSamples samples_of_exr(const std::filesystem::path& file) {
 }
 
 // deg: from z towards x.
-study::Cell direction_of(const glm::dvec3& force) {
-    return force.x == 0 && force.z == 0 ? study::Cell()
-                                        : study::cell(std::atan2(force.x, force.z) * 180 / std::numbers::pi);
+double direction_of(const RunSample& sample) {
+    const glm::dvec3& force = sample.force;
+    return force.x == 0 && force.z == 0 ? NAN : std::atan2(force.x, force.z) * 180 / std::numbers::pi;
 }
 
 } // namespace
@@ -99,33 +97,27 @@ void add_samples(study::StudyData& data, const std::filesystem::path& file) {
         data.notes.push_back(
             fmt::format("One of {} samples is shown; {} has all.", samples.every, file.filename().string()));
     using R = RunSample;
-    const auto place = [](int axis) { return [axis](const R& r) { return study::cell(1e3 * r.at[axis]); }; };
+    const auto place = [](int axis) { return [axis](const R& r) { return 1e3 * r.at[axis]; }; };
     data.tables.push_back(study::table_of<R>(
         "samples", "Samples",
-        {{{"path", "", "as in the file"}, [](const R& r) { return study::Cell(r.path); }},
-         {{"t_s", "s", "since the path began"}, [](const R& r) { return study::cell(r.time); }},
-         {{"x_mm", "mm", "of the probe"}, place(0)},
-         {{"y_mm", "mm", "of the probe"}, place(1)},
-         {{"z_mm", "mm", "of the probe"}, place(2)},
-         {{"force_N", "N", "of the law"},
-          [](const R& r) { return study::cell(std::hypot(r.force.x, r.force.y, r.force.z)); }},
-         {{"direction_deg", "deg", "of the force in the x-z plane, from z towards x; nothing without force"},
-          [](const R& r) { return direction_of(r.force); }}},
+        {{"path", "", "as in the file", &R::path},
+         {"t_s", "s", "since the path began", &R::time},
+         {"x_mm", "mm", "of the probe", place(0)},
+         {"y_mm", "mm", "of the probe", place(1)},
+         {"z_mm", "mm", "of the probe", place(2)},
+         {"force_N", "N", "of the law", [](const R& r) { return std::hypot(r.force.x, r.force.y, r.force.z); }},
+         {"direction_deg", "deg", "of the force in the x-z plane, from z towards x; nothing without force",
+          direction_of}},
         samples.shown));
-    const study::FigureAxis time{"t_s", "time / s", false}, along{"x_mm", "x / mm", false};
-    for (const auto& [over, axis] : {std::pair("time", &time), {"place", &along}})
-        for (const auto& [what, y] : {std::pair("Force", study::FigureAxis{"force_N", "force / N", false}),
-                                      {"Direction", {"direction_deg", "direction / deg, from z towards x", false}},
-                                      {"Position", {"z_mm", "z / mm", false}}}) {
-            study::Figure figure;
-            figure.name = fmt::format("{}-{}", y.column, over);
-            figure.title = fmt::format("{} over {}", what, over);
-            figure.table = "samples";
-            figure.x = *axis;
-            figure.y = y;
-            figure.series = "path";
-            figure.joined = true;
-            data.figures.push_back(std::move(figure));
+    for (const auto& [over, x] :
+         {std::pair("time", study::FigureAxis{"t_s", "time / s"}), {"place", {"x_mm", "x / mm"}}})
+        for (const auto& [what, y] : {std::pair("Force", study::FigureAxis{"force_N", "force / N"}),
+                                      {"Direction", {"direction_deg", "direction / deg, from z towards x"}},
+                                      {"Position", {"z_mm", "z / mm"}}}) {
+            data.figures.push_back(study::make_figure(fmt::format("{}-{}", y.column, over),
+                                                      fmt::format("{} over {}", what, over), "",
+                                                      study::FigureKind::scatter, "samples", {}, x, y, "path"));
+            data.figures.back().joined = true;
         }
 }
 
@@ -137,9 +129,8 @@ std::string run_page(const std::string& title, const std::vector<std::pair<std::
     return page(title,
                 fmt::format("<header>\n<h1>{}</h1>\n</header>\n<main>\n<section>\n{}{}<div class=\"figures\">"
                             "<div id=\"run-hero\"></div></div>\n<div class=\"figures\" id=\"run-figures\"></div>\n"
-                            "<div id=\"run-tables\"></div>\n<script type=\"application/json\" class=\"study\" "
-                            "id=\"run\">{}</script>\n</section>\n</main>\n",
-                            escaped(title), facts(terms), notes, page_data(data)),
+                            "<div id=\"run-tables\"></div>\n{}</section>\n</main>\n",
+                            escaped(title), facts(terms), notes, page_data("run", data)),
                 page_script(false));
 }
 

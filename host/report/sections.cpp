@@ -1,10 +1,42 @@
+// A study: what it found, beside the figure that shows it; how it was measured, its tables and files. Figures and
+// tables are drawn by the page, out of the study's data.
 #include "host/report/sections.h"
 
+#include <algorithm>
+
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "host/report/words.h"
+#include "host/study/data/data_files.h"
 
 namespace forceshade::report {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::size_t kMostRows = 3000; // of a table that no figure shows; the CSV file has all
+
+std::string run_facts(const study::StudyData& data) {
+    return facts({{"Program", "forceshade " + data.program},
+                  {"Engine", data.engine},
+                  {"Device", data.device + (data.software ? " (software)" : "")},
+                  {"Driver", data.driver},
+                  {"Processor", data.cores ? fmt::format("{}, {} cores", data.cpu, data.cores) : data.cpu},
+                  {"Form", data.quick ? "quick: coarse, to see that it works" : "full"},
+                  {"Scene", data.scene.empty() ? "the study's own" : "the user's, below"},
+                  {"Time", duration_text(data.seconds)}});
+}
+
+std::string files(const std::filesystem::path& root, const StudyPart& part) {
+    std::string html = file_link(root, part.folder, "study.json");
+    for (const FileRecord& file : part.data.files)
+        html += file_link(root, part.folder, file.name);
+    for (const FileRecord& file : part.data.volumes)
+        html +=
+            file_link(root, part.folder, file.name, fmt::format(" <small>volume, {}</small>", size_text(file.bytes)));
+    return folded("Files", "<ul class=\"files\">\n" + html + "</ul>\n");
+}
 
 std::string plain_id(const std::string& name) {
     std::string id;
@@ -12,6 +44,8 @@ std::string plain_id(const std::string& name) {
         id += (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ? c : '-';
     return id;
 }
+
+} // namespace
 
 std::string title(const StudyPart& part) {
     const std::string& name = part.data.study;
@@ -50,6 +84,65 @@ std::string troubles_section(const std::vector<std::string>& troubles) {
     for (const std::string& trouble : troubles)
         html += fmt::format("<li>{}</li>\n", escaped(trouble));
     return html + "</ul>\n</section>\n";
+}
+
+std::string folded(const std::string& heading, const std::string& body) {
+    return fmt::format("<details><summary>{}</summary>\n{}</details>\n", heading, body);
+}
+
+std::string file_link(const std::filesystem::path& root, const std::string& folder, const std::string& name,
+                      const std::string& remark) {
+    const std::string path = below(folder, name);
+    std::error_code ignored;
+    return is_plain_name(name) && std::filesystem::is_regular_file(root / path, ignored)
+               ? "<li>" + link(path, name) + remark + "</li>\n"
+               : "";
+}
+
+std::string page_data(const std::string& id, const study::StudyData& data) {
+    Json all = Json::parse(study::data_json(data)), json;
+    json["figures"] = all["figures"];
+    json["tables"] = Json::array();
+    for (std::size_t i = 0; i < data.tables.size(); ++i) {
+        const bool drawn =
+            std::ranges::find(data.figures, data.tables[i].name, &study::Figure::table) != data.figures.end();
+        if (drawn || data.tables[i].rows.size() <= kMostRows)
+            json["tables"].push_back(std::move(all["tables"][i]));
+    }
+    return fmt::format("<script type=\"application/json\" class=\"study\" id=\"{}\">{}</script>\n", id,
+                       script_text(json));
+}
+
+std::string findings_list(const std::string& id, const std::vector<study::Finding>& findings) {
+    std::string html;
+    for (const study::Finding& finding : findings) {
+        std::string when;
+        for (const std::string* one : {&finding.place, &finding.condition, &finding.interval})
+            if (!one->empty())
+                when += (when.empty() ? "" : "; ") + *one;
+        html += fmt::format("<li id=\"{}-{}\">{}{}</li>\n", id, plain_id(finding.name), escaped(finding.text),
+                            when.empty() ? "" : "<small>" + escaped(when) + "</small>");
+    }
+    return html.empty() ? "<p>This gives no findings.</p>\n" : "<ol class=\"findings\">\n" + html + "</ol>\n";
+}
+
+std::string study_section(const std::filesystem::path& root, const StudyPart& part) {
+    const study::StudyData& data = part.data;
+    const std::string id = anchor(part);
+    std::string method = run_facts(data);
+    for (const std::string& note : data.notes)
+        method += fmt::format("<p class=\"note\">{}</p>\n", escaped(note));
+    if (!data.scene.empty())
+        method += "<pre>" + escaped(data.scene) + "</pre>\n";
+    std::string html = fmt::format("<section id=\"{0}\">\n<h2>{1}</h2>\n<div class=\"answer\"><div>{2}</div>"
+                                   "<div id=\"{0}-data-hero\"></div></div>\n<div class=\"figures\" "
+                                   "id=\"{0}-data-figures\"></div>\n",
+                                   id, escaped(title(part)), findings_list(id, data.findings));
+    html += folded("How it was measured", method);
+    if (data.tables.empty())
+        html += "<p>This study holds no table.</p>\n";
+    html += fmt::format("<div id=\"{}-data-tables\"></div>\n", id) + files(root, part);
+    return html + page_data(id + "-data", data) + "</section>\n";
 }
 
 } // namespace forceshade::report

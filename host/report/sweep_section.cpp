@@ -1,149 +1,200 @@
-// A sweep: its cases, their errors and times, what was left out, the files.
+// A sweep: what its manifest says, its cases, their errors and times, what was left out, the files.
 #include <algorithm>
-#include <map>
 
 #include <fmt/format.h>
 
-#include "host/output/files.h"
 #include "host/report/sections.h"
-#include "host/report/tables.h"
 #include "host/report/words.h"
 
 namespace forceshade::report {
 namespace {
 
-using Rows = std::vector<std::vector<std::string>>;
-
-constexpr std::size_t kMostCases = 3000;
-
-// At most so many, as a page of more would not open.
-std::vector<const CaseRecord*> listed(const Sweep& sweep, bool (*wanted)(const CaseRecord&)) {
+std::vector<const CaseRecord*> with_field(const Sweep& sweep) {
     std::vector<const CaseRecord*> cases;
-    for (const CaseRecord& one : sweep.cases)
-        if (wanted(one) && cases.size() < kMostCases)
-            cases.push_back(&one);
+    for (const CaseRecord& record : sweep.cases)
+        if (record.voxels > 0)
+            cases.push_back(&record);
     return cases;
 }
 
-bool has_field(const CaseRecord& record) {
-    return record.voxels > 0;
-}
-bool has_paths(const CaseRecord& record) {
-    return record.paths.has_value();
-}
-bool any_case(const CaseRecord&) {
-    return true;
+std::string agreement(const std::vector<const CaseRecord*>& cases) {
+    std::uint64_t compared = 0, differing = 0, beyond = 0;
+    for (const CaseRecord* one : cases) {
+        compared += one->error.compared;
+        differing += one->error.differing;
+        beyond += one->error.beyond;
+    }
+    std::string text =
+        fmt::format("Of {} voxels compared with the CPU oracle in the same precision, ", count_text(compared));
+    if (compared == 0)
+        return "No voxel was compared with the CPU oracle.";
+    if (differing == 0)
+        return text + "all are equal bit for bit.";
+    text += fmt::format("{} differ{}", count_text(differing), differing == 1 ? "s" : "");
+    return text + (beyond == 0 ? ", none by more than rounding allows."
+                               : fmt::format(", {} of them by more than rounding allows: those volumes are not to be "
+                                             "trusted.",
+                                             count_text(beyond)));
 }
 
-std::string case_markup(const CaseRecord& record) {
-    return escaped(record.name);
+std::string error(const std::vector<const CaseRecord*>& cases) {
+    const CaseRecord& worst =
+        **std::ranges::max_element(cases, {}, [](const CaseRecord* one) { return one->error.relative(); });
+    if (worst.error.relative() == 0)
+        return "No force differs from the oracle in double precision.";
+    return fmt::format("The largest error against the oracle in double precision is {} of the case's largest force "
+                       "({} N), in {}.",
+                       number_text(worst.error.relative(), 2), number_text(worst.error.largest, 2), worst.name);
 }
 
-std::string milliseconds(double seconds) {
-    return number_text(1e3 * seconds, 3);
+std::string force(const std::vector<const CaseRecord*>& cases) {
+    const auto largest = [](const CaseRecord* one) { return one->largest_force; };
+    const CaseRecord &most = **std::ranges::max_element(cases, {}, largest),
+                     &least = **std::ranges::min_element(cases, {}, largest);
+    if (most.largest_force == least.largest_force)
+        return fmt::format("The largest force is {} N in every case.", number_text(most.largest_force, 3));
+    return fmt::format("The largest force is {} N, in {}; the case whose largest is least, {}, reaches {} N.",
+                       number_text(most.largest_force, 3), most.name, least.name, number_text(least.largest_force, 3));
 }
 
-// Keys that vary within the sweep, in the order in which they come.
-std::vector<std::string> varied_keys(const Sweep& sweep) {
-    std::vector<std::string> keys;
+std::string cost(const std::vector<const CaseRecord*>& cases) {
+    const auto kernel = [](const CaseRecord* one) { return one->engine_times.kernel; };
+    const CaseRecord &dearest = **std::ranges::max_element(cases, {}, kernel),
+                     &cheapest = **std::ranges::min_element(cases, {}, kernel);
+    if (kernel(&dearest) <= 0)
+        return "";
+    std::string text = fmt::format("The dearest case took {} ms in the kernel, {}",
+                                   number_text(1e3 * kernel(&dearest), 3), dearest.name);
+    if (cases.size() > 1 && kernel(&cheapest) > 0)
+        text += fmt::format("; that is {} times the cheapest, {}", number_text(kernel(&dearest) / kernel(&cheapest), 2),
+                            cheapest.name);
+    return text + ".";
+}
+
+std::string left_out(const std::vector<const CaseRecord*>& cases) {
+    std::uint64_t voxels = 0, evaluated = 0;
+    for (const CaseRecord* one : cases) {
+        voxels += one->voxels;
+        evaluated += one->evaluated;
+    }
+    if (evaluated >= voxels)
+        return "";
+    return fmt::format("Only {} of {} voxels had to be evaluated ({} %); the others are copies or free space.",
+                       count_text(evaluated), count_text(voxels),
+                       number_text(100 * static_cast<double>(evaluated) / static_cast<double>(voxels), 2));
+}
+
+std::string paths(const Sweep& sweep) {
+    std::uint64_t count = 0, unstable = 0, samples = 0;
+    for (const CaseRecord& one : sweep.cases)
+        if (one.paths) {
+            count += one.paths->paths;
+            unstable += one.paths->unstable;
+            samples += one.paths->samples;
+        }
+    if (count == 0)
+        return "";
+    return fmt::format("{} paths with {} samples were followed; {} left {} bound.", count_text(count),
+                       count_text(samples), unstable == 0 ? "none" : count_text(unstable),
+                       unstable == 1 ? "its" : "their");
+}
+using Rows = std::vector<const CaseRecord*>;
+using Columns = std::vector<study::ColumnOf<const CaseRecord*>>;
+using R = const CaseRecord*;
+
+constexpr std::size_t kMostCases = 3000; // a page of more would not open
+
+study::Table cases_table(const Sweep& sweep, const Rows& rows) {
+    Columns columns{{"case", "", "", &CaseRecord::name}};
+    std::vector<std::string> keys; // that vary within the sweep, in the order in which they come
     for (const CaseRecord& record : sweep.cases)
         for (const auto& [key, value] : record.parameters)
             if (std::ranges::find(keys, key) == keys.end())
                 keys.push_back(key);
-    return keys;
-}
-
-std::string cases_table(const Sweep& sweep) {
-    const std::vector<std::string> keys = varied_keys(sweep);
-    std::vector<HtmlColumn> columns{{"case", "", "", false}};
     for (const std::string& key : keys)
-        columns.push_back({key, "", "", false});
-    for (const HtmlColumn& column :
-         {HtmlColumn{"precision", "", "", false}, HtmlColumn{"voxels", "", "of the grid", true},
-          HtmlColumn{"evaluated", "", "voxels that had to be computed", true},
-          HtmlColumn{"largest force", "N", "", true},
-          HtmlColumn{"largest error", "N", "against the oracle in double precision", true},
-          HtmlColumn{"relative error", "", "of the largest force", true},
-          HtmlColumn{"differing", "", "voxels whose bits are not the oracle's in the same precision", true},
-          HtmlColumn{"beyond bound", "", "voxels further from the oracle than rounding allows", true}})
-        columns.push_back(column);
-    Rows rows;
-    for (const CaseRecord* record : listed(sweep, has_field)) {
-        std::vector<std::string> row{case_markup(*record)};
-        for (const std::string& key : keys) {
-            const auto found = std::ranges::find(record->parameters, key,
-                                                 [](const auto& one) -> const std::string& { return one.first; });
-            row.push_back(found == record->parameters.end() ? "" : escaped(found->second));
-        }
-        row.insert(row.end(), {escaped(record->precision), count_text(record->voxels), count_text(record->evaluated),
-                               number_text(record->largest_force, 4), number_text(record->error.largest, 2),
-                               number_text(record->error.relative(), 2), count_text(record->error.differing),
-                               count_text(record->error.beyond)});
-        rows.push_back(std::move(row));
-    }
-    return rows.empty() ? "" : html_table(columns, rows, "Cases");
+        columns.push_back({{key, "", ""}, [key](R r) {
+                               for (const auto& [name, value] : r->parameters)
+                                   if (name == key)
+                                       return study::Cell(value);
+                               return study::Cell();
+                           }});
+    columns.insert(
+        columns.end(),
+        {{"precision", "", "", &CaseRecord::precision},
+         {"voxels", "1", "of the grid", &CaseRecord::voxels},
+         {"evaluated", "1", "voxels that had to be computed", &CaseRecord::evaluated},
+         {"largest force", "N", "", &CaseRecord::largest_force},
+         {"largest error", "N", "against the oracle in double precision", [](R r) { return r->error.largest; }},
+         {"relative error", "1", "of the largest force", [](R r) { return r->error.relative(); }},
+         {"differing", "1", "voxels whose bits are not the oracle's in the same precision",
+          [](R r) { return r->error.differing; }},
+         {"beyond bound", "1", "voxels further from the oracle than rounding allows",
+          [](R r) { return r->error.beyond; }}});
+    return study::table_of("cases", "Cases", columns, rows);
 }
 
-std::string times_table(const Sweep& sweep) {
-    std::vector<HtmlColumn> columns{{"case", "", "", false}};
-    for (const auto& [name, meaning] :
-         std::vector<std::pair<const char*, const char*>>{{"plan", "which voxels are visited"},
-                                                          {"compile", "the kernel"},
-                                                          {"upload", ""},
-                                                          {"kernel", ""},
-                                                          {"read back", "from the device"},
-                                                          {"encode", "the volume"},
-                                                          {"flush", "to disk"},
-                                                          {"verify", "reading the volume back"},
-                                                          {"hash", ""},
-                                                          {"check", "against the oracle"}})
-        columns.push_back({name, "ms", meaning, true});
-    Rows rows;
-    for (const CaseRecord* record : listed(sweep, has_field)) {
-        const EngineTimes& engine = record->engine_times;
-        const VolumeTimings& files = record->volume_times;
-        rows.push_back({case_markup(*record)});
-        for (const double seconds : {engine.plan, engine.compile, engine.upload, engine.kernel, engine.read_back,
-                                     files.encode, files.flush, files.read_back, files.hash, files.check})
-            rows.back().push_back(milliseconds(seconds));
-    }
-    return rows.empty() ? "" : folded("Time by stage", html_table(columns, rows, "Time by stage"));
+study::Table times_table(const Rows& rows) {
+    Columns columns{{"case", "", "", &CaseRecord::name}};
+    const auto add = [&](const char* name, const char* meaning, auto times, auto stage) {
+        columns.push_back({{name, "ms", meaning}, [=](R r) { return 1e3 * r->*times.*stage; }});
+    };
+    const auto engine = &CaseRecord::engine_times;
+    const auto files = &CaseRecord::volume_times;
+    add("plan", "which voxels are visited", engine, &EngineTimes::plan);
+    add("compile", "the kernel", engine, &EngineTimes::compile);
+    add("upload", "", engine, &EngineTimes::upload);
+    add("kernel", "", engine, &EngineTimes::kernel);
+    add("read back", "from the device", engine, &EngineTimes::read_back);
+    add("encode", "the volume", files, &VolumeTimings::encode);
+    add("flush", "to disk", files, &VolumeTimings::flush);
+    add("verify", "reading the volume back", files, &VolumeTimings::read_back);
+    add("hash", "", files, &VolumeTimings::hash);
+    add("check", "against the oracle", files, &VolumeTimings::check);
+    return study::table_of("times", "Time by stage", columns, rows);
 }
 
-std::string paths_table(const Sweep& sweep) {
-    const std::vector<HtmlColumn> columns{{"case", "", "", false},
-                                          {"paths", "", "", true},
-                                          {"samples", "", "", true},
-                                          {"in contact", "%", "of the samples", true},
-                                          {"unstable", "", "paths that left their bound", true},
-                                          {"largest force", "N", "", true},
-                                          {"work", "J", "on the hand, sum over the paths", true},
-                                          {"mean depth", "mm", "in contact", true},
-                                          {"compared", "", "samples compared with the oracle", true},
-                                          {"differing", "", "samples whose bits are not the oracle's", true},
-                                          {"kernel", "ms", "", true}};
-    Rows rows;
-    for (const CaseRecord* record : listed(sweep, has_paths)) {
-        const PathRecord& paths = *record->paths;
-        const double share = paths.samples ? double(paths.in_contact) / double(paths.samples) : 0;
-        rows.push_back({case_markup(*record), count_text(paths.paths), count_text(paths.samples),
-                        number_text(100 * share, 3), count_text(paths.unstable), number_text(paths.largest_force, 4),
-                        number_text(paths.work, 3), number_text(1e3 * paths.mean_depth, 3),
-                        count_text(paths.error.samples), count_text(paths.error.differing),
-                        milliseconds(paths.engine_times.kernel)});
-    }
-    return rows.empty() ? "" : "<h3>Paths</h3>\n" + html_table(columns, rows, "Paths");
+study::Table paths_table(const Rows& rows) {
+    return study::table_of<R>(
+        "paths", "Paths",
+        {{"case", "", "", &CaseRecord::name},
+         {"paths", "1", "", [](R r) { return r->paths->paths; }},
+         {"samples", "1", "", [](R r) { return r->paths->samples; }},
+         {"in contact", "%", "of the samples",
+          [](R r) { return 100 * double(r->paths->in_contact) / std::max(1.0, double(r->paths->samples)); }},
+         {"unstable", "1", "paths that left their bound", [](R r) { return r->paths->unstable; }},
+         {"largest force", "N", "", [](R r) { return r->paths->largest_force; }},
+         {"work", "J", "on the hand, sum over the paths", [](R r) { return r->paths->work; }},
+         {"mean depth", "mm", "in contact", [](R r) { return 1e3 * r->paths->mean_depth; }},
+         {"compared", "1", "samples compared with the oracle", [](R r) { return r->paths->error.samples; }},
+         {"differing", "1", "samples whose bits are not the oracle's", [](R r) { return r->paths->error.differing; }},
+         {"kernel", "ms", "", [](R r) { return 1e3 * r->paths->engine_times.kernel; }}},
+        rows);
+}
+
+// What the page draws of it.
+study::StudyData tables_of(const Sweep& sweep) {
+    Rows fields, paths;
+    for (const CaseRecord& record : sweep.cases)
+        for (const auto& [rows, has] : {std::pair(&fields, record.voxels > 0), {&paths, record.paths.has_value()}})
+            if (has && rows->size() < kMostCases)
+                rows->push_back(&record);
+    study::StudyData data;
+    if (!fields.empty())
+        data.tables = {cases_table(sweep, fields), times_table(fields)};
+    if (!paths.empty())
+        data.tables.push_back(paths_table(paths));
+    return data;
 }
 
 // Cases with the same list together, lists in the order in which they come.
-std::string left_out(const Sweep& sweep) {
+std::string omitted_list(const Sweep& sweep) {
     std::vector<std::pair<std::string, std::vector<std::string>>> groups;
-    for (const CaseRecord* record : listed(sweep, any_case)) {
-        const std::string list = fmt::format("{}", fmt::join(record->omitted, ", "));
+    for (const CaseRecord& record : sweep.cases) {
+        const std::string list = fmt::format("{}", fmt::join(record.omitted, ", "));
         auto found = std::ranges::find(groups, list, [](const auto& one) -> const std::string& { return one.first; });
         if (found == groups.end())
             found = groups.insert(groups.end(), {list, {}});
-        found->second.push_back(record->name);
+        found->second.push_back(record.name);
     }
     std::string html = "<dl class=\"meanings\">\n";
     for (const auto& [list, names] : groups)
@@ -153,29 +204,24 @@ std::string left_out(const Sweep& sweep) {
     return folded("What was left out, as no scene needed it", html + "</dl>\n");
 }
 
-std::string files_table(const std::filesystem::path& root, const Sweep& sweep) {
-    const std::vector<HtmlColumn> columns{{"file", "", "", false}, {"size", "", "", true}, {"SHA-256", "", "", false}};
-    Rows rows;
-    for (const CaseRecord* record : listed(sweep, any_case))
-        for (const FileRecord& file : record->files) {
-            std::error_code ignored;
-            const std::string path = below(sweep.folder, file.name);
-            const bool there = is_plain_name(file.name) && std::filesystem::is_regular_file(root / path, ignored);
-            rows.push_back({there ? link(path, file.name) : escaped(file.name) + " (missing)", size_text(file.bytes),
-                            "<code>" + escaped(file.sha256.substr(0, 16)) + "…</code>"});
-        }
-    std::string links;
-    for (const char* name : {"manifest.json", "summary.csv", "study.toml"}) {
-        std::error_code ignored;
-        if (std::filesystem::is_regular_file(root / below(sweep.folder, name), ignored))
-            links += "<li>" + link(below(sweep.folder, name), name) + "</li>\n";
-    }
-    return "<h3>Files</h3>\n<ul class=\"files\">\n" + links + "</ul>\n" +
-           folded(fmt::format("Volumes and pictures <small>{} files</small>", rows.size()),
-                  html_table(columns, rows, "Files"));
-}
-
 } // namespace
+
+std::vector<study::Finding> sweep_findings(const Sweep& sweep) {
+    std::vector<study::Finding> findings;
+    const auto add = [&](const char* name, const std::string& text) {
+        if (!text.empty())
+            findings.push_back({name, text});
+    };
+    if (const std::vector<const CaseRecord*> cases = with_field(sweep); !cases.empty()) {
+        add("agreement", agreement(cases));
+        add("largest_error", error(cases));
+        add("largest_force", force(cases));
+        add("dearest_case", cost(cases));
+        add("evaluated", left_out(cases));
+    }
+    add("paths", paths(sweep));
+    return findings;
+}
 
 std::string sweep_section(const std::filesystem::path& root, const Sweep& sweep) {
     std::string html = fmt::format("<section id=\"{}\">\n<h2>{}</h2>\n{}", anchor(sweep), escaped(title(sweep)),
@@ -191,12 +237,19 @@ std::string sweep_section(const std::filesystem::path& root, const Sweep& sweep)
                    {"Last run", sweep.seconds > 0 ? duration_text(sweep.seconds) : ""}});
     if (sweep.cases.empty())
         return html + "<p>There is no case here that this program can read.</p>\n</section>\n";
-    html += "<h3>Cases</h3>\n";
     if (sweep.cases.size() > kMostCases)
         html += fmt::format("<p>The tables show the first {} of {} cases; summary.csv has all.</p>\n",
                             count_text(kMostCases), count_text(sweep.cases.size()));
-    return html + cases_table(sweep) + paths_table(sweep) + times_table(sweep) + left_out(sweep) +
-           files_table(root, sweep) + "</section>\n";
+    std::string files;
+    for (const char* name : {"manifest.json", "summary.csv", "study.toml"})
+        files += file_link(root, sweep.folder, name);
+    for (const CaseRecord& record : sweep.cases)
+        for (const FileRecord& file : record.files)
+            files += file_link(root, sweep.folder, file.name, fmt::format(" <small>{}</small>", size_text(file.bytes)));
+    const std::string id = anchor(sweep) + "-data";
+    return html + fmt::format("<div id=\"{}-tables\"></div>\n", id) + omitted_list(sweep) +
+           folded("Files", "<ul class=\"files\">\n" + files + "</ul>\n") + page_data(id, tables_of(sweep)) +
+           "</section>\n";
 }
 
 } // namespace forceshade::report

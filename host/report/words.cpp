@@ -1,13 +1,15 @@
 #include "host/report/words.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
+#include <openssl/evp.h>
 
 #include "host/picture/canvas.h"
-#include "host/picture/quantity.h"
+#include "host/picture/ticks.h"
 
 namespace forceshade::report {
 namespace {
@@ -99,20 +101,22 @@ std::string link(std::string_view path, std::string_view text) {
     return fmt::format("<a href=\"{}\">{}</a>", address(path), escaped(text));
 }
 
+std::string base64(std::string_view bytes) {
+    std::string text((bytes.size() + 2) / 3 * 4 + 1, '\0'); // and the 0 that is written behind it
+    const auto* from = reinterpret_cast<const unsigned char*>(bytes.data());
+    text.resize(static_cast<std::size_t>(
+        EVP_EncodeBlock(reinterpret_cast<unsigned char*>(text.data()), from, static_cast<int>(bytes.size()))));
+    return text;
+}
+
 std::string number_text(double value, int digits) {
     if (value == 0)
         return "0";
     if (!std::isfinite(value))
         return "no number";
-    const std::string rounded = fmt::format("{:.{}e}", std::fabs(value), digits - 1);
-    const std::size_t e = rounded.find('e');
-    const int exponent = std::stoi(rounded.substr(e + 1));
-    if (exponent >= -3 && exponent < 5)
-        return picture::trimmed(value, std::max(0, digits - 1 - exponent));
-    std::string mantissa = rounded.substr(0, e);
-    if (mantissa.find('.') != std::string::npos)
-        mantissa.erase(mantissa.find_last_not_of("0.") + 1);
-    return (value < 0 ? "−" : "") + (mantissa == "1" ? "10" : mantissa + "×10") + picture::superscript(exponent);
+    const double rounded = std::stod(fmt::format("{:.{}e}", value, digits - 1));
+    const int decimals = std::max(0, digits - 1 - picture::decade(std::fabs(rounded)));
+    return picture::number_label(rounded, picture::needed_decimals(rounded, decimals));
 }
 
 std::string script_text(const nlohmann::ordered_json& json) {

@@ -30,6 +30,9 @@ std::string size_text(std::uint64_t bytes);
 /// A path below the report's folder as a relative address: nothing in it can be another scheme, host or query.
 std::string address(std::string_view path);
 
+/// Bytes within text.
+std::string base64(std::string_view bytes);
+
 /// <a href="address">text</a>
 std::string link(std::string_view path, std::string_view text);
 

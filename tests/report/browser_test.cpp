@@ -240,11 +240,15 @@ TEST_F(Page, StrokesKeepTheMagnitudeBetweenSamples) {
 TEST_F(Page, PrintsWhole) {
     open(1200, true);
     browser_->evaluate("addEventListener('beforeprint', () => { window.folded = "
-                       "document.querySelectorAll('details:not([open])').length; })");
+                       "document.querySelectorAll('details:not([open])').length; "
+                       "window.cell = document.querySelector('#sweep- td').textContent; })");
+    EXPECT_EQ(browser_->evaluate("document.querySelectorAll('#sweep- table').length"), 0)
+        << "tables are drawn on demand";
     const std::string pdf = browser_->print();
     EXPECT_TRUE(pdf.starts_with("%PDF-"));
     EXPECT_GT(pdf.size(), 30'000u);
     EXPECT_EQ(browser_->evaluate("window.folded"), 0) << "tables are unfolded on paper";
+    EXPECT_EQ(browser_->text("window.cell"), "bump_shading-none") << "and drawn";
     EXPECT_NE(browser_->evaluate("document.querySelectorAll('details:not([open])').length"), 0) << "and folded again";
 }
 

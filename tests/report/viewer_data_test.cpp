@@ -5,10 +5,9 @@
 #include <gtest/gtest.h>
 #include <zlib.h>
 
-#include "host/report/base64.h"
-#include "host/report/sampled_volume.h"
-#include "host/report/sweep_findings.h"
-#include "host/report/viewer_section.h"
+#include "host/report/sections.h"
+#include "host/report/viewer_data.h"
+#include "host/report/words.h"
 #include "tests/io/folder.h"
 #include "tests/report/sample_folder.h"
 
@@ -16,21 +15,6 @@ namespace forceshade::report {
 namespace {
 
 using namespace testing;
-
-TEST(Halves, AreRoundedToNearestEven) {
-    EXPECT_EQ(half_of(0.0f), 0x0000);
-    EXPECT_EQ(half_of(-0.0f), 0x8000);
-    EXPECT_EQ(half_of(1.0f), 0x3C00);
-    EXPECT_EQ(half_of(-2.0f), 0xC000);
-    EXPECT_EQ(half_of(65504.0f), 0x7BFF);
-    EXPECT_EQ(half_of(65520.0f), 0x7C00);
-    EXPECT_EQ(half_of(0x1p-24f), 0x0001);
-    EXPECT_EQ(half_of(0x1p-25f), 0x0000) << "a tie goes to even";
-    EXPECT_EQ(half_of(1 + 0x1p-11f), 0x3C00);
-    EXPECT_EQ(half_of(1 + 0x1.8p-10f), 0x3C02);
-    EXPECT_EQ(half_of(2 - 0x1p-12f), 0x4000) << "rounding may step into the exponent";
-    EXPECT_EQ(half_of(std::numeric_limits<float>::quiet_NaN()) & 0x7C00, 0x7C00);
-}
 
 TEST(Base64, IsThatOfTheStandard) {
     EXPECT_EQ(base64(""), "");

@@ -7,7 +7,6 @@
 
 #include "host/study/error_time/error_time.h"
 #include "host/study/error_time/law_at.h"
-#include "host/study/error_time/measured.h"
 #include "host/study/error_time/sections.h"
 #include "host/study/error_time/volume.h"
 #include "tests/io/folder.h"

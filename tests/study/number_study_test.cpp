@@ -5,9 +5,6 @@
 
 #include "host/engine/engine.h"
 #include "host/study/stability/number.h"
-#include "host/study/stability/number_cases.h"
-#include "host/study/stability/number_error.h"
-#include "host/study/stability/worst_rounding.h"
 
 namespace forceshade::study {
 namespace {

@@ -7,7 +7,6 @@
 #include "host/engine/engine.h"
 #include "host/error.h"
 #include "host/prepare/prepared_case.h"
-#include "host/study/omission/measurement.h"
 #include "host/study/omission/omission.h"
 #include "tests/io/folder.h"
 

@@ -8,8 +8,7 @@
 #include "host/error.h"
 #include "host/scene/study.h"
 #include "host/study/error_time/angle.h"
-#include "host/study/stability/laws.h"
-#include "host/study/stability/tables.h"
+#include "host/study/stability/stability.h"
 #include "tests/paths/sampled_plants.h"
 
 namespace forceshade::study {
@@ -18,20 +17,9 @@ namespace {
 using testing::kPlants;
 using testing::Plant;
 
-TEST(LoopLaws, TableOfSampledStability) {
-    for (const Plant& plant : kPlants) {
-        EXPECT_NEAR(critical_stiffness(plant.mass, plant.damping, plant.period), plant.limit, 0.006);
-        EXPECT_NEAR(critical_stiffness_late(plant.mass, plant.damping, plant.period), plant.limit_late, 0.006);
-    }
-}
-
-TEST(LoopLaws, SmallDampingNeedsNoDifference) {
-    const double tiny = 1e-9; // N s/m
-    EXPECT_NEAR(critical_stiffness(0.1, tiny, 1e-3) / (2 * tiny / 1e-3), 1, 1e-9);
-    EXPECT_NEAR(critical_stiffness_late(0.1, tiny, 1e-3) / (2 * tiny / 3e-3), 1, 1e-9);
+TEST(LinearLoop, PassiveWithHalfASampleAndItsDelay) {
     EXPECT_DOUBLE_EQ(passive_stiffness(1, 1e-3, 0), 2000);
     EXPECT_DOUBLE_EQ(passive_stiffness(1, 1e-3, 1), 2000.0 / 3);
-    EXPECT_DOUBLE_EQ(friction_stiffness(0.1, 1e-4), 2000);
 }
 
 HandSpec bare_hand(double mass, double damping, std::uint64_t delay = 0) {
@@ -52,6 +40,15 @@ TEST(LinearLoop, IsTheClosedFormOnAWall) {
     EXPECT_NEAR(wall_limit(bare_hand(10, 1, 4), 1000) / passive_stiffness(1, 1e-3, 4), 1, 1e-2);
 }
 
+// `slope` is -dF/dp per N/m of K, of the plane x-z. N/m above which its pair of complex modes grows where the force is
+// not held but continuous: b^2 sigma / (m omega^2).
+double flutter_stiffness(const glm::dmat3& slope, double mass, double damping) {
+    const double xx = slope[0][0], xz = slope[2][0], zx = slope[0][2], zz = slope[2][2]; // columns first
+    const double sigma = (xx + zz) / 2, square = xx * zz - xz * zx - sigma * sigma;
+    EXPECT_GT(square, 0);
+    return damping * damping * sigma / (mass * square);
+}
+
 // The laws' table: a slope of 50 deg, pressed to 0.131 of the radius, flutters at 71 N/m, held over 1 ms at 69.
 TEST(LinearLoop, ShadedDipFlutters) {
     const double s = std::sin(50 * kDegree), c = std::cos(50 * kDegree), deep = 0.131;
@@ -60,9 +57,9 @@ TEST(LinearLoop, ShadedDipFlutters) {
     slope[2] = {s, 0, c};
     const HandSpec hand = bare_hand(0.1, 1);
     const Hold down{"down", {0, 0, 1}};
-    EXPECT_NEAR(flutter_stiffness(slope, 0.1, 1).value(), 71, 0.5);
+    EXPECT_NEAR(flutter_stiffness(slope, 0.1, 1), 71, 0.5);
     EXPECT_NEAR(linear_limit(hand, 1000, down, slope).value(), 69, 0.5);
-    EXPECT_NEAR(linear_limit(hand, 1e4, down, slope).value(), flutter_stiffness(slope, 0.1, 1).value(), 0.5);
+    EXPECT_NEAR(linear_limit(hand, 1e4, down, slope).value(), flutter_stiffness(slope, 0.1, 1), 0.5);
     EXPECT_FALSE(grows(hand, 1000, down, slope, 65));
     EXPECT_TRUE(grows(hand, 1000, down, slope, 75));
 }
@@ -267,7 +264,7 @@ TEST(SceneStability, AreTheScenesOwn) {
     EXPECT_EQ(surface.hand.mass, 0.2);
     const LoopResults results = results_of(surface);
     ASSERT_NE(results.worst(), nullptr);
-    EXPECT_NEAR(*results.worst()->limit / critical_stiffness(0.2, 10, 5e-4), 1, 1e-3);
+    EXPECT_NEAR(*results.worst()->limit / 40167.4, 1, 1e-3) << "K_crit of 0.2 kg and 10 N s/m at 2 kHz";
     const std::vector<Finding> findings = loop_findings(results);
     ASSERT_FALSE(findings.empty());
     EXPECT_LE(findings.size(), 4U);

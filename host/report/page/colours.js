@@ -37,15 +37,8 @@ function numberText(value, digits = 3) {
   return (value < 0 ? "−" : "") + text;
 }
 
-// Multiples of 1, 2 or 5 times a power of ten within [low, high], about `most` of them.
-function roundTicks(low, high, most) {
-  const rough = (high - low) / Math.max(most, 1), power = 10 ** Math.floor(Math.log10(rough));
-  const step = [1, 2, 5, 10].map((m) => m * power).find((s) => s >= rough * 0.999) || 10 * power;
-  const decimals = Math.max(0, -Math.floor(Math.log10(step) + 1e-9)), ticks = [];
-  for (let i = Math.ceil(low / step - 1e-9); i <= Math.floor(high / step + 1e-9) && ticks.length < 50; ++i)
-    ticks.push({ value: i * step, text: (i < 0 ? "−" : "") + Math.abs(i * step).toFixed(Math.min(decimals, 12)) });
-  return ticks;
-}
+// Round numbers within [low, high], about `most` of them.
+const roundTicks = (low, high, most) => d3.ticks(low, high, Math.max(0.75 * most, 1)).map((value) => ({ value, text: tickText(value) }));
 
 // A canvas of `height` CSS px and its own width, cleared, to be drawn on in CSS px.
 function prepare(canvas, height) {

@@ -352,8 +352,7 @@ function savePng(name, text) {
 
 function csvText(study, figure) {
   const columns = study.tables.find((one) => one.name === figure.table).columns.map((column) => column.name);
-  const cell = (value) => value === null ? "" : /[",\n]/.test(String(value)) ? '"' + String(value).replace(/"/g, '""') + '"' : String(value);
-  return [columns.join(","), ...rowsOf(study, figure.table, figure.where).map((row) => columns.map((name) => cell(row[name])).join(","))].join("\n") + "\n";
+  return d3.csvFormat(rowsOf(study, figure.table, figure.where), columns) + "\n";
 }
 
 // `alone`: without caption and buttons. Returns what draws another figure in its place.

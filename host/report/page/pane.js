@@ -23,8 +23,7 @@ class Pane {
     if (view.arrows)
       this.drawArrows(context);
     this.below = document.createElement("canvas");
-    this.below.width = this.canvas.width;
-    this.below.height = this.canvas.height;
+    Object.assign(this.below, { width: this.canvas.width, height: this.canvas.height });
     this.below.getContext("2d").drawImage(this.canvas, 0, 0);
     this.mark();
   }
@@ -57,19 +56,14 @@ class Pane {
     const columns = volume.size[plane[0]], rows = volume.size[plane[1]];
     const cells = new ImageData(columns, rows);
     this.blank = true;
-    for (let row = 0; row < rows; ++row)
-      for (let column = 0; column < columns; ++column) {
-        const at = [index, index, index];
-        at[plane[0]] = column;
-        at[plane[1]] = row;
-        const rgb = scale.rgb(cell(at));
-        if (rgb)
-          cells.data.set([...rgb, 255], 4 * ((rows - 1 - row) * columns + column));
-        this.blank = this.blank && !rgb;
-      }
+    volume.eachInSlice(plane, index, (at, row, column) => {
+      const rgb = scale.rgb(cell(at));
+      if (rgb)
+        cells.data.set([...rgb, 255], 4 * ((rows - 1 - row) * columns + column));
+      this.blank = this.blank && !rgb;
+    });
     const sheet = this.sheet = document.createElement("canvas"); // a pixel a sample; drawn in space, too
-    sheet.width = columns;
-    sheet.height = rows;
+    Object.assign(sheet, { width: columns, height: rows });
     sheet.getContext("2d").putImageData(cells, 0, 0);
     context.imageSmoothingEnabled = false;
     context.drawImage(sheet, this.plot.x, this.plot.y, this.plot.width, this.plot.height);
@@ -116,23 +110,12 @@ class Pane {
           addArrow(path, this.at(plane.map((a) => volume.position(a, at[a]))), f[plane[0]] * reach, -f[plane[1]] * reach);
         }
       }
-    for (const [colour, width] of [[colours.paper, 3], [colours.ink, 1.1]]) {
-      context.strokeStyle = colour;
-      context.lineWidth = width;
-      context.stroke(path);
-    }
+    strokeTwice(context, path, [colours.paper, 3], [colours.ink, 1.1]);
   }
 
   drawStroke(context) {
     const colours = palette(), ends = this.view.stroke().map((end) => this.at(end));
-    for (const [colour, width] of [[colours.paper, 5], [colours.focus, 2]]) {
-      context.strokeStyle = colour;
-      context.lineWidth = width;
-      context.beginPath();
-      context.moveTo(...ends[0]);
-      context.lineTo(...ends[1]);
-      context.stroke();
-    }
+    strokeTwice(context, new Path2D("M" + ends.join("L")), [colours.paper, 5], [colours.focus, 2]);
     context.textAlign = "center";
     ends.forEach(([x, y], i) => {
       context.beginPath();
@@ -148,16 +131,17 @@ class Pane {
 
   drawCursor(context) {
     const [x, y] = this.at(this.view.cursor()), { plot } = this, colours = palette();
-    const path = new Path2D();
-    path.moveTo(x, Math.max(y - 14, plot.y));
-    path.lineTo(x, Math.min(y + 14, plot.y + plot.height));
-    path.moveTo(Math.max(x - 14, plot.x), y);
-    path.lineTo(Math.min(x + 14, plot.x + plot.width), y);
-    for (const [colour, width] of [[colours.paper, 4], [colours.ink, 1.5]]) {
-      context.strokeStyle = colour;
-      context.lineWidth = width;
-      context.stroke(path);
-    }
+    const path = new Path2D(`M${x},${Math.max(y - 14, plot.y)}V${Math.min(y + 14, plot.y + plot.height)}` +
+      `M${Math.max(x - 14, plot.x)},${y}H${Math.min(x + 14, plot.x + plot.width)}`);
+    strokeTwice(context, path, [colours.paper, 4], [colours.ink, 1.5]);
+  }
+}
+
+// A halo, and the line over it: [colour, width] each.
+function strokeTwice(context, path, ...strokes) {
+  for (const [colour, width] of strokes) {
+    Object.assign(context, { strokeStyle: colour, lineWidth: width });
+    context.stroke(path);
   }
 }
 

@@ -384,7 +384,7 @@ class Space {
   sliceText() {
     const { viewer } = this, { axis, point } = viewer.state, lines = ["case,x_m,y_m,z_m,fx_N,fy_N,fz_N"];
     for (const { volume: one } of this.sides)
-      viewer.eachSample(one, one.nearest(axis, point[axis]), (at) => {
+      one.eachInSlice(viewer.plane, one.nearest(axis, point[axis]), (at) => {
         lines.push([one.about.name, ...at.map((n, a) => one.position(a, n).toPrecision(6)), ...one.sample(at).map((f) => f.toPrecision(4))].join(","));
       });
     return lines.join("\n") + "\n";

@@ -1,36 +1,28 @@
-// On paper everything is unfolded and light.
-function printWhole(viewer) {
-  let opened = [];
-  addEventListener("beforeprint", () => {
-    printing = true;
-    opened = [...document.querySelectorAll("details:not([open])")];
-    opened.forEach((one) => { one.open = true; });
-    if (viewer && viewer.a)
-      viewer.draw();
-  });
-  addEventListener("afterprint", () => {
-    printing = false;
-    opened.forEach((one) => { one.open = false; });
-    if (viewer && viewer.a)
-      viewer.draw();
-  });
+// The viewer is started. On paper everything is unfolded and light.
+let viewer = null;
+
+function printWhole(begins) {
+  printing = begins;
+  for (const one of document.querySelectorAll(begins ? "details:not([open])" : "details[data-folded]")) {
+    one.open = begins;
+    one.toggleAttribute("data-folded", begins);
+  }
+  if (viewer && viewer.a)
+    viewer.draw();
 }
 
 async function startViewer() {
-  const about = byId("volumes");
-  if (!about) {
-    printWhole(null);
+  const about = byId("volumes"), status = byId("viewer-status");
+  addEventListener("beforeprint", () => printWhole(true));
+  addEventListener("afterprint", () => printWhole(false));
+  if (!about)
     return;
-  }
-  const status = byId("viewer-status");
-  if (!canUnpack()) {
+  if (typeof DecompressionStream === "undefined") {
     status.textContent = "This browser cannot unpack the volumes: it lacks DecompressionStream, which browsers have since 2023. " +
       "The EXR files beside this page hold them.";
-    printWhole(null);
     return;
   }
-  const viewer = new Controls(JSON.parse(about.textContent));
-  printWhole(viewer);
+  viewer = new Controls(JSON.parse(about.textContent));
   try {
     status.textContent = "Unpacking …";
     await viewer.start();

@@ -1,10 +1,12 @@
 // Studies: what each found, its figures, and its tables on demand.
 
+const MOST_ON_PAPER = 200; // rows of a table
+
 function tableElement(table) {
   const details = document.createElement("details"), rows = table.rows.length;
   details.append(Object.assign(document.createElement("summary"), { textContent: (table.title || table.name) + ` (${rows} row${rows === 1 ? "" : "s"})` }));
-  details.addEventListener("toggle", () => {
-    if (!details.open || details.querySelector("table"))
+  const fill = () => {
+    if (details.querySelector("table"))
       return;
     const box = d3.select(details).append("div").attr("class", "wide").attr("tabindex", 0).attr("role", "region").attr("aria-label", table.title);
     const whole = box.append("table"), number = (column) => column.unit !== "";
@@ -15,8 +17,10 @@ function tableElement(table) {
           this.append(Object.assign(document.createElement("small"), { textContent: column.unit }));
       });
     whole.append("tbody").selectAll("tr").data(table.rows).enter().append("tr").selectAll("td").data((row) => row).enter().append("td")
-      .classed("n", (_, i) => number(table.columns[i])).text((cell) => cell === null ? "–" : typeof cell === "number" ? numberText(cell, 5) : cell);
-  });
+      .classed("n", (_, i) => number(table.columns[i])).text((cell) => cell === null ? "–" : typeof cell !== "number" ? cell : Number.isInteger(cell) && Math.abs(cell) < 1e15 ? String(cell).replace("-", "−") : numberText(cell, 5));
+  };
+  details.addEventListener("toggle", () => details.open && fill());
+  addEventListener("beforeprint", () => rows <= MOST_ON_PAPER && fill());
   return details;
 }
 

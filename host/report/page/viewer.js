@@ -99,7 +99,7 @@ class Viewer {
   pairs(index) {
     const { a, b } = this, pairs = [];
     const alike = [0, 1, 2].every((axis) => a.size[axis] === b.size[axis] && a.first[axis] === b.first[axis] && a.pitch[axis] === b.pitch[axis]);
-    this.eachSample(a, index, (at) => {
+    a.eachInSlice(this.plane, index, (at) => {
       const other = alike ? b.sample(at) : b.force([0, 1, 2].map((axis) => a.position(axis, at[axis])));
       pairs.push(other && [a.sample(at), other]);
     });
@@ -115,17 +115,6 @@ class Viewer {
     return value === 0 ? null : value;
   }
 
-  // Every sample of a slice through `visit`.
-  eachSample(volume_, index, visit) {
-    const at = [index, index, index];
-    for (let row = 0; row < volume_.size[this.plane[1]]; ++row)
-      for (let column = 0; column < volume_.size[this.plane[0]]; ++column) {
-        at[this.plane[0]] = column;
-        at[this.plane[1]] = row;
-        visit(at);
-      }
-  }
-
   sharedScale(indexA, indexB) {
     const { quantity } = this.state, { sequential, diverging } = this.tables, size = Math.max(this.a.largest, this.b.largest) || 1;
     if (quantity === "magnitude")
@@ -135,7 +124,7 @@ class Viewer {
     // Within a quarter turn of the upward axis the sign is what one looks for; beyond it the colours go round, too.
     let most = 1;
     for (const [volume_, index] of [[this.a, indexA], [this.b, indexB]])
-      this.eachSample(volume_, index, (at) => { most = Math.max(most, Math.abs(direction(volume_.sample(at), this.plane) || 0)); });
+      volume_.eachInSlice(this.plane, index, (at) => { most = Math.max(most, Math.abs(direction(volume_.sample(at), this.plane) || 0)); });
     return most > 90 ? new ColourScale(this.tables.cyclic, -180, 180, this.directionLabel())
       : new ColourScale(diverging, -most, most, this.directionLabel());
   }
@@ -147,7 +136,7 @@ class Viewer {
 
   differenceScale(pair, index) {
     let most = 0;
-    this.eachSample(this.a, index, (at) => {
+    this.a.eachInSlice(this.plane, index, (at) => {
       const value = this.differenceValue(pair(at));
       if (value !== null && Number.isFinite(value))
         most = Math.max(most, Math.abs(value));
@@ -171,7 +160,7 @@ class Viewer {
         arrowScale: Math.max(a.largest, b.largest), equalArrows: quantity === "direction" });
     const change = (at) => pair(at) && less(pair(at)[1], pair(at)[0]);
     let largest = 0;
-    this.eachSample(a, indexA, (at) => { largest = Math.max(largest, length(change(at) || [0, 0, 0]) || 0); });
+    a.eachInSlice(plane, indexA, (at) => { largest = Math.max(largest, length(change(at) || [0, 0, 0]) || 0); });
     this.panes.d.show({ ...shared, volume: a, index: indexA, scale: differenceScale, cell: (at) => this.differenceValue(pair(at)), force: change,
       arrowScale: largest, equalArrows: false });
     scale.draw(byId("scale"));

@@ -14,17 +14,13 @@ const HALVES = (() => {
   return values;
 })();
 
-function canUnpack() {
-  return typeof DecompressionStream !== "undefined";
-}
-
 async function inflate(base64) {
   const packed = Uint8Array.from(atob(base64), (c) => c.charCodeAt(0));
   const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream("deflate"));
   return new Uint8Array(await new Response(stream).arrayBuffer());
 }
 
-// The three components of vectors, packed row by row (host/report/sampled_volume.h).
+// The three components of vectors, packed row by row (host/report/viewer_data.h).
 function components(planes, width, scale) {
   const count = planes.length / 6;
   return [0, 1, 2].map((c) => {
@@ -114,6 +110,17 @@ class Volume {
   sample(index) {
     const [nx, ny] = this.about.size, i = index[0] + nx * ((this.alike(1) ? 0 : index[1]) + ny * index[2]);
     return this.components.map((values) => values[i]);
+  }
+
+  // Every sample of a slice through `visit`.
+  eachInSlice(plane, index, visit) {
+    const at = [index, index, index];
+    for (let row = 0; row < this.size[plane[1]]; ++row)
+      for (let column = 0; column < this.size[plane[0]]; ++column) {
+        at[plane[0]] = column;
+        at[plane[1]] = row;
+        visit(at, row, column);
+      }
   }
 
   // Between samples magnitude and direction are linear, each by itself: what shading keeps, a stroke shows. Null outside

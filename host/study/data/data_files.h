@@ -22,10 +22,6 @@ StudyData parse_data(const nlohmann::ordered_json& json);
 /// A header of column names, then a line a row; numbers read back exactly, nothing is empty.
 std::string table_csv(const Table& table);
 
-/// What the account of a study's run, of whatever format, names as written beside it: tables, figures and volumes.
-/// Nothing if it is of another study or cannot be understood.
-std::vector<FileRecord> files_named_by(const nlohmann::ordered_json& json, const std::string& study);
-
 /// A file beside study.json.
 struct TextFile {
     std::string name, text;

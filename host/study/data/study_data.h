@@ -66,9 +66,6 @@ struct Table {
 inline Cell cell(double value) {
     return value;
 }
-inline Cell cell_of(const std::optional<double>& value) {
-    return value;
-}
 
 /// A column, and what stands in it of a row: a function, or a member.
 template <typename Row> struct ColumnOf {
@@ -96,8 +93,8 @@ Table table_of(std::string name, std::string title, const std::vector<ColumnOf<R
 enum class FigureKind { scatter, map, bars };
 
 struct FigureAxis {
-    std::string column;
-    std::string label; /* "stiffness / (N/m)" */
+    std::string column{};
+    std::string label{}; /* "stiffness / (N/m)" */
     bool logarithmic = false;
 };
 
@@ -118,24 +115,32 @@ struct Figure {
     std::string title;   /* what is seen, in a line */
     std::string caption; /* how to read it, and what is to be seen */
     FigureKind kind = FigureKind::scatter;
-    std::string table;
-    Where where;
-    FigureAxis x, y;
-    std::string series;        /* scatter, bars: column whose words tell series apart; empty: one */
-    std::string label;         /* scatter: column with the words to stand at points; empty: none */
-    std::string low, high;     /* columns with the ends of a spread about y; empty: none */
-    std::string x_low, x_high; /* likewise about x */
-    bool joined = false;       /* scatter: points of a series are joined in the order of rows */
-    std::string value;         /* map: column of the colour, numbers or words */
-    std::string value_label;
+    std::string table{};
+    Where where{};
+    FigureAxis x{}, y{};
+    std::string series{};          /* scatter, bars: column whose words tell series apart; empty: one */
+    std::string label{};           /* scatter: column with the words to stand at points; empty: none */
+    std::string low{}, high{};     /* columns with the ends of a spread about y; empty: none */
+    std::string x_low{}, x_high{}; /* likewise about x */
+    bool joined = false;           /* scatter: points of a series are joined in the order of rows */
+    std::string value{};           /* map: column of the colour, numbers or words */
+    std::string value_label{};
     bool value_logarithmic = false;
     double value_limit = 0; /* map of numbers: the colours end at this size, 0: at the largest number shown */
-    std::vector<std::string> value_words; /* map of words: their order in the legend */
-    std::vector<Curve> curves;
+    std::vector<std::string> value_words{}; /* map of words: their order in the legend */
+    std::vector<Curve> curves{};
     std::string panels{};              /* map: column whose words have a small map each, all on the same axes */
     std::string pick{};                /* column: picking a mark shows its word's rows in the `linked` figures */
     std::vector<std::string> linked{}; /* names of figures whose `where` has that column, with a word to begin with */
 };
+
+/// A figure with what all have; the rest is set after.
+inline Figure make_figure(std::string name, std::string title, std::string caption, FigureKind kind, std::string table,
+                          Where where, FigureAxis x, FigureAxis y, std::string series = {}, std::string label = {}) {
+    return {std::move(name),   std::move(title), std::move(caption), kind,
+            std::move(table),  std::move(where), std::move(x),       std::move(y),
+            std::move(series), std::move(label)};
+}
 
 /// A claim that follows from the tables: fixed words with the numbers in their slots.
 struct Finding {

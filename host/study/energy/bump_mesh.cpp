@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 
 #include "host/mesh/mesh.h"
 #include "host/reference/elementary.h"
@@ -15,15 +14,12 @@ constexpr double kFloor = 4;    /* of a: how deep the block is */
 
 using Corners = std::vector<std::uint32_t>;
 
-void add(PolygonSoup& block, std::initializer_list<std::uint32_t> corners) {
-    block.corners.insert(block.corners.end(), corners);
-    block.begins.push_back(static_cast<std::uint32_t>(block.corners.size()));
-}
-
-/// A convex polygon as a fan about its first corner.
+/// A convex polygon as a fan of triangles about its first corner.
 void add_fan(PolygonSoup& block, const Corners& corners) {
-    for (std::size_t i = 1; i + 1 < corners.size(); ++i)
-        add(block, {corners[0], corners[i], corners[i + 1]});
+    for (std::size_t i = 1; i + 1 < corners.size(); ++i) {
+        block.corners.insert(block.corners.end(), {corners[0], corners[i], corners[i + 1]});
+        block.end_facet();
+    }
 }
 
 /// Columns of vertices along y for each x; the top's vertex (i, j).
@@ -31,20 +27,6 @@ struct Lattice {
     std::uint32_t columns, rows; /* cells */
     std::uint32_t at(std::uint32_t i, std::uint32_t j) const { return i * (rows + 1) + j; }
 };
-
-void add_top(PolygonSoup& block, const Lattice& lattice, MeshCells kind) {
-    for (std::uint32_t i = 0; i < lattice.columns; ++i)
-        for (std::uint32_t j = 0; j < lattice.rows; ++j) {
-            const std::uint32_t a = lattice.at(i, j), b = lattice.at(i + 1, j), c = lattice.at(i + 1, j + 1),
-                                d = lattice.at(i, j + 1);
-            if (kind == MeshCells::quads) {
-                add(block, {a, b, c, d});
-            } else {
-                add(block, {a, b, c});
-                add(block, {a, c, d});
-            }
-        }
-}
 
 void add_walls(PolygonSoup& block, const Lattice& lattice, double x, double y, double z) {
     const auto low = static_cast<std::uint32_t>(block.vertices.size());
@@ -65,56 +47,35 @@ void add_walls(PolygonSoup& block, const Lattice& lattice, double x, double y, d
     add_fan(block, {low + 3, low + 2, low + 1, low});
 }
 
-PolygonSoup block_under(const BumpMesh& bump, const std::function<double(double)>& height) {
+} // namespace
+
+std::shared_ptr<const SceneMesh> bump_mesh(const BumpMesh& bump, const glm::dvec3& shift) {
     const double a = bump.half_width, step = 2 * a / bump.cells, row = 2 * a / bump.rows; /* m */
+    const double foot = reference::circle_rise(bump.radius, a);                           /* m */
     const auto beside = static_cast<std::uint32_t>(std::max(1.0, std::round((kBeyond - 1) * a / step)));
     const Lattice lattice{bump.cells + 2 * beside, bump.rows};
-    PolygonSoup block;
     const auto along = [&](std::uint32_t i) { // symmetric to the last bit
         return step * (static_cast<double>(i) - static_cast<double>(lattice.columns) / 2);
     };
     const auto across = [&](std::uint32_t j) {
         return row * (static_cast<double>(j) - static_cast<double>(lattice.rows) / 2);
     };
+    PolygonSoup block;
     for (std::uint32_t i = 0; i <= lattice.columns; ++i)
         for (std::uint32_t j = 0; j <= lattice.rows; ++j) {
             const double x = along(i);
-            block.vertices.push_back({x, across(j), height(x)});
+            block.vertices.push_back(
+                {x, across(j), (a - x) * (a + x) / (reference::circle_rise(bump.radius, x) + foot)});
         }
-    add_top(block, lattice, bump.kind);
+    for (std::uint32_t i = 0; i < lattice.columns; ++i)
+        for (std::uint32_t j = 0; j < lattice.rows; ++j)
+            add_fan(block, {lattice.at(i, j), lattice.at(i + 1, j), lattice.at(i + 1, j + 1), lattice.at(i, j + 1)});
     add_walls(block, lattice, along(lattice.columns), across(lattice.rows), -kFloor * a);
-    return block;
-}
-
-std::shared_ptr<SceneMesh> prepared(PolygonSoup block, const glm::dvec3& shift = glm::dvec3(0)) {
     for (glm::dvec3& vertex : block.vertices)
         vertex += shift;
     auto mesh = std::make_shared<SceneMesh>();
     mesh->findings = inspect(block);
     mesh->mesh = prepare_mesh(std::move(block), MeshPlacement{}, VertexNormals::plain);
-    return mesh;
-}
-
-} // namespace
-
-std::shared_ptr<const SceneMesh> bump_mesh(const BumpMesh& bump, const glm::dvec3& shift) {
-    const double a = bump.half_width, foot = reference::circle_rise(bump.radius, a); /* m */
-    auto mesh = prepared(
-        block_under(bump,
-                    [&](double x) { return (a - x) * (a + x) / (reference::circle_rise(bump.radius, x) + foot); }),
-        shift);
-    StructureOptions options;
-    options.solid = is_solid(mesh->findings);
-    mesh->structure = build_structure(mesh->mesh, options);
-    return mesh;
-}
-
-std::shared_ptr<const SceneMesh> shaded_plane_mesh(const BumpMesh& bump) {
-    auto mesh = prepared(block_under(bump, [](double) { return 0.0; }));
-    for (std::size_t i = 0; i < mesh->mesh.polygons.vertices.size(); ++i) {
-        const double x = std::clamp(mesh->mesh.polygons.vertices[i].x, -bump.half_width, bump.half_width);
-        mesh->mesh.vertex_normals[i] = {x / bump.radius, 0, reference::circle_rise(bump.radius, x) / bump.radius};
-    }
     StructureOptions options;
     options.solid = is_solid(mesh->findings);
     mesh->structure = build_structure(mesh->mesh, options);

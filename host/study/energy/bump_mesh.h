@@ -1,4 +1,4 @@
-// Closed meshes of the reference cylinder's bump, and of the plane with the cylinder's normals.
+// Closed meshes of the reference cylinder's bump.
 #pragma once
 
 #include <memory>
@@ -7,23 +7,16 @@
 
 namespace forceshade::study {
 
-enum class MeshCells { triangles, quads };
-
 struct BumpMesh {
     double half_width = 0.0127; /* a, m */
     double radius = 0.0254;     /* R, m: at least 1.5 a */
     unsigned cells = 8;         /* over 2 a along x */
     unsigned rows = 8;          /* over 2 a along y */
-    MeshCells kind = MeshCells::triangles;
 };
 
-/// A block whose top, over |x| <= 1.5 a and |y| <= a, lies on the circle of G1 (z = 0 at |x| = a); diagonals from
-/// (i, j) to (i + 1, j + 1). Deeper than wide, so that the top is what a probe below it is nearest to. Moved by
-/// `shift`, m.
+/// A block of triangles whose top, over |x| <= 1.5 a and |y| <= a, lies on the circle of G1 (z = 0 at |x| = a);
+/// diagonals from (i, j) to (i + 1, j + 1). Deeper than wide, so that the top is what a probe below it is nearest to.
+/// Moved by `shift`, m.
 std::shared_ptr<const SceneMesh> bump_mesh(const BumpMesh& bump, const glm::dvec3& shift = glm::dvec3(0));
-
-/// The same block with a flat top at z = 0, whose vertices have the circle's normals (those at |x| = a beyond it): the
-/// flat plane, force shaded by interpolation. R may be as small as a.
-std::shared_ptr<const SceneMesh> shaded_plane_mesh(const BumpMesh& bump);
 
 } // namespace forceshade::study

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 
 #include <fmt/ranges.h>
 
 #include "host/output/exr_volume.h"
+#include "host/output/rows.h"
 #include "host/program.h"
 
 namespace forceshade::study {
@@ -24,17 +24,13 @@ template <typename T> SectionField evaluated_section(Engine& engine, const Prepa
         field.x.push_back(grid.origin[0] + grid.spacing[0] * static_cast<double>(i));
     for (std::size_t k = 0; k < grid.size[2]; ++k)
         field.z.push_back(grid.origin[2] + grid.spacing[2] * static_cast<double>(k));
-    field.force.resize(3 * field.x.size() * field.z.size());
-    field.depth.resize(field.x.size() * field.z.size());
+    std::vector<T> force, depth;
     engine.evaluate(tables.input(), [&](const layout::FieldChunk<T>& chunk) {
-        for (std::size_t k = 0; k < chunk.z_count; ++k)
-            for (std::size_t i = 0; i < chunk.x_count; ++i) {
-                const std::size_t from = k * chunk.y_count * chunk.x_pitch + i, to = field.at(i, chunk.z_first + k);
-                field.depth[to] = static_cast<double>(chunk.depth[from]);
-                for (std::size_t c = 0; c < 3; ++c)
-                    field.force[3 * to + c] = static_cast<double>(chunk.force[3 * from + c]);
-            }
+        append_rows(chunk, chunk.force, 3, 1, force);
+        append_rows(chunk, chunk.depth, 1, 1, depth);
     });
+    field.force.assign(force.begin(), force.end());
+    field.depth.assign(depth.begin(), depth.end());
     return field;
 }
 
@@ -63,20 +59,30 @@ void set_section(PreparedCase& prepared, const EnergyLaw& law, const StrokeRegio
     scene.paths.reset();
 }
 
-FileRecord written(const std::filesystem::path& folder, const std::string& name, const PreparedCase& prepared,
-                   const GridSpec& grid, const std::string& remark, std::span<const double> vectors) {
+// The force of every eighth sample.
+FileRecord written(const std::filesystem::path& folder, const std::string& name, PreparedCase prepared,
+                   const SectionField& field) {
+    GridSpec& grid = prepared.one.scene.grid;
+    std::vector<double> forces;
+    for (std::size_t k = 0; k < field.z.size(); k += kBlock)
+        for (std::size_t i = 0; i < field.x.size(); i += kBlock)
+            forces.insert(forces.end(), &field.force[3 * field.at(i, k)], &field.force[3 * field.at(i, k)] + 3);
+    for (const std::size_t axis : {std::size_t(0), std::size_t(2)}) {
+        grid.size[axis] = (grid.size[axis] - 1) / kBlock + 1;
+        grid.spacing[axis] *= kBlock;
+    }
     VolumeHeader header;
     header.size = grid.size;
     header.origin = grid.origin;
     header.spacing = grid.spacing;
-    header.scene = remark + resolved_toml(prepared.one);
+    header.scene = resolved_toml(prepared.one);
     header.version = version();
     header.omitted = fmt::format("{}", fmt::join(omissions(prepared.one.scene), ", "));
     layout::FieldChunk<double> chunk{};
     chunk.x_count = chunk.x_pitch = grid.size[0];
     chunk.y_count = grid.size[1];
     chunk.z_count = grid.size[2];
-    chunk.force = vectors;
+    chunk.force = forces;
     VolumeWriter writer(folder / name, header);
     writer.write(chunk, 1);
     const VolumeResult result = writer.finish();
@@ -130,40 +136,18 @@ std::vector<CurlCell> curl_map(Engine& engine, const EnergyLaw& law, const Strok
     const SectionField field =
         engine.report().f64 ? evaluated_section<double>(engine, prepared) : evaluated_section<float>(engine, prepared);
     const std::vector<double> curl = cell_curls(field);
-    const GridSpec fine = prepared.one.scene.grid;
-    GridSpec coarse = fine, corners = fine;
-    const std::size_t rows = (fine.size[2] - 1) / kBlock;
-    coarse.size = {columns, 1, rows};
-    corners.size = {columns + 1, 1, rows + 1};
-    for (const std::size_t axis : {std::size_t(0), std::size_t(2)}) {
-        corners.spacing[axis] = coarse.spacing[axis] = fine.spacing[axis] * kBlock;
-        coarse.origin[axis] += coarse.spacing[axis] / 2;
-    }
+    const double side = kBlock * prepared.one.scene.grid.spacing[0]; /* m: of a cell */
     std::vector<CurlCell> cells;
-    std::vector<double> curls, forces;
-    for (std::size_t k = 0; k < rows; ++k)
-        for (std::size_t i = 0; i < columns; ++i) {
-            const double mean = block_mean(curl, columns, i, k);
-            curls.insert(curls.end(), {0, std::isnan(mean) ? 0 : mean, 0});
-            if (!std::isnan(mean))
-                cells.push_back({words_of(law), coarse.origin[0] + coarse.spacing[0] * static_cast<double>(i),
-                                 coarse.origin[2] + coarse.spacing[2] * static_cast<double>(k),
+    for (std::size_t k = 0; k < (field.z.size() - 1) / kBlock; ++k)
+        for (std::size_t i = 0; i < columns; ++i)
+            if (const double mean = block_mean(curl, columns, i, k); !std::isnan(mean))
+                cells.push_back({words_of(law), field.x[0] + side / 2 + side * static_cast<double>(i),
+                                 field.z[0] + side / 2 + side * static_cast<double>(k),
                                  mean / prepared.one.scene.force.stiffness});
-        }
-    for (std::size_t k = 0; k <= rows; ++k)
-        for (std::size_t i = 0; i <= columns; ++i) {
-            const double* force = &field.force[3 * field.at(i * kBlock, k * kBlock)];
-            forces.insert(forces.end(), force, force + 3);
-        }
     std::string name = words_of(law);
     std::erase(name, ',');
     std::ranges::replace(name, ' ', '-');
-    prepared.one.scene.grid = corners;
-    volumes.push_back(written(folder, name + ".exr", prepared, corners, "", forces));
-    volumes.push_back(written(folder, name + ".curl.exr", prepared, coarse,
-                              "# curl of this scene's force in N/m: R, G, B are curl_x, curl_y, curl_z; of them only "
-                              "curl_y was computed\n",
-                              curls));
+    volumes.push_back(written(folder, name + ".exr", prepared, field));
     return cells;
 }
 

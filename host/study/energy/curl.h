@@ -33,8 +33,7 @@ struct CurlCell {
 };
 
 /// Curl of a law over the middle of a region, `columns` cells wide, each the mean over 8 x 8 cells of samples; the
-/// force of every eighth sample goes to NAME.exr and the curl, N/m, to NAME.curl.exr (R, G, B: curl_x, curl_y, curl_z;
-/// only curl_y is known), whose records are added to `volumes`.
+/// force of every eighth sample goes to NAME.exr, whose record is added to `volumes`.
 std::vector<CurlCell> curl_map(Engine& engine, const EnergyLaw& law, const StrokeRegion& region, std::uint64_t columns,
                                const std::filesystem::path& folder, std::vector<FileRecord>& volumes);
 

@@ -1,4 +1,4 @@
-// Loops below a surface, and the work of its force round them.
+// Surfaces and laws whose energy is asked for, loops below them, and the work of a force round a loop.
 #pragma once
 
 #include <memory>
@@ -33,6 +33,14 @@ struct Stroke {
 struct StrokeRegion {
     glm::dvec2 low{0}, high{0}; /* m */
     double deepest = 2e-3;      /* m: the shallowest is a tenth of it */
+};
+
+struct EnergySurface {
+    std::string name;     /* "bump" */
+    std::string elements; /* "facets", "cells"; empty: none */
+    StrokeRegion region;
+    std::vector<Stroke> strokes{}; /* the same for all laws */
+    std::vector<EnergyLaw> laws{}; /* those without shading before those with */
 };
 
 /// Strokes anywhere in the region, at least a quarter of its longer side long, depths log-uniform.

@@ -1,11 +1,10 @@
-#include "host/study/energy/results.h"
-
+// What loops gave, as tables, figures and findings.
 #include <algorithm>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "host/study/data/study_data.h"
+#include "host/study/energy/energy.h"
 
 namespace forceshade::study {
 namespace {
@@ -26,59 +25,60 @@ const LoopRow* unshaded_of(const std::vector<LoopRow>& loops, const LoopRow& row
     return nullptr;
 }
 
-template <typename Row> std::vector<ColumnOf<Row>> law_columns() {
-    return {{{"surface", "", "bump: R = W = 1000 mil; mesh: its cylinder as triangles; scene: the scene's"},
-             [](const Row& row) { return Cell(row.law->surface); }},
-            {{"elements", "1", "facets of the bump, cells of the mesh over its width"},
-             [](const Row& row) { return cell_of(row.law->elements); }},
-            {{"scheme", "", "shading, and how depth is read where not vertically"},
-             [](const Row& row) { return Cell(row.law->scheme); }},
-            {{"felt", "", "by the place: the force follows from the place alone; god-object: with its history"},
-             [](const Row& row) { return Cell(row.history ? "god-object" : "by the place"); }}};
+// What a row is of, then `more`.
+template <typename Row> std::vector<ColumnOf<Row>> law_columns(std::initializer_list<ColumnOf<Row>> more) {
+    std::vector<ColumnOf<Row>> columns{
+        {"surface", "", "bump: R = W = 1000 mil; mesh: its cylinder as triangles; scene: the scene's",
+         [](const Row& row) { return row.law->surface; }},
+        {"elements", "1", "facets of the bump, cells of the mesh over its width",
+         [](const Row& row) { return row.law->elements; }},
+        {"scheme", "", "shading, and how depth is read where not vertically",
+         [](const Row& row) { return row.law->scheme; }},
+        {"felt", "", "by the place: the force follows from the place alone; god-object: with its history",
+         [](const Row& row) { return row.history ? "god-object" : "by the place"; }}};
+    columns.insert(columns.end(), more);
+    return columns;
 }
 
 Table law_table(const std::vector<LawRow>& laws) {
     using R = LawRow;
-    const auto milli = [](double joules) { return cell(1e3 * joules); };
-    std::vector<ColumnOf<R>> columns = law_columns<R>();
-    std::ranges::move(
-        std::vector<ColumnOf<R>>{
-            {{"series", "", "scheme, and how it is felt"},
-             [](const R& r) { return Cell(r.law->scheme + (r.history ? ", god-object" : "")); }},
-            {{"loops", "1", "that stay in contact"}, [](const R& r) { return cell(double(r.loops)); }},
-            {{"gain_mJ", "mJ", "what a round gives the hand by the way round that gives more: median of the loops"},
-             [milli](const R& r) { return milli(r.gain.median); }},
-            {{"gain_from_mJ", "mJ", "95 % interval of the median (bootstrap)"},
-             [milli](const R& r) { return milli(r.gain.low); }},
-            {{"gain_to_mJ", "mJ", "likewise"}, [milli](const R& r) { return milli(r.gain.high); }},
-            {{"gain_5_mJ", "mJ", "5 % of the loops give less"}, [milli](const R& r) { return milli(r.low); }},
-            {{"gain_95_mJ", "mJ", "5 % of the loops give more"}, [milli](const R& r) { return milli(r.high); }},
-            {{"effort_mJ", "mJ", "the integral of |F dl|: median of the loops"},
-             [milli](const R& r) { return milli(r.effort); }},
-            {{"more_mJ", "mJ", "gain less that of the same loop unshaded: median"},
-             [milli](const R& r) { return r.more ? milli(r.more->median) : Cell(); }},
-            {{"more_from_mJ", "mJ", "95 % interval of that (bootstrap)"},
-             [milli](const R& r) { return r.more ? milli(r.more->low) : Cell(); }},
-            {{"more_to_mJ", "mJ", "likewise"}, [milli](const R& r) { return r.more ? milli(r.more->high) : Cell(); }},
-            {{"shown_mJ", "mJ", "gain_mJ, for logarithmic axes no less than 1e-6"},
-             [](const R& r) { return cell(std::max(1e3 * r.gain.median, kLeastShown)); }},
-            {{"shown_5_mJ", "mJ", "likewise"}, [](const R& r) { return cell(std::max(1e3 * r.low, kLeastShown)); }},
-            {{"shown_95_mJ", "mJ", "likewise"}, [](const R& r) { return cell(std::max(1e3 * r.high, kLeastShown)); }}},
-        std::back_inserter(columns));
-    return table_of<R>("energy", "What a round gives the hand", columns, laws);
+    const auto more = [](double Interval::*end) {
+        return [end](const R& r) { return r.more ? 1e3 * (*r.more).*end : NAN; };
+    };
+    return table_of<R>(
+        "energy", "What a round gives the hand",
+        law_columns<R>(
+            {{"series", "", "scheme, and how it is felt",
+              [](const R& r) { return r.law->scheme + (r.history ? ", god-object" : ""); }},
+             {"loops", "1", "that stay in contact", &R::loops},
+             {"gain_mJ", "mJ", "what a round gives the hand by the way round that gives more: median of the loops",
+              [](const R& r) { return 1e3 * r.gain.median; }},
+             {"gain_from_mJ", "mJ", "95 % interval of the median (bootstrap)",
+              [](const R& r) { return 1e3 * r.gain.low; }},
+             {"gain_to_mJ", "mJ", "likewise", [](const R& r) { return 1e3 * r.gain.high; }},
+             {"gain_5_mJ", "mJ", "5 % of the loops give less", [](const R& r) { return 1e3 * r.low; }},
+             {"gain_95_mJ", "mJ", "5 % of the loops give more", [](const R& r) { return 1e3 * r.high; }},
+             {"effort_mJ", "mJ", "the integral of |F dl|: median of the loops",
+              [](const R& r) { return 1e3 * r.effort; }},
+             {"more_mJ", "mJ", "gain less that of the same loop unshaded: median", more(&Interval::median)},
+             {"more_from_mJ", "mJ", "95 % interval of that (bootstrap)", more(&Interval::low)},
+             {"more_to_mJ", "mJ", "likewise", more(&Interval::high)},
+             {"shown_mJ", "mJ", "gain_mJ, for logarithmic axes no less than 1e-6",
+              [](const R& r) { return std::max(1e3 * r.gain.median, kLeastShown); }},
+             {"shown_5_mJ", "mJ", "likewise", [](const R& r) { return std::max(1e3 * r.low, kLeastShown); }},
+             {"shown_95_mJ", "mJ", "likewise", [](const R& r) { return std::max(1e3 * r.high, kLeastShown); }}}),
+        laws);
 }
 
 Table loop_table(const std::vector<LoopRow>& loops) {
     using R = LoopRow;
-    std::vector<ColumnOf<R>> columns = law_columns<R>();
-    std::ranges::move(
-        std::vector<ColumnOf<R>>{
-            {{"loop", "1", "which stroke"}, [](const R& r) { return cell(double(r.number)); }},
-            {{"gain_mJ", "mJ", "what the round gives the hand by the way round that gives more"},
-             [](const R& r) { return cell(1e3 * r.gain); }},
-            {{"effort_mJ", "mJ", "the integral of |F dl|"}, [](const R& r) { return cell(1e3 * r.effort); }}},
-        std::back_inserter(columns));
-    return table_of<R>("loops", "Every loop", columns, loops);
+    return table_of<R>(
+        "loops", "Every loop",
+        law_columns<R>({{"loop", "1", "which stroke", &R::number},
+                        {"gain_mJ", "mJ", "what the round gives the hand by the way round that gives more",
+                         [](const R& r) { return 1e3 * r.gain; }},
+                        {"effort_mJ", "mJ", "the integral of |F dl|", [](const R& r) { return 1e3 * r.effort; }}}),
+        loops);
 }
 
 // Those of the figure: of the bump with 8 facets, or of the scene.
@@ -95,11 +95,11 @@ Table pair_table(const std::vector<LoopRow>& loops) {
     }
     return table_of<R>(
         "pairs", "Shaded beside unshaded, loop by loop",
-        {{{"scheme", "", "shading, and how depth is read where not vertically"},
-          [](const R& r) { return Cell(r.row->law->scheme); }},
-         {{"loop", "1", "which stroke"}, [](const R& r) { return cell(double(r.row->number)); }},
-         {{"unshaded_mJ", "mJ", "gain of this loop unshaded"}, [](const R& r) { return cell(1e3 * r.unshaded->gain); }},
-         {{"gain_mJ", "mJ", "its gain with shading"}, [](const R& r) { return cell(1e3 * r.row->gain); }}},
+        {{"scheme", "", "shading, and how depth is read where not vertically",
+          [](const R& r) { return r.row->law->scheme; }},
+         {"loop", "1", "which stroke", [](const R& r) { return r.row->number; }},
+         {"unshaded_mJ", "mJ", "gain of this loop unshaded", [](const R& r) { return 1e3 * r.unshaded->gain; }},
+         {"gain_mJ", "mJ", "its gain with shading", [](const R& r) { return 1e3 * r.row->gain; }}},
         rows);
 }
 
@@ -113,47 +113,45 @@ Table stroke_table(const EnergyResults& results) {
     for (const EnergySurface& surface : results.surfaces)
         for (std::size_t i = 0; i < surface.strokes.size(); ++i)
             rows.push_back({surface.name, i, surface.strokes[i]});
-    const auto length = [](const char* name, const char* meaning, auto of) {
-        return ColumnOf<R>{{name, "mm", meaning}, [of](const R& r) { return cell(1e3 * of(r.stroke)); }};
-    };
-    return table_of<R>(
-        "strokes", "The strokes of the loops",
-        {{{"surface", "", "below which"}, [](const R& r) { return Cell(r.surface); }},
-         {{"loop", "1", "which stroke"}, [](const R& r) { return cell(double(r.number)); }},
-         length("from_x_mm", "where it begins", [](const Stroke& s) { return s.from.x; }),
-         length("from_y_mm", "likewise", [](const Stroke& s) { return s.from.y; }),
-         length("to_x_mm", "where it turns", [](const Stroke& s) { return s.to.x; }),
-         length("to_y_mm", "likewise", [](const Stroke& s) { return s.to.y; }),
-         length("out_mm", "depth on the way out, vertically below the facets", [](const Stroke& s) { return s.out; }),
-         length("back_mm", "depth on the way back", [](const Stroke& s) { return s.back; })},
-        rows);
+    return table_of<R>("strokes", "The strokes of the loops",
+                       {{"surface", "", "below which", &R::surface},
+                        {"loop", "1", "which stroke", &R::number},
+                        {"from_x_mm", "mm", "where it begins", [](const R& r) { return 1e3 * r.stroke.from.x; }},
+                        {"from_y_mm", "mm", "likewise", [](const R& r) { return 1e3 * r.stroke.from.y; }},
+                        {"to_x_mm", "mm", "where it turns", [](const R& r) { return 1e3 * r.stroke.to.x; }},
+                        {"to_y_mm", "mm", "likewise", [](const R& r) { return 1e3 * r.stroke.to.y; }},
+                        {"out_mm", "mm", "depth on the way out, vertically below the facets",
+                         [](const R& r) { return 1e3 * r.stroke.out; }},
+                        {"back_mm", "mm", "depth on the way back", [](const R& r) { return 1e3 * r.stroke.back; }}},
+                       rows);
 }
 
 Table curl_table(const std::vector<CurlCell>& cells) {
     using R = CurlCell;
     return table_of<R>("curl", "Curl of the force in a section, over the stiffness",
-                       {{{"map", "", "surface and scheme"}, [](const R& r) { return Cell(r.map); }},
-                        {{"x_mm", "mm", "middle of the cell"}, [](const R& r) { return cell(1e3 * r.x); }},
-                        {{"z_mm", "mm", "likewise"}, [](const R& r) { return cell(1e3 * r.z); }},
-                        {{"curl_per_K", "1", "work round it over its area and K: the mean of 8 x 8 cells of samples"},
-                         [](const R& r) { return cell(r.curl_per_stiffness); }}},
+                       {{"map", "", "surface and scheme", &R::map},
+                        {"x_mm", "mm", "middle of the cell", [](const R& r) { return 1e3 * r.x; }},
+                        {"z_mm", "mm", "likewise", [](const R& r) { return 1e3 * r.z; }},
+                        {"curl_per_K", "1", "work round it over its area and K: the mean of 8 x 8 cells of samples",
+                         &R::curl_per_stiffness}},
                        cells);
 }
 
 Figure law_figure(const EnergySurface& surface) {
-    Figure figure;
-    figure.name = "energy-" + surface.name;
-    figure.title = fmt::format("What a round on the {} gives the hand", surface.name);
-    figure.caption = "Median of the loops, with whiskers from 5 to 95 % of them, by the way round that gives more.";
-    figure.table = "energy";
-    figure.where = {{"surface", surface.name}, {"felt", "by the place"}};
-    figure.x = {"elements", fmt::format("{} over the width", surface.elements), true};
-    figure.y = {"shown_mJ", "gain / mJ", true};
-    figure.series = "series";
+    Figure figure =
+        make_figure("energy-" + surface.name, fmt::format("What a round on the {} gives the hand", surface.name),
+                    "Median of the loops, with whiskers from 5 to 95 % of them, by the way round that gives more.",
+                    FigureKind::scatter, "energy", {{"surface", surface.name}, {"felt", "by the place"}},
+                    {"elements", fmt::format("{} over the width", surface.elements), true},
+                    {"shown_mJ", "gain / mJ", true}, "series");
     figure.low = "shown_5_mJ";
     figure.high = "shown_95_mJ";
     figure.joined = true;
     return figure;
+}
+
+bool any_shaded(const EnergyResults& results) {
+    return std::ranges::any_of(results.laws, [](const LawRow& row) { return row.more.has_value(); });
 }
 
 std::vector<Figure> figures_of(const EnergyResults& results) {
@@ -161,31 +159,21 @@ std::vector<Figure> figures_of(const EnergyResults& results) {
     for (const EnergySurface& surface : results.surfaces)
         if (!surface.elements.empty())
             figures.push_back(law_figure(surface));
-    Figure pairs;
-    pairs.name = "energy-pairs";
-    pairs.title = "Shaded beside unshaded, loop by loop";
-    pairs.caption = "Each point is a loop; on the diagonal shading changes nothing.";
-    pairs.table = "pairs";
-    pairs.x = {"unshaded_mJ", "gain unshaded / mJ", false};
-    pairs.y = {"gain_mJ", "gain shaded / mJ", false};
-    pairs.series = "scheme";
-    if (std::ranges::any_of(results.laws, [](const LawRow& row) { return row.more.has_value(); }))
-        figures.push_back(pairs);
+    if (any_shaded(results))
+        figures.push_back(make_figure("energy-pairs", "Shaded beside unshaded, loop by loop",
+                                      "Each point is a loop; on the diagonal shading changes nothing.",
+                                      FigureKind::scatter, "pairs", {}, {"unshaded_mJ", "gain unshaded / mJ"},
+                                      {"gain_mJ", "gain shaded / mJ"}, "scheme"));
     if (!results.curl.empty()) {
-        Figure figure;
-        figure.name = "curl";
-        figure.title = "Where loops give energy, in a section";
-        figure.caption = "Work round a cell over its area and K; what a loop gives is the sum of the cells "
-                         "inside it. Along a jump of the force, colours that alternate cancel.";
-        figure.kind = FigureKind::map;
-        figure.table = "curl";
+        Figure& figure = figures.emplace_back(make_figure(
+            "curl", "Where loops give energy, in a section",
+            "Work round a cell over its area and K; what a loop gives is the sum of the cells inside it. Along a "
+            "jump of the force, colours that alternate cancel.",
+            FigureKind::map, "curl", {}, {"x_mm", "x / mm"}, {"z_mm", "z / mm"}));
         figure.panels = "map";
-        figure.x = {"x_mm", "x / mm", false};
-        figure.y = {"z_mm", "z / mm", false};
         figure.value = "curl_per_K";
         figure.value_label = "curl_y F / K";
         figure.value_limit = 0.5;
-        figures.push_back(std::move(figure));
     }
     return figures;
 }
@@ -322,9 +310,7 @@ void add_scene_findings(std::vector<Finding>& findings, const EnergyResults& res
         {"energy_scene",
          fmt::format("A round over the scene's surface gives the hand in the median: {}; the effort is {}.",
                      fmt::join(parts, ", "), milli(most->effort)),
-         std::ranges::any_of(results.laws, [](const LawRow& row) { return row.more.has_value(); }) ? "energy-pairs"
-                                                                                                   : "",
-         "strokes anywhere in the scene's region",
+         any_shaded(results) ? "energy-pairs" : "", "strokes anywhere in the scene's region",
          fmt::format("{:.2g} to {:.2g} mm deep out and back", 1e2 * results.surfaces[0].region.deepest,
                      1e3 * results.surfaces[0].region.deepest),
          fmt::format("{}: {}", most->law->scheme, interval_of(*most))});

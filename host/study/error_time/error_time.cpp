@@ -1,13 +1,164 @@
 #include "host/study/error_time/error_time.h"
 
+#include <algorithm>
+#include <numeric>
+
 #include <fmt/format.h>
 
-#include "host/study/error_time/measured.h"
+#include "host/study/error_time/angle.h"
 
 namespace forceshade::study {
+namespace error_time {
 namespace {
 
+using Forces = std::vector<glm::dvec3>;
+
+double rms_of(const Forces& forces) {
+    double squares = 0;
+    for (const glm::dvec3& force : forces)
+        squares += reference::dot(force, force);
+    return std::sqrt(squares / static_cast<double>(forces.size()));
+}
+
+Forces true_forces(const Subject& subject, std::span<const Place> at) {
+    Forces forces;
+    for (const Place& place : at)
+        forces.push_back(subject.truth(place));
+    return forces;
+}
+
+WayErrors errors_of(const Way& way, const KindPlaces& places, const Forces& truth, double typical) {
+    const Forces forces = way.forces(places.at);
+    WayErrors errors;
+    errors.shared =
+        force_errors(std::span(forces).first(places.shared), std::span(truth).first(places.shared), typical);
+    for (const Kind kind : kKinds) {
+        Forces some, true_ones;
+        for (std::size_t i = 0; i < forces.size(); ++i)
+            if (places.kinds[i] == kind) {
+                some.push_back(forces[i]);
+                true_ones.push_back(truth[i]);
+            }
+        if (!some.empty())
+            errors.by_kind[static_cast<std::size_t>(kind)] = force_errors(some, true_ones, typical);
+    }
+    errors.precision = force_errors(forces, way.exact(places.at), typical).typical;
+    return errors;
+}
+
+} // namespace
+
+std::optional<Summary> summary_of(std::vector<double> values) {
+    if (values.empty())
+        return std::nullopt;
+    std::ranges::sort(values);
+    double squares = 0;
+    for (const double value : values)
+        squares += value * value;
+    const auto count = static_cast<double>(values.size());
+    const auto at = [&](double share) { return values[static_cast<std::size_t>(std::ceil(share * count)) - 1]; };
+    return Summary{std::sqrt(squares / count), at(0.5), at(0.95), values.back()};
+}
+
+ForceErrors force_errors(std::span<const glm::dvec3> forces, std::span<const glm::dvec3> truth, double typical) {
+    ForceErrors errors;
+    errors.places = forces.size();
+    std::vector<double> directions, local, of_typical;
+    for (std::size_t i = 0; i < forces.size(); ++i) {
+        const double off = reference::length(forces[i] - truth[i]);
+        const bool is = forces[i] != glm::dvec3(0), should = truth[i] != glm::dvec3(0);
+        of_typical.push_back(off / typical);
+        if (should)
+            local.push_back(off / reference::length(truth[i]));
+        if (is && should)
+            directions.push_back(angle_between(forces[i], truth[i]) / kDegree);
+        errors.missed += should && !is;
+        errors.phantom += is && !should;
+    }
+    errors.direction = summary_of(std::move(directions));
+    errors.local = summary_of(std::move(local));
+    errors.typical = summary_of(std::move(of_typical));
+    return errors;
+}
+
+void add_errors(std::vector<std::optional<WayErrors>>& errors, const std::vector<Way>& ways, const Subject& subject,
+                const Variant& variant, const Extents& extents) {
+    const KindPlaces places = places_of(subject, variant, extents);
+    const Forces truth = true_forces(subject, places.at);
+    const double typical = rms_of(true_forces(subject, subject.places));
+    KindOf kind_of(subject, variant);
+    for (std::size_t i = 0; i < ways.size(); ++i) {
+        const Way& way = ways[i];
+        if (way.variant != &variant || !way.forces)
+            continue;
+        if (!way.places) {
+            errors[i] = errors_of(way, places, truth, typical);
+            continue;
+        }
+        KindPlaces own{way.places(), {}, 0};
+        own.shared = own.at.size();
+        for (const Place& place : own.at)
+            own.kinds.push_back(kind_of(place));
+        errors[i] = errors_of(way, own, true_forces(subject, own.at), typical);
+    }
+}
+
+Round measure_round(std::span<const Way> ways, std::size_t number) {
+    std::vector<std::size_t> order(ways.size());
+    std::iota(order.begin(), order.end(), std::size_t(0));
+    Draw draw(1000 + number);
+    for (std::size_t i = order.size(); i > 1; --i) // Fisher & Yates
+        std::swap(order[i - 1], order[static_cast<std::size_t>(draw(0, static_cast<double>(i)))]);
+    Round round(ways.size());
+    for (const std::size_t i : order)
+        round[i] = ways[i].seconds();
+    return round;
+}
+
+Interval Times::ratio(std::size_t way, std::size_t other) const {
+    std::vector<double> ratios;
+    for (const Round& round : rounds_)
+        ratios.push_back(round[way] / round[other]);
+    return bootstrap_median(ratios);
+}
+
+Interval Times::seconds(std::size_t way) const {
+    std::vector<double> units;
+    for (const Round& round : rounds_)
+        units.push_back(round[unit_]);
+    const double unit = quantile(units, 0.5);
+    const Interval of_unit = ratio(way, unit_);
+    return {of_unit.low * unit, of_unit.median * unit, of_unit.high * unit};
+}
+
+std::vector<std::size_t> front_of(const Times& times, const std::vector<std::size_t>& ways,
+                                  const std::vector<double>& errors) {
+    std::vector<std::size_t> order;
+    for (std::size_t i = 0; i < ways.size(); ++i)
+        if (std::isfinite(errors[i]))
+            order.push_back(i);
+    std::ranges::stable_sort(order, {},
+                             [&](std::size_t i) { return std::pair(errors[i], times.seconds(ways[i]).median); });
+    std::vector<std::size_t> front;
+    for (const std::size_t i : order)
+        if (std::ranges::all_of(front, [&](std::size_t closer) { return times.is_cheaper(ways[i], closer); }))
+            front.push_back(ways[i]);
+    return front;
+}
+
+Cheapest cheapest_of(const Times& times, const std::vector<std::size_t>& ways) {
+    Cheapest cheapest;
+    cheapest.way = *std::ranges::min_element(ways, {}, [&](std::size_t way) { return times.seconds(way).median; });
+    for (const std::size_t way : ways)
+        if (way != cheapest.way && !times.is_cheaper(cheapest.way, way))
+            cheapest.ties.push_back(way);
+    return cheapest;
+}
+
+} // namespace error_time
+
 using namespace error_time;
+namespace {
 
 std::vector<std::string> notes_of(const std::vector<Subject>& subjects, const Way& unit, const EngineReport& engine,
                                   unsigned cores) {

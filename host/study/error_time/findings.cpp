@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "host/study/error_time/measured.h"
+#include "host/study/error_time/error_time.h"
 
 namespace forceshade::study::error_time {
 namespace {

@@ -1,11 +1,9 @@
 // What is compared: laws over one surface, at places that a hand touches, against one truth.
 #pragma once
 
-#include <array>
 #include <functional>
 #include <memory>
 #include <optional>
-#include <span>
 #include <string>
 #include <vector>
 

@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "host/study/error_time/measured.h"
+#include "host/study/error_time/error_time.h"
 #include "host/study/error_time/sections.h"
 
 namespace forceshade::study::error_time {
@@ -261,31 +261,24 @@ Table budgets_table(const Measured& measured) {
 }
 
 Figure error_over_time(const Subject& subject, bool own) {
-    Figure figure;
-    figure.name = "error-time-" + subject.name;
-    figure.title = fmt::format("{}: error of the force against the time of an evaluation",
-                               own ? subject.name == "bump" ? "Bump" : "Mesh" : "Scene");
-    figure.caption = fmt::format(
-        "Each mark is a way of coming by a force, where a hand touches; left is cheaper, down is closer to {}. The "
-        "error is what 95 % of the places do not exceed, over the force there. Whiskers are 95 % intervals of paired "
-        "rounds. The lines join the ways that are cheaper, for sure, than all closer ones. Ways that miss the force at "
-        "more than 1 % of the places are left out.",
-        subject.against);
-    figure.table = "ways";
-    figure.where = {{"surface", subject.name}};
-    figure.x = {"time_ns", "time of an evaluation / ns", true};
-    figure.y = {"shown_local_1", "error over the force there, 95 % of places", true};
-    figure.series = "family";
-    figure.label = "on_front";
+    Figure figure = make_figure(
+        "error-time-" + subject.name,
+        fmt::format("{}: error of the force against the time of an evaluation",
+                    own ? subject.name == "bump" ? "Bump" : "Mesh" : "Scene"),
+        fmt::format("Each mark is a way of coming by a force, where a hand touches; left is cheaper, down is closer to "
+                    "{}. The error is what 95 % of the places do not exceed, over the force there. Whiskers are 95 % "
+                    "intervals of paired rounds. The lines join the ways that are cheaper, for sure, than all closer "
+                    "ones. Ways that miss the force at more than 1 % of the places are left out.",
+                    subject.against),
+        FigureKind::scatter, "ways", {{"surface", subject.name}}, {"time_ns", "time of an evaluation / ns", true},
+        {"shown_local_1", "error over the force there, 95 % of places", true}, "family", "on_front");
     figure.x_low = "time_low_ns";
     figure.x_high = "time_high_ns";
-    for (const Use use : kUses)
-        figure.curves.push_back({"front",
-                                 {{"surface", subject.name}, {"use", name_of(use)}, {"criterion", kLocal.name}},
-                                 "time_ns",
-                                 "error",
-                                 fmt::format("front, {}", name_of(use)),
-                                 use == Use::volume});
+    for (const Use use : kUses) {
+        const Where front{{"surface", subject.name}, {"use", name_of(use)}, {"criterion", kLocal.name}};
+        figure.curves.push_back(
+            {"front", front, "time_ns", "error", fmt::format("front, {}", name_of(use)), use == Use::volume});
+    }
     for (const auto& [name, seconds] : kBudgets)
         figure.curves.push_back({"budgets", {{"budget", name}}, "time_ns", "error", name, true});
     return figure;
@@ -293,35 +286,30 @@ Figure error_over_time(const Subject& subject, bool own) {
 
 // Errors of look-ups over the volume's spacing, kind by kind, of the law that has them.
 Figure lookup_figure(const Subject& subject, const Variant& variant) {
-    Figure figure;
-    figure.name = "look-up-" + subject.name;
-    figure.title = fmt::format("{}, {}: error of a trilinear look-up by what is touched", subject.name, variant.name);
-    figure.caption =
-        "What 95 % of the places of a kind do not exceed, over the force there. A finer volume helps least "
-        "where contact begins and where facets or surfaces meet.";
-    figure.table = "kinds";
-    figure.where = {{"surface", subject.name},
-                    {"family", "look-up, trilinear"},
-                    {"precision", "f32"},
-                    {"shading", variant.shading}};
-    figure.x = {"spacing_mm", "spacing of the volume / mm", true};
-    figure.y = {"local_p95_1", "error over the force there, 95 % of places", true};
-    figure.series = "kind";
+    Figure figure =
+        make_figure("look-up-" + subject.name,
+                    fmt::format("{}, {}: error of a trilinear look-up by what is touched", subject.name, variant.name),
+                    "What 95 % of the places of a kind do not exceed, over the force there. A finer volume helps least "
+                    "where contact begins and where facets or surfaces meet.",
+                    FigureKind::scatter, "kinds",
+                    {{"surface", subject.name},
+                     {"family", "look-up, trilinear"},
+                     {"precision", "f32"},
+                     {"shading", variant.shading}},
+                    {"spacing_mm", "spacing of the volume / mm", true},
+                    {"local_p95_1", "error over the force there, 95 % of places", true}, "kind");
     figure.joined = true;
     return figure;
 }
 
 Figure convergence(const Subject& subject, const std::string& family) {
-    Figure figure;
-    figure.name = "elements-" + subject.name;
-    figure.title = fmt::format("{}: error of the direction over the number of {}", subject.name, subject.elements);
-    figure.caption =
-        "In double precision, where the surface gives a force: coarse ones miss places, as the table says.";
-    figure.table = "ways";
-    figure.where = {{"surface", subject.name}, {"family", family}, {"precision", "f64"}};
-    figure.x = {"elements", subject.elements == "facets" ? "facets" : "cells along a side", true};
-    figure.y = {"direction_rms_deg", "RMS error of the direction / deg", true};
-    figure.series = "shading";
+    Figure figure =
+        make_figure("elements-" + subject.name,
+                    fmt::format("{}: error of the direction over the number of {}", subject.name, subject.elements),
+                    "In double precision, where the surface gives a force: coarse ones miss places, as the table says.",
+                    FigureKind::scatter, "ways", {{"surface", subject.name}, {"family", family}, {"precision", "f64"}},
+                    {"elements", subject.elements == "facets" ? "facets" : "cells along a side", true},
+                    {"direction_rms_deg", "RMS error of the direction / deg", true}, "shading");
     figure.joined = true;
     return figure;
 }

@@ -1,5 +1,4 @@
-#include "host/study/omission/comparison.h"
-
+// What is switched, in which scenes.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -8,6 +7,7 @@
 
 #include "host/error.h"
 #include "host/mesh/mesh.h"
+#include "host/study/omission/omission.h"
 
 namespace forceshade::study {
 namespace {

@@ -1,5 +1,4 @@
-#include "host/study/omission/measurement.h"
-
+// A comparison measured.
 #include <algorithm>
 #include <cstring>
 
@@ -9,6 +8,7 @@
 #include "host/paths/path_run.h"
 #include "host/paths/scene_paths.h"
 #include "host/program.h"
+#include "host/study/omission/omission.h"
 
 namespace forceshade::study {
 namespace {

@@ -1,12 +1,219 @@
 #include "host/study/omission/omission.h"
 
+#include <algorithm>
+
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "host/error.h"
-#include "host/study/omission/measurement.h"
 
 namespace forceshade::study {
 namespace {
+
+using Row = Measurement;
+using Ratio = Interval (Row::*)() const;
+using Columns = std::vector<ColumnOf<Row>>;
+
+Interval ratio_of(const std::vector<double>& with, const std::vector<double>& without) {
+    std::vector<double> ratios;
+    for (std::size_t i = 0; i < std::min(with.size(), without.size()); ++i)
+        if (without[i] > 0)
+            ratios.push_back(with[i] / without[i]);
+    return bootstrap_median(ratios);
+}
+
+// What the measurement itself makes of nothing, in that scene.
+Interval control_of(const std::vector<Row>& rows, const std::string& scene, Ratio ratio) {
+    for (const Row& row : rows)
+        if (row.comparison.scene == scene && row.comparison.feature == kControl)
+            return (row.*ratio)();
+    return {1, 1, 1};
+}
+
+// Whether it takes longer with it for sure: beyond what nothing makes.
+bool costs(const std::vector<Row>& rows, const Row& row, Ratio ratio) {
+    return (row.*ratio)().low > std::max(1.0, control_of(rows, row.comparison.scene, ratio).high);
+}
+
+std::string what_is_same(const Row& row) {
+    if (row.agreement.differing > 0)
+        return fmt::format("no: {} of {} differ", row.agreement.differing, row.agreement.compared);
+    const Same same = row.comparison.same;
+    return same == Same::bits     ? "forces, bit for bit"
+           : same == Same::values ? "forces, as numbers"
+                                  : "what each path adds up to, bit for bit";
+}
+
+double saved_percent(double ratio) {
+    return 100 * (1 - 1 / ratio);
+}
+
+// A number of each side, in columns NAME with {} for "with" and "without".
+template <typename Of>
+void add_sides(Columns& columns, const char* name, const char* unit, const std::string& meaning, Of of) {
+    columns.push_back({{fmt::format(fmt::runtime(name), "with"), unit, meaning + " with it"},
+                       [of](const Row& r) { return Cell(of(r.with)); }});
+    columns.push_back({{fmt::format(fmt::runtime(name), "without"), unit, "likewise without it"},
+                       [of](const Row& r) { return Cell(of(r.without)); }});
+}
+
+void add_ratio(Columns& columns, const std::string& kind, const char* of, Ratio ratio) {
+    const auto add = [&](const char* name, const char* unit, const std::string& meaning, double Interval::*end) {
+        const bool share = unit == std::string_view("%");
+        columns.push_back({{kind + name, unit, meaning}, [=](const Row& r) {
+                               const double times = (r.*ratio)().*end;
+                               return share ? saved_percent(times) : times;
+                           }});
+    };
+    add("_ratio", "1", fmt::format("{} with it over that without it, in the same round: median", of),
+        &Interval::median);
+    add("_ratio_from", "1", "95 % interval of that (bootstrap)", &Interval::low);
+    add("_ratio_to", "1", "likewise", &Interval::high);
+    add("_saved_percent", "%", "share of the time that leaving it out saves: median", &Interval::median);
+    add("_saved_from_percent", "%", "95 % interval of that (bootstrap)", &Interval::low);
+    add("_saved_to_percent", "%", "likewise", &Interval::high);
+}
+
+Table feature_table(const std::vector<Row>& rows) {
+    const auto per_sample = [](std::vector<double> MeasuredSide::*seconds) {
+        return [=](const MeasuredSide& side) {
+            return 1e9 * quantile(side.*seconds, 0.5) / static_cast<double>(side.samples);
+        };
+    };
+    Columns columns{
+        {"feature", "", "what is switched, everything else as it was; nothing: a control, both sides alike",
+         [](const Row& r) { return r.comparison.feature; }},
+        {"scene", "", "in which scene", [](const Row& r) { return r.comparison.scene; }},
+        {"with", "", "what is evaluated with it", [](const Row& r) { return r.comparison.with.what; }},
+        {"without", "", "what is evaluated without it", [](const Row& r) { return r.comparison.without.what; }},
+        {"left_out_by", "", "program: always left out, no scene can ask for it; scene: a scene may ask for it",
+         [](const Row& r) { return r.comparison.always ? "program" : "scene"; }},
+        {"same", "", "what was the same on both sides", what_is_same},
+        {"same_forces", "", "yes: every force was the same without it",
+         [](const Row& r) { return r.same_forces() ? "yes" : "no"; }},
+        {"samples", "1", "samples of the grid, or of all paths", [](const Row& r) { return r.with.samples; }}};
+    add_sides(columns, "kernel_ns_{}", "ns", "median kernel time a sample", per_sample(&MeasuredSide::kernel));
+    add_sides(columns, "whole_ns_{}", "ns",
+              "time a sample of the whole evaluation (planning, uploads, kernel, reading back)",
+              per_sample(&MeasuredSide::whole));
+    add_ratio(columns, "kernel", "kernel time", &Row::kernel_ratio);
+    add_ratio(columns, "whole", "time of the whole evaluation", &Row::whole_ratio);
+    add_sides(columns, "evaluated_{}", "1", "samples that a kernel evaluated",
+              [](const MeasuredSide& side) { return side.cost.evaluated; });
+    add_sides(columns, "moved_{}_bytes", "B", "tables, plans, positions and results copied to and from the device",
+              [](const MeasuredSide& side) { return side.cost.uploaded + side.cost.received; });
+    add_sides(columns, "file_{}_bytes", "B", "the volume's file",
+              [](const MeasuredSide& side) { return side.file ? Cell(side.file) : Cell(); });
+    columns.insert(
+        columns.end(),
+        {{"compared", "1", "samples compared, of paths that write none: paths",
+          [](const Row& r) { return r.agreement.compared; }},
+         {"in_contact", "1", "samples of them with a force", [](const Row& r) { return r.agreement.in_contact; }},
+         {"differing", "1", "of those compared", [](const Row& r) { return r.agreement.differing; }},
+         {"omitted", "", "what the manifest calls it where it is left out",
+          [](const Row& r) { return r.comparison.omitted; }},
+         {"manifest_agrees", "", "yes: the manifest tells of it where it is left out and not where it is not",
+          [](const Row& r) { return agrees_with_manifest(r.comparison) ? "yes" : "no"; }}});
+    return table_of<Row>("features", "Each thing that the same forces may do without, switched alone", columns, rows);
+}
+
+Table omitted_table(const std::vector<BaseScene>& scenes, const std::vector<Row>& rows) {
+    struct Phrase {
+        std::string scene, omitted, measured;
+    };
+    std::vector<Phrase> phrases;
+    for (const BaseScene& base : scenes)
+        for (const std::string& omitted : omissions(base.prepared.one.scene)) {
+            const auto found = std::ranges::find_if(rows, [&](const Row& row) {
+                return row.comparison.scene == base.name && row.comparison.omitted == omitted;
+            });
+            phrases.push_back(
+                {base.name, omitted, found != rows.end() ? found->comparison.feature : "another force: not compared"});
+        }
+    return table_of<Phrase>("omitted", "What the manifests say was left out",
+                            {{"scene", "", "which scene", &Phrase::scene},
+                             {"omitted", "", "as its manifest calls it", &Phrase::omitted},
+                             {"feature", "", "what measures here what it saves", &Phrase::measured}},
+                            phrases);
+}
+
+Figure bars(const std::string& kind, const char* title, const char* caption, const char* label) {
+    Figure figure = make_figure(kind, title, caption, FigureKind::bars, "features", {}, {"feature", "left out"},
+                                {kind + "_saved_percent", label}, "scene");
+    figure.low = kind + "_saved_from_percent";
+    figure.high = kind + "_saved_to_percent";
+    return figure;
+}
+
+std::string name_of(const Row& row) {
+    return fmt::format("{} ({})", row.comparison.feature, row.comparison.scene);
+}
+
+// "takes 15 times as long", "takes 12 % longer".
+std::string longer(double ratio) {
+    return ratio >= 2 ? fmt::format("{:.2g} times as long", ratio) : fmt::format("{:.2g} % longer", 100 * (ratio - 1));
+}
+
+std::string interval_of(const std::vector<Row>& rows, const Row& row) {
+    const Interval whole = row.whole_ratio(), control = control_of(rows, row.comparison.scene, &Row::whole_ratio);
+    return fmt::format(
+        "{}: {:.3g} to {:.3g} times; with nothing switched {:.3g} to {:.3g} (95 % of bootstrap medians of {} "
+        "paired rounds)",
+        name_of(row), whole.low, whole.high, control.low, control.high, row.with.whole.size());
+}
+
+const char* const kCondition = "forces bit for bit or number for number the same on every sample; whole evaluation: "
+                               "planning, uploads, kernel, reading back";
+
+void add_findings(std::vector<Finding>& findings, const std::vector<Row>& rows) {
+    std::vector<const Row*> program, scene, file;
+    std::vector<std::string> free;
+    for (const Row& row : rows) {
+        if (!row.same_forces())
+            continue;
+        if (row.with.file > row.without.file)
+            file.push_back(&row);
+        if (row.comparison.feature == kControl)
+            continue;
+        if (costs(rows, row, &Row::whole_ratio))
+            (row.comparison.always ? program : scene).push_back(&row);
+        else if (!costs(rows, row, &Row::kernel_ratio))
+            free.push_back(name_of(row));
+    }
+    const auto listed = [](std::vector<const Row*>& some) {
+        std::ranges::stable_sort(some, {}, [](const Row* row) { return -row->whole_ratio().median; });
+        std::vector<std::string> parts;
+        for (std::size_t i = 0; i < std::min<std::size_t>(some.size(), 3); ++i)
+            parts.push_back(fmt::format("{} with {}", longer(some[i]->whole_ratio().median), name_of(*some[i])));
+        return fmt::format("{}", fmt::join(parts, ", "));
+    };
+    if (!program.empty()) {
+        const std::string list = listed(program);
+        findings.push_back(
+            {"program",
+             fmt::format("What the program always leaves out would make the whole evaluation take {}.", list), "whole",
+             name_of(*program.front()), kCondition, interval_of(rows, *program.front())});
+    }
+    if (!scene.empty()) {
+        const std::string list = listed(scene);
+        const Row& first = *scene.front();
+        findings.push_back({"scene",
+                            fmt::format("A scene that asks for what changes no force pays for it: the whole evaluation "
+                                        "takes {}; the kernel alone {:.3g} times as long with {}.",
+                                        list, first.kernel_ratio().median, name_of(first)),
+                            "whole", name_of(first), kCondition, interval_of(rows, first)});
+    }
+    const auto file_ratio = [](const Row* row) { return double(row->with.file) / double(row->without.file); };
+    if (const auto largest = std::ranges::max_element(file, {}, file_ratio); largest != file.end())
+        findings.push_back({"file",
+                            fmt::format("The volume's file is {:.2g} times as large with the {}.", file_ratio(*largest),
+                                        name_of(**largest)),
+                            "", name_of(**largest), "as a sweep writes it, compressed", ""});
+    if (!free.empty())
+        findings.push_back(
+            {"free", fmt::format("These cost no time that the rounds tell from nothing: {}.", fmt::join(free, ", ")),
+             "kernel", "", kCondition, ""});
+}
 
 constexpr Rounds kFull{15, 0.1, 6}, kQuick{9, 0.02, 1};
 
@@ -23,15 +230,12 @@ void require_contact(const BaseScene& base, const Touched& samples) {
 
 // Where the grid touches nothing but the paths do, or the other way round.
 void add_free_note(const BaseScene& base, const Touched& samples, StudyData& data) {
-    const auto add = [&](const char* what) {
-        data.notes.push_back(fmt::format("Nothing of the scene's {} is in contact: what is told of it is what free "
-                                         "space takes, and that it stays free.",
-                                         what));
-    };
-    if (base.field && samples.field == 0)
-        add("[grid]");
-    if (base.paths && samples.paths == 0)
-        add("[paths]");
+    for (const auto& [what, free] :
+         {std::pair("[grid]", base.field && samples.field == 0), {"[paths]", base.paths && samples.paths == 0}})
+        if (free)
+            data.notes.push_back(fmt::format("Nothing of the scene's {} is in contact: what is told of it is what free "
+                                             "space takes, and that it stays free.",
+                                             what));
 }
 
 void add_notes(const std::vector<BaseScene>& scenes, const Rounds& rounds, StudyData& data) {
@@ -51,6 +255,27 @@ void add_notes(const std::vector<BaseScene>& scenes, const Rounds& rounds, Study
 }
 
 } // namespace
+
+Interval Measurement::kernel_ratio() const {
+    return ratio_of(with.kernel, without.kernel);
+}
+
+Interval Measurement::whole_ratio() const {
+    return ratio_of(with.whole, without.whole);
+}
+
+void add_omissions(StudyData& data, const std::vector<BaseScene>& scenes, const std::vector<Measurement>& rows) {
+    data.tables = {feature_table(rows), omitted_table(scenes, rows)};
+    data.figures = {
+        bars("whole", "What leaving things out saves of the whole evaluation",
+             "Share of the time with a thing that is saved without it; whiskers are 95 % intervals. \"nothing\" is a "
+             "control: both sides are alike.",
+             "time saved / %"),
+        bars("kernel", "What leaving things out saves of the kernel's time",
+             "Likewise of the kernel alone; what the host does for a thing shows above and not here.",
+             "kernel time saved / %")};
+    add_findings(data.findings, rows);
+}
 
 StudyData study_omission(StudyRun& run) {
     const Rounds rounds = run.options().quick ? kQuick : kFull;

@@ -6,24 +6,13 @@
 #include <fmt/ranges.h>
 
 #include "host/study/error_time/angle.h"
-#include "host/study/stability/tables.h"
+#include "host/study/stability/stability.h"
 
 namespace forceshade::study {
 namespace {
 
 std::string newtons(double stiffness) {
     return stiffness >= 100 ? fmt::format("{:.0f} N/m", stiffness) : fmt::format("{:.3g} N/m", stiffness);
-}
-
-std::string hand_alone(const LoopSurface& surface) {
-    return fmt::format("hand of {:.3g} kg, {:.3g} N s/m, grip {:.4g} N/m, {:.4g} Hz", surface.hand.mass,
-                       surface.hand.damping + surface.hand.grip_damping, surface.hand.grip_stiffness, surface.rate);
-}
-
-std::string hand_of(const LoopSurface& surface) {
-    return hand_alone(surface) + (surface.hand.delay_samples > 0
-                                      ? fmt::format(", {} samples late", surface.hand.delay_samples)
-                                      : ", no delay");
 }
 
 std::string place_of(const LeastLimit& least) {
@@ -206,7 +195,7 @@ void add_delay(std::vector<Finding>& findings, const LoopResults& results) {
                                      "limit, by the surface.",
                                      100 * low, 100 * high),
          "loop-kinds", fmt::format("the worst place of each of {} surfaces", pairs),
-         hand_alone(results.surfaces.front()) + ", without delay and one sample late", sureness_of(results)});
+         hand_of(results.surfaces.front(), false) + ", without delay and one sample late", sureness_of(results)});
 }
 
 void add_rounding(std::vector<Finding>& findings, const LoopResults& results) {
@@ -233,6 +222,14 @@ void add_rounding(std::vector<Finding>& findings, const LoopResults& results) {
 }
 
 } // namespace
+
+std::string hand_of(const LoopSurface& surface, bool with_delay) {
+    return fmt::format("hand of {:.3g} kg, {:.3g} N s/m, grip {:.4g} N/m, {:.4g} Hz{}", surface.hand.mass,
+                       surface.hand.damping + surface.hand.grip_damping, surface.hand.grip_stiffness, surface.rate,
+                       !with_delay                      ? ""
+                       : surface.hand.delay_samples > 0 ? fmt::format(", {} samples late", surface.hand.delay_samples)
+                                                        : ", no delay");
+}
 
 std::vector<Finding> loop_findings(const LoopResults& results) {
     std::vector<Finding> findings;

@@ -2,9 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
-
-#include "host/study/stability/felt_force.h"
+#include <limits>
 
 namespace forceshade::study {
 namespace {
@@ -87,6 +85,50 @@ std::vector<LoopCell> settings_of(const LoopSurface& surface, bool quick) {
     return cells;
 }
 
+constexpr double kOwnStiffness = 1000; // N/m: of the study's own surfaces over quantum and friction
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+
+struct Fineness {
+    int columns, rows;
+    double patience;
+};
+
+Fineness fineness_of(const LoopSurface& surface, bool quick) {
+    if (surface.is_mesh()) // a hundred times dearer
+        return quick ? Fineness{8, 4, 60} : Fineness{16, 8, 120};
+    return quick ? Fineness{16, 8, 200} : Fineness{32, 16, 400};
+}
+
+// With four digits: numbers that are chosen freely are chosen short.
+double between(double low, double high, int i, int count) {
+    const double value = low * std::pow(high / low, double(i) / (count - 1));
+    const double unit = std::pow(10.0, std::floor(std::log10(value)) - 3);
+    return std::round(value / unit) * unit;
+}
+
+LoopCell damped(LoopCell cell, double damping) {
+    cell.hand.damping = damping;
+    cell.hand.grip_damping = 0;
+    return cell;
+}
+
+// Takes the loops of a map a row at a time, each as long as it takes.
+void run_rows(Engine& engine, const LoopSurface& surface, const RestPlace& place, std::vector<MapLoop>& loops,
+              std::size_t columns, const LoopRun& run) {
+    for (std::size_t first = 0; first < loops.size(); first += columns) {
+        std::vector<LoopCell> cells;
+        for (std::size_t i = first; i < first + columns; ++i)
+            cells.push_back(loops[i].cell);
+        const std::vector<LoopOutcome> outcomes = run_cells(engine, surface, place, cells, run);
+        for (std::size_t i = 0; i < columns; ++i)
+            loops[first + i].outcome = outcomes[i];
+    }
+}
+
+std::optional<double> limit_at(const LeastLimit& least, const LoopCell& cell) {
+    return linear_limit(cell.hand, cell.rate, least.hold, least.place.slope);
+}
+
 } // namespace
 
 std::vector<LeastLimit> least_limits(const LoopSurface& surface, const std::vector<RestPlace>& places, bool quick) {
@@ -127,22 +169,12 @@ std::vector<LeastLimit> least_limits(const LoopSurface& surface, const std::vect
 }
 
 std::optional<double> simulated_limit(const LoopSurface& surface, const LeastLimit& least) {
-    constexpr double kFrom = 0.3, kTo = 3, kStep = 1.1, kClose = 1.0005; // of the linearised loop's limit
+    constexpr double kFrom = 0.3, kTo = 3, kClose = 1.0005; // of the linearised loop's limit
     if (!least.limit || !(*least.limit > 0))
         return std::nullopt;
     Simulation simulation(surface, least);
-    double below = kFrom * *least.limit, above = below;
-    while (simulation.growth(above) < 0) {
-        below = above;
-        above *= kStep;
-        if (above > kTo * *least.limit)
-            return std::nullopt;
-    }
-    while (above > kClose * below) {
-        const double middle = std::sqrt(below * above);
-        (simulation.growth(middle) < 0 ? below : above) = middle;
-    }
-    return std::sqrt(below * above);
+    return least_growing(kFrom * *least.limit, kTo * *least.limit, kClose,
+                         [&](double stiffness) { return !(simulation.growth(stiffness) < 0); });
 }
 
 std::optional<double> largest_kick(const LoopSurface& surface, const LeastLimit& least) {
@@ -191,6 +223,81 @@ std::vector<EdgeSwing> edge_swings(Engine& engine, const LoopSurface& surface, c
             }
         }
     return swings;
+}
+
+std::vector<MapLoop> damping_map(Engine& engine, const LoopSurface& surface, const LeastLimit& least, bool quick) {
+    const Fineness fine = fineness_of(surface, quick);
+    const double damping = damping_of(least.cell), wall = least.wall;
+    const double least_shown = std::max(least.limit.value_or(wall), 1e-3 * wall); // N/m
+    const double low = std::min(least_shown, surface.stiffness > 0 ? surface.stiffness : wall) / 10;
+    const double high = std::max(wall, surface.stiffness) * 10;
+    std::vector<MapLoop> loops;
+    for (int j = 0; j < fine.rows; ++j) {
+        LoopCell row = damped(least.cell, between(0.2 * damping, 20 * damping, j, fine.rows));
+        const std::optional<double> limit = limit_at(least, row);
+        for (int i = 0; i < fine.columns; ++i) {
+            row.stiffness = between(low, high, i, fine.columns);
+            loops.push_back({"damping", surface.name, row, {}, !limit || row.stiffness < *limit});
+        }
+    }
+    LoopRun run;
+    run.patience = fine.patience;
+    run.all_sides = least.hold.along == glm::dvec3(0);
+    run_rows(engine, surface, least.place, loops, static_cast<std::size_t>(fine.columns), run);
+    return loops;
+}
+
+std::vector<MapLoop> rounding_map(Engine& engine, const LoopSurface& surface, const RestPlace& place, bool quick) {
+    const Fineness fine = fineness_of(surface, quick);
+    LoopCell cell{surface.hand, surface.rate, surface.stiffness > 0 ? surface.stiffness : kOwnStiffness};
+    const double quantum = cell.hand.quantisation > 0 ? cell.hand.quantisation : 1e-5; // m
+    const double friction = cell.hand.coulomb > 0 ? cell.hand.coulomb : 0.05;          // N
+    const double passive = passive_stiffness(damping_of(cell), 1 / cell.rate, cell.hand.delay_samples);
+    std::vector<MapLoop> loops;
+    for (int j = 0; j < fine.rows; ++j)
+        for (int i = 0; i < fine.columns; ++i) {
+            cell.hand.quantisation = between(0.1 * quantum, 30 * quantum, i, fine.columns);
+            cell.hand.coulomb = between(0.02 * friction, 20 * friction, j, fine.rows);
+            const double still = 2 * cell.hand.coulomb / cell.hand.quantisation; // N/m (Abbott & Okamura)
+            loops.push_back({"rounding", surface.name, cell, {}, cell.stiffness <= std::min(passive, still)});
+        }
+    LoopRun run;
+    run.patience = fine.patience;
+    run.disturbance = 0.5; // friction holds still what is hardly moved
+    run_rows(engine, surface, place, loops, static_cast<std::size_t>(fine.columns), run);
+    return loops;
+}
+
+std::vector<MapCurvePoint> curves_over(const std::vector<MapLoop>& loops, const LeastLimit& least) {
+    std::vector<MapCurvePoint> points;
+    const auto add_over_damping = [&](const char* curve, const auto& limit_of) {
+        std::optional<double> last;
+        for (const MapLoop& loop : loops) {
+            if (loop.map != "damping" || last == damping_of(loop.cell))
+                continue;
+            last = damping_of(loop.cell);
+            if (const std::optional<double> limit = limit_of(loop.cell); limit && *limit > 0)
+                points.push_back({"damping", curve, *limit, *last, kNone, kNone});
+        }
+    };
+    add_over_damping("K_crit", [](const LoopCell& cell) { return std::optional(wall_limit(cell.hand, cell.rate)); });
+    add_over_damping("linearised", [&](const LoopCell& cell) { return limit_at(least, cell); });
+    double low = std::numeric_limits<double>::infinity(), high = 0; // N
+    for (const MapLoop& loop : loops)
+        if (loop.map == "rounding") {
+            low = std::min(low, loop.cell.hand.coulomb);
+            high = std::max(high, loop.cell.hand.coulomb);
+        }
+    std::optional<double> last;
+    for (const MapLoop& loop : loops) {
+        const double quantum = loop.cell.hand.quantisation, friction = loop.cell.stiffness * quantum / 2;
+        if (loop.map != "rounding" || (last && quantum <= *last))
+            continue;
+        last = quantum;
+        if (friction >= low && friction <= high)
+            points.push_back({"rounding", "f_c = K quantum / 2", kNone, kNone, quantum, friction});
+    }
+    return points;
 }
 
 } // namespace forceshade::study

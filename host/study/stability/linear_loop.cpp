@@ -1,78 +1,54 @@
 #include "host/study/stability/linear_loop.h"
 
-#include <cmath>
+#include <algorithm>
 
 #include <glm/geometric.hpp>
-
-#include "host/paths/scene_paths.h"
-#include "host/study/stability/laws.h"
 
 namespace forceshade::study {
 namespace {
 
-// The loop's map of (place, speed, the forces that are under way), by columns of any number.
-class Square {
-public:
-    explicit Square(std::size_t size) : size_(size), values_(size * size) {}
-    double& at(std::size_t row, std::size_t column) { return values_[row * size_ + column]; }
-    std::size_t size() const { return size_; }
+// By rows.
+struct Square {
+    std::size_t size;
+    std::vector<double> values = std::vector<double>(size * size);
 
-    Square squared() const {
-        Square result(size_);
-        for (std::size_t i = 0; i < size_; ++i)
-            for (std::size_t k = 0; k < size_; ++k) {
-                const double factor = values_[i * size_ + k];
-                for (std::size_t j = 0; j < size_; ++j)
-                    result.values_[i * size_ + j] += factor * values_[k * size_ + j];
-            }
-        return result;
-    }
-    double largest() const {
-        double most = 0;
-        for (const double value : values_)
-            most = std::max(most, std::abs(value));
-        return most;
-    }
-    double trace() const {
-        double sum = 0;
-        for (std::size_t i = 0; i < size_; ++i)
-            sum += values_[i * size_ + i];
-        return sum;
-    }
-    void divide(double by) {
-        for (double& value : values_)
-            value /= by;
-    }
-
-private:
-    std::size_t size_;
-    std::vector<double> values_;
+    double& operator()(std::size_t row, std::size_t column) { return values[row * size + column]; }
 };
 
+Square squared(const Square& a) {
+    Square result{a.size};
+    for (std::size_t i = 0; i < a.size; ++i)
+        for (std::size_t k = 0; k < a.size; ++k)
+            for (std::size_t j = 0; j < a.size; ++j)
+                result(i, j) += a.values[i * a.size + k] * a.values[k * a.size + j];
+    return result;
+}
+
+// The loop's map of (place, speed, the forces that are under way).
 Square map_of(const HandSpec& hand, double rate, const Hold& hold, const glm::dmat3& slope, double stiffness) {
     const glm::dmat3 axes = axes_of(hold);
     const std::array<Axis, 3> held = axes_of(hold, hand);
     const glm::dmat3 answer = -stiffness * (glm::transpose(axes) * slope * axes); // columns: places
     const std::size_t delay = hand.delay_samples;
-    Square map(6 + 3 * delay);
+    Square map{6 + 3 * delay};
     for (std::size_t i = 0; i < 3; ++i) {
         const auto axis = axis_map(held[i], 1 / rate);
-        map.at(i, i) = 1 + axis.x_error;
-        map.at(i, 3 + i) = axis.x_speed;
-        map.at(3 + i, i) = axis.v_error;
-        map.at(3 + i, 3 + i) = axis.v_speed;
+        map(i, i) = 1 + axis.x_error;
+        map(i, 3 + i) = axis.x_speed;
+        map(3 + i, i) = axis.v_error;
+        map(3 + i, 3 + i) = axis.v_speed;
         for (std::size_t j = 0; j < 3 && delay == 0; ++j) {
-            map.at(i, j) += axis.x_force * answer[int(j)][int(i)];
-            map.at(3 + i, j) += axis.v_force * answer[int(j)][int(i)];
+            map(i, j) += axis.x_force * answer[int(j)][int(i)];
+            map(3 + i, j) += axis.v_force * answer[int(j)][int(i)];
         }
         if (delay == 0)
             continue;
-        map.at(i, 6 + i) = axis.x_force; // the oldest
-        map.at(3 + i, 6 + i) = axis.v_force;
+        map(i, 6 + i) = axis.x_force; // the oldest
+        map(3 + i, 6 + i) = axis.v_force;
         for (std::size_t age = 0; age + 1 < delay; ++age)
-            map.at(6 + 3 * age + i, 6 + 3 * (age + 1) + i) = 1;
+            map(6 + 3 * age + i, 6 + 3 * (age + 1) + i) = 1;
         for (std::size_t j = 0; j < 3; ++j)
-            map.at(6 + 3 * (delay - 1) + i, j) = answer[int(j)][int(i)];
+            map(6 + 3 * (delay - 1) + i, j) = answer[int(j)][int(i)];
     }
     return map;
 }
@@ -111,41 +87,33 @@ bool grows(const HandSpec& hand, double rate, const Hold& hold, const glm::dmat3
     constexpr int kDoublings = 44;
     constexpr double kNone = 1e-10; // what rounding makes of a mode that stays
     Square power = map_of(hand, rate, hold, slope, stiffness);
-    const auto size = static_cast<double>(power.size());
+    const auto size = static_cast<double>(power.size);
     double growth = 0, share = 1; // the logarithm of what was divided out, a sample
     for (int i = 0; i < kDoublings; ++i) {
-        const double most = power.largest();
+        double most = 0, trace = 0;
+        for (const double value : power.values)
+            most = std::max(most, std::abs(value));
         growth += share * std::log(most);
-        power.divide(most);
+        for (double& value : power.values)
+            value /= most;
         const double log_scale = growth / share; // of the power
         if (log_scale + std::log(size) < 0)      // a bound of every eigenvalue's
             return false;
-        if (const double trace = std::abs(power.trace()); trace > 0 && log_scale + std::log(trace / size) > 1e-3)
+        for (std::size_t k = 0; k < power.size; ++k)
+            trace += power(k, k);
+        if (trace != 0 && log_scale + std::log(std::abs(trace) / size) > 1e-3)
             return true; // the mean of the eigenvalues
         share /= 2;
-        power = power.squared();
+        power = squared(power);
     }
     return growth > kNone;
 }
 
 std::optional<double> linear_limit(const HandSpec& hand, double rate, const Hold& hold, const glm::dmat3& slope) {
-    constexpr double kStep = 1.1, kClose = 1.0001;
-    const double passive =
-        passive_stiffness(hand.damping + hand.grip_damping, 1 / rate, static_cast<int>(hand.delay_samples));
-    double below = 1e-4 * passive, above = below;
-    if (grows(hand, rate, hold, slope, below))
-        return 0.0;
-    while (!grows(hand, rate, hold, slope, above)) {
-        below = above;
-        above *= kStep;
-        if (above > 8 * passive)
-            return std::nullopt;
-    }
-    while (above > kClose * below) {
-        const double middle = std::sqrt(below * above);
-        (grows(hand, rate, hold, slope, middle) ? above : below) = middle;
-    }
-    return std::sqrt(below * above);
+    constexpr double kClose = 1.0001;
+    const double passive = passive_stiffness(hand.damping + hand.grip_damping, 1 / rate, hand.delay_samples);
+    const auto at = [&](double stiffness) { return grows(hand, rate, hold, slope, stiffness); };
+    return at(1e-4 * passive) ? 0.0 : least_growing(1e-4 * passive, 8 * passive, kClose, at);
 }
 
 double wall_limit(const HandSpec& hand, double rate) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <optional>
 #include <string>
 #include <vector>
@@ -35,9 +36,33 @@ std::array<Axis, 3> axes_of(const Hold& hold, const HandSpec& hand);
 /// Whether the loop of a hand at `rate` Hz grows at `stiffness` N/m. `slope`, 1: -dF/dp for 1 N/m, columns first.
 bool grows(const HandSpec& hand, double rate, const Hold& hold, const glm::dmat3& slope, double stiffness);
 
+/// The least stiffness from `from` to `to`, N/m, at which a loop grows(stiffness): up in steps of a tenth, then between
+/// two whose ratio is `close`; nothing where it does not.
+template <typename Grows>
+std::optional<double> least_growing(double from, double to, double close, const Grows& grows) {
+    double below = from, above = from;
+    while (!grows(above)) {
+        below = above;
+        above *= 1.1;
+        if (above > to)
+            return std::nullopt;
+    }
+    while (above > close * below) {
+        const double middle = std::sqrt(below * above);
+        (grows(middle) ? above : below) = middle;
+    }
+    return std::sqrt(below * above);
+}
+
 /// The least stiffness, N/m, at which it grows, to a hundredth of a percent: 0 where it grows at a ten-thousandth of
 /// the largest passive stiffness already, nothing where it does not at eight times that.
 std::optional<double> linear_limit(const HandSpec& hand, double rate, const Hold& hold, const glm::dmat3& slope);
+
+/// The largest K that is passive with `delay` samples of it, N/m: b = K T (1/2 + delay) (Colgate & Schenkel, without
+/// the wall's own damping).
+inline double passive_stiffness(double damping, double period, std::uint64_t delay) {
+    return damping / (period * (0.5 + static_cast<double>(delay)));
+}
 
 /// That of a wall, N/m: K_crit for any delay.
 double wall_limit(const HandSpec& hand, double rate);

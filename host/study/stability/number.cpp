@@ -1,55 +1,367 @@
 #include "host/study/stability/number.h"
 
 #include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
 
 #include <fmt/format.h>
 
-#include "host/study/data/study_data.h"
-#include "host/study/error_time/angle.h"
+#include "host/error.h"
+#include "host/output/rows.h"
+#include "host/referee/mesh_referee.h"
+#include "host/referee/referee.h"
+#include "host/referee/rounding_bound.h"
+#include "host/reference/contact.h"
+#include "host/reference/god_object.h"
+#include "host/study/energy/bump_mesh.h"
 
 namespace forceshade::study {
 namespace {
 
+constexpr double kHalfWidth = 0.0127;  /* a, m */
+constexpr double kWavelength = 0x1p-6; /* m: of the sine; a power of two, so that whole ones add up without error */
+constexpr double kPressed = 0.001;     /* m: how deep fine grids lie */
+constexpr std::uint64_t kColumns = 41, kRows = 9;
+constexpr double kShare = 0.2937; /* of a: where fine grids lie; no vertex is near */
+
+/// What a case is made of.
+struct Setting {
+    double ratio = 2; /* R / a */
+    std::uint32_t facets = 8;
+    double stiffness = 1000; /* N/m */
+    double origin = 0;       /* m */
+    double spacing = 0;      /* m; 0: over the whole bump */
+    double depth = 0;        /* m; 0: from the rim down to 2 mm */
+};
+
+double& part_of(Setting& setting, const std::string& axis) {
+    return axis == "radius_ratio" ? setting.ratio
+           : axis == "stiffness"  ? setting.stiffness
+           : axis == "origin"     ? setting.origin
+           : axis == "spacing"    ? setting.spacing
+                                  : setting.depth;
+}
+
+Scene surface_of(const std::string& surface, const Setting& setting) {
+    Scene scene;
+    scene.surface.width = 2 * kHalfWidth;
+    scene.surface.radius = setting.ratio * kHalfWidth;
+    scene.surface.facets = setting.facets;
+    scene.force.stiffness = setting.stiffness;
+    if (surface == "shaded bump")
+        scene.force.shading = Shading::reference;
+    if (surface == "cylinder bump")
+        scene.surface.kind = SurfaceKind::cylinder_bump;
+    if (surface == "height map") {
+        scene.surface.kind = SurfaceKind::height_map;
+        scene.force.shading = Shading::height_map;
+        scene.surface.map.function = MapFunction::sine;
+        scene.surface.map.width = kWavelength;
+        scene.surface.map.height = 0.001;
+    }
+    if (surface == "height map, cylinder") {
+        scene.surface.kind = SurfaceKind::height_map;
+        scene.force.shading = Shading::height_map;
+        scene.surface.map.width = 2 * kHalfWidth;
+        scene.surface.map.radius = setting.ratio * kHalfWidth;
+    }
+    if (surface == "mesh") {
+        scene.surface.kind = SurfaceKind::mesh;
+        scene.force.shading = Shading::mean_value;
+    }
+    scene.output.channels = layout::kChannelForce;
+    return scene;
+}
+
+double circle_height(double ratio, double x) {
+    const double radius = ratio * kHalfWidth;
+    return (kHalfWidth - x) * (kHalfWidth + x) /
+           (reference::circle_rise(radius, x) + reference::circle_rise(radius, kHalfWidth));
+}
+
+/// The nominal surface above x, m.
+double height_of(const std::string& surface, const Setting& setting, double x) {
+    if (surface == "cylinder bump")
+        return circle_height(setting.ratio, x);
+    if (surface == "mesh") {
+        const double cell = 2 * kHalfWidth / setting.facets, left = std::floor(x / cell) * cell;
+        return std::lerp(circle_height(setting.ratio, left), circle_height(setting.ratio, left + cell),
+                         (x - left) / cell);
+    }
+    if (!surface.starts_with("bump"))
+        return 0;
+    const FieldTables<double> tables = make_tables<double>(surface_of(surface, setting), {}, Extent::what_varies);
+    return reference::facet_at(tables.law(), x).height;
+}
+
+struct Box {
+    double low[2], high[2]; /* x, z; m */
+    std::uint64_t columns = kColumns, rows = kRows;
+};
+
+GridSpec grid_of(const Box& box, double y) {
+    GridSpec grid;
+    grid.size = {box.columns, 1, box.rows};
+    grid.origin = {box.low[0], y, box.low[1]};
+    const auto step = [](double low, double high, std::uint64_t count) {
+        return count > 1 ? (high - low) / static_cast<double>(count - 1) : kHalfWidth;
+    };
+    grid.spacing = {step(box.low[0], box.high[0], box.columns), kHalfWidth, step(box.low[1], box.high[1], box.rows)};
+    return grid;
+}
+
+/// Which samples a case has, at the origin.
+std::vector<Box> boxes_of(const std::string& surface, const Setting& setting) {
+    if (setting.depth > 0) {
+        std::vector<Box> boxes;
+        for (const double share : {-0.8371, -0.4613, kShare, 0.5519, 0.9033}) {
+            const double x = share * kHalfWidth, z = height_of(surface, setting, x) - setting.depth;
+            boxes.push_back({{x, z}, {x, z}, 1, 1});
+        }
+        return boxes;
+    }
+    if (setting.spacing > 0) {
+        const double x = kShare * kHalfWidth, z = height_of(surface, setting, x) - kPressed;
+        return {{{x, z}, {x + setting.spacing * static_cast<double>(kColumns - 1), z}, kColumns, 1}};
+    }
+    const double top = surface.starts_with("height map") ? -0.0001 : 0.9 * circle_height(setting.ratio, 0);
+    return {{{-0.9131 * kHalfWidth, -0.00193}, {0.8873 * kHalfWidth, top}}};
+}
+
+PreparedCase prepared_of(const std::string& surface, const Setting& setting, const Box& box, double away) {
+    PreparedCase prepared;
+    prepared.one.scene = surface_of(surface, setting);
+    GridSpec grid = grid_of(box, 0.0371 * kHalfWidth);
+    const bool moves = surface == "mesh";
+    if (moves)
+        prepared.images.mesh =
+            bump_mesh({kHalfWidth, setting.ratio * kHalfWidth, setting.facets, 4}, glm::dvec3(away, away, away));
+    grid.origin[0] += away;
+    grid.origin[1] += moves ? away : 0;
+    grid.origin[2] += moves ? away : 0;
+    prepared.one.scene.grid = grid;
+    return prepared;
+}
+
+void add_decades(std::vector<double>& values, int from, int to, int by) {
+    for (int decade = from; decade <= to; decade += by)
+        values.push_back(std::stod("1e" + std::to_string(decade)));
+}
+
+constexpr const char* kAxes[] = {"radius_ratio", "facets", "stiffness", "origin", "spacing", "depth"};
+
+// Of a surface along an axis, ascending; none where the axis means nothing there.
+std::vector<double> number_values(const std::string& surface, const std::string& axis, bool quick) {
+    const bool faceted = surface.starts_with("bump"), mesh = surface == "mesh";
+    std::vector<double> values;
+    if (axis == "radius_ratio" && surface != "height map") {
+        values = mesh ? std::vector<double>{1.6} : std::vector<double>{1, 1 + 1e-6, 1.1};
+        values.insert(values.end(), {2, 10});
+        add_decades(values, 2, 12, quick ? 2 : 1);
+    } else if (axis == "facets" && faceted) {
+        values = {1, 2, 8, 64};
+        add_decades(values, 3, 7, quick ? 2 : 1);
+    } else if (axis == "facets" && mesh) {
+        values = quick ? std::vector<double>{2, 8, 128} : std::vector<double>{2, 8, 32, 128, 512, 2048};
+    } else if (axis == "stiffness") {
+        add_decades(values, -45, 45, quick ? 9 : 3);
+        values.insert(std::ranges::upper_bound(values, 1000), 3000);
+    } else if (axis == "origin" && (mesh || surface == "height map")) {
+        values = {0};
+        add_decades(values, -3, 6, quick ? 3 : 1);
+    } else if (axis == "spacing") {
+        add_decades(values, -12, 0, quick ? 2 : 1);
+    } else if (axis == "depth") {
+        add_decades(values, -12, -2, quick ? 2 : 1);
+    }
+    return values;
+}
+
+using Vector = reference::Vector<double>;
+using Forces = std::vector<Vector>;
+using ForceOf = std::function<Vector(const Vector& place)>;
+
+constexpr double kAlike = 1e-12; /* of the largest force: neighbours that differ by less are a period apart */
+
+template <typename T> Forces evaluated(Engine& engine, const PreparedCase& prepared) {
+    const FieldTables<T> tables = make_tables<T>(prepared.one.scene, prepared.images, Extent::everything);
+    std::vector<T> numbers;
+    engine.evaluate(tables.input(), [&](const auto& chunk) { append_rows(chunk, chunk.force, 3, 1, numbers); });
+    Forces forces;
+    for (std::size_t i = 0; i < numbers.size() / 3; ++i)
+        forces.emplace_back(reference::vector_at<T>(numbers, i));
+    return forces;
+}
+
+/// Voxel by voxel, x fastest, then z.
+std::vector<Vector> voxels_of(const PreparedCase& prepared) {
+    const GridSpec& grid = prepared.one.scene.grid;
+    std::vector<Vector> places;
+    for (std::size_t k = 0; k < grid.size[2]; ++k)
+        for (std::size_t i = 0; i < grid.size[0]; ++i)
+            places.emplace_back(grid.origin[0] + grid.spacing[0] * static_cast<double>(i), grid.origin[1],
+                                grid.origin[2] + grid.spacing[2] * static_cast<double>(k));
+    return places;
+}
+
+Forces true_forces(const PreparedCase& home, const ForceOf& force) {
+    Forces forces;
+    for (const Vector& place : voxels_of(home))
+        forces.push_back(force(place));
+    return forces;
+}
+
+Forces by_oracle(const PreparedCase& home) {
+    const FieldTables<double> tables = make_tables<double>(home.one.scene, home.images, Extent::everything);
+    const layout::Law<double> law = tables.law();
+    return true_forces(home, [&](const Vector& place) {
+        const bool mesh = law.features.surface == layout::kSurfaceMesh;
+        return reference::evaluate(law, mesh ? reference::to_mesh_frame(law.mesh.params, place) : place).force;
+    });
+}
+
+Vector vector_of(const brute::Answer& answer) {
+    return {static_cast<double>(answer.force[0]), static_cast<double>(answer.force[1]),
+            static_cast<double>(answer.force[2])};
+}
+
+Forces by_referee(const PreparedCase& home) {
+    if (home.images.mesh) {
+        brute::MeshLaw law;
+        law.stiffness = home.one.scene.force.stiffness;
+        law.shading = brute::MeshShading::mean_value;
+        const brute::MeshReferee referee(home.images.mesh->mesh, law);
+        return true_forces(home, [&](const Vector& place) { return vector_of(referee.at(place)); });
+    }
+    const brute::Referee referee(home.one.scene, home.images);
+    std::optional<brute::Column> column; // finding it loops over all facets
+    Forces forces;
+    const std::size_t columns = home.one.scene.grid.size[0];
+    const std::vector<Vector> places = voxels_of(home);
+    forces.resize(places.size());
+    for (std::size_t i = 0; i < columns; ++i) {
+        column = referee.column(places[i].x, places[i].y);
+        for (std::size_t at = i; at < places.size(); at += columns)
+            forces[at] = vector_of(referee.at(*column, places[at].z));
+    }
+    return forces;
+}
+
+/// Sums over the fields of a case, in N.
+struct Sums {
+    double largest = 0, off = 0, step = 0, step_off = -1, bound = 0;
+};
+
+void add_field(const Forces& found, const Forces& truth, std::size_t columns, Sums& sums) {
+    for (std::size_t at = 0; at < found.size(); ++at) {
+        const double off = reference::length(found[at] - truth[at]);
+        sums.largest = std::max(sums.largest, reference::length(truth[at]));
+        sums.off = std::isfinite(off) ? std::max(sums.off, off) : std::numeric_limits<double>::infinity();
+        if (at % columns == 0)
+            continue;
+        const Vector step = truth[at] - truth[at - 1];
+        sums.step = std::max(sums.step, reference::length(step));
+        sums.step_off = std::max(sums.step_off, reference::length(found[at] - found[at - 1] - step));
+    }
+}
+
+/// The largest bound of a field's voxels, N; where each coordinate is rounded, too.
+double bound_of(const PreparedCase& prepared, Precision precision) {
+    const RoundingBound bound(prepared, precision);
+    const double unit = precision == Precision::f32 ? 0x1p-24 : 0x1p-53;
+    double most = 0;
+    for (const Vector& at : voxels_of(prepared))
+        most = std::max(most, bound.at(at.x, at.y, at.z).force + bound.over(unit * reference::length(at)).force);
+    return most;
+}
+
+template <typename T, typename Truth>
+NumberErrors errors_of(Engine& engine, const NumberCase& one, Precision precision, const Truth& truth_of) {
+    NumberErrors errors;
+    Sums sums;
+    for (const NumberField& field : one) {
+        const PreparedCase& home = field.home;
+        try {
+            add_field(evaluated<T>(engine, field.prepared), truth_of(home), home.one.scene.grid.size[0], sums);
+        } catch (const UsageError& error) {
+            errors.refused = error.what();
+            return errors;
+        }
+        if (!home.images.mesh)
+            sums.bound = std::max(sums.bound, bound_of(field.prepared, precision));
+    }
+    if (!(sums.largest > 0))
+        return errors;
+    errors.force = sums.off / sums.largest;
+    if (sums.step > kAlike * sums.largest)
+        errors.step = sums.step_off / sums.step;
+    if (!one.front().prepared.images.mesh)
+        errors.bound = sums.bound / sums.largest;
+    return errors;
+}
+
 constexpr double kLeastShown = 1e-17; /* errors of 0 are shown there */
 constexpr double kOriginShown = 1e-4; /* m: where an origin of 0 is shown */
 
-Figure number_figure(const NumberAxis& axis) {
-    Figure figure;
-    figure.name = "number_" + axis.name;
-    figure.title = fmt::format("Error of the force over {}", axis.meaning);
-    figure.caption =
-        "Largest error of a voxel's force over the largest force, away from edges. A point that is missing "
-        "has no force in that precision. Errors of 0 are shown at 1e-17.";
-    figure.table = "number";
-    figure.where = {{"axis", axis.name}};
-    figure.x = {"value_shown", axis.label, true};
-    figure.y = {"error_shown", "largest error / largest force", true};
-    figure.series = "series";
+Figure number_figure(const std::string& axis, const char* title, const char* caption, const char* label,
+                     const FigureAxis& y) {
+    Figure figure = make_figure("number_" + axis, title, caption, FigureKind::scatter, "number", {{"axis", axis}},
+                                {"value_shown", label, true}, y, "series");
     figure.joined = true;
     return figure;
 }
 
-const NumberAxis& axis_named(const char* name) {
-    return *std::ranges::find(number_axes(), name, &NumberAxis::name);
+} // namespace
+
+const std::vector<std::string>& number_surfaces() {
+    static const std::vector<std::string> surfaces{"bump",       "shaded bump",          "cylinder bump",
+                                                   "height map", "height map, cylinder", "mesh"};
+    return surfaces;
 }
 
-} // namespace
+Scene number_scene(const std::string& surface) {
+    return surface_of(surface, {});
+}
+
+NumberCase number_case(const std::string& surface, const std::string& axis, double value) {
+    Setting setting;
+    if (axis == "facets")
+        setting.facets = static_cast<std::uint32_t>(value);
+    else
+        part_of(setting, axis) = value;
+    const double away =
+        surface == "height map" ? std::round(setting.origin / kWavelength) * kWavelength : setting.origin;
+    NumberCase result;
+    for (const Box& box : boxes_of(surface, setting)) {
+        const PreparedCase home = prepared_of(surface, setting, box, 0);
+        result.push_back({away == 0 ? home : prepared_of(surface, setting, box, away), home});
+    }
+    return result;
+}
+
+NumberErrors single_errors(Engine& engine, const NumberCase& one) {
+    return errors_of<float>(engine, one, Precision::f32, by_oracle);
+}
+
+NumberErrors double_errors(Engine& engine, const NumberCase& one) {
+    return errors_of<double>(engine, one, Precision::f64, by_referee);
+}
 
 std::vector<Part> number_parts(Engine& engine, bool quick, std::vector<NumberRow>& rows) {
     std::vector<Part> parts;
     for (const std::string& surface : number_surfaces())
-        for (const NumberAxis& axis : number_axes()) {
-            if (number_values(surface, axis.name, quick).empty())
+        for (const std::string axis : kAxes) {
+            if (number_values(surface, axis, quick).empty())
                 continue;
-            parts.push_back({fmt::format("numbers: {} over {}", surface, axis.name),
-                             [&engine, &rows, surface, quick, name = axis.name] {
+            parts.push_back({fmt::format("numbers: {} over {}", surface, axis), [&engine, &rows, surface, quick, axis] {
                                  const double most_looped =
                                      surface == "mesh" ? 512 : 1e5; /* facets that a referee takes a short time for */
-                                 for (const double value : number_values(surface, name, quick)) {
-                                     const NumberCase one = number_case(surface, name, value);
-                                     rows.push_back({surface, name, value, "f32", single_errors(engine, one)});
-                                     if (engine.report().f64 && !(name == "facets" && value > most_looped))
-                                         rows.push_back({surface, name, value, "f64", double_errors(engine, one)});
+                                 for (const double value : number_values(surface, axis, quick)) {
+                                     const NumberCase one = number_case(surface, axis, value);
+                                     rows.push_back({surface, axis, value, "f32", single_errors(engine, one)});
+                                     if (engine.report().f64 && !(axis == "facets" && value > most_looped))
+                                         rows.push_back({surface, axis, value, "f64", double_errors(engine, one)});
                                  }
                              }});
         }
@@ -59,46 +371,48 @@ std::vector<Part> number_parts(Engine& engine, bool quick, std::vector<NumberRow
 void add_numbers(StudyData& data, const std::vector<NumberRow>& rows) {
     using R = NumberRow;
     const auto number = [](double NumberErrors::*of) {
-        return [of](const R& r) { return r.errors.refused.empty() && r.errors.*of >= 0 ? cell(r.errors.*of) : Cell(); };
+        return [of](const R& r) { return r.errors.refused.empty() && r.errors.*of >= 0 ? Cell(r.errors.*of) : Cell(); };
     };
     data.tables.push_back(table_of<R>(
         "number", "Where a precision leaves the truth",
-        {{{"surface", "", "Surface and shading; bump and mesh have 8 facets or cells where nothing else is said."},
-          [](const R& r) { return Cell(r.surface); }},
-         {{"axis", "", "Which parameter is varied; all others are plain."}, [](const R& r) { return Cell(r.axis); }},
-         {{"value", "unit of the axis", "Its value."}, [](const R& r) { return cell(r.value); }},
-         {{"value_shown", "unit of the axis", "The value, but 1e-4 for an origin of 0, for logarithmic axes."},
-          [](const R& r) { return cell(r.axis == "origin" ? std::max(r.value, kOriginShown) : r.value); }},
-         {{"precision", "",
-           "f32: the engine in single precision against the oracle in double; f64: the engine in double against "
-           "closed forms and plain loops in extended precision."},
-          [](const R& r) { return Cell(r.precision); }},
-         {{"series", "", "Surface and precision."},
-          [](const R& r) { return Cell(fmt::format("{}, {}", r.surface, r.precision)); }},
-         {{"error", "1", "Largest error of a voxel's force, over the largest force."}, number(&NumberErrors::force)},
-         {{"error_shown", "1", "The same, but no less than 1e-17, for logarithmic axes."},
-          [](const R& r) { return r.errors.refused.empty() ? cell(std::max(r.errors.force, kLeastShown)) : Cell(); }},
-         {{"bound", "1", "The bound that validate holds to, coordinates rounded too; none of meshes."},
+        {{"surface", "", "Surface and shading; bump and mesh have 8 facets or cells where nothing else is said.",
+          &R::surface},
+         {"axis", "", "Which parameter is varied; all others are plain.", &R::axis},
+         {"value", "unit of the axis", "Its value.", &R::value},
+         {"value_shown", "unit of the axis", "The value, but 1e-4 for an origin of 0, for logarithmic axes.",
+          [](const R& r) { return r.axis == "origin" ? std::max(r.value, kOriginShown) : r.value; }},
+         {"precision", "",
+          "f32: the engine in single precision against the oracle in double; f64: the engine in double against closed "
+          "forms and plain loops in extended precision.",
+          &R::precision},
+         {"series", "", "Surface and precision.",
+          [](const R& r) { return fmt::format("{}, {}", r.surface, r.precision); }},
+         {"error", "1", "Largest error of a voxel's force, over the largest force.", number(&NumberErrors::force)},
+         {"error_shown", "1", "The same, but no less than 1e-17, for logarithmic axes.",
+          [](const R& r) { return r.errors.refused.empty() ? Cell(std::max(r.errors.force, kLeastShown)) : Cell(); }},
+         {"bound", "1", "The bound that validate holds to, coordinates rounded too; none of meshes.",
           number(&NumberErrors::bound)},
-         {{"direction_deg", "deg", "Largest angle between force and true force, where it is not below a thousandth."},
-          [](const R& r) { return r.errors.refused.empty() ? cell(r.errors.direction / kDegree) : Cell(); }},
-         {{"off_voxels", "1", "Share of the voxels that are off by more than 1e-6 of the largest force."},
-          number(&NumberErrors::share_off)},
-         {{"step_error", "1",
-           "Largest error of the difference of two neighbours along x, over the largest such difference."},
+         {"step_error", "1",
+          "Largest error of the difference of two neighbours along x, over the largest such difference.",
           number(&NumberErrors::step)},
-         {{"refused", "", "Why there is no field; empty: there is."},
-          [](const R& r) { return Cell(r.errors.refused); }}},
+         {"refused", "", "Why there is no field; empty: there is.", [](const R& r) { return r.errors.refused; }}},
         rows));
-    for (const char* axis : {"stiffness", "origin"})
-        data.figures.push_back(number_figure(axis_named(axis)));
-    Figure steps = number_figure(axis_named("spacing"));
-    steps.title = "Error of the difference of neighbours over the spacing of the samples";
-    steps.caption =
-        "Forces stay good however fine the grid is; what is lost is the difference of two neighbours, as soon "
-        "as the spacing comes near the spacing of the numbers themselves, u |x|. At 1 nothing of it is left.";
-    steps.y = {"step_error", "error of a difference / largest difference", true};
-    data.figures.push_back(std::move(steps));
+    const char* const largest = "Largest error of a voxel's force over the largest force, away from edges. A point "
+                                "that is missing has no force "
+                                "in that precision. Errors of 0 are shown at 1e-17.";
+    const FigureAxis error{"error_shown", "largest error / largest force", true};
+    data.figures.insert(
+        data.figures.end(),
+        {number_figure("stiffness", "Error of the force over stiffness, with penetrations of millimetres", largest,
+                       "stiffness K / (N/m)", error),
+         number_figure("origin", "Error of the force over distance of the samples, and of a mesh, from the origin",
+                       largest, "distance from the origin / m", error),
+         number_figure(
+             "spacing", "Error of the difference of neighbours over the spacing of the samples",
+             "Forces stay good however fine the grid is; what is lost is the difference of two neighbours, as "
+             "soon as the spacing comes near the spacing of the numbers themselves, u |x|. At 1 nothing of it "
+             "is left.",
+             "spacing of the grid / m", {"step_error", "error of a difference / largest difference", true})});
     data.notes.push_back("Samples over the axes of precision avoid edges, where rounding may choose either facet; the "
                          "worst places are searched for apart, in worst_rounding.");
 }

@@ -1,12 +1,12 @@
 // Places at which a hand may rest: anywhere on a surface, and on its edges.
 #include <algorithm>
 #include <cmath>
-#include <memory>
 #include <optional>
 
 #include "host/error.h"
+#include "host/study/error_time/angle.h"
 #include "host/study/error_time/places.h"
-#include "host/study/stability/felt_force.h"
+#include "host/study/stability/surfaces.h"
 
 namespace forceshade::study {
 namespace {

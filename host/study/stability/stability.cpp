@@ -1,36 +1,100 @@
+// The study, and the surfaces that it goes to.
 #include "host/study/stability/stability.h"
 
-#include <optional>
+#include <algorithm>
 
-#include <fmt/format.h>
-
+#include "host/error.h"
+#include "host/mesh/mesh.h"
+#include "host/paths/motions.h"
+#include "host/scene/study.h"
+#include "host/study/energy/bump_mesh.h"
 #include "host/study/stability/number.h"
-#include "host/study/stability/tables.h"
-#include "host/study/stability/worst_rounding.h"
 
 namespace forceshade::study {
 namespace {
 
-// Where the hand is its own, the worst place of each kind stepped through the surface's own force.
-void simulate_worst(const LoopSurface& surface, std::vector<LeastLimit>& limits) {
-    for (const PlaceKind kind : kPlaceKinds) {
-        LeastLimit* worst = nullptr;
-        for (LeastLimit& one : limits)
-            if (one.own && one.place.kind == kind && one.limit && (!worst || *one.limit < *worst->limit))
-                worst = &one;
-        if (worst) {
-            worst->simulated = simulated_limit(surface, *worst);
-            worst->kick = largest_kick(surface, *worst);
-        }
+struct OwnScene {
+    const char *name, *text;
+    glm::dvec3 low, high; /* m */
+};
+
+// The box of a bump or map goes 2.5 mm beyond it on either side.
+const OwnScene kOwnScenes[] = {
+    {"plane", "surface = {facets = 1}", {-0.005, -0.005, -0.003}, {0.005, 0.005, 0.002}},
+    {"bump", "surface = {facets = 2}", {-0.0152, -0.005, -0.003}, {0.0152, 0.005, 0.008}},
+    {"shaded bump",
+     "surface = {facets = 2}\nforce.shading = \"reference\"",
+     {-0.0152, -0.005, -0.003},
+     {0.0152, 0.005, 0.008}},
+    {"map of a bump",
+     "surface = {kind = \"height_map\", function = \"cylinder\", radius = \"1000 mil\"}\n"
+     "force.shading = \"height_map\"",
+     {-0.0152, -0.005, -0.003},
+     {0.0152, 0.005, 0.002}},
+    {"map of a dip",
+     "surface = {kind = \"height_map\", function = \"dip\", radius = \"1000 mil\"}\nforce.shading = \"height_map\"",
+     {-0.0152, -0.005, -0.003},
+     {0.0152, 0.005, 0.002}},
+};
+constexpr glm::dvec3 kMeshLow{-0.0105, -0.008, -0.003}, kMeshHigh{0.0105, 0.008, 0.008}; // m: away from its borders
+
+LoopSurface own_surface(std::string name, const Scene& scene, const glm::dvec3& low, const glm::dvec3& high) {
+    LoopSurface surface;
+    surface.name = std::move(name);
+    surface.prepared.one.scene = scene;
+    surface.prepared.one.scene.force.stiffness = 1;
+    surface.low = low;
+    surface.high = high;
+    return surface;
+}
+
+LoopSurface own_mesh(const char* name, Shading shading, const std::shared_ptr<const SceneMesh>& mesh) {
+    Scene scene;
+    scene.surface.kind = SurfaceKind::mesh;
+    scene.surface.mesh.file = "bump";
+    scene.force.shading = shading;
+    LoopSurface surface = own_surface(name, scene, kMeshLow, kMeshHigh);
+    surface.prepared.images.mesh = mesh;
+    return surface;
+}
+
+void refuse_dead_hand(const Scene& scene) {
+    if (!(scene.force.stiffness > 0))
+        throw UsageError("force.stiffness is 0: no loop closes without a force");
+    if (!(scene.hand.damping + scene.hand.grip_damping > 0))
+        throw UsageError("hand.damping and hand.grip_damping are 0: without damping no sampled loop comes to rest at "
+                         "any stiffness");
+}
+
+// The box of a scene's grid; of a scene of paths alone that of its mesh, or what its paths go over.
+void take_box(LoopSurface& surface, const PathsSpec& paths) {
+    const Scene& scene = surface.prepared.one.scene;
+    if (!scene.field && !surface.is_mesh()) {
+        const PathRegion region = path_region(paths, surface.prepared);
+        const double length = region.length / 2, width = region.width / 2, reach = std::max(length, width);
+        surface.low = {region.centre[0] - length, region.centre[1] - width, region.height - reach};
+        surface.high = {region.centre[0] + length, region.centre[1] + width, region.height + reach};
+        return;
+    }
+    constexpr std::uint64_t kSide = 64; // voxels
+    const GridSpec grid = scene.field ? scene.grid : fitted_grid(kSide, surface.prepared.images.mesh->mesh);
+    for (int i = 0; i < 3; ++i) {
+        const auto axis = static_cast<std::size_t>(i);
+        surface.low[i] = grid.origin[axis];
+        surface.high[i] = grid.origin[axis] + grid.spacing[axis] * static_cast<double>(grid.size[axis] - 1);
     }
 }
 
+// Where the hand is its own, the worst place of each kind is also stepped through the surface's own force.
 void study_surface(Engine& engine, const LoopSurface& surface, bool quick, LoopResults& results) {
     const std::size_t points = quick ? (surface.is_mesh() ? 40 : 60) : (surface.is_mesh() ? 200 : 400);
     const std::vector<RestPlace> places = rest_places(surface, points);
-    std::vector<LeastLimit> limits = least_limits(surface, places, quick);
-    simulate_worst(surface, limits);
-    std::ranges::move(limits, std::back_inserter(results.limits));
+    std::ranges::move(least_limits(surface, places, quick), std::back_inserter(results.limits));
+    for (LeastLimit& one : results.limits)
+        if (&one == results.worst(surface.name, {}, one.place.kind)) {
+            one.simulated = simulated_limit(surface, one);
+            one.kick = largest_kick(surface, one);
+        }
     std::ranges::move(edge_swings(engine, surface, places), std::back_inserter(results.swings));
     for (const auto& [x, z] : felt_profile(surface))
         results.profile.push_back({surface.name, x, z});
@@ -41,13 +105,10 @@ void add_maps(Engine& engine, bool quick, LoopResults& results) {
     const LeastLimit *worst = results.worst(), *flat = results.worst(results.surfaces.front().name);
     if (!worst || !flat)
         return;
-    for (const LeastLimit& one : results.limits)
-        if (one.own && one.limit && one.surface == worst->surface && one.place.kind == PlaceKind::crest &&
-            (worst->place.kind != PlaceKind::crest || *one.limit < *worst->limit))
-            worst = &one;
-    const auto surface = std::ranges::find(results.surfaces, worst->surface, &LoopSurface::name);
-    LeastLimit held = *worst; // paths press down or are held on all sides
-    held.hold = worst->place.force.z > 0 ? Hold{"down", {0, 0, 1}} : Hold{"on all sides", glm::dvec3(0)};
+    const LeastLimit* crest = results.worst(worst->surface, {}, PlaceKind::crest);
+    LeastLimit held = crest ? *crest : *worst; // paths press down or are held on all sides
+    const auto surface = std::ranges::find(results.surfaces, held.surface, &LoopSurface::name);
+    held.hold = held.place.force.z > 0 ? Hold{"down", {0, 0, 1}} : Hold{"on all sides", glm::dvec3(0)};
     held.limit = linear_limit(held.cell.hand, held.cell.rate, held.hold, held.place.slope);
     results.map_kind = name_of(held.place.kind);
     results.maps = damping_map(engine, *surface, held, quick);
@@ -57,6 +118,39 @@ void add_maps(Engine& engine, bool quick, LoopResults& results) {
 }
 
 } // namespace
+
+std::vector<LoopSurface> own_surfaces() {
+    std::vector<LoopSurface> surfaces;
+    for (const OwnScene& own : kOwnScenes)
+        surfaces.push_back(
+            own_surface(own.name, parse_scene(own.text, "the study's own scene").scene, own.low, own.high));
+    const auto mesh = bump_mesh({0.0127, 0.0254, 8, 8});
+    surfaces.push_back(own_mesh("mesh", Shading::none, mesh));
+    surfaces.push_back(own_mesh("shaded mesh", Shading::mean_value, mesh));
+    return surfaces;
+}
+
+LoopSurface scene_surface(const PreparedCase& given) {
+    constexpr double kDeepestShare = 0.05; // of the box's longest side
+    const Scene& scene = given.one.scene;
+    refuse_dead_hand(scene);
+    PathsSpec paths = scene.paths.value_or(PathsSpec{});
+    if (paths.kind == PathKind::recorded)
+        paths.kind = PathKind::strokes;
+    LoopSurface surface;
+    surface.name = "scene";
+    surface.prepared = given;
+    surface.prepared.one.scene.force.stiffness = 1;
+    if (surface.prepared.one.scene.texture)
+        surface.prepared.one.scene.texture->stiffness /= scene.force.stiffness;
+    surface.hand = scene.hand;
+    surface.rate = paths.rate;
+    surface.stiffness = scene.force.stiffness;
+    take_box(surface, paths);
+    const glm::dvec3 size = surface.high - surface.low;
+    surface.deepest = std::min(surface.deepest, kDeepestShare * std::max({size.x, size.y, size.z}));
+    return surface;
+}
 
 StudyData study_stability(StudyRun& run) {
     const bool quick = run.options().quick;

@@ -1,11 +1,42 @@
-// The study of where loops and numbers stop being stable.
+// The study of where loops and numbers stop being stable: what its loops came to.
 #pragma once
 
 #include "host/study/run/study_run.h"
+#include "host/study/stability/limits.h"
 
 namespace forceshade::study {
 
-/// Tables and figures; findings are computed of them elsewhere. \throws what StudyRun::run throws, UsageError for a
+/// A point of felt_profile().
+struct ProfilePoint {
+    std::string surface;
+    double x, z; /* m */
+};
+
+struct LoopResults {
+    std::vector<LoopSurface> surfaces;
+    std::vector<LeastLimit> limits;
+    std::vector<EdgeSwing> swings;
+    std::vector<MapLoop> maps;
+    std::vector<MapCurvePoint> curves;
+    std::string map_kind; /* of the place of the map over damping */
+    std::vector<ProfilePoint> profile;
+
+    /// The row with the least limit of those with the hand's own damping, rate and delay; of all surfaces where
+    /// `surface` is empty, of all depths (m) and kinds without one. Null if there is none.
+    const LeastLimit* worst(const std::string& surface = {}, std::optional<double> depth = {},
+                            std::optional<PlaceKind> kind = {}) const;
+};
+
+/// "hand of 0.2 kg, 3 N s/m, grip 300 N/m, 1000 Hz", and how late its force comes.
+std::string hand_of(const LoopSurface& surface, bool with_delay = true);
+
+/// Adds tables, figures and notes of the loops.
+void add_loops(StudyData& data, const LoopResults& results);
+
+/// What they say: at most four.
+std::vector<Finding> loop_findings(const LoopResults& results);
+
+/// \throws what StudyRun::run throws, UsageError for a
 /// scene that the study cannot use.
 StudyData study_stability(StudyRun& run);
 

@@ -1,13 +1,13 @@
-#include "host/study/stability/worst_rounding.h"
-
+// The worst that single precision does to a law: searched for where it may be worst, not sampled where it is not.
 #include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
 
-#include "host/study/data/study_data.h"
 #include "host/study/energy/bump_mesh.h"
+#include "host/study/error_time/angle.h"
 #include "host/study/error_time/law_at.h"
+#include "host/study/stability/number.h"
 
 namespace forceshade::study {
 namespace {
@@ -25,17 +25,6 @@ struct SearchedLaw {
     PreparedCase prepared;
 };
 
-Scene scene_with(SurfaceKind kind, Shading shading) {
-    Scene scene;
-    scene.surface.kind = kind;
-    scene.surface.width = 2 * kHalf;
-    scene.surface.radius = kRadius;
-    scene.surface.facets = 8;
-    scene.force.stiffness = kStiff;
-    scene.force.shading = shading;
-    return scene;
-}
-
 std::vector<SearchedLaw> searched_laws() {
     std::vector<SearchedLaw> laws;
     const auto add = [&](std::string name, const Scene& scene, std::shared_ptr<const SceneMesh> mesh = nullptr) {
@@ -44,12 +33,10 @@ std::vector<SearchedLaw> searched_laws() {
         law.prepared.images.mesh = std::move(mesh);
         laws.push_back(std::move(law));
     };
-    add("bump of 8 facets, none", scene_with(SurfaceKind::bump, Shading::none));
-    add("bump of 8 facets, reference", scene_with(SurfaceKind::bump, Shading::reference));
-    Scene map = scene_with(SurfaceKind::height_map, Shading::height_map);
-    map.surface.map.width = 2 * kHalf;
-    map.surface.map.radius = kRadius;
-    add("height map of the cylinder", map);
+    add("bump of 8 facets, none", number_scene("bump"));
+    add("bump of 8 facets, reference", number_scene("shaded bump"));
+    add("height map of the cylinder", number_scene("height map, cylinder"));
+    Scene scene = number_scene("mesh");
     constexpr std::pair<Shading, const char*> kShadings[] = {{Shading::none, "none"},
                                                              {Shading::morgenbesser, "morgenbesser"},
                                                              {Shading::barycentric, "barycentric"},
@@ -57,9 +44,11 @@ std::vector<SearchedLaw> searched_laws() {
                                                              {Shading::two_pass, "two_pass"}};
     for (const auto& [rows, what] :
          {std::pair(4u, "mesh of 8 x 4 cells"), std::pair(256u, "mesh of 8 x 256 thin cells")}) {
-        const auto mesh = bump_mesh({kHalf, kRadius, 8, rows, MeshCells::triangles}, glm::dvec3(0));
-        for (const auto& [shading, name] : kShadings)
-            add(fmt::format("{}, {}", what, name), scene_with(SurfaceKind::mesh, shading), mesh);
+        const auto mesh = bump_mesh({kHalf, kRadius, 8, rows}, glm::dvec3(0));
+        for (const auto& [shading, name] : kShadings) {
+            scene.force.shading = shading;
+            add(fmt::format("{}, {}", what, name), scene, mesh);
+        }
     }
     return laws;
 }
@@ -197,24 +186,23 @@ std::vector<Part> worst_rounding_parts(bool quick, std::vector<WorstRounding>& f
 
 void add_worst_rounding(StudyData& data, const std::vector<WorstRounding>& found) {
     using R = WorstRounding;
-    const auto coordinate = [](int axis) { return [axis](const R& r) { return cell(1e3 * r.place[axis]); }; };
+    const auto coordinate = [](int axis) { return [axis](const R& r) { return 1e3 * r.place[axis]; }; };
     data.tables.push_back(table_of<R>(
         "worst_rounding", "The worst that a search found of single precision against double, 0.02 to 2 mm deep",
-        {{{"law", "", "R = 2 a, a = 12.7 mm, K = 1000 N/m"}, [](const R& r) { return Cell(r.law); }},
-         {{"facet", "",
-           "same: both precisions meet the same facet, away from edges of the law; another: rounding chose another "
-           "facet of a tie, or the other side of an edge"},
-          [](const R& r) { return Cell(std::string(r.same_facet ? "same facet" : "another facet")); }},
-         {{"error_1", "1", "difference of the forces over the largest force of the search, that at 2 mm"},
-          [](const R& r) { return cell(r.error); }},
-         {{"local_1", "1", "over the force there"}, [](const R& r) { return cell(r.local); }},
-         {{"turn_deg", "deg", "angle between both forces"}, [](const R& r) { return cell(r.turn); }},
-         {{"depth_mm", "mm", "of the place"}, [](const R& r) { return cell(1e3 * r.depth); }},
-         {{"x_mm", "mm", "of the place"}, coordinate(0)},
-         {{"y_mm", "mm", "of the place"}, coordinate(1)},
-         {{"z_mm", "mm", "of the place"}, coordinate(2)},
-         {{"evaluations", "1", "of the law in each precision, aimed at corners and edges and climbing from the worst"},
-          [](const R& r) { return cell(double(r.evaluations)); }}},
+        {{"law", "", "R = 2 a, a = 12.7 mm, K = 1000 N/m", &R::law},
+         {"facet", "",
+          "same: both precisions meet the same facet, away from edges of the law; another: rounding chose another "
+          "facet of a tie, or the other side of an edge",
+          [](const R& r) { return r.same_facet ? "same facet" : "another facet"; }},
+         {"error_1", "1", "difference of the forces over the largest force of the search, that at 2 mm", &R::error},
+         {"local_1", "1", "over the force there", &R::local},
+         {"turn_deg", "deg", "angle between both forces", &R::turn},
+         {"depth_mm", "mm", "of the place", [](const R& r) { return 1e3 * r.depth; }},
+         {"x_mm", "mm", "of the place", coordinate(0)},
+         {"y_mm", "mm", "of the place", coordinate(1)},
+         {"z_mm", "mm", "of the place", coordinate(2)},
+         {"evaluations", "1", "of the law in each precision, aimed at corners and edges and climbing from the worst",
+          &R::evaluations}},
         found));
     const auto worst = [&](bool same) {
         const WorstRounding* most = nullptr;
@@ -235,18 +223,12 @@ void add_worst_rounding(StudyData& data, const std::vector<WorstRounding>& found
                     same->error);
     if (other)
         text += fmt::format(", and by up to {:.1e} where rounding chooses the other side of an edge", other->error);
-    Figure figure;
-    figure.name = "worst-rounding";
-    figure.title = "The worst of single precision against double, law by law";
-    figure.caption =
-        "Largest difference of the forces that a search found, over the largest force. Where rounding chooses "
-        "another facet of a tie, a law whose direction jumps from facet to facet jumps with it.";
-    figure.kind = FigureKind::bars;
-    figure.table = "worst_rounding";
-    figure.x = {"law", "law", false};
-    figure.y = {"error_1", "difference of the forces / largest force", true};
-    figure.series = "facet";
-    data.figures.push_back(std::move(figure));
+    data.figures.push_back(make_figure(
+        "worst-rounding", "The worst of single precision against double, law by law",
+        "Largest difference of the forces that a search found, over the largest force. Where rounding chooses another "
+        "facet of a tie, a law whose direction jumps from facet to facet jumps with it.",
+        FigureKind::bars, "worst_rounding", {}, {"law", "law"},
+        {"error_1", "difference of the forces / largest force", true}, "facet"));
     data.findings.push_back({"worst_rounding", text + ".", "worst-rounding",
                              same->law + (other ? "; " + other->law : std::string()),
                              "R = 2 a, probe 0.02 to 2 mm deep, static evaluation",

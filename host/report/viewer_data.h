@@ -1,7 +1,8 @@
-// What the page shows in space beside a volume: the surface as sheets of heights, and some paths.
+// What the page shows of volumes: forces thinned and packed, the surface as sheets of heights, and some paths.
 #pragma once
 
-#include <cstddef>
+#include <array>
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <utility>
@@ -9,9 +10,29 @@
 
 #include <nlohmann/json.hpp>
 
-#include "host/report/sampled_volume.h"
-
 namespace forceshade::report {
+
+struct SampledVolume {
+    std::array<std::uint64_t, 3> full{};   /* samples in the file */
+    std::array<std::uint64_t, 3> stride{}; /* of the file's samples, every which one along x, y, z is here */
+    std::array<std::uint64_t, 3> size{};   /* samples here */
+    std::array<double, 3> origin{};        /* m, of the first sample */
+    std::array<double, 3> spacing{};       /* m, of the file */
+    bool alike_in_y = false;               /* one y stands for all */
+    std::vector<float> force;              /* N: x, y, z of each sample, x fastest */
+    std::string scene{};                   /* the resolved TOML; empty where the file names none */
+};
+
+/// At most so many samples (at least one). \throws IoError for a file that cannot be read.
+SampledVolume sample_volume(const std::filesystem::path& path, std::uint64_t most);
+
+/// The force as halves of the power of two that the largest component does not exceed; each half less the one before
+/// it along x; high bytes, then low bytes; compressed by zlib.
+struct PackedForce {
+    std::string bytes;
+    double scale = 1; /* N */
+};
+PackedForce pack_force(const SampledVolume& volume);
 
 /// {nominal, smooth}: the surface that depth is measured from, and the shape that shading imitates where there is one,
 /// each {unit_m, x: [...], z: [[...], ...]}: whole numbers of the unit, rows evenly along the volume's y, one row where
