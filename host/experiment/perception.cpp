@@ -51,8 +51,8 @@ study::Table expected_table(const std::vector<Expected>& rows) {
     using R = Expected;
     std::vector<study::ColumnOf<R>> columns{
         {{"case", "", "scene"}, [](const R& r) { return Cell(r.one->name); }},
-        {{"tested", "", "yes: a stimulus of 1996, to which the observer was fitted"},
-         [](const R& r) { return Cell(r.tested ? "yes" : "no"); }}};
+        {{"tested", "", "whether it was a stimulus of 1996, to which the observer was fitted"},
+         [](const R& r) { return Cell(r.tested ? "tested in 1996" : "never tested"); }}};
     for (std::size_t i = 0; i < kPictures; ++i)
         columns.push_back(
             {{fmt::format("{}_percent", kPictureNames[i]), "%", "answers expected of a simulated hand's strokes"},
@@ -105,14 +105,14 @@ void add_findings(study::StudyData& data, const std::vector<Expected>& rows, con
         if (one.facets)
             (one.shaded ? shaded : bare).push_back(fmt::format("{} (R = {:.3g} mm)", *one.facets, 1e3 * one.radius));
     if (!bare.empty() && !shaded.empty())
-        data.findings.push_back(
-            {"facets",
-             fmt::format(
-                 "To be answered as the cylinder is, within {} percentage points, an unshaded bump needs {} facets, a "
-                 "shaded one {}.",
-                 kClose, fmt::join(bare, ", "), fmt::join(shaded, ", ")),
-             "facets", "bumps of this width", "the limit of a rigid surface, the observer's published parameters",
-             "a model's expectation: more than three facets were never tested"});
+        data.findings.push_back({"facets",
+                                 fmt::format("A model fitted to bumps of one to three facets expects the cylinder's "
+                                             "answers, within {} percentage points, "
+                                             "from {} facets on unshaded and {} shaded.",
+                                             kClose, fmt::join(bare, ", "), fmt::join(shaded, ", ")),
+                                 "facets", "bumps of this width",
+                                 "the limit of a rigid surface, the observer's published parameters",
+                                 "a model's expectation: more than three facets were never tested"});
     const Expected* most = nullptr;
     for (const Expected& row : rows)
         if (row.rigid && (!most || apart(row.stroked, *row.rigid) > apart(most->stroked, *most->rigid)))

@@ -147,9 +147,11 @@ function drawScatter(element, study, figure) {
     [frame.bottom, PLOT.top]);
   frame.drawAxes(x, y, ticksOf(x, figure.x, frame.width / 90), ticksOf(y, figure.y, 7));
   const names = d3.set(rows, (row) => row[figure.series] === undefined || row[figure.series] === null ? "" : row[figure.series]).values();
-  // A curve of a series' name, or of that and more, is that series' own.
+  // A curve of a series' name, or of that and more, is that series' own; others are told apart by their dashes.
+  let plain = 0;
   curves.forEach((curve, i) => {
-    const own = names.includes(curve.label), of = own ? curve.label : names.find((name) => name && curve.label.startsWith(name + ", ")), dash = curve.dashed ? CURVE_DASHES[1 + i % 4] : null;
+    const own = names.includes(curve.label), of = own ? curve.label : names.find((name) => name && curve.label.startsWith(name + ", "));
+    const dash = curve.dashed ? CURVE_DASHES[1 + i % 4] : of ? null : CURVE_DASHES[plain++ % 5];
     drawLine(frame.body, curve.points, x, y, of ? styleOf(of).colour : "var(--plot-ink)", dash, 1.2);
     if (!own)
       frame.addLegend(curve.label, (key) => drawLine(key, [[-12, 0], [12, 0]], (v) => v, (v) => v, of ? styleOf(of).colour : "var(--plot-ink)", dash, 1.2));
@@ -185,7 +187,7 @@ function drawScatter(element, study, figure) {
   placeLabels(frame, rows.filter((row) => figure.label && row[figure.label]).map((row) =>
     ({ text: String(row[figure.label]), x: x(row[figure.x.column]), y: y(row[figure.y.column]) })), rows.map((row) => [x(row[figure.x.column]), y(row[figure.y.column])]));
   if (rows.length < all.length)
-    d3.select(element).append("p").attr("class", "note").text(`${all.length - rows.length} of ${all.length} rows have no number that can be shown here; the table has them.`);
+    d3.select(element).append("p").attr("class", "note").text(`${all.length - rows.length} of the ${all.length} rows have no number to be drawn here; the table has them.`);
 }
 
 // Names beside the marks that bear one, where there is room: the others tell when pointed at.
@@ -267,22 +269,27 @@ function drawMap(element, study, figure) {
 function drawBars(element, study, figure) {
   const rows = rowsOf(study, figure.table, figure.where).filter((row) => typeof row[figure.y.column] === "number");
   const names = [...new Set(rows.map((row) => String(row[figure.x.column])))], series = [...new Set(rows.map((row) => String(row[figure.series] || "")))];
-  const height = figure.height || Math.max(160, PLOT.top + PLOT.bottom + names.length * (10 + 14 * series.length)), left = PLOT.left;
-  // Words stand on the left, where they have room: bars lie.
-  const frame = new FigureFrame(element, { ...figure, x: figure.y, y: { label: "" } }, height), wide = Math.min(260, frame.width / 2, 12 + 7.4 * d3.max(names, (name) => name.length));
-  PLOT.left = Math.max(wide, left);
+  const ofName = d3.nest().key((row) => String(row[figure.x.column])).map(rows), most = d3.max(ofName.values(), (some) => some.length) || 1;
+  // Bars lie. Words stand on the left where they have room, else above their bars.
+  const needed = 12 + 7.4 * d3.max(names, (name) => name.length), above = needed > Math.min(260, element.clientWidth / 2) ? 14 : 0, left = PLOT.left;
+  const height = figure.height || Math.max(160, PLOT.top + PLOT.bottom + names.length * (10 + 14 * most + above));
+  const frame = new FigureFrame(element, { ...figure, x: figure.y, y: { label: "" } }, height);
+  PLOT.left = above ? 12 : Math.max(needed, left);
   const values = rows.flatMap((row) => [row[figure.y.column], row[figure.low], row[figure.high]]).filter((value) => typeof value === "number" && (!figure.y.logarithmic || value > 0));
   const x = scaleOf(figure.y, figure.y.logarithmic ? values : [0, ...values], [PLOT.left, frame.right]);
-  const y = d3.scaleBand().domain(names).range([PLOT.top, frame.bottom]).padding(0.25), inner = d3.scaleBand().domain(series).range([0, y.bandwidth()]);
-  frame.drawAxes(x, y, ticksOf(x, figure.y, frame.width / 110), names, (value) => typeof value === "number" ? tickText(value) : value);
+  const y = d3.scaleBand().domain(names).range([PLOT.top, frame.bottom]).padding(0.25), thick = (y.bandwidth() - above) / most;
+  frame.drawAxes(x, y, ticksOf(x, figure.y, frame.width / 110), above ? [] : names, (value) => typeof value === "number" ? tickText(value) : value);
   frame.svg.select("clipPath rect").attr("x", PLOT.left).attr("width", frame.right - PLOT.left);
+  if (above)
+    names.forEach((name) => frame.body.append("text").attr("class", "tick").attr("x", PLOT.left + 4).attr("y", y(name) + 10).text(name));
   for (const row of rows) {
-    const top = y(String(row[figure.x.column])) + inner(String(row[figure.series] || "")), style = styleOf(String(row[figure.series] || figure.title));
-    const at = x(row[figure.y.column]), middle = top + inner.bandwidth() / 2;
+    const own = ofName.get(String(row[figure.x.column])), style = styleOf(String(row[figure.series] || figure.title));
+    const top = y(String(row[figure.x.column])) + above + (y.bandwidth() - above - own.length * thick) / 2 + own.indexOf(row) * thick;
+    const at = x(row[figure.y.column]), middle = top + thick / 2;
     // On a logarithmic axis there is nothing that a bar could begin at: a mark alone.
     const mark = figure.y.logarithmic
       ? frame.body.append("path").attr("d", d3.symbol().type(style.symbol).size(60)()).attr("transform", `translate(${at},${middle})`)
-      : frame.body.append("rect").attr("x", Math.min(x(0), at)).attr("y", top).attr("width", Math.max(Math.abs(at - x(0)), 1)).attr("height", inner.bandwidth() - 1);
+      : frame.body.append("rect").attr("x", Math.min(x(0), at)).attr("y", top).attr("width", Math.max(Math.abs(at - x(0)), 1)).attr("height", Math.max(thick - 1, 1));
     mark.attr("class", "mark").attr("fill", style.colour).datum(() => ({ study, figure, row }))
       .append("title").text(rowText(study, figure.table, row, [figure.x.column, figure.series, figure.y.column, figure.low, figure.high]));
     if (typeof row[figure.low] === "number" && typeof row[figure.high] === "number")
@@ -291,7 +298,9 @@ function drawBars(element, study, figure) {
   }
   PLOT.left = left;
   if (series.length > 1)
-    series.forEach((name) => frame.addLegend(name, (key) => key.append("rect").attr("x", -11).attr("y", -6).attr("width", 22).attr("height", 12).attr("fill", styleOf(name).colour)));
+    series.forEach((name) => frame.addLegend(name, (key) => (figure.y.logarithmic
+      ? key.append("path").attr("d", d3.symbol().type(styleOf(name).symbol).size(46)())
+      : key.append("rect").attr("x", -11).attr("y", -6).attr("width", 22).attr("height", 12)).attr("fill", styleOf(name).colour)));
 }
 
 const DRAW = { scatter: drawScatter, map: drawMap, bars: drawBars };
@@ -412,7 +421,7 @@ function linkFigures(element, study, figure) {
     return;
   const panel = d3.select(element.closest(".answer") || element).append("div").attr("class", "linked"), draws = [];
   const choice = panel.append("label").text("Click a ringed mark, or choose here, to see where it errs and what a stroke feels: ").append("select");
-  choice.selectAll("option").data(["", ...figure.picks]).enter().append("option").text((word) => word);
+  choice.selectAll("option").data(["", ...figure.picks]).enter().append("option").attr("value", (word) => word).text((word) => word || "none chosen");
   const show = (word) => {
     choice.property("value", word);
     linked.forEach((one, i) => {
