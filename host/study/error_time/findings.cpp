@@ -43,19 +43,13 @@ void add_lookup(std::vector<Finding>& findings, const Measured& measured) {
     const std::string at_rim =
         rim && rim->direction ? fmt::format(", and its direction by {:.2g} deg RMS at the rim", rim->direction->rms)
                               : "";
-    const std::vector<std::size_t> direct = measured.find([&](const Way& other) {
-        return other.variant == way.variant && other.family == "direct" && other.precision == way.precision;
-    });
-    const auto nanoseconds = [&](std::size_t i) { return 1e9 * measured.times.seconds(i).median; };
     findings.push_back(
         {"lookup",
          fmt::format(
-             "A trilinear look-up volume of {:.2g} mm takes {:.2g} ns{} and errs by {} of the root mean square "
-             "force, but by {} of the force there, or more, at one in twenty places less than {:.2g} mm deep{}.",
-             1e3 * *way.spacing, nanoseconds(*finest),
-             direct.empty() ? "" : fmt::format(", direct evaluation {:.2g},", nanoseconds(direct[0])),
-             percent(errors.shared.typical->rms), percent(boundary->local->p95), 1e3 * way.subject->scale.skin(),
-             at_rim),
+             "A trilinear look-up volume of {:.2g} mm errs by {} of the root mean square force, but by {} of the "
+             "force there, or more, at one in twenty places less than {:.2g} mm deep{}.",
+             1e3 * *way.spacing, percent(errors.shared.typical->rms), percent(boundary->local->p95),
+             1e3 * way.subject->scale.skin(), at_rim),
          "look-up-" + measured.subjects.front().name, law_name(way), touched_depths(*way.subject),
          fmt::format("{} places, {} of them shallow", errors.shared.places, boundary->places)});
 }
@@ -141,7 +135,8 @@ void add_precision(std::vector<Finding>& findings, const Measured& measured) {
     const auto [least, most] = std::ranges::minmax(costs);
     findings.push_back(
         {"precision",
-         fmt::format("Single precision takes {} of the time of double{}, and differs by up to {} of the root mean "
+         fmt::format("As compiled here single precision takes {} of the time of double{}, and differs by up to {} of "
+                     "the root mean "
                      "square force at random places.",
                      costs.size() == 1 ? fmt::format("{:.2f}", least) : fmt::format("{:.2f} to {:.2f}", least, most),
                      costs.size() == 1 ? "" : ", by the law", percent(largest)),
