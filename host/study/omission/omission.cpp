@@ -199,8 +199,11 @@ void add_findings(std::vector<Finding>& findings, const std::vector<Row>& rows) 
         const Row& first = *scene.front();
         findings.push_back({"scene",
                             fmt::format("A scene that asks for what changes no force pays for it: the whole evaluation "
-                                        "takes {}; the kernel alone {:.3g} times as long with {}.",
-                                        list, first.kernel_ratio().median, name_of(first)),
+                                        "takes {}; the kernel alone {} with {}.",
+                                        list,
+                                        costs(rows, first, &Row::kernel_ratio) ? longer(first.kernel_ratio().median)
+                                                                               : "as long, as far as the rounds tell,",
+                                        name_of(first)),
                             "whole", name_of(first), kCondition, interval_of(rows, first)});
     }
     const auto file_ratio = [](const Row* row) { return double(row->with.file) / double(row->without.file); };
