@@ -259,10 +259,12 @@ void add_own_findings(std::vector<Finding>& findings, const EnergyResults& resul
     if (bare && shaded && shaded->more)
         findings.push_back(
             {"energy_shading",
-             fmt::format(
-                 "By the way round that gives more, a loop over the bump of 8 facets gives the hand {} more with "
-                 "force shading than without, in the median of the same loops ({} and {}).",
-                 milli(shaded->more->median), milli(shaded->gain.median), milli(bare->gain.median)),
+             fmt::format("Stroked round in the direction that gives more, a loop over the bump of 8 facets gives the "
+                         "hand {} more "
+                         "with force shading than without (median of the differences, loop by loop; the gains' own "
+                         "medians are {} "
+                         "and {}).",
+                         milli(shaded->more->median), milli(shaded->gain.median), milli(bare->gain.median)),
              "energy-bump", "the bump of 8 facets, R = 1000 mil", kWhere,
              fmt::format(
                  "{} loops; 95 % of bootstrap medians of the difference: {:.2g} to {:.2g} mJ; efforts {} and {}",
