@@ -44,6 +44,7 @@ struct JsonReader {
 
 template <typename Field, typename Engine, typename Volume>
 void list_times(const Field& field, Engine& engine, Volume& volume) {
+    field("prepare", engine.prepare);
     field("plan", engine.plan);
     field("compile", engine.compile);
     field("upload", engine.upload);

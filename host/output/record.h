@@ -20,11 +20,12 @@ namespace forceshade {
 /// Where the time of a field went, s.
 struct EngineTimes {
     double compile = 0, upload = 0, kernel = 0, read_back = 0;
+    double prepare = 0;                 /* reading images and meshes, and putting a mesh into its tree */
     double plan = 0;                    /* of a mesh: where there is force, and what is near */
     std::uint64_t voxels_evaluated = 0; /* of a mesh; the others were found free as whole blocks */
     std::uint64_t uploaded = 0;         /* bytes copied to a device: tables, plans, recorded positions */
 
-    double sum() const { return compile + upload + kernel + read_back + plan; } /* s */
+    double sum() const { return prepare + plan + compile + upload + kernel + read_back; } /* s */
 };
 
 struct EngineReport {

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "host/clock.h"
 #include "host/error.h"
 #include "host/mesh/mesh.h"
 #include "host/mesh/mesh_file.h"
@@ -145,6 +146,7 @@ std::shared_ptr<const SceneMesh> CasePreparation::mesh(MeshSpec& spec) {
 }
 
 PreparedCase CasePreparation::prepare(const Case& one) {
+    const Clock::time_point start = Clock::now();
     PreparedCase prepared;
     prepared.one = one;
     Scene& scene = prepared.one.scene;
@@ -163,6 +165,7 @@ PreparedCase CasePreparation::prepare(const Case& one) {
             scene.grid = fitted_grid(scene.grid.samples, prepared.images.mesh->mesh);
     }
     prepared.scene = resolved_toml(prepared.one);
+    prepared.seconds = seconds_since(start);
     return prepared;
 }
 

@@ -48,6 +48,7 @@ struct PreparedCase {
     SceneImages images;
     std::string scene;                 /* resolved TOML, as it goes into files */
     std::vector<std::string> warnings; /* of the mesh's file, for a static field */
+    double seconds = 0;                /* that this took: files that cases share are read once */
 };
 
 /// Reads images and meshes; cases that follow each other share them, and only the last few stay in memory.

@@ -140,6 +140,7 @@ study::Table times_table(const Rows& rows) {
     };
     const auto engine = &CaseRecord::engine_times;
     const auto files = &CaseRecord::volume_times;
+    add("prepare", "images and meshes", engine, &EngineTimes::prepare);
     add("plan", "which voxels are visited", engine, &EngineTimes::plan);
     add("compile", "the kernel", engine, &EngineTimes::compile);
     add("upload", "", engine, &EngineTimes::upload);

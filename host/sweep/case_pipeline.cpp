@@ -342,6 +342,7 @@ private:
             return false;
         record = output.finish();
         record.engine_times = transfer.times;
+        record.engine_times.prepare = transfer.job->prepared.seconds;
         // Which blocks of a mesh's grid are free, a device's engine alone finds out.
         if (transfer.job->prepared.images.mesh && engine_.engine == "gpu")
             record.evaluated = transfer.times.voxels_evaluated;
