@@ -174,8 +174,8 @@ void Image::Decoder::give(std::int32_t first, std::int32_t last, const std::func
     }
 }
 
-Image::Image(const ReadableFile& file, std::filesystem::path name, const char* verb)
-    : file_(file), name_(std::move(name)), verb_(verb), context_(std::make_unique<Context>(file)) {
+Image::Image(const ReadableFile& file, std::filesystem::path name)
+    : file_(file), name_(std::move(name)), context_(std::make_unique<Context>(file)) {
     exr_context_initializer_t start = EXR_DEFAULT_CONTEXT_INITIALIZER;
     start.error_handler_fn = Context::complain;
     start.user_data = context_.get();
@@ -198,7 +198,7 @@ Image::~Image() = default;
 void Image::damaged(const std::string& what) const {
     if (context_->failure)
         throw IoError(*context_->failure);
-    throw IoError(fmt::format("cannot {} {}: {}", verb_, name_.string(), what));
+    throw IoError(fmt::format("cannot read {}: {}", name_.string(), what));
 }
 
 Layer Image::layer_of(int part) const {

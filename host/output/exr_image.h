@@ -58,8 +58,8 @@ struct Line {
 /// blocks.
 class Image {
 public:
-    /// `name` is what messages call the file, "cannot `verb` NAME". Deep images are refused.
-    Image(const ReadableFile& file, std::filesystem::path name, const char* verb = "read");
+    /// `name` is what messages call the file. Deep images are refused.
+    Image(const ReadableFile& file, std::filesystem::path name);
     ~Image();
 
     const std::vector<Layer>& layers() const noexcept { return layers_; }
@@ -85,7 +85,6 @@ private:
 
     const ReadableFile& file_;
     std::filesystem::path name_;
-    const char* verb_;
     std::unique_ptr<Context> context_;
     std::vector<Layer> layers_;
     std::vector<std::unique_ptr<Decoder>> decoders_; // one a thread

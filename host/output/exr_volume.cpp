@@ -111,25 +111,21 @@ void spread(std::span<const std::byte> values, std::size_t stride, std::byte* ta
     }
 }
 
-/// Rows of a part as they stand in memory: samples interleaved by component; halves as they are, or `widened` to
-/// floats.
-void read_rows(Image& image, std::size_t layer, const Part& part, std::uint64_t first, std::uint64_t count,
-               bool widened, int threads, std::byte* target) {
+/// Rows of a part as they stand in memory: samples interleaved by component; halves as floats.
+void read_rows(Image& image, std::size_t layer, const Part& part, std::uint64_t first, std::uint64_t count, int threads,
+               std::byte* target) {
     std::vector<std::size_t> places; // of the components in the file
     for (const char* name : part.channels)
         places.push_back(*image.layers()[layer].find(name));
     const bool half = part.format == PixelFormat::half;
-    const std::size_t bytes = half && !widened ? 2 : 4, stride = part.channels.size() * bytes;
+    const std::size_t bytes = 4, stride = part.channels.size() * bytes;
     const std::size_t row_bytes = static_cast<std::size_t>(image.layers()[layer].columns()) * stride;
     const auto take = [&](const Line& line) {
         std::byte* row = target + (static_cast<std::uint64_t>(line.y) - first) * row_bytes;
         for (std::size_t c = 0; c < places.size(); ++c, row += bytes) {
             const std::span<const std::byte> values = line.values[places[c]];
-            const auto as_it_is = [](auto value) { return value; };
             if (!half)
-                spread<std::uint32_t>(values, stride, row, as_it_is);
-            else if (!widened)
-                spread<std::uint16_t>(values, stride, row, as_it_is);
+                spread<std::uint32_t>(values, stride, row, [](std::uint32_t value) { return value; });
             else
                 spread<std::uint16_t>(values, stride, row, [](std::uint16_t bits) {
                     return static_cast<float>(Imath::half(Imath::half::FromBits, bits));
@@ -170,8 +166,8 @@ struct VolumeReader::State {
             refuse(fmt::format("it lacks {} in rows {} to {}", name_of_channel(channel), first, first + count));
         values.resize(count * header.size[0] * components_of(channel));
         if (count > 0)
-            exr::read_rows(image, static_cast<std::size_t>(part - parts.begin()), *part, first, count, true,
-                           header.threads, std::as_writable_bytes(std::span(values)).data());
+            exr::read_rows(image, static_cast<std::size_t>(part - parts.begin()), *part, first, count, header.threads,
+                           std::as_writable_bytes(std::span(values)).data());
     }
 
     std::filesystem::path path;
@@ -274,7 +270,7 @@ PathSamples read_paths(const std::filesystem::path& path, std::uint64_t most_pat
         if (!exr::has_layout(*layer, part, columns, rows))
             refuse(fmt::format("its part {} is laid out in another way", layer->name));
         for (std::uint64_t at = 0; at < rows; at += every_path) {
-            exr::read_rows(image, static_cast<std::size_t>(layer - image.layers().begin()), part, at, 1, true, 0,
+            exr::read_rows(image, static_cast<std::size_t>(layer - image.layers().begin()), part, at, 1, 0,
                            std::as_writable_bytes(std::span(row)).data());
             for (std::uint64_t step = 0; step < columns; step += read.every_step)
                 values->insert(values->end(), row.begin() + static_cast<std::ptrdiff_t>(3 * step),
