@@ -13,6 +13,7 @@
 #include "host/output/files.h"
 #include "host/reference/field.h"
 #include "host/reference/god_object.h"
+#include "host/reference/mesh_field.h"
 
 namespace forceshade {
 namespace {
@@ -62,6 +63,36 @@ void write_pipeline_cache(const std::filesystem::path& folder, const std::string
 namespace {
 
 // The CPU oracle. Times what lies between the callbacks.
+// Plans a mesh's field slab by slab, so that plans take little memory however large the grid is; or hands out the plan
+// that comes with it.
+template <typename T> class SlabPlanner {
+public:
+    SlabPlanner(const layout::FieldInput<T>& input, unsigned threads, EngineTimes& spent)
+        : input_(input), spent_(spent) {
+        const Clock::time_point start = Clock::now();
+        if (input.plan.blocks.empty())
+            planner_ = std::make_unique<BlockPlanner<T>>(input.law.mesh, input.x, input.y, input.z,
+                                                         input.law.features.inside, threads);
+        spent_.plan = seconds_since(start);
+    }
+
+    layout::MeshPlan plan(std::size_t z_first, std::size_t z_count) {
+        if (!planner_)
+            return input_.plan;
+        const Clock::time_point start = Clock::now();
+        plan_ = planner_->plan(z_first, z_count);
+        spent_.plan += seconds_since(start);
+        spent_.voxels_evaluated += plan_.voxels_evaluated;
+        return plan_.view();
+    }
+
+private:
+    const layout::FieldInput<T>& input_;
+    EngineTimes& spent_;
+    std::unique_ptr<const BlockPlanner<T>> planner_;
+    BlockPlan plan_;
+};
+
 class CpuEngine final : public Engine {
 public:
     explicit CpuEngine(const EngineOptions& options) {
@@ -86,14 +117,33 @@ public:
                 using T = typename Work::Real;
                 if constexpr (requires { one.take_metrics; })
                     reference::evaluate_paths<T>(one.input, path_options_, timed(one.take), timed(one.take_metrics));
-                else
+                else if (one.input.law.features.surface != layout::kSurfaceMesh)
                     reference::evaluate_field<T>(one.input, options_, timed(one.take));
+                else
+                    evaluate_mesh<T>(one, timed(one.take), start, times);
             },
             work);
         return times;
     }
 
 private:
+    template <typename T>
+    void evaluate_mesh(const FieldWork<T>& work, const std::function<void(const layout::FieldChunk<T>&)>& take,
+                       Clock::time_point& start, EngineTimes& times) {
+        const layout::FieldInput<T>& input = work.input;
+        SlabPlanner<T> planner(input, options_.threads, times);
+        start = Clock::now();
+        reference::evaluate_mesh_field<T>(
+            input, options_,
+            [&](std::size_t z_first, std::size_t z_count) {
+                times.kernel += seconds_since(start);
+                const layout::MeshPlan plan = planner.plan(z_first, z_count);
+                start = Clock::now();
+                return plan;
+            },
+            take);
+    }
+
     reference::FieldOptions options_;
     reference::PathOptions path_options_;
 };
@@ -169,18 +219,9 @@ private:
         compute::MeshKernel& kernel = mesh_fields_.on(device_);
         if (!input.plan.blocks.empty())
             return kernel.evaluate<T>(input, work.take);
-        // Slab by slab, so that plans take little memory however large the grid is.
-        Clock::time_point start = Clock::now();
-        const BlockPlanner<T> planner(input.law.mesh, input.x, input.y, input.z, input.law.features.inside);
-        spent.plan = seconds_since(start);
-        BlockPlan plan;
-        return kernel.evaluate<T>(input, work.take, [&](std::size_t z_first, std::size_t z_count) {
-            start = Clock::now();
-            plan = planner.plan(z_first, z_count);
-            spent.plan += seconds_since(start);
-            spent.voxels_evaluated += plan.voxels_evaluated;
-            return plan.view();
-        });
+        SlabPlanner<T> planner(input, 0, spent);
+        return kernel.evaluate<T>(
+            input, work.take, [&](std::size_t z_first, std::size_t z_count) { return planner.plan(z_first, z_count); });
     }
 
     template <typename T> compute::FieldTimes run_kernel(const PathWork<T>& work, EngineTimes&) {

@@ -67,6 +67,10 @@ template <typename T> T circle_square(const Vector<T>& a, const Vector<T>& b, co
 // The winding number is good to 1e-4 (host/reference/mesh_contact.h), at both places that it is compared at.
 constexpr double kWindingDoubt = 1e-3;
 
+// Where more triangles may be nearest to some sample of a tile, to ask for each sample's own takes less than to narrow
+// them down.
+constexpr std::size_t kMostCollected = 16384; // measured on spheres of 100 k and 1 M triangles over 128^3 samples
+
 constexpr uint kLeastSided = 4; // samples a side of boxes whose side is asked for
 
 /// A row of PlanInput; no coordinate of mesh or grid is beyond `largest`.
@@ -100,9 +104,11 @@ public:
         hint_ = nearest.triangle;
         const Witness<T> witness = witness_from(box, Vector<T>(box.centre() + nearest.offset));
         collect(box, witness);
+        Side side = Side::both;
+        if (collected_.size() > kMostCollected)
+            return ask(tile, kPlanTile, side);
         lists_[0].fill(collected_, input_.rows);
         lists_[0].narrow(box, witness, places_);
-        Side side = Side::both;
         if (is_free(lists_[0], box, witness.point, kPlanTile, side))
             return;
         lists_[1].select(lists_[0], places_);
@@ -146,20 +152,27 @@ private:
     // one side, and the winding number changes little. `near` is on the surface: where it is near enough, nothing is
     // asked.
     Side side_of(const PlanBox<T>& box, const Vector<T>& near) {
-        const Vector<T> centre = box.centre(), half = box.half(), apart = near - centre;
-        const T radius = std::sqrt(reference::dot(half, half)) + input_.slack;
-        const auto is_apart = [&](T square) { return std::sqrt(square) > radius + input_.slack; };
-        if (!is_apart(reference::dot(apart, apart)))
-            return Side::both;
+        const Vector<T> apart = near - box.centre();
+        return is_apart(box, reference::dot(apart, apart)) ? side_of(box) : Side::both;
+    }
+
+    // Whether a place so far from a box's centre is beyond its corners.
+    bool is_apart(const PlanBox<T>& box, T square) const {
+        return std::sqrt(square) > box.radius() + T(2) * input_.slack;
+    }
+
+    Side side_of(const PlanBox<T>& box) {
+        const Vector<T> centre = box.centre();
+        const T radius = box.radius() + input_.slack;
         const auto nearest = reference::nearest(input_.mesh, centre, hint_);
         hint_ = nearest.triangle;
-        if (!is_apart(nearest.square))
+        if (!is_apart(box, nearest.square))
             return Side::both;
         if (input_.inside != layout::kInsideWinding)
             return reference::inside_by_pseudonormal(input_.mesh, nearest) ? Side::inside : Side::outside;
         const Vector<double> probe(centre);
-        const double winding = reference::winding_number(input_.mesh, probe);
         const double change = reference::winding_change(input_.mesh, probe, static_cast<double>(radius));
+        const double winding = reference::telling_winding(input_.mesh, probe, change);
         if (!(std::abs(winding - 0.5) > change + kWindingDoubt))
             return Side::both;
         return winding > 0.5 ? Side::inside : Side::outside;
@@ -203,7 +216,7 @@ private:
         };
         collected_.clear();
         reference::visit_tree(
-            input_.mesh, [](uint) { return true; }, meets,
+            input_.mesh, [&](uint) { return collected_.size() <= kMostCollected; }, meets,
             [&](uint triangle, uint end) {
                 for (; triangle < end; ++triangle)
                     collected_.push_back(triangle);
@@ -217,16 +230,6 @@ private:
                 for (uint x = range.first[0]; x <= range.last[0]; ++x)
                     use(Vector<T>(input_.axes[0][x], input_.axes[1][y], input_.axes[2][z]),
                         ((z - range.first[2]) * 2 + y - range.first[1]) * 2 + x - range.first[0]);
-    }
-
-    // The nearest triangle of each voxel, where too many may be.
-    void add_nearest(const SampleRange& range) {
-        const auto first = std::ptrdiff_t(candidates.size());
-        for_each_sample(range, [&](const Vector<T>& sample, uint) {
-            hint_ = reference::nearest(input_.mesh, sample, hint_).triangle;
-            if (std::find(candidates.begin() + first, candidates.end(), hint_) == candidates.end())
-                candidates.push_back(hint_);
-        });
     }
 
     // The bit of each sample that is inside by the winding number.
@@ -255,28 +258,60 @@ private:
 
     // A block whose candidates stand at places_ of the list.
     void leaf(const SampleRange& range, const PlanBox<T>& box, const TriangleList<T>& list, Side side) {
-        const bool winding = input_.inside == layout::kInsideWinding;
-        const uint bits = winding ? inside_bits(range, side) : 0;
-        if (winding && bits == 0 && !input_.visits_free)
+        const uint bits = is_winding() ? inside_bits(range, side) : 0;
+        if (is_winding() && bits == 0 && !input_.visits_free)
             return;
         const bool is_long = places_.size() > kLong;
         if (is_long)
             narrow_to_samples(box, list);
         const std::vector<uint>& ids = is_long ? long_list_.ids() : list.ids();
-        const auto first = static_cast<uint>(candidates.size());
-        if (places_.size() > kMostCandidates)
-            add_nearest(range);
-        else
-            for (const uint place : places_)
-                candidates.push_back(ids[place]);
-        blocks.push_back(
-            {range.first[0], range.first[1], range.first[2], first, static_cast<uint>(candidates.size()) - first});
-        if (winding)
+        const std::size_t first = candidates.size();
+        for (const uint place : places_)
+            candidates.push_back(ids[place]);
+        add_block(range, first, bits);
+    }
+
+    // A block with the candidates from `first` on.
+    void add_block(const SampleRange& range, std::size_t first, uint bits) {
+        blocks.push_back({range.first[0], range.first[1], range.first[2], static_cast<uint>(first),
+                          static_cast<uint>(candidates.size() - first)});
+        if (is_winding())
             inside.push_back(bits);
     }
 
-    // The eighths of a box whose list stands at `level`.
-    void split(const SampleRange& range, std::size_t level, uint side_length, Side side) {
+    // A box whose samples are asked one by one, but for parts of it that are outside.
+    void ask(const SampleRange& range, uint side_length, Side side) {
+        if (side_length == kMeshBlock)
+            return ask_block(range, side);
+        if (side == Side::both && (input_.mesh.solid || is_winding()))
+            side = side_of(input_.box(range));
+        if (side == Side::outside && !input_.visits_free)
+            return;
+        for_each_eighth(range, side_length, [&](const SampleRange& eighth) { ask(eighth, side_length / 2, side); });
+    }
+
+    void ask_block(const SampleRange& range, Side side) {
+        const std::size_t first = candidates.size();
+        bool is_free = true;
+        uint bits = 0;
+        for_each_sample(range, [&](const Vector<T>& sample, uint bit) {
+            const auto nearest = reference::nearest(input_.mesh, sample, hint_);
+            hint_ = nearest.triangle;
+            if (std::find(candidates.begin() + std::ptrdiff_t(first), candidates.end(), hint_) == candidates.end())
+                candidates.push_back(hint_);
+            const bool is_inside =
+                side == Side::inside || (is_winding() ? reference::inside_by_winding(input_.mesh, sample)
+                                                      : reference::inside_by_pseudonormal(input_.mesh, nearest));
+            is_free = is_free && !is_inside;
+            bits |= uint(is_inside) << bit;
+        });
+        if (is_free && !input_.visits_free)
+            candidates.resize(first);
+        else
+            add_block(range, first, bits);
+    }
+
+    template <typename Use> static void for_each_eighth(const SampleRange& range, uint side_length, const Use& use) {
         const uint half = side_length / 2;
         for (uint part = 0; part < 8; ++part) {
             SampleRange eighth;
@@ -286,23 +321,31 @@ private:
                 eighth.last[i] = std::min(range.last[i], eighth.first[i] + half - 1);
                 empty = empty || eighth.first[i] > range.last[i];
             }
-            if (empty)
-                continue;
+            if (!empty)
+                use(eighth);
+        }
+    }
+
+    // The eighths of a box whose list stands at `level`.
+    void split(const SampleRange& range, std::size_t level, uint side_length, Side side) {
+        const uint half = side_length / 2;
+        for_each_eighth(range, side_length, [&](const SampleRange& eighth) {
             const PlanBox<T> box = input_.box(eighth);
             const TriangleList<T>& list = lists_[level];
             const Witness<T> witness = witness_from(box, point_near(list, box.centre()));
             list.narrow(box, witness, places_);
             Side eighth_side = side;
             if (is_free(list, box, witness.point, half, eighth_side))
-                continue;
-            if (half == kMeshBlock) {
-                leaf(eighth, box, list, eighth_side);
-                continue;
-            }
+                return;
+            if (half == kMeshBlock)
+                return places_.size() > kMostCandidates ? ask_block(eighth, eighth_side)
+                                                        : leaf(eighth, box, list, eighth_side);
             lists_[level + 1].select(list, places_);
             split(eighth, level + 1, half, eighth_side);
-        }
+        });
     }
+
+    bool is_winding() const { return input_.inside == layout::kInsideWinding; }
 
     const PlanInput<T>& input_;
     uint hint_ = 0;

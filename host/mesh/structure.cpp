@@ -113,8 +113,8 @@ std::shared_ptr<const MeshReals<T>> reals_as(const std::shared_ptr<const MeshRea
 
 std::size_t MeshStructure::bytes() const {
     const auto bytes_of = [](const auto&... tables) { return (... + (tables.capacity() * sizeof(tables.front()))); };
-    return bytes_of(parts->nodes, parts->triangle_corners, parts->triangle_facets, parts->triangle_neighbours,
-                    parts->facet_begins, parts->facet_corners) +
+    return bytes_of(parts->nodes, parts->slabs, parts->triangle_corners, parts->triangle_facets,
+                    parts->triangle_neighbours, parts->facet_begins, parts->facet_corners) +
            bytes_of(reals->vertices, reals->vertex_normals, reals->vertex_pseudonormals, reals->triangle_normals,
                     reals->facet_normals, reals->edge_pseudonormals) +
            (winding ? bytes_of(winding->moments, winding->rims) : 0);
@@ -134,6 +134,7 @@ MeshStructure build_structure(const Mesh& mesh, const StructureOptions& options)
         parts.nodes = build_tree(items, std::clamp(options.leaf_triangles, 1u, layout::kMeshLeafTriangles), threads);
         number(mesh, triangles, frame, items, parts, reals);
     }
+    bound_by_slabs(parts, reals, threads);
     const std::vector<uint> places = weld(reals.vertices);
     reference::share_out(std::min(threads, 2u), 2, [&](std::size_t, std::size_t step) {
         step == 0 ? sum_pseudonormals(parts, reals, places) : connect_edges(parts, reals, places);
@@ -150,6 +151,7 @@ MeshStructure build_structure(const Mesh& mesh, const StructureOptions& options)
 template <typename T> layout::MeshView<T> MeshTables<T>::view() const {
     layout::MeshView<T> view{params,
                              parts->nodes,
+                             parts->slabs,
                              reals->vertices,
                              parts->triangle_corners,
                              parts->triangle_facets,

@@ -13,6 +13,7 @@ namespace forceshade {
 /// What has no coordinates; shared by all precisions.
 struct MeshParts {
     std::vector<layout::MeshNode> nodes;
+    std::vector<layout::MeshSlabs> slabs;
     std::vector<layout::uint> triangle_corners, triangle_facets, triangle_neighbours;
     std::vector<layout::uint> facet_begins, facet_corners;
     bool solid = false; /* as StructureOptions::solid, and no pseudonormal is nearly 0 */
@@ -34,9 +35,9 @@ struct MeshWinding {
 /// two that leaves no coordinate beyond 1. Triangles are those of surface.h, in the tree's order; vertices are numbered
 /// by first use, facets as in the file.
 ///
-/// Bytes a triangle, for a closed mesh of T triangles in double (T/2 vertices, T facets): nodes 20 (112 each, between 5
+/// Bytes a triangle, for a closed mesh of T triangles in double (T/2 vertices, T facets): nodes 34 (192 each, between 5
 /// and 6 triangles below), corners 12, facets 4, neighbours 12, vertices 12, their normals 12 and pseudonormals 12,
-/// triangle normals 24, facets' corners 16 and normals 24: 148; the winding number's moments 33 more.
+/// triangle normals 24, facets' corners 16 and normals 24: 162; the winding number's moments 33 more.
 struct MeshStructure {
     glm::dvec3 centre; /* m, world */
     double scale;      /* m */
@@ -97,6 +98,9 @@ struct TreeItem {
 /// Brings the items into the tree's order and returns its nodes, root first; leaves are runs of items. No path from the
 /// root has more than reference::kMeshTreeDepth nodes, whatever the items. The same for any number of threads.
 std::vector<layout::MeshNode> build_tree(std::vector<TreeItem>& items, unsigned leaf_triangles, unsigned threads);
+
+/// Fills parts.slabs.
+void bound_by_slabs(MeshParts& parts, const MeshReals<double>& reals, unsigned threads);
 
 /// Fills parts.triangle_neighbours and reals.edge_pseudonormals. Edges are matched by the places of their ends.
 void connect_edges(MeshParts& parts, MeshReals<double>& reals, const std::vector<layout::uint>& places);

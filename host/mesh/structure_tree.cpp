@@ -6,6 +6,8 @@
 #include <limits>
 #include <utility>
 
+#include <glm/geometric.hpp>
+
 #include "host/mesh/structure.h"
 #include "host/reference/chunks.h"
 #include "host/reference/mesh_nearest.h"
@@ -282,6 +284,91 @@ std::vector<layout::MeshNode> build_tree(std::vector<TreeItem>& items, unsigned 
         }
     }
     return nodes;
+}
+
+namespace {
+
+/// What is below a node: a run of triangles, the sum of their area vectors and of these vectors' lengths.
+struct Below {
+    layout::uint first = std::numeric_limits<layout::uint>::max(), end = 0;
+    glm::dvec3 area{0};
+    double all = 0;
+
+    void add(const Below& other) {
+        first = std::min(first, other.first);
+        end = std::max(end, other.end);
+        area += other.area;
+        all += other.all;
+    }
+};
+
+glm::dvec3 corner_at(const MeshParts& parts, const MeshReals<double>& reals, std::size_t corner) {
+    const double* at = &reals.vertices[3 * std::size_t(parts.triangle_corners[corner])];
+    return {at[0], at[1], at[2]};
+}
+
+Below below_leaf(const MeshParts& parts, const MeshReals<double>& reals, layout::uint child) {
+    Below below;
+    reference::visit_leaf(child, [&](layout::uint first, layout::uint end) {
+        for (std::size_t corner = 3 * std::size_t(first); corner < 3 * std::size_t(end); corner += 3) {
+            const glm::dvec3 a = corner_at(parts, reals, corner);
+            const glm::dvec3 area =
+                glm::cross(corner_at(parts, reals, corner + 1) - a, corner_at(parts, reals, corner + 2) - a);
+            below.area += area;
+            below.all += glm::length(area);
+        }
+        below.first = first;
+        below.end = end;
+    });
+    return below;
+}
+
+/// Sets the slab of a node's child.
+void set_slab(const MeshParts& parts, const MeshReals<double>& reals, const Below& below, layout::MeshSlabs& slabs,
+              std::size_t i) {
+    constexpr double kFacesOneWay = 0.5; // of the area; where less does, a slab is hardly thinner than the box
+    slabs.low[i] = -kFar;
+    slabs.high[i] = kFar;
+    const double length = glm::length(below.area);
+    if (!(length > kFacesOneWay * below.all))
+        return;
+    const glm::dvec3 unit = below.area / (length * (1 + 4 * double(std::numeric_limits<float>::epsilon())));
+    slabs.normal_x[i] = static_cast<float>(unit.x);
+    slabs.normal_y[i] = static_cast<float>(unit.y);
+    slabs.normal_z[i] = static_cast<float>(unit.z);
+    const glm::dvec3 normal(slabs.normal_x[i], slabs.normal_y[i], slabs.normal_z[i]);
+    double low = kFar, high = -kFar;
+    for (std::size_t corner = 3 * std::size_t(below.first); corner < 3 * std::size_t(below.end); ++corner) {
+        const double at = glm::dot(normal, corner_at(parts, reals, corner));
+        low = std::min(low, at);
+        high = std::max(high, at);
+    }
+    slabs.low[i] = std::nextafter(static_cast<float>(low), -kFar);
+    slabs.high[i] = std::nextafter(static_cast<float>(high), kFar);
+}
+
+} // namespace
+
+void bound_by_slabs(MeshParts& parts, const MeshReals<double>& reals, unsigned threads) {
+    std::vector<Below> below(layout::kMeshChildren * parts.nodes.size()); // of each child
+    // Children come after their parents.
+    for (std::size_t node = parts.nodes.size(); node-- > 0;)
+        for (std::size_t i = 0; i < layout::kMeshChildren; ++i) {
+            const layout::uint child = parts.nodes[node].child[i];
+            Below& here = below[layout::kMeshChildren * node + i];
+            if (child == layout::kMeshNoChild)
+                continue;
+            if ((child & layout::kMeshLeaf) != 0)
+                here = below_leaf(parts, reals, child);
+            else
+                for (std::size_t k = 0; k < layout::kMeshChildren; ++k)
+                    here.add(below[layout::kMeshChildren * child + k]);
+        }
+    parts.slabs.assign(parts.nodes.size(), {});
+    reference::share_out(threads, parts.nodes.size(), [&](std::size_t, std::size_t node) {
+        for (std::size_t i = 0; i < layout::kMeshChildren; ++i)
+            set_slab(parts, reals, below[layout::kMeshChildren * node + i], parts.slabs[node], i);
+    });
 }
 
 } // namespace forceshade

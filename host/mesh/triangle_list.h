@@ -19,6 +19,7 @@ template <typename T> struct PlanBox {
 
     reference::Vector<T> centre() const { return (low + high) / T(2); }
     reference::Vector<T> half() const { return (high - low) / T(2); }
+    T radius() const { return std::sqrt(reference::dot(half(), half())); }
 };
 
 /// A point of the surface, near to a box, and by how much a squared distance may be above that to it, nowhere to be

@@ -14,11 +14,11 @@ namespace forceshade::reference {
 
 template <typename T> using Vector = glm::vec<3, T>;
 
-template <typename T> T dot(const Vector<T>& u, const Vector<T>& v) noexcept {
+template <typename T> [[gnu::always_inline]] inline T dot(const Vector<T>& u, const Vector<T>& v) noexcept {
     return u.x * v.x + u.y * v.y + u.z * v.z;
 }
 
-template <typename T> Vector<T> cross(const Vector<T>& u, const Vector<T>& v) noexcept {
+template <typename T> [[gnu::always_inline]] inline Vector<T> cross(const Vector<T>& u, const Vector<T>& v) noexcept {
     return {u.y * v.z - u.z * v.y, u.z * v.x - u.x * v.z, u.x * v.y - u.y * v.x};
 }
 
@@ -32,7 +32,8 @@ template <typename T> Vector<T> normalised(const Vector<T>& v) noexcept {
 }
 
 /// The vector that stands at `index` in a table of three numbers each.
-template <typename T> Vector<T> vector_at(std::span<const T> table, std::size_t index) noexcept {
+template <typename T>
+[[gnu::always_inline]] inline Vector<T> vector_at(std::span<const T> table, std::size_t index) noexcept {
     return {table[3 * index], table[3 * index + 1], table[3 * index + 2]};
 }
 

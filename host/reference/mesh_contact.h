@@ -17,8 +17,12 @@ namespace forceshade::reference {
 // parts through their moments (Barill et al. 2018), near triangles exactly (van Oosterom & Strackee 1983). Always in
 // double, whatever the tables' precision, and on the host only: kernels receive bits.
 
-/// A part is far beyond so many times its radius. The winding number is then good to 1e-4 (tests: 4e-5 at worst).
-constexpr double kWindingReach = 5;
+/// A part is far beyond so many times its radius, and how good the winding number then is (tests: 4e-5 and 0.01 at
+/// worst). The rough one tells nearly everywhere, since a closed surface goes round a point a whole number of times.
+struct WindingAccuracy {
+    double reach, error;
+};
+constexpr WindingAccuracy kWindingFine{5, 1e-4}, kWindingRough{2, 0.1};
 
 template <typename T> Vector<double> double_at(std::span<const T> table, std::size_t index) noexcept {
     return Vector<double>(vector_at(table, index));
@@ -58,13 +62,15 @@ inline double solid_angle(const layout::MeshMoment& moment, const Vector<double>
 }
 
 /// 1 inside a closed surface, 0 outside; needs mesh.moments. The probe is in the mesh's frame.
-template <typename T> double winding_number(const layout::MeshView<T>& mesh, const Vector<double>& probe) noexcept {
+template <typename T>
+double winding_number(const layout::MeshView<T>& mesh, const Vector<double>& probe,
+                      WindingAccuracy accuracy = kWindingFine) noexcept {
     double sum = 0;
     const auto is_near = [&](layout::uint index) {
         const layout::MeshMoment& moment = mesh.moments[index];
         const Vector<double> away = Vector<double>(moment.centre[0], moment.centre[1], moment.centre[2]) - probe;
-        const double square = dot(away, away);
-        if (!(square > kWindingReach * kWindingReach * moment.radius * moment.radius))
+        const double square = dot(away, away), reach = accuracy.reach * moment.radius;
+        if (!(square > reach * reach))
             return true;
         sum += solid_angle(moment, away, square);
         return false;
@@ -78,9 +84,16 @@ template <typename T> double winding_number(const layout::MeshView<T>& mesh, con
     return sum / (4 * std::numbers::pi);
 }
 
+/// The winding number, only as good as it takes to tell on which side of one half it and all within `change` of it are.
+template <typename T>
+double telling_winding(const layout::MeshView<T>& mesh, const Vector<double>& probe, double change = 0) noexcept {
+    const double rough = winding_number(mesh, probe, kWindingRough);
+    return std::abs(rough - 0.5) > change + kWindingRough.error ? rough : winding_number(mesh, probe);
+}
+
 /// Whether the winding number is above one half.
 template <typename T> bool inside_by_winding(const layout::MeshView<T>& mesh, const Vector<T>& probe) noexcept {
-    return winding_number(mesh, Vector<double>(probe)) > 0.5;
+    return telling_winding(mesh, Vector<double>(probe)) > 0.5;
 }
 
 /// How much the winding number can change within `radius` of a probe that has no triangle so near: 0 for a closed mesh,
@@ -293,16 +306,20 @@ bool is_inside(const layout::Law<T>& law, const Nearest<T>& found, const Vector<
                                                          : inside_by_pseudonormal(law.mesh, found);
 }
 
+/// The contact of a probe that is inside.
+template <typename T>
+Contact<T> contact_with(const layout::Law<T>& law, const Nearest<T>& found, const Vector<T>& probe) noexcept {
+    return touching_contact(
+        law, MeshTouch<T>{found.facet, found.offset, Vector<T>(probe + found.offset), std::sqrt(found.square)});
+}
+
 /// L6 static: the probe (in the mesh's frame) is pulled to the nearest point of the surface that it is inside of.
 /// `hint` as for nearest(); receives the nearest triangle.
 template <typename T>
 Contact<T> mesh_contact(const layout::Law<T>& law, const Vector<T>& probe, layout::uint& hint) noexcept {
     const Nearest<T> found = nearest(law.mesh, probe, hint);
     hint = found.triangle;
-    if (!is_inside(law, found, probe))
-        return free_contact(law, probe);
-    return touching_contact(
-        law, MeshTouch<T>{found.facet, found.offset, Vector<T>(probe + found.offset), std::sqrt(found.square)});
+    return is_inside(law, found, probe) ? contact_with(law, found, probe) : free_contact(law, probe);
 }
 
 template <typename T> Contact<T> mesh_contact(const layout::Law<T>& law, const Vector<T>& probe) noexcept {

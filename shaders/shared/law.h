@@ -9,6 +9,16 @@
 
 namespace forceshade::layout {
 
+// Along a direction of their own, within what bounds the triangles below a node's four children lie: where these face
+// one way, what is beyond is told sharper than by boxes. Host only.
+struct MeshSlabs {
+    float normal_x[kMeshChildren]; // 1: no longer than a unit vector
+    float normal_y[kMeshChildren];
+    float normal_z[kMeshChildren];
+    float low[kMeshChildren]; // 1, of the mesh's frame: infinite where triangles face all ways
+    float high[kMeshChildren];
+};
+
 // The triangles below a node as seen from far away, for the winding number: integrals over them, with a the vector area
 // (half the cross product of two edges).
 struct MeshMoment {
@@ -23,6 +33,7 @@ struct MeshMoment {
 template <typename real> struct MeshView {
     MeshParams<real> params{};
     std::span<const MeshNode> nodes;            // root first
+    std::span<const MeshSlabs> slabs;           // 1 a node
     std::span<const real> vertices;             // 3 a vertex
     std::span<const uint> triangle_corners;     // 3 a triangle: vertices, counterclockwise seen from outside
     std::span<const uint> triangle_facets;      // 1 a triangle: id of the facet that it is part of

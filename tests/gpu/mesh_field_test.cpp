@@ -1,8 +1,9 @@
-// Fields of meshes: the kernel, told by the planner, against the oracle at every voxel, bit for bit.
+// Fields of meshes: the kernel and the CPU engine, told by the planner, against the oracle at every voxel, bit for bit.
 #include <gtest/gtest.h>
 
 #include "host/mesh/block_plan.h"
 #include "host/mesh/mesh_file.h"
+#include "host/reference/mesh_field.h"
 #include "tests/gpu/mesh_case.h"
 #include "tests/mesh/damage.h"
 
@@ -34,13 +35,19 @@ protected:
         const layout::FieldInput<T> input = mesh_case.input();
         const BlockPlanner<T> planner(input.law.mesh, input.x, input.y, input.z, input.law.features.inside, 0, free);
         BlockPlan plan;
-        const auto comparison =
-            test::hold_against_oracle<T>(kernel(), input, [&](std::size_t z_first, std::size_t z_count) {
-                plan = planner.plan(z_first, z_count);
-                return plan.view();
-            });
+        const auto layers = [&](std::size_t z_first, std::size_t z_count) {
+            plan = planner.plan(z_first, z_count);
+            return plan.view();
+        };
+        const auto comparison = test::hold_against_oracle<T>(kernel(), input, layers);
         EXPECT_TRUE(is_equal(comparison)) << what;
         EXPECT_EQ(comparison.voxels, input.x.size() * input.y.size() * input.z.size());
+        // On the CPU in chunks of many layers, or of few rows of one.
+        test::BitComparer<T> comparer(input);
+        const std::size_t chunk_bytes = std::size_t(1) << (sizeof(T) == sizeof(float) ? 25 : 13);
+        reference::evaluate_mesh_field<T>(input, {.threads = 2, .chunk_bytes = chunk_bytes}, layers,
+                                          [&](const layout::FieldChunk<T>& chunk) { comparer.add(chunk); });
+        EXPECT_TRUE(is_equal(comparer.result())) << what << " on the CPU";
     }
 
     static void hold_both(const PolygonSoup& polygons, const MeshGrid& grid, layout::uint shading,

@@ -145,6 +145,16 @@ TEST(BlockPlan, ListsWhatIsNearestAtTheCentreOfASphere) {
     hold<float>(shapes::icosphere(3), cubic<float>(9, 1e-9));
 }
 
+// So many triangles to a tile that samples are asked one by one.
+TEST(BlockPlan, ListsWhatIsNearestOfFarMoreTrianglesThanSamples) {
+    const PolygonSoup sphere = shapes::icosphere(6);
+    for (const layout::uint inside : {layout::kInsidePseudonormal, layout::kInsideWinding}) {
+        hold<float>(sphere, cubic<float>(19, 1.05), inside);
+        hold<double>(sphere, cubic<double>(14, 0.4), inside);
+    }
+    hold<float>(sphere, cubic<float>(9, 1.3), layout::kInsidePseudonormal, FreeSpace::visited);
+}
+
 TEST(BlockPlan, SkipsWhatIsOutside) {
     const MeshStructure structure = build_structure(shapes::mesh_of(shapes::icosphere(3)));
     const MeshTables<float> tables = make_mesh_tables<float>(structure, 1000);

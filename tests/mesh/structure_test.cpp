@@ -18,6 +18,33 @@ namespace {
 
 using layout::uint;
 
+/// The triangles below a node's child are within its slab.
+void check_slab(const MeshStructure& structure, uint node, std::size_t i) {
+    const MeshParts& parts = *structure.parts;
+    const layout::MeshSlabs& slabs = parts.slabs[node];
+    const glm::dvec3 normal(slabs.normal_x[i], slabs.normal_y[i], slabs.normal_z[i]);
+    EXPECT_LE(reference::dot(normal, normal), 1);
+    std::vector<uint> stack{parts.nodes[node].child[i]};
+    while (!stack.empty()) {
+        const uint child = stack.back();
+        stack.pop_back();
+        if ((child & layout::kMeshLeaf) == 0) {
+            for (const uint below : parts.nodes[child].child)
+                if (below != layout::kMeshNoChild)
+                    stack.push_back(below);
+            continue;
+        }
+        reference::visit_leaf(child, [&](uint first, uint end) {
+            for (std::size_t corner = 3 * std::size_t(first); corner < 3 * std::size_t(end); ++corner) {
+                const glm::dvec3 at = reference::vector_at(std::span<const double>(structure.reals->vertices),
+                                                           parts.triangle_corners[corner]);
+                EXPECT_LE(double(slabs.low[i]), reference::dot(normal, at));
+                EXPECT_GE(double(slabs.high[i]), reference::dot(normal, at));
+            }
+        });
+    }
+}
+
 /// Walks the tree: every triangle in one leaf, within all boxes above it. Returns the depth.
 unsigned check_tree(const MeshStructure& structure) {
     struct Visit {
@@ -44,6 +71,7 @@ unsigned check_tree(const MeshStructure& structure) {
                 EXPECT_LE(visit.low[axis], low[axis]);
                 EXPECT_GE(visit.high[axis], high[axis]);
             }
+            check_slab(structure, visit.node, i);
             if ((node.child[i] & layout::kMeshLeaf) == 0) {
                 stack.push_back({node.child[i], visit.depth + 1, low, high});
                 continue;
@@ -117,8 +145,8 @@ TEST(Structure, IsAsSmallAsItSays) {
     const MeshStructure plain = build_structure(shapes::mesh_of(shapes::icosphere(6)));
     const MeshStructure winding = build_structure(shapes::mesh_of(shapes::icosphere(6)), {.winding = true});
     const double triangles = double(plain.triangles());
-    EXPECT_LT(double(plain.bytes()) / triangles, 150);
-    EXPECT_LT(double(winding.bytes()) / triangles, 185);
+    EXPECT_LT(double(plain.bytes()) / triangles, 164);
+    EXPECT_LT(double(winding.bytes()) / triangles, 198);
     // Nothing grows beyond what is in it.
     const MeshParts& parts = *plain.parts;
     EXPECT_EQ(parts.triangle_corners.size(), 3 * plain.triangles());
