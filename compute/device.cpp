@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 #include <charconv>
+#include <filesystem>
 
 #include <fmt/format.h>
 
@@ -241,14 +242,31 @@ std::vector<DeviceReport> list_devices() {
     });
 }
 
+bool may_have_hardware() {
+    // What drivers talk to: of DRM (AMD, Intel, Nouveau, virtual ones), NVIDIA's own, Windows' below WSL, two of
+    // phones.
+    std::error_code none;
+    for (const char* file : {"/dev/nvidiactl", "/dev/dxg", "/dev/mali0", "/dev/kgsl-3d0"})
+        if (std::filesystem::exists(file, none))
+            return true;
+    for (const auto& entry : std::filesystem::directory_iterator("/dev/dri", none))
+        if (entry.path().filename().string().starts_with("renderD"))
+            return true;
+    return false;
+}
+
 const DeviceReport& choose_device(const std::vector<DeviceReport>& devices, const std::string& wanted, bool needs_f64) {
     const auto usable = [&](const DeviceReport& device) { return refusals(device, needs_f64).empty(); };
     if (wanted.empty()) {
-        auto found = std::find_if(devices.begin(), devices.end(),
-                                  [&](const DeviceReport& device) { return device.software && usable(device); });
-        if (found == devices.end())
-            found = std::find_if(devices.begin(), devices.end(), usable);
-        if (found != devices.end())
+        const auto rank = [&](const DeviceReport& device) {
+            return !usable(device)               ? 4
+                   : device.software             ? 3
+                   : device.type == "discrete"   ? 0
+                   : device.type == "integrated" ? 1
+                                                 : 2;
+        };
+        const auto found = std::ranges::min_element(devices, {}, rank);
+        if (found != devices.end() && usable(*found))
             return *found;
         throw DeviceError(DeviceError::Kind::no_such_device,
                           "no usable Vulkan device (or use --engine cpu):" + listing(devices, needs_f64));

@@ -45,9 +45,14 @@ struct DeviceReport {
 /// \throws DeviceError (no_such_device) if there is no Vulkan loader.
 std::vector<DeviceReport> list_devices();
 
+/// False if this machine offers no graphics hardware to programs, so that list_devices could find software devices
+/// alone; takes no time.
+bool may_have_hardware();
+
 /// Picks a device from a list. `wanted` is a part of the name (any case), a UUID, an index, or empty: then the first
-/// software device that is not refused, else the first that is not refused. `needs_f64` refuses devices without double
-/// precision. \throws DeviceError (no_such_device) with the list and the reasons.
+/// discrete device that is not refused, else the first integrated one, then other hardware, then a software device.
+/// `needs_f64` refuses devices without double precision. \throws DeviceError (no_such_device) with the list and the
+/// reasons.
 const DeviceReport& choose_device(const std::vector<DeviceReport>& devices, const std::string& wanted, bool needs_f64);
 
 struct DeviceOptions {

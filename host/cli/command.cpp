@@ -19,17 +19,23 @@ namespace forceshade {
 namespace {
 
 constexpr const char* kFooter =
-    "Every command takes --gpu NAME|UUID|INDEX, --engine gpu|cpu, --precision f32|f64, --max-memory SIZE, --json, "
+    "Every command takes --gpu NAME|UUID|INDEX, --engine auto|gpu|cpu, --precision f32|f64, --max-memory SIZE, --json, "
     "--quiet and --vulkan-validation.\nExit codes: 0 ok, 1 a case failed or a bound was exceeded, 2 usage or "
     "configuration, 3 no such device, 4 files, 130 interrupted.\nStart with: forceshade sweep --out results/paper";
 
 void add_common_options(CLI::App& app, CommonOptions& common) {
-    app.add_option("--gpu", common.gpu,
-                   "Vulkan device: part of its name, UUID or index (forceshade gpus); default: the software device")
+    app.add_option(
+           "--gpu", common.gpu,
+           "Vulkan device: part of its name, UUID or index (forceshade gpus); default: a hardware GPU where there is "
+           "one, else the software device")
         ->check(
             [](const std::string& name) { return std::string(name.empty() ? "an empty name is no device's" : ""); });
-    app.add_option("--engine", common.engine, "gpu, or cpu: the oracle on all cores")
-        ->check(CLI::IsMember({"gpu", "cpu"}));
+    app.add_option(
+           "--engine", common.engine,
+           "auto (default): a hardware GPU where there is one, else the software device or the CPU, whichever was "
+           "measured faster at such work (study, validate and doctor, which measure or check a device, take a "
+           "device); gpu: a Vulkan device; cpu: the oracle on all cores")
+        ->check(CLI::IsMember({"auto", "gpu", "cpu"}));
     app.add_option("--precision", common.precision, "f32 or f64; default: as the scene says")
         ->check(CLI::IsMember({"f32", "f64"}));
     app.add_option_function<std::string>(
@@ -121,7 +127,7 @@ Command CommandLine::parse(int argc, char** argv) {
     }
 }
 
-EngineOptions engine_options(const CommonOptions& common, bool needs_f64) {
+EngineOptions device_options(const CommonOptions& common, bool needs_f64) {
     if (common.engine == "cpu" && !common.gpu.empty())
         throw UsageError("--gpu and --engine cpu exclude each other");
     EngineOptions options;
@@ -133,8 +139,21 @@ EngineOptions engine_options(const CommonOptions& common, bool needs_f64) {
     return options;
 }
 
-std::unique_ptr<Engine> engine_for(const CommonOptions& common, const Scene& scene) {
-    return make_engine(engine_options(common, scene.precision == Precision::f64));
+SettledEngine settle_engine(const CommonOptions& common, bool needs_f64, const Workload& work) {
+    SettledEngine settled{device_options(common, needs_f64), ""};
+    if (common.engine != "auto" || !common.gpu.empty() || common.validation_layers)
+        return settled;
+    EngineChoice choice = choose_engine(work, needs_f64);
+    settled.options.cpu = choice.cpu;
+    settled.options.gpu = std::move(choice.gpu);
+    settled.why = std::move(choice.why);
+    return settled;
+}
+
+std::unique_ptr<Engine> make_engine(const SettledEngine& settled, const CommonOptions& common) {
+    if (!settled.why.empty() && !common.quiet)
+        remark("engine: {}\n", settled.why);
+    return make_engine(settled.options);
 }
 
 std::vector<Override> overrides(const CommonOptions& common) {

@@ -10,6 +10,7 @@
 #include "host/engine/engine.h"
 #include "host/program.h"
 #include "host/scene/study.h"
+#include "host/sweep/engine_choice.h"
 
 namespace CLI {
 class App;
@@ -19,9 +20,9 @@ namespace forceshade {
 
 /// Options that every command accepts.
 struct CommonOptions {
-    std::string gpu;            /* name, UUID or index; empty: the software device */
-    std::string engine = "gpu"; /* "gpu" or "cpu" */
-    std::string precision;      /* "f32", "f64" or empty: as the scene says */
+    std::string gpu;             /* name, UUID or index; empty: hardware, or else the software device */
+    std::string engine = "auto"; /* "auto", "gpu" or "cpu" */
+    std::string precision;       /* "f32", "f64" or empty: as the scene says */
     bool json = false;
     bool quiet = false;
     bool validation_layers = false;
@@ -102,10 +103,18 @@ void add_live_command(CommandLine& program);
 void add_device_command(CommandLine& program);
 void add_check_commands(CommandLine& program); // validate, gpus, devices, doctor, schema
 
-/// What the flags say about the engine. `needs_f64`: some case runs in double precision.
-EngineOptions engine_options(const CommonOptions& common, bool needs_f64);
-/// The engine that the flags and a scene's precision ask for.
-std::unique_ptr<Engine> engine_for(const CommonOptions& common, const Scene& scene);
+/// What the flags say about the engine, for what measures or tries a device: without flags a Vulkan device.
+/// `needs_f64`: some case runs in double precision.
+EngineOptions device_options(const CommonOptions& common, bool needs_f64);
+/// An engine, settled and not yet there.
+struct SettledEngine {
+    EngineOptions options;
+    std::string why; /* in words; empty: the user asked for it */
+};
+/// Likewise for what computes: without flags the engine that choose_engine takes for this work.
+SettledEngine settle_engine(const CommonOptions& common, bool needs_f64, const Workload& work);
+/// Tells on stderr which it is, unless quiet or asked for.
+std::unique_ptr<Engine> make_engine(const SettledEngine& settled, const CommonOptions& common);
 
 /// Flags that replace keys of the scene.
 std::vector<Override> overrides(const CommonOptions& common);

@@ -54,7 +54,7 @@ std::vector<Precision> precisions_of(const EngineReport& engine) {
 
 // A small field in each precision, every voxel compared.
 std::string try_kernels(const CommonOptions& common, bool validation) {
-    EngineOptions options = engine_options(common, false);
+    EngineOptions options = device_options(common, false);
     options.validation = validation;
     const auto engine = make_engine(options);
     const PreparedCase prepared = CasePreparation().prepare(parse_scene(
@@ -96,7 +96,7 @@ std::string vulkan_files() {
 }
 
 std::string find_driver(const CommonOptions& common) {
-    const auto engine = make_engine(engine_options(common, false));
+    const auto engine = make_engine(device_options(common, false));
     const EngineReport report = engine->report();
     return report.engine == "cpu" ? "none, with --engine cpu"
                                   : fmt::format("{} for {}; loaded: {}", report.driver, report.device, vulkan_files());
@@ -198,10 +198,10 @@ std::string as_text(const std::vector<compute::DeviceReport>& devices) {
 int list_gpus(const CommonOptions& common) {
     const auto devices = compute::list_devices();
     print_data(common.json ? as_json(devices) : as_text(devices));
-    // Without any flag this is the device that a run would use; it throws where there is none.
+    // It throws where there is none.
     const compute::DeviceReport& chosen = compute::choose_device(devices, common.gpu, common.precision == "f64");
     if (!common.quiet)
-        remark("a run {} takes {} ({})\n", common.gpu.empty() ? "without --gpu" : "with this --gpu", chosen.index,
+        remark("--{} takes {} ({})\n", common.gpu.empty() ? "engine gpu" : "gpu " + common.gpu, chosen.index,
                chosen.name);
     return 0;
 }
@@ -304,7 +304,7 @@ bool print(const std::vector<Comparison>& fields, const std::vector<PathComparis
 int run(const ValidateArguments& arguments, const CommonOptions& common) {
     const Study study = load_study(arguments.study, common);
     const std::vector<const Case*> cases = cases_named(study, arguments.only);
-    const auto engine = make_engine(engine_options(common, common.precision == "f64"));
+    const auto engine = make_engine(device_options(common, common.precision == "f64"));
     const std::vector<Precision> wanted = precisions(common, engine->report());
     CasePreparation preparation;
     std::vector<Comparison> fields;

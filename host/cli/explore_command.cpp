@@ -177,7 +177,9 @@ void print_outcome(const PathRecord& record, const std::string& out, const Engin
 }
 
 int run_all(const ExploreArguments& arguments, const CommonOptions& common, const PreparedCase& prepared) {
-    const auto engine = engine_for(common, prepared.one.scene);
+    const Scene& scene = prepared.one.scene;
+    const auto engine = make_engine(
+        settle_engine(common, scene.precision == Precision::f64, path_workload(scene, arguments.paths)), common);
     PathRunOptions options;
     options.stem = arguments.stem();
     if (!arguments.metrics_only)
@@ -249,7 +251,7 @@ int run(const ExploreArguments& arguments, const CommonOptions& common) {
                                      arguments.scene));
     if (prepared.images.mesh)
         print_warnings(warnings_of(scene.surface.mesh, *prepared.images.mesh, MeshUse::path), common);
-    engine_options(common, false); // refuses --gpu beside --engine cpu
+    device_options(common, false); // refuses --gpu beside --engine cpu
     if (is_streamed(arguments, common, scene, recorded))
         return stream(arguments, common, prepared, recorded);
     return run_all(arguments, common, prepared);

@@ -79,7 +79,9 @@ int run(const FieldArguments& arguments, const CommonOptions& common) {
     clear_stale_temporaries(job.volume.parent_path());
     job.prepared.one.name = volume.stem().string(); // the record's
     print_warnings(job.prepared.warnings, common);
-    const auto engine = engine_for(common, job.prepared.one.scene);
+    const Scene& scene = job.prepared.one.scene;
+    const auto engine =
+        make_engine(settle_engine(common, scene.precision == Precision::f64, field_workload(scene)), common);
     job.also = parse_also(arguments.also);
     job.pictures = picture_choice(arguments, job.prepared.one.scene, job.also.pictures);
     bool given = false;
@@ -187,15 +189,21 @@ int run(const SweepArguments& arguments, const CommonOptions& common) {
     options.also = parse_also(arguments.also);
     options.shard = arguments.shard ? parse_shard(*arguments.shard) : slurm_shard();
     const Study study = load_study(arguments.study, common);
-    const EngineOptions engine =
-        engine_options(common, any_case(study, [](const Scene& scene) { return scene.precision == Precision::f64; }));
+    // Of the whole study, so that shards and parts of it take the same engine.
+    Workload work;
+    for (const Case& one : study.cases) {
+        work += field_workload(one.scene);
+        work += path_workload(one.scene);
+    }
+    const SettledEngine engine = settle_engine(
+        common, any_case(study, [](const Scene& scene) { return scene.precision == Precision::f64; }), work);
     // Also where everything is there already: a device that was asked for must exist, and have computed it.
     if (!common.gpu.empty())
-        options.device = compute::choose_device(compute::list_devices(), common.gpu, engine.needs_f64);
+        options.device = compute::choose_device(compute::list_devices(), common.gpu, engine.options.needs_f64);
     const auto sweep = [&] {
         try {
             return run_sweep(
-                study, [&] { return make_engine(engine); }, engine.cpu, options);
+                study, [&] { return make_engine(engine, common); }, engine.options.cpu, options);
         } catch (const Interrupted&) {
             remark("what was finished stays; the same command goes on from there\n");
             throw;

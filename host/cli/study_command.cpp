@@ -106,7 +106,7 @@ int run(const StudyArguments& arguments, const CommonOptions& common) {
         options.cases = load_study(arguments.scene, common).cases;
     options.quick = arguments.quick;
     options.quiet = common.quiet;
-    options.engine = engine_options(common, true);
+    options.engine = device_options(common, true);
     const std::optional<study::StudyData> before = study_in(options.folder);
     study::StudyRun study_run(known.name, options);
     if (before && before->fingerprint == study_run.fingerprint() && !arguments.fresh &&

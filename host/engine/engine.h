@@ -72,7 +72,7 @@ public:
 struct EngineOptions {
     bool cpu = false;     /* the oracle instead of a Vulkan device */
     unsigned threads = 0; /* of the oracle; 0: as many as the machine has cores */
-    std::string gpu;      /* as in compute::choose_device; empty: the software device */
+    std::string gpu;      /* as in compute::choose_device */
     bool needs_f64 = false;
     bool validation = false;                         /* Vulkan validation layers; complaints end the run */
     std::size_t chunk_bytes = std::size_t(32) << 20; /* results held at once */

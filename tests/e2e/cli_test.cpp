@@ -139,7 +139,7 @@ TEST_F(CommandLine, is_quiet_if_asked_and_tells_how_it_went_if_not) {
 
 TEST_F(CommandLine, reports_progress_in_lines_where_there_is_no_terminal) {
     const Outcome outcome = expect_success(commands_[0]);
-    expect_words(outcome.error, {"3/3 cases in ", "3 cases: 3 computed", "llvmpipe", "out/report.html"});
+    expect_words(outcome.error, {"3/3 cases in ", "3 cases: 3 computed", "engine: cpu (", "out/report.html"});
     EXPECT_EQ(outcome.error.find('\r'), std::string::npos);
     EXPECT_EQ(outcome.error.find('\033'), std::string::npos);
 }
@@ -201,7 +201,8 @@ TEST_F(CommandLine, falls_back_to_nothing_where_there_is_no_device) {
         return launch;
     };
     for (const char* command : {"field", "sweep"})
-        expect_failure(3, without_device({command, "scene.toml", "--out", "new.exr"}), {"Vulkan"});
+        expect_failure(3, without_device({command, "scene.toml", "--out", "new.exr", "--engine", "gpu"}), {"Vulkan"});
+    EXPECT_EQ(run(without_device({"field", "scene.toml", "--out", "auto.exr"})).code, 0);
     expect_failure(3, without_device({"validate", "scene.toml"}), {"Vulkan"});
     const Outcome doctor = run(without_device({"doctor"}));
     EXPECT_EQ(doctor.code, 1);

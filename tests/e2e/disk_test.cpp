@@ -127,7 +127,7 @@ TEST_F(Disk, an_empty_name_is_refused) {
 }
 
 TEST_F(Disk, kernels_kept_from_before_may_be_damaged_or_unwritable) {
-    Launch launch = this->launch({"field", "scene.toml", "--out", "field.exr"});
+    Launch launch = this->launch({"field", "scene.toml", "--out", "field.exr", "--engine", "gpu"});
     const std::filesystem::path cache = path("cache");
     launch.environment["XDG_CACHE_HOME"] = cache.string();
     EXPECT_EQ(run(launch).code, 0);

@@ -123,8 +123,8 @@ TEST_F(ExtremeMap, samples_that_rounding_takes_across_the_rim_are_counted) {
             EXPECT_EQ(report.at("cases").at(1).at(referee).at("boundary_voxels"), 0);
         }
     }
-    const auto record =
-        nlohmann::json::parse(expect_success({"field", "rim.toml", "--out", "rim.exr", "--json", "--quiet"}).out);
+    const auto record = nlohmann::json::parse(
+        expect_success({"field", "rim.toml", "--out", "rim.exr", "--json", "--quiet", "--engine", "gpu"}).out);
     EXPECT_EQ(record.at("oracle").at("voxels_on_edge"), 7);
     EXPECT_LT(record.at("oracle").at("largest_error_N"), 1e-6);
 }
@@ -138,7 +138,8 @@ TEST_F(ExtremeMap, shifting_a_picture_in_its_file_changes_no_force) {
     write_exr(path("b.exr"), {{"Y", {Imf::FLOAT, [](int x, int y) { return bowl(x - 100, y + 7); }}}}, at(100, -7));
     for (const std::string name : {"a", "b"}) {
         write("map.toml", scene(name + ".exr"));
-        expect_success({"field", "map.toml", "--out", name + "_field.exr", "--also", "npy", "--quiet"});
+        expect_success(
+            {"field", "map.toml", "--out", name + "_field.exr", "--also", "npy", "--quiet", "--engine", "gpu"});
     }
     EXPECT_TRUE(read_text(path("a_field.force.npy")) == read_text(path("b_field.force.npy")));
 }

@@ -24,7 +24,7 @@ protected:
     /// The force of one voxel in double precision, as float.
     std::array<float, 3> force_at(const std::string& scene) const {
         write("one.toml", scene + "[run]\nprecision = \"f64\"\n");
-        expect_success({"field", "one.toml", "--out", "one.exr", "--quiet"});
+        expect_success({"field", "one.toml", "--out", "one.exr", "--quiet", "--engine", "gpu"});
         const auto channels = read_exr(path("one.exr")).parts.at("force").channels;
         return {channels.at("R").at(0), channels.at("G").at(0), channels.at("B").at(0)};
     }
@@ -143,7 +143,8 @@ TEST_F(Extreme, grids_of_one_voxel_and_one_plane) {
                      "[force]\nshading = \"height_map\"\n" +
                          where,
                      voxels);
-        expect_success({"field", "scene.toml", "--out", "field.exr", "--also", "npy,vti,png", "--quiet"});
+        expect_success(
+            {"field", "scene.toml", "--out", "field.exr", "--also", "npy,vti,png", "--quiet", "--engine", "gpu"});
         EXPECT_EQ(read_exr(path("field.exr")).parts.at("force").channels.at("B").size(), voxels);
     }
 }
@@ -175,7 +176,7 @@ TEST_F(Extreme, voxels_exactly_on_the_plane_and_on_facet_boundaries) {
         "[output]\nchannels = [\"facet\"]\n" +
         grid("[5, 1, 1]", "[\"-2 m\", \"0 m\", \"-1 mm\"]", "\"1 m\"");
     expect_right(boundaries, 5);
-    expect_success({"field", "scene.toml", "--out", "field.exr", "--precision", "f64", "--quiet"});
+    expect_success({"field", "scene.toml", "--out", "field.exr", "--precision", "f64", "--quiet", "--engine", "gpu"});
     const auto facets = read_exr(path("field.exr")).parts.at("facet").channels.at("id");
     EXPECT_EQ(std::vector<float>(facets.begin(), facets.begin() + 4), (std::vector<float>{0, 1, 2, 3}));
     // Out of contact by no more than nothing: z = 0 beside the bump, F = 0.
@@ -242,7 +243,7 @@ TEST_F(Extreme, all_channels_and_kinds_of_pixels) {
                                     fmt::format("[output]\nchannels = [\"force\", \"depth\", \"facet\", \"proxy\", "
                                                 "\"unshaded\"]\npixel = \"{}\"\ncompression = \"{}\"\n",
                                                 pixel, compression));
-            expect_success({"field", "scene.toml", "--out", "field.exr", "--quiet"});
+            expect_success({"field", "scene.toml", "--out", "field.exr", "--quiet", "--engine", "gpu"});
             EXPECT_EQ(read_exr(path("field.exr")).parts.size(), 5u);
         }
     expect_success({"validate", "scene.toml", "--quiet"});

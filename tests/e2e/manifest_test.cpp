@@ -32,7 +32,7 @@ class Account : public Workplace {
 protected:
     Account() {
         write("paper.toml", small_study());
-        expect_success({"sweep", "paper.toml", "--out", "out", "--quiet"});
+        expect_success({"sweep", "paper.toml", "--out", "out", "--quiet", "--engine", "gpu"});
         manifest_ = read_json("out/manifest.json");
     }
     json manifest_;
@@ -75,7 +75,8 @@ TEST_F(Account, tells_of_each_case_what_made_it_and_what_it_cost) {
 }
 
 TEST_F(Account, gives_the_hash_and_size_of_every_file) {
-    expect_success({"sweep", "paper.toml", "--out", "out", "--only", "*facets-2*", "--also", "npy,png,vti", "--quiet"});
+    expect_success({"sweep", "paper.toml", "--out", "out", "--only", "*facets-2*", "--also", "npy,png,vti", "--quiet",
+                    "--engine", "gpu"});
     const json manifest = read_json("out/manifest.json");
     std::set<std::string> listed;
     for (const json& one : manifest["cases"])
@@ -131,7 +132,7 @@ TEST_F(Account, has_a_summary_with_a_row_a_case) {
 }
 
 TEST_F(Account, keeps_the_cost_of_the_last_run_that_computed) {
-    expect_success({"sweep", "paper.toml", "--out", "out", "--quiet"});
+    expect_success({"sweep", "paper.toml", "--out", "out", "--quiet", "--engine", "gpu"});
     EXPECT_EQ(read_json("out/manifest.json"), manifest_);
 }
 

@@ -17,7 +17,8 @@ protected:
     std::uint64_t peak_of_large_field(const std::string& scene) const {
         write("scene.toml", scene + "[grid]\nsize = [512, 512, 512]\norigin = [\"-25 mm\", \"-25 mm\", \"-10 mm\"]\n"
                                     "spacing = \"0.1 mm\"\n");
-        const Outcome outcome = expect_success({"field", "scene.toml", "--out", "field.exr", "--quiet"});
+        const Outcome outcome =
+            expect_success({"field", "scene.toml", "--out", "field.exr", "--quiet", "--engine", "gpu"});
         EXPECT_GT(std::filesystem::file_size(path("field.exr")), kMebibyte);
         std::filesystem::remove(path("field.exr"));
         return outcome.peak_memory;

@@ -36,6 +36,8 @@ std::vector<std::string> environment_of(const Launch& launch) {
     }
     for (const char* name : kUnset)
         merged.erase(name);
+    // The software device alone, whatever the machine has: what is expected of bits holds there.
+    merged["VK_LOADER_DRIVERS_SELECT"] = "*lvp*";
     for (const auto& [name, value] : launch.environment)
         merged[name] = value;
     std::vector<std::string> texts;

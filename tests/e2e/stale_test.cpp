@@ -47,7 +47,7 @@ TEST_F(Stale, a_device_that_is_not_there_forgets_nothing) {
     write("study.toml", study("1 N/mm"));
     expect_success({"sweep", "study.toml", "--out", "out"});
     const Tree before = tree_of(path("out"));
-    Launch without_drivers = launch({"sweep", "study.toml", "--out", "out", "--fresh"});
+    Launch without_drivers = launch({"sweep", "study.toml", "--out", "out", "--fresh", "--engine", "gpu"});
     without_drivers.environment["VK_ICD_FILENAMES"] = path("none.json").string();
     without_drivers.environment["VK_DRIVER_FILES"] = path("none.json").string();
     expect_failure(3, without_drivers, {"no usable Vulkan device", "mesa-vulkan-drivers"});

@@ -59,12 +59,16 @@ TEST(ChooseDevice, ByIndexUuidOrName) {
     EXPECT_EQ(index("navi31"), 3u);
 }
 
-TEST(ChooseDevice, WithoutAWishItIsTheSoftwareDevice) {
+TEST(ChooseDevice, WithoutAWishItIsHardwareWhereThereIsSome) {
     auto devices = four_devices();
-    EXPECT_EQ(choose_device(devices, "", false).index, 1u);
-    devices[1].refusals = {"broken"};
     EXPECT_EQ(choose_device(devices, "", false).index, 0u);
     EXPECT_EQ(choose_device(devices, "", true).index, 3u); // 0 has no double precision
+    devices[0].type = "integrated";
+    EXPECT_EQ(choose_device(devices, "", false).index, 3u);
+    devices[3].type = "virtual";
+    EXPECT_EQ(choose_device(devices, "", false).index, 0u);
+    devices[0].refusals = devices[3].refusals = {"broken"};
+    EXPECT_EQ(choose_device(devices, "", false).index, 1u);
 }
 
 // A wish that fits several takes the first that can be used.

@@ -1,0 +1,124 @@
+#include "host/sweep/engine_choice.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <thread>
+
+#include <fmt/format.h>
+
+#include "host/paths/motions.h"
+#include "host/prepare/tables.h"
+
+namespace forceshade {
+namespace {
+
+// Whole commands with both engines on two threads of a Xeon with AVX-512 and of Mesa 22.3, kernels on disk; thread
+// seconds that the software device saves, below 0 where it is slower. What both do alike, such as writing, is not in
+// them.
+constexpr double kStart = 0.12; // s: opening the device, reading its kernels; less than half of it for the smallest
+constexpr double kAVoxel = 12e-9;
+constexpr double kAMeshVoxel = 2e-6;
+constexpr double kAStep = 0.1e-6;
+constexpr double kAHarmonic = 15e-9; // and step
+constexpr double kAMeshStep = -0.3e-6;
+
+constexpr double kBytesASample = 40; // of a recorded file: five numbers
+
+double grid_voxels(const GridSpec& grid) {
+    if (grid.samples > 0) // along the longest side; the others are known once the mesh is read
+        return std::pow(static_cast<double>(grid.samples), 3);
+    return static_cast<double>(grid.size[0]) * static_cast<double>(grid.size[1]) * static_cast<double>(grid.size[2]);
+}
+
+double recorded_samples(const std::string& file) {
+    std::error_code none;
+    const std::uintmax_t bytes = std::filesystem::file_size(file, none);
+    return none ? 0 : static_cast<double>(bytes) / kBytesASample;
+}
+
+bool is_hardware(const compute::DeviceReport& device, bool needs_f64) {
+    return !device.software && device.refusals.empty() && (device.f64 || !needs_f64);
+}
+
+} // namespace
+
+Workload& Workload::operator+=(const Workload& other) {
+    voxels += other.voxels;
+    mesh_voxels += other.mesh_voxels;
+    steps += other.steps;
+    harmonics += other.harmonics;
+    mesh_steps += other.mesh_steps;
+    return *this;
+}
+
+Workload field_workload(const Scene& scene) {
+    Workload work;
+    if (!scene.field)
+        return work;
+    const double voxels = grid_voxels(scene.grid);
+    if (scene.surface.kind == SurfaceKind::mesh)
+        work.mesh_voxels = voxels;
+    else
+        work.voxels = depends_on_y(features_of(scene)) ? voxels : voxels / static_cast<double>(scene.grid.size[1]);
+    return work;
+}
+
+Workload path_workload(const Scene& scene, const std::string& recorded) {
+    Workload work;
+    double steps = 0, harmonics = 0;
+    if (!recorded.empty())
+        steps = recorded_samples(recorded);
+    else if (scene.paths && scene.paths->kind == PathKind::recorded)
+        steps = recorded_samples(scene.paths->path);
+    else if (scene.paths) {
+        steps = static_cast<double>(scene.paths->count) * static_cast<double>(scene.paths->steps);
+        harmonics = harmonic_count(*scene.paths);
+    }
+    if (scene.surface.kind == SurfaceKind::mesh)
+        return {.mesh_steps = steps};
+    return {.steps = steps, .harmonics = steps * harmonics};
+}
+
+double saved_by_software_device(const Workload& work, unsigned threads) {
+    return (kAVoxel * work.voxels + kAMeshVoxel * work.mesh_voxels + kAStep * work.steps + kAHarmonic * work.harmonics +
+            kAMeshStep * work.mesh_steps) /
+               threads -
+           kStart;
+}
+
+EngineChoice choose_engine(const Workload& work, const std::vector<compute::DeviceReport>& devices, bool needs_f64,
+                           unsigned threads) {
+    const auto hardware = std::ranges::count_if(devices, [&](const auto& one) { return is_hardware(one, needs_f64); });
+    if (hardware > 0) {
+        const compute::DeviceReport& chosen = compute::choose_device(devices, "", needs_f64);
+        return {
+            false, std::to_string(chosen.index),
+            fmt::format("gpu ({}){}", chosen.name,
+                        hardware > 1 ? fmt::format(", one of {}: --gpu UUID or INDEX takes another", hardware) : "")};
+    }
+    const std::string cpu = fmt::format("cpu ({} thread{})", threads, threads == 1 ? "" : "s");
+    if (saved_by_software_device(work, threads) <= 0)
+        return {true, "",
+                cpu + (work.mesh_steps > 0 && saved_by_software_device(work, threads) < -kStart
+                           ? ": a software device would be slower along paths over a mesh"
+                           : ": starting a software device would take longer than it saves")};
+    for (const compute::DeviceReport& device : devices)
+        if (device.refusals.empty() && (device.f64 || !needs_f64))
+            return {false, std::to_string(device.index),
+                    fmt::format("gpu ({}): so much work is done sooner by a software device", device.name)};
+    return {true, "", cpu + ": there is no Vulkan device"};
+}
+
+EngineChoice choose_engine(const Workload& work, bool needs_f64) {
+    const unsigned threads = std::max(1u, std::thread::hardware_concurrency());
+    std::vector<compute::DeviceReport> devices;
+    if (compute::may_have_hardware() || saved_by_software_device(work, threads) > 0)
+        try {
+            devices = compute::list_devices();
+        } catch (const compute::DeviceError&) {
+            devices.clear(); // no Vulkan here
+        }
+    return choose_engine(work, devices, needs_f64, threads);
+}
+
+} // namespace forceshade

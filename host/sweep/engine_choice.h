@@ -1,0 +1,48 @@
+// Which engine `--engine auto` takes: a hardware GPU where there is one, else the CPU or the software device, whichever
+// is faster by what was measured of them. It depends on the machine and the scene alone, never on how fast it is just
+// now, and both compute the same bits.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "compute/device.h"
+#include "host/scene/scene.h"
+
+namespace forceshade {
+
+/// What there is to compute, as far as it decides which engine is faster.
+struct Workload {
+    double voxels = 0;      /* evaluated, of analytic surfaces */
+    double mesh_voxels = 0; /* of grids over meshes */
+    double steps = 0;       /* of paths over analytic surfaces */
+    double harmonics = 0;   /* of their motions, summed over the steps */
+    double mesh_steps = 0;  /* of paths over meshes */
+
+    Workload& operator+=(const Workload& other);
+};
+
+/// A scene's field; nothing where it has none.
+Workload field_workload(const Scene& scene);
+/// A scene's paths; nothing where it has none. Of recorded ones, those in the file `recorded` or, where that is empty,
+/// in the scene's: as many as its size lets one expect.
+Workload path_workload(const Scene& scene, const std::string& recorded = "");
+
+/// s: by how much a software device is done sooner than the CPU engine, both on that many threads; below 0: later.
+double saved_by_software_device(const Workload& work, unsigned threads);
+
+struct EngineChoice {
+    bool cpu = true;
+    std::string gpu; /* index of the device, as for compute::choose_device */
+    std::string why; /* in words, with the engine's name */
+};
+
+/// `devices`: all that there are.
+EngineChoice choose_engine(const Workload& work, const std::vector<compute::DeviceReport>& devices, bool needs_f64,
+                           unsigned threads);
+/// Of this machine, whose devices are listed only where that can matter: loading the drivers takes longer than many a
+/// field.
+EngineChoice choose_engine(const Workload& work, bool needs_f64);
+
+} // namespace forceshade
