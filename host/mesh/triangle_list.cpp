@@ -7,6 +7,8 @@
 #include <limits>
 #include <utility>
 
+#include "host/reference/wide.h"
+
 namespace forceshade {
 
 using reference::Vector;
@@ -19,12 +21,6 @@ namespace {
 // Of triangles: corners, circle.
 template <typename T> using Columns = std::array<const T*, 10>;
 
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-#define FS_WIDE __attribute__((target_clones("avx512f", "avx2", "default")))
-#else
-#define FS_WIDE
-#endif
-
 // No iteration of the loop writes what another reads.
 #if defined(__GNUC__) && !defined(__clang__)
 #define FS_INDEPENDENT _Pragma("GCC ivdep")
@@ -35,9 +31,8 @@ template <typename T> using Columns = std::array<const T*, 10>;
 // The least over a triangle's corners q of |centre - q|^2 - |side . (q - w)|, side the box's, less the circle and the
 // limit: by how much the triangle is further than the witness w from that point of the box where it gains most.
 template <typename T>
-[[gnu::always_inline]] inline void excesses(const Columns<T>& columns, std::size_t count, const Vector<T> centre,
-                                            const Vector<T> side, const Vector<T> witness, const T limit,
-                                            T* __restrict result) {
+FS_INLINE void excesses(const Columns<T>& columns, std::size_t count, const Vector<T> centre, const Vector<T> side,
+                        const Vector<T> witness, const T limit, T* __restrict result) {
     const T* const __restrict a_x = columns[0], * const __restrict a_y = columns[1], * const __restrict a_z = columns[2];
     const T* const __restrict b_x = columns[3], * const __restrict b_y = columns[4], * const __restrict b_z = columns[5];
     const T* const __restrict c_x = columns[6], * const __restrict c_y = columns[7], * const __restrict c_z = columns[8];
@@ -58,8 +53,8 @@ template <typename T>
 
 // Squared distances from a point to others.
 template <typename T>
-[[gnu::always_inline]] inline void squares(const T* __restrict x, const T* __restrict y, const T* __restrict z,
-                                           std::size_t count, const Vector<T> point, T* __restrict result) {
+FS_INLINE void squares(const T* __restrict x, const T* __restrict y, const T* __restrict z, std::size_t count,
+                       const Vector<T> point, T* __restrict result) {
     for (std::size_t i = 0; i < count; ++i) {
         const T dx = x[i] - point.x, dy = y[i] - point.y, dz = z[i] - point.z;
         result[i] = dx * dx + dy * dy + dz * dz;
@@ -68,8 +63,7 @@ template <typename T>
 
 // Squares are not below 0, so that their bits compare as they do. With the place in the last bits, one pass over
 // integers, several at a time, finds it.
-template <typename Bits, typename T>
-[[gnu::always_inline]] inline std::size_t near_least(const T* __restrict values, std::size_t count) {
+template <typename Bits, typename T> FS_INLINE std::size_t near_least(const T* __restrict values, std::size_t count) {
     const Bits places = static_cast<Bits>(std::bit_ceil(count) - 1);
     Bits least = std::numeric_limits<Bits>::max();
     for (std::size_t i = 0; i < count; ++i) {
@@ -82,8 +76,8 @@ template <typename Bits, typename T>
 // Eight rows of squared distances, from each corner of a box, x running fastest, to the nearest corner of each
 // triangle.
 template <typename T>
-[[gnu::always_inline]] inline void squares_to_corners(const Columns<T>& columns, std::size_t count, const Vector<T> low,
-                                                      const Vector<T> high, T* __restrict rows) {
+FS_INLINE void squares_to_corners(const Columns<T>& columns, std::size_t count, const Vector<T> low,
+                                  const Vector<T> high, T* __restrict rows) {
     const T* const __restrict a_x = columns[0], * const __restrict a_y = columns[1], * const __restrict a_z = columns[2];
     const T* const __restrict b_x = columns[3], * const __restrict b_y = columns[4], * const __restrict b_z = columns[5];
     const T* const __restrict c_x = columns[6], * const __restrict c_y = columns[7], * const __restrict c_z = columns[8];
@@ -116,9 +110,8 @@ template <typename T>
 
 // By how much each triangle, its circle less, is at least beyond the limits of all corners.
 template <typename T>
-[[gnu::always_inline]] inline void beyond_limits(const T* __restrict rows, const T* __restrict circle,
-                                                 std::size_t count, const std::array<T, 8> limits,
-                                                 T* __restrict result) {
+FS_INLINE void beyond_limits(const T* __restrict rows, const T* __restrict circle, std::size_t count,
+                             const std::array<T, 8> limits, T* __restrict result) {
     const auto less = [](T a, T b) __attribute__((always_inline)) {
         return a < b ? a : b;
     };
@@ -145,7 +138,7 @@ template <typename T> void grow(std::vector<T>& values, std::size_t count) {
 
 // 1 where an excess is not above 0, else 0.
 template <typename T>
-[[gnu::always_inline]] inline void mark(const T* __restrict worst, std::size_t count, std::uint8_t* __restrict marks) {
+FS_INLINE void mark(const T* __restrict worst, std::size_t count, std::uint8_t* __restrict marks) {
     for (std::size_t i = 0; i < count; ++i)
         marks[i] = worst[i] > T(0) ? 0 : 1;
 }

@@ -3,6 +3,11 @@
 
 #include <algorithm>
 #include <atomic>
+#include <condition_variable>
+#include <cstdint>
+#include <functional>
+#include <mutex>
+#include <stop_token>
 #include <thread>
 #include <vector>
 
@@ -27,6 +32,67 @@ template <typename Work> void share_out(std::size_t threads, std::size_t count, 
         helpers.emplace_back(run, i);
     run(0);
 }
+
+/// Threads that stay and share out one piece of work after another. Nobody waits for a thread that has not begun, as it
+/// may not for long on a busy machine.
+class Crew {
+public:
+    explicit Crew(std::size_t threads) {
+        for (std::size_t i = 1; i < threads; ++i)
+            helpers_.emplace_back([this, i](const std::stop_token& stop) { help(stop, i); });
+    }
+
+    /// work(thread, index) for every index below count.
+    template <typename Work> void share_out(std::size_t count, const Work& work) {
+        next_ = 0;
+        const std::function<void(std::size_t)> all = [&](std::size_t thread) {
+            for (std::size_t i; (i = next_++) < count;)
+                work(thread, i);
+        };
+        const Posted posted(*this, all);
+        all(0);
+    }
+
+private:
+    // Work that helpers may take up as long as this lives; its end waits for those that did.
+    struct Posted {
+        Crew& crew;
+        Posted(Crew& crew_, const std::function<void(std::size_t)>& work) : crew(crew_) {
+            const std::lock_guard lock(crew.mutex_);
+            crew.work_ = &work;
+            ++crew.posted_;
+            crew.changed_.notify_all();
+        }
+        ~Posted() {
+            std::unique_lock lock(crew.mutex_);
+            crew.work_ = nullptr;
+            crew.changed_.wait(lock, [&] { return crew.busy_ == 0; });
+        }
+    };
+
+    void help(const std::stop_token& stop, std::size_t thread) {
+        std::uint64_t seen = 0;
+        std::unique_lock lock(mutex_);
+        while (changed_.wait(lock, stop, [&] { return work_ && posted_ != seen; })) {
+            seen = posted_;
+            ++busy_;
+            const auto& work = *work_;
+            lock.unlock();
+            work(thread);
+            lock.lock();
+            --busy_;
+            changed_.notify_all();
+        }
+    }
+
+    std::mutex mutex_;
+    std::condition_variable_any changed_;
+    const std::function<void(std::size_t)>* work_ = nullptr;
+    std::uint64_t posted_ = 0;
+    std::size_t busy_ = 0; // helpers
+    std::atomic<std::size_t> next_{0};
+    std::vector<std::jthread> helpers_; // last: they end first
+};
 
 /// A chunk's results by channel, layout::kChannel... bits; those not asked for are empty.
 template <typename T> struct SampleBuffers {

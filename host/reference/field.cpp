@@ -2,9 +2,14 @@
 
 #include "host/reference/chunks.h"
 #include "host/reference/contact.h"
+#include "host/reference/force_rows.h"
 
 namespace forceshade::reference {
 namespace {
+
+// Forces are written faster than memory takes them: so few stay in the processor's cache until they are consumed.
+constexpr std::size_t kForceBytes = std::size_t(8) << 20;
+constexpr std::size_t kColumnBytes = std::size_t(32) << 20; // more than these are made anew for each chunk
 
 // The law at a sample. What was nearest to a mesh's last sample is a good guess for the next.
 template <typename T>
@@ -34,13 +39,18 @@ void evaluate_rows(const layout::FieldInput<T>& input, const layout::FieldChunk<
 // Shares the chunk's rows out among threads: whole y where there are enough, else blocks of z.
 template <typename T>
 void evaluate_chunk(const layout::FieldInput<T>& input, const layout::FieldChunk<T>& chunk, std::size_t threads,
-                    SampleBuffers<T>& buffers) {
+                    Crew& crew, const ForceRows<T>* forces, SampleBuffers<T>& buffers) {
     const std::size_t blocks = chunk.y_count >= 4 * threads ? 1 : std::min(chunk.z_count, 4 * threads);
     std::vector<std::vector<Column<T>>> columns(threads);
-    share_out(threads, chunk.y_count * blocks, [&](std::size_t thread, std::size_t task) {
+    crew.share_out(chunk.y_count * blocks, [&](std::size_t thread, std::size_t task) {
         const std::size_t block = task % blocks;
-        evaluate_rows(input, chunk, task / blocks, block * chunk.z_count / blocks, (block + 1) * chunk.z_count / blocks,
-                      columns[thread], buffers);
+        const std::size_t begin = block * chunk.z_count / blocks, end = (block + 1) * chunk.z_count / blocks;
+        const std::size_t y = task / blocks;
+        if (!forces)
+            return evaluate_rows(input, chunk, y, begin, end, columns[thread], buffers);
+        for (std::size_t z = begin; z < end; ++z)
+            forces->evaluate(input.law, chunk.y_first + y, input.z[chunk.z_first + z],
+                             &buffers.force[3 * (z * chunk.y_count + y) * chunk.x_pitch]);
     });
 }
 
@@ -52,10 +62,17 @@ void evaluate_field(const layout::FieldInput<T>& input, const FieldOptions& opti
     const layout::uint channels = input.law.features.channels;
     const std::size_t row_bytes =
         std::max<std::size_t>(1, input.x.size() * SampleBuffers<T>::bytes_per_sample(channels));
-    const std::size_t rows = std::max<std::size_t>(1, options.chunk_bytes / row_bytes);
+    const bool forces = ForceRows<T>::serve(input.law.features);
+    const bool all_y = ForceRows<T>::bytes(input, input.y.size()) <= kColumnBytes;
+    const std::size_t chunk_bytes = forces ? std::min(options.chunk_bytes, kForceBytes) : options.chunk_bytes;
+    const std::size_t rows = std::max<std::size_t>(1, chunk_bytes / row_bytes);
     const std::size_t y_step = std::min(input.y.size(), rows);
     const std::size_t z_step = y_step < input.y.size() ? 1 : std::min(input.z.size(), rows / y_step);
     const std::size_t threads = threads_for(options.threads);
+    Crew crew(threads);
+    ForceRows<T> columns;
+    if (forces && all_y)
+        columns.prepare(input, 0, input.y.size(), crew);
     SampleBuffers<T> buffers;
     buffers.resize(channels, input.x.size() * y_step * z_step);
     for (std::size_t z = 0; z < input.z.size(); z += z_step)
@@ -68,7 +85,9 @@ void evaluate_field(const layout::FieldInput<T>& input, const FieldOptions& opti
             chunk.z_count = std::min(z_step, input.z.size() - z);
             buffers.set_spans(chunk);
             chunk.unshaded = buffers.unshaded;
-            evaluate_chunk(input, chunk, threads, buffers);
+            if (forces && !all_y)
+                columns.prepare(input, y, chunk.y_count, crew);
+            evaluate_chunk(input, chunk, threads, crew, forces ? &columns : nullptr, buffers);
             consume(chunk);
         }
 }

@@ -7,17 +7,10 @@
 
 #include "host/reference/chunks.h"
 #include "host/reference/mesh_contact.h"
+#include "host/reference/wide.h"
 
 // Vectors of eight numbers stay within functions that are inlined.
 #pragma GCC diagnostic ignored "-Wpsabi"
-
-// The loader picks the processor's own version.
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-#define FS_WIDE __attribute__((target_clones("avx512f", "avx2", "default")))
-#else
-#define FS_WIDE
-#endif
-#define FS_INLINE [[gnu::always_inline]] inline
 
 namespace forceshade::reference {
 namespace {

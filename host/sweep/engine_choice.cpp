@@ -15,8 +15,8 @@ namespace {
 // Whole commands with both engines on two threads of a Xeon with AVX-512 and of Mesa 22.3, kernels on disk; thread
 // seconds that the software device saves, below 0 where it is slower. What both do alike, such as writing, is not in
 // them.
-constexpr double kStart = 0.12; // s: opening the device, reading its kernels; less than half of it for the smallest
-constexpr double kAVoxel = 12e-9;
+constexpr double kStart = 0.12; // s: opening the device and reading its kernels; 0.07 for a field, 0.13 for paths
+constexpr double kAVoxel = -10e-9;
 constexpr double kAMeshVoxel = 2e-6;
 constexpr double kAStep = 0.1e-6;
 constexpr double kAHarmonic = 15e-9; // and step
@@ -97,11 +97,13 @@ EngineChoice choose_engine(const Workload& work, const std::vector<compute::Devi
                         hardware > 1 ? fmt::format(", one of {}: --gpu UUID or INDEX takes another", hardware) : "")};
     }
     const std::string cpu = fmt::format("cpu ({} thread{})", threads, threads == 1 ? "" : "s");
-    if (saved_by_software_device(work, threads) <= 0)
+    const double saved = saved_by_software_device(work, threads);
+    if (saved < -kStart)
         return {true, "",
-                cpu + (work.mesh_steps > 0 && saved_by_software_device(work, threads) < -kStart
-                           ? ": a software device would be slower along paths over a mesh"
-                           : ": starting a software device would take longer than it saves")};
+                fmt::format("{}: a software device would be slower for {}", cpu,
+                            work.mesh_steps > 0 ? "paths over meshes" : "fields of analytic surfaces")};
+    if (saved <= 0)
+        return {true, "", cpu + ": starting a software device would take longer than it saves"};
     for (const compute::DeviceReport& device : devices)
         if (device.refusals.empty() && (device.f64 || !needs_f64))
             return {false, std::to_string(device.index),

@@ -56,6 +56,7 @@ TEST(EngineChoice, IsTheCpuUntilADeviceIsWorthStarting) {
     EXPECT_LT(saved_by_software_device({.steps = 1e7}, 64), 0);
     EXPECT_GT(saved_by_software_device({.steps = 1e6, .harmonics = 16e6}, 2), 0);
     EXPECT_LT(saved_by_software_device({.mesh_steps = 1e9}, 2), 0);
+    EXPECT_LT(saved_by_software_device({.voxels = 1e9}, 2), 0);
 }
 
 TEST(EngineChoice, TakesHardwareThenWhatIsFaster) {

@@ -1,0 +1,10 @@
+// Loops over several numbers at once, in a version for each kind of processor, of which the loader picks one: same
+// operations, same bits. What is FS_WIDE has external linkage and is no template; what it calls has to be FS_INLINE.
+#pragma once
+
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#define FS_WIDE __attribute__((target_clones("avx512f", "avx2", "default")))
+#else
+#define FS_WIDE
+#endif
+#define FS_INLINE [[gnu::always_inline]] inline
