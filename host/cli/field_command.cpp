@@ -189,14 +189,9 @@ int run(const SweepArguments& arguments, const CommonOptions& common) {
     options.also = parse_also(arguments.also);
     options.shard = arguments.shard ? parse_shard(*arguments.shard) : slurm_shard();
     const Study study = load_study(arguments.study, common);
-    // Of the whole study, so that shards and parts of it take the same engine.
-    Workload work;
-    for (const Case& one : study.cases) {
-        work += field_workload(one.scene);
-        work += path_workload(one.scene);
-    }
-    const SettledEngine engine = settle_engine(
-        common, any_case(study, [](const Scene& scene) { return scene.precision == Precision::f64; }), work);
+    const SettledEngine engine =
+        settle_engine(common, any_case(study, [](const Scene& scene) { return scene.precision == Precision::f64; }),
+                      study_workload(study));
     // Also where everything is there already: a device that was asked for must exist, and have computed it.
     if (!common.gpu.empty())
         options.device = compute::choose_device(compute::list_devices(), common.gpu, engine.options.needs_f64);

@@ -79,6 +79,15 @@ Workload path_workload(const Scene& scene, const std::string& recorded) {
     return {.steps = steps, .harmonics = steps * harmonics};
 }
 
+Workload study_workload(const Study& study) {
+    Workload work;
+    for (const Case& one : study.cases) {
+        work += field_workload(one.scene);
+        work += path_workload(one.scene);
+    }
+    return work;
+}
+
 double saved_by_software_device(const Workload& work, unsigned threads) {
     return (kAVoxel * work.voxels + kAMeshVoxel * work.mesh_voxels + kAStep * work.steps + kAHarmonic * work.harmonics +
             kAMeshStep * work.mesh_steps) /

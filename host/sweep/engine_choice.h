@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "compute/device.h"
-#include "host/scene/scene.h"
+#include "host/scene/study.h"
 
 namespace forceshade {
 
@@ -28,6 +28,9 @@ Workload field_workload(const Scene& scene);
 /// A scene's paths; nothing where it has none. Of recorded ones, those in the file `recorded` or, where that is empty,
 /// in the scene's: as many as its size lets one expect.
 Workload path_workload(const Scene& scene, const std::string& recorded = "");
+
+/// All fields and paths of a study, so that shards and parts of it take the same engine.
+Workload study_workload(const Study& study);
 
 /// s: by how much a software device is done sooner than the CPU engine, both on that many threads; below 0: later.
 double saved_by_software_device(const Workload& work, unsigned threads);

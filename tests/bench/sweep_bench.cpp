@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include "host/sweep/case_pipeline.h"
+#include "host/sweep/engine_choice.h"
 #include "host/sweep/manifest.h"
 #include "host/sweep/sweep.h"
 #include "tests/bench/measure.h"
@@ -67,11 +68,20 @@ double output_alone(ReplayEngine& replay, const Study& study, const std::filesys
     });
 }
 
+EngineOptions default_engine(const Study& study) {
+    const EngineChoice choice = choose_engine(study_workload(study), false);
+    EngineOptions options;
+    options.cpu = choice.cpu;
+    options.gpu = choice.gpu;
+    return options;
+}
+
 void default_sweep(benchmark::State& state) {
     const std::filesystem::path folder =
         std::filesystem::temp_directory_path() / ("forceshade-bench-" + std::to_string(getpid()));
     const Study study = default_study();
-    const auto engine = make_engine({});
+    const EngineOptions wanted = default_engine(study);
+    const auto engine = make_engine(wanted);
     ReplayEngine replay(*engine);
     output_alone(replay, study, folder / "output"); // also evaluates every field once, and compiles
     const auto cores = static_cast<double>(std::max(1u, std::thread::hardware_concurrency()));
@@ -87,13 +97,14 @@ void default_sweep(benchmark::State& state) {
         const double before = cpu_seconds();
         const double wall = seconds([&] {
             run_sweep(
-                study, [] { return make_engine({}); }, false, options);
+                study, [&] { return make_engine(wanted); }, wanted.cpu, options);
         });
         processors = (cpu_seconds() - before) / cores;
         state.SetIterationTime(wall);
         walls.push_back(wall);
         ratios.push_back(wall / std::max({kernels, output, processors}));
     }
+    state.SetLabel(cpu_name() + "; " + engine->report().device);
     state.counters["of_largest"] = median(ratios);
     state.counters["wall_s"] = median(walls);
     state.counters["kernels_s"] = kernels;
