@@ -17,7 +17,6 @@ namespace {
 // them.
 constexpr double kStart = 0.12; // s: opening the device and reading its kernels; 0.07 for a field, 0.13 for paths
 constexpr double kAVoxel = -10e-9;
-constexpr double kAMeshVoxel = 2e-6;
 constexpr double kAStep = 0.1e-6;
 constexpr double kAHarmonic = 15e-9; // and step
 constexpr double kAMeshStep = -0.3e-6;
@@ -25,8 +24,6 @@ constexpr double kAMeshStep = -0.3e-6;
 constexpr double kBytesASample = 40; // of a recorded file: five numbers
 
 double grid_voxels(const GridSpec& grid) {
-    if (grid.samples > 0) // along the longest side; the others are known once the mesh is read
-        return std::pow(static_cast<double>(grid.samples), 3);
     return static_cast<double>(grid.size[0]) * static_cast<double>(grid.size[1]) * static_cast<double>(grid.size[2]);
 }
 
@@ -44,7 +41,6 @@ bool is_hardware(const compute::DeviceReport& device, bool needs_f64) {
 
 Workload& Workload::operator+=(const Workload& other) {
     voxels += other.voxels;
-    mesh_voxels += other.mesh_voxels;
     steps += other.steps;
     harmonics += other.harmonics;
     mesh_steps += other.mesh_steps;
@@ -53,13 +49,10 @@ Workload& Workload::operator+=(const Workload& other) {
 
 Workload field_workload(const Scene& scene) {
     Workload work;
-    if (!scene.field)
+    if (!scene.field || scene.surface.kind == SurfaceKind::mesh) // of meshes both take equally long
         return work;
     const double voxels = grid_voxels(scene.grid);
-    if (scene.surface.kind == SurfaceKind::mesh)
-        work.mesh_voxels = voxels;
-    else
-        work.voxels = depends_on_y(features_of(scene)) ? voxels : voxels / static_cast<double>(scene.grid.size[1]);
+    work.voxels = depends_on_y(features_of(scene)) ? voxels : voxels / static_cast<double>(scene.grid.size[1]);
     return work;
 }
 
@@ -89,8 +82,7 @@ Workload study_workload(const Study& study) {
 }
 
 double saved_by_software_device(const Workload& work, unsigned threads) {
-    return (kAVoxel * work.voxels + kAMeshVoxel * work.mesh_voxels + kAStep * work.steps + kAHarmonic * work.harmonics +
-            kAMeshStep * work.mesh_steps) /
+    return (kAVoxel * work.voxels + kAStep * work.steps + kAHarmonic * work.harmonics + kAMeshStep * work.mesh_steps) /
                threads -
            kStart;
 }

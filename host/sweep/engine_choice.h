@@ -14,11 +14,10 @@ namespace forceshade {
 
 /// What there is to compute, as far as it decides which engine is faster.
 struct Workload {
-    double voxels = 0;      /* evaluated, of analytic surfaces */
-    double mesh_voxels = 0; /* of grids over meshes */
-    double steps = 0;       /* of paths over analytic surfaces */
-    double harmonics = 0;   /* of their motions, summed over the steps */
-    double mesh_steps = 0;  /* of paths over meshes */
+    double voxels = 0;     /* evaluated, of analytic surfaces; of meshes both take equally long */
+    double steps = 0;      /* of paths over analytic surfaces */
+    double harmonics = 0;  /* of their motions, summed over the steps */
+    double mesh_steps = 0; /* of paths over meshes */
 
     Workload& operator+=(const Workload& other);
 };

@@ -29,7 +29,6 @@ constexpr const char* kMesh = "[surface]\nkind = \"mesh\"\nfile = \"a.obj\"\n[gr
 TEST(EngineChoice, CountsWhatAnEngineComputes) {
     const Scene plane = scene_of(kPlane);
     EXPECT_EQ(field_workload(plane).voxels, 300) << "once in y";
-    EXPECT_EQ(field_workload(plane).mesh_voxels, 0);
     EXPECT_EQ(path_workload(plane).steps, 0);
     const Scene dimpled =
         scene_of("[surface]\nkind = \"height_map\"\nfunction = \"gaussian\"\n[force]\nshading = \"height_map\"\n"
@@ -37,7 +36,6 @@ TEST(EngineChoice, CountsWhatAnEngineComputes) {
     EXPECT_EQ(field_workload(dimpled).voxels, 6000);
     const Scene mesh = scene_of((std::string(kMesh) + kPaths).c_str());
     EXPECT_EQ(field_workload(mesh).voxels, 0);
-    EXPECT_EQ(field_workload(mesh).mesh_voxels, 1000);
     EXPECT_EQ(path_workload(mesh).steps, 0);
     EXPECT_EQ(path_workload(mesh).mesh_steps, 500000);
     const Scene strokes = scene_of((std::string("[surface]\nkind = \"bump\"\n") + kPaths).c_str());
