@@ -9,9 +9,6 @@
 #include "host/reference/mesh_contact.h"
 #include "host/reference/wide.h"
 
-// Vectors of eight numbers stay within functions that are inlined.
-#pragma GCC diagnostic ignored "-Wpsabi"
-
 namespace forceshade::reference {
 namespace {
 
