@@ -343,8 +343,7 @@ private:
         record = output.finish();
         record.engine_times = transfer.times;
         record.engine_times.prepare = transfer.job->prepared.seconds;
-        // Which blocks of a mesh's grid are free, a device's engine alone finds out.
-        if (transfer.job->prepared.images.mesh && engine_.engine == "gpu")
+        if (transfer.job->prepared.images.mesh)
             record.evaluated = transfer.times.voxels_evaluated;
         return true;
     }

@@ -47,6 +47,7 @@ Launch launch(const std::filesystem::path& profile) {
                         "--user-data-dir=" + profile.string(),
                         "about:blank"};
     launch.environment["HOME"] = profile.string();
+    launch.environment["VK_LOADER_DRIVERS_SELECT"] = "*"; // its own software device draws WebGL
     return launch;
 }
 
