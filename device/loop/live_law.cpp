@@ -49,7 +49,10 @@ public:
 // L6 to L9: the god-object.
 template <typename T> class MeshLaw final : public TabledLaw<T> {
 public:
-    using TabledLaw<T>::TabledLaw;
+    explicit MeshLaw(PreparedCase prepared) : TabledLaw<T>(std::move(prepared)) {
+        find_obstacles(this->tables_);
+        this->law_ = this->tables_.law();
+    }
 
     bool reaches(const glm::dvec3& probe) const noexcept override {
         return TabledLaw<T>::reaches(probe) && is_within_reach(local(probe));

@@ -165,9 +165,13 @@ template <typename T> layout::MeshView<T> MeshTables<T>::view() const {
                              reals->vertex_normals,
                              parts->solid,
                              {},
+                             {},
+                             {},
                              {}};
     if (winding)
         view.moments = winding->moments, view.rims = winding->rims;
+    if (obstacles)
+        view.obstacle_begins = obstacles->begins, view.obstacles = obstacles->triangles;
     return view;
 }
 
@@ -180,7 +184,7 @@ template <typename T> MeshTables<T> make_mesh_tables(const MeshStructure& struct
         throw UsageError(fmt::format("a stiffness of {} N/m on a mesh of about {} m makes forces that {} precision "
                                      "cannot hold; a normal number of newtons would be right",
                                      stiffness, structure.scale, sizeof(T) == sizeof(float) ? "single" : "double"));
-    MeshTables<T> tables{{}, structure.parts, reals_as<T>(structure.reals), structure.winding};
+    MeshTables<T> tables{{}, structure.parts, reals_as<T>(structure.reals), structure.winding, {}};
     tables.params.centre_x = centre.x;
     tables.params.centre_y = centre.y;
     tables.params.centre_z = centre.z;

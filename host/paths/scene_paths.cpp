@@ -58,13 +58,18 @@ ScenePaths<T>::ScenePaths(const PreparedCase& prepared, std::shared_ptr<const Re
                                      "follow: at most {:.3g} m; are the units right?",
                                      farthest, std::is_same_v<T, float> ? "f32" : "f64",
                                      largest_coordinate<T>(prepared)));
-    if (spec_.kind != PathKind::recorded)
-        return;
-    if (!recorded)
-        recorded = read_recorded<T>(prepared, spec_.path);
-    spec_.count = recorded->paths();
-    spec_.steps = recorded->longest();
-    recorded_ = std::make_unique<RecordedPaths<T>>(std::move(recorded));
+    if (spec_.kind == PathKind::recorded) {
+        if (!recorded)
+            recorded = read_recorded<T>(prepared, spec_.path);
+        spec_.count = recorded->paths();
+        spec_.steps = recorded->longest();
+        recorded_ = std::make_unique<RecordedPaths<T>>(std::move(recorded));
+    }
+    constexpr std::uint64_t kWorthIt = 4; // samples a triangle
+    if (tables_.mesh && spec_.count * spec_.steps >= kWorthIt * tables_.mesh->params.triangles) {
+        find_obstacles(tables_);
+        law_ = tables_.law();
+    }
 }
 
 template <typename T> layout::PathInput<T> ScenePaths<T>::input() {

@@ -292,6 +292,14 @@ template <typename T> FieldTables<T> make_tables(const Scene& scene, const Scene
     return tables;
 }
 
+template <typename T> void find_obstacles(FieldTables<T>& tables) {
+    MeshTables<T> mesh = *tables.mesh;
+    find_obstacles(mesh);
+    tables.mesh = std::make_shared<const MeshTables<T>>(std::move(mesh));
+}
+
+template void find_obstacles(FieldTables<float>&);
+template void find_obstacles(FieldTables<double>&);
 template FieldTables<float> make_tables<float>(const Scene&, const SceneImages&, Extent);
 template FieldTables<double> make_tables<double>(const Scene&, const SceneImages&, Extent);
 

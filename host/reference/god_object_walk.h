@@ -109,7 +109,7 @@ public:
 
     /// Whether a triangle is behind a plane that the move keeps a skin in front of.
     bool lies_below(const Triangle<T>& triangle) const noexcept {
-        constexpr T kFlush = Skin<T>::kRest * T(0.25);
+        constexpr T kFlush = Skin<T>::kFlush;
         for (layout::uint j = 0; j < projection_.count; ++j) {
             const layout::uint source = projection_.active[j].source;
             if (constraints_[source] != Constraint::face)
@@ -351,12 +351,32 @@ private:
         return enters;
     }
 
+    /// The triangles that the move may meet, if it slides over the front of a triangle for which they are known: those
+    /// known at its place. Only saves time.
+    bool find_obstacles(std::span<const layout::uint>& obstacles) const noexcept {
+        if (mesh_.obstacle_begins.empty() || resting().count != 1)
+            return false;
+        const layout::uint source = resting().active[0].source;
+        const Touch<T>& touch = pool_[source];
+        if (pool_.constraint(source) != Constraint::face || !touch.above_face() || touch.face != touch.triangle.normal)
+            return false;
+        const layout::uint begin = mesh_.obstacle_begins[touch.index], end = mesh_.obstacle_begins[touch.index + 1];
+        obstacles = mesh_.obstacles.subspan(begin, end - begin);
+        return obstacles.empty() || obstacles[0] != layout::kMeshAnyObstacle;
+    }
+
     /// The first impact of a move, which is cut there. Triangles are sifted in batches without a branch each, so that
     /// one does not wait for the memory of another.
     Impact cast(Move<T>& move) noexcept {
         Impact first{T(2), 0};
         layout::uint batch[kBatch];
         layout::uint count = 0;
+        std::span<const layout::uint> obstacles;
+        if (find_obstacles(obstacles)) {
+            std::copy(obstacles.begin(), obstacles.end(), batch);
+            cast_at(batch, static_cast<layout::uint>(obstacles.size()), move, first);
+            return first;
+        }
         static_assert(kBatch >= CloseTriangles<T>::kMost);
         if (update_close(mesh_, neighbourhood_, move)) {
             hit_first(batch, sift(neighbourhood_.close, move, batch), move, first);

@@ -25,6 +25,7 @@ template <typename T> struct Skin {
     static constexpr T kCorner = kWidth * T(8);         /* what is this near may share a corner */
     static constexpr T kPlace = std::numeric_limits<T>::epsilon() * T(32); /* what rounding makes of a place */
     static constexpr T kRest = kWidth * T(0.015625);                       /* moves shorter than this are none */
+    static constexpr T kFlush = kRest * T(0.25); /* what is no higher above a plane than this is not above it */
 };
 
 /// from + t * move for t in [0, until].

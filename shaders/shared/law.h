@@ -49,6 +49,9 @@ template <typename real> struct MeshView {
     bool solid = false;                  // bounds one solid, whose surface nowhere meets itself
     std::span<const MeshMoment> moments; // 1 a node
     std::span<const uint> rims;          // 3 an edge where the surface ends: its vertices, how often more one way
+    // For god-objects (host only); empty unless asked for.
+    std::span<const uint> obstacle_begins; // triangles + 1: where the list of a triangle begins
+    std::span<const uint> obstacles;       // triangles that one sliding over its front may meet; or kMeshAnyObstacle
 };
 
 // Where a mesh's force is, on one grid. Voxels of blocks that are not listed are out of contact.

@@ -101,8 +101,9 @@ FS_CONSTANT kMeshNoChild = 0xFFFFFFFFu;
 FS_CONSTANT kMeshLeaf = 0x80000000u; // bit of a child that is a run of triangles: first * 8 + count - 1
 FS_CONSTANT kMeshLeafTriangles = 8u; // most triangles of a leaf
 // triangle_neighbours: what lies across an edge.
-FS_CONSTANT kMeshBorder = 0xFFFFFFFFu;  // nothing
-FS_CONSTANT kMeshManyBit = 0x80000000u; // not exactly one triangle: the low bits index edge_pseudonormals
+FS_CONSTANT kMeshBorder = 0xFFFFFFFFu;      // nothing
+FS_CONSTANT kMeshAnyObstacle = 0xFFFFFFFFu; // more than a list takes
+FS_CONSTANT kMeshManyBit = 0x80000000u;     // not exactly one triangle: the low bits index edge_pseudonormals
 // What of a triangle the nearest point lies on: its face, edge i as kMeshEdge + i, corner i as kMeshCorner + i.
 FS_CONSTANT kMeshFace = 0u;
 FS_CONSTANT kMeshEdge = 1u;

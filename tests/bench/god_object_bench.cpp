@@ -54,6 +54,7 @@ const Course& course(unsigned frequency) {
         v *= kRadius;
     Course made{build_structure(shapes::mesh_of(std::move(sphere))), {}, {}};
     made.tables = make_mesh_tables<double>(made.structure, 500.0);
+    find_obstacles(made.tables);
     made.probes = spiral(made.structure, std::size_t(1) << 20);
     return courses.emplace(frequency, std::move(made)).first->second;
 }

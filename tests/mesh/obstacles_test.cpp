@@ -1,0 +1,96 @@
+// What a god-object may meet on its way over a triangle: with the lists and without, every update is the same bit for
+// bit.
+#include <cstring>
+
+#include <gtest/gtest.h>
+
+#include "host/reference/god_object.h"
+#include "tests/mesh/god_object_walks.h"
+
+namespace forceshade {
+namespace {
+
+template <typename T> struct Follower {
+    explicit Follower(const layout::MeshView<T>& view) : mesh(view) {}
+
+    reference::GodObjectContact<T> update(const glm::vec<3, T>& probe) {
+        return reference::update(mesh, state, *around, probe);
+    }
+
+    layout::MeshView<T> mesh;
+    reference::GodObject<T> state;
+    std::unique_ptr<reference::Neighbourhood<T>> around = std::make_unique<reference::Neighbourhood<T>>();
+};
+
+template <typename T> bool same_bits(const glm::vec<3, T>& one, const glm::vec<3, T>& other) {
+    return std::memcmp(&one, &other, sizeof one) == 0;
+}
+
+/// Walks with and without lists. `contacts` grows by the updates in contact.
+template <typename T, typename Walker>
+void expect_same(const std::string& name, const MeshStructure& structure, Walker walker, unsigned steps,
+                 unsigned length, std::uint64_t& contacts) {
+    MeshTables<T> tables = make_mesh_tables<T>(structure, 1.0);
+    Follower<T> without(tables.view());
+    find_obstacles(tables);
+    Follower<T> with(tables.view());
+    ASSERT_EQ(with.mesh.obstacle_begins.size(), structure.triangles() + 1);
+    glm::dvec3 at(0);
+    for (unsigned i = 0; i < steps; ++i) {
+        at = i % length == 0 ? walker.begin() : walker.step(at);
+        if (i % length == 0)
+            without.state = with.state = {};
+        const glm::vec<3, T> probe(at);
+        const auto one = without.update(probe), other = with.update(probe);
+        ASSERT_TRUE(same_bits(one.proxy, other.proxy) && same_bits(without.state.proxy, with.state.proxy))
+            << name << ", step " << i;
+        ASSERT_TRUE(one.substeps == other.substeps && one.count == other.count &&
+                    without.state.count == with.state.count && without.state.cornered == with.state.cornered)
+            << name << ", step " << i;
+        for (layout::uint j = 0; j < one.count; ++j)
+            ASSERT_EQ(one.triangles[j], other.triangles[j]) << name << ", step " << i;
+        contacts += one.touching;
+    }
+}
+
+template <typename T> void expect_same_everywhere(unsigned steps) {
+    std::vector<walks::Terrain> all = walks::terrains();
+    for (auto more : {walks::pits(), walks::solids(), walks::meshes({})})
+        all.insert(all.end(), more.begin(), more.end());
+    for (unsigned seed = 1; seed <= 10; ++seed)
+        all.push_back({"soup", walks::soup(seed)});
+    std::uint64_t contacts = 0;
+    for (const walks::Terrain& terrain : all) {
+        const MeshStructure structure = build_structure(shapes::mesh_of(terrain.polygons));
+        expect_same<T>(terrain.name, structure, walks::Wanderer(structure, 3, terrain.focus), steps, 200, contacts);
+        expect_same<T>(terrain.name, structure, walks::Aimer(structure, 3), steps, walks::Aimer::kSteps, contacts);
+    }
+    EXPECT_GT(contacts, steps * all.size() / 4);
+}
+
+TEST(Obstacles, ListsChangeNothingInDouble) {
+    expect_same_everywhere<double>(600);
+}
+
+TEST(Obstacles, ListsChangeNothingInFloat) {
+    expect_same_everywhere<float>(600);
+}
+
+TEST(Obstacles, NothingStandsOnAConvexSurface) {
+    MeshTables<double> tables = make_mesh_tables<double>(build_structure(shapes::mesh_of(shapes::icosphere(3))), 1.0);
+    find_obstacles(tables);
+    EXPECT_TRUE(tables.obstacles->triangles.empty());
+}
+
+TEST(Obstacles, AValleyIsKnownFromBothSides) {
+    PolygonSoup valley;
+    valley.vertices = {{0, 0, 0}, {0, 1, 0}, {1, 0, 1}, {-1, 0, 1}};
+    shapes::add_facet(valley, {0, 2, 1});
+    shapes::add_facet(valley, {0, 1, 3});
+    MeshTables<float> tables = make_mesh_tables<float>(build_structure(shapes::mesh_of(valley)), 1.0);
+    find_obstacles(tables);
+    EXPECT_EQ(tables.obstacles->triangles, (std::vector<layout::uint>{1, 0}));
+}
+
+} // namespace
+} // namespace forceshade
