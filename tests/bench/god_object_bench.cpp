@@ -1,12 +1,15 @@
-// Full updates of the god-object (L6) on one thread in double: the probe spirals 1 mm deep in a sphere of 25 mm, 0.1 mm
-// a step. Rate, and how long the slowest updates take beyond what the clock itself does.
+// Full updates of the god-object (L6) on one thread, in both precisions: rate, and how long the slowest take beyond
+// what the clock itself does. The probe spirals 1 mm deep in a sphere of 25 mm, 0.1 mm a step; or it goes in and out at
+// every place of that way, wanders at random about the surface, or strokes a pole where 224 facets meet.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <map>
 #include <memory>
+#include <random>
 
 #include <benchmark/benchmark.h>
+#include <glm/geometric.hpp>
 
 #include "host/mesh/structure.h"
 #include "host/reference/god_object.h"
@@ -20,15 +23,16 @@ constexpr double kRadius = 0.025; /* m */
 constexpr double kDepth = 0.001;  /* m */
 constexpr double kStep = 0.0001;  /* m a step */
 constexpr double kTurn = 0.0005;  /* m between turns of the spiral */
+constexpr std::size_t kSteps = std::size_t(1) << 20;
 
-/// From pole to pole and back, at constant speed.
-std::vector<glm::dvec3> spiral(const MeshStructure& structure, std::size_t steps) {
+/// From pole to pole and back, at constant speed, at a depth that depends on the step.
+template <typename Depth> std::vector<glm::dvec3> spiral(Depth&& depth) {
     std::vector<glm::dvec3> probes;
-    const double radius = kRadius - kDepth;
     double polar = 0.2, around = 0, sign = 1;
-    for (std::size_t i = 0; i < steps; ++i) {
+    for (std::size_t i = 0; i < kSteps; ++i) {
+        const double radius = kRadius - depth(i);
         const glm::dvec3 way(std::sin(polar) * std::cos(around), std::sin(polar) * std::sin(around), std::cos(polar));
-        probes.push_back(to_mesh_frame(structure, radius * way));
+        probes.push_back(radius * way);
         const double turn = kStep / (radius * std::sin(polar));
         around += turn;
         polar += sign * turn * kTurn / (2 * 3.141592653589793 * radius);
@@ -38,37 +42,103 @@ std::vector<glm::dvec3> spiral(const MeshStructure& structure, std::size_t steps
     return probes;
 }
 
-struct Course {
-    MeshStructure structure;
-    MeshTables<double> tables;
+/// A probe that a spring draws to the surface while it is pushed about at random.
+std::vector<glm::dvec3> random_walk() {
+    std::mt19937 random(1);
+    const auto push = [&random] { return kStep * (double(random()) / 0x1p31 - 1); };
     std::vector<glm::dvec3> probes;
-};
-
-const Course& course(unsigned frequency) {
-    static std::map<unsigned, Course> courses;
-    const auto found = courses.find(frequency);
-    if (found != courses.end())
-        return found->second;
-    PolygonSoup sphere = geodesic(frequency);
-    for (glm::dvec3& v : sphere.vertices)
-        v *= kRadius;
-    Course made{build_structure(shapes::mesh_of(std::move(sphere))), {}, {}};
-    made.tables = make_mesh_tables<double>(made.structure, 500.0);
-    find_obstacles(made.tables);
-    made.probes = spiral(made.structure, std::size_t(1) << 20);
-    return courses.emplace(frequency, std::move(made)).first->second;
+    glm::dvec3 at(0, 0, kRadius);
+    for (std::size_t i = 0; i < kSteps; ++i) {
+        at += glm::dvec3(push(), push(), push());
+        at += 0.01 * (kRadius / glm::length(at) - 1) * at;
+        probes.push_back(at);
+    }
+    return probes;
 }
 
-/// On the whole spiral; or (range 1 above 0) there and back on so many of its steps, whose triangles stay in the
-/// caches.
-void god_object(benchmark::State& state) {
-    const Course& path = course(static_cast<unsigned>(state.range(0)));
+/// To and fro over the pole, 1 mm deep, each stroke in another direction and past the pole by another distance.
+std::vector<glm::dvec3> strokes_over_pole() {
+    constexpr std::size_t kStroke = 100; /* steps */
+    std::vector<glm::dvec3> probes;
+    for (std::size_t i = 0; i < kSteps; ++i) {
+        const double angle = double(i / kStroke) * 2.4, past = double(i / kStroke % 16) * 2e-5;
+        const double along = (double(i % kStroke) - kStroke / 2.0) * kStep * (i / kStroke % 2 == 0 ? 1 : -1);
+        const glm::dvec3 over(along * std::cos(angle) - past * std::sin(angle),
+                              along * std::sin(angle) + past * std::cos(angle), kRadius);
+        probes.push_back((kRadius - kDepth) * glm::normalize(over));
+    }
+    return probes;
+}
+
+enum Way { on_surface, in_and_out, at_random, over_pole };
+constexpr int kPole = 0; /* in place of a frequency: latitudes and longitudes, 99 904 triangles */
+
+/// As many rings as there are facets round each pole.
+PolygonSoup ringed_sphere(unsigned facets) {
+    PolygonSoup sphere;
+    sphere.vertices = {{0, 0, 1}, {0, 0, -1}};
+    const unsigned rings = facets;
+    for (unsigned ring = 1; ring < rings; ++ring)
+        for (unsigned i = 0; i < facets; ++i) {
+            const double polar = 3.141592653589793 * ring / rings, around = 2 * 3.141592653589793 * i / facets;
+            sphere.vertices.emplace_back(std::sin(polar) * std::cos(around), std::sin(polar) * std::sin(around),
+                                         std::cos(polar));
+        }
+    const auto at = [&](unsigned ring, unsigned i) { return 2 + (ring - 1) * facets + i % facets; };
+    for (unsigned i = 0; i < facets; ++i) {
+        shapes::add_facet(sphere, {0, at(1, i), at(1, i + 1)});
+        for (unsigned ring = 1; ring + 1 < rings; ++ring) {
+            shapes::add_facet(sphere, {at(ring, i), at(ring + 1, i), at(ring + 1, i + 1)});
+            shapes::add_facet(sphere, {at(ring, i), at(ring + 1, i + 1), at(ring, i + 1)});
+        }
+        shapes::add_facet(sphere, {1, at(rings - 1, i + 1), at(rings - 1, i)});
+    }
+    return sphere;
+}
+
+const MeshStructure& sphere(int frequency) {
+    static std::map<int, MeshStructure> spheres;
+    const auto found = spheres.find(frequency);
+    if (found != spheres.end())
+        return found->second;
+    PolygonSoup polygons = frequency == kPole ? ringed_sphere(224) : geodesic(static_cast<unsigned>(frequency));
+    for (glm::dvec3& v : polygons.vertices)
+        v *= kRadius;
+    return spheres.emplace(frequency, build_structure(shapes::mesh_of(std::move(polygons)))).first->second;
+}
+
+template <typename T> struct Course {
+    MeshTables<T> tables;
+    std::vector<glm::vec<3, T>> probes;
+
+    Course(const MeshStructure& structure, Way way) : tables(make_mesh_tables<T>(structure, 500.0)) {
+        find_obstacles(tables);
+        std::vector<glm::dvec3> world;
+        if (way == on_surface)
+            world = spiral([](std::size_t) { return kDepth; });
+        else if (way == in_and_out)
+            world = spiral([](std::size_t i) { return kDepth * std::sin(0.05 * double(i)); });
+        else
+            world = way == at_random ? random_walk() : strokes_over_pole();
+        for (const glm::dvec3& probe : world)
+            probes.emplace_back(to_mesh_frame(structure, probe));
+    }
+};
+
+template <typename T> const Course<T>& course(int frequency, Way way) {
+    static std::map<std::pair<int, Way>, Course<T>> courses;
+    return courses.try_emplace({frequency, way}, sphere(frequency), way).first->second;
+}
+
+/// On the whole way; or (range 1 above 0) there and back on so many of its steps, whose triangles stay in the caches.
+template <typename T> void god_object(benchmark::State& state, Way way) {
+    const Course<T>& path = course<T>(static_cast<int>(state.range(0)), way);
     const auto warm = static_cast<std::size_t>(state.range(1));
-    const layout::MeshView<double> mesh = path.tables.view();
-    auto around = std::make_unique<reference::Neighbourhood<double>>();
-    reference::GodObject<double> proxy;
-    // The path begins within the sphere: brought in from outside.
-    reference::update(mesh, proxy, *around, path.probes[0] * 2.0);
+    const layout::MeshView<T> mesh = path.tables.view();
+    auto around = std::make_unique<reference::Neighbourhood<T>>();
+    reference::GodObject<T> proxy;
+    // Some paths begin within the sphere: brought in from outside.
+    reference::update(mesh, proxy, *around, path.probes[0] * T(2));
     std::size_t i = 0, substeps = 0, touching = 0;
     for ([[maybe_unused]] auto _ : state) {
         const std::size_t folded = warm > 0 ? i % (2 * warm) : i;
@@ -77,11 +147,11 @@ void god_object(benchmark::State& state) {
         benchmark::DoNotOptimize(contact);
         substeps += contact.substeps;
         touching += contact.touching;
-        i = (i + 1) & (path.probes.size() - 1);
+        i = (i + 1) % kSteps;
     }
     const auto updates = static_cast<double>(state.iterations());
     state.counters["updates/s"] = benchmark::Counter(updates, benchmark::Counter::kIsRate);
-    state.counters["triangles"] = static_cast<double>(path.structure.triangles());
+    state.counters["triangles"] = static_cast<double>(path.tables.params.triangles);
     state.counters["substeps"] = static_cast<double>(substeps) / updates;
     state.counters["touching"] = static_cast<double>(touching) / updates;
 }
@@ -92,15 +162,15 @@ double percentile(std::vector<double>& times, double share) {
     return *place;
 }
 
-void god_object_latency(benchmark::State& state) {
+template <typename T> void latency(benchmark::State& state, Way way) {
     using Clock = std::chrono::steady_clock;
-    const Course& path = course(static_cast<unsigned>(state.range(0)));
-    const layout::MeshView<double> mesh = path.tables.view();
-    auto around = std::make_unique<reference::Neighbourhood<double>>();
-    reference::GodObject<double> proxy;
+    const Course<T>& path = course<T>(static_cast<int>(state.range(0)), way);
+    const layout::MeshView<T> mesh = path.tables.view();
+    auto around = std::make_unique<reference::Neighbourhood<T>>();
+    reference::GodObject<T> proxy;
     std::vector<double> times(path.probes.size()), idle(path.probes.size());
     for ([[maybe_unused]] auto _ : state) {
-        reference::update(mesh, proxy, *around, path.probes[0] * 2.0);
+        reference::update(mesh, proxy, *around, path.probes[0] * T(2));
         for (std::size_t i = 0; i < path.probes.size(); ++i) {
             const auto begin = Clock::now();
             benchmark::DoNotOptimize(reference::update(mesh, proxy, *around, path.probes[i]));
@@ -118,11 +188,30 @@ void god_object_latency(benchmark::State& state) {
     state.counters["clock max us"] = percentile(idle, 1.0);
 }
 
-// 980, 100 820 and 1 003 520 triangles.
-BENCHMARK(god_object)->ArgsProduct({{7, 71, 224}, {0, 512}});
-BENCHMARK(god_object_latency)->Arg(7)->Arg(71)->Arg(224)->Iterations(1)->Unit(benchmark::kMillisecond);
+template <typename T> void add(const std::string& precision) {
+    const std::vector<std::int64_t> spheres{7, 71, 224}; // 980, 100 820 and 1 003 520 triangles
+    const auto rate = [&](const std::string& name, Way way) {
+        return benchmark::RegisterBenchmark((name + '/' + precision).c_str(), god_object<T>, way);
+    };
+    rate("spiral", on_surface)->ArgsProduct({spheres, {0, 512}});
+    rate("in and out", in_and_out)->ArgsProduct({spheres, {0}});
+    rate("random walk", at_random)->ArgsProduct({spheres, {0}});
+    rate("pole", over_pole)->Args({kPole, 0});
+    const auto slowest = [&](const std::string& name, Way way) {
+        return benchmark::RegisterBenchmark((name + " latency/" + precision).c_str(), latency<T>, way)
+            ->Iterations(1)
+            ->Unit(benchmark::kMillisecond);
+    };
+    slowest("spiral", on_surface)->ArgsProduct({spheres});
+    slowest("pole", over_pole)->Arg(kPole);
+}
 
 } // namespace
 } // namespace forceshade::bench
 
-BENCHMARK_MAIN();
+int main(int count, char** arguments) {
+    forceshade::bench::add<double>("f64");
+    forceshade::bench::add<float>("f32");
+    benchmark::Initialize(&count, arguments);
+    benchmark::RunSpecifiedBenchmarks();
+}
