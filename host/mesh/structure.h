@@ -43,7 +43,8 @@ struct MeshObstacles {
 ///
 /// Bytes a triangle, for a closed mesh of T triangles in double (T/2 vertices, T facets): nodes 34 (192 each, between 5
 /// and 6 triangles below), corners 12, facets 4, neighbours 12, vertices 12, their normals 12 and pseudonormals 12,
-/// triangle normals 24, facets' corners 16 and normals 24: 162; the winding number's moments 33 more.
+/// triangle normals 24, facets' corners 16 and normals 24: 162; the winding number's moments 33 more; lists of
+/// obstacles 4 where the surface is convex, 29 on a scanned bunny.
 struct MeshStructure {
     glm::dvec3 centre; /* m, world */
     double scale;      /* m */
