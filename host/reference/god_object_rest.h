@@ -392,11 +392,14 @@ bool is_behind(const layout::MeshView<T>& mesh, Neighbourhood<T>& neighbourhood,
 template <typename T>
 bool is_at_proxy(const layout::MeshView<T>& mesh, Neighbourhood<T>& neighbourhood, const Vector<T>& proxy,
                  const GodObjectContact<T>& contact) noexcept {
+    constexpr T kBeside = T(2) * Skin<T>::kWidth;
     const Vector<T> shift = contact.proxy - proxy;
-    const T skins = std::sqrt(dot(shift, shift)) / Skin<T>::kWidth;
-    if (skins <= T(2))
+    const T square = dot(shift, shift);
+    if (square <= kBeside * kBeside)
         return true;
-    return skins <= T(4) * (T(1) + skins_to_planes(contact)) && !is_behind(mesh, neighbourhood, proxy, contact.proxy);
+    const T skins = std::sqrt(square) / Skin<T>::kWidth;
+    return skins <= T(2) ||
+           (skins <= T(4) * (T(1) + skins_to_planes(contact)) && !is_behind(mesh, neighbourhood, proxy, contact.proxy));
 }
 
 /// The contact of a proxy at rest on edges or corners, from what is kept of the rest.

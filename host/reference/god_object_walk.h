@@ -37,12 +37,11 @@ public:
             touches_[i].face_tried = false;
     }
 
-    /// What the proxy may touch; no harm if it does not.
-    void remember(layout::uint triangle, const Vector<T>& proxy) noexcept {
+    /// What the proxy may touch; no harm if it does not. How it stands to it is for update_touches() to find out.
+    void remember(layout::uint triangle) noexcept {
         if (knows(triangle) || (count_ == kMost && !forget_one()))
             return;
         begin_touch(mesh_, triangle, touches_[count_]);
-        update_touch(touches_[count_], proxy);
         constraints_[count_++] = Constraint::none;
     }
 
@@ -250,7 +249,7 @@ public:
     unsigned substeps() const noexcept { return substeps_; }
     bool finished() const noexcept { return substeps_ < kSubsteps; }
 
-    void remember(layout::uint triangle) noexcept { pool_.remember(triangle, proxy_); }
+    void remember(layout::uint triangle) noexcept { pool_.remember(triangle); }
 
     /// Whether the walk was halted where a line between two faces ended.
     bool at_corner() const noexcept { return corner_; }
