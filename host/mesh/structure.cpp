@@ -140,12 +140,15 @@ MeshStructure build_structure(const Mesh& mesh, const StructureOptions& options)
         step == 0 ? sum_pseudonormals(parts, reals, places) : connect_edges(parts, reals, places);
     });
     reals.edge_pseudonormals.shrink_to_fit();
-    parts.solid = options.solid && has_firm_pseudonormals(parts, reals);
     MeshStructure structure{frame.centre, frame.scale, std::make_shared<const MeshParts>(std::move(parts)),
                             std::make_shared<const MeshReals<double>>(std::move(reals)), nullptr};
     if (options.winding)
         structure.winding = make_winding(structure);
     return structure;
+}
+
+void assume_solid(MeshStructure& structure) {
+    structure.solid = has_firm_pseudonormals(*structure.parts, *structure.reals);
 }
 
 template <typename T> layout::MeshView<T> MeshTables<T>::view() const {
@@ -163,7 +166,7 @@ template <typename T> layout::MeshView<T> MeshTables<T>::view() const {
                              parts->facet_corners,
                              reals->facet_normals,
                              reals->vertex_normals,
-                             parts->solid,
+                             solid,
                              {},
                              {},
                              {},
@@ -184,7 +187,7 @@ template <typename T> MeshTables<T> make_mesh_tables(const MeshStructure& struct
         throw UsageError(fmt::format("a stiffness of {} N/m on a mesh of about {} m makes forces that {} precision "
                                      "cannot hold; a normal number of newtons would be right",
                                      stiffness, structure.scale, sizeof(T) == sizeof(float) ? "single" : "double"));
-    MeshTables<T> tables{{}, structure.parts, reals_as<T>(structure.reals), structure.winding, {}};
+    MeshTables<T> tables{{}, structure.parts, reals_as<T>(structure.reals), structure.winding, structure.solid, {}};
     tables.params.centre_x = centre.x;
     tables.params.centre_y = centre.y;
     tables.params.centre_z = centre.z;

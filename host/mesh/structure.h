@@ -16,7 +16,6 @@ struct MeshParts {
     std::vector<layout::MeshSlabs> slabs;
     std::vector<layout::uint> triangle_corners, triangle_facets, triangle_neighbours;
     std::vector<layout::uint> facet_begins, facet_corners;
-    bool solid = false; /* as StructureOptions::solid, and no pseudonormal is nearly 0 */
 };
 
 /// Coordinates in the mesh's frame, and unit vectors; three numbers each.
@@ -51,6 +50,7 @@ struct MeshStructure {
     std::shared_ptr<const MeshParts> parts;
     std::shared_ptr<const MeshReals<double>> reals;
     std::shared_ptr<const MeshWinding> winding; /* null unless asked for */
+    bool solid = false;                         /* see assume_solid */
 
     std::size_t triangles() const { return parts->triangle_facets.size(); }
     std::size_t bytes() const;
@@ -60,8 +60,6 @@ struct MeshStructure {
 struct StructureOptions {
     unsigned threads = 0;        /* 0: as many as the machine has cores */
     bool winding = false;        /* also what the winding number needs */
-    bool solid = false;          /* the caller knows that the mesh is closed, of one piece, consistently oriented and
-                                    nowhere meets itself: then no side changes where there is no surface */
     unsigned leaf_triangles = 4; /* most triangles of a leaf, 1 to layout::kMeshLeafTriangles */
 };
 
@@ -69,12 +67,18 @@ struct StructureOptions {
 /// coordinates no double can hold the differences of.
 MeshStructure build_structure(const Mesh& mesh, const StructureOptions& options = {});
 
+/// Of a mesh that is known to be closed, of one piece, consistently oriented and nowhere to meet itself: no side
+/// changes where there is no surface, which `solid` then says. Not where a pseudonormal is so short that rounding could
+/// turn it.
+void assume_solid(MeshStructure& structure);
+
 /// A structure in T for one stiffness; what a scene evaluates. Of double it shares everything with the structure.
 template <typename T> struct MeshTables {
     layout::MeshParams<T> params;
     std::shared_ptr<const MeshParts> parts;
     std::shared_ptr<const MeshReals<T>> reals;
     std::shared_ptr<const MeshWinding> winding;
+    bool solid;
     std::shared_ptr<const MeshObstacles> obstacles; /* null unless asked for */
 
     /// Valid as long as any copy of these tables.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <future>
 #include <limits>
 
 #include <fmt/format.h>
@@ -72,8 +73,9 @@ std::shared_ptr<const File> cached(std::deque<std::pair<Key, std::shared_ptr<con
     return files.front().second;
 }
 
+// Findings already made are by the SHA-256 of their file.
 // \throws IoError, UsageError for a file in which the law has no meaning
-std::shared_ptr<const SceneMesh> read_scene_mesh(const MeshSpec& spec) {
+std::shared_ptr<const SceneMesh> read_scene_mesh(const MeshSpec& spec, std::map<std::string, MeshFindings>& findings) {
     PolygonFile file = read_polygons(spec.path);
     constexpr double kTriangleBytes =
         1100; // measured: of the structure, its tables in both precisions and on the device
@@ -83,14 +85,21 @@ std::shared_ptr<const SceneMesh> read_scene_mesh(const MeshSpec& spec) {
                    kTriangleBytes * static_cast<double>(triangles));
     auto mesh = std::make_shared<SceneMesh>();
     mesh->sha256 = file.sha256;
-    mesh->findings = inspect(file.polygons);
+    // Looking at the file takes as long as preparing it.
+    std::future<void> prepared = std::async(std::launch::async, [&spec, &mesh, polygons = file.polygons]() mutable {
+        mesh->mesh =
+            prepare_mesh(std::move(polygons),
+                         {.unit = spec.unit, .scale = spec.scale, .rotate = spec.rotate, .translate = spec.translate},
+                         spec.normals == NormalWeights::angle ? VertexNormals::angle : VertexNormals::plain);
+        mesh->structure = build_structure(mesh->mesh, {.winding = spec.inside == InsideTest::winding});
+    });
+    const auto known = findings.find(file.sha256);
+    mesh->findings = known != findings.end() ? known->second : inspect(file.polygons);
     refuse_if_meaningless(mesh->findings, spec.file);
-    mesh->mesh =
-        prepare_mesh(std::move(file.polygons),
-                     {.unit = spec.unit, .scale = spec.scale, .rotate = spec.rotate, .translate = spec.translate},
-                     spec.normals == NormalWeights::angle ? VertexNormals::angle : VertexNormals::plain);
-    mesh->structure =
-        build_structure(mesh->mesh, {.winding = spec.inside == InsideTest::winding, .solid = is_solid(mesh->findings)});
+    prepared.get();
+    findings.emplace(file.sha256, mesh->findings);
+    if (is_solid(mesh->findings))
+        assume_solid(mesh->structure);
     return mesh;
 }
 
@@ -139,7 +148,7 @@ std::shared_ptr<const HeightImage> CasePreparation::image(HeightMapSpec& map) {
 std::shared_ptr<const SceneMesh> CasePreparation::mesh(MeshSpec& spec) {
     MeshSpec placed = spec;
     placed.sha256.clear();
-    const auto mesh = cached(meshes_, placed, kMeshes, [&] { return read_scene_mesh(placed); });
+    const auto mesh = cached(meshes_, placed, kMeshes, [&] { return read_scene_mesh(placed, findings_); });
     check_digest(spec.file, spec.sha256, mesh->sha256);
     spec.sha256 = mesh->sha256;
     return mesh;

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstddef>
 #include <deque>
+#include <map>
 #include <memory>
 #include <string>
 #include <type_traits>
@@ -63,6 +64,7 @@ private:
     std::shared_ptr<const SceneMesh> mesh(MeshSpec& spec);
     std::deque<std::pair<MeshSpec, std::shared_ptr<const SceneMesh>>> meshes_;      // the newest first
     std::deque<std::pair<std::string, std::shared_ptr<const HeightImage>>> images_; // path and image, the newest first
+    std::map<std::string, MeshFindings> findings_;                                  // by the file's SHA-256
 };
 
 // A force law as a probe meets it that moves along paths: laws with a history keep one for each path.

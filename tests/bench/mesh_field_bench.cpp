@@ -27,10 +27,10 @@ template <typename T> struct Field {
     Field() {
         PolygonSoup polygons = read_polygons(FORCESHADE_DATA "/spot.obj").polygons;
         const PolygonSoup fine = shapes::subdivided(shapes::subdivided(polygons));
-        StructureOptions options;
-        options.solid = is_solid(inspect(fine));
         const Mesh mesh = shapes::mesh_of(fine);
-        const MeshStructure structure = build_structure(mesh, options);
+        MeshStructure structure = build_structure(mesh);
+        if (is_solid(inspect(fine)))
+            assume_solid(structure);
         tables = make_mesh_tables<T>(structure, 1000);
         const GridSpec grid = fitted_grid(128, mesh);
         std::vector<T>* const axes[3] = {&x, &y, &z};

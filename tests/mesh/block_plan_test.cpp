@@ -43,8 +43,9 @@ void hold(const PolygonSoup& polygons, const Grid<T>& grid, layout::uint inside 
           FreeSpace free = FreeSpace::skipped) {
     StructureOptions options;
     options.winding = true;
-    options.solid = is_solid(inspect(polygons));
-    const MeshStructure structure = build_structure(shapes::mesh_of(polygons), options);
+    MeshStructure structure = build_structure(shapes::mesh_of(polygons), options);
+    if (is_solid(inspect(polygons)))
+        assume_solid(structure);
     const MeshTables<T> tables = make_mesh_tables<T>(structure, 1000);
     const layout::MeshView<T> mesh = tables.view();
     const BlockPlan plan = plan_blocks<T>(mesh, grid.x, grid.y, grid.z, inside, 0, free);
@@ -171,9 +172,9 @@ TEST(BlockPlan, SkipsWhatIsFarOutsideOfASolid) {
     const PolygonSoup cube = shapes::cube(true);
     const Grid<float> grid = cubic<float>(64, 4);
     const auto evaluated = [&](bool solid) {
-        StructureOptions options;
-        options.solid = solid;
-        const MeshStructure structure = build_structure(shapes::mesh_of(cube), options);
+        MeshStructure structure = build_structure(shapes::mesh_of(cube));
+        if (solid)
+            assume_solid(structure);
         const MeshTables<float> tables = make_mesh_tables<float>(structure, 1000);
         return plan_blocks<float>(tables.view(), grid.x, grid.y, grid.z, layout::kInsidePseudonormal).voxels_evaluated;
     };

@@ -82,9 +82,9 @@ std::shared_ptr<const SceneMesh> shaded_plane_mesh(const BumpMesh& bump) {
         const double x = std::clamp(mesh->mesh.polygons.vertices[i].x, -bump.half_width, bump.half_width) / bump.radius;
         mesh->mesh.vertex_normals[i] = {x, 0, std::sqrt(1 - x * x)};
     }
-    StructureOptions options;
-    options.solid = is_solid(mesh->findings);
-    mesh->structure = build_structure(mesh->mesh, options);
+    mesh->structure = build_structure(mesh->mesh);
+    if (is_solid(mesh->findings))
+        assume_solid(mesh->structure);
     return mesh;
 }
 

@@ -76,9 +76,9 @@ std::shared_ptr<const SceneMesh> bump_mesh(const BumpMesh& bump, const glm::dvec
     auto mesh = std::make_shared<SceneMesh>();
     mesh->findings = inspect(block);
     mesh->mesh = prepare_mesh(std::move(block), MeshPlacement{}, VertexNormals::plain);
-    StructureOptions options;
-    options.solid = is_solid(mesh->findings);
-    mesh->structure = build_structure(mesh->mesh, options);
+    mesh->structure = build_structure(mesh->mesh);
+    if (is_solid(mesh->findings))
+        assume_solid(mesh->structure);
     return mesh;
 }
 

@@ -49,8 +49,9 @@ PolygonSoup torus(std::uint32_t around, std::uint32_t across, double radius, dou
 std::shared_ptr<const SceneMesh> with_winding(SceneMesh mesh) {
     StructureOptions options;
     options.winding = true;
-    options.solid = is_solid(mesh.findings);
     mesh.structure = build_structure(mesh.mesh, options);
+    if (is_solid(mesh.findings))
+        assume_solid(mesh.structure);
     return std::make_shared<SceneMesh>(std::move(mesh));
 }
 
