@@ -120,7 +120,8 @@ private:
     }
 
     bool add(const PolygonSoup& polygons) {
-        ::omerr().disable(); // it speaks of every facet that it refuses
+        // It speaks of every facet that it refuses; its first call is not made for threads.
+        [[maybe_unused]] static const bool kQuiet = (::omerr().disable(), true);
         mesh_.reserve(polygons.vertices.size(), polygons.corners.size(), polygons.facets());
         for (const glm::dvec3& vertex : polygons.vertices)
             mesh_.add_vertex({vertex.x, vertex.y, vertex.z});
