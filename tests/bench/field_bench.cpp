@@ -73,7 +73,7 @@ template <typename T> void dense_field(benchmark::State& state, SurfaceKind kind
         cpus.push_back(cpu_engine_seconds(tables));
         state.SetIterationTime(kernels.back());
     }
-    state.SetLabel(cpu_name() + "; " + device.report().name);
+    state.SetLabel(device.report().name);
     state.counters["of_memset"] = median(fills) / median(kernels);
     state.counters["cpu_of_memset"] = median(fills) / median(cpus);
     state.counters["cpu_ns_per_voxel"] = median(cpus) * 1e9 / static_cast<double>(voxels);
@@ -116,5 +116,3 @@ BENCHMARK(once_in_y)->UseManualTime()->Iterations(31);
 
 } // namespace
 } // namespace forceshade::bench
-
-BENCHMARK_MAIN();

@@ -206,12 +206,7 @@ template <typename T> void add(const std::string& precision) {
     slowest("pole", over_pole)->Arg(kPole);
 }
 
+[[maybe_unused]] const bool kAdded = (add<double>("f64"), add<float>("f32"), true);
+
 } // namespace
 } // namespace forceshade::bench
-
-int main(int count, char** arguments) {
-    forceshade::bench::add<double>("f64");
-    forceshade::bench::add<float>("f32");
-    benchmark::Initialize(&count, arguments);
-    benchmark::RunSpecifiedBenchmarks();
-}

@@ -104,5 +104,3 @@ BENCHMARK(nearest<float>)->UseManualTime()->Iterations(3)->Unit(benchmark::kMill
 
 } // namespace
 } // namespace forceshade::bench
-
-BENCHMARK_MAIN();

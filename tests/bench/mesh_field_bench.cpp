@@ -142,5 +142,3 @@ BENCHMARK(static_field<double>)->UseManualTime()->Iterations(5);
 
 } // namespace
 } // namespace forceshade::bench
-
-BENCHMARK_MAIN();

@@ -117,5 +117,3 @@ BENCHMARK(default_sweep)->UseManualTime()->Iterations(3)->Unit(benchmark::kSecon
 
 } // namespace
 } // namespace forceshade::bench
-
-BENCHMARK_MAIN();
