@@ -17,6 +17,8 @@ namespace {
 
 // Voxels of a kind, so that a check takes about a tenth of a second on one core.
 constexpr std::size_t kOfMesh = 1024, kOfOthers = 16384;
+// Voxels that these are drawn from: looking at one takes some nanoseconds.
+constexpr double kLookedAt = 0x1p21;
 constexpr double kJump = 0.02; // rad: of the direction between neighbours along x
 
 // A bijection that leaves no pattern (splitmix64).
@@ -98,6 +100,8 @@ OracleCheck::OracleCheck(const PreparedCase& prepared, bool exact_bits)
     if (prepared.one.scene.precision == Precision::f32)
         single_ = make_tables<float>(prepared.one.scene, prepared.images, Extent::what_varies);
     touched_.resize(exact_.x.size() * exact_.y.size());
+    const double voxels = static_cast<double>(touched_.size()) * static_cast<double>(exact_.z.size());
+    last_row_ = static_cast<std::uint64_t>(0x1p63 * std::min(1.0, kLookedAt / voxels));
 }
 
 void OracleCheck::keep(VoxelKind kind, const Voxel& voxel) {
@@ -112,31 +116,42 @@ void OracleCheck::keep(VoxelKind kind, const Voxel& voxel) {
     std::push_heap(heap.begin(), heap.end());
 }
 
+// Whether voxels of a row, counted in the order of the grid, are drawn: of large grids some rows are enough.
+bool OracleCheck::draws_from(std::size_t row) const {
+    return rank_of(row) >> 1 <= last_row_;
+}
+
 // Neighbours are looked up on both sides along x, and towards lower y and z.
 template <typename T> void OracleCheck::add(const layout::FieldChunk<T>& chunk) {
     const T least = static_cast<T>(std::cos(kJump) * std::cos(kJump));
+    const std::size_t y_rows = exact_.y.size(), x_count = chunk.x_count;
     for (std::size_t row = 0; row < chunk.z_count * chunk.y_count; ++row) {
         const std::size_t z = chunk.z_first + row / chunk.y_count, y = chunk.y_first + row % chunk.y_count;
+        const std::size_t number = z * y_rows + y;
         const T* const forces = &chunk.force[3 * row * chunk.x_pitch];
         const auto force_at = [&](std::size_t x) {
             return glm::vec<3, T>(forces[3 * x], forces[3 * x + 1], forces[3 * x + 2]);
         };
-        char* const touched = &touched_[y * exact_.x.size()];
-        const char* const beside = y > 0 ? touched - exact_.x.size() : touched;
-        const std::uint64_t first = (z * exact_.y.size() + y) * exact_.x.size();
-        const auto kind_between = [&](const glm::vec<3, T>& one, const glm::vec<3, T>& other) {
-            const T square = glm::dot(one, one), other_square = glm::dot(other, other), along = glm::dot(one, other);
-            if ((square == 0) != (other_square == 0))
-                return VoxelKind::boundary;
-            if (square == 0)
-                return VoxelKind::free;
-            return along >= 0 && along * along >= least * square * other_square ? VoxelKind::inside : VoxelKind::jump;
-        };
-        VoxelKind before = kind_between(force_at(0), force_at(0));
-        for (std::size_t x = 0; x < chunk.x_count; ++x) {
-            const glm::vec<3, T> force = force_at(x);
-            const bool touches = !(glm::dot(force, force) == 0);
-            const VoxelKind after = kind_between(force, force_at(std::min(x + 1, chunk.x_count - 1)));
+        char* const touched = &touched_[y * x_count];
+        if (!draws_from(number)) {
+            if ((y + 1 < y_rows && draws_from(number + 1)) || draws_from(number + y_rows))
+                for (std::size_t x = 0; x < x_count; ++x)
+                    touched[x] = !(glm::dot(force_at(x), force_at(x)) == 0);
+            continue;
+        }
+        const char* const beside = y > 0 ? touched - x_count : touched;
+        glm::vec<3, T> force = force_at(0);
+        T square = glm::dot(force, force);
+        VoxelKind before = square == 0 ? VoxelKind::free : VoxelKind::inside;
+        for (std::size_t x = 0; x < x_count; ++x) {
+            const glm::vec<3, T> next = force_at(std::min(x + 1, x_count - 1));
+            const T next_square = glm::dot(next, next), along = glm::dot(force, next);
+            const bool touches = !(square == 0);
+            VoxelKind after = touches ? VoxelKind::inside : VoxelKind::free;
+            if (touches != !(next_square == 0))
+                after = VoxelKind::boundary;
+            else if (touches && !(along >= 0 && along * along >= least * square * next_square))
+                after = VoxelKind::jump;
             VoxelKind kind = touches ? VoxelKind::inside : VoxelKind::free;
             if (before == VoxelKind::boundary || after == VoxelKind::boundary ||
                 (z > 0 && touches != (touched[x] != 0)) || (y > 0 && touches != (beside[x] != 0)))
@@ -144,10 +159,12 @@ template <typename T> void OracleCheck::add(const layout::FieldChunk<T>& chunk) 
             else if (before == VoxelKind::jump || after == VoxelKind::jump)
                 kind = VoxelKind::jump;
             touched[x] = touches;
-            before = after;
-            keep(kind, {rank_of(first + x),
+            keep(kind, {rank_of(number * x_count + x),
                         {static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y), static_cast<std::uint32_t>(z)},
                         glm::dvec3(force)});
+            before = after;
+            force = next;
+            square = next_square;
         }
     }
 }

@@ -19,9 +19,9 @@ namespace forceshade {
 enum class VoxelKind { free, boundary, jump, inside };
 inline constexpr std::size_t kVoxelKinds = 4;
 
-/// Draws as many voxels of every kind, all where there are fewer: which ones is decided by their numbers alone, so that
-/// it is the same in every run. The cost is bounded: some thousand evaluations on a mesh, whose oracle is dear, some
-/// ten thousand elsewhere.
+/// Draws as many voxels of every kind, all where there are fewer, out of as many rows as hold about two million: which
+/// ones is decided by their numbers alone, so that it is the same in every run. The cost is bounded: some thousand
+/// evaluations on a mesh, whose oracle is dear, some ten thousand elsewhere.
 class OracleCheck {
 public:
     /// Of what varies in a case, which must outlive this; `exact_bits`: the engine must equal the oracle bit for bit.
@@ -39,6 +39,7 @@ private:
         bool operator<(const Voxel& other) const { return rank < other.rank; }
     };
 
+    bool draws_from(std::size_t row) const;
     void keep(VoxelKind kind, const Voxel& voxel);
     template <typename T> OracleError compare_some(std::span<const Voxel> voxels, const FieldTables<T>& same) const;
 
@@ -48,6 +49,7 @@ private:
     std::optional<FieldTables<float>> single_;          // the oracle in single precision, where the run is
     const std::size_t most_;                            // voxels of a kind
     std::array<std::vector<Voxel>, kVoxelKinds> drawn_; // heaps, the highest rank first
+    std::uint64_t last_row_;                            // half the largest rank of a row that is drawn from
     std::vector<char> touched_;                         // of the plane before, whether there was a force
 };
 
