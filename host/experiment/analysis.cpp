@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
-#include <thread>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -15,6 +14,7 @@
 #include "host/output/reading.h"
 #include "host/program.h"
 #include "host/study/run/sampling.h"
+#include "host/threads.h"
 
 namespace forceshade::experiment {
 namespace {
@@ -581,7 +581,7 @@ study::StudyData analyse(const Answers& answers) {
     data.program = version();
     data.engine = "analysis";
     data.device = answers.rows.front().device;
-    data.cores = std::thread::hardware_concurrency();
+    data.cores = most_threads();
     data.scene = resolved_toml(answers.experiment);
     const std::string left_out =
         fmt::format("{} rows that do not count (practice, trials without an answer) are left out.", answers.left_out);

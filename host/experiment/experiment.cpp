@@ -260,7 +260,8 @@ constexpr AnswerKey kAnswerKeys[] = {
 
 Answer read_answer(const std::string& source, const std::filesystem::path& folder, const TomlNode& node) {
     Answer answer;
-    for (const TomlMember& member : node.members) {
+    Errors errors;
+    const auto read_key = [&](const TomlMember& member) {
         const auto key = std::ranges::find(kAnswerKeys, member.key, &AnswerKey::name);
         if (key == std::end(kAnswerKeys)) {
             std::vector<std::string> known;
@@ -271,7 +272,10 @@ Answer read_answer(const std::string& source, const std::filesystem::path& folde
                  near.empty() ? fmt::format("; it has {}", fmt::join(known, ", ")) : near);
         }
         key->set(answer, {source, folder, member});
-    }
+    };
+    for (const TomlMember& member : node.members)
+        errors.attempt([&] { read_key(member); });
+    errors.report();
     if (answer.name.empty())
         fail(source, node.where, "an answer needs a name");
     if (answer.label.empty())
@@ -285,12 +289,15 @@ void read_answers(const std::string& source, const std::filesystem::path& folder
     if (member.value.type != TomlNode::Type::array || !std::ranges::all_of(member.value.items, is_table))
         fail(source, member.where, "answers are tables, each written as [[experiment.answer]], with two brackets");
     spec.answers.clear();
-    for (const TomlNode& item : member.value.items) {
-        spec.answers.push_back(read_answer(source, folder, item));
-        const auto same = std::ranges::count(spec.answers, spec.answers.back().name, &Answer::name);
-        if (same > 1)
-            fail(source, item.where, "two answers are named \"{}\"", spec.answers.back().name);
-    }
+    Errors errors;
+    for (const TomlNode& item : member.value.items)
+        errors.attempt([&] {
+            spec.answers.push_back(read_answer(source, folder, item));
+            const auto same = std::ranges::count(spec.answers, spec.answers.back().name, &Answer::name);
+            if (same > 1)
+                fail(source, item.where, "two answers are named \"{}\"", spec.answers.back().name);
+        });
+    errors.report();
     if (spec.answers.size() < 2 || spec.answers.size() > kMostAnswers)
         fail(source, member.where, "there are 2 to {} answers, one for each key; got {}", kMostAnswers,
              spec.answers.size());
@@ -353,29 +360,29 @@ ExperimentSpec read_spec(const Document& document, const std::filesystem::path& 
         return spec;
     if (document.experiment->type != TomlNode::Type::table)
         fail(document.source, document.experiment->where, "[experiment] is a table of keys");
-    for (const TomlMember& member : document.experiment->members) {
-        if (member.key == "answer") {
-            read_answers(document.source, folder, member, spec);
-            continue;
-        }
+    const auto read_key = [&](const TomlMember& member) {
+        if (member.key == "answer")
+            return read_answers(document.source, folder, member, spec);
         const auto key = std::ranges::find(spec_keys(), member.key, &SpecKey::name);
-        if (key != spec_keys().end()) {
-            key->set(spec, {document.source, folder, member});
-            continue;
-        }
+        if (key != spec_keys().end())
+            return key->set(spec, {document.source, folder, member});
         std::vector<std::string> names{"answer"};
         for (const SpecKey& one : spec_keys())
             names.emplace_back(one.name);
         const std::string near = did_you_mean(member.key, names);
         fail(document.source, member.where, "unknown key \"{}\" in [experiment]{}", member.key,
              near.empty() ? fmt::format("; it has {}", fmt::join(names, ", ")) : near);
-    }
+    };
+    Errors errors;
+    for (const TomlMember& member : document.experiment->members)
+        errors.attempt([&] { read_key(member); });
+    errors.report();
     settle_task(document.source, *document.experiment, spec);
     return spec;
 }
 
-Experiment checked(Study study, const std::filesystem::path& folder) {
-    Experiment experiment{read_spec(*study.document, folder), std::move(study), {}, {}, {}, {}};
+Experiment checked(ExperimentSpec given, Study study) {
+    Experiment experiment{std::move(given), std::move(study), {}, {}, {}, {}};
     const std::string& source = experiment.study.document->source;
     const ExperimentSpec& spec = experiment.spec;
     const auto at = [&](std::string_view key, void (*arrange)(Experiment&)) {
@@ -423,31 +430,35 @@ Experiment checked(Study study, const std::filesystem::path& folder) {
 
 namespace {
 
+using Read = std::function<Study(std::span<const Override>, const ReadBeside&)>;
+
 // Laws go in double precision, as the live loop's, unless somebody says otherwise.
-Experiment in_double(std::span<const Override> overrides, const std::filesystem::path& folder,
-                     const std::function<Study(std::span<const Override>)>& read) {
+Experiment in_double(std::span<const Override> overrides, const std::filesystem::path& folder, const Read& read) {
     const auto key = key_index("run.precision");
-    Study study = read(overrides);
+    ExperimentSpec spec;
+    Study study = read(overrides, [&](const Document& document) { spec = read_spec(document, folder); });
     if (study.document->base.find(key) || study.document->overrides.find(key))
-        return checked(std::move(study), folder);
+        return checked(std::move(spec), std::move(study));
     std::vector<Override> all(overrides.begin(), overrides.end());
     all.emplace_back("run.precision", "f64");
-    return checked(read(all), folder);
+    return checked(std::move(spec), read(all, {}));
 }
 
 } // namespace
 
 Experiment parse_experiment(std::string_view text, const std::string& source, const std::filesystem::path& folder,
                             std::span<const Override> overrides) {
-    return in_double(overrides, folder,
-                     [&](std::span<const Override> some) { return parse_study(text, source, folder, some); });
+    return in_double(overrides, folder, [&](std::span<const Override> some, const ReadBeside& beside) {
+        return parse_study(text, source, folder, some, beside);
+    });
 }
 
 Experiment read_experiment(const std::filesystem::path& file, std::span<const Override> overrides) {
     if (file.empty())
         return parse_experiment(paper_experiment(), kSource, {}, overrides);
-    return in_double(overrides, file.parent_path(),
-                     [&](std::span<const Override> some) { return read_study(file, some); });
+    return in_double(overrides, file.parent_path(), [&](std::span<const Override> some, const ReadBeside& beside) {
+        return read_study(file, some, beside);
+    });
 }
 
 std::string_view paper_experiment() {

@@ -9,9 +9,9 @@
 #include "device/session/live_log.h"
 #include "host/error.h"
 #include "host/experiment/random.h"
+#include "host/long_run.h"
 #include "host/norm.h"
 #include "host/program.h"
-#include "host/sweep/sweep.h"
 #include "shaders/shared/law.h"
 
 namespace forceshade::experiment {
@@ -152,7 +152,7 @@ std::size_t run_session(const Experiment& experiment, Participant& participant, 
     std::vector<std::optional<PreparedCase>> prepared(experiment.study.cases.size());
     CasePreparation preparation;
     const std::uint64_t all = record.left();
-    Progress progress("trials", all, options.quiet);
+    Stage stage("beginning", all, "trials");
     while (const std::optional<Trial> trial = record.next()) {
         check_interrupt();
         const Condition& condition = experiment.conditions[trial->condition];
@@ -168,7 +168,7 @@ std::size_t run_session(const Experiment& experiment, Participant& participant, 
                 {*prepared[one], options.paths ? record.path_file(*trial, interval) : std::filesystem::path()});
         }
         record.add(*trial, participant.take(*trial, shown, record));
-        progress.update(all - std::min(all, record.left()), experiment.stimulus(condition).name);
+        stage.update(all - std::min(all, record.left()), experiment.stimulus(condition).name);
     }
     participant.finish();
     const std::vector<TrialRow> last = last_rows(record.rows());

@@ -47,8 +47,9 @@ Scene build_scene(const Selection& selection);
 // Checks of a whole scene that no single key can make: the cylinder's shape, ranges of the arithmetic, the limits of a
 // grid, and what fits together in [paths] and [hand].
 
-/// Throws UsageError at the offending key's place. Adds warnings that are not there yet.
-void check_scene(const Scene& scene, const Selection& selection, const std::string& source,
+/// Adds what is wrong to `errors`, each at the offending key's place, and warnings that are not there yet. Tables that
+/// the document is not sure of are not checked.
+void check_scene(const Scene& scene, const Selection& selection, const Document& document, Errors& errors,
                  std::vector<std::string>& warnings);
 
 // Case names: what varies over a study, in file order, safe as file names everywhere.

@@ -43,31 +43,53 @@ double step_at(double magnitude, Precision precision) {
 
 class Checker {
 public:
-    Checker(const Scene& scene, const Selection& selection, const std::string& source,
+    Checker(const Scene& scene, const Selection& selection, const Document& document, Errors& errors,
             std::vector<std::string>& warnings)
-        : scene_(scene), selection_(selection), source_(source), warnings_(warnings),
-          range_(scene.precision == Precision::f32 ? kRangeF32 : kRangeF64) {}
+        : scene_(scene), selection_(selection), document_(document), source_(document.source), errors_(errors),
+          warnings_(warnings), range_(scene.precision == Precision::f32 ? kRangeF32 : kRangeF64) {}
 
     void check() {
-        check_surface();
-        check_force();
+        if (!document_.sure_of({"run"})) // it says which numbers can be held
+            return;
+        with({"surface"}, [&] { check_surface(); });
+        with({"surface", "force"}, [&] { check_force(); });
         if (scene_.texture)
-            check_texture(*scene_.texture);
+            with({"surface", "texture"}, [&] { check_texture(*scene_.texture); });
         if (scene_.grid.samples == 0)
-            check_grid();
+            with({"surface", "grid"}, [&] { check_grid(); });
         for (std::size_t key = 0; key < selection_.size(); ++key)
             if (selection_[key])
                 check_sizes(schema_keys()[key], *selection_[key]);
         if (!scene_.paths)
             return;
-        check_kind(*scene_.paths);
-        check_drive(*scene_.paths);
+        with({"surface", "paths"}, [&] {
+            check_kind(*scene_.paths);
+            attempt([&] { check_drive(*scene_.paths); });
+        });
         for (const char* name : {"speed", "depth", "depth_back", "heading", "offset", "tremor.amplitude"})
-            check_spread(name);
+            with({"paths"}, [&] { check_spread(name); });
     }
 
 private:
+    // False if it found an error.
+    template <typename Check> bool attempt(Check&& check) { return errors_.attempt(std::forward<Check>(check)); }
+
+    // What can be told of these tables only if all of them is known.
+    template <typename Check> void with(std::initializer_list<std::string_view> tables, Check&& check) {
+        if (document_.sure_of(tables))
+            attempt(std::forward<Check>(check));
+    }
+
     const Value* find(std::string_view path) const { return selection_[key_index(path)]; }
+
+    // A quantity as the user wrote it, and another in its unit.
+    std::string_view text_of(std::string_view path, std::size_t part = 0) const {
+        const Value& value = *find(path);
+        return value.texts[value.one_for_all ? 0 : part];
+    }
+    std::string in_unit_of(std::string_view path, double number, std::size_t part = 0) const {
+        return forceshade::in_unit_of(text_of(path, part), number, schema_keys()[key_index(path)].dimension);
+    }
 
     // The first of the keys that stands in the file; a default has no place.
     Location place(std::initializer_list<std::string> paths, std::size_t part = 0) const {
@@ -81,25 +103,35 @@ private:
         const double size = std::abs(metres);
         if (size < range_.smallest_length || size > range_.largest_length)
             fail(source_, place({path, "run.precision"}, part),
-                 "{} must be from {:g} m to {:g} m in {}, so that its square is a normal number; got {} m", path,
-                 range_.smallest_length, range_.largest_length, range_.name, metres);
+                 "{} must be from {} to {} in {}, so that its square is a normal number; got {}", path,
+                 in_unit_of(path, range_.smallest_length, part), in_unit_of(path, range_.largest_length, part),
+                 range_.name, text_of(path, part));
     }
 
     void check_stiffness(const std::string& path, double stiffness) const {
         if (stiffness < range_.smallest_stiffness || stiffness > range_.largest_stiffness)
-            fail(source_, place({path, "run.precision"}), "{} must be from {:g} N/m to {:g} N/m in {}; got {} N/m",
-                 path, range_.smallest_stiffness, range_.largest_stiffness, range_.name, stiffness);
+            fail(source_, place({path, "run.precision"}), "{} must be from {} to {} in {}; got {}", path,
+                 in_unit_of(path, range_.smallest_stiffness), in_unit_of(path, range_.largest_stiffness), range_.name,
+                 text_of(path));
     }
 
-    void check_circle(const std::string& table, double width, double radius) const {
-        check_length(table + ".width", width);
-        check_length(table + ".radius", radius);
-        if (radius < width / 2)
-            fail(source_, place({table + ".radius", table + ".width"}),
-                 "radius must be at least half of width: {} m is less than {} m", radius, width / 2);
+    void check_circle(const std::string& table, double width, double radius) {
+        const std::string of_width = table + ".width", of_radius = table + ".radius";
+        const bool held = attempt([&] { check_length(of_width, width); });
+        check_length(of_radius, radius);
+        if (held && radius < width / 2)
+            fail(source_, place({of_radius, of_width}),
+                 "radius must be at least half of width: {} is less than half of {}{}", text_of(of_radius),
+                 text_of(of_width), half_in_other_unit(of_radius, of_width, width / 2));
     }
 
-    void check_map(const std::string& table, const HeightMapSpec& map) const {
+    // ", which is 12.7 mm", where the reader would have to convert it.
+    std::string half_in_other_unit(const std::string& path, const std::string& of, double half) const {
+        const std::string own = in_unit_of(path, half), other = in_unit_of(of, half);
+        return own == other ? "" : fmt::format(", which is {}", own);
+    }
+
+    void check_map(const std::string& table, const HeightMapSpec& map) {
         switch (map.function) {
         case MapFunction::cylinder:
         case MapFunction::dip:
@@ -111,8 +143,8 @@ private:
             check_length(table + ".radius", map.radius);
             return check_slope(table, map.height, map.radius);
         case MapFunction::file:
-            check_length(table + ".size", map.size[0], 0);
-            check_length(table + ".size", map.size[1], 1);
+            for (const std::size_t axis : {0, 1})
+                attempt([&] { check_length(table + ".size", map.size[axis], axis); });
             return check_slope(table, map.height, std::min(map.size[0], map.size[1]));
         }
     }
@@ -120,10 +152,10 @@ private:
     void check_slope(const std::string& table, double height, double length) const {
         if (!(std::abs(height) <= range_.largest_length) || !(std::abs(height) / length <= range_.steepest))
             fail(source_, place({table + ".height", table + ".radius", table + ".width", table + ".size"}),
-
-                 "{}.height {} m is too large for {}: its size may be {:g} m, and {:g} times the length over which it "
+                 "{0}.height {1} is too large for {2}: its size may be {3}, and {4:g} times the length over which it "
                  "rises",
-                 table, height, range_.name, range_.largest_length, range_.steepest);
+                 table, text_of(table + ".height"), range_.name, in_unit_of(table + ".height", range_.largest_length),
+                 range_.steepest);
     }
 
     void check_surface() {
@@ -137,8 +169,8 @@ private:
         const double step = step_at(surface.width / 2, scene_.precision);
         if (surface.kind == SurfaceKind::bump && facet < step)
             warn(place({"surface.facets", "surface.width"}),
-                 "facets of {:.2g} m are below the {} step {:.2g} m at the bump's edge: neighbouring vertices coincide",
-                 facet, range_.name, step);
+                 "facets of {} are below the {} step {} at the bump's edge: neighbouring vertices coincide",
+                 in_unit_of("surface.width", facet), range_.name, in_unit_of("surface.width", step));
     }
 
     void check_mesh(const MeshSpec& mesh) const {
@@ -155,8 +187,8 @@ private:
                      std::string_view(path).substr(5));
     }
 
-    void check_force() const {
-        check_stiffness("force.stiffness", scene_.force.stiffness);
+    void check_force() {
+        attempt([&] { check_stiffness("force.stiffness", scene_.force.stiffness); });
         const Shading shading = scene_.force.shading;
         // By surface: the first and the last that fit beside none.
         constexpr std::array<std::tuple<const char*, Shading, Shading>, 4> kFitting{
@@ -178,7 +210,7 @@ private:
         if (texture.effect == TextureEffect::normal && place({"texture.stiffness"}).line > 0)
             warn(place({"texture.stiffness"}), "stiffness does nothing with effect \"normal\", which adds no force");
         if (texture.stiffness != 0)
-            check_stiffness("texture.stiffness", texture.stiffness);
+            attempt([&] { check_stiffness("texture.stiffness", texture.stiffness); });
         check_map("texture", texture.map);
     }
 
@@ -196,7 +228,7 @@ private:
             fail(source_, place({"grid.size"}), "size has {:.0f} voxels; the limit is {:.0f}, 2^48", voxels,
                  kMostVoxels);
         for (std::size_t axis = 0; axis < 3; ++axis)
-            check_axis(axis);
+            attempt([&] { check_axis(axis); });
     }
 
     void check_axis(std::size_t axis) {
@@ -205,8 +237,8 @@ private:
         const double farthest = std::max(std::abs(grid.origin[axis]), std::abs(last));
         if (!(farthest <= range_.largest_length))
             fail(source_, place({"grid.origin", "grid.spacing", "grid.size"}, axis),
-                 "the grid reaches {:.4g} m along {}; {} allows {:g} m", farthest, kAxisNames[axis], range_.name,
-                 range_.largest_length);
+                 "the grid reaches {} along {}; {} allows {}", in_unit_of("grid.origin", farthest, axis),
+                 kAxisNames[axis], range_.name, in_unit_of("grid.origin", range_.largest_length, axis));
         const double step = step_at(farthest, scene_.precision);
         // A mesh is evaluated in a frame of its own, about its centre.
         if (grid.size[axis] < 2 || grid.spacing[axis] >= step || scene_.surface.kind == SurfaceKind::mesh)
@@ -220,17 +252,19 @@ private:
              single ? "use precision f64 or " : "");
     }
 
-    void check_sizes(const Key& key, const Value& value) const {
+    void check_sizes(const Key& key, const Value& value) {
         if ((key.subject != Subject::paths && key.subject != Subject::hand) || key.kind != ValueKind::quantity)
             return;
-        const std::string_view unit = dimension_info(key.dimension).unit;
         for (std::size_t i = 0; i < value.numbers.size(); ++i) {
             const double size = std::abs(value.numbers[i]);
             const bool large = size > range_.largest_length;
             if (large || (needs_square(key) && size > 0 && size < range_.smallest_length))
-                fail(source_, value.parts[i], "{} must be at {} {:g} {} in {}; got {} {}", key.path(),
-                     large ? "most" : "least", large ? range_.largest_length : range_.smallest_length, unit,
-                     range_.name, value.numbers[i], unit);
+                attempt([&] {
+                    fail(source_, value.parts[i], "{} must be at {} {} in {}; got {}", key.path(),
+                         large ? "most" : "least",
+                         in_unit_of(key.path(), large ? range_.largest_length : range_.smallest_length, i), range_.name,
+                         value.texts[i]);
+                });
         }
     }
 
@@ -245,15 +279,17 @@ private:
         if (paths.kind == PathKind::recorded && paths.file.empty())
             fail(source_, place({"paths.kind"}), "kind \"recorded\" needs a file: file = \"NAME.csv\" in [paths]");
         if (paths.follow == PathFollow::surface && surface != SurfaceKind::bump &&
-            surface != SurfaceKind::cylinder_bump)
+            surface != SurfaceKind::cylinder_bump && surface != SurfaceKind::mesh)
             fail(source_, place({"paths.follow", "surface.kind"}),
-                 "follow \"surface\" is for the kinds bump and cylinder_bump; the nominal surface of kind \"{}\" is "
+                 "follow \"surface\" is for the kinds bump, cylinder_bump and mesh; the nominal surface of kind \"{}\" "
+                 "is "
                  "followed by \"plane\"",
                  find("surface.kind")->texts.front());
         if (paths.inner && paths.length && *paths.inner > *paths.length / 2)
             fail(source_, place({"paths.inner", "paths.length"}),
-                 "inner, the smallest radius, is at most half of length: {} m is more than {} m", *paths.inner,
-                 *paths.length / 2);
+                 "inner, the smallest radius, is at most half of length: {} is more than half of {}{}",
+                 text_of("paths.inner"), text_of("paths.length"),
+                 half_in_other_unit("paths.inner", "paths.length", *paths.length / 2));
     }
 
     void check_drive(const PathsSpec& paths) const {
@@ -293,16 +329,18 @@ private:
 
     const Scene& scene_;
     const Selection& selection_;
+    const Document& document_;
     const std::string& source_;
+    Errors& errors_;
     std::vector<std::string>& warnings_;
     const Range& range_;
 };
 
 } // namespace
 
-void check_scene(const Scene& scene, const Selection& selection, const std::string& source,
+void check_scene(const Scene& scene, const Selection& selection, const Document& document, Errors& errors,
                  std::vector<std::string>& warnings) {
-    Checker(scene, selection, source, warnings).check();
+    Checker(scene, selection, document, errors, warnings).check();
 }
 
 } // namespace forceshade

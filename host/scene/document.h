@@ -4,8 +4,8 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <cstdint>
 #include <functional>
+#include <initializer_list>
 #include <memory>
 #include <set>
 #include <span>
@@ -15,6 +15,7 @@
 #include <utility>
 #include <vector>
 
+#include "host/scene/toml.h"
 #include "host/scene/value.h"
 
 namespace forceshade {
@@ -46,20 +47,22 @@ struct Layer : GivenTables {
     const Entry* find(std::size_t key) const;
 };
 
-struct TomlNode;
-
 struct Document {
     std::string source;
     Layer base;
     std::vector<Layer> variants;
     Layer overrides;
-    std::shared_ptr<const TomlNode> experiment; // [experiment], which host/experiment reads; null: there is none
+    std::shared_ptr<const TomlNode> experiment;  // [experiment], which host/experiment reads; null: there is none
+    std::set<std::string, std::less<>> doubtful; // tables of which something was refused, and so is not here
 
     /// The base, the overrides, then the variants.
     std::vector<const Layer*> layers() const;
 
     /// Whether any layer has the table.
     bool has(std::string_view table) const;
+
+    /// Whether all that was said of these tables is here: what is wrong with them as a whole can be told.
+    bool sure_of(std::initializer_list<std::string_view> tables) const;
 
     /// Keys given anywhere, in the order in which names and axes list them: tables by their first key, keys by their
     /// first place, the base and overrides before the variants. `function` and `file` share a place, since one stands
@@ -68,9 +71,9 @@ struct Document {
 };
 
 /// `overrides`: paths of keys ("run.precision") and values as text, without quotes unless in a list.
-/// Throws UsageError `source:line:column: message`. File names are relative to `folder`.
+/// What is wrong is added to `errors` and left out of the result. File names are relative to `folder`.
 Document read_document(std::string_view text, const std::string& source, const std::string& folder,
-                       std::span<const std::pair<std::string, std::string>> overrides);
+                       std::span<const std::pair<std::string, std::string>> overrides, Errors& errors);
 
 /// Document::order: the same for a document and for its resolved text.
 std::vector<std::size_t> key_order(const Document& document);
@@ -80,39 +83,5 @@ const std::vector<Entry>& default_entries();
 
 /// True for two keys of a table that each replace the other, such as `function` and `file`.
 bool replaces(std::size_t key, std::size_t other);
-
-// TOML text to a plain tree in file order, each node with its location. The TOML library is known to the .cpp alone.
-
-inline constexpr std::size_t kLargestToml = std::size_t{16} << 20; /* bytes; a study is a page or two */
-
-struct TomlMember;
-
-struct TomlNode {
-    enum class Type { string, integer, real, boolean, date, array, table };
-    Type type = Type::table;
-    Location where;
-    std::string text; // of a string
-    std::int64_t integer = 0;
-    double real = 0;
-    bool truth = false;              // of a boolean
-    std::vector<TomlNode> items;     // of an array
-    std::vector<TomlMember> members; // of a table, in file order
-};
-
-struct TomlMember {
-    std::string key;
-    Location where; // of the key
-    TomlNode value;
-};
-
-/// "a table", "a boolean", `"text"`, `0.2`: how messages name what was found.
-std::string describe(const TomlNode& node);
-
-/// Parses a whole TOML document (UTF-8, with or without a byte order mark).
-/// Throws UsageError `source:line:column: message` for a syntax error, a key given twice, or text that is not UTF-8.
-TomlNode parse_toml(std::string_view text, const std::string& source);
-
-/// `text` as a TOML basic string, quotes included.
-std::string toml_string(std::string_view text);
 
 } // namespace forceshade

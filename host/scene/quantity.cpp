@@ -7,6 +7,7 @@
 #include <iterator>
 #include <numbers>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -74,13 +75,69 @@ std::optional<Unit> find_symbol(std::string_view name) {
     return std::nullopt;
 }
 
-[[noreturn]] void unknown_unit(std::string_view name) {
+std::array<int, 4> quotient_of(const Unit& first, const Unit& second) {
+    std::array<int, 4> powers = first.powers;
+    for (std::size_t i = 0; i < powers.size(); ++i)
+        powers[i] -= second.powers[i];
+    return powers;
+}
+
+/// Words that stand for a unit of this schema, and what is no more than a conversion away.
+struct LookAlike {
+    std::string_view names; // between blanks, lower case
+    std::string_view write;
+};
+constexpr LookAlike kLookAlikes[] = {{" inch inches zoll \" ", "in"},
+                                     {" thou thous ", "mil"},
+                                     {" meter meters metre metres ", "m"},
+                                     {" millimeter millimeters millimetre millimetres ", "mm"},
+                                     {" centimeter centimeters centimetre centimetres ", "cm"},
+                                     {" micron microns micrometer micrometers micrometre micrometres ", "um"},
+                                     {" newton newtons ", "N"},
+                                     {" sec secs second seconds ", "s"},
+                                     {" msec msecs millisecond milliseconds ", "ms"},
+                                     {" hertz ", "Hz"},
+                                     {" gram grams gramme grammes ", "g"},
+                                     {" kilogram kilograms kilo kilos ", "kg"},
+                                     {" degree degrees \u00b0 ", "deg"},
+                                     {" radian radians ", "rad"},
+                                     {" joule joules ", "J"}};
+constexpr LookAlike kConversions[] = {{" min mins minute minutes ", "60 s"},
+                                      {" h hour hours ", "3600 s"},
+                                      {" ft foot feet ", "12 in"},
+                                      {" yd yard yards ", "36 in"},
+                                      {" lb lbs pound pounds ", "453.59237 g"},
+                                      {" lbf ", "4.4482216 N"},
+                                      {" oz ounce ounces ", "28.349523 g"},
+                                      {" kgf kp ", "9.80665 N"},
+                                      {" gf p ", "9.80665 mN"},
+                                      {" dyn dyne ", "10 uN"},
+                                      {" rpm ", "0.016666667 Hz"},
+                                      {" grad gon ", "0.9 deg"}};
+
+const LookAlike* find_word(std::span<const LookAlike> words, std::string_view name) {
+    const std::string word = fmt::format(" {} ", lower_case(name));
+    const auto found =
+        std::ranges::find_if(words, [&](const LookAlike& one) { return one.names.find(word) != one.names.npos; });
+    return found == words.end() ? nullptr : &*found;
+}
+
+[[noreturn]] void unknown_unit(std::string_view name, const DimensionInfo& wanted) {
+    if (name == "min" && wanted.name == "length")
+        refuse("unknown unit \"min\": did you mean \"mil\", a thousandth of an inch?");
+    if (const LookAlike* word = find_word(kLookAlikes, name))
+        refuse("unknown unit \"{}\": did you mean \"{}\"?", name, word->write);
+    if (const LookAlike* word = find_word(kConversions, name))
+        refuse("unknown unit \"{}\": 1 {} is \"{}\"", name, name, word->write);
     for (std::size_t split = 1; split < name.size(); ++split) {
         const std::string_view first = name.substr(0, split);
         const std::string_view second = name.substr(split);
         const bool plural = second == "s" && split > 1; // "mils" is no product with seconds
         if (!plural && find_symbol(first) && find_symbol(second))
-            refuse("unknown unit \"{}\": write \"{} {}\" for a product", name, first, second);
+            refuse("unknown unit \"{}\": write \"{} {}\" for a product{}", name, first, second,
+                   quotient_of(*find_symbol(first), *find_symbol(second)) == wanted.powers
+                       ? fmt::format(", \"{}/{}\" for {}", first, second, wanted.with_article)
+                       : "");
     }
     std::vector<std::string> names;
     for (const Symbol& symbol : kSymbols) {
@@ -116,7 +173,7 @@ std::string plain_ascii(std::string_view text) {
     return result;
 }
 
-Unit parse_unit(std::string_view as_written) {
+Unit parse_unit(std::string_view as_written, const DimensionInfo& wanted) {
     const std::string text = plain_ascii(as_written);
     std::string_view rest = text;
     const auto skip = [&](std::size_t characters) {
@@ -140,12 +197,14 @@ Unit parse_unit(std::string_view as_written) {
                    text);
         divided = divided || slash;
         const auto length = std::ranges::find_if_not(rest, is_symbol_char) - rest.begin();
+        if (length == 0 && rest == "\"")
+            unknown_unit(rest, wanted);
         if (length == 0)
             refuse("\"{}\" is not a unit; write for example \"N/mm\" or \"N s/m\"", text);
         const std::string_view name = skip(static_cast<std::size_t>(length));
         const std::optional<Unit> factor = find_symbol(name);
         if (!factor)
-            unknown_unit(name);
+            unknown_unit(name, wanted);
         int power = 1;
         if (skip_char('^')) {
             const auto [end, error] = std::from_chars(rest.data(), rest.data() + rest.size(), power);
@@ -252,6 +311,12 @@ double convert(const Decimal& number, const Unit& unit) {
     refuse("{} is a number and a unit, for example \"{}\"; got \"{}\"", info.with_article, info.example, text);
 }
 
+// "a force, ", or an empty text for what has no name here.
+std::string what_has(const std::array<int, 4>& powers) {
+    const auto found = std::ranges::find(kDimensions, powers, &DimensionInfo::powers);
+    return found == kDimensions.end() ? "" : fmt::format("{}, ", found->with_article);
+}
+
 std::string_view trimmed(std::string_view text) {
     const std::size_t begin = text.find_first_not_of(" \t");
     return begin == text.npos ? text.substr(0, 0) : text.substr(begin, text.find_last_not_of(" \t") - begin + 1);
@@ -277,15 +342,22 @@ double parse_quantity(std::string_view text, Dimension expected) {
         refuse("{} needs a unit, for example \"{}\"; got \"{}\"", info.with_article, info.example, text);
     if (unit_text[0] == ',' || unit_text[0] == '.' || is_digit(unit_text[0]))
         refuse_number(text, info);
-    const Unit unit = parse_unit(unit_text);
+    const Unit unit = parse_unit(unit_text, info);
     if (unit.powers != info.powers)
-        refuse("\"{}\" is not {}; write for example \"{}\"", unit_text, info.with_article, info.example);
+        refuse("\"{}\" is {}not {}; write for example \"{}\"", unit_text, what_has(unit.powers), info.with_article,
+               info.example);
     const double value = convert(number, unit);
     const bool zero = number.digits.find_first_not_of('0') == std::string::npos;
     if (!std::isfinite(value) || (value == 0 && !zero))
         refuse("\"{}\" is too {} for a double", text,
                number.exponent + static_cast<int>(number.digits.size()) > 0 ? "large" : "small");
     return value;
+}
+
+std::string in_unit_of(std::string_view quantity, double number, Dimension dimension) {
+    quantity = trimmed(quantity);
+    const std::string_view unit = trimmed(quantity.substr(read_decimal(quantity).length));
+    return fmt::format("{:.6g} {}", number / parse_quantity(fmt::format("1 {}", unit), dimension), unit);
 }
 
 } // namespace forceshade

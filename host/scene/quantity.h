@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <string>
 #include <string_view>
 
 namespace forceshade {
@@ -24,5 +25,9 @@ const DimensionInfo& dimension_info(Dimension dimension);
 /// an angle in degrees. Throws UsageError (without a location) for a missing, wrong or unknown unit, with the nearest
 /// known one, for an ambiguous "N/m s", and for what a double cannot hold.
 double parse_quantity(std::string_view text, Dimension expected);
+
+/// A number of SI units in the unit of a quantity that parse_quantity takes: in_unit_of("600 mil", 0.0127, length) is
+/// "500 mil".
+std::string in_unit_of(std::string_view quantity, double number, Dimension dimension);
 
 } // namespace forceshade

@@ -166,25 +166,6 @@ std::string describe_values(const Key& key) {
     return text;
 }
 
-void add_comment(std::string text, std::string& result) {
-    while (text.size() > kLineWidth) {
-        const std::size_t cut = text.rfind(' ', kLineWidth);
-        result += fmt::format("# {}\n", text.substr(0, cut));
-        text.erase(0, cut + 1);
-    }
-    result += fmt::format("# {}\n", text);
-}
-
-void add_key(const Key& key, std::string& result) {
-    const std::string applicability = describe_applicability(key);
-    add_comment(fmt::format("{}: {}", key.name, key.doc), result);
-    add_comment(
-        fmt::format("    {}{}", describe_values(key), applicability.empty() ? "" : fmt::format(" ({})", applicability)),
-        result);
-    const std::string_view example = key.example.empty() ? key.default_text : key.example;
-    result += fmt::format("{}{} = {}\n", applies(key, Forms{}) ? "" : "# ", key.name, example);
-}
-
 std::string table_header(std::string_view table) {
     std::string_view remark;
     if (table == "texture")
@@ -196,26 +177,46 @@ std::string table_header(std::string_view table) {
     return remark.empty() ? fmt::format("\n[{}]\n", table) : fmt::format("\n# [{}]    {}\n", table, remark);
 }
 
+std::string_view example_of(const Key& key) {
+    return key.example.empty() ? key.default_text : key.example;
+}
+
 } // namespace
 
-std::string schema_text() {
+std::string comment_text(std::string text) {
     std::string result;
-    add_comment(
+    while (text.size() > kLineWidth) {
+        const std::size_t cut = text.rfind(' ', kLineWidth);
+        result += fmt::format("# {}\n", text.substr(0, cut));
+        text.erase(0, cut + 1);
+    }
+    return result + fmt::format("# {}\n", text);
+}
+
+std::string key_text(const Key& key, std::string_view literal, bool given) {
+    const std::string applicability = describe_applicability(key);
+    return comment_text(fmt::format("{}: {}", key.name, key.doc)) +
+           comment_text(fmt::format("    {}{}", describe_values(key),
+                                    applicability.empty() ? "" : fmt::format(" ({})", applicability))) +
+           fmt::format("{}{} = {}\n", given ? "" : "# ", key.name, literal);
+}
+
+std::string schema_text() {
+    std::string result = comment_text(
         "Every key of a scene or study, with its default. A quantity is a number with a unit in a string; units are m, "
-        "mil, in, g, s, Hz, N, J, rad, deg with SI prefixes, products (\"N s/m\"), quotients and powers.",
-        result);
-    add_comment("A list where one value may stand is a sweep axis (for a key that is a list itself, a list of lists); "
-                "axes cross. [[variant]] tables override keys (surface.kind = \"cylinder_bump\"); each is swept by "
-                "itself, and a case that comes twice runs once.",
-                result);
-    add_comment("A line that is commented out applies to another kind or function only.", result);
+        "mil, in, g, s, Hz, N, J, rad, deg with SI prefixes, products (\"N s/m\"), quotients and powers.");
+    result += comment_text(
+        "A list where one value may stand is a sweep axis (for a key that is a list itself, a list of lists); axes "
+        "cross. [[variant]] tables override keys (surface.kind = \"cylinder_bump\"); each is swept by itself, and a "
+        "case that comes twice runs once.");
+    result += comment_text("A line that is commented out applies to another kind or function only.");
     std::string_view table;
     for (const Key& key : schema_keys()) {
         if (key.table != table)
             result += table_header(key.table);
         table = key.table;
         if (!key.spread_part)
-            add_key(key, result);
+            result += key_text(key, example_of(key), applies(key, Forms{}));
     }
     return result;
 }
@@ -240,6 +241,8 @@ nlohmann::ordered_json schema_json() {
         row["one_for_all"] = key.one_for_all;
         row["axis"] = key.axis;
         row["applies_to"] = describe_applicability(key);
+        row["values"] = describe_values(key);
+        row["example"] = std::string(example_of(key));
         row["doc"] = std::string(key.doc);
         keys.push_back(std::move(row));
     }

@@ -110,6 +110,10 @@ std::string describe_applicability(const Key& key);
 /// scene.
 std::string schema_text();
 
+/// A part of that: a text as lines of comment, and a key with a value below its meaning, commented out unless `given`.
+std::string comment_text(std::string text);
+std::string key_text(const Key& key, std::string_view literal, bool given);
+
 /// The same as JSON: {"keys": [{"key", "type", "default", ...}]}.
 nlohmann::ordered_json schema_json();
 

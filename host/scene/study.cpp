@@ -1,10 +1,7 @@
 #include "host/scene/study.h"
 
 #include <algorithm>
-#include <cerrno>
-#include <fstream>
 #include <map>
-#include <system_error>
 #include <unordered_set>
 
 #include <fmt/format.h>
@@ -12,25 +9,11 @@
 #include "host/error.h"
 #include "host/scene/cases.h"
 #include "host/scene/document.h"
+#include "host/scene/scene_text.h"
 
 namespace forceshade {
 
 namespace {
-
-std::string read_text(const std::filesystem::path& path) {
-    std::error_code error;
-    if (std::filesystem::is_directory(path, error))
-        throw IoError(fmt::format("cannot read {}: it is a folder, and a TOML file is wanted", path.string()));
-    errno = 0;
-    std::ifstream file(path, std::ios::binary);
-    std::string text, piece(std::size_t{1} << 16, '\0');
-    // Not to the end of what has none, as /dev/zero: parse_toml says that it is too much.
-    while (text.size() <= kLargestToml && (file.read(piece.data(), std::ssize(piece)) || file.gcount() > 0))
-        text.append(piece, 0, static_cast<std::size_t>(file.gcount()));
-    if (!file.is_open() || file.bad())
-        throw IoError(fmt::format("cannot read {}: {}", path.string(), std::generic_category().message(errno)));
-    return text;
-}
 
 // The layers of one variant, or of the base alone.
 struct Stack {
@@ -41,13 +24,14 @@ struct Stack {
 
 class StudyBuilder {
 public:
-    StudyBuilder(std::shared_ptr<const Document> document, bool one_scene)
-        : document_(std::move(document)), one_scene_(one_scene) {
+    StudyBuilder(std::shared_ptr<const Document> document, bool one_scene, Errors& errors)
+        : document_(std::move(document)), one_scene_(one_scene), errors_(errors) {
         study_.document = document_;
     }
 
+    // Everything that is wrong is in the errors then, and reported before cases are named.
     Study build() {
-        refuse_equal_file_names();
+        errors_.attempt([&] { refuse_equal_file_names(); });
         for (const Layer& variant : document_->variants)
             add_stack(&variant);
         if (document_->variants.empty())
@@ -56,7 +40,8 @@ public:
         if (one_scene_)
             refuse_sweep();
         for (const Stack& stack : stacks_)
-            cross(stack);
+            errors_.attempt([&] { cross(stack); });
+        errors_.report();
         name_cases(study_.cases, selections_, document_->order);
         return std::move(study_);
     }
@@ -67,7 +52,8 @@ private:
     void add_stack(const Layer* variant) {
         Stack stack{variant, merge({&document_->base, variant, &document_->overrides}), {}};
         stack.forms = possible_forms(stack.merged);
-        refuse_two_grids(stack);
+        if (document_->sure_of({"surface", "grid"}))
+            errors_.attempt([&] { refuse_two_grids(stack); });
         stacks_.push_back(std::move(stack));
     }
 
@@ -106,13 +92,13 @@ private:
         const auto check = [&](const Layer& layer, const std::vector<Forms>& own, const std::vector<Forms>& cases) {
             for (const Entry& entry : layer.entries) {
                 const Key& key = schema_keys()[entry.key];
-                if (applies_to_any(key, own) || applies_to_any(key, cases))
+                if (applies_to_any(key, own) || applies_to_any(key, cases) || !is_sure_of(key))
                     continue;
                 const std::string message = fmt::format("\"{}\" does not apply to {}; it applies to {}", key.name,
                                                         describe_forms(key, own.front()), describe_applicability(key));
                 if (entry.where.line > 0 && key.subject != Subject::shading &&
                     (key.table == "surface" || key.table == "texture" || key.table == "paths"))
-                    fail(source(), entry.where, message);
+                    errors_.attempt([&] { fail(source(), entry.where, message); });
                 study_.warnings.push_back(location_prefix(source(), entry.where) + message);
             }
         };
@@ -128,6 +114,12 @@ private:
         check(document_->overrides, all, all);
     }
 
+    // Whether it is known what the key applies to.
+    bool is_sure_of(const Key& key) const {
+        const bool of_paths = key.subject == Subject::paths || key.subject == Subject::hand;
+        return document_->sure_of({key.table, of_paths ? "paths" : "surface", "force"});
+    }
+
     std::vector<const Entry*> axes(const Stack& stack) const {
         std::vector<const Entry*> result;
         for (const std::size_t key : document_->order)
@@ -137,16 +129,19 @@ private:
         return result;
     }
 
-    void refuse_sweep() const {
+    void refuse_sweep() {
         for (const Stack& stack : stacks_)
             for (const Entry* axis : axes(stack))
-                fail(source(), axis->where,
-
-                     "\"{}\" is a sweep axis of {} values; one scene is wanted here: leave one value, or use sweep",
-                     schema_keys()[axis->key].path(), axis->values.size());
+                errors_.attempt([&] {
+                    fail(source(), axis->where,
+                         "\"{}\" is a sweep axis of {} values; one scene is wanted here: leave one value, or use sweep",
+                         schema_keys()[axis->key].path(), axis->values.size());
+                });
         if (stacks_.size() > 1)
-            fail(source(), stacks_[1].variant->where,
-                 "a second [[variant]]; one scene is wanted here: leave one, or use sweep");
+            errors_.attempt([&] {
+                fail(source(), stacks_[1].variant->where,
+                     "a second [[variant]]; one scene is wanted here: leave one, or use sweep");
+            });
     }
 
     // Counts through all combinations, the last axis fastest.
@@ -157,7 +152,7 @@ private:
             if (__builtin_mul_overflow(count, axis->values.size(), &count) || count + combinations_ > kMostCases)
                 fail(source(), axis->where, "the axes cross to more than {} cases; split the study", kMostCases);
         combinations_ += count;
-        for (std::size_t number = 0; number < count; ++number) {
+        for (std::size_t number = 0; number < count && !errors_.enough(); ++number) {
             Selection selection = first_values(stack.merged);
             std::size_t rest = number;
             for (std::size_t i = axis_entries.size(); i-- > 0;) {
@@ -175,7 +170,7 @@ private:
             return;
         Case one;
         one.scene = build_scene(selection);
-        check_scene(one.scene, selection, source(), study_.warnings);
+        check_scene(one.scene, selection, *document_, errors_, study_.warnings);
         for (std::size_t i = 0; i < selection.size(); ++i)
             if (const Key& key = schema_keys()[i]; selection[i])
                 one.settings.push_back({key.table, key.name, literal(key, *selection[i])});
@@ -185,6 +180,7 @@ private:
 
     std::shared_ptr<const Document> document_;
     bool one_scene_;
+    Errors& errors_;
     Study study_;
     std::vector<Stack> stacks_;
     std::vector<Selection> selections_;
@@ -193,20 +189,24 @@ private:
 };
 
 Study build_study(std::string_view text, const std::string& source, const std::filesystem::path& folder,
-                  std::span<const Override> overrides, bool one_scene) {
-    auto document = std::make_shared<const Document>(read_document(text, source, folder.string(), overrides));
-    return StudyBuilder(std::move(document), one_scene).build();
+                  std::span<const Override> overrides, bool one_scene, const ReadBeside& beside = {}) {
+    Errors errors;
+    auto document = std::make_shared<const Document>(read_document(text, source, folder.string(), overrides, errors));
+    if (beside)
+        errors.attempt([&] { beside(*document); });
+    return StudyBuilder(std::move(document), one_scene, errors).build();
 }
 
 } // namespace
 
 Study parse_study(std::string_view text, const std::string& source, const std::filesystem::path& folder,
-                  std::span<const Override> overrides) {
-    return build_study(text, source, folder, overrides, false);
+                  std::span<const Override> overrides, const ReadBeside& beside) {
+    return build_study(text, source, folder, overrides, false, beside);
 }
 
-Study read_study(const std::filesystem::path& path, std::span<const Override> overrides) {
-    return parse_study(read_text(path), path.string(), path.parent_path(), overrides);
+Study read_study(const std::filesystem::path& path, std::span<const Override> overrides, const ReadBeside& beside) {
+    const SceneText read = read_scene_text(path);
+    return parse_study(read.text, read.source, read.folder, overrides, beside);
 }
 
 Case parse_scene(std::string_view text, const std::string& source, const std::filesystem::path& folder,
@@ -219,7 +219,8 @@ Case parse_scene(std::string_view text, const std::string& source, const std::fi
 
 Case read_scene(const std::filesystem::path& path, std::span<const Override> overrides,
                 std::vector<std::string>* warnings) {
-    return parse_scene(read_text(path), path.string(), path.parent_path(), overrides, warnings);
+    const SceneText read = read_scene_text(path);
+    return parse_scene(read.text, read.source, read.folder, overrides, warnings);
 }
 
 Study default_study(std::span<const Override> overrides) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -14,6 +15,9 @@
 namespace forceshade {
 
 struct Document;
+
+/// Reads what is in a document beside the study, such as [experiment]. What it throws is told with the other errors.
+using ReadBeside = std::function<void(const Document&)>;
 
 /// "surface.radius" or "run.precision", and its value as text, without quotes unless in a list. Replaces the key
 /// everywhere.
@@ -43,13 +47,15 @@ struct Study {
 /// The most combinations that a study may have.
 inline constexpr std::size_t kMostCases = 100000;
 
-/// Reads and resolves a study. Files that it names are neither opened nor looked for.
-/// Throws IoError if it cannot be read, UsageError `file:line:column: message` for what is wrong in it.
-Study read_study(const std::filesystem::path& path, std::span<const Override> overrides = {});
+/// Reads and resolves a study; "-" is standard input, as for read_scene_text. Files that it names are neither opened
+/// nor looked for. Throws IoError if it cannot be read, UsageError `file:line:column: message` for what is wrong in it:
+/// all of it, a line for each error.
+Study read_study(const std::filesystem::path& path, std::span<const Override> overrides = {},
+                 const ReadBeside& beside = {});
 
 /// The same from text. `source` is what errors call it; file names are relative to `folder`.
 Study parse_study(std::string_view text, const std::string& source, const std::filesystem::path& folder = {},
-                  std::span<const Override> overrides = {});
+                  std::span<const Override> overrides = {}, const ReadBeside& beside = {});
 
 /// One scene: as a study, but a sweep axis or a second variant is a UsageError that names it. Warnings are added to
 /// `warnings`.

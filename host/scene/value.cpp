@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <charconv>
 #include <cmath>
 #include <filesystem>
 #include <utility>
@@ -14,15 +15,6 @@
 #include "host/scene/schema.h"
 
 namespace forceshade {
-
-std::string location_prefix(std::string_view source, Location location) {
-    return location.line == 0 ? fmt::format("{}: ", source)
-                              : fmt::format("{}:{}:{}: ", source, location.line, location.column);
-}
-
-void fail(std::string_view source, Location location, const std::string& message) {
-    throw UsageError(location_prefix(source, location) + message);
-}
 
 namespace {
 
@@ -121,11 +113,14 @@ private:
         if (key_.kind != ValueKind::choices && !value.one_for_all && node.items.size() != key_.count)
             refuse(node, "{} takes {} values, got {}; for a sweep write a list of lists", key_.name, key_.count,
                    node.items.size());
-        for (const TomlNode& item : node.items) {
-            read_part(item, value);
-            if (key_.kind == ValueKind::choices && std::ranges::count(value.integers, value.integers.back()) > 1)
-                refuse(item, "{} is given twice in {}", describe(item), key_.name);
-        }
+        Errors errors;
+        for (const TomlNode& item : node.items)
+            errors.attempt([&] {
+                read_part(item, value);
+                if (key_.kind == ValueKind::choices && std::ranges::count(value.integers, value.integers.back()) > 1)
+                    refuse(item, "{} is given twice in {}", describe(item), key_.name);
+            });
+        errors.report();
     }
 
     // However it is written, one meaning has one content: the first channel is always written, and their order means
@@ -171,9 +166,8 @@ private:
         if (is_unit && node.type != Type::string)
             refuse(node, "{} is the name of {} unit in quotes, for example \"mm\"; got {}", key_.name,
                    info.with_article, describe(node));
-        if (node.type == Type::integer || node.type == Type::real)
-            refuse(node, "{} needs a unit, for example \"{}\"; got {}", info.with_article, info.example,
-                   describe(node));
+        if (!is_unit && is_number(node))
+            refuse(node, "{} needs a unit: write {}", key_.name, with_units(node));
         if (node.type != Type::string)
             refuse(node, "{} is {} with a unit, for example \"{}\"; got {}", key_.name, info.with_article, info.example,
                    describe(node));
@@ -192,7 +186,38 @@ private:
         value.numbers.push_back(number);
     }
 
+    // A number, or a text that holds no more.
+    static bool is_number(const TomlNode& node) {
+        if (node.type != Type::string)
+            return node.type == Type::integer || (node.type == Type::real && std::isfinite(node.real));
+        const std::string_view text = node.text;
+        double number = 0;
+        const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+        return error == std::errc() && end == text.data() + text.size() && std::isfinite(number);
+    }
+
+    // The number with the units that may have been meant: that of the default, that of the example, and SI's.
+    std::string with_units(const TomlNode& node) const {
+        const DimensionInfo& info = dimension_info(key_.dimension);
+        std::vector<std::string> all;
+        const auto add = [&](std::string_view unit) {
+            add_once(fmt::format("\"{} {}\"", node.type == Type::string ? node.text : describe(node), unit), all);
+        };
+        if (const std::size_t number = key_.default_text.find_first_of("0123456789");
+            number != std::string_view::npos) {
+            const std::string_view quantity = key_.default_text.substr(number);
+            const std::size_t blank = std::min(quantity.find(' '), quantity.size() - 1);
+            add(quantity.substr(blank + 1, quantity.find('"') - blank - 1));
+        }
+        add(info.example.substr(info.example.find(' ') + 1));
+        add(info.unit);
+        return fmt::format("{}{}{}", fmt::join(all.begin(), all.end() - 1, ", "), all.size() > 1 ? " or " : "",
+                           all.back());
+    }
+
     void read_number(const TomlNode& node, Value& value) {
+        if (node.type == Type::string && is_number(node))
+            refuse(node, "{} is a number: write {}, without quotes", key_.name, node.text);
         if (node.type != Type::integer && node.type != Type::real)
             refuse(node, "{} is a number without quotes; got {}", key_.name, describe(node));
         const double number = node.type == Type::integer ? static_cast<double>(node.integer) : node.real;
@@ -204,6 +229,12 @@ private:
     }
 
     void read_integer(const TomlNode& node, Value& value) {
+        const auto is_whole = [](double number) { return number == std::floor(number) && std::abs(number) < 1e15; };
+        if (node.type == Type::real && is_whole(node.real))
+            refuse(node, "{} is a whole number: write {:.0f}, without a point", key_.name, node.real);
+        if (node.type == Type::string && !node.text.empty() &&
+            node.text.find_first_not_of("0123456789") == std::string::npos)
+            refuse(node, "{} is a whole number: write {}, without quotes", key_.name, node.text);
         if (node.type != Type::integer)
             refuse(node, "{} is a whole number without quotes; got {}", key_.name, describe(node));
         if (node.integer < 0 || static_cast<std::uint64_t>(node.integer) < key_.smallest ||
@@ -284,11 +315,17 @@ std::vector<Value> read_values(const Key& key, const TomlNode& node, const std::
     if (node.items.empty())
         reader.refuse(node, "empty list: {} needs at least one value", key.name);
     std::vector<Value> values;
+    Errors errors;
     for (const TomlNode& item : node.items) {
-        if (is_array(item) && !reader.is_vector())
-            reader.refuse(item, "a sweep axis of {} is a list of single values; got a list in it", key.name);
-        values.push_back(reader.read_one(item));
+        errors.attempt([&] {
+            if (is_array(item) && !reader.is_vector())
+                reader.refuse(item, "a sweep axis of {} is a list of single values; got a list in it", key.name);
+            values.push_back(reader.read_one(item));
+        });
+        if (errors.enough())
+            break;
     }
+    errors.report();
     return values;
 }
 

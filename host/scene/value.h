@@ -1,36 +1,16 @@
-// Values of a configuration: where each stands, errors that say so, what it means, and the word that was meant.
+// Values of a configuration: where each stands, what it means, and the word that was meant.
 #pragma once
 
-#include <compare>
 #include <cstddef>
 #include <cstdint>
 #include <span>
 #include <string>
 #include <string_view>
-#include <utility>
 #include <vector>
 
-#include <fmt/format.h>
+#include "host/scene/errors.h"
 
 namespace forceshade {
-
-/// Counted from 1, in characters. Line 0: no place in a file, but a default or an override.
-struct Location {
-    std::uint32_t line = 0;
-    std::uint32_t column = 0;
-    friend auto operator<=>(const Location&, const Location&) = default;
-};
-
-/// `bump.toml:12:5: `, or `bump.toml: ` for line 0.
-std::string location_prefix(std::string_view source, Location location);
-
-/// Throws UsageError `bump.toml:12:5: message`.
-[[noreturn]] void fail(std::string_view source, Location location, const std::string& message);
-template <typename Part, typename... Parts>
-[[noreturn]] void fail(std::string_view source, Location location, fmt::format_string<Part, Parts...> message,
-                       Part&& part, Parts&&... parts) {
-    fail(source, location, fmt::format(message, std::forward<Part>(part), std::forward<Parts>(parts)...));
-}
 
 // Finds the word that somebody meant who misspelt one.
 

@@ -18,6 +18,14 @@ TEST(Document, Misspelt) {
               "f.toml:1:2: unknown table [srface]; did you mean [surface]?");
     EXPECT_EQ(study_error("[surface]\nstiffness = \"1 N/mm\"\n"),
               "f.toml:2:1: unknown key \"stiffness\" in [surface]; it belongs in [force] or [texture]");
+    EXPECT_EQ(study_error("[surface]\n[force]\nradius = \"1 m\"\n"),
+              "f.toml:3:1: unknown key \"radius\" in [force]; it belongs in [surface]");
+    EXPECT_EQ(study_error("[force]\nraduis = \"1 m\"\n"),
+              "f.toml:2:1: unknown key \"raduis\" in [force]; did you mean \"radius\" in [surface] or [texture]?");
+    EXPECT_EQ(study_error("[grid]\nresolution = 3\n"),
+              "f.toml:2:1: unknown key \"resolution\" in [grid]; did you mean \"spacing\"?");
+    EXPECT_EQ(study_error("[mesh]\nfile = \"a.obj\"\n"),
+              "f.toml:1:2: unknown table [mesh]; did you mean [surface] with kind = \"mesh\"?");
     EXPECT_EQ(study_error("facets = 3\n"), "f.toml:1:1: \"facets\" stands in no table; it belongs in [surface]");
     EXPECT_EQ(study_error("[run]\nq = 1\n"), "f.toml:2:1: unknown key \"q\" in [run]; it has precision");
     EXPECT_EQ(study_error("[probes]\n"),
@@ -29,15 +37,21 @@ TEST(Document, Misspelt) {
 }
 
 TEST(Document, Quantities) {
+    EXPECT_EQ(study_error("[surface]\nradius = 600\n"),
+              "f.toml:2:10: radius needs a unit: write \"600 mil\", \"600 mm\" or \"600 m\"");
+    EXPECT_EQ(study_error("[surface]\nradius = \"600\"\n"),
+              "f.toml:2:10: radius needs a unit: write \"600 mil\", \"600 mm\" or \"600 m\"");
+    EXPECT_EQ(study_error("[surface]\nfacets = 16.0\n"),
+              "f.toml:2:10: facets is a whole number: write 16, without a point");
     EXPECT_EQ(study_error("[grid]\nspacing = 0.2\n"),
-              "f.toml:2:11: a length needs a unit, for example \"0.2 mm\"; got 0.2");
+              "f.toml:2:11: spacing needs a unit: write \"0.2 mm\" or \"0.2 m\"");
     EXPECT_EQ(study_error("[surface]\nradius = \"600 N\"\n"),
-              "f.toml:2:10: \"N\" is not a length; write for example \"0.2 mm\"");
+              "f.toml:2:10: \"N\" is a force, not a length; write for example \"0.2 mm\"");
     EXPECT_EQ(study_error("[surface]\nradius = [\"600 mil\",\n \"600 mils\"]\n"),
               "f.toml:3:2: unknown unit \"mils\": did you mean \"mil\"?");
     EXPECT_EQ(study_error("[force]\nstiffness = \"-3 N/m\"\n"), "f.toml:2:13: stiffness must be positive, got -3 N/m");
     EXPECT_EQ(study_error("[force]\nstiffness = nan\n"),
-              "f.toml:2:13: a stiffness needs a unit, for example \"0.5 N/mm\"; got nan");
+              "f.toml:2:13: stiffness is a stiffness with a unit, for example \"0.5 N/mm\"; got nan");
     EXPECT_EQ(study_error("[grid]\nspacing = \"0 mm\"\n"), "f.toml:2:11: spacing must be positive, got 0 mm");
     EXPECT_EQ(study_error("[grid]\nspacing = [\"1 mm\", \"-1 mm\", \"1 mm\"]\n"),
               "f.toml:2:20: spacing must be positive, got -1 mm");
@@ -52,7 +66,7 @@ TEST(Document, IntegersAndChoices) {
     EXPECT_EQ(study_error("[surface]\nfacets = 2.5\n"),
               "f.toml:2:10: facets is a whole number without quotes; got 2.5");
     EXPECT_EQ(study_error("[surface]\nfacets = \"3\"\n"),
-              "f.toml:2:10: facets is a whole number without quotes; got \"3\"");
+              "f.toml:2:10: facets is a whole number: write 3, without quotes");
     EXPECT_EQ(study_error("[grid]\nsize = [0, 1, 1]\n"), "f.toml:2:9: size must be from 1 to 1073741822, got 0");
     EXPECT_NE(study_error("[grid]\nsize = [18446744073709551616, 1, 1]\n").find("is not representable in 64 bits"),
               std::string::npos);
@@ -157,8 +171,7 @@ TEST(Document, Overrides) {
     EXPECT_EQ(error("run.precison", "f64"),
               "override run.precison: unknown key \"run.precison\"; did you mean \"run.precision\"?");
     EXPECT_EQ(error("run.precision", "f16"), "override run.precision: precision is one of f32, f64; got \"f16\"");
-    EXPECT_EQ(error("grid.spacing", "1"),
-              "override grid.spacing: a length needs a unit, for example \"0.2 mm\"; got \"1\"");
+    EXPECT_EQ(error("grid.spacing", "1"), "override grid.spacing: spacing needs a unit: write \"1 mm\" or \"1 m\"");
     EXPECT_NE(error("surface.facets", "1\nx = 2"), "(no error)");
 }
 

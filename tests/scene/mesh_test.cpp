@@ -57,7 +57,7 @@ TEST(MeshScene, Refusals) {
     EXPECT_EQ(study_error(mesh + "unit = \"kg\"\n").substr(0, 12), "f.toml:4:8: ");
     EXPECT_EQ(study_error(mesh + "unit = 1\n").substr(0, 12), "f.toml:4:8: ");
     EXPECT_EQ(study_error(mesh + "transform = { scale = \"2\" }\n"),
-              "f.toml:4:23: transform.scale is a number without quotes; got \"2\"");
+              "f.toml:4:23: transform.scale is a number: write 2, without quotes");
     EXPECT_EQ(study_error(mesh + "transform = { scale = -1 }\n"),
               "f.toml:4:23: transform.scale must be positive and finite, got -1");
     EXPECT_EQ(study_error(mesh + "transform = { turn = 1 }\n").substr(0, 13), "f.toml:4:15: ");

@@ -79,7 +79,7 @@ TEST(PathScene, Refusals) {
               "f.toml:2:17: depth: min 3 mm is more than max 1 mm");
     EXPECT_EQ(study_error("[paths]\nspeed = \"0 m/s\"\n"), "f.toml:2:9: speed must be positive, got 0 m/s");
     EXPECT_EQ(study_error("[paths]\nspeed = \"1 m\"\n"),
-              "f.toml:2:9: \"m\" is not a speed; write for example \"100 mm/s\"");
+              "f.toml:2:9: \"m\" is a length, not a speed; write for example \"100 mm/s\"");
     EXPECT_EQ(study_error("[paths]\nlines = 4\n"),
               "f.toml:2:1: \"lines\" does not apply to kind \"strokes\"; it applies to kind raster or spiral");
     EXPECT_EQ(study_error("[paths]\nbound = \"1 m\"\n"),
@@ -93,7 +93,7 @@ TEST(PathScene, Refusals) {
     EXPECT_EQ(study_error("[surface]\nkind = \"height_map\"\n[paths]\nfollow = \"surface\"\n").substr(0, 12),
               "f.toml:4:10:");
     EXPECT_EQ(study_error("[paths]\nlength = \"1e16 m\"\n"),
-              "f.toml:2:10: paths.length must be at most 1e+15 m in f32; got 1e+16 m");
+              "f.toml:2:10: paths.length must be at most 1e+15 m in f32; got 1e16 m");
 }
 
 TEST(PathScene, HandIsForClosedLoops) {

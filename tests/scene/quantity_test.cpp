@@ -83,15 +83,25 @@ TEST(Quantity, EqualsTheDecimalLiteral) {
 
 TEST(Quantity, SaysWhatWouldBeRight) {
     EXPECT_EQ(length_error("0.2"), "a length needs a unit, for example \"0.2 mm\"; got \"0.2\"");
-    EXPECT_EQ(length_error("1 N"), "\"N\" is not a length; write for example \"0.2 mm\"");
+    EXPECT_EQ(length_error("1 N"), "\"N\" is a force, not a length; write for example \"0.2 mm\"");
     EXPECT_EQ(length_error("600 mils"), "unknown unit \"mils\": did you mean \"mil\"?");
+    EXPECT_EQ(length_error("600 min"), "unknown unit \"min\": did you mean \"mil\", a thousandth of an inch?");
+    EXPECT_EQ(length_error("0.6 inch"), "unknown unit \"inch\": did you mean \"in\"?");
+    EXPECT_EQ(length_error("1 ft"), "unknown unit \"ft\": 1 ft is \"12 in\"");
+    EXPECT_EQ(length_error("1 \u00b5m"), "(no error)");
+    EXPECT_EQ(length_error("1 \u03bcm"), "(no error)");
+    EXPECT_EQ(usage_error([] { parse_quantity("1 min", Dimension::time); }), "unknown unit \"min\": 1 min is \"60 s\"");
+    EXPECT_EQ(usage_error([] { parse_quantity("1 Nmm", Dimension::stiffness); }),
+              "unknown unit \"Nmm\": write \"N mm\" for a product, \"N/mm\" for a stiffness");
+    EXPECT_EQ(usage_error([] { parse_quantity("1 N/mm", Dimension::force); }),
+              "\"N/mm\" is a stiffness, not a force; write for example \"1 N\"");
     EXPECT_EQ(length_error("600 MM"), "unknown unit \"MM\": did you mean \"mm\"?");
     EXPECT_EQ(usage_error([] { parse_quantity("1 Ns/m", Dimension::damping); }),
               "unknown unit \"Ns\": write \"N s\" for a product");
     EXPECT_EQ(usage_error([] { parse_quantity("1 N/m s", Dimension::damping); }),
               "\"N/m s\" can be read in two ways: write products before the \"/\", and \"/\" before each divisor");
     EXPECT_EQ(usage_error([] { parse_quantity("1 mm", Dimension::angle); }),
-              "\"mm\" is not an angle; write for example \"90 deg\"");
+              "\"mm\" is a length, not an angle; write for example \"90 deg\"");
     EXPECT_EQ(length_error("1,5 mm"), "\"1,5 mm\": write a decimal point, as in \"0.2 mm\"");
     EXPECT_EQ(length_error("1e400 m"), "\"1e400 m\" is too large for a double");
     EXPECT_EQ(length_error("1e-400 m"), "\"1e-400 m\" is too small for a double");

@@ -1,6 +1,7 @@
 #include "host/scene/schema.h"
 
 #include "host/scene/scene.h"
+#include "host/scene/starter.h"
 #include "host/scene/study.h"
 #include "host/scene/value.h"
 
@@ -42,6 +43,16 @@ TEST(Schema, JsonHasEveryKey) {
     ASSERT_EQ(json["keys"].size(), schema_keys().size());
     EXPECT_EQ(json["keys"][2]["key"], "surface.radius");
     EXPECT_EQ(json["keys"][2]["unit"], "m");
+}
+
+// A key that is left out of a scene to start from, or misspelt in it, would be its user's first error.
+TEST(Starter, EachIsAStudyWithoutWarnings) {
+    for (const std::string_view what : kStarters) {
+        const Study study = parse_study(starter_scene(what, "a.obj", "s.toml"), "starter");
+        EXPECT_TRUE(study.warnings.empty()) << what;
+        EXPECT_EQ(study.cases.size(), what == "experiment" ? 14u : 1u) << what;
+        EXPECT_EQ(study.cases.front().scene.paths.has_value(), what == "paths" || what == "live");
+    }
 }
 
 TEST(Nearest, FindsWhatWasMeant) {

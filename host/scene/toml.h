@@ -1,0 +1,54 @@
+// TOML text to a plain tree in file order, each node with its location. The TOML library is known to toml.cpp alone.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "host/scene/errors.h"
+
+namespace forceshade {
+
+inline constexpr std::size_t kLargestToml = std::size_t{16} << 20; /* bytes; a study is a page or two */
+
+struct TomlMember;
+
+struct TomlNode {
+    enum class Type { string, integer, real, boolean, date, array, table };
+    Type type = Type::table;
+    Location where;
+    std::string text; // of a string
+    std::int64_t integer = 0;
+    double real = 0;
+    bool truth = false;              // of a boolean
+    std::vector<TomlNode> items;     // of an array
+    std::vector<TomlMember> members; // of a table, in file order
+};
+
+struct TomlMember {
+    std::string key;
+    Location where; // of the key
+    TomlNode value;
+};
+
+/// "a table", "a boolean", `"text"`, `0.2`: how messages name what was found.
+std::string describe(const TomlNode& node);
+
+/// Parses a whole TOML document (UTF-8, with or without a byte order mark).
+/// Throws UsageError `source:line:column: message` for a syntax error, a key given twice, or text that is not UTF-8.
+TomlNode parse_toml(std::string_view text, const std::string& source);
+
+/// The same where one syntax error does not hide what is wrong below it: each statement that is none is mended as it
+/// was meant, or left out, and told in `errors`.
+struct MendedToml {
+    TomlNode root;
+    bool whole = true; // nothing was left out
+};
+MendedToml read_toml(std::string_view text, const std::string& source, Errors& errors);
+
+/// `text` as a TOML basic string, quotes included.
+std::string toml_string(std::string_view text);
+
+} // namespace forceshade
