@@ -118,24 +118,30 @@ constexpr std::array kOtherStatements = std::to_array<std::string_view>(
 
 class ObjReader {
 public:
-    explicit ObjReader(const Source& source) : lines_(source.name, source.bytes) {}
+    explicit ObjReader(const Source& source) : lines_(source.name, source.bytes), wanted_(source.normals) {}
 
     PolygonSoup read() {
         std::string_view line;
         while (next_statement(line)) {
             const std::string_view keyword = take_word(line);
             if (keyword == "v")
-                read_vertex(line);
+                soup_.vertices.push_back(read_vector(line, "a vertex"));
+            else if (keyword == "vn" && wanted_)
+                normals_.push_back(read_vector(line, "a normal"));
             else if (keyword == "f")
                 read_facet(line);
             else if (std::ranges::find(kOtherStatements, keyword) == kOtherStatements.end())
                 lines_.damaged("{} is no statement of an OBJ file", in_quotes(keyword));
         }
         check_range();
+        if (!normals_.empty())
+            take_normals();
         return std::move(soup_);
     }
 
 private:
+    static constexpr std::int64_t kNone = -1; // normal
+
     // A backslash at the end of a line continues it.
     bool next_statement(std::string_view& line) {
         if (!lines_.next_words(line))
@@ -154,13 +160,13 @@ private:
         return true;
     }
 
-    void read_vertex(std::string_view line) {
-        soup_.vertices.push_back(read_coordinates(lines_, "", [&] {
+    glm::dvec3 read_vector(std::string_view line, const char* what) {
+        return read_coordinates(lines_, "", [&] {
             const std::string_view word = take_word(line);
             if (word.empty())
-                lines_.damaged("a vertex has three coordinates; the file is damaged or breaks off here");
+                lines_.damaged("{} has three coordinates; the file is damaged or breaks off here", what);
             return word;
-        }));
+        });
     }
 
     void read_facet(std::string_view line) {
@@ -186,11 +192,34 @@ private:
             highest_ = index;
             highest_line_ = lines_.line_number();
         }
+        if (wanted_)
+            corner_normals_.push_back(normal_of(word));
         return static_cast<std::uint32_t>(index < 0 ? known + index : index - 1);
     }
 
     static bool is_reference(std::string_view text) {
         return std::ranges::count(text, '/') <= 1 && text.find_first_not_of("/-0123456789") == std::string_view::npos;
+    }
+
+    // The number behind the second slash, counted from 0.
+    std::int64_t normal_of(std::string_view word) const {
+        const std::size_t slash = word.rfind('/');
+        std::int64_t index = 0;
+        if (std::ranges::count(word, '/') != 2 || !parse_integer(word.substr(slash + 1), index) || index == 0)
+            return kNone;
+        return index > 0 ? index - 1 : std::max(kNone, static_cast<std::int64_t>(normals_.size()) + index);
+    }
+
+    // At the end, since normals may follow the facets that use them.
+    void take_normals() {
+        for (std::size_t i = 0; i < soup_.corners.size(); ++i) {
+            const std::int64_t number = corner_normals_[i];
+            if (number == kNone || number >= static_cast<std::int64_t>(normals_.size()))
+                lines_.damaged("corner {} of the file's facets (counted from 1) has no normal, or none of the {} that "
+                               "there are; a corner is written 7//3 or 7/1/3",
+                               i + 1, normals_.size());
+            soup_.normals.push_back(normals_[static_cast<std::size_t>(number)]);
+        }
     }
 
     void check_range() const {
@@ -200,7 +229,10 @@ private:
     }
 
     TextLines lines_;
+    bool wanted_; // normals
     PolygonSoup soup_;
+    std::vector<glm::dvec3> normals_;
+    std::vector<std::int64_t> corner_normals_; // one a corner, from 0, or kNone
     std::string joined_;
     std::int64_t highest_ = 0;
     std::size_t highest_line_ = 0;

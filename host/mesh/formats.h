@@ -13,10 +13,11 @@
 
 namespace forceshade::mesh_file {
 
-/// A file that has been read: its name for messages, and its bytes.
+/// A file that has been read: its name for messages, its bytes, and whether its vertex normals are wanted.
 struct Source {
     std::string name;
     std::string_view bytes;
+    bool normals = false;
 };
 
 /// All but the SHA-256.

@@ -224,6 +224,7 @@ namespace {
 struct Turn {
     double cosine = 1, sine = 0;
 };
+using Turns = std::array<Turn, 3>; // about x, then y, then z
 
 // A quarter turn in radians is no binary number, but a mesh turned by one should keep its zeros.
 Turn turn_of(double angle) {
@@ -240,6 +241,16 @@ void turn(double& first, double& second, const Turn& by) {
     second = by.sine * before + by.cosine * second;
 }
 
+void turn(glm::dvec3& v, const Turns& turns) {
+    turn(v.y, v.z, turns[0]);
+    turn(v.z, v.x, turns[1]);
+    turn(v.x, v.y, turns[2]);
+}
+
+Turns turns_of(const MeshPlacement& placement) {
+    return {turn_of(placement.rotate[0]), turn_of(placement.rotate[1]), turn_of(placement.rotate[2])};
+}
+
 void place(std::vector<glm::dvec3>& vertices, const MeshPlacement& placement) {
     const double factor = placement.unit * placement.scale;
     if (!(factor > 0) || !std::isfinite(factor))
@@ -248,15 +259,12 @@ void place(std::vector<glm::dvec3>& vertices, const MeshPlacement& placement) {
     const auto is_finite = [](double value) { return std::isfinite(value); };
     if (!std::ranges::all_of(placement.rotate, is_finite) || !std::ranges::all_of(placement.translate, is_finite))
         throw UsageError("a mesh's rotation and translation must be finite");
-    const std::array<Turn, 3> turns{turn_of(placement.rotate[0]), turn_of(placement.rotate[1]),
-                                    turn_of(placement.rotate[2])};
+    const Turns turns = turns_of(placement);
     const glm::dvec3 shift(placement.translate[0], placement.translate[1], placement.translate[2]);
     for (std::size_t i = 0; i < vertices.size(); ++i) {
         glm::dvec3& v = vertices[i];
         v *= factor;
-        turn(v.y, v.z, turns[0]);
-        turn(v.z, v.x, turns[1]);
-        turn(v.x, v.y, turns[2]);
+        turn(v, turns);
         v += shift;
         constexpr double kFarthest = 1e100; // m: volumes and squares stay finite
         if (!(std::abs(v.x) < kFarthest && std::abs(v.y) < kFarthest && std::abs(v.z) < kFarthest))
@@ -264,6 +272,45 @@ void place(std::vector<glm::dvec3>& vertices, const MeshPlacement& placement) {
                 fmt::format("vertex {} (counted from 1) lies at ({}, {}, {}) m; a coordinate may not be beyond {} m",
                             i + 1, v.x, v.y, v.z, kFarthest));
     }
+}
+
+// Gives each vertex its corners' normal, turned with the mesh; corners with another one get a vertex of their own at
+// the same place. Triangles stay as they are.
+void take_file_normals(Mesh& mesh, const MeshPlacement& placement) {
+    constexpr std::uint32_t kLast = 0xFFFFFFFF;
+    PolygonSoup& polygons = mesh.polygons;
+    const std::vector<glm::dvec3> given = std::exchange(polygons.normals, {});
+    const Turns turns = turns_of(placement);
+    std::vector<std::uint32_t> next(polygons.vertices.size(), kLast); // vertex at the same place
+    std::vector<bool> known(next.size());
+    mesh.vertex_normals.assign(next.size(), glm::dvec3(0));
+    for (std::size_t i = 0; i < polygons.corners.size(); ++i) {
+        glm::dvec3 normal = given[i];
+        turn(normal, turns);
+        normal = unit(normal);
+        std::uint32_t vertex = polygons.corners[i];
+        while (known[vertex] && mesh.vertex_normals[vertex] != normal && next[vertex] != kLast)
+            vertex = next[vertex];
+        if (known[vertex] && mesh.vertex_normals[vertex] != normal) {
+            next[vertex] = static_cast<std::uint32_t>(polygons.vertices.size());
+            polygons.vertices.push_back(glm::dvec3(polygons.vertices[vertex]));
+            mesh.vertex_normals.emplace_back(0);
+            known.push_back(false);
+            next.push_back(kLast);
+            vertex = next[vertex];
+        }
+        mesh.vertex_normals[vertex] = normal;
+        known[vertex] = true;
+        polygons.corners[i] = vertex;
+    }
+}
+
+std::size_t count_opposed(const Mesh& mesh) {
+    std::size_t opposed = 0;
+    for (std::size_t facet = 0; facet < mesh.polygons.facets(); ++facet)
+        for (const std::uint32_t vertex : mesh.polygons.outline(facet))
+            opposed += dot(mesh.vertex_normals[vertex], mesh.facet_normals[facet]) < 0;
+    return opposed;
 }
 
 } // namespace
@@ -275,8 +322,13 @@ Mesh prepare_mesh(PolygonSoup polygons, const MeshPlacement& placement, VertexNo
     const Connectivity connected(mesh.polygons);
     mesh.facet_normals = facet_normals(connected);
     mesh.redundant_facets = find_coincident(mesh.polygons, mesh.facet_normals).redundant;
-    mesh.vertex_normals = vertex_normals(connected, mesh.facet_normals, weights, mesh.redundant_facets);
     mesh.triangles = triangulate(mesh.polygons, mesh.facet_normals);
+    if (weights == VertexNormals::file) {
+        take_file_normals(mesh, placement);
+        mesh.opposed_normals = count_opposed(mesh);
+    } else {
+        mesh.vertex_normals = vertex_normals(connected, mesh.facet_normals, weights, mesh.redundant_facets);
+    }
     return mesh;
 }
 

@@ -19,6 +19,7 @@ struct PolygonSoup {
     std::vector<glm::dvec3> vertices;
     std::vector<std::uint32_t> begins{0};
     std::vector<std::uint32_t> corners;
+    std::vector<glm::dvec3> normals; /* one a corner, of any length; empty unless they were asked for */
 
     std::size_t facets() const { return begins.size() - 1; }
     std::uint32_t corners_of(std::size_t facet) const { return begins[facet + 1] - begins[facet]; }
@@ -32,6 +33,7 @@ struct PolygonSoup {
 /// How the normals of a vertex's facets are weighted in the vertex's own (L7).
 enum class VertexNormals {
     plain, // equally, as in the paper
+    file,  // not at all: corners have the normals of their file
     angle  // by the facet's angle at the vertex, which does not depend on how a face was cut into facets
 };
 
@@ -59,11 +61,13 @@ struct MeshTriangles {
 
 /// A mesh prepared for the laws, in metres. Facets and vertices keep the order of the file.
 struct Mesh {
-    PolygonSoup polygons;                        /* m */
+    PolygonSoup polygons;                        /* m; where corners at a vertex have several normals in the file, a
+                                                    vertex for each, the further ones behind all others */
     std::vector<std::uint32_t> redundant_facets; /* ascending: coincide with others, count for nothing */
     std::vector<glm::dvec3> facet_normals;       /* 1: unit Newell normals; 0 where a facet has no area */
     std::vector<glm::dvec3> vertex_normals;      /* 1: unit, what L7 interpolates; 0 where they cancel */
     MeshTriangles triangles;
+    std::size_t opposed_normals = 0; /* corners whose normal, as the file gives it, points behind their facet */
 };
 
 /// Where a mesh stands in the world: scaled by unit * scale about the file's origin, then rotated about the fixed axes
@@ -75,8 +79,9 @@ struct MeshPlacement {
     std::array<double, 3> translate{}; /* m */
 };
 
-/// Facets and vertices keep their order and numbers. How facets are cut into triangles: surface.h. Corners must be in
-/// range. \throws UsageError if unit * scale is not positive, or a coordinate is beyond 1e100 m or not finite
+/// Facets keep their order and numbers, vertices too. How facets are cut into triangles: surface.h. Corners must be in
+/// range, and normals not 0. \throws UsageError if unit * scale is not positive, or a coordinate is beyond 1e100 m or
+/// not finite
 Mesh prepare_mesh(PolygonSoup polygons, const MeshPlacement& placement, VertexNormals vertex_normals);
 
 struct MeshBox {

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "host/error.h"
+#include "host/long_run.h"
 #include "host/mesh/formats.h"
 #include "host/output/files.h"
 #include "host/output/reading.h"
@@ -75,21 +76,39 @@ void refuse_what_is_not_finite(const std::string& name, const PolygonSoup& polyg
     }
 }
 
+void require_normals(const std::string& name, const PolygonSoup& polygons) {
+    if (polygons.normals.empty())
+        throw UsageError(fmt::format("{}: has no vertex normals; normals = \"file\" is for an OBJ file with vn and "
+                                     "corners such as 7//3, or a PLY file with nx, ny and nz: take \"plain\" or "
+                                     "\"angle\", which follow from the facets",
+                                     name));
+    for (std::size_t i = 0; i < polygons.corners.size(); ++i) {
+        const glm::dvec3 &normal = polygons.normals[i], &place = polygons.vertices[polygons.corners[i]];
+        if (normal == glm::dvec3(0) || !std::isfinite(normal.x + normal.y + normal.z))
+            throw UsageError(fmt::format("{}: the vertex at ({}, {}, {}) has the normal ({}, {}, {}), which is no "
+                                         "direction",
+                                         name, place.x, place.y, place.z, normal.x, normal.y, normal.z));
+    }
+}
+
 } // namespace
 
-PolygonFile read_polygons(const std::filesystem::path& path) {
+PolygonFile read_polygons(const std::filesystem::path& path, bool normals) {
+    const Stage stage("reading " + path.filename().string());
     constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 32;
     if (const std::uint64_t size = ReadableFile(path).size(); size > kMostBytes)
         throw IoError(fmt::format("{}: {} bytes; a mesh is read from a file of up to 4 GiB", path.string(), size));
-    return parse_polygons(path, read_file(path));
+    return parse_polygons(path, read_file(path), normals);
 }
 
-PolygonFile parse_polygons(const std::filesystem::path& path, std::string_view bytes) {
+PolygonFile parse_polygons(const std::filesystem::path& path, std::string_view bytes, bool normals) {
     const std::string name = path.string();
     if (bytes.empty())
         throw IoError(fmt::format("{}: the file is empty", name));
-    PolygonFile file = format_of(name, path, bytes).read({name, bytes});
+    PolygonFile file = format_of(name, path, bytes).read({name, bytes, normals});
     refuse_what_is_not_finite(name, file.polygons);
+    if (normals)
+        require_normals(name, file.polygons);
     file.sha256 = sha256_of(bytes);
     return file;
 }

@@ -17,15 +17,17 @@ struct PolygonFile {
 
 /// Reads OBJ, OFF, PLY (text, and binary of both byte orders) or STL (text or binary) of up to 4 GiB. Facets keep their
 /// corners and their order, vertices theirs; STL, which has no vertices of its own, gets one for each distinct corner
-/// (bit for bit, -0 being 0), in the order of first use. Normals, colours and everything else are left out. Nothing is
+/// (bit for bit, -0 being 0), in the order of first use. Colours and everything else are left out, normals unless
+/// `normals` asks for those of the corners (vn of an OBJ, nx, ny, nz of a PLY's vertices). Nothing is
 /// repaired and nothing dropped: where a file breaks off, announces more than it can hold or holds more than it
 /// announces, it is refused.
 /// \throws IoError a missing, unreadable, empty, truncated or damaged file, with file:line where it is text
 /// \throws UsageError an extension that is none of the four or not that of the contents, a coordinate that is not
-///         finite (with its vertex), a flavour of a format that is not read (binary OFF, triangle strips)
-PolygonFile read_polygons(const std::filesystem::path& path);
+///         finite (with its vertex), a flavour of a format that is not read (binary OFF, triangle strips), normals
+///         that are asked for and are not there, or 0
+PolygonFile read_polygons(const std::filesystem::path& path, bool normals = false);
 
 /// The same from the bytes of a file whose name is `path`.
-PolygonFile parse_polygons(const std::filesystem::path& path, std::string_view bytes);
+PolygonFile parse_polygons(const std::filesystem::path& path, std::string_view bytes, bool normals = false);
 
 } // namespace forceshade

@@ -241,7 +241,8 @@ private:
 
 template <typename Values> class PlyReader {
 public:
-    PlyReader(const Source& source, const PlyHeader& header) : header_(header), values_(source, header) {}
+    PlyReader(const Source& source, const PlyHeader& header)
+        : header_(header), values_(source, header), normals_(source.normals) {}
 
     PolygonSoup read() {
         check_announced();
@@ -259,6 +260,9 @@ public:
         if (!values_.at_end())
             values_.fail("the file goes on behind the elements that it announces");
         check_range();
+        if (!vertex_normals_.empty())
+            for (const std::uint32_t vertex : soup_.corners)
+                soup_.normals.push_back(vertex_normals_[vertex]);
         return std::move(soup_);
     }
 
@@ -278,23 +282,34 @@ private:
     }
 
     void read_vertices(const PlyElement& element) {
-        const std::array<int, 3> places{element.find("x"), element.find("y"), element.find("z")};
-        for (const int place : places)
-            if (place < 0 || element.properties[static_cast<std::size_t>(place)].list)
-                values_.fail("the vertices have no x, y and z");
+        const auto is_number = [&](int place) {
+            return place >= 0 && !element.properties[static_cast<std::size_t>(place)].list;
+        };
+        // Six numbers at most: where the vertex is, and its normal.
+        std::array<int, 6> places{element.find("x"), element.find("y"), element.find("z"), -1, -1, -1};
+        if (!std::all_of(places.begin(), places.begin() + 3, is_number))
+            values_.fail("the vertices have no x, y and z");
+        if (normals_) {
+            const std::array<int, 3> found{element.find("nx"), element.find("ny"), element.find("nz")};
+            if (std::ranges::all_of(found, is_number))
+                std::ranges::copy(found, places.begin() + 3);
+        }
         soup_.vertices.reserve(static_cast<std::size_t>(element.count));
         for (std::uint64_t item = 0; item < element.count; ++item) {
             values_.begin_item("all vertices");
-            glm::dvec3 vertex;
+            std::array<double, 6> numbers{};
             for (std::size_t i = 0; i < element.properties.size(); ++i) {
-                const auto axis = std::ranges::find(places, static_cast<int>(i)) - places.begin();
-                if (axis < 3)
-                    vertex[static_cast<int>(axis)] = values_.number(element.properties[i].type);
+                const auto place = std::ranges::find(places, static_cast<int>(i));
+                if (place != places.end())
+                    numbers[static_cast<std::size_t>(place - places.begin())] =
+                        values_.number(element.properties[i].type);
                 else
                     skip(element.properties[i]);
             }
             values_.end_item();
-            soup_.vertices.push_back(vertex);
+            soup_.vertices.emplace_back(numbers[0], numbers[1], numbers[2]);
+            if (places[3] >= 0)
+                vertex_normals_.emplace_back(numbers[3], numbers[4], numbers[5]);
         }
     }
 
@@ -357,7 +372,9 @@ private:
 
     const PlyHeader& header_;
     Values values_;
+    bool normals_; // are wanted
     PolygonSoup soup_;
+    std::vector<glm::dvec3> vertex_normals_;
     std::int64_t highest_ = -1;
 };
 

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "host/mesh/mesh.h"
@@ -58,7 +59,7 @@ struct MeshStructure {
 
 /// What a structure is built with. The result does not depend on the threads.
 struct StructureOptions {
-    unsigned threads = 0;        /* 0: as many as the machine has cores */
+    unsigned threads = 0;        /* 0: most_threads() */
     bool winding = false;        /* also what the winding number needs */
     unsigned leaf_triangles = 4; /* most triangles of a leaf, 1 to layout::kMeshLeafTriangles */
 };
@@ -96,6 +97,9 @@ template <typename T> void find_obstacles(MeshTables<T>& tables, unsigned thread
 inline glm::dvec3 to_mesh_frame(const MeshStructure& structure, const glm::dvec3& world) {
     return (world - structure.centre) / structure.scale;
 }
+
+/// m: z of the highest place of the mesh above or below (x, y), m; nothing beside it.
+std::optional<double> height_at(const MeshStructure& structure, double x, double y);
 
 /// For the generalized winding number: the moments of each node's triangles and the edges where the surface ends.
 std::shared_ptr<const MeshWinding> make_winding(const MeshStructure& structure);

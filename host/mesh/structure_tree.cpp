@@ -371,4 +371,60 @@ void bound_by_slabs(MeshParts& parts, const MeshReals<double>& reals, unsigned t
     });
 }
 
+namespace {
+
+// z of a triangle at (x, y), or lower than everything where it does not cover that. Of two triangles with a common edge
+// one at least covers each place of it: both compute the same number for it, but for its sign.
+double height_on(const glm::dvec3 (&corners)[3], double x, double y) {
+    double areas[3], sum = 0;
+    for (int i = 0; i < 3; ++i) {
+        const glm::dvec3 &from = corners[(i + 1) % 3], &to = corners[(i + 2) % 3];
+        areas[i] = (from.x - x) * (to.y - y) - (to.x - x) * (from.y - y);
+        sum += areas[i];
+    }
+    const bool inside =
+        (areas[0] >= 0 && areas[1] >= 0 && areas[2] >= 0) || (areas[0] <= 0 && areas[1] <= 0 && areas[2] <= 0);
+    if (!inside)
+        return -std::numeric_limits<double>::infinity();
+    const auto [low, high] = std::minmax({corners[0].z, corners[1].z, corners[2].z});
+    if (sum == 0) // seen edge-on
+        return high;
+    return std::clamp((areas[0] * corners[0].z + areas[1] * corners[1].z + areas[2] * corners[2].z) / sum, low, high);
+}
+
+} // namespace
+
+std::optional<double> height_at(const MeshStructure& structure, double x, double y) {
+    const MeshParts& parts = *structure.parts;
+    const glm::dvec3 at = to_mesh_frame(structure, {x, y, 0});
+    double best = -std::numeric_limits<double>::infinity();
+    layout::uint waiting[reference::kMeshStack];
+    std::size_t count = 0;
+    waiting[count++] = 0;
+    while (count > 0) {
+        const layout::MeshNode& node = parts.nodes[waiting[--count]];
+        for (std::size_t i = 0; i < layout::kMeshChildren; ++i) {
+            const layout::uint child = node.child[i];
+            if (child == layout::kMeshNoChild || !(at.x >= node.low_x[i] && at.x <= node.high_x[i]) ||
+                !(at.y >= node.low_y[i] && at.y <= node.high_y[i]) || node.high_z[i] < best)
+                continue;
+            if ((child & layout::kMeshLeaf) == 0) {
+                waiting[count++] = child;
+                continue;
+            }
+            reference::visit_leaf(child, [&](layout::uint first, layout::uint end) {
+                for (std::size_t corner = 3 * std::size_t(first); corner < 3 * std::size_t(end); corner += 3) {
+                    const glm::dvec3 corners[] = {corner_at(parts, *structure.reals, corner),
+                                                  corner_at(parts, *structure.reals, corner + 1),
+                                                  corner_at(parts, *structure.reals, corner + 2)};
+                    best = std::max(best, height_on(corners, at.x, at.y));
+                }
+            });
+        }
+    }
+    if (best == -std::numeric_limits<double>::infinity())
+        return std::nullopt;
+    return structure.centre.z + structure.scale * best;
+}
+
 } // namespace forceshade

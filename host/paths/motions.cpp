@@ -77,8 +77,9 @@ PathRegion path_region(const PathsSpec& paths, const PreparedCase& prepared) {
     PathRegion region;
     region.centre = paths.centre.value_or(feature.middle);
     region.height = paths.height.value_or(feature.top);
-    const bool falls = prepared.one.scene.surface.kind == SurfaceKind::mesh && paths.drive != PathDrive::depth;
-    const double share = falls ? kUpon : kBeyond;
+    const bool mesh = prepared.one.scene.surface.kind == SurfaceKind::mesh;
+    const bool falls = paths.drive != PathDrive::depth || paths.follow == PathFollow::surface;
+    const double share = mesh && falls ? kUpon : kBeyond;
     region.length = paths.length.value_or(share * feature.along);
     region.width = paths.width.value_or(paths.length ? *paths.length : share * feature.across);
     region.inner = paths.inner.value_or(kInnerShare * region.length);

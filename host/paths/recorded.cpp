@@ -1,6 +1,7 @@
 #include "host/paths/recorded.h"
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -51,6 +52,30 @@ RecordedFile::RecordedFile(const std::filesystem::path& file, const RecordedOpti
         keep_interleaved();
 }
 
+RecordedFile::RecordedFile(std::string source, std::vector<std::vector<glm::dvec3>> paths,
+                           const RecordedOptions& options)
+    : path_(std::move(source)), largest_coordinate_(options.largest_coordinate) {
+    if (paths.empty())
+        throw UsageError(fmt::format("{}: there is no path", path_.string()));
+    for (std::size_t path = 0; path < paths.size(); ++path) {
+        if (paths[path].empty() || paths[path].size() > kMostSteps)
+            throw UsageError(fmt::format("{}[{}]: {} samples; a path has 1 to {}", path_.string(), path,
+                                         paths[path].size(), kMostSteps));
+        for (std::size_t i = 0; i < paths[path].size(); ++i) {
+            const glm::dvec3& probe = paths[path][i];
+            const double farthest = std::max({std::abs(probe.x), std::abs(probe.y), std::abs(probe.z)});
+            if (!(farthest <= largest_coordinate_) || std::isnan(probe.x + probe.y + probe.z))
+                throw UsageError(fmt::format("{}[{}][{}]: ({}, {}, {}) m: coordinates are numbers of up to {:.3g} m",
+                                             path_.string(), path, i, probe.x, probe.y, probe.z, largest_coordinate_));
+            kept_.push_back({path, options.period * static_cast<double>(i), probe, 0});
+        }
+        ids_.push_back(path);
+        steps_.push_back(static_cast<layout::uint>(paths[path].size()));
+        longest_ = std::max(longest_, paths[path].size());
+        samples_ += paths[path].size();
+    }
+}
+
 void RecordedFile::count(const std::vector<PathSample>& samples, PathCensus& census) {
     for (const PathSample& sample : samples) {
         const std::size_t path = census.add(sample);
@@ -99,7 +124,7 @@ std::unique_ptr<PathReader> RecordedFile::open() const {
 }
 
 void RecordedFile::require_unchanged() const {
-    if (stamp_of(path_) != stamp_)
+    if (stamp_ && stamp_of(path_) != *stamp_)
         refuse_change();
 }
 

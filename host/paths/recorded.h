@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -41,6 +42,9 @@ public:
     /// \throws IoError, UsageError `file:line:column: ...` for what is wrong in the file, for times of a path that do
     /// not increase or do not keep to the period, and for a path that goes on after another in a long file.
     RecordedFile(const std::filesystem::path& file, const RecordedOptions& options);
+    /// Samples that are in memory, path by path, paths numbered from 0 on; `source` is what messages call them.
+    /// \throws UsageError for a path without samples or with positions that are not finite or too far.
+    RecordedFile(std::string source, std::vector<std::vector<glm::dvec3>> paths, const RecordedOptions& options);
 
     std::size_t paths() const { return steps_.size(); }
     std::size_t longest() const { return longest_; } /* samples */
@@ -63,8 +67,8 @@ private:
     void keep_interleaved();
 
     std::filesystem::path path_;
-    double largest_coordinate_; /* m */
-    FileStamp stamp_;
+    double largest_coordinate_;      /* m */
+    std::optional<FileStamp> stamp_; // none: there is no file
     std::vector<std::uint64_t> ids_;
     std::vector<layout::uint> steps_;
     std::size_t longest_ = 0;

@@ -12,9 +12,11 @@
 #include "host/paths/motions.h"
 #include "host/paths/recorded.h"
 #include "host/prepare/prepared_case.h"
+#include "host/reference/chunks.h"
 #include "host/reference/contact.h"
 #include "host/reference/god_object.h"
 #include "host/reference/path_step.h"
+#include "host/threads.h"
 
 namespace forceshade {
 
@@ -49,7 +51,14 @@ ScenePaths<T>::ScenePaths(const PreparedCase& prepared, std::shared_ptr<const Re
     region_ = path_region(spec_, prepared);
     tables_ = make_tables<T>(scene, prepared.images, Extent::what_varies);
     law_ = tables_.law();
-    features_ = features_of(spec_, scene.output.channels);
+    features_ = generated_ = features_of(spec_, scene.output.channels);
+    if (prepared.images.mesh && spec_.follow == PathFollow::surface) {
+        below_ = &prepared.images.mesh->structure;
+        generated_.follow = features_.follow = layout::kFollowPlane;
+        features_.motion = layout::kMotionRecorded;
+        features_.harmonics = 0;
+        limit_batches(kRecordedSamples);
+    }
     if (spec_.closed())
         hand_ = hand_params<T>(scene.hand, spec_, region_.bound);
     const double farthest = farthest_coordinate(spec_, region_);
@@ -89,7 +98,7 @@ template <typename T> std::vector<std::string> ScenePaths<T>::warnings() const {
     if (recorded_)
         return recorded_->file()->warnings();
     std::vector<std::string> warnings = pace_warnings(spec_, region_);
-    if (spec_.count > 1 && features_.harmonics == 0 && !paths_differ(spec_))
+    if (spec_.count > 1 && generated_.harmonics == 0 && !paths_differ(spec_))
         warnings.push_back(
             fmt::format("[paths]: all {} paths are the same one; spread speed, depth, heading or offset, "
                         "as in speed = {{ mean = \"100 mm/s\", sd = \"20 mm/s\" }}, or say count = 1",
@@ -100,6 +109,7 @@ template <typename T> std::vector<std::string> ScenePaths<T>::warnings() const {
 template <typename T> void ScenePaths<T>::limit_batches(std::size_t samples) {
     if (recorded_)
         recorded_->limit(samples);
+    most_paths_ = std::max<std::size_t>(1, samples / spec_.steps);
 }
 
 template <typename T> void ScenePaths<T>::add_path(std::size_t first, std::size_t path, std::size_t count) {
@@ -118,11 +128,17 @@ template <typename T> void ScenePaths<T>::add_path(std::size_t first, std::size_
 template <typename T> layout::PathBatch<T> ScenePaths<T>::batch(std::size_t first, std::size_t count) {
     layout::PathBatch<T> batch;
     batch.first = first;
-    batch.count = recorded_ ? recorded_->select(first, count) : count;
-    if (recorded_)
+    if (recorded_) {
+        batch.count = recorded_->select(first, count);
         batch.steps = recorded_->steps();
-    else
-        generate(batch);
+    } else if (below_) {
+        batch_ = generate(first, std::min(count, most_paths_));
+        batch.count = batch_.count;
+        lengths_.assign(batch.count, static_cast<layout::uint>(spec_.steps));
+        batch.steps = lengths_;
+    } else {
+        batch = generate(first, count);
+    }
     if (law_.features.surface == layout::kSurfaceMesh) {
         start_proxies(batch);
         batch.proxies = proxies_;
@@ -130,8 +146,11 @@ template <typename T> layout::PathBatch<T> ScenePaths<T>::batch(std::size_t firs
     return batch;
 }
 
-template <typename T> void ScenePaths<T>::generate(layout::PathBatch<T>& batch) {
-    const std::size_t table = std::size_t(features_.harmonics) * 3 * batch.count;
+template <typename T> layout::PathBatch<T> ScenePaths<T>::generate(std::size_t first, std::size_t count) {
+    layout::PathBatch<T> batch;
+    batch.first = first;
+    batch.count = count;
+    const std::size_t table = std::size_t(generated_.harmonics) * 3 * batch.count;
     motions_.resize(batch.count);
     amplitudes_.resize(table);
     phases_.resize(table);
@@ -142,20 +161,22 @@ template <typename T> void ScenePaths<T>::generate(layout::PathBatch<T>& batch) 
     batch.amplitudes = amplitudes_;
     batch.phases = phases_;
     batch.phase_steps = phase_steps_;
+    return batch;
 }
 
 // Where the law is evaluated first decides on which side of the surface a path begins.
 template <typename T> void ScenePaths<T>::start_proxies(const layout::PathBatch<T>& batch) {
     constexpr std::size_t kShare = 64; // paths that a thread takes at once
     proxies_.resize(batch.count);
-    const std::span<const T> begun = recorded_ ? recorded_->positions(0, 1) : std::span<const T>{};
+    const bool given = features_.motion == layout::kMotionRecorded;
+    const std::span<const T> begun = given ? positions(0, 1) : std::span<const T>{};
     std::atomic<std::size_t> next{0};
     const auto work = [&] {
         reference::Neighbourhood<T> around;
         for (std::size_t begin; (begin = kShare * next++) < batch.count;)
             for (std::size_t path = begin; path < std::min(begin + kShare, batch.count); ++path) {
-                const auto target = recorded_ ? reference::vector_at(begun, path)
-                                              : reference::motion_at(law_, features_, batch, path, 0);
+                const auto target =
+                    given ? reference::vector_at(begun, path) : reference::motion_at(law_, features_, batch, path, 0);
                 const auto state = reference::begin_state(features_, hand_, target);
                 const reference::Vector<T> place{state.x, state.y, state.z};
                 const bool closed = features_.loop == layout::kLoopClosed;
@@ -167,7 +188,7 @@ template <typename T> void ScenePaths<T>::start_proxies(const layout::PathBatch<
     {
         std::vector<std::jthread> helpers;
         const std::size_t shares = (batch.count + kShare - 1) / kShare;
-        for (std::size_t i = 1; i < std::min<std::size_t>(shares, std::thread::hardware_concurrency()); ++i)
+        for (std::size_t i = 1; i < std::min<std::size_t>(shares, most_threads()); ++i)
             helpers.emplace_back(work);
         work();
     }
@@ -178,7 +199,23 @@ template <typename T> void ScenePaths<T>::start_proxies(const layout::PathBatch<
 }
 
 template <typename T> std::span<const T> ScenePaths<T>::positions(std::size_t step, std::size_t steps) {
-    return recorded_ ? recorded_->positions(step, steps) : std::span<const T>{};
+    if (recorded_)
+        return recorded_->positions(step, steps);
+    if (!below_)
+        return {};
+    window_.resize(3 * steps * batch_.count);
+    reference::share_out(reference::threads_for(0), batch_.count, [&](std::size_t, std::size_t path) {
+        for (std::size_t i = 0; i < steps; ++i) {
+            const std::size_t at = std::min<std::size_t>(step + i, spec_.steps - 1);
+            reference::Vector<T> place =
+                reference::motion_at(law_, generated_, batch_, path, static_cast<layout::uint>(at));
+            if (const std::optional<double> height = height_at(*below_, double(place.x), double(place.y)))
+                place.z = static_cast<T>(*height + (double(place.z) - region_.height));
+            for (int axis = 0; axis < 3; ++axis)
+                window_[3 * (i * batch_.count + path) + std::size_t(axis)] = place[axis];
+        }
+    });
+    return window_;
 }
 
 template class ScenePaths<float>;
@@ -208,6 +245,7 @@ struct Beyond {
 struct Paces {
     std::uint64_t looked = 0;
     Beyond fast, slow;
+    PathPace fastest;
 };
 
 void count(Beyond& beyond, const PathPace& pace, double factor, bool worse) {
@@ -227,6 +265,8 @@ Paces look_at(const PathsSpec& paths, const PathRegion& region) {
         PathPace pace = path_pace(paths, region, draws);
         if (paths.kind == PathKind::random_walk)
             pace.turns = walk_edge(paths, region, draws);
+        if (pace.turns > paces.fastest.turns)
+            paces.fastest = pace;
         const double fast = pace.turns / kFastest;
         if (fast >= 1)
             count(paces.fast, pace, fast, fast > paces.fast.factor);
@@ -263,6 +303,15 @@ std::string slow_warning(const PathsSpec& paths, const Paces& paces) {
         paths.rate * paces.slow.factor);
 }
 
+// A path that goes there and back, round or down and up, and ends before it has done so once.
+std::string open_round_warning(const PathsSpec& paths, const PathPace& fastest) {
+    const double steps = 1 / fastest.turns; // of a round
+    return fmt::format(
+        "[paths]: steps: a round takes {:.4g} s at {:.3g} m/s, and the paths end after {:.4g} s: no round "
+        "is complete, and none is told of; right is steps = {:.0f} or more, or a higher speed",
+        steps / paths.rate, fastest.speed, static_cast<double>(paths.steps) / paths.rate, std::ceil(steps) + 1);
+}
+
 } // namespace
 
 std::vector<std::string> pace_warnings(const PathsSpec& paths, const PathRegion& region) {
@@ -274,6 +323,11 @@ std::vector<std::string> pace_warnings(const PathsSpec& paths, const PathRegion&
         warnings.push_back(fast_warning(paths, paces));
     if (paces.slow.paths > 0)
         warnings.push_back(slow_warning(paths, paces));
+    const bool rounds =
+        paths.kind == PathKind::strokes || paths.kind == PathKind::circle || paths.kind == PathKind::taps;
+    if (rounds && paths.steps > 1 && paces.slow.paths == 0 && paces.fastest.turns > 0 &&
+        paces.fastest.turns * static_cast<double>(paths.steps) < 1)
+        warnings.push_back(open_round_warning(paths, paces.fastest));
     const bool trembles = paths.kind != PathKind::random_walk && harmonic_count(paths) > 0;
     if (const double highest = highest_tremor(paths); trembles && highest >= paths.rate / 2)
         warnings.push_back(

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "host/long_run.h"
 #include "host/paths/motions.h"
 #include "host/paths/recorded.h"
 #include "host/prepare/prepared_case.h"
@@ -16,16 +17,15 @@
 namespace forceshade {
 
 /// Reads a file of recorded paths for a scene: its positions must be within reach of the scene in T, its times keep to
-/// the rate where the loop is closed. `progress` as in RecordedOptions. \throws as RecordedFile.
+/// the rate where the loop is closed. \throws as RecordedFile.
 template <typename T>
-std::shared_ptr<const RecordedFile>
-read_recorded(const PreparedCase& prepared, const std::filesystem::path& file,
-              const std::function<void(std::uint64_t done, std::uint64_t total)>& progress = {}) {
+std::shared_ptr<const RecordedFile> read_recorded(const PreparedCase& prepared, const std::filesystem::path& file) {
     const std::optional<PathsSpec>& paths = prepared.one.scene.paths;
     RecordedOptions options;
     options.largest_coordinate = largest_coordinate<T>(prepared);
     options.period = paths && paths->closed() ? 1 / paths->rate : 0;
-    options.progress = progress;
+    Stage stage("reading " + file.filename().string(), 0, "MB");
+    options.progress = [&](std::uint64_t done, std::uint64_t total) { stage.update(done / 1000000, total / 1000000); };
     return std::make_shared<const RecordedFile>(file, options);
 }
 
@@ -55,17 +55,23 @@ public:
     std::span<const T> positions(std::size_t step, std::size_t steps) override;
 
 private:
-    void generate(layout::PathBatch<T>& batch);
+    layout::PathBatch<T> generate(std::size_t first, std::size_t count);
     void add_path(std::size_t first, std::size_t path, std::size_t count);
     void start_proxies(const layout::PathBatch<T>& batch);
 
     PathsSpec spec_;
     PathRegion region_;
     FieldTables<T> tables_;
-    layout::Law<T> law_; // points into the tables
-    layout::PathFeatures features_;
+    layout::Law<T> law_;                        // points into the tables
+    layout::PathFeatures features_, generated_; // of the engine; of what is generated
     layout::HandParams<T> hand_{};
     std::unique_ptr<RecordedPaths<T>> recorded_; // null: generated
+    // Generated paths upon a mesh's surface: the engine takes them for recorded ones.
+    const MeshStructure* below_ = nullptr;
+    layout::PathBatch<T> batch_; // generated last
+    std::size_t most_paths_ = 0; // of a batch
+    std::vector<layout::uint> lengths_;
+    std::vector<T> window_;
     std::vector<layout::MotionParams<T>> motions_;
     std::vector<T> amplitudes_;
     std::vector<layout::uint> phases_, phase_steps_;
@@ -80,9 +86,9 @@ extern template class ScenePaths<double>;
 // Generated paths that cannot be what the scene says at its rate.
 
 /// Which key, how many paths, and what would be right: paths that go half a round a sample or more, so that they seem
-/// to go slower or back; paths so slow that whole phases of 2^-32 rounds (of a spiral also of its way out and back) a
-/// sample miss their speed by more than a hundredth; frequencies of half the rate or more. Of more than 65 536 paths
-/// the first so many are looked at.
+/// to go slower or back; paths that all end before they have been there and back once; paths so slow that whole phases
+/// of 2^-32 rounds (of a spiral also of its way out and back) a sample miss their speed by more than a hundredth;
+/// frequencies of half the rate or more. Of more than 65 536 paths the first so many are looked at.
 std::vector<std::string> pace_warnings(const PathsSpec& paths, const PathRegion& region);
 
 // The hand and the device of a scene, as an engine takes them.

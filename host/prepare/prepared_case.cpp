@@ -9,6 +9,7 @@
 
 #include "host/clock.h"
 #include "host/error.h"
+#include "host/long_run.h"
 #include "host/mesh/mesh.h"
 #include "host/mesh/mesh_file.h"
 #include "host/output/height_image.h"
@@ -21,6 +22,11 @@ std::vector<std::string> warnings_of(const MeshSpec& spec, const SceneMesh& mesh
     std::vector<std::string> result;
     for (const std::string& warning : warnings(mesh.findings, use))
         result.push_back(fmt::format("{}: {}", spec.file, warning));
+    if (const std::size_t opposed = mesh.mesh.opposed_normals)
+        result.push_back(
+            fmt::format("{}: {} of {} corners have a normal in the file that points behind their facet, so "
+                        "that a shaded force there draws the probe in; turn faces or normals round",
+                        spec.file, opposed, mesh.mesh.polygons.corners.size()));
     constexpr double kFarthestReach = 10; // m
     const MeshBox box = bounding_box(mesh.mesh.polygons);
     const glm::dvec3 sides = box.high - box.low;
@@ -73,10 +79,16 @@ std::shared_ptr<const File> cached(std::deque<std::pair<Key, std::shared_ptr<con
     return files.front().second;
 }
 
+VertexNormals vertex_normals_of(NormalWeights weights) {
+    return weights == NormalWeights::file    ? VertexNormals::file
+           : weights == NormalWeights::angle ? VertexNormals::angle
+                                             : VertexNormals::plain;
+}
+
 // Findings already made are by the SHA-256 of their file.
 // \throws IoError, UsageError for a file in which the law has no meaning
 std::shared_ptr<const SceneMesh> read_scene_mesh(const MeshSpec& spec, std::map<std::string, MeshFindings>& findings) {
-    PolygonFile file = read_polygons(spec.path);
+    PolygonFile file = read_polygons(spec.path, spec.normals == NormalWeights::file);
     constexpr double kTriangleBytes =
         1100; // measured: of the structure, its tables in both precisions and on the device
     const std::size_t triangles =
@@ -87,10 +99,11 @@ std::shared_ptr<const SceneMesh> read_scene_mesh(const MeshSpec& spec, std::map<
     mesh->sha256 = file.sha256;
     // Looking at the file takes as long as preparing it.
     std::future<void> prepared = std::async(std::launch::async, [&spec, &mesh, polygons = file.polygons]() mutable {
+        const Stage stage("preparing the mesh");
         mesh->mesh =
             prepare_mesh(std::move(polygons),
                          {.unit = spec.unit, .scale = spec.scale, .rotate = spec.rotate, .translate = spec.translate},
-                         spec.normals == NormalWeights::angle ? VertexNormals::angle : VertexNormals::plain);
+                         vertex_normals_of(spec.normals));
         mesh->structure = build_structure(mesh->mesh, {.winding = spec.inside == InsideTest::winding});
     });
     const auto known = findings.find(file.sha256);

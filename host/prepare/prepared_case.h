@@ -67,6 +67,17 @@ private:
     std::map<std::string, MeshFindings> findings_;                                  // by the file's SHA-256
 };
 
+/// The law at a place, m, that has no history, as a field has it; each coordinate of the world, or of the mesh's frame,
+/// is rounded once to T. `hint`: what was nearest to the place before, a good guess for the next.
+template <typename T>
+reference::Contact<T> static_contact(const layout::Law<T>& law, const PreparedCase& prepared, const glm::dvec3& place,
+                                     layout::uint& hint) noexcept {
+    if (!prepared.images.mesh)
+        return reference::evaluate(law, reference::Vector<T>(place));
+    const glm::dvec3 local = to_mesh_frame(prepared.images.mesh->structure, place);
+    return reference::mesh_contact(law, reference::Vector<T>(local), hint);
+}
+
 // A force law as a probe meets it that moves along paths: laws with a history keep one for each path.
 
 /// The contact of a sample, in world coordinates.

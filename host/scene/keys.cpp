@@ -20,7 +20,7 @@ template <std::size_t n> using List = std::array<std::string_view, n>;
 
 // In the order of the enumerations in scene.h, as those in schema.h.
 constexpr List<2> kFacetSpacings{"equal_arc", "equal_x"};
-constexpr List<2> kNormals{"plain", "angle"};
+constexpr List<3> kNormals{"plain", "angle", "file"};
 constexpr List<2> kInsideTests{"pseudonormal", "winding"};
 constexpr List<7> kShadings{"none", "reference", "height_map", "morgenbesser", "barycentric", "mean_value", "two_pass"};
 constexpr List<2> kTextureEffects{"force", "normal"};
@@ -257,7 +257,8 @@ void add_surface(std::vector<Key>& keys) {
     mesh.choice<&MeshSpec::normals>(
         "normals", "\"plain\"", kNormals,
         "a vertex normal is the plain average of its facets' normals, as in the paper, or weighted by their angles "
-        "there, which does not depend on how a face was cut into triangles (L7)");
+        "there, which does not depend on how a face was cut into triangles, or what the file says, as other renderers "
+        "have it (vn of an OBJ; nx, ny and nz of a PLY) (L7)");
     mesh.choice<&MeshSpec::inside>(
         "inside", "\"pseudonormal\"", kInsideTests,
         "what tells inside from outside on a grid (L6): the normal of the nearest feature, for closed meshes, or the "
@@ -399,15 +400,17 @@ void add_paths(std::vector<Key>& keys) {
     paths.length<&PathsSpec::height>(
         "height", "", "z of the plane that depth is measured from; left out: 0, of a mesh the top of its box",
         {.forms = kMade, .example = "\"0 m\""});
-    paths.choice<&PathsSpec::follow>("follow", "\"plane\"", kFollows,
-                                     "whether depth is measured from that plane, or from the nominal surface of a bump "
-                                     "or cylinder_bump raised by that height",
-                                     {.forms = kMade});
+    paths.choice<&PathsSpec::follow>(
+        "follow", "\"plane\"", kFollows,
+        "whether depth is measured from that plane, or from the nominal surface of a bump "
+        "or cylinder_bump raised by that height; of a mesh, from its highest place above or "
+        "below, or the plane beside it (rounds are not told apart then)",
+        {.forms = kMade});
     paths.length<&PathsSpec::length>(
         "length", "",
         "of a stroke or line from end to end, of a region along the heading, of a circle or spiral the largest "
         "diameter; left out: 1.2 times the feature's width along x, of a mesh its box's, but half of that box where a "
-        "hand presses, which would fall off its rim",
+        "hand presses, which would fall off its rim, and where its surface is followed",
         {.forms = kMade & ~bit(PathKind::taps), .sign = kNotNegative, .example = "\"30 mm\""});
     paths.length<&PathsSpec::width>("width", "",
                                     "of a region across the heading; left out: the length, of a mesh 1.2 times its "

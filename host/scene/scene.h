@@ -26,7 +26,7 @@ enum class Shading { none, reference, height_map, morgenbesser, barycentric, mea
 enum class DepthReading { vertical, normal };
 enum class ReferenceDirection { normal, radial };
 enum class MapFunction { cylinder, dip, sine, gaussian, file };
-enum class NormalWeights { plain, angle };
+enum class NormalWeights { plain, angle, file };
 enum class InsideTest { pseudonormal, winding };
 enum class TextureEffect { force, normal };
 enum class Compression { none, zip1, zip, pxr24 };

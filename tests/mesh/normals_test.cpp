@@ -1,6 +1,9 @@
 // Normals of triangles of every shape, of facets and of vertices.
+#include "host/error.h"
 #include "host/mesh/connectivity.h"
+#include "host/mesh/findings.h"
 #include "host/mesh/mesh.h"
+#include "host/mesh/mesh_file.h"
 
 #include <cmath>
 #include <numbers>
@@ -155,6 +158,68 @@ TEST(VertexNormals, OfASphereAreItsRadii) {
     const std::vector<glm::dvec3> normals = vertex_normals(sphere, facet_normals(sphere), VertexNormals::angle);
     for (std::size_t i = 0; i < normals.size(); ++i)
         EXPECT_LT(length(normals[i] - sphere.vertices[i]), 4e-3); // of the order of the square of an edge, 0.07
+}
+
+// Two triangles that share an edge, one normal a corner: as OBJ and as PLY.
+const std::string kRoof = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 1\nvn 0 0 2\nvn 1 0 1\nvn 0 0 2\n";
+
+PolygonSoup roof(const std::string& facets) {
+    return parse_polygons("a.obj", kRoof + facets, true).polygons;
+}
+
+TEST(FileNormals, OfAnObjAreThoseOfItsCorners) {
+    const PolygonSoup soup = roof("f 1//1 2//2 3//2\nf 2//2 4/9/3 3//-2\n");
+    ASSERT_EQ(soup.normals.size(), 6u);
+    EXPECT_EQ(soup.normals[1], glm::dvec3(1, 0, 1));
+    EXPECT_EQ(soup.normals[4], glm::dvec3(0, 0, 2));
+    EXPECT_EQ(soup.normals[5], glm::dvec3(1, 0, 1));
+    EXPECT_EQ(prepare_mesh(soup, {}, VertexNormals::file).polygons.vertices.size(), 4u);
+    EXPECT_TRUE(parse_polygons("a.obj", kRoof).polygons.normals.empty());
+}
+
+TEST(FileNormals, AVertexWithTwoBecomesTwoAtItsPlace) {
+    const PolygonSoup creased = roof("f 1//1 2//1 3//3\nf 2//2 4//2 3//2\n"); // normals 1 and 3 are the same
+    EXPECT_EQ(inspect(creased).boundary_edges, 4u);                           // the shared edge is one
+    const Mesh mesh = prepare_mesh(creased, {}, VertexNormals::file);
+    ASSERT_EQ(mesh.polygons.vertices.size(), 6u);
+    EXPECT_EQ(mesh.polygons.vertices[4], mesh.polygons.vertices[1]);
+    EXPECT_EQ(mesh.vertex_normals[mesh.polygons.outline(0)[1]], glm::dvec3(0, 0, 1));
+    EXPECT_NEAR(mesh.vertex_normals[mesh.polygons.outline(1)[0]].x, std::sqrt(0.5), 1e-15);
+    EXPECT_EQ(mesh.triangles.corners, prepare_mesh(creased, {}, VertexNormals::plain).triangles.corners);
+}
+
+TEST(FileNormals, OfAPlyAreNxNyNz) {
+    const PolygonFile file = parse_polygons("a.ply",
+                                            "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float "
+                                            "nx\nproperty float y\nproperty float z\nproperty float ny\nproperty float "
+                                            "nz\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"
+                                            "0 0.5 0 0 0 1\n1 0.25 0 0 0 1\n0 0 1 0 0 1\n3 0 1 2\n",
+                                            true);
+    EXPECT_EQ(file.polygons.vertices[1], glm::dvec3(1, 0, 0));
+    ASSERT_EQ(file.polygons.normals.size(), 3u);
+    EXPECT_EQ(file.polygons.normals[1], glm::dvec3(0.25, 0, 1));
+}
+
+TEST(FileNormals, AreTurnedWithTheMeshAndOfLengthOne) {
+    PolygonSoup soup = roof("f 1//1 2//2 3//2\n");
+    const Mesh mesh =
+        prepare_mesh(soup, {.unit = 1e-3, .scale = 5, .rotate = {0, std::numbers::pi / 2, 0}, .translate = {1, 2, 3}},
+                     VertexNormals::file);
+    EXPECT_EQ(mesh.vertex_normals[0], glm::dvec3(1, 0, 0)); // about y: z to x, x to -z
+    EXPECT_NEAR(mesh.vertex_normals[1].z, -std::sqrt(0.5), 1e-15);
+    EXPECT_EQ(mesh.opposed_normals, 0u);
+    for (glm::dvec3& normal : soup.normals)
+        normal = -normal;
+    EXPECT_EQ(prepare_mesh(soup, {}, VertexNormals::file).opposed_normals, 3u);
+}
+
+TEST(FileNormals, ThatAreMissingOrNoDirectionAreRefused) {
+    EXPECT_THROW(parse_polygons("a.obj", kRoof + "f 1 2 3\n", true), IoError);
+    EXPECT_THROW(parse_polygons("a.obj", kRoof + "f 1//1 2//1 3//4\n", true), IoError);
+    EXPECT_THROW(parse_polygons("a.obj", kRoof + "vn 0 0 0\nf 1//1 2//1 3//4\n", true), UsageError);
+    EXPECT_THROW(parse_polygons("a.obj", kRoof + "vn 0 nan 0\nf 1//1 2//1 3//4\n", true), UsageError);
+    EXPECT_THROW(parse_polygons("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", true), UsageError);
+    EXPECT_THROW(parse_polygons("a.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n", true), UsageError);
 }
 
 } // namespace

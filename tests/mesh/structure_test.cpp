@@ -287,5 +287,43 @@ TEST(Tables, OfSinglePrecisionHoldTheDoublesRoundedOnce) {
         EXPECT_EQ(single.view().vertices[i], static_cast<float>(structure.reals->vertices[i]));
 }
 
+// By a ray from above through every triangle, solved as a plane.
+std::optional<double> highest(const Mesh& mesh, double x, double y) {
+    std::optional<double> best;
+    for (const auto& corners : mesh.triangles.corners) {
+        const glm::dvec3 &a = mesh.polygons.vertices[corners[0]], &b = mesh.polygons.vertices[corners[1]],
+                         &c = mesh.polygons.vertices[corners[2]];
+        const double whole = (b.x - a.x) * (c.y - a.y) - (c.x - a.x) * (b.y - a.y);
+        const double u = ((x - a.x) * (c.y - a.y) - (c.x - a.x) * (y - a.y)) / whole;
+        const double v = ((b.x - a.x) * (y - a.y) - (x - a.x) * (b.y - a.y)) / whole;
+        if (u >= 0 && v >= 0 && u + v <= 1)
+            best = std::max(best.value_or(-1e300), a.z + u * (b.z - a.z) + v * (c.z - a.z));
+    }
+    return best;
+}
+
+TEST(Structure, HeightIsThatOfTheHighestTriangle) {
+    const Mesh mesh = shapes::mesh_of(shapes::merged(shapes::random_polyhedra(200, 4), shapes::icosphere(3)));
+    const MeshStructure structure = build_structure(mesh);
+    std::mt19937 random(11);
+    int above = 0;
+    for (int i = 0; i < 3000; ++i) {
+        const double x = 1.5 * shapes::uniform(random), y = 1.5 * shapes::uniform(random);
+        const std::optional<double> found = height_at(structure, x, y), expected = highest(mesh, x, y);
+        ASSERT_EQ(found.has_value(), expected.has_value()) << x << ", " << y;
+        if (found) {
+            EXPECT_NEAR(*found, *expected, 1e-12);
+        }
+        above += found.has_value();
+    }
+    EXPECT_GT(above, 500);
+    // No gap on edges and corners.
+    const MeshStructure cube = build_structure(shapes::mesh_of(shapes::cube(true)));
+    for (const double x : {-1.0, -0.5, 0.0, 0.25, 1.0})
+        for (const double y : {-1.0, -0.25, 0.0, 0.5, 1.0})
+            EXPECT_EQ(height_at(cube, x, y), std::optional(1.0));
+    EXPECT_EQ(height_at(cube, 1.0000001, 0), std::nullopt);
+}
+
 } // namespace
 } // namespace forceshade

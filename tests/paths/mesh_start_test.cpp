@@ -113,5 +113,39 @@ TEST_F(MeshStart, FurtherThanAFloatCanFollow) {
     EXPECT_NO_THROW(explore<double>("count = 1\nsteps = 1\ndepth = \"100 km\"\n"));
 }
 
+// The cube stands on a corner, so that its surface is three slopes.
+template <typename T> void expect_followed(const PreparedCase& prepared, double height) {
+    ScenePaths<T> source(prepared);
+    const MeshStructure& mesh = prepared.images.mesh->structure;
+    const Explored<T> result = explored(source);
+    std::size_t followed = 0;
+    for (std::size_t i = 0; i < result.position.size(); ++i) {
+        const reference::Vector<T>& place = result.position[i];
+        const std::optional<double> top = height_at(mesh, double(place.x), double(place.y));
+        ASSERT_NEAR(double(place.z), top.value_or(height) - 0.002, 1e-7) << i;
+        followed += top.has_value();
+    }
+    EXPECT_GT(followed, result.position.size() / 2);
+    // A batch at a time, and whatever the steps that are asked for at once.
+    const Explored<T> again = explored(source, {.threads = 1, .chunk_bytes = 4096});
+    EXPECT_EQ(again.position, result.position);
+    EXPECT_EQ(again.force, result.force);
+}
+
+TEST_F(MeshStart, PathsFollowTheSurfaceAtTheirDepth) {
+    const std::string turned = "transform.rotate = [\"45 deg\", \"35.26 deg\", \"0 deg\"]\n[paths]\nfollow = "
+                               "\"surface\"\ndepth = \"2 mm\"\ncount = 7\nsteps = 400\n";
+    for (const std::string& keys :
+         {std::string("heading = { mean = \"90 deg\", sd = \"50 deg\" }\n"), std::string("length = \"60 mm\"\n"),
+          std::string("kind = \"circle\"\nlength = \"5 mm\"\n"), std::string("kind = \"random_walk\"\n")}) {
+        std::string text = scene(keys);
+        text.replace(text.find("[paths]\n"), 8, turned);
+        const PreparedCase prepared = prepared_scene(text, folder_.path());
+        const double height = path_region(*prepared.one.scene.paths, prepared).height;
+        expect_followed<double>(prepared, height);
+        expect_followed<float>(prepared, height);
+    }
+}
+
 } // namespace
 } // namespace forceshade
