@@ -6,7 +6,9 @@
 #include <algorithm>
 #include <cstring>
 #include <memory>
+#include <new>
 #include <span>
+#include <stdexcept>
 #include <vector>
 
 #include <fmt/format.h>
@@ -99,9 +101,23 @@ std::string deflate_name() {
     return fmt::format("libdeflate {}", LIBDEFLATE_VERSION_STRING);
 }
 
+void deflate(std::span<const std::byte> from, std::vector<std::byte>& to) {
+    constexpr int kLevel = 4; // OpenEXR's
+    to.resize(libdeflate_zlib_compress_bound(nullptr, from.size()));
+    uLongf size = to.size();
+    const int result = pack(reinterpret_cast<Bytef*>(to.data()), &size,
+                            {reinterpret_cast<const Bytef*>(from.data()), from.size()}, kLevel);
+    if (result == Z_MEM_ERROR)
+        throw std::bad_alloc();
+    if (result != Z_OK)
+        throw std::runtime_error("a block that was compressed does not unpack to what it was; check the memory");
+    to.resize(size);
+}
+
 } // namespace forceshade
 
 extern "C" {
+#pragma GCC visibility push(default) // or OpenEXR would not find them
 
 int compress2(Bytef* to, uLongf* room, const Bytef* from, uLong size, int level) {
     constexpr int kDefault = 6, kHighest = 9; // zlib's
@@ -115,4 +131,6 @@ int compress(Bytef* to, uLongf* room, const Bytef* from, uLong size) {
 int uncompress(Bytef* to, uLongf* room, const Bytef* from, uLong size) {
     return forceshade::unpack(to, room, {from, size});
 }
+
+#pragma GCC visibility pop
 }

@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -61,8 +62,8 @@ private:
     std::string text_;
 };
 
-// A field as ParaView's ImageData (.vti): raw appended arrays named as the channels, origin and spacing in metres,
-// streamed.
+// A field as ParaView's ImageData (.vti): compressed appended arrays named as the channels, force active, origin and
+// spacing in metres, streamed. Out of contact the facet is -1.
 
 struct VtiHeader {
     std::array<std::uint64_t, 3> size{};
@@ -80,13 +81,26 @@ public:
     VolumeResult finish() override;
 
 private:
+    // The first array is compressed into the file itself, each other one into a file beside it that follows at the end.
     struct Array {
         std::uint32_t channel;
-        std::uint64_t bytes;    /* of all samples */
-        std::uint64_t position; /* in the file, where the next rows go */
+        std::uint64_t bytes;                  /* of all samples */
+        std::unique_ptr<TemporaryFile> aside; /* null: the first */
+        std::vector<std::byte> block, packed; /* the samples that are not compressed yet; room */
+        std::vector<std::uint64_t> header;    /* blocks, bytes of a block, of the last one, of each compressed */
+        std::uint64_t offset = 0;             /* of its header in the appended data */
+    };
+    // Where write_rows puts an array's samples.
+    struct Target {
+        VtiWriter& writer;
+        Array& array;
+        void write(std::span<const std::byte> bytes);
     };
 
     std::string make_xml() const;
+    TemporaryFile& file_of(Array& array) { return array.aside ? *array.aside : file_; }
+    void flush_block(Array& array);
+    void append(Array& array);
 
     TemporaryFile file_;
     RowOrder order_;

@@ -2,6 +2,7 @@
 #include <cstring>
 
 #include <gtest/gtest.h>
+#include <zlib.h>
 
 #include "host/output/files.h"
 #include "host/output/raw_formats.h"
@@ -75,16 +76,31 @@ TEST(Vti, is_xml_and_the_arrays) {
     EXPECT_NE(
         bytes.find("<ImageData WholeExtent=\"0 36 0 10 0 6\" Origin=\"-0.025 0 1e-09\" Spacing=\"0.0002 0.1 1\">"),
         std::string::npos);
+    EXPECT_NE(bytes.find("<PointData Vectors=\"force\" Scalars=\"depth\">"), std::string::npos);
+    EXPECT_NE(bytes.find("type=\"Int32\" Name=\"facet\""), std::string::npos) << "no facet is -1";
     EXPECT_TRUE(bytes.ends_with("\n</AppendedData>\n</VTKFile>\n"));
     const std::size_t data = bytes.find("encoding=\"raw\">\n_") + 17;
     const auto expect_array = [&](const char* name, const std::string& samples) {
         const std::size_t tag = bytes.find(std::string("Name=\"") + name + "\"");
         ASSERT_NE(tag, std::string::npos) << name;
         const std::size_t offset = std::stoul(bytes.substr(bytes.find("offset=\"", tag) + 8));
-        std::uint64_t size = 0;
-        std::memcpy(&size, bytes.data() + data + offset, sizeof size);
-        EXPECT_EQ(size, samples.size()) << name;
-        EXPECT_TRUE(bytes.substr(data + offset + sizeof size, samples.size()) == samples) << name;
+        std::array<std::uint64_t, 3> counts{}; // blocks, bytes of one, of the last one
+        std::memcpy(counts.data(), bytes.data() + data + offset, sizeof counts);
+        std::vector<std::uint64_t> packed(counts[0]);
+        std::memcpy(packed.data(), bytes.data() + data + offset + sizeof counts, 8 * packed.size());
+        std::string unpacked;
+        std::size_t from = data + offset + sizeof counts + 8 * packed.size();
+        for (const std::uint64_t size : packed) {
+            std::string block(counts[1], '\0');
+            uLongf room = block.size();
+            ASSERT_EQ(uncompress(reinterpret_cast<Bytef*>(block.data()), &room,
+                                 reinterpret_cast<const Bytef*>(bytes.data() + from), size),
+                      Z_OK);
+            unpacked += block.substr(0, room);
+            from += size;
+        }
+        EXPECT_EQ(unpacked.size() % counts[1], counts[2]) << name;
+        EXPECT_TRUE(unpacked == samples) << name;
     };
     expect_array("force", bytes_of(tight(field.force, testing::kSampleSize, field.pitch, 3)));
     expect_array("depth", bytes_of(tight(field.depth, testing::kSampleSize, field.pitch, 1)));
