@@ -1,9 +1,9 @@
 #include <algorithm>
-#include <thread>
 
 #include "compute/dispatch.h"
 #include "compute/inputs.h"
 #include "compute/plan.h"
+#include "host/threads.h"
 #include "shaders/kernels.h"
 
 namespace forceshade::compute {
@@ -19,7 +19,7 @@ bool columns_vary_in_y(const layout::Features& features) {
 
 // Invocations that fill a device: on software some vectors for every thread, so that they finish together.
 std::uint32_t filling_invocations(const DeviceReport& report) {
-    return report.software ? 256 * std::max(1u, std::thread::hardware_concurrency()) : 65536;
+    return report.software ? 256 * most_threads() : 65536;
 }
 
 } // namespace

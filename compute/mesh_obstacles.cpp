@@ -1,4 +1,5 @@
 #include "compute/inputs.h"
+#include "host/threads.h"
 
 #include <algorithm>
 #include <array>
@@ -160,7 +161,7 @@ template <typename T> MeshObstacles obstacles_of(const layout::MeshView<T>& mesh
 
 template <typename T> MeshObstacles find_obstacles(const layout::MeshView<T>& mesh) {
     const std::size_t count = mesh.triangle_facets.size();
-    const std::size_t threads = std::clamp<std::size_t>(std::thread::hardware_concurrency(), 1, 1 + count / 4096);
+    const std::size_t threads = std::clamp<std::size_t>(most_threads(), 1, 1 + count / 4096);
     std::vector<MeshObstacles> parts(threads);
     {
         std::vector<std::jthread> helpers;

@@ -1,8 +1,10 @@
 // Which program this is.
 #pragma once
 
+#include <chrono>
 #include <cstdio>
 #include <string>
+#include <string_view>
 #include <utility>
 
 #include <fmt/format.h>
@@ -31,12 +33,34 @@ bool is_interrupted() noexcept;
 /// \throws Interrupted once the flag is raised.
 void check_interrupt();
 
+// For who ends the process in the place of work that does not ask (host/long_run.h).
+
+/// Whether somebody waits for interrupts; then the second one is theirs, and the third ends the process at once.
+void watch_interrupts(bool watched);
+/// Waits for the next interrupt, or to be woken; false if neither came in time.
+bool wait_for_interrupt(std::chrono::milliseconds time);
+/// Wakes who waits.
+void wake_interrupt_watch();
+
 // Text for the person at the terminal, on stderr.
 
-/// Formats a text onto stderr. A stderr that takes nothing (closed, or a log on a full disk) stops no work.
+/// Puts lines onto stderr, above the line of progress if there is one. A stderr that takes nothing (closed, or a log on
+/// a full disk) stops no work.
+void say(std::string_view text);
+
+/// From now on what is said also goes to the end of this file, a line with the time (UTC) each, and so does progress
+/// once a minute. `silent`: of it only errors go to stderr. \throws IoError.
+void open_log(const std::string& file, bool silent);
+/// A line for that file alone; nothing without one.
+void log_line(std::string_view text);
+
+/// Formats a text onto stderr.
 template <typename... Arguments> void remark(fmt::format_string<Arguments...> format, Arguments&&... arguments) {
-    const std::string text = fmt::format(format, std::forward<Arguments>(arguments)...);
-    std::fwrite(text.data(), 1, text.size(), stderr);
+    say(fmt::format(format, std::forward<Arguments>(arguments)...));
 }
+
+/// Replaces the line of progress at the foot of the terminal; empty: there is none. One line, shorter than the
+/// terminal.
+void draw_line(std::string_view text);
 
 } // namespace forceshade

@@ -50,7 +50,7 @@ int create(const std::filesystem::path& file, bool replace) {
         return descriptor;
     if (errno == EEXIST)
         throw UsageError(fmt::format("--log {}: is there already, and a recording is not replaced by accident; choose "
-                                     "another name, or say --overwrite",
+                                     "another name, or say --overwrite, or --no-clobber to leave it and do nothing",
                                      file.string()));
     if (errno == ENXIO && special)
         throw IoError(fmt::format("cannot write {}: nobody reads this pipe; start its reader first", file.string()));

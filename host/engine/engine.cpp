@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cstdlib>
 #include <fstream>
-#include <thread>
 
 #include <spdlog/spdlog.h>
 
@@ -14,6 +13,7 @@
 #include "host/reference/field.h"
 #include "host/reference/god_object.h"
 #include "host/reference/mesh_field.h"
+#include "host/threads.h"
 
 namespace forceshade {
 namespace {
@@ -93,6 +93,12 @@ private:
     BlockPlan plan_;
 };
 
+// For --verbose.
+void tell(const EngineReport& engine, const EngineTimes& times) {
+    spdlog::debug("{}: plan {:.3f} s, compile {:.3f} s, upload {:.3f} s, kernel {:.3f} s, read back {:.3f} s",
+                  engine.device, times.plan, times.compile, times.upload, times.kernel, times.read_back);
+}
+
 class CpuEngine final : public Engine {
 public:
     explicit CpuEngine(const EngineOptions& options) {
@@ -123,6 +129,7 @@ public:
                     evaluate_mesh<T>(one, timed(one.take), start, times);
             },
             work);
+        tell(report(), times);
         return times;
     }
 
@@ -197,12 +204,14 @@ public:
         spent.kernel = times.kernel;
         spent.read_back = times.read_back;
         spent.uploaded = times.uploaded;
+        tell(report(), spent);
         return spent;
     }
 
 private:
     std::string identity() const { return chosen_.name + chosen_.uuid + chosen_.driver; }
     compute::Device open(const EngineOptions& options) {
+        const Stage stage("opening " + chosen_.name);
         const std::vector<std::byte> kept = read_pipeline_cache(cache_, identity());
         compute::DeviceOptions wanted;
         wanted.wanted = options.gpu;
@@ -229,7 +238,7 @@ private:
             return paths_.on(device_).explore(work.input, work.take, work.take_metrics);
         // What the kernel leaves is the oracle's: few steps need its many cases.
         const compute::FinishUpdates<T> finish = [&](std::span<layout::MeshUpdate<T>> updates) {
-            reference::finish_updates(work.input.law.mesh, updates, std::thread::hardware_concurrency());
+            reference::finish_updates(work.input.law.mesh, updates, most_threads());
         };
         return mesh_paths_.on(device_).explore(work.input, finish, work.take, work.take_metrics);
     }
@@ -246,9 +255,15 @@ private:
 } // namespace
 
 std::unique_ptr<Engine> make_engine(const EngineOptions& options) {
+    std::unique_ptr<Engine> engine;
     if (options.cpu)
-        return std::make_unique<CpuEngine>(options);
-    return std::make_unique<GpuEngine>(options);
+        engine = std::make_unique<CpuEngine>(options);
+    else
+        engine = std::make_unique<GpuEngine>(options);
+    const EngineReport report = engine->report();
+    spdlog::debug("device: {}{}{}", report.device, report.driver.empty() ? "" : ", " + report.driver,
+                  options.cpu || options.cache.empty() ? "" : ", compiled kernels in " + options.cache.string());
+    return engine;
 }
 
 std::filesystem::path default_cache_folder() {

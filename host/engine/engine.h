@@ -13,6 +13,7 @@
 #include <variant>
 #include <vector>
 
+#include "host/long_run.h"
 #include "host/output/record.h"
 #include "host/reference/paths.h"
 #include "shaders/shared/law.h"
@@ -60,7 +61,12 @@ public:
     template <typename T>
     EngineTimes evaluate(const layout::FieldInput<T>& input,
                          const std::type_identity_t<std::function<void(const layout::FieldChunk<T>&)>>& take) {
-        return run(FieldWork<T>{input, take});
+        Stage stage("computing the field", input.z.size(), "layers");
+        const std::function<void(const layout::FieldChunk<T>&)> count = [&](const layout::FieldChunk<T>& chunk) {
+            take(chunk);
+            stage.update(chunk.z_first + chunk.z_count);
+        };
+        return run(FieldWork<T>{input, count});
     }
     template <typename T>
     EngineTimes explore(const layout::PathInput<T>& input, const std::type_identity_t<reference::TakePaths<T>>& take,
@@ -71,7 +77,7 @@ public:
 
 struct EngineOptions {
     bool cpu = false;     /* the oracle instead of a Vulkan device */
-    unsigned threads = 0; /* of the oracle; 0: as many as the machine has cores */
+    unsigned threads = 0; /* of the oracle; 0: most_threads() */
     std::string gpu;      /* as in compute::choose_device */
     bool needs_f64 = false;
     bool validation = false;                         /* Vulkan validation layers; complaints end the run */

@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include "host/long_run.h"
 #include "host/mesh/structure.h"
 #include "host/mesh/triangle_list.h"
 #include "host/reference/chunks.h"
@@ -430,6 +431,7 @@ BlockPlanner<T>::BlockPlanner(const layout::MeshView<T>& mesh, std::span<const T
 template <typename T> BlockPlanner<T>::~BlockPlanner() = default;
 
 template <typename T> BlockPlan BlockPlanner<T>::plan(std::size_t z_first, std::size_t z_count) const {
+    const Stage stage("finding the blocks that may be inside");
     const PlanInput<T>& input = implementation_->input;
     const unsigned threads = implementation_->threads;
     const std::array<std::size_t, 3> ends{input.axes[0].size(), input.axes[1].size(), z_first + z_count};

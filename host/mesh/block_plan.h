@@ -36,8 +36,7 @@ enum class FreeSpace {
 template <typename T> class BlockPlanner {
 public:
     /// The grid x * y * z, coordinates in the mesh's frame, increasing. `inside` is layout::kInside...;
-    /// kInsideWinding needs mesh.moments. All spans must outlive the planner. `threads` 0: as many as the machine has
-    /// cores.
+    /// kInsideWinding needs mesh.moments. All spans must outlive the planner. `threads` 0: most_threads().
     BlockPlanner(const layout::MeshView<T>& mesh, std::span<const T> x, std::span<const T> y, std::span<const T> z,
                  layout::uint inside, unsigned threads = 0, FreeSpace free = FreeSpace::skipped);
     ~BlockPlanner();

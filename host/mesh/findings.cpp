@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "host/error.h"
+#include "host/long_run.h"
 #include "host/mesh/connectivity.h"
 #include "host/mesh/exact.h"
 #include "host/mesh/surface.h"
@@ -68,6 +69,7 @@ void measure_surface(const PolygonSoup& polygons, const MeshTriangles& triangles
 } // namespace
 
 MeshFindings inspect(const PolygonSoup& all, std::size_t self_intersection_triangles) {
+    const Stage stage("checking the mesh");
     MeshFindings found;
     count_kinds(all, found);
     measure_box(all, found);

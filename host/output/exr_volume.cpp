@@ -240,7 +240,15 @@ void VolumeReader::read_ids(std::uint64_t first, std::uint64_t count, std::vecto
     state_->read(layout::kChannelFacet, first, count, ids);
 }
 
-PathSamples read_paths(const std::filesystem::path& path, std::uint64_t most_paths, std::uint64_t most_steps) {
+bool holds_paths(const std::filesystem::path& path) {
+    const ReadableFile file(path);
+    const exr::Image image(file, path);
+    return std::ranges::find(image.layers(), name_of_channel(layout::kChannelPosition), &exr::Layer::name) !=
+           image.layers().end();
+}
+
+PathSamples read_paths(const std::filesystem::path& path, std::uint64_t most_paths, std::uint64_t most_steps,
+                       bool scalars) {
     const ReadableFile file(path);
     exr::Image image(file, path);
     const auto refuse = [&](const std::string& why) {
@@ -254,28 +262,36 @@ PathSamples read_paths(const std::filesystem::path& path, std::uint64_t most_pat
     read.every_step = (columns + most_steps - 1) / most_steps;
     read.paths = (rows + every_path - 1) / every_path;
     read.steps = (columns + read.every_step - 1) / read.every_step;
-    std::vector<float> row(3 * columns);
-    for (const auto& [channel, values] : {std::pair(layout::kChannelForce, &read.force),
-                                          {layout::kChannelPosition, &read.position},
-                                          {layout::kChannelProxy, &read.proxy}}) {
+    const auto add = [&]<typename Value>(std::uint32_t channel, std::vector<Value>& values, bool required) {
         const auto layer = std::ranges::find(image.layers(), name_of_channel(channel), &exr::Layer::name);
         if (layer == image.layers().end()) {
-            if (channel != layout::kChannelProxy)
+            if (required)
                 refuse(fmt::format("it lacks {}", name_of_channel(channel)));
-            continue;
+            return;
         }
-        const auto red = layer->find("R");
-        const bool half = red && layer->channels[*red].type == EXR_PIXEL_HALF;
+        const auto real =
+            std::ranges::find_if(layer->channels, [](const exr::Channel& one) { return one.type == EXR_PIXEL_HALF; });
+        const bool half = real != layer->channels.end();
         const exr::Part part = exr::make_part(channel, half ? PixelType::half : PixelType::float32, Compression::none);
         if (!exr::has_layout(*layer, part, columns, rows))
             refuse(fmt::format("its part {} is laid out in another way", layer->name));
+        const auto components = static_cast<std::ptrdiff_t>(components_of(channel));
+        std::vector<Value> row(static_cast<std::size_t>(components) * columns);
         for (std::uint64_t at = 0; at < rows; at += every_path) {
             exr::read_rows(image, static_cast<std::size_t>(layer - image.layers().begin()), part, at, 1, 0,
                            std::as_writable_bytes(std::span(row)).data());
-            for (std::uint64_t step = 0; step < columns; step += read.every_step)
-                values->insert(values->end(), row.begin() + static_cast<std::ptrdiff_t>(3 * step),
-                               row.begin() + static_cast<std::ptrdiff_t>(3 * step + 3));
+            for (std::uint64_t step = 0; step < columns; step += read.every_step) {
+                const auto sample = row.begin() + components * static_cast<std::ptrdiff_t>(step);
+                values.insert(values.end(), sample, sample + components);
+            }
         }
+    };
+    add(layout::kChannelForce, read.force, true);
+    add(layout::kChannelPosition, read.position, true);
+    add(layout::kChannelProxy, read.proxy, false);
+    if (scalars) {
+        add(layout::kChannelDepth, read.depth, false);
+        add(layout::kChannelFacet, read.facet, false);
     }
     return read;
 }

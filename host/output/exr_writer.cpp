@@ -30,6 +30,7 @@
 #include "host/output/exr_layout.h"
 #include "host/output/files.h"
 #include "host/output/rows.h"
+#include "host/program.h"
 
 namespace forceshade {
 
@@ -218,6 +219,7 @@ private:
 // An image that will be refused is only watched to its end, so that the message can name its largest value.
 void RowsWriter::flush_group() {
     for (PartRows& rows : parts_) {
+        check_interrupt();
         if (refused() || group_count_ == 0)
             break;
         stream_.guard([&] {

@@ -7,6 +7,7 @@
 #include <cstring>
 #include <fcntl.h>
 #include <random>
+#include <set>
 #include <stdexcept>
 #include <string_view>
 #include <sys/file.h>
@@ -17,7 +18,9 @@
 #include <fmt/format.h>
 #include <openssl/evp.h>
 
+#include "host/long_run.h"
 #include "host/output/reading.h"
+#include "host/program.h"
 
 namespace forceshade {
 
@@ -54,6 +57,7 @@ const char* advice(bool writing, int number) {
 }
 
 constexpr std::size_t kBufferBytes = 1 << 20;
+constexpr std::uint64_t kWriteBack = 8 << 20; /* bytes */
 constexpr std::size_t kLongestName = 200; /* bytes of NAME kept in a temporary's name: file systems allow 255 in all */
 constexpr std::size_t kUniqueDigits = 16;
 constexpr std::string_view kMark = ".fs";
@@ -74,6 +78,17 @@ bool is_temporary_name(std::string_view name) {
     name.remove_suffix(kUniqueDigits);
     const auto is_digit = [](char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f'); };
     return std::ranges::all_of(digits, is_digit) && name.ends_with(kMark);
+}
+
+// What a file is called, or will be.
+std::string final_name(const std::filesystem::path& path) {
+    const std::string name = path.filename().string();
+    return is_temporary_name(name) ? name.substr(1, name.rfind(kMark) - 1) : name;
+}
+
+std::set<std::filesystem::path>& kept_files() {
+    static auto* const files = new std::set<std::filesystem::path>;
+    return *files;
 }
 
 std::filesystem::path folder_of(const std::filesystem::path& path) {
@@ -121,12 +136,14 @@ TemporaryFile::TemporaryFile(std::filesystem::path final_path) : path_(std::move
 }
 
 void TemporaryFile::open_unique() {
+    const auto hold = hold_end();
     do {
         temporary_path_ = folder_of(path_) / temporary_name(path_);
         descriptor_ = ::open(temporary_path_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
     } while (descriptor_ < 0 && (errno == EEXIST || errno == EINTR));
     if (descriptor_ < 0)
         throw file_error("write", path_, errno);
+    remove_at_end(temporary_path_);
 }
 
 // Between open and lock another process may take the file for a stale one and remove it: then start over.
@@ -136,12 +153,17 @@ void TemporaryFile::lock_or_discard() {
     if (::fstat(descriptor_, &status) == 0 && status.st_nlink == 0) {
         ::close(descriptor_);
         descriptor_ = -1;
+        const auto hold = hold_end();
+        keep_at_end(temporary_path_);
     }
 }
 
 TemporaryFile::~TemporaryFile() {
-    if (!published_)
+    if (!published_) {
+        const auto hold = hold_end();
         ::unlink(temporary_path_.c_str());
+        keep_at_end(temporary_path_);
+    }
     ::close(descriptor_);
 }
 
@@ -167,7 +189,12 @@ void TemporaryFile::flush_buffer() {
         done += static_cast<std::size_t>(put);
     }
     buffer_position_ += done;
+    size_ = std::max(size_, buffer_position_);
     buffer_.clear();
+    if (buffer_position_ >= written_back_ + kWriteBack) { // the disk begins now, not at the end
+        ::sync_file_range(descriptor_, static_cast<off_t>(written_back_), kWriteBack, SYNC_FILE_RANGE_WRITE);
+        written_back_ += kWriteBack;
+    }
 }
 
 void TemporaryFile::write(std::span<const std::byte> bytes) {
@@ -194,9 +221,21 @@ void TemporaryFile::seek(std::uint64_t position) {
     buffer_position_ = position;
 }
 
+// fsync cannot be interrupted, even by the end of the process: of a large file it finds little left to do.
+void TemporaryFile::wait_for_disk() {
+    constexpr std::uint64_t kPiece = std::uint64_t(8) << 20, kLarge = 8 * kPiece; // bytes
+    const Stage stage("waiting for the disk");
+    for (std::uint64_t from = 0; size_ >= kLarge && from < size_; from += kPiece) {
+        check_interrupt();
+        ::sync_file_range(descriptor_, static_cast<off_t>(from), kPiece,
+                          SYNC_FILE_RANGE_WAIT_BEFORE | SYNC_FILE_RANGE_WRITE | SYNC_FILE_RANGE_WAIT_AFTER);
+    }
+}
+
 void TemporaryFile::flush_to_disk() {
     throw_if_failed();
     flush_buffer();
+    wait_for_disk();
     int result = 0;
     do
         result = ::fsync(descriptor_);
@@ -211,11 +250,23 @@ void TemporaryFile::publish() {
     throw_if_failed();
     if (!on_disk_)
         flush_to_disk();
-    if (::rename(temporary_path_.c_str(), path_.c_str()) != 0)
-        fail(errno);
+    {
+        const auto hold = hold_end();
+        if (kept_files().count(std::filesystem::absolute(path_))
+                ? ::unlink(temporary_path_.c_str()) != 0
+                : ::rename(temporary_path_.c_str(), path_.c_str()) != 0)
+            fail(errno);
+        keep_at_end(temporary_path_);
+    }
     published_ = true;
     if (const int number = flush_folder(folder_of(path_)); number != 0)
         fail(number);
+}
+
+void keep_files(const std::vector<std::filesystem::path>& files) {
+    const auto hold = hold_end();
+    for (const std::filesystem::path& file : files)
+        kept_files().insert(std::filesystem::absolute(file));
 }
 
 std::size_t clear_stale_temporaries(const std::filesystem::path& folder) {
@@ -292,14 +343,18 @@ std::string sha256_of(std::string_view text) {
 }
 
 std::string sha256_of_file(const std::filesystem::path& path, std::uint64_t from) {
+    constexpr std::uint64_t kMegabyte = 1000000;
     constexpr std::size_t kBlock = 1 << 18; /* bytes: fits the second-level cache */
     const ReadableFile file(path);
+    Stage stage("checking " + final_name(path), file.size() / kMegabyte, "MB");
     std::vector<std::byte> block(kBlock);
     Sha256 hash;
     for (std::uint64_t offset = from;;) {
+        check_interrupt();
         const std::size_t got = file.read_some(offset, block);
         hash.update(std::span(block).first(got));
         offset += got;
+        stage.update(offset / kMegabyte);
         if (got < block.size())
             return hash.finish();
     }
@@ -311,6 +366,13 @@ bool file_is_intact(const std::filesystem::path& path, const std::string& expect
     } catch (const IoError&) {
         return false;
     }
+}
+
+std::string names_of(const std::vector<FileRecord>& files) {
+    std::string text;
+    for (const FileRecord& file : files)
+        text += (&file == files.data() ? "" : &file == &files.back() ? " and " : ", ") + file.name;
+    return text;
 }
 
 } // namespace forceshade

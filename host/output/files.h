@@ -47,6 +47,7 @@ public:
     std::uint64_t tell() const noexcept { return buffer_position_ + buffer_.size(); }
 
     /// Everything written so far is on the disk, and the kernel forgets its copy, so that reading reads the disk.
+    /// \throws Interrupted too, of a file of 64 MiB or more.
     void flush_to_disk();
     /// flush_to_disk() if that is still due, then renames to the final name and makes the rename durable.
     void publish();
@@ -58,6 +59,7 @@ private:
     void open_unique();
     void lock_or_discard();
     void flush_buffer();
+    void wait_for_disk();
     [[noreturn]] void fail(int number);
     void throw_if_failed() const;
 
@@ -65,11 +67,16 @@ private:
     std::filesystem::path temporary_path_;
     int descriptor_ = -1;
     std::uint64_t buffer_position_ = 0; /* where in the file the buffer belongs */
+    std::uint64_t size_ = 0;            /* bytes in the file */
+    std::uint64_t written_back_ = 0;    /* bytes that the kernel was asked to put on the disk */
     std::vector<std::byte> buffer_;
     bool on_disk_ = false;
     bool published_ = false;
     std::optional<IoError> failure_;
 };
+
+/// From now on these files stay as they are: what is published under their names is dropped.
+void keep_files(const std::vector<std::filesystem::path>& files);
 
 /// Removes the temporaries of TemporaryFile in `folder` that no live process holds; returns how many. Leaves everything
 /// else alone, does not descend, and a folder that is missing or cannot be read counts as empty.
@@ -114,5 +121,8 @@ struct FileRecord {
     std::string sha256;
     std::uint64_t bytes = 0;
 };
+
+/// "a.exr, a.vti and a.arrows.png"
+std::string names_of(const std::vector<FileRecord>& files);
 
 } // namespace forceshade

@@ -95,36 +95,18 @@ PathSummary::PathSummary(const std::filesystem::path& path, Precision precision)
     file_.write(std::string_view(path_summary_header()));
 }
 
-// What follows from floats has no more digits than they.
-void PathSummary::add(const std::optional<double>& value) {
-    if (!value)
-        row_.add_empty();
-    else if (precision_ == Precision::f32)
-        row_.add(static_cast<float>(*value));
-    else
-        row_.add(*value);
-}
-
 void PathSummary::add(std::uint64_t path, const PathFigures& figures) {
-    row_.add(path);
-    row_.add(figures.steps);
-    for (const double value : {figures.contact_time, figures.largest_force, figures.rms_force, figures.largest_turn,
-                               figures.steepest_turn, figures.work, figures.effort})
-        add(value);
-    add(figures.eta);
-    row_.add(figures.rounds);
-    for (const auto& value : {figures.least_round, figures.mean_round, figures.largest_round, figures.least_depth,
-                              figures.mean_depth, figures.largest_depth, figures.depth_deviation})
-        add(value);
-    row_.add(figures.unstable_time ? 1 : 0);
-    if (figures.unstable_time)
-        row_.add(*figures.unstable_time); // that of a sample, in double as it stands beside samples
-    else
-        row_.add_empty();
-    row_.add(figures.fell ? 1 : 0);
-    add(figures.speed_ratio);
-    row_.add(figures.began_inside ? 1 : 0);
-    row_.add(figures.unfinished);
+    for_each_figure(path, figures, [&]<typename Value>(const Value& value) {
+        if constexpr (std::is_same_v<Value, SampleTime>)
+            row_.add(value.seconds);
+        else if constexpr (std::is_same_v<Value, std::optional<double>>) {
+            if (value && precision_ == Precision::f32)
+                row_.add(static_cast<float>(*value)); // what follows from floats has no more digits than they
+            else
+                row_.add(value);
+        } else
+            row_.add(value);
+    });
     row_.write(file_);
 }
 

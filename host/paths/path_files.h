@@ -82,6 +82,30 @@ template <typename T> PathFigures figures_of(const layout::PathMetrics<T>& metri
 
 // STEM.paths.csv: a row for each path, what it was like.
 
+/// Hands a path's figures to add(value) in the order of path_summary_header(): whole numbers as std::uint64_t, others
+/// as double or optional double, and as SampleTime what has the precision of times, which is double whatever the run's.
+struct SampleTime {
+    std::optional<double> seconds;
+};
+template <typename Add> void for_each_figure(std::uint64_t path, const PathFigures& figures, const Add& add) {
+    add(path);
+    add(figures.steps);
+    for (const double value : {figures.contact_time, figures.largest_force, figures.rms_force, figures.largest_turn,
+                               figures.steepest_turn, figures.work, figures.effort})
+        add(std::optional(value));
+    add(figures.eta);
+    add(figures.rounds);
+    for (const auto& value : {figures.least_round, figures.mean_round, figures.largest_round, figures.least_depth,
+                              figures.mean_depth, figures.largest_depth, figures.depth_deviation})
+        add(value);
+    add(std::uint64_t(figures.unstable_time ? 1 : 0));
+    add(SampleTime{figures.unstable_time});
+    add(std::uint64_t(figures.fell ? 1 : 0));
+    add(figures.speed_ratio);
+    add(std::uint64_t(figures.began_inside ? 1 : 0));
+    add(figures.unfinished);
+}
+
 /// A row of a CSV file of numbers, each the shortest that reads back as the same number.
 class NumberRow {
 public:
@@ -90,6 +114,7 @@ public:
         text_.append(digits, std::to_chars(digits, digits + sizeof digits, value).ptr) += ',';
     }
     void add_empty() { text_ += ','; }
+    template <typename T> void add(const std::optional<T>& value) { value ? add(*value) : add_empty(); }
     /// Ends the row, and begins the next.
     void write(TemporaryFile& file) {
         text_.back() = '\n'; // in place of the last comma
@@ -111,8 +136,6 @@ public:
     VolumeResult finish();
 
 private:
-    void add(const std::optional<double>& value);
-
     TemporaryFile file_;
     Precision precision_;
     NumberRow row_;

@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/error.h"
+#include "host/long_run.h"
 #include "host/output/exr_volume.h"
 #include "host/output/files.h"
 #include "host/output/rows.h"
@@ -79,7 +80,7 @@ std::shared_ptr<const RecordedFile> read_paths(const PreparedCase& prepared, con
     const bool recorded = spec && spec->kind == PathKind::recorded;
     if (!options.recorded && !recorded)
         return nullptr;
-    return read_recorded<T>(prepared, options.recorded.value_or(spec ? spec->path : ""), options.reading);
+    return read_recorded<T>(prepared, options.recorded.value_or(spec ? spec->path : ""));
 }
 
 // Reads the file alongside of an engine's rows, and sums up of each path how long it was in contact.
@@ -338,7 +339,8 @@ private:
     }
 
     // `done`: of the present batch.
-    void progress(std::uint64_t done) const {
+    void progress(std::uint64_t done) {
+        stage_.update((done_ + done) / kMillion);
         if (options_.progress)
             options_.progress(done_ + done, total_);
     }
@@ -393,6 +395,8 @@ private:
     double rate_;                              /* 1/s */
     layout::uint written_;                     // channels
     std::uint64_t total_ = 0, done_ = 0;       // samples: in all, and of the batches before
+    static constexpr std::uint64_t kMillion = 1000000;
+    Stage stage_{"exploring paths", total_ / kMillion, "million samples"};
     RowGatherer<T> gatherer_;
     std::optional<RecordedTimes> times_;
     std::vector<NamedSink> sinks_; // the samples first, if there are any

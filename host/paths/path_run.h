@@ -27,8 +27,7 @@ struct PathRunOptions {
     picture::Endings pictures;
     picture::Look look; /* of the picture; without a title: the case in words */
     int threads = 0;    /* that compress */
-    std::function<void(std::uint64_t done, std::uint64_t total)> reading;  /* bytes of the recorded file, checked */
-    std::function<void(std::uint64_t done, std::uint64_t total)> progress; /* samples; both may be empty */
+    std::function<void(std::uint64_t done, std::uint64_t total)> progress; /* samples; may be empty */
 };
 
 // Which channels and files a run of paths has.

@@ -15,6 +15,7 @@
 #include "host/referee/mesh_referee.h"
 #include "host/referee/reading.h"
 #include "host/referee/rounding_bound.h"
+#include "host/threads.h"
 
 namespace forceshade {
 
@@ -486,7 +487,7 @@ void compare(Engine& engine, const PreparedCase& prepared, Comparison& result) {
         check_interrupt();
         referees.begin_rows(chunk.y_first, chunk.y_count);
         const std::size_t rows = chunk.y_count * chunk.z_count;
-        const std::size_t threads = std::min<std::size_t>(rows, std::max(1u, std::thread::hardware_concurrency()));
+        const std::size_t threads = std::min<std::size_t>(rows, most_threads());
         std::vector<VoxelComparison<T, Referees>> parts(threads, {referees, exact_bits, {}});
         std::vector<std::jthread> workers;
         for (std::size_t worker = 0; worker < threads; ++worker)

@@ -12,12 +12,13 @@
 #include <vector>
 
 #include "host/reference/surfaces.h"
+#include "host/threads.h"
 
 namespace forceshade::reference {
 
-/// The threads to use where `asked` are asked for; 0: as many as the machine has cores.
+/// The threads to use where `asked` are asked for; 0: most_threads().
 inline unsigned threads_for(unsigned asked) {
-    return asked > 0 ? asked : std::max(1u, std::thread::hardware_concurrency());
+    return asked > 0 ? asked : most_threads();
 }
 
 /// Runs work(thread, index) for every index below count, shared out among threads.

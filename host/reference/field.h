@@ -10,7 +10,7 @@ namespace forceshade::reference {
 
 /// What the evaluation may use.
 struct FieldOptions {
-    unsigned threads = 0;                            /* 0: as many as the machine has cores */
+    unsigned threads = 0;                            /* 0: most_threads() */
     std::size_t chunk_bytes = std::size_t(32) << 20; /* most bytes of results held at once */
 };
 

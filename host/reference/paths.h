@@ -11,7 +11,7 @@ namespace forceshade::reference {
 
 /// What the evaluation may use.
 struct PathOptions {
-    unsigned threads = 0;                            /* 0: as many as the machine has cores */
+    unsigned threads = 0;                            /* 0: most_threads() */
     std::size_t chunk_bytes = std::size_t(32) << 20; /* most bytes of samples held at once */
     std::size_t batch_paths = 16384;                 /* most paths whose tables are held at once */
 };

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "host/error.h"
+#include "host/long_run.h"
 #include "host/output/reading.h"
 #include "host/picture/colours.h"
 #include "host/program.h"
@@ -176,6 +177,7 @@ std::string page(const std::string& title, const std::string& body, const std::s
 }
 
 ReportResult write_report(const std::filesystem::path& folder) {
+    const Stage stage("writing the report");
     Contents contents = read_contents(folder);
     if (contents.sweeps.empty() && contents.studies.empty() && contents.troubles.empty())
         contents.troubles.push_back("The folder holds no manifest.json of a sweep and no study.json of a study.");

@@ -9,6 +9,7 @@
 
 #include "host/clock.h"
 #include "host/error.h"
+#include "host/long_run.h"
 #include "host/output/exr_volume.h"
 #include "host/output/files.h"
 #include "host/output/raw_formats.h"
@@ -16,6 +17,7 @@
 #include "host/picture/scene_picture.h"
 #include "host/program.h"
 #include "host/referee/validate.h"
+#include "host/threads.h"
 
 namespace forceshade {
 
@@ -197,6 +199,7 @@ CaseRecord CaseOutput::finish() {
 }
 
 void CaseOutput::add_pictures(CaseRecord& record) {
+    const Stage stage("drawing " + prepared_.one.name);
     const picture::FieldSlice &slice = slices_->slice(), &unshaded = slices_->unshaded();
     const picture::Quantity quantity = pictures_.slice.quantity;
     const picture::SurfaceLines lines =
@@ -386,7 +389,7 @@ void compute_paths(Engine& engine, Transfer& transfer) {
     const CaseJob& job = *transfer.job;
     if (!job.prepared.one.scene.paths)
         return;
-    const auto cores = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+    const auto cores = static_cast<int>(most_threads());
     try {
         transfer.paths = run_paths(engine, job.prepared, path_options(job.volume, job.also, cores));
     } catch (...) {
@@ -400,7 +403,7 @@ void compute_paths(Engine& engine, Transfer& transfer) {
 
 void run_cases(Engine& engine, const std::function<std::unique_ptr<CaseJob>()>& next, std::size_t cases,
                const PipelineOptions& options, const std::function<void(const CaseOutcome&)>& done) {
-    const unsigned cores = std::max(1u, std::thread::hardware_concurrency());
+    const unsigned cores = most_threads();
     const auto encoders = static_cast<unsigned>(
         std::clamp<std::size_t>(options.encoders ? options.encoders : cores, 1, std::max<std::size_t>(1, cases)));
     ChunkBudget budget(options.waiting_bytes);

@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <thread>
 
 #include <fmt/format.h>
 
 #include "host/paths/motions.h"
 #include "host/prepare/tables.h"
+#include "host/threads.h"
 
 namespace forceshade {
 namespace {
@@ -113,7 +113,7 @@ EngineChoice choose_engine(const Workload& work, const std::vector<compute::Devi
 }
 
 EngineChoice choose_engine(const Workload& work, bool needs_f64) {
-    const unsigned threads = std::max(1u, std::thread::hardware_concurrency());
+    const unsigned threads = most_threads();
     std::vector<compute::DeviceReport> devices;
     if (compute::may_have_hardware() || saved_by_software_device(work, threads) > 0)
         try {

@@ -7,7 +7,6 @@
 #include <set>
 #include <string_view>
 #include <sys/resource.h>
-#include <thread>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -19,6 +18,7 @@
 #include "host/output/reading.h"
 #include "host/output/record.h"
 #include "host/program.h"
+#include "host/threads.h"
 
 namespace forceshade {
 
@@ -110,7 +110,7 @@ Json account(const RunAccount& run) {
             {"device", run.engine_device},
             {"driver", run.engine_driver},
             {"cpu", cpu_name()},
-            {"cores", std::thread::hardware_concurrency()},
+            {"cores", most_threads()},
             {"cases_computed", run.computed},
             {"cases_kept", run.kept},
             {"wall_s", run.wall},

@@ -2,16 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <thread>
 
 #include <fmt/format.h>
 
 #include "host/clock.h"
+#include "host/long_run.h"
 #include "host/output/reading.h"
 #include "host/program.h"
 #include "host/study/run/sampling.h"
 #include "host/sweep/manifest.h"
-#include "host/sweep/sweep.h"
+#include "host/threads.h"
 
 namespace forceshade::study {
 namespace {
@@ -77,14 +77,13 @@ StudyRun::StudyRun(std::string study, const StudyOptions& options) : study_(std:
 }
 
 void StudyRun::run(const std::vector<Part>& parts) {
-    Progress progress("parts", parts.size(), options_.quiet);
+    Stage stage("beginning", parts.size(), "parts");
     std::size_t done = 0;
     for (const Part& part : parts) {
         check_interrupt();
-        progress.update(done++, part.name);
+        stage.update(done++, part.name);
         part.compute();
     }
-    progress.update(done, "");
 }
 
 StudyData StudyRun::data() const {
@@ -97,7 +96,7 @@ StudyData StudyRun::data() const {
     data.driver = report.driver;
     data.software = report.software;
     data.cpu = cpu_name();
-    data.cores = std::thread::hardware_concurrency();
+    data.cores = most_threads();
     data.quick = options_.quick;
     data.fingerprint = fingerprint_;
     data.seconds = seconds_since(start_);
