@@ -1,16 +1,14 @@
 #include "host/sweep/sweep.h"
 
 #include <algorithm>
-#include <cmath>
-#include <cstdio>
+#include <optional>
 #include <set>
-#include <sys/ioctl.h>
-#include <unistd.h>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "host/error.h"
+#include "host/long_run.h"
 #include "host/output/files.h"
 #include "host/paths/recorded.h"
 #include "host/program.h"
@@ -18,71 +16,6 @@
 #include "host/sweep/manifest.h"
 
 namespace forceshade {
-
-namespace {
-
-constexpr double kLineEvery = 5;   // s between lines where there is no terminal
-constexpr double kDrawEvery = 0.1; // s between drawings of the bar
-
-std::size_t terminal_width() {
-    winsize size{};
-    return ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 20 ? size.ws_col : 80;
-}
-
-} // namespace
-
-std::string clock_text(double seconds) {
-    const auto whole = static_cast<long>(std::lround(std::max(0.0, seconds)));
-    if (whole < 3600)
-        return fmt::format("{}:{:02}", whole / 60, whole % 60);
-    return fmt::format("{}:{:02}:{:02}", whole / 3600, whole / 60 % 60, whole % 60);
-}
-
-Progress::Progress(std::string what, std::size_t total, bool quiet)
-    : what_(std::move(what)), total_(total), quiet_(quiet), terminal_(isatty(STDERR_FILENO)) {}
-
-Progress::~Progress() {
-    clear();
-}
-
-void Progress::clear() {
-    if (std::exchange(drawn_, false))
-        remark("\r\033[K");
-}
-
-void Progress::say(const std::string& line) {
-    if (quiet_)
-        return;
-    clear();
-    remark("{}\n", line);
-}
-
-void Progress::update(std::size_t done, const std::string& now) {
-    if (quiet_ || total_ == 0)
-        return;
-    const bool last = done == total_;
-    if (!last && seconds_since(last_) < (terminal_ ? kDrawEvery : kLineEvery))
-        return;
-    last_ = Clock::now();
-    const double elapsed = seconds_since(start_);
-    const double left = done ? elapsed * static_cast<double>(total_ - done) / static_cast<double>(done) : 0;
-    const std::string tail = last ? fmt::format("{}/{} {} in {}", done, total_, what_, clock_text(elapsed))
-                                  : fmt::format("{}/{} {}, {} left  {}", done, total_, what_, clock_text(left), now);
-    if (!terminal_) {
-        remark("{}\n", tail);
-        return;
-    }
-    constexpr std::size_t kBar = 24;
-    const std::size_t filled = done * kBar / total_;
-    std::string line = fmt::format("[{:=<{}}{:<{}}] {}", "", filled, "", kBar - filled, tail);
-    line.resize(std::min(line.size(), terminal_width() - 1));
-    remark("\r\033[K{}", line);
-    drawn_ = true;
-    if (last) {
-        remark("\n");
-        drawn_ = false;
-    }
-}
 
 namespace {
 
@@ -134,17 +67,6 @@ void forget(const std::filesystem::path& folder, const Case& one, AlsoFormats al
             std::filesystem::remove(folder / name, ignored);
 }
 
-std::vector<const Case*> choose(const Study& study, const SweepOptions& options) {
-    std::vector<const Case*> chosen = cases_named(study, options.only);
-    if (const auto shard = options.shard) {
-        std::vector<const Case*> part;
-        for (std::size_t i = shard->index - 1; i < chosen.size(); i += shard->count)
-            part.push_back(chosen[i]);
-        chosen = part;
-    }
-    return chosen;
-}
-
 // The study with the SHA-256 of its images, by which study.toml names them, and what each case's record must say to
 // count. Images of cases that nobody wants now may be missing; such cases count as not done.
 struct Prepared {
@@ -161,8 +83,11 @@ PreparedCase prepared_case(CasePreparation& preparation, const Case& one) {
 
 Prepared prepare(const Study& study, const std::vector<const Case*>& chosen, CasePreparation& preparation) {
     Prepared result{study, {}, {}};
+    Stage stage("preparing", study.cases.size(), "cases");
     const std::set<const Case*> wanted(chosen.begin(), chosen.end());
-    for (std::size_t i = 0; i < study.cases.size(); ++i)
+    for (std::size_t i = 0; i < study.cases.size(); ++i) {
+        check_interrupt();
+        stage.update(i, study.cases[i].name);
         try {
             const PreparedCase prepared = prepared_case(preparation, study.cases[i]);
             result.study.cases[i].scene = prepared.one.scene;
@@ -174,6 +99,7 @@ Prepared prepare(const Study& study, const std::vector<const Case*>& chosen, Cas
             if (wanted.count(&study.cases[i]))
                 throw;
         }
+    }
     return result;
 }
 
@@ -216,7 +142,7 @@ void count(RunAccount& account, const CaseRecord& record) {
 void compute_missing(Engine& engine, const std::vector<const Case*>& missing,
                      const std::function<CaseJob(const Case&)>& job_of, const SweepOptions& options,
                      SweepResult& result) {
-    Progress progress("cases", missing.size(), options.quiet);
+    Stage stage("computing", missing.size(), "cases");
     std::size_t next_job = 0, ended = 0;
     const auto next = [&] {
         return next_job < missing.size() ? std::make_unique<CaseJob>(job_of(*missing[next_job++])) : nullptr;
@@ -224,25 +150,37 @@ void compute_missing(Engine& engine, const std::vector<const Case*>& missing,
     const auto done = [&](const CaseOutcome& outcome) {
         if (outcome.error) {
             note_failure(result, outcome);
-            progress.say("failed: " + result.failures.back());
+            if (!options.quiet)
+                remark("failed: {}\n", result.failures.back());
         } else {
             write_record(options.folder, outcome.record);
             ++result.computed;
             count(result, outcome.record);
             count(result.account, outcome.record);
         }
-        progress.update(++ended, outcome.job->prepared.one.name);
+        stage.update(++ended, outcome.job->prepared.one.name);
     };
     run_cases(engine, next, missing.size(), {options.encoders}, done);
 }
 
 } // namespace
 
+std::vector<const Case*> chosen_cases(const Study& study, const SweepOptions& options) {
+    std::vector<const Case*> chosen = cases_named(study, options.only);
+    if (const auto shard = options.shard) {
+        std::vector<const Case*> part;
+        for (std::size_t i = shard->index - 1; i < chosen.size(); i += shard->count)
+            part.push_back(chosen[i]);
+        chosen = part;
+    }
+    return chosen;
+}
+
 SweepResult run_sweep(const Study& study, const std::function<std::unique_ptr<Engine>()>& make, bool cpu_engine,
                       const SweepOptions& options) {
     const Clock::time_point start = Clock::now();
     const double cpu_start = cpu_seconds();
-    const std::vector<const Case*> chosen = choose(study, options);
+    const std::vector<const Case*> chosen = chosen_cases(study, options);
     if (!options.replace)
         require_same_study(options.folder, study);
     SweepResult result;
@@ -252,7 +190,6 @@ SweepResult run_sweep(const Study& study, const std::function<std::unique_ptr<En
     for (const std::string& warning : prepared.warnings)
         if (!options.quiet)
             remark("warning: {}\n", warning);
-    prepare_folder(prepared.study, options.folder);
 
     const auto job_of = [&](const Case& one) {
         CaseJob job{prepared_case(preparation, one), options.folder / (one.name + ".exr"), {}, {}};
@@ -261,8 +198,10 @@ SweepResult run_sweep(const Study& study, const std::function<std::unique_ptr<En
         return job;
     };
     std::vector<const Case*> missing;
+    std::optional<Stage> checking(std::in_place, "checking what is there", chosen.size(), "cases");
     for (const Case* one : chosen) {
         check_interrupt();
+        checking->update(missing.size() + result.kept);
         std::optional<CaseRecord> record;
         if (options.fresh || !is_done(job_of(*one), options, record)) {
             missing.push_back(one);
@@ -272,7 +211,20 @@ SweepResult run_sweep(const Study& study, const std::function<std::unique_ptr<En
         count(result, *record);
     }
 
+    checking.reset();
+    for (const Case* one : missing)
+        result.forecast += forecast(prepared.study.cases[static_cast<std::size_t>(one - study.cases.data())].scene,
+                                    with_present(options.also, options.folder, one->name));
+    if (options.dry) {
+        if (!missing.empty())
+            measure(*make(), missing, job_of, result.forecast);
+        return result;
+    }
+    require_space(options.folder, result.forecast);
+    prepare_folder(prepared.study, options.folder);
+
     const auto finish = [&] {
+        const Stage stage("writing the account");
         result.account.computed = result.computed;
         result.account.kept = result.kept;
         result.account.wall = seconds_since(start);
@@ -288,6 +240,12 @@ SweepResult run_sweep(const Study& study, const std::function<std::unique_ptr<En
     const std::unique_ptr<Engine> engine = make();
     result.account.engine_device = engine->report().device;
     result.account.engine_driver = engine->report().driver;
+    if (is_space_doubtful(options.folder, result.forecast)) {
+        measure(*engine, missing, job_of, result.forecast);
+        if (const std::string warning = space_warning(options.folder, result.forecast);
+            !options.quiet && !warning.empty())
+            remark("warning: {}\n", warning);
+    }
     for (const Case* one : missing)
         forget(options.folder, *one, with_present(options.also, options.folder, one->name));
     try {

@@ -11,34 +11,10 @@
 #include "host/engine/engine.h"
 #include "host/scene/study.h"
 #include "host/sweep/case_pipeline.h"
+#include "host/sweep/forecast.h"
 #include "host/sweep/manifest.h"
 
 namespace forceshade {
-
-/// How far long work has come, on stderr: a bar with the time left on a terminal, now and then a line elsewhere.
-class Progress {
-public:
-    /// `total` steps of `what` ("cases"). Silent if `quiet`.
-    Progress(std::string what, std::size_t total, bool quiet);
-    ~Progress();
-
-    /// `done` steps have ended, `now` is the last of them. Not for two threads at once.
-    void update(std::size_t done, const std::string& now);
-
-    /// A line of its own, above the bar.
-    void say(const std::string& line);
-
-private:
-    void clear();
-
-    std::string what_;
-    std::size_t total_;
-    bool quiet_, terminal_, drawn_ = false;
-    Clock::time_point start_ = Clock::now(), last_ = start_;
-};
-
-/// "0:07", "12:40", "3:05:00".
-std::string clock_text(double seconds);
 
 struct SweepOptions {
     std::filesystem::path folder;
@@ -46,6 +22,7 @@ struct SweepOptions {
     std::optional<Shard> shard;
     bool fresh = false;   /* compute every chosen case anew */
     bool replace = false; /* take the place of another study in the folder */
+    bool dry = false;     /* only tell what there is to do */
     bool quiet = false;
     AlsoFormats also;
     std::optional<compute::DeviceReport>
@@ -55,6 +32,7 @@ struct SweepOptions {
 
 struct SweepResult {
     std::size_t chosen = 0, computed = 0, kept = 0;
+    Forecast forecast;                   /* of what was not there */
     std::vector<std::string> failures;   /* "CASE: why" */
     int exit_code = 0;                   /* of the failures; 0 without */
     std::uint64_t differing = 0;         /* voxels of the chosen cases whose bits are not the oracle's */
@@ -64,8 +42,11 @@ struct SweepResult {
 };
 
 /// Evaluates the chosen cases of a study into `options.folder`, which is made if need be. `engine` is called only if
-/// there is something to compute. \throws UsageError (nothing chosen; another study in the folder), IoError,
-/// compute::DeviceError, Interrupted. Whatever was finished stays; running again goes on from there.
+/// there is something to compute. \throws UsageError (nothing chosen; another study in the folder), IoError (also
+/// before it begins, where the files cannot fit the disk), compute::DeviceError, Interrupted. Whatever was finished
+/// stays; running again goes on from there. The cases that `--only` and `--shard` choose.
+std::vector<const Case*> chosen_cases(const Study& study, const SweepOptions& options);
+
 SweepResult run_sweep(const Study& study, const std::function<std::unique_ptr<Engine>()>& engine, bool cpu_engine,
                       const SweepOptions& options);
 
