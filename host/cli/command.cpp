@@ -1,131 +1,19 @@
+// What commands have in common.
 #include "host/cli/command.h"
 
-#include <algorithm>
 #include <cerrno>
 #include <cstdio>
-#include <optional>
-#include <sstream>
 #include <utility>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <spdlog/spdlog.h>
 
 #include "host/error.h"
-#include "host/output/reading.h"
+#include "host/output/files.h"
 #include "host/scene/value.h"
 
 namespace forceshade {
-
-namespace {
-
-constexpr const char* kFooter =
-    "Every command takes --gpu NAME|UUID|INDEX, --engine auto|gpu|cpu, --precision f32|f64, --max-memory SIZE, --json, "
-    "--quiet and --vulkan-validation.\nExit codes: 0 ok, 1 a case failed or a bound was exceeded, 2 usage or "
-    "configuration, 3 no such device, 4 files, 130 interrupted.\nStart with: forceshade sweep --out results/paper";
-
-void add_common_options(CLI::App& app, CommonOptions& common) {
-    app.add_option(
-           "--gpu", common.gpu,
-           "Vulkan device: part of its name, UUID or index (forceshade gpus); default: a hardware GPU where there is "
-           "one, else the software device")
-        ->check(
-            [](const std::string& name) { return std::string(name.empty() ? "an empty name is no device's" : ""); });
-    app.add_option(
-           "--engine", common.engine,
-           "auto (default): a hardware GPU where there is one, else the software device or the CPU, whichever was "
-           "measured faster at such work (study, validate and doctor, which measure or check a device, take a "
-           "device); gpu: a Vulkan device; cpu: the oracle on all cores")
-        ->check(CLI::IsMember({"auto", "gpu", "cpu"}));
-    app.add_option("--precision", common.precision, "f32 or f64; default: as the scene says")
-        ->check(CLI::IsMember({"f32", "f64"}));
-    app.add_option_function<std::string>(
-        "--max-memory", [](const std::string& text) { set_memory_limit(parse_memory(text)); },
-        "most that a file's contents may take, from what its header announces; default: 4 GiB");
-    app.add_flag("--json", common.json, "machine-readable results on stdout");
-    app.add_flag("--quiet", common.quiet, "no progress and no remarks on stderr, errors only");
-    app.add_flag("--vulkan-validation", common.validation_layers,
-                 "run under Vulkan's validation layers; any complaint is an error");
-}
-
-// CLI11 would only say that a command is required.
-void refuse_unknown_command(const CLI::App& program, const std::string& word) {
-    std::vector<std::string> names;
-    for (const CLI::App* command : program.get_subcommands(nullptr))
-        names.push_back(command->get_name());
-    if (word.empty() || word.front() == '-' || std::find(names.begin(), names.end(), word) != names.end())
-        return;
-    refuse_unknown("command", word, names);
-}
-
-} // namespace
-
-template <typename T> void Options::add(const char* name, T& value, const std::string& help, bool required) {
-    CLI::Option* const option = app_.add_option(name, value, help)->required(required);
-    if (heading_)
-        option->group(heading_);
-}
-template void Options::add(const char*, std::string&, const std::string&, bool);
-template void Options::add(const char*, std::optional<std::string>&, const std::string&, bool);
-template void Options::add(const char*, std::optional<int>&, const std::string&, bool);
-
-void Options::flag(const char* name, bool& value, const std::string& help) {
-    CLI::Option* const option = app_.add_flag(name, value, help);
-    if (heading_)
-        option->group(heading_);
-}
-
-void Options::list(const char* name, std::vector<std::string>& values, const std::string& help) {
-    app_.add_option(name, values, help)->delimiter(',');
-}
-
-void Options::read(const char* name, std::function<void(const std::string&)> read, const std::string& help) {
-    const auto read_some = [read = std::move(read)](const std::string& text) {
-        if (!text.empty())
-            read(text);
-    };
-    CLI::Option* const option = app_.add_option_function<std::string>(name, read_some, help);
-    if (heading_)
-        option->group(heading_);
-}
-
-void Options::footer(const std::string& text) {
-    app_.footer(text + "\n" + app_.get_footer());
-}
-
-CommandLine::CommandLine()
-    : app_(std::make_unique<CLI::App>("Offline study of haptic force fields, with and without force shading",
-                                      "forceshade")) {
-    app_->set_version_flag("--version", "forceshade " + version());
-    app_->require_subcommand(1);
-    app_->fallthrough();
-    app_->footer(kFooter);
-    add_common_options(*app_, common);
-}
-
-CommandLine::~CommandLine() = default;
-
-Options CommandLine::add_command(const char* name, const std::string& help, Command command) {
-    CLI::App* const added = app_->add_subcommand(name, help);
-    added->callback([this, command = std::move(command)] { chosen_ = command; });
-    return Options(*added);
-}
-
-Command CommandLine::parse(int argc, char** argv) {
-    if (argc > 1)
-        refuse_unknown_command(*app_, argv[1]);
-    try {
-        app_->parse(argc, argv);
-        return chosen_;
-    } catch (const CLI::ParseError& error) {
-        std::ostringstream data, complaint;
-        const ExitCode code = app_->exit(error, data, complaint) == 0 ? ExitCode::ok : ExitCode::usage;
-        return [data = data.str(), complaint = complaint.str(), code] {
-            remark("{}", complaint);
-            print_data(data);
-            return static_cast<int>(code);
-        };
-    }
-}
 
 EngineOptions device_options(const CommonOptions& common, bool needs_f64) {
     if (common.engine == "cpu" && !common.gpu.empty())
@@ -162,6 +50,14 @@ std::vector<Override> overrides(const CommonOptions& common) {
     return {{"run.precision", common.precision}};
 }
 
+void tell_stages(const EngineTimes& engine, const VolumeTimings& files) {
+    spdlog::debug(
+        "stages: prepare {:.3f} s, engine {:.3f} s, encode {:.3f} s, check against the oracle {:.3f} s, flush "
+        "{:.3f} s, read back {:.3f} s, hash {:.3f} s",
+        engine.prepare, engine.sum() - engine.prepare, files.encode, files.check, files.flush, files.read_back,
+        files.hash);
+}
+
 void print_warnings(const std::vector<std::string>& warnings, const CommonOptions& common) {
     if (!common.quiet)
         for (const std::string& warning : warnings)
@@ -171,6 +67,7 @@ void print_warnings(const std::vector<std::string>& warnings, const CommonOption
 Case load_scene(const std::string& path, const CommonOptions& common) {
     std::vector<std::string> warnings;
     Case one = read_scene(path, overrides(common), &warnings);
+    spdlog::debug("scene: {}, in {} precision", path, one.scene.precision == Precision::f32 ? "single" : "double");
     print_warnings(warnings, common);
     return one;
 }
@@ -180,6 +77,37 @@ Study load_study(const std::string& path, const CommonOptions& common) {
     Study study = path.empty() ? default_study(replaced) : read_study(path, replaced);
     print_warnings(study.warnings, common);
     return study;
+}
+
+std::vector<std::string> case_names(const std::string& path) {
+    std::vector<std::string> names;
+    for (const Case& one : (path.empty() ? default_study() : read_study(path)).cases)
+        names.push_back(one.name);
+    return names;
+}
+
+bool may_write(const std::vector<std::filesystem::path>& files, const CommonOptions& common) {
+    if (common.overwrite && common.no_clobber)
+        throw UsageError("--overwrite and --no-clobber exclude each other");
+    std::vector<std::filesystem::path> there;
+    std::error_code ignored;
+    for (const std::filesystem::path& file : files)
+        if (std::filesystem::is_regular_file(file, ignored)) // a device or a pipe has nothing to lose
+            there.push_back(file);
+    if (there.empty() || common.overwrite)
+        return true;
+    const std::string names =
+        there.front().filename().string() + (there.size() > 1 ? fmt::format(" and {} more", there.size() - 1) : "");
+    if (!common.no_clobber)
+        throw UsageError(
+            fmt::format("{} {} there already: --overwrite replaces what is there, --no-clobber leaves it; or "
+                        "choose another name",
+                        names, there.size() > 1 ? "are" : "is"));
+    if (!common.quiet)
+        remark("{} {} there already and stay{} (--no-clobber)\n", names, there.size() > 1 ? "are" : "is",
+               there.size() > 1 ? "" : "s");
+    keep_files(there);
+    return there.size() < files.size();
 }
 
 void refuse_unknown(const char* what, const std::string& word, const std::vector<std::string>& names) {
@@ -194,6 +122,7 @@ std::string plural(std::uint64_t count, const char* noun) {
 }
 
 void print_data(const std::string& text) {
+    draw_line(""); // both may be the same terminal
     if (std::fwrite(text.data(), 1, text.size(), stdout) == text.size() && std::fflush(stdout) == 0)
         return;
     if (errno != EPIPE) // a reader that has seen enough, such as head, is no error

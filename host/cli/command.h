@@ -1,9 +1,10 @@
-// The command line's grammar, and what its commands have in common: flags, scenes, the engine, where text goes. Only
-// command.cpp sees CLI11, which takes 6 s to compile.
+// The commands of the program, and what they have in common: flags, scenes, the engine, where text goes.
 #pragma once
 
+#include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,9 +15,12 @@
 
 namespace CLI {
 class App;
-}
+class Option;
+} // namespace CLI
 
 namespace forceshade {
+
+struct Grammar;
 
 /// Options that every command accepts.
 struct CommonOptions {
@@ -25,37 +29,57 @@ struct CommonOptions {
     std::string precision;       /* "f32", "f64" or empty: as the scene says */
     bool json = false;
     bool quiet = false;
+    bool verbose = false;
+    bool silent = false;     /* quiet, but what would be said goes to the log; then quiet is false */
+    std::string log_file;    /* empty: none */
+    bool overwrite = false;  /* files that are there are replaced */
+    bool no_clobber = false; /* they stay, and are no error */
     bool validation_layers = false;
 };
 
-/// The options of one command. A name that starts with `--` is an option's, another a positional argument's. Each
-/// function adds one and keeps the reference, which parsing fills.
+/// The options of one command. A name that starts with `--` is an option's, another a positional argument's; a word
+/// after it says what the value is: "--out FILE". Values between `|` are the only ones, and others are refused:
+/// "--engine auto|gpu|cpu". --out has the short form -o. Each function adds one and keeps the reference, which parsing
+/// fills.
 class Options {
 public:
-    explicit Options(CLI::App& app) : app_(app) {}
+    Options(Grammar& grammar, CLI::App& app) : grammar_(grammar), app_(app) {}
 
     /// T: std::string, or std::optional of std::string or int.
-    template <typename T> void required(const char* name, T& value, const std::string& help) {
-        add(name, value, help, true);
+    template <typename T> Options& required(const std::string& name, T& value, const std::string& help) {
+        return add(name, value, help, true);
     }
-    template <typename T> void optional(const char* name, T& value, const std::string& help) {
-        add(name, value, help, false);
+    template <typename T> Options& optional(const std::string& name, T& value, const std::string& help) {
+        return add(name, value, help, false);
     }
-    void flag(const char* name, bool& value, const std::string& help);
-    /// Words between commas.
-    void list(const char* name, std::vector<std::string>& values, const std::string& help);
+    Options& flag(const std::string& name, bool& value, const std::string& help);
+    /// Words between commas; of a positional argument also several.
+    Options& list(const std::string& name, std::vector<std::string>& values, const std::string& help,
+                  bool required = false);
     /// `read` gets the text unless it is empty; it may throw UsageError.
-    void read(const char* name, std::function<void(const std::string&)> read, const std::string& help);
+    Options& read(const std::string& name, std::function<void(const std::string&)> read, const std::string& help);
+
+    /// Of the one that was added last: its only values.
+    Options& one_of(std::vector<std::string> values);
+    /// Likewise: names that the shell completes, of what the command's first argument names.
+    Options& names(std::function<std::vector<std::string>(const std::string&)> names);
 
     /// The heading, in the help, of the options added from now on.
     void heading(const char* title) { heading_ = title; }
-    /// A line of the help before the program's own last lines.
-    void footer(const std::string& text);
+    /// A command as the user types it, without the program's name, that does something useful, and what.
+    Options& example(const std::string& command, const std::string& about);
+    /// Another spelling of the command.
+    Options& alias(const std::string& name);
+    /// A paragraph of the help before the program's own last ones.
+    Options& footer(const std::string& text);
 
 private:
-    template <typename T> void add(const char* name, T& value, const std::string& help, bool required);
+    template <typename T> Options& add(const std::string& name, T& value, const std::string& help, bool required);
+    Options& keep(CLI::Option* option, const std::string& value_name);
 
+    Grammar& grammar_;
     CLI::App& app_;
+    CLI::Option* last_ = nullptr;
     const char* heading_ = nullptr;
 };
 
@@ -67,6 +91,8 @@ public:
     CommandLine();
     ~CommandLine();
 
+    /// A group of commands, whose names begin with the group's: "experiment run".
+    Options add_group(const char* name, const std::string& help);
     /// A command with arguments of its own: `describe` adds its options, `run` gets their values.
     template <typename Arguments>
     void add(const char* name, const std::string& help, int (*run)(const Arguments&, const CommonOptions&),
@@ -80,8 +106,8 @@ public:
         return add_command(name, help, [this, run] { return run(common); });
     }
 
-    /// The command that the user named; one that prints what --help and --version ask for, or what is wrong.
-    /// \throws UsageError for a command that does not exist.
+    /// The command that the user named, or one that prints what help, --help, --version or a shell asks for.
+    /// \throws UsageError for what is no command line of this program: what is wrong, and where to read on.
     Command parse(int argc, char** argv);
 
     CommonOptions common;
@@ -89,7 +115,10 @@ public:
 private:
     Options add_command(const char* name, const std::string& help, Command command);
 
-    std::unique_ptr<CLI::App> app_;
+    void add_help_commands();
+    std::optional<Command> hidden_command(const std::vector<std::string>& words) const;
+
+    std::unique_ptr<Grammar> grammar_;
     Command chosen_;
 };
 
@@ -101,7 +130,8 @@ void add_study_commands(CommandLine& program); // study, report
 void add_experiment_command(CommandLine& program);
 void add_live_command(CommandLine& program);
 void add_device_command(CommandLine& program);
-void add_check_commands(CommandLine& program); // validate, gpus, devices, doctor, schema
+void add_scene_commands(CommandLine& program); // init, schema
+void add_check_commands(CommandLine& program); // validate, gpus, devices, doctor
 
 /// What the flags say about the engine, for what measures or tries a device: without flags a Vulkan device.
 /// `needs_f64`: some case runs in double precision.
@@ -125,8 +155,19 @@ Case load_scene(const std::string& path, const CommonOptions& common);
 /// The study in a file, or the paper's if `path` is empty; its warnings likewise.
 Study load_study(const std::string& path, const CommonOptions& common);
 
+/// For --verbose: where the time of a case or of paths went.
+void tell_stages(const EngineTimes& engine, const VolumeTimings& files);
+
 /// To stderr unless quiet.
 void print_warnings(const std::vector<std::string>& warnings, const CommonOptions& common);
+
+/// The names of the cases of the study in a file, or of the paper's if `path` is empty.
+std::vector<std::string> case_names(const std::string& path);
+
+/// The one rule for files that are there already: --overwrite replaces them, --no-clobber leaves them and writes what
+/// is missing, and without either they are an error. False if nothing is missing (it says so unless quiet). \throws
+/// UsageError.
+bool may_write(const std::vector<std::filesystem::path>& files, const CommonOptions& common);
 
 /// `no study "omision", did you mean omission?; there are ...`. \throws UsageError.
 [[noreturn]] void refuse_unknown(const char* what, const std::string& word, const std::vector<std::string>& names);

@@ -18,7 +18,7 @@ namespace forceshade {
 namespace {
 
 struct DeviceCommandArguments {
-    std::string action, scene, out;
+    std::string scene, out;
     bool yes = false;
     DeviceArguments device;
 };
@@ -37,7 +37,9 @@ bool enter_pressed() {
     return pressed;
 }
 
-int run_check(const DeviceCommandArguments& arguments, const CommonOptions& common) {
+int run(const DeviceCommandArguments& arguments, const CommonOptions& common) {
+    if (!arguments.out.empty() && !may_write({arguments.out}, common))
+        return 0;
     const Case one = arguments.scene.empty() ? parse_scene("", "scene") : load_scene(arguments.scene, common);
     const device::DeviceCheck check =
         device::check_device(checked_options(arguments.device), CasePreparation().prepare(one),
@@ -49,22 +51,15 @@ int run_check(const DeviceCommandArguments& arguments, const CommonOptions& comm
     return static_cast<int>(check.passed() ? ExitCode::ok : ExitCode::failed);
 }
 
-int run(const DeviceCommandArguments& arguments, const CommonOptions& common) {
-    if (arguments.action != "check")
-        refuse_unknown("action", arguments.action, {"check"});
-    return run_check(arguments, common);
-}
-
 void describe(Options& options, DeviceCommandArguments& arguments) {
-    options.required("ACTION", arguments.action,
-                     "check: where the probe is, whether 0.5 N along each axis moves it that way, the workspace, the "
-                     "watchdog, the buttons; exit 1 unless all passed");
     options.optional("SCENE", arguments.scene,
                      "that will be felt (TOML), for the workspace; default: the paper's bump");
-    options.optional("--out", arguments.out, "a JSON file of the outcome, for experiment run --check");
+    options.optional("--out FILE", arguments.out, "a JSON file of the outcome, for experiment run --check");
     options.flag("--yes", arguments.yes, "somebody holds the probe lightly: go on by itself, asking nothing");
     describe_device(options, arguments.device);
     describe_safety(options, arguments.device);
+    options.example("device check bump.toml", "the simulated device, to see what a check does")
+        .example("device check bump.toml --device sim --yes --out check.json", "kept for experiment run --check");
 }
 
 } // namespace
@@ -82,7 +77,14 @@ device::CheckGuide check_guide(const DeviceArguments& arguments, bool somebody, 
 }
 
 void add_device_command(CommandLine& program) {
-    program.add<DeviceCommandArguments>("device", "Check a haptic device before it is felt", run, describe);
+    program.add_group("device", "Check a haptic device before it is felt")
+        .example("device check bump.toml", "the simulated device")
+        .example("devices", "what there is to check");
+    program.add<DeviceCommandArguments>(
+        "device check",
+        "Check where the probe is, whether 0.5 N along each axis moves it that way, the workspace, the watchdog, the "
+        "buttons; exit 1 unless all passed",
+        run, describe);
 }
 
 } // namespace forceshade

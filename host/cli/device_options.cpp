@@ -128,40 +128,42 @@ double scale(const std::string& text) {
 // Adds an option that reads a quantity.
 template <typename T>
 void add(Options& options, const char* flag, T& value, Dimension dimension, Accepted accepted, const char* help) {
+    const std::string name = std::string(flag).substr(0, std::string_view(flag).find(' '));
     options.read(
-        flag, [=, &value](const std::string& text) { value = quantity(flag, text, dimension, accepted); }, help);
+        flag, [=, &value](const std::string& text) { value = quantity(name, text, dimension, accepted); }, help);
 }
 
 } // namespace
 
 void describe_device(Options& options, DeviceArguments& arguments) {
     device::SessionOptions& session = arguments.session;
-    options.optional("--device", session.device,
+    options.optional("--device DEVICE", session.device,
                      "sim (default: the hand and device of [hand], along [paths] or strokes that press 1 N), "
                      "replay:FILE.csv, haply[:URL], dhd[:INDEX] or hd[:NAME]; forceshade devices tells what is there. "
                      "sim:1@0.5 s..3 s,2@1 s..2 s: its hand holds these buttons then");
     options.read(
-        "--origin", [&session](const std::string& text) { read_origin(text, session); },
+        "--origin X,Y,Z", [&session](const std::string& text) { read_origin(text, session); },
         "where the scene's origin lies in the device's space: \"X, Y, Z\" with units, or here: where the "
         "probe is at the start (default: at the device's)");
     options.read(
-        "--rotate", [&session](const std::string& text) { session.mapping.turn = rotation(text); },
+        "--rotate AXIS ANGLE", [&session](const std::string& text) { session.mapping.turn = rotation(text); },
         "how the scene lies turned in the device's space: \"z 90 deg\" about the device's z, right-handed; several, "
         "one after the other, between commas");
     options.read(
-        "--scale", [&session](const std::string& text) { session.mapping.scale = scale(text); },
+        "--scale RATIO", [&session](const std::string& text) { session.mapping.scale = scale(text); },
         "metres of the scene in a metre of the device (default 1): with 2 it is felt half as large, and springs twice "
         "as stiff");
     options.read(
-        "--clutch", [&session](const std::string& text) { session.clutch = read_button("--clutch", text); },
+        "--clutch BUTTON", [&session](const std::string& text) { session.clutch = read_button("--clutch", text); },
         "button of the device while which is held the probe stays, without force, and the hand moves alone");
     options.read(
-        "--dead-man", [&session](const std::string& text) { session.dead_man = read_button("--dead-man", text); },
+        "--dead-man BUTTON",
+        [&session](const std::string& text) { session.dead_man = read_button("--dead-man", text); },
         "button of the device without which, held, there is no force");
-    add(options, "--rate", session.rate, Dimension::frequency, Accepted::positive,
+    add(options, "--rate FREQUENCY", session.rate, Dimension::frequency, Accepted::positive,
         "100 Hz to 10 kHz; default: the scene's paths.rate, a recording's own, else \"1 kHz\"");
-    options.optional("--cpu", session.cpu, "CPU to run on (default: the last one, with SCHED_FIFO)");
-    add(options, "--patience", session.patience, Dimension::time, Accepted::positive_or_none,
+    options.optional("--cpu CPU", session.cpu, "CPU to run on (default: the last one, with SCHED_FIFO)");
+    add(options, "--patience TIME", session.patience, Dimension::time, Accepted::positive_or_none,
         "ends when the device is gone for so long (default \"5 s\"; \"none\": never)");
 }
 
@@ -169,33 +171,33 @@ void describe_safety(Options& options, DeviceArguments& arguments) {
     device::SessionOptions& session = arguments.session;
     device::SafetyLimits& limits = session.limits;
     options.heading("Safety (\"none\" switches a limit off)");
-    add(options, "--max-force", session.max_force, Dimension::force, Accepted::positive_or_none,
+    add(options, "--max-force FORCE", session.max_force, Dimension::force, Accepted::positive_or_none,
         "largest force; larger ones keep their direction (default: the device's, or \"3 N\")");
-    add(options, "--lasting-force", session.lasting_force, Dimension::force, Accepted::positive_or_none,
+    add(options, "--lasting-force FORCE", session.lasting_force, Dimension::force, Accepted::positive_or_none,
         "largest root mean square of the force over 10 s, for the motors' sake (default: the device's)");
     options.flag("--without-device-watchdog", session.without_watchdog,
                  "more than 0.5 N even where the device refuses its own watchdog: what a killed process displayed "
                  "last then stays on");
-    add(options, "--slew", limits.slew, Dimension::force_rate, Accepted::positive_or_none,
+    add(options, "--slew RATE", limits.slew, Dimension::force_rate, Accepted::positive_or_none,
         "how fast the force may come up (default \"2 N/ms\"); it falls at once");
-    add(options, "--ramp", limits.ramp, Dimension::time, Accepted::ramp,
+    add(options, "--ramp TIME", limits.ramp, Dimension::time, Accepted::ramp,
         "in which the force comes up after the start and after a fault (default \"200 ms\")");
-    add(options, "--contact-ramp", limits.contact_ramp, Dimension::time, Accepted::ramp,
+    add(options, "--contact-ramp TIME", limits.contact_ramp, Dimension::time, Accepted::ramp,
         "likewise when contact is made after 50 ms without (default \"5 ms\")");
-    add(options, "--max-speed", limits.max_speed, Dimension::speed, Accepted::positive_or_none,
+    add(options, "--max-speed SPEED", limits.max_speed, Dimension::speed, Accepted::positive_or_none,
         "no force while the probe is faster (default \"2 m/s\")");
-    add(options, "--stale", limits.stale, Dimension::time, Accepted::positive_or_none,
+    add(options, "--stale TIME", limits.stale, Dimension::time, Accepted::positive_or_none,
         "no force when positions are older (default \"20 ms\")");
     options.read(
-        "--watchdog", [&limits](const std::string& text) { limits.late = periods(text); },
-        "periods: no force when a sample is later than so many (default 20)");
+        "--watchdog PERIODS", [&limits](const std::string& text) { limits.late = periods(text); },
+        "no force when a sample is later than so many of them (default 20)");
     options.read(
-        "--workspace", [&session](const std::string& text) { session.workspace = workspace(text); },
+        "--workspace LENGTHS", [&session](const std::string& text) { session.workspace = workspace(text); },
         "no force outside of lowest x, y, z and highest x, y, z, six lengths between commas, in the device's axes "
         "from the scene's origin (default: the device's)");
     options.flag("--passivity", limits.passivity,
                  "take back by damping what energy the hand is given (Hannaford & Ryu 2002)");
-    add(options, "--damping", arguments.damping, Dimension::damping, Accepted::positive,
+    add(options, "--damping DAMPING", arguments.damping, Dimension::damping, Accepted::positive,
         "the most that --passivity may damp (default \"10 N s/m\")");
 }
 

@@ -18,7 +18,7 @@ struct DeviceArguments {
 void describe_device(Options& options, DeviceArguments& arguments);
 void describe_safety(Options& options, DeviceArguments& arguments);
 
-/// A quantity that must be positive, in SI units.
+/// A quantity that must be positive; `flag` as "--duration TIME", in SI units.
 void read_positive(Options& options, const char* flag, std::optional<double>& value, Dimension dimension,
                    const char* help);
 

@@ -10,14 +10,14 @@
 #include "device/loop/permissions.h"
 #include "host/cli/command.h"
 #include "host/error.h"
-#include "host/experiment/experiment.h"
+#include "host/long_run.h"
 #include "host/output/files.h"
 #include "host/paths/recorded.h"
 #include "host/referee/validate.h"
 #include "host/scene/cases.h"
-#include "host/scene/schema.h"
 #include "host/sweep/manifest.h"
 #include "host/sweep/sweep.h"
+#include "host/threads.h"
 
 namespace forceshade {
 
@@ -113,10 +113,7 @@ std::string try_cache() {
 
 std::vector<Finding> examine_all(const CommonOptions& common) {
     std::vector<Finding> findings{
-        {true,
-         fmt::format("program: forceshade {} on {}, {} cores", version(), cpu_name(),
-                     std::thread::hardware_concurrency()),
-         {}},
+        {true, fmt::format("program: forceshade {} on {}, {} cores", version(), cpu_name(), allowed_cores()), {}},
         examine("font of the pictures",
                 "install the package fonts-dejavu-core; without it --also png uses another font", find_font),
         examine("Vulkan devices",
@@ -143,6 +140,7 @@ std::vector<Finding> examine_all(const CommonOptions& common) {
 }
 
 int diagnose(const CommonOptions& common) {
+    const LongRun long_run(common.quiet);
     const std::vector<Finding> findings = examine_all(common);
     bool good = true;
     std::string text;
@@ -242,25 +240,6 @@ int list_devices(const CommonOptions& common) {
     return 0;
 }
 
-struct SchemaArguments {
-    bool paper = false; // the built-in study instead
-};
-
-int print_schema(const SchemaArguments& arguments, const CommonOptions& common) {
-    if (arguments.paper && common.json)
-        throw UsageError("--default-study prints TOML: leave out --json");
-    if (common.json) {
-        nlohmann::ordered_json schema = schema_json();
-        for (nlohmann::ordered_json& key : experiment::experiment_schema_json())
-            schema["keys"].push_back(std::move(key));
-        print_data(schema.dump(2) + "\n");
-        return 0;
-    }
-    print_data(arguments.paper ? std::string(default_study_toml())
-                               : schema_text() + "\n" + experiment::experiment_schema());
-    return 0;
-}
-
 struct ValidateArguments {
     std::string study, only = "*";
 };
@@ -302,6 +281,7 @@ bool print(const std::vector<Comparison>& fields, const std::vector<PathComparis
 }
 
 int run(const ValidateArguments& arguments, const CommonOptions& common) {
+    const LongRun long_run(common.quiet);
     const Study study = load_study(arguments.study, common);
     const std::vector<const Case*> cases = cases_named(study, arguments.only);
     const auto engine = make_engine(device_options(common, common.precision == "f64"));
@@ -313,8 +293,9 @@ int run(const ValidateArguments& arguments, const CommonOptions& common) {
     std::size_t all = 0;
     for (const Case* one : cases)
         all += wanted.size() * ((one->scene.field ? 1 : 0) + (one->scene.paths ? 1 : 0));
-    Progress progress("comparisons", all, common.quiet);
+    Stage stage("preparing", all, "comparisons");
     for (const Case* one : cases) {
+        stage.update(fields.size() + paths.size(), one->name);
         PreparedCase prepared = preparation.prepare(*one);
         add_recorded_digest(prepared);
         for (const std::string& warning : prepared.warnings)
@@ -325,7 +306,7 @@ int run(const ValidateArguments& arguments, const CommonOptions& common) {
                 fields.push_back(compare_case(*engine, prepared, precision));
             if (one->scene.paths)
                 paths.push_back(compare_paths(*engine, prepared, precision));
-            progress.update(fields.size() + paths.size(), one->name);
+            stage.update(fields.size() + paths.size());
         }
     }
     const bool passed = print(fields, paths, common, engine->report());
@@ -342,18 +323,21 @@ void add_check_commands(CommandLine& program) {
         [](Options& options, ValidateArguments& arguments) {
             options.optional("SCENE-or-STUDY", arguments.study,
                              "TOML file; without it the paper's study, which is built in");
-            options.optional("--only", arguments.only, "shell pattern of case names");
+            options.optional("--only CASES", arguments.only, "shell pattern of case names").names(case_names);
+            options.example("validate bump.toml", "a scene in both precisions")
+                .example("validate --only '*600mil_facets-3_*' --gpu 0", "cases of the paper on a device");
         });
-    program.add("gpus", "List the Vulkan devices and why one would be refused", list_gpus);
+    program.add("gpus", "List the Vulkan devices and why one would be refused", list_gpus)
+        .example("gpus", "the devices, and which one would be taken")
+        .example("gpus --json", "the same for a script");
     program.add("devices", "List the haptic devices that live could drive here, and why not the others", list_devices)
         .footer("FORCESHADE_DHD_LIBRARY and FORCESHADE_HD_LIBRARY name the file of Force Dimension's and of 3D "
-                "Systems' library where the dynamic linker would not find it.");
-    program.add("doctor", "Say what is installed, what works, and what to do about the rest", diagnose);
-    program.add<SchemaArguments>("schema", "Print every key of a scene or study, its unit, default and meaning",
-                                 print_schema, [](Options& options, SchemaArguments& arguments) {
-                                     options.flag("--default-study", arguments.paper,
-                                                  "print the built-in study of the paper instead, to start from");
-                                 });
+                "Systems' library where the dynamic linker would not find it.")
+        .example("devices", "what --device takes here")
+        .example("devices --json", "the same for a script");
+    program.add("doctor", "Say what is installed, what works, and what to do about the rest", diagnose)
+        .example("doctor", "this machine")
+        .example("doctor --engine cpu", "likewise, where no Vulkan device is wanted");
 }
 
 } // namespace forceshade

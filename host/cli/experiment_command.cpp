@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <charconv>
+#include <optional>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -11,6 +12,7 @@
 #include "host/experiment/person.h"
 #include "host/experiment/plan.h"
 #include "host/experiment/run.h"
+#include "host/long_run.h"
 #include "host/output/files.h"
 #include "host/output/reading.h"
 #include "host/report/report.h"
@@ -21,10 +23,10 @@ namespace forceshade {
 namespace {
 
 struct ExperimentArguments {
-    std::string action, out, session = "1", participant = "person", check;
+    std::string file, out, session = "1", participant = "person", check;
     std::optional<int> port;
     DeviceArguments device;
-    std::vector<std::string> files, subjects, compare, buttons;
+    std::vector<std::string> folders, subjects, compare, buttons;
     bool paths = false;
 };
 
@@ -73,23 +75,14 @@ experiment::PersonOptions person_options(const ExperimentArguments& arguments, c
 }
 
 experiment::Experiment read(const ExperimentArguments& arguments, const CommonOptions& common) {
-    if (arguments.files.size() > 1)
-        throw UsageError(fmt::format("{} takes one experiment file; got {} and {}", arguments.action,
-                                     arguments.files[0], arguments.files[1]));
-    experiment::Experiment experiment =
-        experiment::read_experiment(arguments.files.empty() ? "" : arguments.files[0], overrides(common));
+    experiment::Experiment experiment = experiment::read_experiment(arguments.file, overrides(common));
     print_warnings(experiment.study.warnings, common);
     return experiment;
 }
 
 int run_experiment(const ExperimentArguments& arguments, const CommonOptions& common) {
     if (arguments.out.empty())
-        throw UsageError("--out is missing: name the folder of the data");
-    if (arguments.subjects.empty())
-        throw UsageError("--subject is missing: name who takes part, as 03; letters and digits, no person's name");
-    if (arguments.participant != "observer" && arguments.participant != "person")
-        throw UsageError(
-            fmt::format("--participant \"{}\": person (at a device), or observer (simulated)", arguments.participant));
+        throw UsageError("--out is empty: name the folder of the data");
     const experiment::Experiment experiment = read(arguments, common);
     const bool person = arguments.participant == "person";
     if (!person && (!arguments.check.empty() || !arguments.buttons.empty()))
@@ -99,6 +92,9 @@ int run_experiment(const ExperimentArguments& arguments, const CommonOptions& co
     const std::unique_ptr<experiment::Participant> participant =
         person ? experiment::make_person(experiment, person_options(arguments, experiment, common))
                : experiment::make_observer(experiment);
+    std::optional<LongRun> long_run; // a person is not left with a device that pushes
+    if (!person)
+        long_run.emplace(common.quiet, "trials that were finished stay; the same command goes on from there");
     for (const std::string& subject : arguments.subjects) {
         experiment::RunOptions options;
         options.folder = arguments.out;
@@ -115,12 +111,11 @@ int run_experiment(const ExperimentArguments& arguments, const CommonOptions& co
 }
 
 int analyse_data(const ExperimentArguments& arguments, const CommonOptions& common) {
-    if (arguments.files.empty())
-        throw UsageError("analyse what? Name the folder that experiment run wrote, or several");
-    const std::filesystem::path first = arguments.files[0],
+    const LongRun long_run(common.quiet);
+    const std::filesystem::path first = arguments.folders[0],
                                 out = arguments.out.empty() ? first / "analysis" : std::filesystem::path(arguments.out);
     study::StudyData data =
-        experiment::analyse(experiment::read_answers({arguments.files.begin(), arguments.files.end()}));
+        experiment::analyse(experiment::read_answers({arguments.folders.begin(), arguments.folders.end()}));
     make_subfolder(out.has_parent_path() ? out.parent_path() : ".", out.filename().string());
     make_subfolder(out, data.study);
     std::vector<std::string> warnings;
@@ -141,6 +136,7 @@ int analyse_data(const ExperimentArguments& arguments, const CommonOptions& comm
 }
 
 int plan_experiment(const ExperimentArguments& arguments, const CommonOptions& common) {
+    const LongRun long_run(common.quiet);
     const experiment::Experiment experiment = read(arguments, common);
     std::vector<std::pair<std::string, std::string>> pairs = experiment::natural_pairs(experiment);
     if (!arguments.compare.empty()) {
@@ -179,45 +175,56 @@ int plan_experiment(const ExperimentArguments& arguments, const CommonOptions& c
     return 0;
 }
 
-int run(const ExperimentArguments& arguments, const CommonOptions& common) {
-    if (arguments.action == "run")
-        return run_experiment(arguments, common);
-    if (arguments.action == "analyse" || arguments.action == "analyze")
-        return analyse_data(arguments, common);
-    if (arguments.action == "plan")
-        return plan_experiment(arguments, common);
-    refuse_unknown("action", arguments.action, {"run", "analyse", "plan"});
-}
-
-void describe(Options& options, ExperimentArguments& arguments) {
-    options.required(
-        "ACTION", arguments.action,
-        "run: take a subject through the trials; analyse: tables, tests and figures of data; plan: how many "
-        "subjects and trials tell conditions apart");
-    options.list("FILES", arguments.files,
-                 "run: experiment file (TOML); without it the paper's. analyse: folders that run wrote");
-    options.optional("--out", arguments.out,
-                     "run: folder of the data; analyse: of the results (default: DIR/analysis)");
-    options.list("--subject", arguments.subjects, "who takes part: letters and digits, as 03; several between commas");
-    options.optional("--session", arguments.session, "of the subject, from 1 on");
-    options.optional("--participant", arguments.participant,
+void describe_run(Options& options, ExperimentArguments& arguments) {
+    options.optional("FILE", arguments.file, "experiment file (TOML); without it the paper's");
+    options.required("--out DIR", arguments.out, "folder of the data");
+    options.list("--subject ID", arguments.subjects,
+                 "who takes part: letters and digits, as 03, no person's name; several between commas", true);
+    options.optional("--session N", arguments.session, "of the subject, from 1 on");
+    options.optional("--participant person|observer", arguments.participant,
                      "person: at a device, answers in a page (default); observer: a simulated one");
     options.flag("--paths", arguments.paths, "keep the simulated participant's paths, too");
-    options.list("--compare", arguments.compare, "plan: two conditions (default: all shaded and unshaded)");
-    options.list("--answer-buttons", arguments.buttons,
-                 "run: buttons of the device in the order of the answers, between commas: they answer as the keys do");
-    options.optional("--check", arguments.check,
-                     "run: outcome of forceshade device check --out, kept with the data; now: make it now");
-    options.optional("--port", arguments.port, "of the pages on this machine (default: any that is free)");
+    options.list("--answer-buttons BUTTON", arguments.buttons,
+                 "buttons of the device in the order of the answers, between commas: they answer as the keys do");
+    options.optional("--check FILE", arguments.check,
+                     "outcome of forceshade device check --out, kept with the data; now: make it now");
+    options.optional("--port N", arguments.port, "of the pages on this machine (default: any that is free)");
     describe_device(options, arguments.device);
     describe_safety(options, arguments.device);
+    options
+        .example("experiment run --participant observer --subject 01,02 --out trial-run",
+                 "two simulated subjects, in the paper's experiment")
+        .example("experiment run FILE.toml --subject 03 --out data --device sim", "a person, who answers in a page");
+}
+
+void describe_analyse(Options& options, ExperimentArguments& arguments) {
+    options.list("DIR", arguments.folders, "folders that experiment run wrote", true);
+    options.optional("--out DIR", arguments.out, "of the results (default: DIR/analysis)");
+    options.alias("analyze")
+        .example("experiment analyse trial-run", "tables, tests and figures in trial-run/analysis")
+        .example("experiment analyse trial-run data -o both", "of several folders together");
+}
+
+void describe_plan(Options& options, ExperimentArguments& arguments) {
+    options.optional("FILE", arguments.file, "experiment file (TOML); without it the paper's");
+    options.list("--compare CONDITION", arguments.compare,
+                 "two conditions between a comma (default: all shaded and unshaded)");
+    options.example("experiment plan", "of the paper's experiment")
+        .example("experiment plan --json", "the same for a script");
 }
 
 } // namespace
 
 void add_experiment_command(CommandLine& program) {
-    program.add<ExperimentArguments>("experiment", "Run the classification experiment, simulated or on a device", run,
-                                     describe);
+    program.add_group("experiment", "Run the classification experiment, simulated or on a device")
+        .example("experiment run --participant observer --subject 01 --out trial-run", "a simulated subject")
+        .example("experiment analyse trial-run", "what it answered");
+    program.add<ExperimentArguments>("experiment run", "Take a subject through the trials", run_experiment,
+                                     describe_run);
+    program.add<ExperimentArguments>("experiment analyse", "Write tables, tests and figures of data", analyse_data,
+                                     describe_analyse);
+    program.add<ExperimentArguments>("experiment plan", "Say how many subjects and trials tell conditions apart",
+                                     plan_experiment, describe_plan);
 }
 
 } // namespace forceshade

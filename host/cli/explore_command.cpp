@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <optional>
-#include <thread>
 #include <utility>
 
 #include <fmt/format.h>
@@ -9,6 +8,7 @@
 #include "host/cli/command.h"
 #include "host/cli/picture_options.h"
 #include "host/error.h"
+#include "host/long_run.h"
 #include "host/output/files.h"
 #include "host/paths/explore.h"
 #include "host/paths/motions.h"
@@ -17,7 +17,7 @@
 #include "host/prepare/prepared_case.h"
 #include "host/program.h"
 #include "host/report/run_page.h"
-#include "host/sweep/sweep.h"
+#include "host/threads.h"
 
 namespace forceshade {
 namespace {
@@ -63,44 +63,20 @@ bool is_streamed(const ExploreArguments& arguments, const CommonOptions& common,
            std::filesystem::path(arguments.out).extension() == ".csv";
 }
 
-// A bar that appears once it is known how much there is to do, if that is worth watching.
-class LateProgress {
-public:
-    // Counts in `unit` of `what`.
-    LateProgress(const char* what, std::uint64_t unit, std::uint64_t worth_watching, bool quiet)
-        : what_(what), unit_(unit), worth_watching_(worth_watching), quiet_(quiet) {}
-
-    void show(std::uint64_t done, std::uint64_t total) {
-        done = std::min(done, total); // a file may grow
-        if (!bar_)
-            bar_.emplace(what_, total / unit_, quiet_ || total / unit_ < worth_watching_);
-        if (done / unit_ > std::exchange(done_, done / unit_))
-            bar_->update(done_, "");
-        if (done == total)
-            end();
-    }
-    void end() { bar_.reset(); }
-
-private:
-    const char* what_;
-    std::uint64_t unit_, worth_watching_, done_ = 0;
-    bool quiet_;
-    std::optional<Progress> bar_;
-};
-
-// Of a file that is read; 64 MB take a second.
-LateProgress reading_progress(const CommonOptions& common) {
-    return {"MB", 1000000, 64, common.quiet};
-}
+constexpr std::uint64_t kMegabyte = 1000000;
 
 int stream(const ExploreArguments& arguments, const CommonOptions& common, const PreparedCase& prepared,
            const std::string& recorded) {
-    LateProgress bar = reading_progress(common);
-    const auto show = [&](std::uint64_t done, std::uint64_t total) { bar.show(done, total); };
+    if (!may_write({arguments.out, arguments.summary()}, common))
+        return 0;
+    std::optional<Stage> stage(std::in_place, "exploring " + recorded, 0, "MB");
+    const auto show = [&](std::uint64_t done, std::uint64_t total) {
+        stage->update(done / kMegabyte, total / kMegabyte);
+    };
     const PathRegion region = recorded_region(prepared);
     const ExploreResult result =
         explore(prepared, recorded, std::filesystem::absolute(arguments.out), single_stretch(region), show);
-    bar.end();
+    stage.reset();
     print_warnings(result.warnings, common);
     if (!common.quiet)
         remark("{}: {} on {}, {:.3g} % in contact, largest force {:.4g} N, {:.3g} ns a sample\n", arguments.out,
@@ -156,7 +132,7 @@ std::string as_json(const PathRecord& record, const ExploreArguments& arguments,
     return json.dump(2) + "\n";
 }
 
-void print_outcome(const PathRecord& record, const std::string& out, const EngineReport& engine) {
+void print_outcome(const PathRecord& record, const std::string& out, const EngineReport& engine, const Scene& scene) {
     remark("{}: {} of {} on {}, {:.3g} million steps/s, {:.3g} % in contact, {} unstable, largest force {:.4g} N, work "
            "{:.4g} J, depth {:.4g} m, {:.2g} m (RMS) about it; {} of {} compared with the oracle, {} differ\n",
            out, plural(record.paths, "path"), plural(record.steps, "step"), engine.device,
@@ -167,13 +143,33 @@ void print_outcome(const PathRecord& record, const std::string& out, const Engin
         remark(
             "warning: no sample is in contact, so the force is 0 everywhere: go deeper (over a mesh, depth counts from "
             "the top of its box), or press\n");
-    if (record.began_inside > 0)
+    constexpr double kHardly = 0.1; // of the samples
+    const bool mesh = scene.surface.kind == SurfaceKind::mesh;
+    const bool followed = scene.paths && scene.paths->follow == PathFollow::surface;
+    if (record.in_contact > 0 && share(record.in_contact, record.samples) < kHardly && scene.paths)
+        remark("warning: only {:.2g} % of the samples are in contact{}\n",
+               100 * share(record.in_contact, record.samples),
+               !mesh || followed ? "; go deeper, or press"
+                                 : ": depth counts from the top of the mesh's box; follow = \"surface\" under [paths] "
+                                   "counts it from the surface below each sample");
+    // Those that follow a surface below it are meant to.
+    if (record.began_inside > 0 && !followed)
         remark("warning: {} of {} begin behind the mesh's surface; their proxies begin at the nearest place of it\n",
                record.began_inside, plural(record.paths, "path"));
     if (record.unstable > 0)
         remark("warning: {} of {} left the bound round their target and are flagged unstable{}\n", record.unstable,
                plural(record.paths, "path"),
                record.fell > 0 ? fmt::format(", {} of them fell off the surface", record.fell) : "");
+}
+
+std::vector<std::filesystem::path> all_files(const PathRunOptions& options, const Scene& scene,
+                                             const std::filesystem::path& page) {
+    std::vector<std::filesystem::path> files;
+    for (const std::string& name : path_file_names(options, scene.output.channels))
+        files.push_back(options.stem.parent_path() / name);
+    if (!page.empty())
+        files.push_back(page);
+    return files;
 }
 
 int run_all(const ExploreArguments& arguments, const CommonOptions& common, const PreparedCase& prepared) {
@@ -186,7 +182,7 @@ int run_all(const ExploreArguments& arguments, const CommonOptions& common, cons
         options.samples = std::filesystem::absolute(arguments.out);
     if (!arguments.paths.empty())
         options.recorded = arguments.paths;
-    options.threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+    options.threads = static_cast<int>(most_threads());
     std::filesystem::path page;
     for (const std::string& name : arguments.also)
         if (name == "npy")
@@ -197,24 +193,25 @@ int run_all(const ExploreArguments& arguments, const CommonOptions& common, cons
             throw UsageError(fmt::format(
                 "--also {}: for paths there are npy, html, png, svg and pdf, with commas between them", name));
     options.look = arguments.look;
+    if (!may_write(all_files(options, scene, page), common))
+        return 0;
     refuse_unused(options.pictures, arguments.look == picture::Look{});
-    LateProgress reading = reading_progress(common);
-    options.reading = [&](std::uint64_t done, std::uint64_t total) { reading.show(done, total); };
-    LateProgress bar("steps", 1, std::uint64_t(1) << 22, common.quiet); // a second
-    options.progress = [&](std::uint64_t done, std::uint64_t total) { bar.show(done, total); };
     clear_stale_temporaries(options.stem.parent_path());
     const PathRecord record = run_paths(*engine, prepared, options);
     if (!page.empty()) {
+        const Stage stage("writing " + page.filename().string());
         study::StudyData data;
         report::add_samples(data, options.samples);
         write_file_atomically(page,
                               report::run_page(arguments.scene + ", explored", {{"Samples", arguments.out}}, data));
     }
-    bar.end();
+    tell_stages(record.engine_times, record.volume_times);
     const std::string out = arguments.metrics_only ? arguments.summary().filename().string() : arguments.out;
     print_warnings(record.warnings, common);
     if (!common.quiet)
-        print_outcome(record, out, engine->report());
+        print_outcome(record, out, engine->report(), scene);
+    if (!common.quiet)
+        remark("wrote {}{}\n", names_of(record.files), page.empty() ? "" : ", " + page.filename().string());
     if (common.json)
         print_data(as_json(record, arguments, engine->report()));
     if (const std::string wrong = complaint(record, out, engine->report().device); !wrong.empty())
@@ -230,6 +227,7 @@ void leave_out_the_hand(Case& one) {
 }
 
 int run(const ExploreArguments& arguments, const CommonOptions& common) {
+    const LongRun long_run(common.quiet);
     CasePreparation preparation;
     Case one = load_scene(arguments.scene, common);
     if (arguments.open_loop) {
@@ -260,12 +258,12 @@ int run(const ExploreArguments& arguments, const CommonOptions& common) {
 void describe(Options& options, ExploreArguments& arguments) {
     options.required("SCENE", arguments.scene,
                      "scene file (TOML) with [paths], unless --paths is given; needs no [grid]");
-    options.optional("--paths", arguments.paths,
+    options.optional("--paths FILE", arguments.paths,
                      "recorded positions in place of the scene's: a CSV file with a header and columns path, t, x, "
                      "y, z (s, m); others are not read, and times of a path increase");
-    options.required("--out", arguments.out,
+    options.required("--out FILE", arguments.out,
                      "OUT.exr (a row a path) or OUT.csv (a line a sample); OUT.paths.csv beside it has a line a path");
-    options.list("--also", arguments.also,
+    options.list("--also npy|html|png|svg|pdf", arguments.also,
                  "further files beside it: npy (NumPy); html (force and position over time and place); png, svg, pdf "
                  "(paths over the surface, direction of the force)");
     describe_look(options, arguments.look);
@@ -273,6 +271,9 @@ void describe(Options& options, ExploreArguments& arguments) {
                  "the positions of --paths are the probe's own, as in the log of a live loop, even if the scene's "
                  "paths are a closed loop");
     options.flag("--metrics-only", arguments.metrics_only, "no samples, only OUT.paths.csv");
+    options.example("explore strokes.toml --out felt.csv --also png", "the paths that a scene describes, drawn, too")
+        .example("explore bump.toml --paths felt.csv --open-loop --engine cpu --precision f64 -o again.csv",
+                 "the same law along recorded positions");
 }
 
 } // namespace

@@ -7,6 +7,7 @@
 #include "host/cli/command.h"
 #include "host/cli/picture_options.h"
 #include "host/error.h"
+#include "host/long_run.h"
 #include "host/output/files.h"
 #include "host/program.h"
 #include "host/report/report.h"
@@ -18,38 +19,20 @@ namespace forceshade {
 
 namespace {
 
-// An engine whose rows are counted as they pass: a large field is slow.
-class WatchedEngine final : public Engine {
-public:
-    WatchedEngine(Engine& engine, bool quiet) : engine_(engine), quiet_(quiet) {}
-    EngineReport report() const override { return engine_.report(); }
-    EngineTimes run(const EngineWork& work) override {
-        return std::visit([&](const auto& one) { return watch(one); }, work);
-    }
-
-private:
-    template <typename T> EngineTimes watch(const FieldWork<T>& work) {
-        const layout::FieldInput<T>& input = work.input;
-        const bool brief = input.x.size() * input.y.size() * input.z.size() < kWorthWatching;
-        Progress progress("layers", input.z.size(), quiet_ || brief);
-        return engine_.evaluate(input, [&](const layout::FieldChunk<T>& chunk) {
-            work.take(chunk);
-            progress.update(chunk.z_first + chunk.z_count, "");
-        });
-    }
-    template <typename T> EngineTimes watch(const PathWork<T>& work) { return engine_.run(work); }
-
-    static constexpr std::size_t kWorthWatching = std::size_t(1) << 24; // voxels: some seconds
-
-    Engine& engine_;
-    bool quiet_;
-};
-
 struct FieldArguments {
     std::string scene, out, slice;
     std::vector<std::string> also;
     PictureChoice pictures;
 };
+
+// Beside a volume.
+std::vector<std::filesystem::path> in_folder(const std::filesystem::path& volume,
+                                             const std::vector<std::string>& names) {
+    std::vector<std::filesystem::path> files;
+    for (const std::string& name : names)
+        files.push_back(volume.parent_path() / name);
+    return files;
+}
 
 PictureChoice picture_choice(const FieldArguments& arguments, const Scene& scene, const picture::Endings& wanted) {
     PictureChoice choice = arguments.pictures;
@@ -64,6 +47,7 @@ PictureChoice picture_choice(const FieldArguments& arguments, const Scene& scene
 }
 
 int run(const FieldArguments& arguments, const CommonOptions& common) {
+    const LongRun long_run(common.quiet);
     const std::filesystem::path volume = arguments.out;
     if (volume.extension() != ".exr")
         throw UsageError(fmt::format("--out {}: a volume is an OpenEXR file, so its name ends in .exr", arguments.out));
@@ -76,23 +60,33 @@ int run(const FieldArguments& arguments, const CommonOptions& common) {
                         arguments.scene));
     job.prepared.one.scene.paths.reset(); // they are explore's
     job.volume = std::filesystem::absolute(volume);
+    job.also = parse_also(arguments.also);
+    if (!may_write(in_folder(job.volume, file_names(volume.stem().string(), job.prepared.one.scene, job.also)), common))
+        return 0;
     clear_stale_temporaries(job.volume.parent_path());
     job.prepared.one.name = volume.stem().string(); // the record's
     print_warnings(job.prepared.warnings, common);
     const Scene& scene = job.prepared.one.scene;
     const auto engine =
         make_engine(settle_engine(common, scene.precision == Precision::f64, field_workload(scene)), common);
-    job.also = parse_also(arguments.also);
     job.pictures = picture_choice(arguments, job.prepared.one.scene, job.also.pictures);
+    Forecast needed = forecast(scene, job.also);
+    require_space(job.volume.parent_path(), needed);
+    if (is_space_doubtful(job.volume.parent_path(), needed)) {
+        measure(
+            *engine, {&job.prepared.one}, [&](const Case&) { return job; }, needed);
+        if (const std::string warning = space_warning(job.volume.parent_path(), needed); !warning.empty())
+            print_warnings({warning}, common);
+    }
     bool given = false;
     CaseOutcome outcome;
-    WatchedEngine watched(*engine, common.quiet);
     run_cases(
-        watched, [&] { return std::exchange(given, true) ? nullptr : std::make_unique<CaseJob>(job); }, 1, {},
+        *engine, [&] { return std::exchange(given, true) ? nullptr : std::make_unique<CaseJob>(job); }, 1, {},
         [&](const CaseOutcome& ended) { outcome = ended; });
     if (outcome.error)
         std::rethrow_exception(outcome.error);
     const CaseRecord& record = outcome.record;
+    tell_stages(record.engine_times, record.volume_times);
     if (!common.quiet)
         remark("{}: {} voxels ({} evaluated) on {}, largest force {:.4g} N, error against the oracle in double "
                "precision {:.2g} of it{}\n",
@@ -101,6 +95,8 @@ int run(const FieldArguments& arguments, const CommonOptions& common) {
                record.error.on_edge
                    ? fmt::format(", {} voxels that rounding takes across an edge not counted", record.error.on_edge)
                    : "");
+    if (!common.quiet && record.files.size() > 1)
+        remark("wrote {}\n", names_of(record.files));
     if (!common.quiet && record.largest_force == 0 && record.error.largest_force > 0)
         remark("warning: the forces, up to {:.3g} N, are too small for the numbers of an EXR volume, which holds 0 "
                "everywhere; with --precision f64, --also npy keeps them\n",
@@ -116,23 +112,33 @@ int run(const FieldArguments& arguments, const CommonOptions& common) {
 
 void describe(Options& options, FieldArguments& arguments) {
     options.required("SCENE", arguments.scene, "scene file (TOML)");
-    options.required("--out", arguments.out, "the volume, an .exr file");
-    options.list("--also", arguments.also,
+    options.required("--out FILE", arguments.out, "the volume, an .exr file");
+    options.list("--also vti|npy|png|svg|pdf", arguments.also,
                  "further files beside it: vti (ParaView), npy (NumPy), png, svg, pdf (pictures)");
     describe_look(options, arguments.pictures.look);
     options.read(
-        "--quantity", [&](const std::string& text) { arguments.pictures.slice.quantity = quantity_named(text); },
-        "that the colours show: magnitude (default), x, y, z, direction, or angle (by which shading turns the force)");
-    options.optional("--slice", arguments.slice,
+        "--quantity magnitude|x|y|z|direction|angle",
+        [&](const std::string& text) { arguments.pictures.slice.quantity = quantity_named(text); },
+        "that the colours show: magnitude (default), a component, the direction, or the angle by which shading turns "
+        "the "
+        "force");
+    options.optional("--slice PLANE", arguments.slice,
                      "of *.arrows and *.shading: x, y or z, in the middle or as in \"y=2 mm\"; by default y");
+    options
+        .example("field bump.toml --out bump.exr --also png,npy",
+                 "the forces of a scene, as pictures and for NumPy, too")
+        .example("field bump.toml -o turned.exr --also svg --quantity direction --slice \"y=2 mm\"",
+                 "the directions in another plane");
 }
 
 struct SweepArguments {
     std::string study, out, only = "*";
     std::optional<std::string> shard;
     std::vector<std::string> also;
-    bool fresh = false, replace = false;
+    bool fresh = false, replace = false, list = false, dry = false;
 };
+
+constexpr const char* kGoOn = "what was finished stays; the same command goes on from there";
 
 std::string as_json(const SweepResult& result, const SweepOptions& options) {
     nlohmann::ordered_json json;
@@ -150,6 +156,51 @@ std::string as_json(const SweepResult& result, const SweepOptions& options) {
     json["output_s"] = result.account.output;
     json["peak_memory_bytes"] = result.account.peak_memory;
     return json.dump(2) + "\n";
+}
+
+std::string case_list(const std::vector<const Case*>& cases, bool json) {
+    std::string text;
+    nlohmann::ordered_json list = nlohmann::ordered_json::array();
+    for (const Case* one : cases) {
+        text += one->name + "\n";
+        list.push_back({{"name", one->name}, {"parameters", nlohmann::ordered_json::object()}});
+        for (const auto& [key, value] : one->varied)
+            list.back()["parameters"][key] = value;
+    }
+    return json ? list.dump(2) + "\n" : text;
+}
+
+std::string forecast_text(const SweepResult& result, const SweepOptions& options, bool as_json) {
+    const Forecast& needed = result.forecast;
+    const std::size_t missing = result.chosen - result.kept;
+    const double free = free_bytes(options.folder);
+    if (as_json)
+        return nlohmann::ordered_json{{"folder", options.folder.string()},
+                                      {"chosen", result.chosen},
+                                      {"kept", result.kept},
+                                      {"to_compute", missing},
+                                      {"voxels", needed.voxels},
+                                      {"path_samples", needed.samples},
+                                      {"expected_bytes", needed.bytes.value_or(0)},
+                                      {"least_bytes", needed.least_bytes},
+                                      {"most_bytes", needed.most_bytes},
+                                      {"free_bytes", free},
+                                      {"expected_s", needed.seconds.value_or(0)}}
+                   .dump(2) +
+               "\n";
+    std::string text =
+        fmt::format("cases    {}: {} there already, {} to compute\n", result.chosen, result.kept, missing);
+    if (missing == 0)
+        return text;
+    text += fmt::format("voxels   {:.0f}\n", needed.voxels);
+    if (needed.samples > 0)
+        text += fmt::format("samples  {:.0f} of paths\n", needed.samples);
+    text += fmt::format("on disk  about {}, between {} and {}; {} are free{}\n", bytes_text(*needed.bytes),
+                        bytes_text(needed.least_bytes), bytes_text(needed.most_bytes), bytes_text(free),
+                        needed.least_bytes > free ? ": that cannot fit"
+                        : *needed.bytes > free    ? ": too few"
+                                                  : "");
+    return text + fmt::format("time     about {:.2g} min\n", *needed.seconds / 60);
 }
 
 template <typename Has> bool any_case(const Study& study, Has&& has) {
@@ -178,9 +229,11 @@ void print_outcome(const SweepResult& result, const SweepOptions& options, const
 }
 
 int run(const SweepArguments& arguments, const CommonOptions& common) {
-    if (arguments.out.empty())
-        throw UsageError("--out is empty: name a folder, \".\" for the current one");
+    if (arguments.out.empty() && !arguments.list)
+        throw UsageError("--out is required: name a folder, \".\" for the current one");
+    const LongRun long_run(common.quiet, arguments.dry ? "" : kGoOn);
     SweepOptions options;
+    options.dry = arguments.dry;
     options.folder = arguments.out;
     options.only = arguments.only;
     options.fresh = arguments.fresh;
@@ -189,6 +242,10 @@ int run(const SweepArguments& arguments, const CommonOptions& common) {
     options.also = parse_also(arguments.also);
     options.shard = arguments.shard ? parse_shard(*arguments.shard) : slurm_shard();
     const Study study = load_study(arguments.study, common);
+    if (arguments.list) {
+        print_data(case_list(chosen_cases(study, options), common.json));
+        return 0;
+    }
     const SettledEngine engine =
         settle_engine(common, any_case(study, [](const Scene& scene) { return scene.precision == Precision::f64; }),
                       study_workload(study));
@@ -200,11 +257,15 @@ int run(const SweepArguments& arguments, const CommonOptions& common) {
             return run_sweep(
                 study, [&] { return make_engine(engine, common); }, engine.options.cpu, options);
         } catch (const Interrupted&) {
-            remark("what was finished stays; the same command goes on from there\n");
+            remark("{}\n", kGoOn);
             throw;
         }
     };
     const SweepResult result = sweep();
+    if (options.dry) {
+        print_data(forecast_text(result, options, common.json));
+        return 0;
+    }
     const report::ReportResult report = report::write_report(options.folder);
     if (!common.quiet)
         print_outcome(result, options, study, report.file);
@@ -217,17 +278,26 @@ int run(const SweepArguments& arguments, const CommonOptions& common) {
 
 void describe(Options& options, SweepArguments& arguments) {
     options.optional("STUDY", arguments.study, "study file (TOML); without it the paper's study, which is built in");
-    options.required("--out", arguments.out, "folder of the results; made if need be");
-    options.optional("--only", arguments.only, "shell pattern of case names, for example 'bump*facets-2*'");
+    options.optional("--out DIR", arguments.out, "folder of the results; made if need be");
+    options.flag("--list", arguments.list, "only print the names of the cases (with --json also what varies)");
+    options.flag("--dry-run", arguments.dry,
+                 "only tell how many cases there are to compute, and what voxels, bytes and minutes they take, from "
+                 "small copies of some");
+    options.optional("--only CASES", arguments.only, "shell pattern of case names, for example 'bump*facets-2*'")
+        .names(case_names);
     options.optional(
-        "--shard", arguments.shard,
-        "I/N: do the I-th of N parts, for several machines at once; Slurm's array variables are taken where set");
-    options.list("--also", arguments.also,
+        "--shard I/N", arguments.shard,
+        "do the I-th of N parts, for several machines at once; Slurm's array variables are taken where set");
+    options.list("--also vti|npy|png|svg|pdf", arguments.also,
                  "further files for each case: vti (ParaView), npy (NumPy), png, svg, pdf (pictures)");
     options.flag("--fresh", arguments.fresh, "compute anew what is there already");
     options.flag("--replace", arguments.replace,
                  "put this study's summary, manifest and report in the place of another study's, whose cases it "
                  "does not all have; volumes stay");
+    options
+        .example("sweep --out bumps --only '*600mil_facets-[1-3]_*' --also png",
+                 "some cases of the paper's study, with pictures")
+        .example("sweep study.toml -o results --engine cpu", "a study of your own");
 }
 
 } // namespace

@@ -18,6 +18,7 @@
 #include "host/output/files.h"
 #include "host/prepare/prepared_case.h"
 #include "host/scene/document.h"
+#include "host/scene/scene_text.h"
 #include "host/scene/schema.h"
 
 namespace forceshade {
@@ -124,6 +125,8 @@ std::string written_report(const device::LiveOutcome& outcome, const std::filesy
 int run(const LiveArguments& arguments, const CommonOptions& common) {
     if (!common.gpu.empty())
         throw UsageError("--gpu: the live loop runs on the CPU");
+    if (arguments.device.session.watch && is_standard_input(arguments.scene))
+        throw UsageError("--watch: standard input is read once; name a scene's file");
     const Case one = load_scene(arguments.scene, common);
     const std::filesystem::path stem = report_stem(arguments);
     check_outputs(arguments, stem, one.scene);
@@ -136,7 +139,10 @@ int run(const LiveArguments& arguments, const CommonOptions& common) {
     options.real_time = !arguments.fast;
     if (!arguments.log.empty())
         options.log = std::filesystem::absolute(arguments.log);
-    options.quiet = common.quiet;
+    options.quiet = common.quiet || common.silent;
+    options.replace_log = common.overwrite;
+    if (common.no_clobber && !arguments.log.empty() && !may_write({options.log}, common))
+        return 0;
     const device::SessionResult result = device::run_session(options);
     if (!common.quiet)
         remark("{}", device::report_text(result.outcome));
@@ -149,16 +155,18 @@ void describe(Options& options, LiveArguments& arguments) {
     device::SessionOptions& session = arguments.device.session;
     options.required("SCENE", arguments.scene, "scene file (TOML); needs no [grid]");
     describe_device(options, arguments.device);
-    read_positive(options, "--duration", session.duration, Dimension::time,
+    read_positive(options, "--duration TIME", session.duration, Dimension::time,
                   "ends after it (\"60 s\"); default: until Ctrl-C");
-    options.optional("--log", arguments.log,
+    options.optional("--log FILE", arguments.log,
                      "a CSV file, a line a sample: what explore writes, the displayed force, times");
-    options.flag("--overwrite", session.replace_log, "--log may replace a file");
-    options.optional("--report", arguments.report,
+    options.optional("--report STEM", arguments.report,
                      "STEM.txt, STEM.json and STEM.html at the end (default: beside the log, LOG.live.*)");
     options.flag("--watch", session.watch, "read the scene again whenever its file is saved");
     options.flag("--fast", arguments.fast, "sim and replay: as fast as possible, not by the clock");
     describe_safety(options, arguments.device);
+    options
+        .example("live bump.toml --duration \"2 s\" --fast --log felt.csv", "a simulated hand, faster than the clock")
+        .example("live bump.toml --device sim --duration \"1 s\" --max-force \"1 N\"", "by the clock, with a limit");
 }
 
 } // namespace

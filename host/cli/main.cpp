@@ -1,10 +1,15 @@
-// The command line. Every error ends here: one line on stderr and an exit code.
+// The command line. Every error ends here: on stderr, and in an exit code.
 #include <csignal>
 #include <filesystem>
 #include <new>
+#include <span>
+#include <sstream>
+#include <string>
+#include <utility>
 
 #include <fcntl.h>
 
+#include <fmt/format.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
@@ -12,6 +17,8 @@
 #include "host/cli/command.h"
 #include "host/error.h"
 #include "host/program.h"
+#include "host/sweep/manifest.h"
+#include "host/threads.h"
 
 namespace {
 
@@ -19,11 +26,20 @@ using namespace forceshade;
 
 int parse_and_run(int argc, char** argv) {
     CommandLine program;
-    for (const auto add : {add_evaluation_commands, add_explore_command, add_mesh_command, add_study_commands,
-                           add_experiment_command, add_live_command, add_device_command, add_check_commands})
+    for (const auto add :
+         {add_evaluation_commands, add_explore_command, add_mesh_command, add_study_commands, add_experiment_command,
+          add_live_command, add_device_command, add_scene_commands, add_check_commands})
         add(program);
     const Command command = program.parse(argc, argv);
-    spdlog::set_level(program.common.quiet ? spdlog::level::err : spdlog::level::info);
+    spdlog::set_level(program.common.quiet     ? spdlog::level::err
+                      : program.common.verbose ? spdlog::level::debug
+                                               : spdlog::level::info);
+    spdlog::debug("forceshade {} on {}, at most {} threads", version(), cpu_name(), most_threads());
+    if (CommonOptions& common = program.common; !common.log_file.empty()) {
+        common.silent = std::exchange(common.quiet, false);
+        open_log(common.log_file, common.silent);
+        log_line(fmt::format("forceshade {}: {}", version(), fmt::join(std::span(argv + 1, argv + argc), " ")));
+    }
     return command();
 }
 
@@ -35,8 +51,11 @@ void occupy_closed_streams() {
                    descriptor == 2 ? O_WRONLY : O_RDONLY); // writing data to stdout then fails, and says so
 }
 
-int complain(const char* message, ExitCode code) {
-    remark("error: {}\n", message);
+// A scene may have several errors, a line each; where to read on is none.
+int complain(const std::string& message, ExitCode code) {
+    std::istringstream lines(message);
+    for (std::string line; std::getline(lines, line);)
+        remark("{}{}\n", line.starts_with("see ") ? "" : "error: ", line);
     return static_cast<int>(code);
 }
 

@@ -2,6 +2,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/cli/command.h"
+#include "host/long_run.h"
 #include "host/mesh/findings.h"
 #include "host/mesh/mesh_file.h"
 #include "host/program.h"
@@ -118,6 +119,7 @@ struct Arguments {
 };
 
 int run(const Arguments& arguments, const CommonOptions& common) {
+    const LongRun long_run(common.quiet);
     const auto& [path, unit] = arguments;
     Inspected mesh;
     mesh.unit = unit;
@@ -140,8 +142,11 @@ void add_mesh_command(CommandLine& program) {
     program.add<Arguments>("mesh", "Say what is in a mesh file and what is wrong with it", run,
                            [](Options& options, Arguments& arguments) {
                                options.required("FILE", arguments.file, "OBJ, OFF, PLY or STL");
-                               options.optional("--unit", arguments.unit,
-                                                "what a coordinate of 1 means, as mm or in; sizes are then in m");
+                               options
+                                   .optional("--unit UNIT", arguments.unit,
+                                             "what a coordinate of 1 means, as mm or in; sizes are then in m")
+                                   .example("mesh bone.ply --unit mm", "its size in metres, holes, crossings")
+                                   .example("mesh bone.ply --json", "the same for a script");
                            });
 }
 

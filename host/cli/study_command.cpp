@@ -7,6 +7,7 @@
 #include "host/cli/command.h"
 #include "host/error.h"
 #include "host/experiment/perception.h"
+#include "host/long_run.h"
 #include "host/program.h"
 #include "host/report/report.h"
 #include "host/scene/value.h"
@@ -45,14 +46,18 @@ struct StudyArguments {
     bool quick = false, fresh = false;
 };
 
-const KnownStudy& known_study(const std::string& name) {
+std::vector<std::string> study_names() {
     std::vector<std::string> names;
-    for (const KnownStudy& one : kStudies) {
+    for (const KnownStudy& one : kStudies)
+        names.push_back(one.name);
+    return names;
+}
+
+const KnownStudy& known_study(const std::string& name) {
+    for (const KnownStudy& one : kStudies)
         if (name == one.name)
             return one;
-        names.push_back(one.name);
-    }
-    refuse_unknown("study", name, names);
+    refuse_unknown("study", name, study_names());
 }
 
 // The user's scene.
@@ -94,7 +99,18 @@ int show(const study::StudyData& data, const StudyArguments& arguments, const Co
     return 0;
 }
 
+// What of an earlier run the new one would replace and not compute again; empty: nothing.
+std::string lost_by(const std::optional<study::StudyData>& before, const study::StudyRun& run,
+                    const study::StudyOptions& options) {
+    if (before && before->scene != run.scene_text())
+        return "holds tables and figures of this study of another scene";
+    if (before && options.quick && !before->quick)
+        return "holds tables and figures of a full run, which --quick would make coarse";
+    return "";
+}
+
 int run(const StudyArguments& arguments, const CommonOptions& common) {
+    const LongRun long_run(common.quiet);
     const KnownStudy& known = known_study(arguments.name);
     if (arguments.out.empty())
         throw UsageError("--out is empty: name a folder, \".\" for the current one");
@@ -112,16 +128,14 @@ int run(const StudyArguments& arguments, const CommonOptions& common) {
     if (before && before->fingerprint == study_run.fingerprint() && !arguments.fresh &&
         study::files_are_intact(options.folder, *before))
         return show(*before, arguments, common, "computed before by the same program of the same scene, so it stays");
-    if (before && options.quick && !before->quick)
-        print_warnings({fmt::format("{} holds a full run, whose tables and figures become coarse ones; the same "
-                                    "command without --quick computes them anew",
-                                    options.folder.string())},
-                       common);
-    if (before && before->scene != study_run.scene_text())
-        print_warnings({fmt::format("{} holds this study of another scene, whose tables and figures are replaced; "
-                                    "name another --out to keep both",
-                                    options.folder.string())},
-                       common);
+    if (const std::string lost = lost_by(before, study_run, options); !lost.empty() && !arguments.fresh) {
+        if (!common.overwrite && !common.no_clobber)
+            throw UsageError(fmt::format("{} {}: --overwrite replaces them, --no-clobber leaves them; or name another "
+                                         "--out to keep both",
+                                         options.folder.string(), lost));
+        if (common.no_clobber)
+            return show(*before, arguments, common, "computed before stays (--no-clobber)");
+    }
     study::StudyData data = known.run(study_run);
     std::vector<std::string> warnings;
     for (const std::string& name : study::write_data(options.folder, data, study::figure_files(data)))
@@ -137,12 +151,14 @@ void describe(Options& options, StudyArguments& arguments) {
     for (const KnownStudy& one : kStudies)
         names += fmt::format(" {} ({});", one.name, one.about);
     names.back() = '.';
-    options.required("NAME", arguments.name, names);
+    options.required("STUDY", arguments.name, names).one_of(study_names());
     options.optional("SCENE", arguments.scene,
                      "scene file (TOML) to study, for perception also one of many scenes; without it the study's own");
-    options.required("--out", arguments.out, "folder of the results; each study has a folder of its name in it");
+    options.required("--out DIR", arguments.out, "folder of the results; each study has a folder of its name in it");
     options.flag("--quick", arguments.quick, "coarse, within a minute");
     options.flag("--fresh", arguments.fresh, "compute it anew although the same run is there already");
+    options.example("study error-time --quick --out results", "within a minute")
+        .example("study energy bump.toml --quick -o results", "of a scene of your own");
 }
 
 struct ReportArguments {
@@ -150,6 +166,7 @@ struct ReportArguments {
 };
 
 int run(const ReportArguments& arguments, const CommonOptions& common) {
+    const LongRun long_run(common.quiet);
     const report::ReportResult written = report::write_report(arguments.folder);
     const std::filesystem::path file = std::filesystem::absolute(written.file).lexically_normal();
     if (!common.quiet) {
@@ -176,7 +193,9 @@ void add_study_commands(CommandLine& program) {
     program.add<ReportArguments>(
         "report", "Write report.html of a folder of results: sweeps and studies, in one file that opens offline", run,
         [](Options& options, ReportArguments& arguments) {
-            options.required("DIR", arguments.folder, "folder that sweep or study wrote");
+            options.required("DIR", arguments.folder, "folder that sweep or study wrote")
+                .example("report bumps", "after a sweep's files were changed or copied")
+                .example("report results --json", "where it is, for a script");
         });
 }
 

@@ -1,0 +1,188 @@
+// A scene to start from, and what its keys mean.
+#include <algorithm>
+#include <set>
+#include <system_error>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
+
+#include "host/cli/command.h"
+#include "host/error.h"
+#include "host/experiment/experiment.h"
+#include "host/output/files.h"
+#include "host/program.h"
+#include "host/scene/schema.h"
+#include "host/scene/starter.h"
+#include "host/scene/value.h"
+
+namespace forceshade {
+
+namespace {
+
+struct InitArguments {
+    std::string what, mesh, out;
+};
+
+// The mesh as a scene in another folder names it. \throws IoError if it is not there.
+std::string mesh_as_named(const InitArguments& arguments) {
+    const std::filesystem::path mesh = arguments.mesh;
+    std::error_code error;
+    if (mesh.empty())
+        return "mesh.obj";
+    if (!std::filesystem::is_regular_file(mesh, error))
+        throw file_error("read", mesh, error ? error.value() : EISDIR);
+    if (mesh.is_absolute() || arguments.out.empty())
+        return mesh.string();
+    const std::filesystem::path folder = std::filesystem::absolute(arguments.out).parent_path();
+    return std::filesystem::absolute(mesh).lexically_relative(folder.lexically_normal()).lexically_normal().string();
+}
+
+int init(const InitArguments& arguments, const CommonOptions& common) {
+    if (common.json)
+        throw UsageError("init writes TOML: leave out --json");
+    if (!arguments.mesh.empty() && arguments.what != "mesh")
+        throw UsageError(fmt::format("init {} takes no file; got {}", arguments.what, arguments.mesh));
+    const bool to_file = !arguments.out.empty() && arguments.out != "-";
+    const std::string scene = to_file ? arguments.out : arguments.what + ".toml";
+    std::string text = starter_scene(arguments.what, mesh_as_named(arguments), scene);
+    if (arguments.what == "experiment")
+        text += "\n" + experiment::experiment_schema();
+    if (!to_file) {
+        print_data(text);
+        return 0;
+    }
+    if (!may_write({arguments.out}, common))
+        return 0;
+    write_file_atomically(arguments.out, text);
+    if (!common.quiet)
+        remark("wrote {}; its first lines say what to do with it\n", arguments.out);
+    return 0;
+}
+
+struct SchemaArguments {
+    bool paper = false; // the built-in study instead
+    std::string name;
+};
+
+std::vector<nlohmann::ordered_json> all_rows() {
+    std::vector<nlohmann::ordered_json> rows;
+    for (const nlohmann::ordered_json& schema : {schema_json()["keys"], experiment::experiment_schema_json()})
+        rows.insert(rows.end(), schema.begin(), schema.end());
+    return rows;
+}
+
+std::string text_in(const nlohmann::ordered_json& row, const char* member) {
+    const auto found = row.find(member);
+    return found == row.end() || found->is_null() ? "" : found->is_string() ? found->get<std::string>() : found->dump();
+}
+
+// Of a key of [experiment], whose row has no words for it.
+std::string values_of(const nlohmann::ordered_json& row) {
+    if (row.contains("values"))
+        return text_in(row, "values");
+    if (row.contains("choices"))
+        return fmt::format("{}", fmt::join(row["choices"].get<std::vector<std::string>>(), " | "));
+    return row.contains("minimum")
+               ? fmt::format("{}, {} to {}", text_in(row, "type"), text_in(row, "minimum"), text_in(row, "maximum"))
+               : text_in(row, "type");
+}
+
+// A quantity's or any other value as one writes it in its table.
+std::string written(const nlohmann::ordered_json& row) {
+    const std::string key = text_in(row, "key"), example = text_in(row, "example"), given = text_in(row, "default");
+    const std::string table = key.substr(0, key.find('.')), name = key.substr(table.size() + 1);
+    const std::string literal = example.empty() ? given : example;
+    return literal.empty() ? fmt::format("[{}]", table) : fmt::format("[{}]\n{} = {}", table, name, literal);
+}
+
+std::string wrapped(std::string text, const char* label) {
+    constexpr std::size_t kWidth = 84;
+    std::string result;
+    for (bool first = true; !text.empty(); first = false) {
+        const std::size_t end = std::min(text.find('\n'), text.size());
+        const std::size_t blank = end > kWidth ? text.rfind(' ', kWidth) : end;
+        const std::size_t cut = blank == text.npos || blank == 0 ? end : blank;
+        result += fmt::format("    {:<12}{}\n", first ? label : "", text.substr(0, cut));
+        text.erase(0, std::min(cut + 1, text.size()));
+    }
+    return result;
+}
+
+std::string in_words(const nlohmann::ordered_json& row) {
+    const std::string given = text_in(row, "default"), applies = text_in(row, "applies_to");
+    return fmt::format("{}\n", text_in(row, "key")) + wrapped(text_in(row, "doc"), "meaning") +
+           wrapped(values_of(row), "value") + wrapped(text_in(row, "unit"), "SI unit") +
+           wrapped(given.empty() ? "none" : given, "default") + wrapped(applies, "applies to") +
+           wrapped(written(row), "example");
+}
+
+// Rows of a key ("surface.radius"), of a table ("surface"), or of all keys of a name ("radius").
+std::vector<nlohmann::ordered_json> rows_named(const std::string& word) {
+    std::string name = word;
+    std::erase_if(name, [](char c) { return c == '[' || c == ']'; });
+    std::vector<nlohmann::ordered_json> rows;
+    std::set<std::string> known;
+    for (const nlohmann::ordered_json& row : all_rows()) {
+        const std::string key = text_in(row, "key");
+        const std::size_t dot = key.find('.');
+        const std::string table = key.substr(0, dot), own = key.substr(dot + 1);
+        known.insert({table, own, key});
+        if (name == key || name == table || name == own || key.starts_with(name + '.'))
+            rows.push_back(row);
+    }
+    if (rows.empty()) {
+        const std::vector<std::string> names(known.begin(), known.end());
+        const std::string_view meant = nearest(name, names);
+        throw UsageError(fmt::format("no key or table \"{}\"{}; forceshade schema prints all", word,
+                                     meant.empty() ? "" : fmt::format(", did you mean {}?", meant)));
+    }
+    return rows;
+}
+
+int print_schema(const SchemaArguments& arguments, const CommonOptions& common) {
+    if (arguments.paper && common.json)
+        throw UsageError("--default-study prints TOML: leave out --json");
+    if (arguments.paper && !arguments.name.empty())
+        throw UsageError("--default-study prints the whole study: leave out the key");
+    if (arguments.paper) {
+        print_data(std::string(default_study_toml()));
+        return 0;
+    }
+    const auto rows = arguments.name.empty() ? all_rows() : rows_named(arguments.name);
+    std::string text;
+    for (const nlohmann::ordered_json& row : rows)
+        text += (text.empty() ? "" : "\n") + in_words(row);
+    if (common.json)
+        text = nlohmann::ordered_json{{"keys", rows}}.dump(2) + "\n";
+    else if (arguments.name.empty())
+        text = schema_text() + "\n" + experiment::experiment_schema();
+    print_data(text);
+    return 0;
+}
+
+} // namespace
+
+void add_scene_commands(CommandLine& program) {
+    program.add<InitArguments>("init", "Write a scene to start from, with comments, that works as it stands", init,
+                               [](Options& options, InitArguments& arguments) {
+                                   options.required("KIND", arguments.what, "what the scene is for")
+                                       .one_of({kStarters.begin(), kStarters.end()});
+                                   options.optional("MESH", arguments.mesh,
+                                                    "of kind mesh: the mesh's file; left out: mesh.obj");
+                                   options.optional("--out FILE", arguments.out, "the scene's file; default: stdout");
+                                   options.example("init bump --out bump.toml", "a bump to change")
+                                       .example("init paths", "a scene with paths, to read");
+                               });
+    program.add<SchemaArguments>("schema", "Print every key of a scene or study, its unit, default and meaning",
+                                 print_schema, [](Options& options, SchemaArguments& arguments) {
+                                     options.optional("KEY", arguments.name,
+                                                      "only this key or table, as surface.radius, radius or surface");
+                                     options.flag("--default-study", arguments.paper,
+                                                  "print the built-in study of the paper instead, to start from");
+                                     options.example("schema surface.radius", "one key")
+                                         .example("schema --default-study > study.toml", "a study to start from");
+                                 });
+}
+
+} // namespace forceshade
