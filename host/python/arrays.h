@@ -1,0 +1,70 @@
+// A prepared scene's forces as NumPy arrays: over its grid, at places, along paths. Arrays are NumPy's own and are
+// filled in place, without Python's lock; what evaluates is the command line's.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
+
+#include "host/engine/engine.h"
+#include "host/prepare/prepared_case.h"
+
+namespace forceshade::python {
+
+namespace py = pybind11;
+
+/// (n, 3), m.
+using Points = py::array_t<double, py::array::c_style | py::array::forcecast>;
+
+/// A case and its tables, in the precision of its run. Nothing of it changes, so threads may share it.
+class PreparedScene {
+public:
+    /// `name` is what messages call the text, files are relative to `folder`. \throws as parse_scene and prepare.
+    PreparedScene(const std::string& text, const std::string& name, const std::string& folder,
+                  const std::vector<Override>& overrides);
+
+    const PreparedCase& prepared() const { return prepared_; }
+    const std::vector<std::string>& warnings() const { return warnings_; }
+
+    /// The grid's force and those of the channels "depth", "facet", "proxy" and "unshaded" that are asked for, by name;
+    /// (nz, ny, nx, 3) or (nz, ny, nx), with ny = 1 where the field does not depend on y. Facets are int32, -1 out of
+    /// contact. \throws UsageError for a scene without a grid.
+    py::dict field(const std::vector<std::string>& channels, const EngineOptions& engine) const;
+    /// The static law at each point: force, unshaded, proxy (n, 3), depth, facet (n).
+    py::dict contact(const Points& points, unsigned threads) const;
+    /// Probes along the scene's paths or along these, each (steps, 3): position, force, proxy (paths, steps, 3), depth,
+    /// facet (paths, steps), NaN and -1 behind a path's end; `figures`, the columns of PATHS.paths.csv; and `rate`, Hz.
+    py::dict explore(const std::optional<std::vector<Points>>& paths, EngineOptions engine) const;
+
+private:
+    std::vector<std::string> warnings_;
+    PreparedCase prepared_;
+    std::variant<FieldTables<float>, FieldTables<double>> tables_;
+};
+
+/// A probe with a history, as the live loop has it.
+class GodObject {
+public:
+    explicit GodObject(std::shared_ptr<const PreparedScene> scene);
+    /// The contacts of the probe at one point after the other: force, unshaded, proxy (n, 3), depth, facet (n).
+    py::dict follow(const Points& points);
+    /// The next point begins a path of its own.
+    void reset();
+
+private:
+    template <typename T> using Law = std::unique_ptr<PathLaw<T>>;
+
+    std::shared_ptr<const PreparedScene> scene_;
+    std::variant<Law<float>, Law<double>> law_;
+    double largest_ = 0; // coordinate, m
+};
+
+/// A file of fields (all its channels, `x`, `y`, `z`, `scene`) or of paths. \throws IoError.
+py::dict read_exr(const std::string& file);
+
+} // namespace forceshade::python

@@ -1,0 +1,400 @@
+"""Haptic force fields with and without force shading, from Python.
+
+    import forceshade
+    scene = forceshade.Scene({"surface": {"kind": "bump", "radius": "600 mil", "facets": 2},
+                              "force": {"shading": "reference"}})
+    force = scene.forces([[0.001, 0, -0.001]])     # N, at places in metres
+    field = scene.field()                          # over the scene's grid
+
+The numbers are those of the command line, digit for digit. Lengths are in metres, forces in newtons, in the scene's
+precision (f32 or f64); scenes themselves carry their units as everywhere: "600 mil", "1 N/mm".
+"""
+
+from __future__ import annotations
+
+import csv
+import json
+import os
+import re
+import tempfile
+import warnings
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field as _field
+from pathlib import Path
+from typing import Any, Union
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from . import _native
+from ._native import DeviceError, Error, FileError, SceneError, __version__
+
+__all__ = ["Contact", "DeviceError", "Error", "Field", "FileError", "GodObject", "Paths", "Scene", "SceneError",
+           "SceneWarning", "Table", "angle", "read", "sphere", "__version__"]
+
+Array = NDArray[Any]
+FilePath = Union[str, "os.PathLike[str]"]
+
+
+class SceneWarning(UserWarning):
+    """What is remarkable in a scene or its mesh."""
+
+
+def angle(one: ArrayLike, other: ArrayLike) -> Array:
+    """The angle between vectors, in degrees: shape (..., 3) and (..., 3) to (...). NaN where one of them is zero."""
+    a, b = (np.asarray(v, dtype=float) for v in (one, other))
+    with np.errstate(invalid="ignore", divide="ignore"):
+        a, b = (v / np.linalg.norm(v, axis=-1, keepdims=True) for v in (a, b))
+    return np.asarray(np.degrees(2 * np.arctan2(np.linalg.norm(a - b, axis=-1), np.linalg.norm(a + b, axis=-1))))
+
+
+@dataclass(frozen=True)
+class Contact:
+    """What probes meet; the arrays have the shape of the probes' array, without its last axis for numbers."""
+
+    force: Array
+    """N, (..., 3); 0 out of contact."""
+    unshaded: Array
+    """N, (..., 3): what shading = "none" would give."""
+    depth: Array
+    """m, (...)."""
+    proxy: Array
+    """m, (..., 3): the place of the surface that is touched; the probe itself out of contact."""
+    facet: Array
+    """(...): its number, -1 out of contact."""
+
+    @property
+    def angle(self) -> Array:
+        """deg, (...): by which shading turns the force; NaN out of contact."""
+        return angle(self.force, self.unshaded)
+
+
+@dataclass(frozen=True)
+class Field:
+    """Forces over a grid; sample [k, j, i] lies at (x[i], y[j], z[k])."""
+
+    x: Array
+    """m, (nx,)."""
+    y: Array
+    """m, (ny,)."""
+    z: Array
+    """m, (nz,)."""
+    force: Array
+    """N, (nz, ny, nx, 3). Where the field does not depend on y, one layer that stands for all, and is read-only."""
+    depth: Array | None = None
+    """m, (nz, ny, nx)."""
+    facet: Array | None = None
+    """(nz, ny, nx); -1 out of contact."""
+    proxy: Array | None = None
+    """m, (nz, ny, nx, 3)."""
+    unshaded: Array | None = None
+    """N, (nz, ny, nx, 3)."""
+    scene: str = ""
+    """The scene as complete TOML."""
+
+    @property
+    def magnitude(self) -> Array:
+        """N, (nz, ny, nx)."""
+        return np.asarray(np.linalg.norm(self.force, axis=-1))
+
+    def xarray(self) -> Any:
+        """As an xarray.Dataset with coordinates in metres (package python3-xarray)."""
+        import xarray
+        data = {}
+        for name in ("force", "depth", "facet", "proxy", "unshaded"):
+            values = getattr(self, name)
+            if values is not None:
+                unit = {"depth": "m", "proxy": "m", "facet": "1"}.get(name, "N")
+                data[name] = (("z", "y", "x", "component")[:values.ndim], values, {"units": unit})
+        coordinates: dict[str, Any] = {axis: (axis, getattr(self, axis), {"units": "m"}) for axis in "xyz"}
+        coordinates["component"] = list("xyz")
+        return xarray.Dataset(data, coordinates, {"scene": self.scene})
+
+
+@dataclass(frozen=True)
+class Paths:
+    """What probes met along paths; behind the end of a shorter path stand NaN and -1."""
+
+    position: Array
+    """m, (paths, steps, 3): where the law was evaluated."""
+    force: Array
+    """N, (paths, steps, 3)."""
+    proxy: Array | None = None
+    """m, (paths, steps, 3)."""
+    depth: Array | None = None
+    """m, (paths, steps)."""
+    facet: Array | None = None
+    """(paths, steps); -1 out of contact."""
+    rate: float = float("nan")
+    """Hz: samples a second; NaN for a file of recorded paths, whose samples have times of their own."""
+    figures: Mapping[str, Array] = _field(default_factory=dict)
+    """Numbers of each path, (paths,): the columns of PATHS.paths.csv, whose names carry their units."""
+    scene: str = ""
+    """The scene as complete TOML."""
+
+    @property
+    def time(self) -> Array:
+        """s, (steps,)."""
+        return np.arange(self.force.shape[1]) / self.rate
+
+
+class Scene:
+    """A scene, ready to evaluate. It never changes, and threads may share it.
+
+    scene: its tables as in a TOML file, such as {"surface": {"kind": "bump", "facets": 2}}; `forceshade schema` lists
+        all keys. File names in it are relative to the current folder.
+    overrides: keys that replace those of the scene, such as {"surface.radius": "700 mil", "run.precision": "f64"}.
+    mesh: (vertices (n, 3), faces (m, 3)) of a scene with surface.kind = "mesh", in place of surface.file; in metres
+        unless surface.unit says otherwise. Faces of other polygons are lists of vertex numbers.
+
+    Raises SceneError for what is wrong in it, FileError for files that it names. Warnings are SceneWarning.
+    """
+
+    def __init__(self, scene: Mapping[str, Any], overrides: Mapping[str, Any] | None = None, *,
+                 mesh: tuple[ArrayLike, Any] | None = None) -> None:
+        with tempfile.TemporaryDirectory() as folder:
+            if mesh is not None:
+                file = Path(folder) / "mesh.obj"
+                file.write_text(_obj(*mesh), encoding="ascii")
+                scene = {**scene, "surface": {"unit": "m", **scene.get("surface", {}), "file": str(file)}}
+            lines = _toml(scene)
+            try:
+                self._open("\n".join(text for text, _ in lines), "scene", ".", overrides)
+            except SceneError as error: # a place in the TOML is none that the caller knows
+                raise SceneError(re.sub(r"^scene:(\d+):\d+", lambda place: "scene" + lines[int(place[1]) - 1][1],
+                                        str(error), flags=re.MULTILINE)) from None
+
+    @classmethod
+    def load(cls, file: FilePath, overrides: Mapping[str, Any] | None = None) -> Scene:
+        """The scene in a TOML file."""
+        path = Path(file)
+        try:
+            text = path.read_text(encoding="utf-8-sig")
+        except OSError as error:
+            raise FileError(f"cannot read {path}: {error.strerror}") from None
+        except UnicodeDecodeError as error:
+            raise SceneError(f"{path}: is no text in UTF-8: {error}") from None
+        return cls.parse(text, overrides, name=str(path), folder=path.parent)
+
+    @classmethod
+    def parse(cls, text: str, overrides: Mapping[str, Any] | None = None, *, name: str = "scene",
+              folder: FilePath = ".") -> Scene:
+        """The scene in TOML text; messages call it `name`, and its files are relative to `folder`."""
+        scene = cls.__new__(cls)
+        scene._open(text, name, os.fspath(folder), overrides)
+        return scene
+
+    def _open(self, text: str, name: str, folder: str, overrides: Mapping[str, Any] | None) -> None:
+        given = [(key, value if isinstance(value, str) else _value(value)) for key, value in (overrides or {}).items()]
+        self._native = _native.Scene(text, name, os.path.abspath(folder), given)
+        for warning in self._native.warnings:
+            warnings.warn(warning, SceneWarning, stacklevel=4)
+
+    @property
+    def toml(self) -> str:
+        """The scene as complete TOML, defaults included."""
+        return self._native.toml
+
+    def __repr__(self) -> str:
+        return f"<forceshade.Scene\n{self.toml}>"
+
+    def field(self, channels: Sequence[str] = (), *, engine: str = "cpu", gpu: str = "", threads: int = 0) -> Field:
+        """The force at every sample of the scene's grid.
+
+        channels: of "depth", "facet", "proxy" and "unshaded" those wanted beside the force; none: as the scene says.
+        engine: "cpu", on so many threads (0: as many as there are cores), or "gpu", by name, UUID or index.
+        Raises MemoryError for more than the machine has, DeviceError.
+        """
+        arrays = self._native.field(list(channels), engine, gpu, threads)
+        size = len(arrays["z"]), len(arrays["y"]), len(arrays["x"])
+        for name, values in arrays.items():
+            if values.ndim > 1 and values.shape[1] != size[1]:
+                arrays[name] = np.broadcast_to(values, size + values.shape[3:])
+        return Field(**arrays, scene=self.toml)
+
+    def contact(self, points: ArrayLike, *, threads: int = 0) -> Contact:
+        """What a probe meets at each point (..., 3), m, that has no history: on a mesh the nearest place of it."""
+        points = np.asarray(points, dtype=float)
+        return _contact(self._native.contact(_rows(points), threads), points.shape)
+
+    def forces(self, points: ArrayLike, *, threads: int = 0) -> Array:
+        """N, (..., 3): the force at each point (..., 3), m; as contact(points).force."""
+        return self.contact(points, threads=threads).force
+
+    def explore(self, paths: Array | Sequence[ArrayLike] | None = None, *, engine: str = "cpu", gpu: str = "",
+                threads: int = 0) -> Paths:
+        """Takes probes along paths, each with its own history.
+
+        paths: positions in metres, (paths, steps, 3), or a list of arrays (steps, 3), a sample each 1/rate s; in a
+            closed loop where the hand wants to be. None: as the scene's [paths] says.
+        """
+        given = None if paths is None else [_rows(np.asarray(path, dtype=float)) for path in paths]
+        return Paths(**self._native.explore(given, engine, gpu, threads), scene=self.toml)
+
+
+class GodObject:
+    """A probe with a history, as the live loop has it: on a mesh its proxy stays on the side where it began."""
+
+    def __init__(self, scene: Scene) -> None:
+        self._native = _native.GodObject(scene._native)
+
+    def step(self, point: ArrayLike) -> Contact:
+        """The contact of the probe at its next place (3,), m."""
+        point = np.asarray(point, dtype=float)
+        return _contact(self._native.follow(point.reshape(1, -1)), point.shape)
+
+    def follow(self, points: ArrayLike) -> Contact:
+        """The contacts along a way (n, 3), m; goes on from where the last one ended."""
+        points = np.asarray(points, dtype=float)
+        return _contact(self._native.follow(points), points.shape)
+
+    def reset(self) -> None:
+        """Forgets the past: the next place begins a new way."""
+        self._native.reset()
+
+
+def read(file: FilePath) -> Field | Paths | Table:
+    """What the program wrote: FIELD.exr as Field, PATHS.exr as Paths, a .csv file or a sweep's folder (its summary.csv,
+    a row a case) as Table."""
+    path = Path(file)
+    if path.is_dir():
+        return _table(path / "summary.csv")
+    if path.suffix.lower() != ".exr":
+        return _table(path)
+    arrays = _native.read_exr(os.fspath(path))
+    return Field(**arrays) if "x" in arrays else Paths(**arrays)
+
+
+class Table(Mapping[str, Array]):
+    """Columns by name, as arrays: numbers where all cells are some (NaN where one is empty), else texts."""
+
+    def __init__(self, columns: Mapping[str, Array]) -> None:
+        self._columns = dict(columns)
+
+    def __getitem__(self, name: str) -> Array:
+        return self._columns[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._columns)
+
+    def __len__(self) -> int:
+        return len(self._columns)
+
+    def __repr__(self) -> str:
+        rows = len(next(iter(self._columns.values()), ()))
+        return f"<forceshade.Table of {rows} rows: {', '.join(self)}>"
+
+    def pandas(self) -> Any:
+        """As a pandas.DataFrame (package python3-pandas)."""
+        import pandas  # type: ignore[import]
+        return pandas.DataFrame(self._columns)
+
+
+def sphere(radius: float, subdivisions: int) -> tuple[Array, Array]:
+    """A mesh inscribed in a sphere: the icosahedron, each triangle split into subdivisions**2 of nearly equal size.
+
+    Returns vertices (n, 3), in the unit of radius, and faces (20 * subdivisions**2, 3).
+    """
+    if subdivisions < 1:
+        raise ValueError(f"subdivisions is 1 or more, got {subdivisions}")
+    golden = (1 + 5 ** 0.5) / 2
+    pairs = [(-1, golden), (1, golden), (-1, -golden), (1, -golden)]
+    corners = np.array([(a, b, 0) for a, b in pairs] + [(0, a, b) for a, b in pairs] + [(b, 0, a) for a, b in pairs])
+    triangles = [(0, 11, 5), (0, 5, 1), (0, 1, 7), (0, 7, 10), (0, 10, 11), (1, 5, 9), (5, 11, 4), (11, 10, 2),
+                 (10, 7, 6), (7, 1, 8), (3, 9, 4), (3, 4, 2), (3, 2, 6), (3, 6, 8), (3, 8, 9), (4, 9, 5), (2, 4, 11),
+                 (6, 2, 10), (8, 6, 7), (9, 8, 1)]
+    n = subdivisions
+    numbers: dict[tuple[tuple[int, int], ...], int] = {}
+    points: list[Array] = []
+    faces = []
+
+    def vertex(triangle: tuple[int, int, int], i: int, j: int) -> int:
+        # Corners and their weights, so that triangles share the vertices of an edge.
+        key = tuple(sorted((c, w) for c, w in zip(triangle, (n - i - j, i, j)) if w))
+        if key not in numbers:
+            numbers[key] = len(points)
+            points.append(sum(w * corners[c] for c, w in key))
+        return numbers[key]
+
+    for triangle in triangles:
+        for i in range(n):
+            for j in range(n - i):
+                faces.append([vertex(triangle, i, j), vertex(triangle, i + 1, j), vertex(triangle, i, j + 1)])
+                if i + j < n - 1:
+                    faces.append([vertex(triangle, i + 1, j), vertex(triangle, i + 1, j + 1),
+                                  vertex(triangle, i, j + 1)])
+    vertices = np.array(points)
+    return radius * vertices / np.linalg.norm(vertices, axis=1, keepdims=True), np.array(faces)
+
+
+def _rows(points: Array) -> Array:
+    if points.ndim == 0 or points.shape[-1] != 3:
+        raise SceneError(f"points have three coordinates, in metres, along their last axis; got shape {points.shape}")
+    return points.reshape(-1, 3)
+
+
+def _contact(arrays: Mapping[str, Array], shape: tuple[int, ...]) -> Contact:
+    return Contact(**{name: values.reshape(shape[:-1] + values.shape[1:]) for name, values in arrays.items()})
+
+
+def _value(value: Any) -> str:
+    if isinstance(value, (np.generic, np.ndarray)):
+        value = value.tolist()
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, (int, float)):
+        return repr(value)
+    if isinstance(value, (str, os.PathLike)):
+        return json.dumps(os.fspath(value), ensure_ascii=False).replace("\x7f", "\\u007f")
+    if isinstance(value, Mapping):
+        return "{ " + ", ".join(f"{_key(key)} = {_value(item)}" for key, item in value.items()) + " }"
+    if isinstance(value, Sequence):
+        return "[" + ", ".join(map(_value, value)) + "]"
+    raise SceneError(f"{value!r} has no place in a scene: there are numbers, texts, lists and tables")
+
+
+def _key(key: Any) -> str:
+    return json.dumps(str(key), ensure_ascii=False)
+
+
+def _toml(scene: Mapping[str, Any]) -> list[tuple[str, str]]:
+    """Lines, and where in the scene what stands there is."""
+    lines = []
+    for name, table in scene.items():
+        if not isinstance(table, Mapping):
+            raise SceneError(f"{name} = {table!r}: a scene has tables, such as {{'surface': {{'kind': 'bump'}}}}")
+        lines.append((f"[{_key(name)}]", f"[{name!r}]"))
+        lines += [(f"{_key(key)} = {_value(value)}", f"[{name!r}][{key!r}]") for key, value in table.items()]
+    return lines or [("", "")]
+
+
+def _obj(vertices: ArrayLike, faces: Any) -> str:
+    points = np.asarray(vertices, dtype=float)
+    if points.ndim != 2 or points.shape[1] != 3:
+        raise SceneError(f"the mesh's vertices have shape (n, 3), got {points.shape}")
+    lines = ["v " + " ".join(map(repr, point)) for point in points.tolist()]
+    lines += ["f " + " ".join(str(int(corner) + 1) for corner in face) for face in faces]
+    return "\n".join(lines) + "\n"
+
+
+def _table(path: Path) -> Table:
+    try:
+        with open(path, newline="", encoding="utf-8-sig") as file:
+            rows = csv.reader(file)
+            names: list[str] = next(rows, [])
+            try: # quick, where all cells are numbers
+                numbers = np.loadtxt(file, delimiter=",", ndmin=2)
+                return Table(dict(zip(names, numbers.T)) if len(numbers) else {name: numbers for name in names})
+            except ValueError:
+                file.seek(0)
+                cells = list(rows)[1:]
+    except OSError as error:
+        raise FileError(f"cannot read {path}: {error.strerror}") from None
+    columns = {}
+    for i, name in enumerate(names):
+        texts = [row[i] for row in cells]
+        try:
+            columns[name] = np.array([float(text) if text else np.nan for text in texts])
+        except ValueError:
+            columns[name] = np.array(texts)
+    return Table(columns)

@@ -1,0 +1,275 @@
+"""The Python module against the program: the same bits, the same words, arrays as NumPy has them."""
+
+import gc
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+import unittest
+import warnings
+
+import numpy as np
+
+import forceshade
+
+PROGRAM, SOURCE = sys.argv.pop(1), sys.argv.pop(1)
+CHANNELS = ("force", "depth", "facet", "proxy", "unshaded")
+BUMP = {"surface": {"kind": "bump", "radius": "600 mil", "facets": 3}, "force": {"shading": "reference"},
+        "grid": {"size": [40, 6, 30], "origin": ["-20 mm", "-1 mm", "-8 mm"], "spacing": "1 mm"}}
+SPOT = {"surface": {"kind": "mesh", "file": SOURCE + "/tests/data/spot.obj", "unit": "mm", "transform": {"scale": 40}},
+        "force": {"shading": "mean_value"}, "grid": {"samples": 24}}
+
+
+def grid_of(field):
+    """(nz, ny, nx, 3), m: where the samples are."""
+    z, y, x = np.meshgrid(field.z, field.y, field.x, indexing="ij")
+    return np.stack([x, y, z], -1)
+
+
+class InFolder(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.TemporaryDirectory()
+        self.addCleanup(self.folder.cleanup)
+
+    def path(self, name):
+        return os.path.join(self.folder.name, name)
+
+    def write_scene(self, scene, name="scene.toml", extra=""):
+        with open(self.path(name), "w", encoding="utf-8") as file:
+            file.write(forceshade.Scene(scene).toml.replace("spot.obj", SOURCE + "/tests/data/spot.obj") + extra)
+        return self.path(name)
+
+    def program(self, *arguments):
+        done = subprocess.run([PROGRAM, *arguments, "--quiet"], capture_output=True, text=True, check=False)
+        self.assertEqual(done.returncode, 0, done.stderr)
+
+
+class SameBits(InFolder):
+    def test_fields_are_those_of_the_command_line(self):
+        for scene in (BUMP, SPOT):
+            for precision in ("f32", "f64"):
+                with self.subTest(kind=scene["surface"]["kind"], precision=precision):
+                    scene = {**scene, "run": {"precision": precision}, "output": {"channels": list(CHANNELS)}}
+                    out = self.path(f"{scene['surface']['kind']}-{precision}.exr")
+                    self.program("field", self.write_scene(scene), "--out", out, "--also", "npy")
+                    field = forceshade.Scene(scene).field()
+                    for name in CHANNELS:
+                        expected = np.load(out.replace(".exr", f".{name}.npy"))
+                        np.testing.assert_array_equal(getattr(field, name), expected.astype(getattr(field, name).dtype))
+                    self.assertGreater(field.magnitude.max(), 0)
+
+    def test_places_and_engines_give_what_the_grid_gives(self):
+        for scene in (BUMP, SPOT, {**SPOT, "surface": {**SPOT["surface"], "inside": "winding"}}):
+            for precision in ("f32", "f64"):
+                loaded = forceshade.Scene(scene, {"run.precision": precision})
+                field, device = loaded.field(CHANNELS), loaded.field(CHANNELS, engine="gpu")
+                contact = loaded.contact(grid_of(field))
+                self.assertEqual(contact.force.dtype, np.float32 if precision == "f32" else np.float64)
+                for name in CHANNELS:
+                    np.testing.assert_array_equal(getattr(contact, name), getattr(field, name))
+                    if precision == "f32":
+                        np.testing.assert_array_equal(getattr(device, name), getattr(field, name))
+                np.testing.assert_array_equal(loaded.forces(grid_of(field), threads=1), field.force)
+
+    def test_paths_and_single_steps_are_those_of_the_command_line(self):
+        random = np.random.default_rng(3)
+        ways = np.cumsum(random.normal(0, 0.0006, (4, 60, 3)), axis=1)
+        for scene in (BUMP, SPOT):
+            loaded = forceshade.Scene(scene, {"run.precision": "f64"})
+            with open(self.path("ways.csv"), "w", encoding="ascii") as file:
+                file.write("path,t,x,y,z\n")
+                for path, way in enumerate(ways.tolist()):
+                    file.writelines(f"{path},{i * 1e-3!r},{x!r},{y!r},{z!r}\n" for i, (x, y, z) in enumerate(way))
+            self.program("explore", self.write_scene({**scene, "run": {"precision": "f64"}}), "--paths",
+                         self.path("ways.csv"), "--out", self.path(scene["surface"]["kind"] + ".csv"))
+            table = forceshade.read(self.path(scene["surface"]["kind"] + ".csv"))
+            explored = loaded.explore(ways)
+            self.assertGreater(np.abs(explored.force).max(), 0)
+            for name, columns in {"position": "x y z", "force": "fx fy fz", "proxy": "gx gy gz"}.items():
+                expected = np.stack([table[column] for column in columns.split()], -1).reshape(ways.shape)
+                np.testing.assert_array_equal(getattr(explored, name), expected)
+            np.testing.assert_array_equal(explored.facet.ravel(), table["facet"])
+            figures = forceshade.read(self.path(scene["surface"]["kind"] + ".paths.csv"))
+            for name in ("largest_force_N", "work_J", "mean_depth_m"):
+                np.testing.assert_array_equal(explored.figures[name], figures[name])
+            for path, way in enumerate(ways):
+                probe = forceshade.GodObject(loaded)
+                np.testing.assert_array_equal(probe.follow(way).force, explored.force[path])
+                probe.reset()
+                np.testing.assert_array_equal([probe.step(place).force for place in way], explored.force[path])
+
+    def test_shorter_paths_end_in_nan(self):
+        explored = forceshade.Scene(BUMP).explore([np.zeros((3, 3)), np.full((5, 3), -0.001)])
+        self.assertEqual(explored.force.shape, (2, 5, 3))
+        self.assertTrue(np.isnan(explored.force[0, 3:]).all() and np.isfinite(explored.force[0, :3]).all())
+        self.assertTrue((explored.facet[0, 3:] == -1).all())
+        np.testing.assert_array_equal(explored.figures["steps"], [3, 5])
+
+    def test_the_scenes_own_paths_are_those_of_the_command_line(self):
+        paths = {"kind": "strokes", "count": 5, "steps": 40, "depth": "1 mm", "seed": 7}
+        scene = {key: value for key, value in BUMP.items() if key != "grid"} | {"paths": paths}
+        self.program("explore", self.write_scene(scene), "--out", self.path("p.exr"))
+        read, explored = forceshade.read(self.path("p.exr")), forceshade.Scene(scene).explore()
+        np.testing.assert_array_equal(read.force, explored.force)
+        np.testing.assert_array_equal(read.position, explored.position)
+        self.assertEqual((read.rate, explored.rate), (1000, 1000))
+        with self.assertRaisesRegex(forceshade.SceneError, "no \\[grid\\]"):
+            forceshade.Scene(scene).field()
+
+
+class Reading(InFolder):
+    def test_reads_fields_and_sweeps(self):
+        scene = {**BUMP, "output": {"channels": list(CHANNELS)}}
+        self.program("field", self.write_scene(scene), "--out", self.path("b.exr"))
+        read, field = forceshade.read(self.path("b.exr")), forceshade.Scene(scene).field()
+        for name in CHANNELS + tuple("xyz"):
+            np.testing.assert_array_equal(getattr(read, name), getattr(field, name))
+        self.assertEqual(read.scene, field.scene)
+        study = self.write_scene(BUMP, "study.toml").replace("study.toml", "axes.toml")
+        with open(self.path("study.toml"), encoding="utf-8") as file, open(study, "w", encoding="utf-8") as axes:
+            axes.write(file.read().replace("facets = 3", "facets = [1, 2, 4]"))
+        self.program("sweep", study, "--out", self.path("sweep"))
+        table = forceshade.read(self.path("sweep"))
+        self.assertEqual(len(table["case"]), 3)
+        self.assertEqual(table["case"].dtype.kind, "U")
+        self.assertEqual(sorted(table["facets"]), [1, 2, 4])
+
+    def test_what_cannot_be_read_is_an_error_with_words(self):
+        with open(self.path("broken.exr"), "wb") as file:
+            file.write(b"v/1\x01" + bytes(50))
+        for name in ("none.exr", "none.csv", "broken.exr"):
+            with self.subTest(name=name), self.assertRaisesRegex(forceshade.FileError, name):
+                forceshade.read(self.path(name))
+        with self.assertRaises(OSError):
+            forceshade.read(self.path("none.exr"))
+
+
+class Scenes(InFolder):
+    def test_errors_are_those_of_the_command_line_at_the_callers_place(self):
+        with self.assertRaises(forceshade.SceneError) as caught:
+            forceshade.Scene({"surface": {"kind": "bump", "radius": 600}})
+        self.assertIn("scene['surface']['radius']: radius needs a unit", str(caught.exception))
+        self.assertIsInstance(caught.exception, ValueError)
+        with open(self.path("bad.toml"), "w", encoding="utf-8") as file:
+            file.write('[surface]\nkind = "bumb"\n')
+        with self.assertRaisesRegex(forceshade.SceneError, "bad.toml:2:8: .*did you mean \"bump\""):
+            forceshade.Scene.load(self.path("bad.toml"))
+        with self.assertRaisesRegex(forceshade.FileError, "none.toml"):
+            forceshade.Scene.load(self.path("none.toml"))
+        with self.assertRaisesRegex(forceshade.SceneError, "no channel \"forces\""):
+            forceshade.Scene(BUMP).field(["forces"])
+        with self.assertRaisesRegex(forceshade.DeviceError, "nothing of that name|no.*device"):
+            forceshade.Scene(BUMP).field(engine="gpu", gpu="nothing of that name")
+
+    def test_bad_points_are_refused(self):
+        scene = forceshade.Scene(BUMP)
+        for points in ([0, 0], [[0, 0, np.nan]], [[0, 0, np.inf]], 3, [[0, 0, 1e30]]):
+            with self.subTest(points=points), self.assertRaises(forceshade.SceneError):
+                scene.forces(points)
+        for paths in ([], [np.zeros((0, 3))], [np.zeros((3, 2))], [np.full((3, 3), np.nan)]):
+            with self.subTest(paths=paths), self.assertRaises(forceshade.SceneError):
+                scene.explore(paths)
+        self.assertEqual(scene.forces(np.zeros((0, 3))).shape, (0, 3))
+        self.assertEqual(scene.forces([0, 0, -0.001]).shape, (3,))
+
+    def test_a_field_beyond_the_memory_is_refused(self):
+        huge = {**SPOT, "grid": {"samples": 20000}}
+        with self.assertRaisesRegex(MemoryError, "this machine has"):
+            forceshade.Scene(huge).field()
+
+    def test_meshes_from_arrays_and_overrides(self):
+        vertices, faces = forceshade.sphere(0.02, 3)
+        np.testing.assert_allclose(np.linalg.norm(vertices, axis=1), 0.02)
+        self.assertEqual(len(vertices) - len(faces) * 3 // 2 + len(faces), 2) # Euler: closed
+        a, b, c = np.moveaxis(vertices[faces], 1, 0)
+        self.assertGreater(np.einsum("ij,ij->i", np.cross(b - a, c - a), a).min(), 0) # faces look outwards
+        scene = forceshade.Scene({"surface": {"kind": "mesh"}}, {"force.stiffness": "2 N/mm"}, mesh=(vertices, faces))
+        force = scene.forces([0, 0, 0.0175])
+        self.assertGreater(force[2], 0)
+        half = forceshade.Scene({"surface": {"kind": "mesh"}}, mesh=(vertices, faces)).forces([0, 0, 0.0175])
+        np.testing.assert_array_equal(force, 2 * half)
+
+    def test_normals_of_the_file_turn_the_force(self):
+        vertices, faces = forceshade.sphere(0.02, 2)
+        lines = [f"v {x} {y} {z}" for x, y, z in vertices] + ["vn 0 1 3"]
+        lines += ["f " + " ".join(f"{corner + 1}//1" for corner in face) for face in faces]
+        with open(self.path("sphere.obj"), "w", encoding="ascii") as file:
+            file.write("\n".join(lines) + "\n")
+        surface = {"kind": "mesh", "file": self.path("sphere.obj"), "normals": "file"}
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
+            scene = forceshade.Scene({"surface": surface, "force": {"shading": "mean_value"}})
+        self.assertIn("behind their facet", str(caught[0].message)) # on the lower half
+        contact = scene.contact([0.001, 0.002, 0.017])
+        np.testing.assert_allclose(forceshade.angle(contact.force, [0, 1, 3]), 0, atol=1e-4)
+        np.testing.assert_allclose(np.linalg.norm(contact.force), np.linalg.norm(contact.unshaded), rtol=1e-6)
+
+    def test_paths_follow_a_sphere_on_both_engines(self):
+        mesh = forceshade.sphere(0.02, 4)
+        touched = []
+        for follow in ("plane", "surface"):
+            scene = forceshade.Scene({"surface": {"kind": "mesh"}, "paths": {"follow": follow, "count": 3, "steps": 300,
+                                                                             "depth": "1 mm"}}, mesh=mesh)
+            explored, device = scene.explore(), scene.explore(engine="gpu")
+            np.testing.assert_array_equal(explored.force, device.force)
+            touched.append((explored.facet >= 0).mean())
+        self.assertLess(touched[0], 0.5)
+        self.assertEqual(touched[1], 1)
+
+    def test_warnings_are_python_warnings(self):
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
+            vertices, faces = forceshade.sphere(0.02, 1)
+            forceshade.Scene({"surface": {"kind": "mesh"}}, mesh=(vertices, faces[1:])) # open
+        self.assertTrue(any(issubclass(one.category, forceshade.SceneWarning) for one in caught))
+
+    def test_arrays_outlive_their_scene(self):
+        field = forceshade.Scene(BUMP).field()
+        expected = field.force.copy()
+        gc.collect()
+        np.testing.assert_array_equal(field.force, expected)
+
+    def test_xarray(self):
+        try:
+            import xarray # noqa: F401
+        except ModuleNotFoundError:
+            self.skipTest("python3-xarray is not installed")
+        data = forceshade.Scene(BUMP).field(["depth"]).xarray()
+        self.assertEqual(data["force"].dims, ("z", "y", "x", "component"))
+        self.assertEqual(float(data["depth"].max()), float(data["depth"].sel(z=data.z[0]).max()))
+
+
+class Threads(unittest.TestCase):
+    POINTS = np.random.default_rng(1).normal(0, 0.01, (1 << 20, 3))
+
+    def test_other_threads_go_on(self):
+        scene, ticks, done = forceshade.Scene(SPOT), 0, threading.Event()
+
+        def evaluate():
+            scene.forces(self.POINTS, threads=1)
+            done.set()
+
+        thread = threading.Thread(target=evaluate)
+        thread.start()
+        while not done.wait(0.005):
+            ticks += 1
+        thread.join()
+        self.assertGreater(ticks, 3) # with the lock held there would be none
+
+    def test_ctrl_c_ends_long_work(self):
+        scene = forceshade.Scene(SPOT)
+        for work in (lambda: scene.forces(np.tile(self.POINTS, (8, 1))),
+                     lambda: scene.explore([self.POINTS])):
+            signal.setitimer(signal.ITIMER_REAL, 0.3)
+            signal.signal(signal.SIGALRM, lambda *_: os.kill(os.getpid(), signal.SIGINT))
+            begin = time.monotonic()
+            with self.assertRaises(KeyboardInterrupt):
+                work()
+            self.assertLess(time.monotonic() - begin, 3)
+
+
+if __name__ == "__main__":
+    unittest.main()
