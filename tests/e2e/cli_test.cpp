@@ -1,4 +1,5 @@
 // The command line as it meets a user: help, versions, streams, exit codes, places, devices that are not there.
+#include <csignal>
 #include <cstdlib>
 #include <regex>
 #include <thread>
@@ -51,7 +52,7 @@ TEST_F(CommandLine, helps) {
     const std::vector<std::string> common{"--gpu", "--engine", "--precision", "--json", "--quiet", "Exit codes"};
     const Outcome program = expect_success({"--help"});
     expect_words(program.out, with(common, {"sweep", "field", "validate", "explore", "mesh", "gpus", "devices",
-                                            "doctor", "schema", "--version"}));
+                                            "doctor", "init", "schema", "--version"}));
     const std::map<std::string, std::vector<std::string>> flags{
         {"sweep", {"STUDY", "--out", "--only", "--shard", "--fresh", "--also", "--replace"}},
         {"field", {"SCENE", "--out", "--also", "--title", "--size", "--quantity", "--slice"}},
@@ -61,7 +62,8 @@ TEST_F(CommandLine, helps) {
         {"gpus", {}},
         {"devices", {"FORCESHADE_DHD_LIBRARY", "FORCESHADE_HD_LIBRARY"}},
         {"doctor", {}},
-        {"schema", {"--default-study"}}};
+        {"init", {"KIND", "MESH", "--out"}},
+        {"schema", {"KEY", "--default-study"}}};
     for (const auto& [command, own] : flags) {
         const Outcome outcome = expect_success({command, "--help"});
         expect_words(outcome.out, with(common, own));
@@ -137,9 +139,9 @@ TEST_F(CommandLine, is_quiet_if_asked_and_tells_how_it_went_if_not) {
     expect_failure(4, {"validate", "nosuch.toml", "--quiet"}, {"nosuch.toml"});
 }
 
-TEST_F(CommandLine, reports_progress_in_lines_where_there_is_no_terminal) {
+TEST_F(CommandLine, draws_nothing_where_there_is_no_terminal) {
     const Outcome outcome = expect_success(commands_[0]);
-    expect_words(outcome.error, {"3/3 cases in ", "3 cases: 3 computed", "engine: cpu (", "out/report.html"});
+    expect_words(outcome.error, {"3 cases: 3 computed", "engine: cpu (", "out/report.html"});
     EXPECT_EQ(outcome.error.find('\r'), std::string::npos);
     EXPECT_EQ(outcome.error.find('\033'), std::string::npos);
 }
@@ -148,10 +150,11 @@ TEST_F(CommandLine, draws_a_bar_with_the_time_left_on_a_terminal) {
     const int terminal = ::posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK);
     if (terminal < 0 || ::grantpt(terminal) != 0 || ::unlockpt(terminal) != 0)
         GTEST_SKIP() << "no terminal to be had";
-    write("paper.toml", small_study("size = [128, 32, 64]\nspacing = \"0.4 mm\"\n"));
-    Launch launch = this->launch({"sweep", "paper.toml", "--out", "out"});
+    write("huge.toml", "[grid]\nsize = [4096, 4096, 4096]\n");
+    Launch launch = this->launch({"field", "huge.toml", "--out", "huge.exr"});
     launch.error = ::ptsname(terminal);
     std::string drawn;
+    bool interrupted = false;
     {
         Process process(launch);
         const int keep = ::open(::ptsname(terminal), O_RDWR | O_NOCTTY | O_CLOEXEC); // else its end would discard
@@ -161,13 +164,18 @@ TEST_F(CommandLine, draws_a_bar_with_the_time_left_on_a_terminal) {
             for (ssize_t got = 0; (got = ::read(terminal, buffer, sizeof buffer)) > 0;)
                 drawn.append(buffer, static_cast<std::size_t>(got));
             std::this_thread::sleep_for(std::chrono::milliseconds(2));
+            if (!interrupted && drawn.find(" layers") != std::string::npos) { // after a second
+                process.send(SIGINT);
+                interrupted = true; // a third one would end it without a word
+            }
         }
-        EXPECT_EQ(process.wait().code, 0);
+        EXPECT_EQ(process.wait().code, 130);
         ::close(keep);
     }
     ::close(terminal);
-    EXPECT_TRUE(std::regex_search(drawn, std::regex("\r\033\\[K\\[=+ +\\] \\d+/51 cases, \\d+:\\d\\d left"))) << drawn;
-    expect_words(drawn, {"51/51 cases in ", "51 cases: 51 computed"});
+    const std::regex bar("\r\033\\[K\\[=* *\\] \\d+/4096 layers, \\d+:\\d\\d so far");
+    EXPECT_TRUE(std::regex_search(drawn, bar)) << drawn;
+    expect_words(drawn, {"\033[Kerror: interrupted"});
 }
 
 TEST_F(CommandLine, tells_of_devices_and_refuses_those_that_are_not_there) {
@@ -286,6 +294,47 @@ TEST_F(CommandLine, prints_a_schema_that_is_a_scene) {
     expect_success({"sweep", "study.toml", "--out", "out", "--only", "bump_radius-600mil_facets-1_shading-none"});
     const json keys = json::parse(expect_success({"schema", "--json"}).out);
     EXPECT_NE(keys.dump().find("\"experiment.track\""), std::string::npos);
+}
+
+TEST_F(CommandLine, replaces_no_file_unasked) {
+    write("scene.toml", kOneCase);
+    const auto outcome = [&](std::vector<std::string> further) {
+        Launch launch = this->launch({});
+        launch.arguments = {"field", "scene.toml", "--out", "a.exr"};
+        launch.arguments.insert(launch.arguments.end(), further.begin(), further.end());
+        return run(launch);
+    };
+    EXPECT_EQ(outcome({}).code, 0);
+    const std::string before = read_text(path("a.exr"));
+    write("a.exr", "mine");
+    const Outcome refused = outcome({"--also", "npy"});
+    EXPECT_EQ(refused.code, 2);
+    for (const char* const word : {"a.exr is there already", "--overwrite", "--no-clobber"})
+        EXPECT_NE(refused.error.find(word), std::string::npos) << refused.error;
+    EXPECT_NE(outcome({"--no-clobber"}).error.find("a.exr is there already and stays"), std::string::npos);
+    EXPECT_FALSE(std::filesystem::exists(path("a.force.npy")));
+    EXPECT_EQ(outcome({"--no-clobber", "--also", "npy", "--quiet"}).code, 0);
+    EXPECT_TRUE(std::filesystem::exists(path("a.force.npy"))) << "what is missing is written";
+    EXPECT_EQ(read_text(path("a.exr")), "mine");
+    const Outcome replaced = outcome({"--overwrite", "--also", "npy"});
+    EXPECT_EQ(read_text(path("a.exr")), before);
+    EXPECT_NE(replaced.error.find("wrote a.exr and a.force.npy"), std::string::npos) << replaced.error;
+    EXPECT_EQ(outcome({"--overwrite", "--no-clobber"}).code, 2);
+    EXPECT_EQ(temporaries_in(folder_.path()), std::vector<std::string>{});
+}
+
+TEST_F(CommandLine, keeps_a_log_of_what_it_says) {
+    write("scene.toml", kOneCase);
+    const std::vector<std::string> quiet{"field", "scene.toml", "--out", "a.exr", "--quiet", "--log-file", "log.txt"};
+    EXPECT_EQ(expect_success(quiet).error, "");
+    const std::string log = read_text(path("log.txt"));
+    for (const char* const word : {"Z forceshade ", "scene.toml --out a.exr", "Z a.exr: "})
+        EXPECT_NE(log.find(word), std::string::npos) << log;
+    std::vector<std::string> wrong = quiet;
+    wrong[1] = "none.toml";
+    expect_failure(4, wrong, {"error: ", "none.toml"});
+    EXPECT_TRUE(read_text(path("log.txt")).starts_with(log));
+    EXPECT_NE(read_text(path("log.txt")).find("Z error: "), std::string::npos);
 }
 
 } // namespace

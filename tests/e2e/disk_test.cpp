@@ -34,15 +34,25 @@ TEST_F(Disk, that_is_full_is_an_io_error_and_the_sweep_goes_on_once_there_is_roo
     const SmallDisk disk(path("disk"), "size=256k");
     if (disk.bad())
         GTEST_SKIP() << "mounting is not permitted here";
-    const Tree expected = whole();
-    for (const char* size : {"size=256k", "size=400k", "size=1m"}) {
+    const std::vector<std::string> volumes{"sweep", "paper.toml", "--out", "disk/out", "--quiet"};
+    expect_success({"sweep", "paper.toml", "--out", "whole", "--quiet"});
+    const Tree expected = results_in(path("whole"));
+    for (const char* size : {"size=64k", "size=128k", "size=256k"}) {
         ASSERT_TRUE(disk.change(0, size));
-        expect_failure(4, sweep("disk/out"), {"No space left on device", "disk/out"});
+        expect_failure(4, volumes, {"No space left on device", "disk/out"});
         expect_only_whole_files("disk/out", expected);
     }
     ASSERT_TRUE(disk.change(0, "size=64m"));
-    expect_success(sweep("disk/out"));
+    expect_success(volumes);
     EXPECT_EQ(differences(results_in(path("disk/out")), expected), std::set<std::string>{});
+}
+
+TEST_F(Disk, that_is_too_small_is_told_before_anything_is_computed) {
+    const SmallDisk disk(path("disk"), "size=256k");
+    if (disk.bad())
+        GTEST_SKIP() << "mounting is not permitted here";
+    expect_failure(4, sweep("disk/out"), {"even at the best compression the files take 7.53 MB", "262 kB"});
+    EXPECT_EQ(tree_of(path("disk")), Tree{});
 }
 
 TEST_F(Disk, that_is_full_keeps_an_earlier_field) {
@@ -52,7 +62,13 @@ TEST_F(Disk, that_is_full_keeps_an_earlier_field) {
     expect_success({"field", "scene.toml", "--out", "disk/field.exr"});
     const Tree before = tree_of(path("disk"));
     write("large.toml", "[grid]\nsize = [64, 64, 64]\n[output]\ncompression = \"none\"\n");
-    expect_failure(4, {"field", "large.toml", "--out", "disk/field.exr"}, {"No space left on device", "field.exr"});
+    expect_failure(4, {"field", "large.toml", "--out", "disk/field.exr"},
+                   {"even at the best compression the files take 3.15 MB", "are free"});
+    // What may fit is tried.
+    write("zip.toml", "[grid]\nsize = [64, 64, 64]\n[output]\ncompression = \"zip\"\n[texture]\n"
+                      "stiffness = \"0.1 N/mm\"\nfunction = \"gaussian\"\nradius = \"3 mm\"\n");
+    expect_failure(4, {"field", "zip.toml", "--out", "disk/field.exr"},
+                   {"warning: the files will probably take", "No space left on device", "field.exr"});
     EXPECT_EQ(differences(before, tree_of(path("disk"))), std::set<std::string>{});
 }
 
@@ -70,11 +86,11 @@ TEST_F(Disk, with_a_limit_on_file_sizes_is_an_io_error_too) {
 }
 
 TEST_F(Disk, that_is_read_only_is_an_io_error) {
-    const SmallDisk disk(path("disk"), "size=4m");
+    const SmallDisk disk(path("disk"), "size=16m");
     if (disk.bad())
         GTEST_SKIP() << "mounting is not permitted here";
     std::filesystem::create_directory(path("disk/old"));
-    ASSERT_TRUE(disk.change(MS_RDONLY, "size=4m"));
+    ASSERT_TRUE(disk.change(MS_RDONLY, "size=16m"));
     expect_failure(4, sweep("disk/out"), {"disk/out", "Read-only file system"});
     expect_failure(4, sweep("disk/old"), {"disk/old", "Read-only file system"});
     expect_failure(4, {"field", "scene.toml", "--out", "disk/field.exr"}, {"field.exr", "Read-only file system"});

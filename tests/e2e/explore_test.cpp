@@ -191,15 +191,6 @@ TEST_F(Explore, of_a_million_samples_takes_no_more_memory_than_of_a_few) {
     EXPECT_NE(many.error.find("1000000 samples on 4 paths"), std::string::npos) << many.error;
 }
 
-TEST_F(Explore, shows_progress_of_a_large_file_in_lines) {
-    write_long("in.csv", 2000000);
-    const std::string error = expect_success(arguments()).error;
-    EXPECT_NE(error.find(" MB in 0:"), std::string::npos) << error;
-    EXPECT_EQ(error.find('\r'), std::string::npos);
-    write_long("in.csv", 2000000, false);
-    EXPECT_NE(expect_success(arguments({"--metrics-only"})).error.find(" MB in 0:"), std::string::npos);
-}
-
 TEST_F(Explore, leaves_nothing_when_interrupted) {
     write_long("in.csv", 4000000, false);
     for (const int signal : {SIGINT, SIGTERM}) { // while it is read for the first time, and later

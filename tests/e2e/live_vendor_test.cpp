@@ -108,8 +108,8 @@ INSTANTIATE_TEST_SUITE_P(Vendors, LiveVendor, ::testing::Values(kDhd, kHd),
 // The check before a session: its outcome, and an exit code that a script can go by.
 TEST_F(LiveDevice, is_checked_before_it_is_felt) {
     const auto checked = [&](std::vector<std::string> further, const char* hand) {
-        std::vector<std::string> all{"device",     "check", "plane.toml", "--quiet",
-                                     "--watchdog", "100",   "--out",      "check.json"};
+        std::vector<std::string> all{"device", "check", "plane.toml", "--quiet",    "--watchdog",
+                                     "100",    "--out", "check.json", "--overwrite"};
         all.insert(all.end(), further.begin(), further.end());
         Launch launch = this->launch(std::move(all));
         launch.environment["FORCESHADE_DHD_LIBRARY"] = DHD_STUB_OLD; // without buttons
@@ -131,7 +131,7 @@ TEST_F(LiveDevice, is_checked_before_it_is_felt) {
     EXPECT_EQ(nlohmann::json::parse(simulated.out), read_json("check.json"));
     EXPECT_EQ(read_json("check.json")["passed"], true);
     expect_failure(2, {"device", "check", "--device", "replay:x.csv"}, {"yields to no force"});
-    expect_failure(2, {"device", "chek"}, {"did you mean check"});
+    expect_failure(2, {"device", "chek"}, {"did you mean forceshade device check?"});
 }
 
 } // namespace

@@ -73,8 +73,9 @@ TEST_F(Memory, does_not_grow_with_the_number_of_height_maps) {
                                        files));
         return expect_success({"sweep", "maps.toml", "--out", fmt::format("maps{}", maps), "--quiet"}).peak_memory;
     };
+    // How many wait between kernels and encoders is a matter of load: at most eight more than in the other run.
     const std::uint64_t few = peak(14), many = peak(42);
-    EXPECT_LT(double(many), 1.15 * double(few) + 8 * kMebibyte)
+    EXPECT_LT(double(many), double(few) + 8 * 8 * kMebibyte)
         << few / kMebibyte << " MiB for 14 maps, " << many / kMebibyte << " MiB for 42";
 }
 

@@ -52,6 +52,7 @@ protected:
         launch.program = program;
         launch.folder = path("work");
         launch.environment["PATH"] = path("bin").string() + ":/usr/bin:/bin";
+        launch.environment["PYTHONPATH"] = FORCESHADE_PYTHON;
         return run(launch);
     }
     std::vector<Block> blocks_;
@@ -95,8 +96,9 @@ TEST_P(Readme, links_lead_somewhere) {
 INSTANTIATE_TEST_SUITE_P(Pages, Readme,
                          ::testing::Values("README.md", "device/README.md", "host/README.md",
                                            "host/experiment/README.md", "host/mesh/README.md", "host/output/README.md",
-                                           "host/paths/README.md", "host/referee/README.md", "host/scene/README.md",
-                                           "host/study/README.md", "host/sweep/README.md", "shaders/README.md"));
+                                           "host/paths/README.md", "host/python/README.md", "host/referee/README.md",
+                                           "host/scene/README.md", "host/study/README.md", "host/sweep/README.md",
+                                           "shaders/README.md"));
 
 TEST(MainReadme, is_short_and_shows_how) {
     const std::string text = read_text(FORCESHADE_SOURCE "/README.md");

@@ -76,13 +76,19 @@ TEST_F(SceneStudy, says_what_it_takes_the_place_of) {
     data["run"]["quick"] = false;
     data["run"]["fingerprint"] = "another";
     write("out/omission/study.json", data.dump());
-    EXPECT_NE(expect_success(loud).error.find("omission holds a full run"), std::string::npos);
-    EXPECT_EQ(expect_success(loud).error.find("another scene"), std::string::npos);
+    expect_failure(2, loud, {"omission holds tables and figures of a full run", "--overwrite", "--no-clobber"});
+    const Json kept = read_json("out/omission/study.json");
+    std::vector<std::string> further = loud;
+    further.push_back("--no-clobber");
+    expect_success(further);
+    EXPECT_EQ(read_json("out/omission/study.json"), kept);
+    further.back() = "--overwrite";
+    expect_success(further);
     data = read_json("out/omission/study.json");
     data["scene"] = "";
     data["run"]["fingerprint"] = "another";
     write("out/omission/study.json", data.dump());
-    EXPECT_NE(expect_success(loud).error.find("omission holds this study of another scene"), std::string::npos);
+    expect_failure(2, loud, {"omission holds tables and figures of this study of another scene", "--overwrite"});
 }
 
 TEST_F(SceneStudy, leaves_nothing_half_after_an_interrupt) {
@@ -134,7 +140,9 @@ TEST_F(SceneStudy, of_another_scene_in_the_same_folder_leaves_nothing_of_the_fir
     expect_study({"study", "energy", "scene.toml", "--quick", "--out", "out", "--quiet"});
     write("out/energy/mine.csv", "kept");
     const Tree first = tree_of(path("out/energy"));
-    expect_study(quick("energy", "out"));
+    std::vector<std::string> second = quick("energy", "out");
+    second.push_back("--overwrite");
+    expect_study(second);
     EXPECT_EQ(read_text(path("out/energy/mine.csv")), "kept");
     std::filesystem::remove(path("out/energy/mine.csv"));
     expect_whole("out/energy", "energy");
@@ -165,7 +173,7 @@ TEST_F(SceneStudy, on_a_full_disk_is_an_io_error) {
 TEST_F(SceneStudy, into_no_folder_is_an_error) {
     expect_failure(2, {"study", "omission"}, {"--out"});
     expect_failure(2, {"study", "omission", "--out", ""}, {"--out is empty"});
-    expect_failure(2, {"study", "--out", "out"}, {"NAME"});
+    expect_failure(2, {"study", "--out", "out"}, {"needs STUDY"});
     write("file", "kept");
     expect_failure(4, {"study", "omission", "--out", "file"}, {"file", "Not a directory"});
     std::filesystem::create_directories(path("taken"));

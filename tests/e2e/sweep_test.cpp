@@ -217,5 +217,26 @@ TEST_F(Sweep, gives_the_same_fields_on_the_cpu) {
     }
 }
 
+TEST_F(Sweep, tells_its_cases_and_what_they_take_before_it_begins) {
+    write("cases.toml", kThreeCases);
+    const std::string names = expect_success({"sweep", "cases.toml", "--list"}).out;
+    EXPECT_EQ(std::count(names.begin(), names.end(), '\n'), 3);
+    EXPECT_EQ(nlohmann::json::parse(
+                  expect_success({"sweep", "cases.toml", "--list", "--json"}).out)[1]["parameters"]["radius"],
+              "1000 mil");
+    const std::vector<std::string> dry{"sweep", "cases.toml", "--out", "told", "--also", "npy", "--dry-run", "--json"};
+    const auto told = nlohmann::json::parse(expect_success(dry).out);
+    EXPECT_EQ(told["to_compute"], 3);
+    EXPECT_EQ(told["voxels"], 3 * 16 * 4 * 8);
+    EXPECT_FALSE(std::filesystem::exists(path("told")));
+    expect_success({"sweep", "cases.toml", "--out", "told", "--also", "npy"});
+    double bytes = 0;
+    for (const auto& [name, content] : tree_of(path("told")))
+        if (name.ends_with(".exr") || name.ends_with(".npy"))
+            bytes += static_cast<double>(content.size());
+    EXPECT_NEAR(told["expected_bytes"].get<double>(), bytes, 0.02 * bytes) << "so small that the copies are whole";
+    EXPECT_EQ(nlohmann::json::parse(expect_success(dry).out)["to_compute"], 0);
+}
+
 } // namespace
 } // namespace forceshade::testing
