@@ -14,6 +14,7 @@
 #include "host/paths/motions.h"
 #include "host/paths/path_run.h"
 #include "host/paths/recorded.h"
+#include "host/prepare/comparison.h"
 #include "host/prepare/prepared_case.h"
 #include "host/program.h"
 #include "host/report/run_page.h"
@@ -58,7 +59,7 @@ double share(std::uint64_t part, std::uint64_t whole) {
 // Recorded positions in open loop on the CPU: sample by sample, in the order of the file, whatever its length.
 bool is_streamed(const ExploreArguments& arguments, const CommonOptions& common, const Scene& scene,
                  const std::string& recorded) {
-    return common.engine == "cpu" && !recorded.empty() && !(scene.paths && scene.paths->closed()) &&
+    return common.engine == "cpu" && !recorded.empty() && !(scene.paths && scene.paths->closed()) && !scene.compare &&
            !arguments.metrics_only && arguments.also.empty() &&
            std::filesystem::path(arguments.out).extension() == ".csv";
 }
@@ -129,6 +130,8 @@ std::string as_json(const PathRecord& record, const ExploreArguments& arguments,
     json["oracle"] = {{"paths_compared", record.error.paths},        {"samples_compared", record.error.samples},
                       {"samples_differing", record.error.differing}, {"samples_beyond_bound", record.error.beyond},
                       {"metrics_differing", record.error.metrics},   {"largest_error_N", record.error.largest}};
+    if (record.deviation)
+        json["compare"] = deviation_json(*record.deviation);
     return json.dump(2) + "\n";
 }
 
@@ -139,6 +142,8 @@ void print_outcome(const PathRecord& record, const std::string& out, const Engin
            record.steps_per_second() / 1e6, 100 * share(record.in_contact, record.samples), record.unstable,
            record.largest_force, record.work, record.mean_depth, record.depth_deviation, record.error.paths,
            plural(record.paths, "path"), record.error.differing + record.error.metrics);
+    if (record.deviation)
+        remark("{}", deviation_text(*record.deviation));
     if (record.in_contact == 0)
         remark(
             "warning: no sample is in contact, so the force is 0 everywhere: go deeper (over a mesh, depth counts from "
@@ -165,7 +170,7 @@ void print_outcome(const PathRecord& record, const std::string& out, const Engin
 std::vector<std::filesystem::path> all_files(const PathRunOptions& options, const Scene& scene,
                                              const std::filesystem::path& page) {
     std::vector<std::filesystem::path> files;
-    for (const std::string& name : path_file_names(options, scene.output.channels))
+    for (const std::string& name : path_file_names(options, written_channels(scene)))
         files.push_back(options.stem.parent_path() / name);
     if (!page.empty())
         files.push_back(page);

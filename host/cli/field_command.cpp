@@ -95,6 +95,8 @@ int run(const FieldArguments& arguments, const CommonOptions& common) {
                record.error.on_edge
                    ? fmt::format(", {} voxels that rounding takes across an edge not counted", record.error.on_edge)
                    : "");
+    if (!common.quiet && record.deviation)
+        remark("{}", deviation_text(*record.deviation));
     if (!common.quiet && record.files.size() > 1)
         remark("wrote {}\n", names_of(record.files));
     if (!common.quiet && record.largest_force == 0 && record.error.largest_force > 0)

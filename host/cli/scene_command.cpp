@@ -128,7 +128,9 @@ std::vector<nlohmann::ordered_json> rows_named(const std::string& word) {
         const std::size_t dot = key.find('.');
         const std::string table = key.substr(0, dot), own = key.substr(dot + 1);
         known.insert({table, own, key});
-        if (name == key || name == table || name == own || key.starts_with(name + '.'))
+        if (name == key)
+            return {row};
+        if (name == table || name == own || key.starts_with(name + '.'))
             rows.push_back(row);
     }
     if (rows.empty()) {

@@ -19,14 +19,11 @@ namespace forceshade {
 namespace exr {
 namespace {
 
-constexpr std::array kChannels{layout::kChannelForce, layout::kChannelDepth, layout::kChannelFacet,
-                               layout::kChannelProxy, layout::kChannelUnshaded};
 constexpr std::uint64_t kBlockRows = 16; // of ZIP and PXR24; the others have fewer
 
 const char* unit_of(std::uint32_t channel) {
-    if (channel == layout::kChannelFacet)
-        return "1";
-    return channel == layout::kChannelForce || channel == layout::kChannelUnshaded ? "N" : "m";
+    constexpr std::uint32_t kForces = layout::kChannelForce | layout::kChannelUnshaded | kChannelMagnitudeError;
+    return channel == layout::kChannelFacet ? "1" : channel == kChannelAngle ? "deg" : channel & kForces ? "N" : "m";
 }
 
 // In the order of Compression.
@@ -44,7 +41,7 @@ std::optional<Compression> compression_from(exr_compression_t compression) {
 Part make_part(std::uint32_t channel, PixelType pixel, Compression compression) {
     std::vector<const char*> names{"R", "G", "B"};
     if (components_of(channel) == 1)
-        names = {channel == layout::kChannelFacet ? "id" : "Z"};
+        names = {channel == layout::kChannelFacet ? "id" : channel == layout::kChannelDepth ? "Z" : "Y"};
     const PixelFormat format = channel == layout::kChannelFacet    ? PixelFormat::id
                                : pixel == PixelType::half          ? PixelFormat::half
                                : compression == Compression::pxr24 ? PixelFormat::float24
@@ -54,7 +51,7 @@ Part make_part(std::uint32_t channel, PixelType pixel, Compression compression) 
 
 std::vector<Part> parts_of(const VolumeHeader& header) {
     std::vector<Part> parts;
-    for (const std::uint32_t channel : kChannels)
+    for (const std::uint32_t channel : kFieldChannels)
         if (channel == layout::kChannelForce || (header.channels & channel))
             parts.push_back(make_part(channel, header.pixel, header.compression));
     return parts;
@@ -209,7 +206,7 @@ VolumeHeader VolumeReader::State::read_header(int threads) const {
     found.pixel = red && first.channels[*red].type == EXR_PIXEL_HALF ? PixelType::half : PixelType::float32;
     found.channels = 0;
     for (const exr::Layer& layer : image.layers())
-        for (const std::uint32_t channel : exr::kChannels)
+        for (const std::uint32_t channel : kFieldChannels)
             found.channels |= layer.name == name_of_channel(channel) ? channel : 0;
     if (!(found.channels & layout::kChannelForce) || exr::parts_of(found).size() != image.layers().size())
         refuse("its parts are others");
@@ -292,6 +289,8 @@ PathSamples read_paths(const std::filesystem::path& path, std::uint64_t most_pat
     if (scalars) {
         add(layout::kChannelDepth, read.depth, false);
         add(layout::kChannelFacet, read.facet, false);
+        add(kChannelAngle, read.angle, false);
+        add(kChannelMagnitudeError, read.magnitude_error, false);
     }
     return read;
 }

@@ -112,12 +112,13 @@ struct PathSamples {
     std::uint64_t every_step = 1;              /* of the file's steps, every which one is here */
     std::vector<float> force, position, proxy; /* N, m, m: three a sample, path after path; proxy empty if not stored */
     std::vector<float> depth;                  /* m: one a sample; empty if not stored, or not asked for */
+    std::vector<float> angle, magnitude_error; /* deg, N: likewise */
     std::vector<std::uint32_t> facet;          /* likewise; layout::kNoFacet out of contact and behind a path's end */
     std::string scene;                         /* the resolved TOML */
 };
 
-/// At most so many paths of so many samples. `scalars`: also depth and facet. \throws IoError for a file that is
-/// missing, damaged or foreign.
+/// At most so many paths of so many samples. `scalars`: also depth, facet, angle and magnitude_error. \throws IoError
+/// for a file that is missing, damaged or foreign.
 PathSamples read_paths(const std::filesystem::path& path, std::uint64_t most_paths, std::uint64_t most_steps,
                        bool scalars = false);
 

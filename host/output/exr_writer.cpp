@@ -337,7 +337,8 @@ struct VolumeWriter::State {
                 rounded[i] = static_cast<float>(values[i]);
             floats = rounded;
         }
-        part.watch.add(floats, chunk.y_first + row % chunk.y_count, chunk.z_first + row / chunk.y_count, repeat);
+        if (!(part.part.channel & kComparedChannels)) // they may be NaN
+            part.watch.add(floats, chunk.y_first + row % chunk.y_count, chunk.z_first + row / chunk.y_count, repeat);
         encode_row(floats, part.part.format, target);
     }
 
@@ -364,9 +365,6 @@ VolumeResult VolumeWriter::finish() {
 }
 
 namespace {
-
-constexpr std::array kPathChannels{layout::kChannelForce, layout::kChannelPosition, layout::kChannelDepth,
-                                   layout::kChannelFacet, layout::kChannelProxy};
 
 void require_possible(const PathVolumeHeader& header) {
     if (header.steps == 0 || header.paths == 0)
@@ -446,7 +444,9 @@ struct PathVolumeWriter::State {
         rounded.assign(width * components, std::numeric_limits<float>::quiet_NaN());
         for (std::size_t i = 0; i < samples * components; ++i)
             rounded[i] = static_cast<float>(values[i]);
-        part.watch.add(std::span(rounded).first(samples * components), paths.path_first + path, 0, 1, paths.step_first);
+        if (!(part.part.channel & kComparedChannels)) // they may be NaN
+            part.watch.add(std::span(rounded).first(samples * components), paths.path_first + path, 0, 1,
+                           paths.step_first);
         encode_row(rounded, part.part.format, target);
     }
 

@@ -119,8 +119,7 @@ std::uint64_t blocks_of(std::uint64_t bytes) {
 VtiWriter::VtiWriter(const std::filesystem::path& path, const VtiHeader& header)
     : file_(path), order_(header.size), header_(header) {
     const std::uint64_t samples = header.size[0] * header.size[1] * header.size[2];
-    for (const std::uint32_t channel : {layout::kChannelForce, layout::kChannelDepth, layout::kChannelFacet,
-                                        layout::kChannelProxy, layout::kChannelUnshaded})
+    for (const std::uint32_t channel : kFieldChannels)
         if (header.channels & channel) {
             const bool doubles = channel != layout::kChannelFacet && header.precision == Precision::f64;
             Array& array = arrays_.emplace_back();

@@ -57,6 +57,15 @@ void list_times(const Field& field, Engine& engine, Volume& volume) {
     field("check", volume.check);
 }
 
+template <typename Field, typename Deviation> void list_deviation(const Field& field, Deviation& deviation) {
+    field("angles", deviation.angles);
+    field("rms_angle_deg", deviation.rms_angle);
+    field("largest_angle_deg", deviation.largest_angle);
+    field("magnitudes", deviation.magnitudes);
+    field("rms_magnitude_error_N", deviation.rms_magnitude_error);
+    field("largest_magnitude_error_N", deviation.largest_magnitude_error);
+}
+
 template <typename Field, typename Paths> void list_paths(const Field& field, Paths& paths) {
     field("paths", paths.paths);
     field("steps", paths.steps);
@@ -125,8 +134,13 @@ Json to_json(const CaseRecord& record) {
         json["files"].push_back({{"name", file.name}, {"sha256", file.sha256}, {"bytes", file.bytes}});
     list_case(JsonWriter{json}, record);
     json["oracle"]["relative_error"] = record.error.relative();
-    if (record.paths)
+    if (record.deviation)
+        json["compare"] = deviation_json(*record.deviation);
+    if (record.paths) {
         list_paths(JsonWriter{json["paths"]}, *record.paths);
+        if (record.paths->deviation)
+            json["paths"]["compare"] = deviation_json(*record.paths->deviation);
+    }
     return json;
 }
 
@@ -143,12 +157,34 @@ CaseRecord from_json(const Json& json) {
     for (const Json& file : json.at("files"))
         record.files.push_back({file.at("name"), file.at("sha256"), file.at("bytes")});
     list_case(JsonReader{json}, record);
-    if (json.contains("paths"))
+    const auto read_deviation = [](const Json& from, std::optional<DeviationRecord>& deviation) {
+        if (from.contains("compare"))
+            list_deviation(JsonReader{from.at("compare")}, deviation.emplace());
+    };
+    read_deviation(json, record.deviation);
+    if (json.contains("paths")) {
         list_paths(JsonReader{json.at("paths")}, record.paths.emplace());
+        read_deviation(json.at("paths"), record.paths->deviation);
+    }
     return record;
 }
 
 } // namespace
+
+nlohmann::ordered_json deviation_json(const DeviationRecord& deviation) {
+    Json json;
+    list_deviation(JsonWriter{json}, deviation);
+    return json;
+}
+
+std::string deviation_text(const DeviationRecord& deviation) {
+    if (deviation.magnitudes == 0)
+        return "compared with the shape of [compare]: no sample is as near to it as compare.depth says\n";
+    return fmt::format(
+        "compared with the shape of [compare] near its surface: direction {:.3g} deg (RMS), {:.3g} at most; magnitude "
+        "{:.3g} N (RMS), {:.3g} at most\n",
+        deviation.rms_angle, deviation.largest_angle, deviation.rms_magnitude_error, deviation.largest_magnitude_error);
+}
 
 std::string complaint(const CaseRecord& record) {
     if (record.error.beyond == 0)

@@ -68,6 +68,19 @@ struct PathError {
     bool passed() const { return beyond == 0 && metrics == 0; }
 };
 
+/// Of the forces of a field or of paths from those of the shape of [compare], at most compare.depth below it: root mean
+/// squares and largest sizes.
+struct DeviationRecord {
+    std::uint64_t angles = 0;                                    /* samples with a force */
+    double rms_angle = 0, largest_angle = 0;                     /* deg: between force and normal */
+    std::uint64_t magnitudes = 0;                                /* samples in contact with surface or shape */
+    double rms_magnitude_error = 0, largest_magnitude_error = 0; /* N */
+};
+
+/// As an object, and as a line for people.
+nlohmann::ordered_json deviation_json(const DeviationRecord& deviation);
+std::string deviation_text(const DeviationRecord& deviation);
+
 // What is known of paths that were taken through an engine.
 
 /// What became of paths.
@@ -83,6 +96,7 @@ struct PathRecord {
     double work = 0, effort = 0;                  /* J: sums over the paths */
     double depth_deviation = 0;                   /* m: root mean square of depth about its mean, in contact */
     double mean_depth = 0;                        /* m */
+    std::optional<DeviationRecord> deviation;     /* with [compare], where samples are written */
     PathError error;
     std::vector<FileRecord> files; /* the samples first, if there are any */
     EngineTimes engine_times;
@@ -114,8 +128,9 @@ struct CaseRecord {
     std::uint64_t evaluated = 0; /* by the engine */
     double largest_force = 0;    /* N */
     std::array<std::uint64_t, 3> largest_voxel{};
-    OracleError error;               /* against the oracle */
-    std::optional<PathRecord> paths; /* without files, which stand above, and warnings */
+    OracleError error;                        /* against the oracle */
+    std::optional<DeviationRecord> deviation; /* with [compare] */
+    std::optional<PathRecord> paths;          /* without files, which stand above, and warnings */
     EngineTimes engine_times;
     VolumeTimings volume_times;
 };

@@ -38,6 +38,10 @@ const char* name_of_channel(std::uint32_t channel) {
         return "unshaded";
     case layout::kChannelPosition:
         return "position";
+    case kChannelAngle:
+        return "angle";
+    case kChannelMagnitudeError:
+        return "magnitude_error";
     default:
         throw std::logic_error(fmt::format("no channel {}", channel));
     }
@@ -76,6 +80,10 @@ template <typename real> std::span<const real> values_of(const layout::FieldChun
         return require_samples(chunk.proxy, chunk, channel);
     case layout::kChannelUnshaded:
         return require_samples(chunk.unshaded, chunk, channel);
+    case kChannelAngle:
+        return require_samples(chunk.angle, chunk, channel);
+    case kChannelMagnitudeError:
+        return require_samples(chunk.magnitude_error, chunk, channel);
     default:
         throw std::logic_error(fmt::format("channel {} holds no reals", channel));
     }
@@ -220,6 +228,8 @@ template <typename T> std::span<const T> values_of(const PathRows<T>& rows, std:
     const std::span<const T> values = channel == layout::kChannelForce      ? rows.force
                                       : channel == layout::kChannelPosition ? rows.position
                                       : channel == layout::kChannelDepth    ? rows.depth
+                                      : channel == kChannelAngle            ? rows.angle
+                                      : channel == kChannelMagnitudeError   ? rows.magnitude_error
                                                                             : rows.proxy;
     if (values.size() < rows.path_count * rows.pitch * components_of(channel))
         throw std::logic_error(fmt::format("paths lack samples of channel {}", name_of_channel(channel)));

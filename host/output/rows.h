@@ -53,9 +53,22 @@ public:
 
 // What all sinks do with a chunk: check that its rows are the next ones, and find the values of a channel.
 
+/// Channels that no kernel computes, beside layout::kChannel...: how far forces are from those of [compare].
+inline constexpr std::uint32_t kChannelAngle = 64, kChannelMagnitudeError = 128,
+                               kComparedChannels = kChannelAngle | kChannelMagnitudeError;
+
+/// What a field's files may hold, in their order.
+inline constexpr std::array kFieldChannels{layout::kChannelForce, layout::kChannelDepth,    layout::kChannelFacet,
+                                           layout::kChannelProxy, layout::kChannelUnshaded, kChannelAngle,
+                                           kChannelMagnitudeError};
+/// Likewise those of paths.
+inline constexpr std::array kPathChannels{layout::kChannelForce, layout::kChannelPosition, layout::kChannelDepth,
+                                          layout::kChannelFacet, layout::kChannelProxy,    kChannelAngle,
+                                          kChannelMagnitudeError};
+
 /// Reals (or ids) a sample of a channel: 3 for vectors, else 1.
 constexpr std::size_t components_of(std::uint32_t channel) {
-    return channel == layout::kChannelDepth || channel == layout::kChannelFacet ? 1 : 3;
+    return channel & (layout::kChannelDepth | layout::kChannelFacet | kComparedChannels) ? 1 : 3;
 }
 
 /// A chunk's channel behind the rows that came before, without padding, each row `repeats` times.
@@ -69,7 +82,8 @@ void append_rows(const layout::FieldChunk<T>& chunk, std::span<const Value> chan
     }
 }
 
-/// The channel's name as a part, an array or a file calls it: force, depth, facet, proxy, unshaded, position.
+/// The channel's name as a part, an array or a file calls it: force, depth, facet, proxy, unshaded, position, angle,
+/// magnitude_error.
 const char* name_of_channel(std::uint32_t channel);
 
 /// Follows the rows of a grid in file order, row = z * ny + y.
@@ -149,14 +163,15 @@ private:
 /// step_first. Channels that were not asked for are empty.
 template <typename T> struct PathRows {
     std::size_t path_first = 0, path_count = 0;
-    std::size_t pitch = 0;               // samples of a row
-    std::span<const layout::uint> steps; // of each path, in all; what follows in its row means nothing
-    std::span<const T> position;         // m, 3 a sample
-    std::span<const T> force;            // N, 3 a sample
-    std::span<const T> depth;            // m
-    std::span<const layout::uint> facet; // id
-    std::span<const T> proxy;            // m, 3 a sample
-    std::size_t step_first = 0;          // of the rows
+    std::size_t pitch = 0;                         // samples of a row
+    std::span<const layout::uint> steps;           // of each path, in all; what follows in its row means nothing
+    std::span<const T> position;                   // m, 3 a sample
+    std::span<const T> force;                      // N, 3 a sample
+    std::span<const T> depth;                      // m
+    std::span<const layout::uint> facet;           // id
+    std::span<const T> proxy;                      // m, 3 a sample
+    std::size_t step_first = 0;                    // of the rows
+    std::span<const T> angle{}, magnitude_error{}; // deg, N: against [compare]
 
     /// How many samples of a path stand here.
     std::size_t samples(std::size_t path) const {

@@ -114,13 +114,14 @@ VolumeResult PathSummary::finish() {
     return publish_raw(file_);
 }
 
-PathWriter::PathWriter(const std::filesystem::path& path) : file_(path) {
-    file_.write(std::string_view("path,t,x,y,z,gx,gy,gz,fx,fy,fz,depth,facet\n"));
+PathWriter::PathWriter(const std::filesystem::path& path, bool compared) : file_(path) {
+    file_.write(
+        fmt::format("path,t,x,y,z,gx,gy,gz,fx,fy,fz,depth,facet{}\n", compared ? ",angle,magnitude_error" : ""));
 }
 
 template <typename T>
 void PathWriter::add(std::uint64_t path, double time, const reference::Vector<T>& probe,
-                     const reference::Contact<T>& contact) {
+                     const reference::Contact<T>& contact, std::span<const T> compared) {
     row_.add(path);
     row_.add(time);
     for (const reference::Vector<T>& vector : {probe, contact.proxy, contact.force})
@@ -131,12 +132,14 @@ void PathWriter::add(std::uint64_t path, double time, const reference::Vector<T>
         row_.add(-1);
     else
         row_.add(contact.facet);
+    for (const T number : compared)
+        std::isnan(number) ? row_.add_empty() : row_.add(number);
     row_.write(file_);
 }
 template void PathWriter::add<float>(std::uint64_t, double, const reference::Vector<float>&,
-                                     const reference::Contact<float>&);
+                                     const reference::Contact<float>&, std::span<const float>);
 template void PathWriter::add<double>(std::uint64_t, double, const reference::Vector<double>&,
-                                      const reference::Contact<double>&);
+                                      const reference::Contact<double>&, std::span<const double>);
 
 VolumeResult PathWriter::finish() {
     return publish_raw(file_);
@@ -153,8 +156,12 @@ void PathCsvWriter::write(const AnyPathRows& any) {
                                                     {},
                                                     reference::vector_at(rows.proxy, at),
                                                     rows.facet[at]};
-                writer_.add(labels_.id(path), labels_.time(path, rows.step_first + i),
-                            reference::vector_at(rows.position, at), contact);
+                std::array<T, 2> compared{};
+                if (!rows.angle.empty())
+                    compared = {rows.angle[at], rows.magnitude_error[at]};
+                writer_.add<T>(labels_.id(path), labels_.time(path, rows.step_first + i),
+                               reference::vector_at(rows.position, at), contact,
+                               std::span(compared).first(rows.angle.empty() ? 0 : compared.size()));
             }
     };
     std::visit(add, any);

@@ -150,10 +150,13 @@ const char* path_summary_header();
 /// proxy, facet -1 out of contact. Nothing stands under the final name until publish() or finish().
 class PathWriter {
 public:
+    /// `compared`: with columns angle (deg) and magnitude_error (N) of [compare], empty where there is no number.
     /// \throws IoError, as do the others.
-    explicit PathWriter(const std::filesystem::path& path);
+    explicit PathWriter(const std::filesystem::path& path, bool compared = false);
+    /// `compared`: those two, if there are such columns.
     template <typename T>
-    void add(std::uint64_t path, double time, const reference::Vector<T>& probe, const reference::Contact<T>& contact);
+    void add(std::uint64_t path, double time, const reference::Vector<T>& probe, const reference::Contact<T>& contact,
+             std::span<const T> compared = {});
     void publish() { file_.publish(); }
     /// Publishes, and reads the file once more for its hash.
     VolumeResult finish();
@@ -173,7 +176,8 @@ struct PathLabels {
 class PathCsvWriter final : public PathSink {
 public:
     /// Throws IoError, as do the others.
-    PathCsvWriter(const std::filesystem::path& path, const PathLabels& labels) : writer_(path), labels_(labels) {}
+    PathCsvWriter(const std::filesystem::path& path, const PathLabels& labels, bool compared = false)
+        : writer_(path, compared), labels_(labels) {}
     void write(const AnyPathRows& rows) override;
     VolumeResult finish() override { return writer_.finish(); }
 

@@ -19,6 +19,7 @@
 #include "host/paths/recorded.h"
 #include "host/paths/scene_paths.h"
 #include "host/picture/scene_picture.h"
+#include "host/prepare/comparison.h"
 #include "host/program.h"
 #include "host/referee/path_oracle.h"
 #include "host/referee/validate.h"
@@ -35,11 +36,12 @@ bool is_csv(const std::filesystem::path& path) {
     return path.extension() == ".csv";
 }
 
-// What must be computed for the files; `asked`: the scene's channels.
+// What the files hold; `asked`: the scene's channels.
 layout::uint channels_for(const PathRunOptions& options, layout::uint asked) {
     if (options.samples.empty())
         return 0;
-    return is_csv(options.samples) ? kSampled : (asked & kSampled) | kAlways;
+    return is_csv(options.samples) ? kSampled | (asked & kComparedChannels)
+                                   : (asked & (kSampled | kComparedChannels)) | kAlways;
 }
 
 } // namespace
@@ -192,7 +194,7 @@ private:
         : Base(prepared, file, channels_of(prepared, options, file != nullptr), engine.report().software,
                kComparedSamples),
           engine_(engine), prepared_(prepared), options_(options), file_(std::move(file)),
-          rate_(rate_of(prepared.one.scene)), written_(channels_for(options, prepared.one.scene.output.channels)),
+          rate_(rate_of(prepared.one.scene)), written_(channels_for(options, written_channels(prepared.one.scene))),
           total_(file_ ? file_->samples() : std::uint64_t(input.paths) * input.steps),
           gatherer_(source, [this](const PathRows<T>& rows) { receive(rows); }) {
         if (file_)
@@ -202,7 +204,7 @@ private:
 
     // How long a recorded path was in contact is known from its samples alone.
     static layout::uint channels_of(const PreparedCase& prepared, const PathRunOptions& options, bool recorded) {
-        const layout::uint written = channels_for(options, prepared.one.scene.output.channels);
+        const layout::uint written = channels_for(options, prepared.one.scene.output.channels) & kSampled;
         return recorded ? written | layout::kChannelFacet : written;
     }
 
@@ -211,10 +213,10 @@ private:
     void open_files() {
         const Scene& scene = prepared_.one.scene;
         if (!options_.samples.empty())
-            add_sink(options_.samples,
-                     is_csv(options_.samples)
-                         ? std::unique_ptr<PathSink>(std::make_unique<PathCsvWriter>(options_.samples, labels()))
-                         : std::make_unique<PathVolumeWriter>(options_.samples, header()));
+            add_sink(options_.samples, is_csv(options_.samples)
+                                           ? std::unique_ptr<PathSink>(std::make_unique<PathCsvWriter>(
+                                                 options_.samples, labels(), scene.compare.has_value()))
+                                           : std::make_unique<PathVolumeWriter>(options_.samples, header()));
         summary_.emplace(beside(".paths.csv"), scene.precision);
         if (options_.npy)
             for (const layout::uint channel : kPathChannels)
@@ -224,6 +226,8 @@ private:
                     add_sink(file,
                              std::make_unique<PathNpyWriter>(file, input.paths, input.steps, channel, scene.precision));
                 }
+        if (written_ & kComparedChannels)
+            compared_.emplace(prepared_, static_cast<unsigned>(options_.threads));
         if (options_.pictures.any())
             collector_.emplace(input.paths, input.steps);
     }
@@ -267,9 +271,10 @@ private:
             times_->add(rows);
         require_finite(rows);
         oracle.compare(rows);
+        const PathRows<T> written = compared_ ? compared_->paths(rows) : rows;
         for (NamedSink& sink : sinks_) {
             check_interrupt();
-            sink.sink->write(rows);
+            sink.sink->write(written);
         }
         if (collector_)
             collector_->add(rows);
@@ -359,6 +364,8 @@ private:
             file_->require_unchanged();
         record_.error = oracle.error();
         record_.warnings = paths.warnings();
+        if (compared_)
+            record_.deviation = compared_->record();
         if (record_.in_contact > 0) {
             const double samples = double(record_.in_contact);
             record_.mean_depth = depth_ / samples;
@@ -401,6 +408,7 @@ private:
     std::optional<RecordedTimes> times_;
     std::vector<NamedSink> sinks_; // the samples first, if there are any
     std::optional<PathSummary> summary_;
+    std::optional<Compared> compared_; // with [compare]
     std::optional<PathCollector> collector_;
     double depth_ = 0, depth_square_ = 0; // m, m^2: sums over the samples in contact
     PathRecord record_;

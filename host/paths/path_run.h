@@ -30,12 +30,6 @@ struct PathRunOptions {
     std::function<void(std::uint64_t done, std::uint64_t total)> progress; /* samples; may be empty */
 };
 
-// Which channels and files a run of paths has.
-
-/// What samples may hold, in the order of their files.
-inline constexpr std::array kPathChannels{layout::kChannelForce, layout::kChannelPosition, layout::kChannelDepth,
-                                          layout::kChannelFacet, layout::kChannelProxy};
-
 /// What the EXR of a case's field or paths tells and how it is written; `written`: the part of the scene that it holds.
 void set_options(ExrOptions& options, const PreparedCase& prepared, const Scene& written, int threads);
 

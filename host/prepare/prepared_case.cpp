@@ -71,8 +71,10 @@ template <typename Key, typename File, typename Read>
 std::shared_ptr<const File> cached(std::deque<std::pair<Key, std::shared_ptr<const File>>>& files, const Key& key,
                                    std::size_t most, const Read& read) {
     const auto known = std::find_if(files.begin(), files.end(), [&](const auto& one) { return one.first == key; });
-    if (known != files.end())
-        return known->second;
+    if (known != files.end()) {
+        std::rotate(files.begin(), known, known + 1);
+        return files.front().second;
+    }
     files.emplace_front(key, read());
     if (files.size() > most)
         files.pop_back();
@@ -167,6 +169,21 @@ std::shared_ptr<const SceneMesh> CasePreparation::mesh(MeshSpec& spec) {
     return mesh;
 }
 
+// What is not said of it is as with the scene's own mesh.
+std::shared_ptr<const SceneMesh> CasePreparation::compared_mesh(Scene& scene) {
+    CompareSpec& compare = *scene.compare;
+    MeshSpec spec = scene.surface.kind == SurfaceKind::mesh ? scene.surface.mesh : MeshSpec{};
+    static_cast<FileSpec&>(spec) = compare.file;
+    spec.normals = NormalWeights::plain;
+    spec.unit = compare.unit.value_or(spec.unit);
+    spec.scale = compare.scale.value_or(spec.scale);
+    spec.rotate = compare.rotate.value_or(spec.rotate);
+    spec.translate = compare.translate.value_or(spec.translate);
+    const std::shared_ptr<const SceneMesh> read = mesh(spec);
+    compare.file.sha256 = spec.sha256;
+    return read;
+}
+
 PreparedCase CasePreparation::prepare(const Case& one) {
     const Clock::time_point start = Clock::now();
     PreparedCase prepared;
@@ -186,6 +203,8 @@ PreparedCase CasePreparation::prepare(const Case& one) {
         if (scene.grid.samples)
             scene.grid = fitted_grid(scene.grid.samples, prepared.images.mesh->mesh);
     }
+    if (scene.compare && scene.compare->kind == CompareKind::mesh)
+        prepared.compared_mesh = compared_mesh(scene);
     prepared.scene = resolved_toml(prepared.one);
     prepared.seconds = seconds_since(start);
     return prepared;

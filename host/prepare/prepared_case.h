@@ -47,9 +47,10 @@ GridSpec fitted_grid(std::uint64_t samples, const Mesh& mesh);
 struct PreparedCase {
     Case one; // with the files' SHA-256 filled in, and the grid that follows from a mesh
     SceneImages images;
-    std::string scene;                 /* resolved TOML, as it goes into files */
-    std::vector<std::string> warnings; /* of the mesh's file, for a static field */
-    double seconds = 0;                /* that this took: files that cases share are read once */
+    std::shared_ptr<const SceneMesh> compared_mesh; // of [compare]; null: it has none
+    std::string scene;                              /* resolved TOML, as it goes into files */
+    std::vector<std::string> warnings;              /* of the mesh's file, for a static field */
+    double seconds = 0;                             /* that this took: files that cases share are read once */
 };
 
 /// Reads images and meshes; cases that follow each other share them, and only the last few stay in memory.
@@ -62,6 +63,7 @@ public:
 private:
     std::shared_ptr<const HeightImage> image(HeightMapSpec& map);
     std::shared_ptr<const SceneMesh> mesh(MeshSpec& spec);
+    std::shared_ptr<const SceneMesh> compared_mesh(Scene& scene);
     std::deque<std::pair<MeshSpec, std::shared_ptr<const SceneMesh>>> meshes_;      // the newest first
     std::deque<std::pair<std::string, std::shared_ptr<const HeightImage>>> images_; // path and image, the newest first
     std::map<std::string, MeshFindings> findings_;                                  // by the file's SHA-256

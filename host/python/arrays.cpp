@@ -172,6 +172,8 @@ PreparedScene::PreparedScene(const std::string& text, const std::string& name, c
         tables_ = make_tables<float>(prepared_.one.scene, prepared_.images, Extent::what_varies);
     else
         tables_ = make_tables<double>(prepared_.one.scene, prepared_.images, Extent::what_varies);
+    if (compares())
+        comparison_.emplace(prepared_);
 }
 
 py::dict PreparedScene::field(const std::vector<std::string>& channels, const EngineOptions& options) const {
@@ -207,26 +209,54 @@ py::dict PreparedScene::field(const std::vector<std::string>& channels, const En
     return result;
 }
 
+namespace {
+
+// evaluate(i, hint) for every place, without Python's lock; a hint goes from place to place.
+template <typename Evaluate> void at_every_place(std::size_t places, unsigned threads, const Evaluate& evaluate) {
+    constexpr std::size_t kShare = 1024, kBetweenSignals = std::size_t(1) << 18;
+    const py::gil_scoped_release release;
+    for (std::size_t first = 0; first < places; first += kBetweenSignals) {
+        const std::size_t count = std::min(kBetweenSignals, places - first);
+        const auto evaluate_share = [&](std::size_t, std::size_t share) {
+            layout::uint hint = 0;
+            const std::size_t begin = first + share * kShare, end = std::min(begin + kShare, first + count);
+            for (std::size_t i = begin; i < end; ++i)
+                evaluate(i, hint);
+        };
+        reference::share_out(std::min<std::size_t>(reference::threads_for(threads), count / kShare + 1),
+                             (count + kShare - 1) / kShare, evaluate_share);
+        check_signals();
+    }
+}
+
+} // namespace
+
+py::dict PreparedScene::compare(const Points& points, const Points& forces, unsigned threads) const {
+    py::dict result;
+    const auto compare = [&]<typename T>(const FieldTables<T>&) {
+        const std::span<const glm::dvec3> all = checked<T>(points, prepared_);
+        const auto* force = reinterpret_cast<const glm::dvec3*>(forces.data());
+        const Shape shape{py::ssize_t(all.size())};
+        Channel<T> angle(result, kChannelAngle, shape), error(result, kChannelMagnitudeError, shape);
+        at_every_place(all.size(), threads, [&](std::size_t i, layout::uint& hint) {
+            const Deviation one = comparison_->at(all[i], force[i], hint);
+            angle.put(i, static_cast<T>(one.angle));
+            error.put(i, static_cast<T>(one.magnitude_error));
+        });
+    };
+    std::visit(compare, tables_);
+    return result;
+}
+
 py::dict PreparedScene::contact(const Points& points, unsigned threads) const {
     py::dict result;
     const auto evaluate = [&]<typename T>(const FieldTables<T>& tables) {
         const std::span<const glm::dvec3> all = checked<T>(points, prepared_);
         ContactArrays<T> arrays(result, all.size());
         const layout::Law<T> law = tables.law();
-        constexpr std::size_t kShare = 1024, kBetweenSignals = std::size_t(1) << 18;
-        const py::gil_scoped_release release;
-        for (std::size_t first = 0; first < all.size(); first += kBetweenSignals) {
-            const std::size_t count = std::min(kBetweenSignals, all.size() - first);
-            const auto evaluate_share = [&](std::size_t, std::size_t share) {
-                layout::uint hint = 0;
-                const std::size_t begin = first + share * kShare, end = std::min(begin + kShare, first + count);
-                for (std::size_t i = begin; i < end; ++i)
-                    arrays.put(i, static_contact(law, prepared_, all[i], hint));
-            };
-            reference::share_out(std::min<std::size_t>(reference::threads_for(threads), count / kShare + 1),
-                                 (count + kShare - 1) / kShare, evaluate_share);
-            check_signals();
-        }
+        at_every_place(all.size(), threads, [&](std::size_t i, layout::uint& hint) {
+            arrays.put(i, static_contact(law, prepared_, all[i], hint));
+        });
     };
     std::visit(evaluate, tables_);
     return result;
@@ -415,7 +445,7 @@ py::dict read_field(const std::string& file) {
     py::dict result;
     add_axes(result, {header.size, header.origin, header.spacing});
     result["scene"] = header.scene;
-    for (std::uint32_t channel = 1; channel <= layout::kChannelUnshaded; channel *= 2) {
+    for (const std::uint32_t channel : kFieldChannels) {
         if (!(header.channels & channel))
             continue;
         constexpr std::uint64_t kRows = 4096;
@@ -452,6 +482,8 @@ py::dict read_exr(const std::string& file) {
     add(result, layout::kChannelProxy, shape, read.proxy);
     add(result, layout::kChannelDepth, shape, read.depth);
     add(result, layout::kChannelFacet, shape, read.facet);
+    add(result, kChannelAngle, shape, read.angle);
+    add(result, kChannelMagnitudeError, shape, read.magnitude_error);
     result["scene"] = read.scene;
     result["rate"] = rate_of(read.scene);
     return result;

@@ -12,6 +12,7 @@
 #include <pybind11/pybind11.h>
 
 #include "host/engine/engine.h"
+#include "host/prepare/comparison.h"
 #include "host/prepare/prepared_case.h"
 
 namespace forceshade::python {
@@ -37,6 +38,10 @@ public:
     py::dict field(const std::vector<std::string>& channels, const EngineOptions& engine) const;
     /// The static law at each point: force, unshaded, proxy (n, 3), depth, facet (n).
     py::dict contact(const Points& points, unsigned threads) const;
+    /// Whether forces are compared with the shape of [compare].
+    bool compares() const { return prepared_.one.scene.compare.has_value(); }
+    /// How far forces (n, 3) at points (n, 3) are from those of that shape: angle, magnitude_error (n).
+    py::dict compare(const Points& points, const Points& forces, unsigned threads) const;
     /// Probes along the scene's paths or along these, each (steps, 3): position, force, proxy (paths, steps, 3), depth,
     /// facet (paths, steps), NaN and -1 behind a path's end; `figures`, the columns of PATHS.paths.csv; and `rate`, Hz.
     py::dict explore(const std::optional<std::vector<Points>>& paths, EngineOptions engine) const;
@@ -45,6 +50,7 @@ private:
     std::vector<std::string> warnings_;
     PreparedCase prepared_;
     std::variant<FieldTables<float>, FieldTables<double>> tables_;
+    std::optional<ShapeComparison> comparison_;
 };
 
 /// A probe with a history, as the live loop has it.

@@ -76,6 +76,8 @@ void define(py::module_& module) {
                 const std::string& gpu,
                 unsigned threads) { return scene.field(channels, engine_options(scene, engine, gpu, threads)); })
         .def("contact", &PreparedScene::contact)
+        .def_property_readonly("compares", &PreparedScene::compares)
+        .def("compare", &PreparedScene::compare)
         .def("explore", [](const PreparedScene& scene, const std::optional<std::vector<Points>>& paths,
                            const std::string& engine, const std::string& gpu, unsigned threads) {
             return scene.explore(paths, engine_options(scene, engine, gpu, threads));

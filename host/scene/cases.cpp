@@ -36,6 +36,7 @@ Forms forms_of(const Selection& selection, const Merged& merged) {
     forms.texture = merged.has("texture") ? map_form(selection, "texture") : 0;
     forms.reference_shading = static_cast<Shading>(chosen(selection, "force.shading")) == Shading::reference;
     forms.hand = merged.has("hand");
+    forms.compare = merged.has("compare") ? 1u << chosen(selection, "compare.surface.kind") : 0;
     if (!merged.has("paths"))
         return forms;
     forms.paths = 1u << chosen(selection, "paths.kind");
@@ -79,8 +80,8 @@ Selection first_values(const Merged& merged) {
 
 std::vector<Forms> possible_forms(const Merged& merged) {
     std::vector<Selection> selections{first_values(merged)};
-    for (const char* path :
-         {"surface.kind", "surface.function", "force.shading", "texture.function", "paths.kind", "paths.loop"}) {
+    for (const char* path : {"surface.kind", "surface.function", "force.shading", "texture.function", "paths.kind",
+                             "paths.loop", "compare.surface.kind"}) {
         const std::size_t key = key_index(path), before = selections.size();
         std::set<std::uint64_t> seen{chosen(selections.front(), path)};
         for (std::size_t i = 1; merged.entries[key] && i < merged.entries[key]->values.size(); ++i)
@@ -139,6 +140,8 @@ Scene build_scene(const Selection& selection) {
             scene.texture.emplace();
         if (key.table == "paths" && !scene.paths)
             scene.paths.emplace();
+        if (key.table == "compare" && !scene.compare)
+            scene.compare.emplace();
         scene.field = scene.field || key.table == "grid";
         key.set(scene, *selection[i]);
     }
@@ -179,7 +182,7 @@ std::string hash_text(std::string_view text) {
     return fmt::format("{:016x}", hash).substr(16 - kHashDigits);
 }
 
-// What is compared of a key: function and file are one choice, and a texture may be absent.
+// What is compared of a key: function and file are one choice, and a texture or comparison may be absent.
 std::string compared(const Selection& selection, std::size_t key) {
     for (std::size_t other = 0; other < selection.size(); ++other)
         if (replaces(key, other) && !selection[key] && selection[other])
@@ -187,7 +190,8 @@ std::string compared(const Selection& selection, std::size_t key) {
     if (selection[key])
         return identity(*selection[key]);
     const Key& info = schema_keys()[key];
-    return info.table == "texture" && (info.name == "function" || info.name == "file") ? "absent" : "";
+    const bool texture = info.table == "texture" && (info.name == "function" || info.name == "file");
+    return texture || info.path() == "compare.surface.kind" ? "absent" : "";
 }
 
 // Keys whose value is not the same in all cases that have it, in file order, without the kind.
@@ -207,8 +211,8 @@ std::vector<std::size_t> varying_keys(const std::vector<Selection>& selections, 
     return keys;
 }
 
-// A key's last part; with its table where that would leave open which key is meant. A texture's keys always have
-// theirs, those of paths if another table has a key of that name.
+// A key's last part; with its table where that would leave open which key is meant. A texture's and a comparison's keys
+// always have theirs, those of paths if another table has a key of that name.
 std::string label(std::size_t key, const std::vector<std::size_t>& varying) {
     const Key& info = schema_keys()[key];
     const auto same_name = [&](std::size_t other) {
@@ -217,7 +221,7 @@ std::string label(std::size_t key, const std::vector<std::size_t>& varying) {
     const auto shared = [&](const Key& other) { return other.name == info.name && other.table != info.table; };
     const bool ambiguous = std::ranges::any_of(varying, same_name) ||
                            (info.table == "paths" && std::ranges::any_of(schema_keys(), shared));
-    return ambiguous || info.table == "texture" ? info.path() : std::string(info.name);
+    return ambiguous || info.table == "texture" || info.table == "compare" ? info.path() : std::string(info.name);
 }
 
 std::string file_name_text(const Key& key, const Value& value) {

@@ -57,6 +57,8 @@ public:
             with({"surface", "texture"}, [&] { check_texture(*scene_.texture); });
         if (scene_.grid.samples == 0)
             with({"surface", "grid"}, [&] { check_grid(); });
+        if (scene_.compare)
+            with({"surface", "compare"}, [&] { check_compare(*scene_.compare); });
         for (std::size_t key = 0; key < selection_.size(); ++key)
             if (selection_[key])
                 check_sizes(schema_keys()[key], *selection_[key]);
@@ -212,6 +214,24 @@ private:
         if (texture.stiffness != 0)
             attempt([&] { check_stiffness("texture.stiffness", texture.stiffness); });
         check_map("texture", texture.map);
+    }
+
+    void check_compare(const CompareSpec& compare) const {
+        const auto name = kCompareKinds[static_cast<std::size_t>(compare.kind)];
+        const auto require = [&](bool given, std::string_view key, std::string_view example) {
+            if (!given)
+                fail(source_, place({"compare.surface.kind", "compare.surface.centre", "compare.depth"}),
+                     "the {} that forces are compared with needs a {}: surface = {{ kind = \"{}\", {} }} in [compare]",
+                     name, key, name, example);
+        };
+        const SurfaceKind own = scene_.surface.kind;
+        const bool bump = own == SurfaceKind::bump || own == SurfaceKind::cylinder_bump;
+        if (compare.kind == CompareKind::sphere || (compare.kind == CompareKind::cylinder && !bump))
+            require(compare.radius.has_value(), "radius", "radius = \"20 mm\"");
+        if (compare.kind == CompareKind::mesh)
+            require(!compare.file.file.empty(), "file", "file = \"fine.obj\"");
+        if (compare.radius)
+            check_length("compare.surface.radius", *compare.radius);
     }
 
     void check_grid() {

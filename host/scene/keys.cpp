@@ -32,12 +32,16 @@ constexpr List<2> kPixelTypes{"float", "half"};
 constexpr List<2> kPrecisions{"f32", "f64"};
 constexpr List<2> kLoops{"open", "closed"};
 constexpr List<2> kFollows{"plane", "surface"};
+constexpr List<3> kAxes{"x", "y", "z"};
 
 constexpr Sign kPositive = Sign::positive, kNotNegative = Sign::not_negative;
 constexpr std::uint32_t kFormCircular = kFormMapCylinder | kFormMapDip;
 constexpr std::uint32_t kFormAnalytic = kFormCircular | kFormMapSine | kFormMapGaussian;
 
 constexpr std::uint32_t bit(PathKind kind) {
+    return 1u << static_cast<std::uint32_t>(kind);
+}
+constexpr std::uint32_t bit(CompareKind kind) {
     return 1u << static_cast<std::uint32_t>(kind);
 }
 constexpr std::uint32_t kAllPaths = 255;
@@ -68,7 +72,8 @@ template <typename T> void assign(std::optional<T>& to, const Value& value) {
 // A member of the struct that a scene has of its kind.
 template <typename Spec, typename T> T& field(Scene& s, T Spec::*member) {
     const std::tuple parts(&s, &s.surface, &s.surface.mesh, &s.force, &s.grid, &s.hand, &s.output,
-                           s.texture ? &*s.texture : nullptr, s.paths ? &*s.paths : nullptr);
+                           s.texture ? &*s.texture : nullptr, s.paths ? &*s.paths : nullptr,
+                           s.compare ? &*s.compare : nullptr);
     return std::get<Spec*>(parts)->*member;
 }
 
@@ -158,8 +163,8 @@ public:
         add(ValueKind::choice, name, default_text, store<member>, doc, traits).choices = names;
     }
     /// It belongs to the table's file and sets nothing by itself.
-    void digest(std::uint32_t forms) {
-        add(ValueKind::digest, "sha256", "", nullptr,
+    void digest(std::uint32_t forms, Text name = "sha256") {
+        add(ValueKind::digest, name, "", nullptr,
             "what the file's bytes must hash to; a list if `file` is one; left out: any",
             {.forms = forms, .example = "\"(64 hexadecimal digits)\""})
             .axis = false;
@@ -471,6 +476,50 @@ void add_hand(std::vector<Key>& keys) {
                                         {.sign = kPositive});
 }
 
+void add_compare(std::vector<Key>& keys) {
+    using enum CompareKind;
+    constexpr std::uint32_t kMesh = bit(mesh), kAnalytic = bit(sphere) | bit(cylinder) | bit(plane);
+    Table compare(keys, "compare", Subject::compare, kMesh | kAnalytic);
+    compare.choice<&CompareSpec::kind>(
+        "surface.kind", "\"sphere\"", kCompareKinds,
+        "the shape that forces are compared with: the channels angle (deg, between the force and the shape's normal at "
+        "the probe) and magnitude_error (N, the force's magnitude less K times the depth below the shape)");
+    compare.length<&CompareSpec::depth>("depth", "\"2 mm\"",
+                                        "root mean squares and largest sizes of the two are told of places at most so "
+                                        "far below the shape, as a hand reaches them",
+                                        {.sign = kPositive});
+    compare.length<&CompareSpec::radius>(
+        "surface.radius", "",
+        "of a sphere or cylinder; left out: a bump's own smooth shape, its cylinder on its plane, with the normal "
+        "above "
+        "the probe and depth straight down, as shading takes it (L4)",
+        {.forms = bit(sphere) | bit(cylinder), .sign = kPositive, .example = "\"20 mm\""});
+    compare.length<&CompareSpec::centre>(
+        "surface.centre", "", "of a sphere; a place of a cylinder's axis or of a plane; left out: the origin",
+        {.forms = kAnalytic, .example = "[\"0 m\", \"0 m\", \"0 m\"]"});
+    compare.choice<&CompareSpec::axis>("surface.axis", "", kAxes,
+                                       "along which a cylinder lies (left out: y), or to which a plane looks (left "
+                                       "out: z)",
+                                       {.forms = bit(cylinder) | bit(plane), .example = "\"y\""});
+    compare.add(ValueKind::file, "surface.file", "", [](Scene& s, const Value& v) { store_file(s.compare->file, v); },
+                "of a mesh its polygons (OBJ, OFF, PLY or STL), closed; relative to this TOML file or absolute",
+                {.forms = kMesh, .example = "\"fine.obj\""});
+    compare.digest(kMesh, "surface.sha256");
+    Key& unit = compare.add(ValueKind::unit, "surface.unit", "", store<&CompareSpec::unit>,
+                            "what a coordinate of 1 means in that file; left out, as transform: like the scene's own "
+                            "mesh, if it is one, else m",
+                            {.forms = kMesh, .sign = kPositive, .example = "\"mm\""});
+    unit.dimension = Dimension::length;
+    compare.add(ValueKind::number, "surface.transform.scale", "", store<&CompareSpec::scale>,
+                "that mesh is made so many times larger, then turned, then moved",
+                {.forms = kMesh, .sign = kPositive, .example = "1"});
+    compare.quantity<&CompareSpec::rotate>(Dimension::angle, "surface.transform.rotate", "",
+                                           "turns about the fixed x axis, then y, then z, through the file's origin",
+                                           {.forms = kMesh, .example = "[\"0 deg\", \"0 deg\", \"0 deg\"]"});
+    compare.length<&CompareSpec::translate>("surface.transform.translate", "", "where that file's origin is put",
+                                            {.forms = kMesh, .example = "[\"0 m\", \"0 m\", \"0 m\"]"});
+}
+
 void add_output(std::vector<Key>& keys) {
     Table output(keys, "output");
     output
@@ -490,7 +539,7 @@ void add_output(std::vector<Key>& keys) {
 
 std::vector<Key> make_keys() {
     std::vector<Key> keys;
-    for (const auto add : {add_surface, add_force, add_grid, add_paths, add_hand, add_output})
+    for (const auto add : {add_surface, add_force, add_grid, add_paths, add_hand, add_compare, add_output})
         add(keys);
     return keys;
 }

@@ -57,15 +57,17 @@ std::vector<std::size_t> key_order(const Document& document) {
     for (const Layer* layer : layers)
         for (const Entry& entry : layer->entries)
             add_once(schema_keys()[entry.key].table, tables);
-    if (document.has("texture"))
-        add_once("texture", tables);
+    for (const std::string_view table : {"texture", "compare"})
+        if (document.has(table))
+            add_once(table, tables);
     // A table without which a scene is another one comes last if only variants have it: the resolved text cannot
     // mention it in its base.
     const auto in_base = [&](std::string_view table) {
         const auto has = [&](std::string_view one) { return document.base.has(one) || document.overrides.has(one); };
         if (table == "grid")
             return has(table) || !document.has("paths");
-        return has(table) || (table != "texture" && table != "paths" && (table != "hand" || has("paths")));
+        return has(table) ||
+               (table != "texture" && table != "paths" && table != "compare" && (table != "hand" || has("paths")));
     };
     std::ranges::stable_partition(tables, in_base);
     std::vector<std::size_t> order;
@@ -108,6 +110,14 @@ private:
     std::string_view table_;
 };
 
+bool is_file(std::string_view key) {
+    return key == "file" || key.ends_with(".file");
+}
+// "surface.file" -> "surface.sha256".
+std::string digest_name(std::string_view file_key) {
+    return std::string(file_key.substr(0, file_key.size() - std::string_view("file").size())) + "sha256";
+}
+
 // "u.exr" -> digest, of the files whose digest is known.
 using Digests = std::map<std::string, std::string>;
 
@@ -124,6 +134,8 @@ Digests known_digests(const Study& study) {
             add(one.scene.texture->map);
         if (one.scene.paths)
             add(*one.scene.paths);
+        if (one.scene.compare)
+            add(one.scene.compare->file);
     }
     return digests;
 }
@@ -209,7 +221,7 @@ private:
             return false;
         if (key.subject == Subject::paths || key.subject == Subject::hand)
             return useful && (base_.has("paths") || (base_.has("hand") && key.subject == Subject::hand));
-        return useful && (key.table != "texture" || base_.has("texture"));
+        return useful && ((key.table != "texture" && key.table != "compare") || base_.has(key.table));
     }
 
     // Where a mesh's grid may be made from its box, what was given last applies: defaults are then not written.
@@ -235,7 +247,7 @@ private:
         const Key& key = schema_keys()[entry.key];
         writer_.add(key.table, key.name, literal(key, entry));
         if (const std::string digest = digest_literal(entry); !digest.empty())
-            writer_.add(key.table, "sha256", digest);
+            writer_.add(key.table, digest_name(key.name), digest);
     }
 
     void print_variant(const Layer& variant) {
@@ -252,13 +264,13 @@ private:
             printed.insert(key.table);
             writer_.add_dotted(key.path(), literal(key, entry));
             if (const std::string digest = digest_literal(entry); !digest.empty())
-                writer_.add_dotted(fmt::format("{}.sha256", key.table), digest);
+                writer_.add_dotted(fmt::format("{}.{}", key.table, digest_name(key.name)), digest);
         }
         const Entry* samples = document_.overrides.find(samples_);
         if (printed.contains("grid") && samples && grid_fits_mesh(base_) &&
             applies_to_any(schema_keys()[samples_], forms))
             writer_.add_dotted("grid.samples", literal(schema_keys()[samples_], *samples));
-        for (const std::string_view table : {"grid", "texture", "paths", "hand"})
+        for (const std::string_view table : {"grid", "texture", "paths", "hand", "compare"})
             if (variant.has(table) && (table != "grid" || document_.has("paths")) && !printed.contains(table))
                 writer_.add_dotted(std::string(table), "{}");
     }
@@ -290,15 +302,16 @@ std::string resolved_toml(const Case& one) {
     TomlWriter writer;
     for (const Setting& setting : one.settings) {
         writer.add(setting.table, setting.name, setting.literal);
-        if (setting.name != "file")
+        if (!is_file(setting.name))
             continue;
         const SurfaceSpec& surface = one.scene.surface;
         const std::string& sha256 = setting.table == "texture"          ? one.scene.texture->map.sha256
                                     : setting.table == "paths"          ? one.scene.paths->sha256
+                                    : setting.table == "compare"        ? one.scene.compare->file.sha256
                                     : surface.kind == SurfaceKind::mesh ? surface.mesh.sha256
                                                                         : surface.map.sha256;
         if (!sha256.empty())
-            writer.add(setting.table, "sha256", toml_string(sha256));
+            writer.add(setting.table, digest_name(setting.name), toml_string(sha256));
     }
     return writer.text();
 }

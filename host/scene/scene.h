@@ -36,6 +36,8 @@ enum class PathKind { strokes, raster, circle, spiral, taps, random_walk, minimu
 enum class PathLoop { open, closed };
 enum class PathFollow { plane, surface };
 enum class PathDrive { depth, press, push };
+enum class CompareKind { sphere, cylinder, plane, mesh };
+enum class CompareAxis { x, y, z };
 
 /// A file that a scene names.
 struct FileSpec {
@@ -90,6 +92,19 @@ struct TextureSpec {
     HeightMapSpec map;
     TextureEffect effect = TextureEffect::force; /* L8, or L9 on a mesh */
     friend bool operator==(const TextureSpec&, const TextureSpec&) = default;
+};
+
+/// A shape that forces are compared with: what K and its depth would give, along its normal.
+struct CompareSpec {
+    CompareKind kind = CompareKind::sphere;
+    double depth = 0.002;                        /* m: below the shape, to which deviations are summed up */
+    std::optional<double> radius;                /* m: sphere, cylinder; a bump's own smooth shape needs none */
+    std::optional<std::array<double, 3>> centre; /* m: of the sphere; a place of the cylinder's axis or of the plane */
+    std::optional<CompareAxis> axis;             /* of the cylinder, y; that the plane faces, z */
+    FileSpec file;                               /* of the mesh; what follows is, left out, the scene's own mesh's */
+    std::optional<double> unit, scale;           /* m; 1 */
+    std::optional<std::array<double, 3>> rotate, translate; /* rad, m */
+    friend bool operator==(const CompareSpec&, const CompareSpec&) = default;
 };
 
 /// Voxel (i, j, k) samples origin + spacing * (i, j, k).
@@ -178,6 +193,7 @@ struct Scene {
     bool field = true; /* false: a scene with [paths] and without [grid] asks for paths only */
     std::optional<PathsSpec> paths;
     HandSpec hand;
+    std::optional<CompareSpec> compare;
     OutputSpec output;
     Precision precision = Precision::f32;
     friend bool operator==(const Scene&, const Scene&) = default;

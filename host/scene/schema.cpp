@@ -91,6 +91,8 @@ bool applies(const Key& key, const Forms& forms) {
         return (key.forms & forms.paths) != 0 && (!key.closed_loop || forms.closed_loop);
     case Subject::hand:
         return forms.hand;
+    case Subject::compare:
+        return (key.forms & forms.compare) != 0;
     }
     return true;
 }
@@ -98,6 +100,9 @@ bool applies(const Key& key, const Forms& forms) {
 std::string describe_forms(const Key& key, const Forms& forms) {
     if (key.subject == Subject::paths || key.subject == Subject::hand)
         return describe_path_forms(key, forms);
+    if (key.subject == Subject::compare)
+        return forms.compare == 0 ? "a scene without [compare]"
+                                  : fmt::format("kind \"{}\"", names_of(forms.compare, kCompareKinds, 1).front());
     const std::uint32_t form = key.subject == Subject::texture ? forms.texture : forms.surface;
     if (form == 0)
         return "a scene without [texture]";
@@ -119,6 +124,10 @@ std::string describe_applicability(const Key& key) {
         return "a closed loop";
     if (key.subject == Subject::paths)
         return describe_path_applicability(key);
+    if (key.subject == Subject::compare) {
+        const std::vector<std::string_view> kinds = names_of(key.forms, kCompareKinds, 1);
+        return kinds.size() == kCompareKinds.size() ? "" : fmt::format("kind {}", join_or(kinds));
+    }
     std::vector<std::string_view> kinds = names_of(key.forms, std::span(kSurfaceKinds).first(2), kFormBump);
     if (key.forms & kFormMesh)
         kinds.push_back(kSurfaceKinds[3]);
@@ -172,6 +181,8 @@ std::string table_header(std::string_view table) {
         remark = "(L8; a scene without this table has none)";
     if (table == "paths")
         remark = "(exploration paths; a scene without this table has none, one with it and without [grid] no field)";
+    if (table == "compare")
+        remark = "(a shape that forces are compared with; a scene without this table has none)";
     if (table == "hand")
         remark = "(what moves the probe along paths in closed loop)";
     return remark.empty() ? fmt::format("\n[{}]\n", table) : fmt::format("\n# [{}]    {}\n", table, remark);

@@ -34,19 +34,22 @@ enum Form : std::uint32_t {
 
 inline constexpr std::uint32_t kFormBumps = kFormBump | kFormCylinderBump;
 
-// In the order of SurfaceKind, of MapFunction, of which the last is no function but a file, and of PathKind.
+// In the order of SurfaceKind, of MapFunction, of which the last is no function but a file, of CompareKind, and of
+// PathKind.
 inline constexpr std::array<std::string_view, 4> kSurfaceKinds{"bump", "cylinder_bump", "height_map", "mesh"};
 inline constexpr std::array<std::string_view, 4> kMapFunctions{"cylinder", "dip", "sine", "gaussian"};
+inline constexpr std::array<std::string_view, 4> kCompareKinds{"sphere", "cylinder", "plane", "mesh"};
 inline constexpr std::array<std::string_view, 8> kPathKinds{"strokes", "raster",      "circle",       "spiral",
                                                             "taps",    "random_walk", "minimum_jerk", "recorded"};
 
 /// What decides whether a key applies: nothing, the surface's form, the texture's form, the shading of such a surface,
-/// the kind of the paths, or whether a hand moves the probe.
-enum class Subject { none, surface, texture, shading, paths, hand };
+/// the kind of the paths, whether a hand moves the probe, or the shape of [compare].
+enum class Subject { none, surface, texture, shading, paths, hand, compare };
 
 /// What few keys say of themselves.
 struct KeyTraits {
-    std::uint32_t forms = 0;       // bits of Form, of paths 1 << PathKind, that it applies to, if the subject has forms
+    std::uint32_t forms =
+        0; // bits of Form, or 1 << PathKind or CompareKind, that it applies to, if the subject has forms
     Sign sign = Sign::any;         // of a quantity or number
     std::string_view example = {}; // as TOML, where there is no default
     std::string_view choice = {};  // of keys of a table that share this, those with another option replace each other
@@ -82,7 +85,8 @@ struct Forms {
     bool reference_shading = false;
     std::uint32_t paths = 0; // 1 << PathKind; 0: no paths
     bool closed_loop = false;
-    bool hand = false; // a hand moves the probe
+    bool hand = false;         // a hand moves the probe
+    std::uint32_t compare = 0; // 1 << CompareKind; 0: no [compare]
     friend bool operator==(const Forms&, const Forms&) = default;
 };
 

@@ -97,7 +97,8 @@ private:
                 const std::string message = fmt::format("\"{}\" does not apply to {}; it applies to {}", key.name,
                                                         describe_forms(key, own.front()), describe_applicability(key));
                 if (entry.where.line > 0 && key.subject != Subject::shading &&
-                    (key.table == "surface" || key.table == "texture" || key.table == "paths"))
+                    (key.table == "surface" || key.table == "texture" || key.table == "paths" ||
+                     key.table == "compare"))
                     errors_.attempt([&] { fail(source(), entry.where, message); });
                 study_.warnings.push_back(location_prefix(source(), entry.where) + message);
             }

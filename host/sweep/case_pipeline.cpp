@@ -23,16 +23,13 @@ namespace forceshade {
 
 namespace {
 
-constexpr std::array kFieldChannels{layout::kChannelForce, layout::kChannelDepth, layout::kChannelFacet,
-                                    layout::kChannelProxy, layout::kChannelUnshaded};
-
 VolumeHeader volume_header(const PreparedCase& prepared, int threads) {
     const Scene& scene = prepared.one.scene;
     VolumeHeader header;
     header.size = scene.grid.size;
     header.origin = scene.grid.origin;
     header.spacing = scene.grid.spacing;
-    header.channels = scene.output.channels | layout::kChannelForce;
+    header.channels = written_channels(scene);
     set_options(header, prepared, scene, threads);
     return header;
 }
@@ -46,6 +43,8 @@ std::vector<FileRecord> inputs_of(const Scene& scene) {
     };
     if (scene.paths)
         add(scene.paths->file, scene.paths->sha256);
+    if (scene.compare)
+        add(scene.compare->file.file, scene.compare->file.sha256);
     add(scene.surface.mesh.file, scene.surface.mesh.sha256);
     add(scene.surface.map.file, scene.surface.map.sha256);
     if (scene.texture)
@@ -101,16 +100,17 @@ void add_path_files(const std::string& stem, std::uint32_t channels, AlsoFormats
 std::vector<std::string> file_names(const std::string& stem, const Scene& scene, AlsoFormats also) {
     std::vector<std::string> names;
     if (scene.field)
-        add_field_files(stem, scene.output.channels, also, names);
+        add_field_files(stem, written_channels(scene), also, names);
     if (scene.paths)
-        add_path_files(stem, scene.output.channels, also, names);
+        add_path_files(stem, written_channels(scene), also, names);
     return names;
 }
 
 std::vector<std::string> possible_file_names(const std::string& stem, AlsoFormats also) {
     std::vector<std::string> names;
-    add_field_files(stem, kAllChannels, also, names);
-    add_path_files(stem, kAllChannels, also, names);
+    constexpr std::uint32_t kAll = ~0u;
+    add_field_files(stem, kAll, also, names);
+    add_path_files(stem, kAll, also, names);
     return names;
 }
 
@@ -161,13 +161,21 @@ CaseOutput::CaseOutput(const PreparedCase& prepared, const std::filesystem::path
                 sinks_.emplace_back(name,
                                     std::make_unique<NpyWriter>(folder / name, header.size, channel, scene.precision));
             }
+    if (scene.compare)
+        compared_.emplace(prepared, static_cast<unsigned>(threads_));
     if (also.pictures.any())
         slices_ = std::make_unique<picture::SliceCollector>(scene.grid, repeats, pictures.slice);
 }
 
 template <typename T> void CaseOutput::write(const layout::FieldChunk<T>& chunk) {
-    for (auto& [name, sink] : sinks_)
-        sink->write(chunk, repeat_y_);
+    const auto write = [&](const layout::FieldChunk<T>& rows, std::size_t repeat_y) {
+        for (auto& [name, sink] : sinks_)
+            sink->write(rows, repeat_y);
+    };
+    if (compared_)
+        compared_->field<T>(chunk, repeat_y_, write);
+    else
+        write(chunk, repeat_y_);
     if (slices_)
         slices_->add(chunk);
     timed(checking_, [&] { check_.add(chunk); });
@@ -192,6 +200,8 @@ CaseRecord CaseOutput::finish() {
         }
         record.files.push_back({name, result.sha256, result.bytes});
     }
+    if (compared_)
+        record.deviation = compared_->record();
     record.volume_times.check = checking_;
     if (slices_)
         add_pictures(record);

@@ -23,6 +23,7 @@
 #include "host/paths/path_run.h"
 #include "host/picture/picture.h"
 #include "host/picture/slice_collector.h"
+#include "host/prepare/comparison.h"
 #include "host/prepare/prepared_case.h"
 #include "host/referee/oracle_check.h"
 #include "shaders/shared/law.h"
@@ -37,9 +38,6 @@ struct AlsoFormats {
 
 /// \throws UsageError for a name that is none of vti, npy, png, svg, pdf.
 AlsoFormats parse_also(const std::vector<std::string>& names);
-
-inline constexpr std::uint32_t kAllChannels = layout::kChannelForce | layout::kChannelDepth | layout::kChannelFacet |
-                                              layout::kChannelProxy | layout::kChannelUnshaded;
 
 /// The names of all files that a case leaves whose volume is or would be called `STEM.exr`, the volume first.
 std::vector<std::string> file_names(const std::string& stem, const Scene& scene, AlsoFormats also);
@@ -86,6 +84,7 @@ private:
     std::vector<std::pair<std::string, std::unique_ptr<ChunkSink>>> sinks_; // file name and sink, the volume first
     std::unique_ptr<picture::SliceCollector> slices_;
     OracleCheck check_;
+    std::optional<Compared> compared_; // with [compare]
 };
 
 // Chunks on their way from the engine to the thread that encodes their case, bounded in bytes over all cases.

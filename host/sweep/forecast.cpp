@@ -26,8 +26,9 @@ double reals(std::uint32_t channels, std::initializer_list<std::uint32_t> always
     for (const std::uint32_t channel : always)
         channels |= channel;
     double sum = 0;
-    for (const std::uint32_t channel : {layout::kChannelForce, layout::kChannelDepth, layout::kChannelProxy,
-                                        layout::kChannelUnshaded, layout::kChannelPosition})
+    for (const std::uint32_t channel :
+         {layout::kChannelForce, layout::kChannelDepth, layout::kChannelProxy, layout::kChannelUnshaded,
+          layout::kChannelPosition, kChannelAngle, kChannelMagnitudeError})
         if (channels & channel)
             sum += static_cast<double>(components_of(channel));
     return sum;
@@ -113,7 +114,7 @@ Forecast& Forecast::operator+=(const Forecast& other) {
 
 Forecast forecast(const Scene& scene, AlsoFormats also) {
     Forecast sum;
-    const std::uint32_t channels = scene.output.channels;
+    const std::uint32_t channels = written_channels(scene);
     const double ids = channels & layout::kChannelFacet ? 1 : 0;
     if (scene.field) {
         const auto& size = scene.grid.size;

@@ -142,6 +142,20 @@ constexpr const char* kPathColumns[] = {"paths",
                                         "path_samples_differing",
                                         "paths_exr_sha256"};
 
+constexpr const char* kDeviationColumns[] = {"compare_rms_angle_deg", "compare_largest_angle_deg",
+                                             "compare_rms_magnitude_error_N", "compare_largest_magnitude_error_N"};
+
+void add_deviation(const std::optional<DeviationRecord>& deviation, CsvText& csv) {
+    if (deviation && deviation->magnitudes > 0)
+        csv.add(deviation->rms_angle)
+            .add(deviation->largest_angle)
+            .add(deviation->rms_magnitude_error)
+            .add(deviation->largest_magnitude_error);
+    else
+        for ([[maybe_unused]] const char* column : kDeviationColumns)
+            csv.add("");
+}
+
 void add_paths(const CaseRecord& record, CsvText& csv) {
     if (!record.paths) {
         for ([[maybe_unused]] const char* column : kPathColumns)
@@ -159,7 +173,7 @@ void add_paths(const CaseRecord& record, CsvText& csv) {
 }
 
 // Columns: the case, every key that varies in the study, then figures that do not change from run to run; those of
-// paths only where a case of the study has some.
+// paths and of comparisons only where a case of the study has some.
 std::string summary(const Study& study, const std::vector<CaseRecord>& records) {
     std::vector<std::string> keys;
     for (const Case& one : study.cases)
@@ -174,11 +188,19 @@ std::string summary(const Study& study, const std::vector<CaseRecord>& records) 
          {"precision", "voxels", "voxels_evaluated", "largest_force_N", "oracle_voxels", "oracle_differing",
           "oracle_largest_error_N", "oracle_relative_error", "exr_bytes", "exr_sha256"})
         csv.add(column);
-    const bool paths = std::any_of(study.cases.begin(), study.cases.end(),
-                                   [](const Case& one) { return one.scene.paths.has_value(); });
+    const auto any = [&](auto has) { return std::ranges::any_of(study.cases, has, &Case::scene); };
+    const bool paths = any([](const Scene& scene) { return scene.paths.has_value(); });
+    const bool compared = any([](const Scene& scene) { return scene.compare && scene.field; });
+    const bool compared_paths = any([](const Scene& scene) { return scene.compare && scene.paths; });
+    if (compared)
+        for (const char* column : kDeviationColumns)
+            csv.add(column);
     if (paths)
         for (const char* column : kPathColumns)
             csv.add(column);
+    if (compared_paths)
+        for (const char* column : kDeviationColumns)
+            csv.add(fmt::format("path_{}", column));
     csv.end();
     for (const CaseRecord& record : records) {
         csv.add(record.name);
@@ -190,8 +212,12 @@ std::string summary(const Study& study, const std::vector<CaseRecord>& records) 
         csv.add(record.precision).add(record.voxels).add(record.evaluated).add(record.largest_force);
         csv.add(record.error.compared).add(record.error.differing).add(record.error.largest);
         csv.add(record.error.relative()).add(record.files.front().bytes).add(record.files.front().sha256);
+        if (compared)
+            add_deviation(record.deviation, csv);
         if (paths)
             add_paths(record, csv);
+        if (compared_paths)
+            add_deviation(record.paths ? record.paths->deviation : std::nullopt, csv);
         csv.end();
     }
     return csv.text();

@@ -98,11 +98,12 @@ template <typename real> struct FieldChunk {
     std::size_t x_count, x_pitch;
     std::size_t y_first, y_count;
     std::size_t z_first, z_count;
-    std::span<const real> force;    // N, 3 a sample
-    std::span<const real> depth;    // m
-    std::span<const uint> facet;    // id
-    std::span<const real> proxy;    // m, 3 a sample
-    std::span<const real> unshaded; // N, 3 a sample
+    std::span<const real> force;                      // N, 3 a sample
+    std::span<const real> depth;                      // m
+    std::span<const uint> facet;                      // id
+    std::span<const real> proxy;                      // m, 3 a sample
+    std::span<const real> unshaded;                   // N, 3 a sample
+    std::span<const real> angle{}, magnitude_error{}; // deg, N: against [compare], by the host
 };
 
 // What paths use; everything else is left out of the compiled kernel.

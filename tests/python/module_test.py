@@ -120,6 +120,111 @@ class SameBits(InFolder):
             forceshade.Scene(scene).field()
 
 
+class Comparing(InFolder):
+    """Against shapes that NumPy computes by itself."""
+
+    SPHERE = {"surface": {"kind": "sphere", "radius": "20 mm", "centre": ["0 mm", "0 mm", "-3 mm"]}}
+
+    def expected(self, places, force, away, depth, stiffness=1000):
+        size = np.linalg.norm(force, axis=-1)
+        touched = (size > 0) | (depth > 0)
+        error = np.where(touched, size - stiffness * np.maximum(depth, 0), np.nan)
+        return forceshade.angle(force, away), error
+
+    def check(self, got, angle, error):
+        np.testing.assert_allclose(got.angle, angle, atol=2e-5)
+        np.testing.assert_allclose(got.magnitude_error, error, atol=2e-6)
+        self.assertGreater(np.isfinite(got.angle).sum(), 10)
+
+    def test_a_sphere_under_a_polyhedron_and_a_bump(self):
+        vertices, faces = forceshade.sphere(0.02, 3)
+        mesh = (vertices + [0, 0, -0.003], faces)
+        scenes = [forceshade.Scene({"surface": {"kind": "mesh"}, "grid": {"samples": 20}, "compare": self.SPHERE,
+                                    "run": {"precision": "f64"}}, mesh=mesh),
+                  forceshade.Scene({**BUMP, "compare": self.SPHERE, "run": {"precision": "f64"}})] # y on its own
+        for scene in scenes:
+            field = scene.field()
+            from_centre = grid_of(field) - [0, 0, -0.003]
+            distance = np.linalg.norm(from_centre, axis=-1)
+            self.check(field, *self.expected(grid_of(field), field.force, from_centre, 0.02 - distance))
+            contact = scene.contact(grid_of(field))
+            np.testing.assert_array_equal(contact.angle, field.angle)
+        self.assertGreater(np.nanmax(scenes[0].field().angle), 5)
+
+    def test_planes_and_cylinders(self):
+        scene = forceshade.Scene({**BUMP, "compare": {"surface": {"kind": "plane", "axis": "x",
+                                                                  "centre": ["2 mm", "0 mm", "0 mm"]}}},
+                                 {"run.precision": "f64"})
+        field, places = scene.field(), grid_of(scene.field())
+        self.check(field, *self.expected(places, field.force, np.array([1.0, 0, 0]), 0.002 - places[..., 0]))
+        centre = np.array([0.001, 0, -0.012])
+        scene = forceshade.Scene({**BUMP, "compare": {"surface": {
+            "kind": "cylinder", "radius": "14 mm", "centre": [f"{1000 * x} mm" for x in centre]}}}, {"run.precision": "f64"})
+        field, away = scene.field(), (places - centre) * [1, 0, 1]
+        self.check(field, *self.expected(places, field.force, away, 0.014 - np.linalg.norm(away, axis=-1)))
+
+    def test_a_shaded_bump_has_the_direction_of_its_own_smooth_shape(self):
+        scene = {**BUMP, "compare": {"surface": {"kind": "cylinder"}}, "run": {"precision": "f64"}}
+        radius, half = 0.6 * 0.0254, 0.5 * 0.0254
+        for shading in ("reference", "none"):
+            field = forceshade.Scene(scene, {"force.shading": shading}).field()
+            x = np.clip(grid_of(field)[..., 0], -half, half)
+            height = np.sqrt(radius ** 2 - x ** 2) - np.sqrt(radius ** 2 - half ** 2)
+            turned = np.where(np.abs(x) < half, x / radius, 0)
+            normal = np.stack([turned, 0 * x, np.sqrt(1 - turned ** 2)], -1)
+            self.check(field, *self.expected(grid_of(field), field.force, normal, height - grid_of(field)[..., 2]))
+            largest = np.nanmax(field.angle)
+            self.assertTrue(largest < 1e-5 if shading == "reference" else largest > 10)
+
+    def test_a_finer_mesh_is_nearly_the_sphere(self):
+        coarse, (vertices, faces) = forceshade.sphere(0.02, 2), forceshade.sphere(0.02, 24)
+        with open(self.path("fine.obj"), "w", encoding="ascii") as file:
+            file.writelines(f"v {x!r} {y!r} {z!r}\n" for x, y, z in (1000 * vertices).tolist())
+            file.writelines("f " + " ".join(str(corner + 1) for corner in face) + "\n" for face in faces)
+        of_mesh, of_sphere = (forceshade.Scene({"surface": {"kind": "mesh"}, "grid": {"samples": 16}, "compare": {
+            "surface": surface}}, mesh=coarse).field() for surface in
+            ({"kind": "mesh", "file": self.path("fine.obj"), "unit": "mm"}, {"kind": "sphere", "radius": "20 mm"}))
+        near = np.isfinite(of_sphere.angle)
+        self.assertGreater(near.sum(), 500)
+        np.testing.assert_allclose(of_mesh.angle[near], of_sphere.angle[near], atol=2.5)
+        both = np.isfinite(of_sphere.magnitude_error) & np.isfinite(of_mesh.magnitude_error)
+        np.testing.assert_allclose(of_mesh.magnitude_error[both], of_sphere.magnitude_error[both], atol=0.03)
+
+    def test_files_have_the_same_numbers(self):
+        strokes = {"kind": "strokes", "count": 4, "steps": 60, "depth": "1 mm"}
+        sphere = {"kind": "sphere", "radius": "20 mm", "centre": ["0 mm", "0 mm", "-20 mm"]}
+        scene = {**BUMP, "compare": {"surface": sphere, "depth": "2.05 mm"}, "paths": strokes} # no sample just there
+        out = self.path("c.exr")
+        self.program("field", self.write_scene(scene), "--out", out, "--also", "npy,vti")
+        field, read = forceshade.Scene(scene).field(), forceshade.read(out)
+        for name in ("angle", "magnitude_error"):
+            np.testing.assert_array_equal(np.load(self.path(f"c.{name}.npy")), getattr(field, name))
+            np.testing.assert_array_equal(getattr(read, name), getattr(field, name))
+        explored = forceshade.Scene(scene).explore()
+        for name in ("p.exr", "q.csv"):
+            self.program("explore", self.path("scene.toml"), "--out", self.path(name))
+            table = forceshade.read(self.path(name))
+            angle = table["angle"].reshape(4, 60) if name == "q.csv" else table.angle
+            np.testing.assert_array_equal(angle.astype(np.float32), explored.angle)
+        self.program("sweep", self.write_scene(scene, "s.toml"), "--out", self.path("swept"))
+        row = forceshade.read(self.path("swept"))
+        for of, column in ((field, "compare"), (explored, "path_compare")):
+            places = grid_of(field) if of is field else explored.position
+            near = np.linalg.norm(places - [0, 0, -0.02], axis=-1) >= 0.01795
+            rms = np.sqrt(np.nanmean(np.square(of.angle[near], dtype=float)))
+            np.testing.assert_allclose(row[column + "_rms_angle_deg"], rms, rtol=1e-5)
+            np.testing.assert_allclose(row[column + "_largest_magnitude_error_N"],
+                                       np.nanmax(np.abs(of.magnitude_error[near])), rtol=1e-5)
+
+    def test_shapes_that_say_too_little_are_refused(self):
+        for surface, words in (({"kind": "sphere"}, "needs a radius"), ({"kind": "mesh"}, "needs a file"),
+                               ({"kind": "spher"}, "did you mean \"sphere\""),
+                               ({"kind": "plane", "radius": "1 mm"}, "does not apply to kind \"plane\""),
+                               ({"kind": "sphere", "raduis": "1 mm"}, "did you mean \"surface.radius\"")):
+            with self.subTest(surface=surface), self.assertRaisesRegex(forceshade.SceneError, words):
+                forceshade.Scene({"surface": {"kind": "bump"}, "compare": {"surface": surface}})
+
+
 class Reading(InFolder):
     def test_reads_fields_and_sweeps(self):
         scene = {**BUMP, "output": {"channels": list(CHANNELS)}}

@@ -28,9 +28,9 @@ TEST(Document, Misspelt) {
               "f.toml:1:2: unknown table [mesh]; did you mean [surface] with kind = \"mesh\"?");
     EXPECT_EQ(study_error("facets = 3\n"), "f.toml:1:1: \"facets\" stands in no table; it belongs in [surface]");
     EXPECT_EQ(study_error("[run]\nq = 1\n"), "f.toml:2:1: unknown key \"q\" in [run]; it has precision");
-    EXPECT_EQ(study_error("[probes]\n"),
-              "f.toml:1:2: unknown table [probes]; known are [surface], [force], "
-              "[texture], [grid], [paths], [hand], [output], [run], [variant], [experiment]");
+    EXPECT_EQ(study_error("[probes]\n"), "f.toml:1:2: unknown table [probes]; known are [surface], [force], "
+                                         "[texture], [grid], [paths], [hand], [compare], [output], [run], [variant], "
+                                         "[experiment]");
     EXPECT_EQ(study_error("[force]\n\"a.b\" = 1\n").substr(0, 26), "f.toml:2:1: unknown key \"a");
     EXPECT_EQ(study_error("[force]\nstiffness.x = 1\n"),
               "f.toml:2:1: stiffness is a stiffness with a unit, for example \"0.5 N/mm\"; got a table");

@@ -62,9 +62,13 @@ class Contact:
     """m, (..., 3): the place of the surface that is touched; the probe itself out of contact."""
     facet: Array
     """(...): its number, -1 out of contact."""
+    angle: Array | None = None
+    """deg, (...): with [compare], between the force and the normal of the shape there; NaN where there is none."""
+    magnitude_error: Array | None = None
+    """N, (...): with [compare], the force's magnitude less that of the shape; NaN out of contact with both."""
 
     @property
-    def angle(self) -> Array:
+    def turn(self) -> Array:
         """deg, (...): by which shading turns the force; NaN out of contact."""
         return angle(self.force, self.unshaded)
 
@@ -89,6 +93,10 @@ class Field:
     """m, (nz, ny, nx, 3)."""
     unshaded: Array | None = None
     """N, (nz, ny, nx, 3)."""
+    angle: Array | None = None
+    """deg, (nz, ny, nx): with [compare], between the force and the normal of the shape there; NaN without a force."""
+    magnitude_error: Array | None = None
+    """N, (nz, ny, nx): with [compare], the force's magnitude less that of the shape; NaN out of contact with both."""
     scene: str = ""
     """The scene as complete TOML."""
 
@@ -101,10 +109,10 @@ class Field:
         """As an xarray.Dataset with coordinates in metres (package python3-xarray)."""
         import xarray
         data = {}
-        for name in ("force", "depth", "facet", "proxy", "unshaded"):
+        for name in ("force", "depth", "facet", "proxy", "unshaded", "angle", "magnitude_error"):
             values = getattr(self, name)
             if values is not None:
-                unit = {"depth": "m", "proxy": "m", "facet": "1"}.get(name, "N")
+                unit = {"depth": "m", "proxy": "m", "facet": "1", "angle": "deg"}.get(name, "N")
                 data[name] = (("z", "y", "x", "component")[:values.ndim], values, {"units": unit})
         coordinates: dict[str, Any] = {axis: (axis, getattr(self, axis), {"units": "m"}) for axis in "xyz"}
         coordinates["component"] = list("xyz")
@@ -125,6 +133,10 @@ class Paths:
     """m, (paths, steps)."""
     facet: Array | None = None
     """(paths, steps); -1 out of contact."""
+    angle: Array | None = None
+    """deg, (paths, steps): with [compare], as of a Contact."""
+    magnitude_error: Array | None = None
+    """N, (paths, steps): likewise."""
     rate: float = float("nan")
     """Hz: samples a second; NaN for a file of recorded paths, whose samples have times of their own."""
     figures: Mapping[str, Array] = _field(default_factory=dict)
@@ -210,12 +222,20 @@ class Scene:
         for name, values in arrays.items():
             if values.ndim > 1 and values.shape[1] != size[1]:
                 arrays[name] = np.broadcast_to(values, size + values.shape[3:])
+        if self._native.compares:
+            places = np.empty(size + (3,))
+            places[..., 0] = arrays["x"]
+            places[..., 1] = arrays["y"][:, None]
+            places[..., 2] = arrays["z"][:, None, None]
+            self._compare(arrays, places, threads)
         return Field(**arrays, scene=self.toml)
 
     def contact(self, points: ArrayLike, *, threads: int = 0) -> Contact:
         """What a probe meets at each point (..., 3), m, that has no history: on a mesh the nearest place of it."""
         points = np.asarray(points, dtype=float)
-        return _contact(self._native.contact(_rows(points), threads), points.shape)
+        arrays = self._native.contact(_rows(points), threads)
+        self._compare(arrays, _rows(points), threads)
+        return _contact(arrays, points.shape)
 
     def forces(self, points: ArrayLike, *, threads: int = 0) -> Array:
         """N, (..., 3): the force at each point (..., 3), m; as contact(points).force."""
@@ -229,7 +249,19 @@ class Scene:
             closed loop where the hand wants to be. None: as the scene's [paths] says.
         """
         given = None if paths is None else [_rows(np.asarray(path, dtype=float)) for path in paths]
-        return Paths(**self._native.explore(given, engine, gpu, threads), scene=self.toml)
+        arrays = self._native.explore(given, engine, gpu, threads)
+        if self._native.compares:
+            there = np.isfinite(arrays["position"])
+            self._compare(arrays, np.where(there, arrays["position"], 0), threads)
+            for name in ("angle", "magnitude_error"):
+                arrays[name][~there[..., 0]] = np.nan
+        return Paths(**arrays, scene=self.toml)
+
+    def _compare(self, arrays: dict[str, Any], places: Array, threads: int) -> None:
+        """Adds angle and magnitude_error, of the shape of places without its last axis, if there is [compare]."""
+        if self._native.compares:
+            found = self._native.compare(places.reshape(-1, 3), arrays["force"].reshape(-1, 3), threads)
+            arrays.update({name: values.reshape(places.shape[:-1]) for name, values in found.items()})
 
 
 class GodObject:
@@ -237,16 +269,18 @@ class GodObject:
 
     def __init__(self, scene: Scene) -> None:
         self._native = _native.GodObject(scene._native)
+        self._scene = scene
 
     def step(self, point: ArrayLike) -> Contact:
         """The contact of the probe at its next place (3,), m."""
-        point = np.asarray(point, dtype=float)
-        return _contact(self._native.follow(point.reshape(1, -1)), point.shape)
+        return self.follow(point)
 
     def follow(self, points: ArrayLike) -> Contact:
         """The contacts along a way (n, 3), m; goes on from where the last one ended."""
-        points = np.asarray(points, dtype=float)
-        return _contact(self._native.follow(points), points.shape)
+        places = np.asarray(points, dtype=float)
+        arrays = self._native.follow(_rows(places))
+        self._scene._compare(arrays, _rows(places), 1)
+        return _contact(arrays, places.shape)
 
     def reset(self) -> None:
         """Forgets the past: the next place begins a new way."""
