@@ -232,7 +232,8 @@ void write_share(const Grammar& grammar, const std::filesystem::path& folder) {
         write("man/man1/" + page.file, page.text);
     }
     write("bash-completion/completions/forceshade", completion_script("bash"));
-    write("zsh/site-functions/_forceshade", completion_script("zsh"));
+    for (const char* kind : {"site-functions", "vendor-completions"}) // below /usr/local, and below Debian's /usr
+        write(fmt::format("zsh/{}/_forceshade", kind), completion_script("zsh"));
     write("fish/vendor_completions.d/forceshade.fish", completion_script("fish"));
 }
 

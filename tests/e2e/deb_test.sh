@@ -28,7 +28,8 @@ for file in bump.exr bump.arrows.png bump.force.npy; do
     [ -s "$root/tmp/$file" ] || { echo "no $file" >&2; exit 1; }
 done
 inside forceshade doctor || true
-[ -s "$root/usr/share/man/man1/forceshade-field.1" ] || ls "$root"/usr/share/man/man1/forceshade*
+[ -s "$root/usr/share/zsh/vendor-completions/_forceshade" ]
+[ -s "$root/usr/share/man/man1/forceshade-field.1" ]
 inside python3 -c 'import forceshade, numpy
 field = forceshade.Scene.load("/tmp/bump.toml").field()
 assert (field.force == numpy.load("/tmp/bump.force.npy")).all()'
