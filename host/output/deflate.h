@@ -1,4 +1,4 @@
-// What compresses the blocks of EXR and VTI files.
+// What compresses the blocks of EXR, VTI and VTP files.
 #pragma once
 
 #include <cstddef>

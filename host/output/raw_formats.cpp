@@ -7,9 +7,7 @@
 #include <fmt/format.h>
 
 #include "host/clock.h"
-#include "host/output/deflate.h"
 #include "host/output/files.h"
-#include "host/output/reading.h"
 #include "host/output/rows.h"
 #include "host/program.h"
 
@@ -107,114 +105,51 @@ CsvText& CsvText::add(std::string_view text) {
 
 namespace {
 
-constexpr std::uint64_t kBlockBytes = 1 << 18; // compressed at once
-constexpr std::size_t kBlockCounts = 3;        // that stand before the sizes of the blocks
+// Where write_rows puts a channel's samples.
+struct VtiTarget {
+    VtkFile& file;
+    const char* name;
+    void write(std::span<const std::byte> bytes) { file.write(name, bytes); }
+};
 
-std::uint64_t blocks_of(std::uint64_t bytes) {
-    return (bytes + kBlockBytes - 1) / kBlockBytes;
+std::vector<VtkArray> vti_arrays(const VtiHeader& header) {
+    const auto& [size, origin, spacing, channels, precision] = header;
+    const std::string extent = fmt::format("0 {} 0 {} 0 {}", size[0] - 1, size[1] - 1, size[2] - 1);
+    const char* scalars = channels & layout::kChannelDepth   ? " Scalars=\"depth\""
+                          : channels & layout::kChannelFacet ? " Scalars=\"facet\""
+                                                             : "";
+    std::vector<VtkArray> arrays;
+    for (const std::uint32_t channel : kFieldChannels)
+        if (channels & channel)
+            arrays.push_back({name_of_channel(channel),
+                              channel == layout::kChannelFacet ? "Int32" // what UInt32 calls no facet is -1
+                              : precision == Precision::f64    ? "Float64"
+                                                               : "Float32",
+                              components_of(channel), size[0] * size[1] * size[2]});
+    arrays.front().before = fmt::format("<ImageData WholeExtent=\"{}\" Origin=\"{}\" Spacing=\"{}\">\n"
+                                        "<Piece Extent=\"{}\">\n<PointData Vectors=\"force\"{}>\n",
+                                        extent, fmt::join(origin, " "), fmt::join(spacing, " "), extent, scalars);
+    return arrays;
 }
 
 } // namespace
 
 VtiWriter::VtiWriter(const std::filesystem::path& path, const VtiHeader& header)
-    : file_(path), order_(header.size), header_(header) {
-    const std::uint64_t samples = header.size[0] * header.size[1] * header.size[2];
-    for (const std::uint32_t channel : kFieldChannels)
-        if (header.channels & channel) {
-            const bool doubles = channel != layout::kChannelFacet && header.precision == Precision::f64;
-            Array& array = arrays_.emplace_back();
-            array.channel = channel;
-            array.bytes = samples * components_of(channel) * (doubles ? 8 : 4);
-            array.header = {blocks_of(array.bytes), kBlockBytes, array.bytes % kBlockBytes};
-            if (arrays_.size() > 1)
-                array.aside = std::make_unique<TemporaryFile>(path.string() + "." + name_of_channel(channel));
-        }
-    file_.write(make_xml()); // both take their room now and are written at the end
-    file_.seek(file_.tell() + (kBlockCounts + blocks_of(arrays_.front().bytes)) * sizeof(std::uint64_t));
-}
-
-// All up to the appended data, which begins after the underscore. As long whatever the offsets are.
-std::string VtiWriter::make_xml() const {
-    const auto& [size, origin, spacing, channels, precision] = header_;
-    const std::string extent = fmt::format("0 {} 0 {} 0 {}", size[0] - 1, size[1] - 1, size[2] - 1);
-    const char* scalars = channels & layout::kChannelDepth   ? " Scalars=\"depth\""
-                          : channels & layout::kChannelFacet ? " Scalars=\"facet\""
-                                                             : "";
-    std::string xml = fmt::format("<?xml version=\"1.0\"?>\n"
-                                  "<VTKFile type=\"ImageData\" version=\"1.0\" byte_order=\"LittleEndian\" "
-                                  "header_type=\"UInt64\" compressor=\"vtkZLibDataCompressor\">\n"
-                                  "<ImageData WholeExtent=\"{}\" Origin=\"{}\" Spacing=\"{}\">\n"
-                                  "<Piece Extent=\"{}\">\n<PointData Vectors=\"force\"{}>\n",
-                                  extent, fmt::join(origin, " "), fmt::join(spacing, " "), extent, scalars);
-    for (const Array& array : arrays_) {
-        const char* type = array.channel == layout::kChannelFacet ? "Int32" // what UInt32 calls no facet is -1
-                           : precision == Precision::f64          ? "Float64"
-                                                                  : "Float32";
-        xml += fmt::format("<DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\" format=\"appended\" "
-                           "offset=\"{:020}\"/>\n",
-                           type, name_of_channel(array.channel), components_of(array.channel), array.offset);
-    }
-    return xml + "</PointData>\n<CellData/>\n</Piece>\n</ImageData>\n<AppendedData encoding=\"raw\">\n_";
-}
-
-void VtiWriter::Target::write(std::span<const std::byte> bytes) {
-    while (!bytes.empty()) {
-        const std::size_t part = std::min<std::size_t>(bytes.size(), kBlockBytes - array.block.size());
-        array.block.insert(array.block.end(), bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(part));
-        bytes = bytes.subspan(part);
-        if (array.block.size() == kBlockBytes)
-            writer.flush_block(array);
-    }
-}
-
-void VtiWriter::flush_block(Array& array) {
-    if (array.block.empty())
-        return;
-    deflate(array.block, array.packed);
-    array.header.push_back(array.packed.size());
-    file_of(array).write(array.packed);
-    array.block.clear();
-}
-
-// What stands aside follows what is in the file.
-void VtiWriter::append(Array& array) {
-    file_.write(std::as_bytes(std::span(array.header)));
-    array.aside->flush_to_disk();
-    const ReadableFile from(array.aside->temporary_path());
-    std::vector<std::byte> part(kBlockBytes);
-    for (std::uint64_t offset = 0;;) {
-        check_interrupt();
-        const std::size_t got = from.read_some(offset, part);
-        file_.write(std::span(part).first(got));
-        offset += got;
-        if (got < part.size())
-            return;
-    }
-}
+    : order_(header.size), header_(header),
+      file_(path, "ImageData", vti_arrays(header), "</PointData>\n<CellData/>\n</Piece>\n</ImageData>\n") {}
 
 void VtiWriter::write(const AnyFieldChunk& chunk, std::size_t repeat_y) {
     order_.accept(chunk, repeat_y);
-    for (Array& array : arrays_) {
-        Target target{*this, array};
-        write_rows(target, chunk, array.channel, repeat_y, header_.precision);
-    }
+    for (const std::uint32_t channel : kFieldChannels)
+        if (header_.channels & channel) {
+            VtiTarget target{file_, name_of_channel(channel)};
+            write_rows(target, chunk, channel, repeat_y, header_.precision);
+        }
 }
 
 VolumeResult VtiWriter::finish() {
     order_.require_complete();
-    const std::uint64_t data = make_xml().size();
-    for (Array& array : arrays_) {
-        flush_block(array);
-        array.offset = array.aside ? file_.tell() - data : 0;
-        if (array.aside)
-            append(array);
-        array.aside.reset();
-    }
-    file_.write(std::string_view("\n</AppendedData>\n</VTKFile>\n"));
-    file_.seek(0);
-    file_.write(make_xml());
-    file_.write(std::as_bytes(std::span(arrays_.front().header)));
-    return publish_raw(file_);
+    return file_.finish();
 }
 
 } // namespace forceshade

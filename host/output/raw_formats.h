@@ -1,4 +1,4 @@
-// The formats without compression: NPY, VTI and CSV.
+// NPY, VTI and CSV.
 #pragma once
 
 #include <array>
@@ -7,7 +7,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
-#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -16,6 +15,7 @@
 
 #include "host/output/files.h"
 #include "host/output/rows.h"
+#include "host/output/vtk_file.h"
 #include "host/scene/scene.h"
 #include "shaders/shared/law.h"
 
@@ -81,31 +81,9 @@ public:
     VolumeResult finish() override;
 
 private:
-    // The first array is compressed into the file itself, each other one into a file beside it that follows at the end.
-    struct Array {
-        std::uint32_t channel;
-        std::uint64_t bytes;                  /* of all samples */
-        std::unique_ptr<TemporaryFile> aside; /* null: the first */
-        std::vector<std::byte> block, packed; /* the samples that are not compressed yet; room */
-        std::vector<std::uint64_t> header;    /* blocks, bytes of a block, of the last one, of each compressed */
-        std::uint64_t offset = 0;             /* of its header in the appended data */
-    };
-    // Where write_rows puts an array's samples.
-    struct Target {
-        VtiWriter& writer;
-        Array& array;
-        void write(std::span<const std::byte> bytes);
-    };
-
-    std::string make_xml() const;
-    TemporaryFile& file_of(Array& array) { return array.aside ? *array.aside : file_; }
-    void flush_block(Array& array);
-    void append(Array& array);
-
-    TemporaryFile file_;
     RowOrder order_;
     VtiHeader header_;
-    std::vector<Array> arrays_;
+    VtkFile file_;
 };
 
 } // namespace forceshade

@@ -26,7 +26,7 @@ struct VolumeTimings {
     double sum() const { return encode + flush + read_back + hash + check; }
 };
 
-/// What became of a finished file. NPY and VTI files fill in only hash and size.
+/// What became of a finished file. NPY, VTI and VTP files fill in only hash and size.
 struct VolumeResult {
     std::string sha256;      /* of the file's bytes */
     std::uint64_t bytes = 0; /* of the file */

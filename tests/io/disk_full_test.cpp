@@ -103,6 +103,13 @@ TEST(DiskFull, ends_in_an_error_for_the_other_formats) {
         EXPECT_NE(write_all(npy, field).find("a.npy: File too large"), std::string::npos);
         VtiWriter vti(folder / "a.vti", {kFieldSize, {}, {1, 1, 1}, layout::kChannelForce, Precision::f32});
         EXPECT_NE(write_all(vti, field).find("a.vti: File too large"), std::string::npos);
+        VtkFile vtp(folder / "a.vtp", "PolyData",
+                    {{"small", "Float32", 1, 1}, {"large", "Float32", 1, field.force.size()}}, "");
+        EXPECT_NE(message_of<IoError>([&] {
+                      vtp.write("large", std::as_bytes(std::span(field.force)));
+                  }).find("a.vtp.large: File too large"),
+                  std::string::npos)
+            << "an array that is compressed beside the file";
     }
     EXPECT_TRUE(folder.names().empty());
 }

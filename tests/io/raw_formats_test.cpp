@@ -1,19 +1,22 @@
 // NumPy and ParaView files, read here by hand.
-#include <cstring>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
 
 #include <gtest/gtest.h>
-#include <zlib.h>
 
 #include "host/output/files.h"
 #include "host/output/raw_formats.h"
 #include "host/output/reading.h"
 #include "tests/io/folder.h"
 #include "tests/io/sample_field.h"
+#include "tests/io/vtk_bytes.h"
 
 namespace forceshade {
 namespace {
 
 using testing::Folder;
+using testing::message_of;
 using testing::SampleField;
 using testing::tight;
 
@@ -79,34 +82,126 @@ TEST(Vti, is_xml_and_the_arrays) {
     EXPECT_NE(bytes.find("<PointData Vectors=\"force\" Scalars=\"depth\">"), std::string::npos);
     EXPECT_NE(bytes.find("type=\"Int32\" Name=\"facet\""), std::string::npos) << "no facet is -1";
     EXPECT_TRUE(bytes.ends_with("\n</AppendedData>\n</VTKFile>\n"));
-    const std::size_t data = bytes.find("encoding=\"raw\">\n_") + 17;
-    const auto expect_array = [&](const char* name, const std::string& samples) {
-        const std::size_t tag = bytes.find(std::string("Name=\"") + name + "\"");
-        ASSERT_NE(tag, std::string::npos) << name;
-        const std::size_t offset = std::stoul(bytes.substr(bytes.find("offset=\"", tag) + 8));
-        std::array<std::uint64_t, 3> counts{}; // blocks, bytes of one, of the last one
-        std::memcpy(counts.data(), bytes.data() + data + offset, sizeof counts);
-        std::vector<std::uint64_t> packed(counts[0]);
-        std::memcpy(packed.data(), bytes.data() + data + offset + sizeof counts, 8 * packed.size());
-        std::string unpacked;
-        std::size_t from = data + offset + sizeof counts + 8 * packed.size();
-        for (const std::uint64_t size : packed) {
-            std::string block(counts[1], '\0');
-            uLongf room = block.size();
-            ASSERT_EQ(uncompress(reinterpret_cast<Bytef*>(block.data()), &room,
-                                 reinterpret_cast<const Bytef*>(bytes.data() + from), size),
-                      Z_OK);
-            unpacked += block.substr(0, room);
-            from += size;
-        }
-        EXPECT_EQ(unpacked.size() % counts[1], counts[2]) << name;
-        EXPECT_TRUE(unpacked == samples) << name;
+    const auto expect_array = [&](const char* name, const char* type, std::size_t components,
+                                  const std::string& samples) {
+        EXPECT_TRUE(testing::vtk_bytes(bytes, name, type, components) == samples) << name;
     };
-    expect_array("force", bytes_of(tight(field.force, testing::kSampleSize, field.pitch, 3)));
-    expect_array("depth", bytes_of(tight(field.depth, testing::kSampleSize, field.pitch, 1)));
-    expect_array("facet", bytes_of(tight(field.facet, testing::kSampleSize, field.pitch, 1)));
-    expect_array("proxy", bytes_of(tight(field.proxy, testing::kSampleSize, field.pitch, 3)));
-    expect_array("unshaded", bytes_of(tight(field.unshaded, testing::kSampleSize, field.pitch, 3)));
+    const auto expect_reals = [&](const char* name, const std::vector<float>& pitched, std::size_t components) {
+        expect_array(name, "Float32", components,
+                     bytes_of(tight(pitched, testing::kSampleSize, field.pitch, components)));
+    };
+    expect_reals("force", field.force, 3);
+    expect_reals("depth", field.depth, 1);
+    expect_reals("proxy", field.proxy, 3);
+    expect_reals("unshaded", field.unshaded, 3);
+    expect_array("facet", "Int32", 1, bytes_of(tight(field.facet, testing::kSampleSize, field.pitch, 1)));
+}
+
+// Polylines over 40000 points: several blocks of each array, with numbers that are none.
+class Vtp : public ::testing::Test {
+protected:
+    static constexpr std::size_t kPoints = 40000;
+
+    Vtp() {
+        for (std::size_t i = 0; i < kPoints; ++i) {
+            for (std::size_t c = 0; c < 3; ++c) {
+                places_.push_back(std::sin(double(3 * i + c)));
+                force_.push_back(float(i) / 7);
+            }
+            order_.push_back(static_cast<std::int64_t>(kPoints - 1 - i));
+        }
+        force_[5] = std::numeric_limits<float>::quiet_NaN();
+        force_[6] = -std::numeric_limits<float>::infinity();
+    }
+    static PolyData lines() {
+        PolyData data;
+        data.polygons = false;
+        data.points = data.corners = kPoints;
+        data.cells = 2;
+        data.point_data = {{"force", "Float32", 3, kPoints}};
+        data.cell_data = {{"path", "Int64", 1, 2}};
+        data.active_points = "Vectors=\"force\"";
+        data.active_cells = "Scalars=\"path\"";
+        data.field_data = "<FieldData/>\n";
+        return data;
+    }
+    template <typename T> static std::vector<std::span<const T>> pieces(const std::vector<T>& all, std::size_t most) {
+        std::vector<std::span<const T>> result;
+        for (std::size_t at = 0; at < all.size(); at += most)
+            result.push_back(std::span(all).subspan(at, std::min(most, all.size() - at)));
+        return result;
+    }
+    void write_ids(VtkFile& file) const {
+        file.write("path", std::as_bytes(std::span(ids_)));
+        file.write("offsets", std::as_bytes(std::span(ends_)));
+        file.write("connectivity", std::as_bytes(std::span(order_)));
+    }
+    Folder folder_;
+    std::vector<double> places_;
+    std::vector<float> force_;
+    std::vector<std::int64_t> order_, ids_{7, std::int64_t(1) << 40}, ends_{100, kPoints};
+};
+
+TEST_F(Vtp, is_xml_and_the_arrays) {
+    VtkFile file = make_vtp(folder_ / "a.vtp", lines());
+    file.write("force", std::as_bytes(std::span(force_)));
+    write_ids(file);
+    file.write("Points", std::as_bytes(std::span(places_)));
+    const VolumeResult result = file.finish();
+    const std::string bytes = read_file(folder_ / "a.vtp");
+    EXPECT_EQ(result.sha256, sha256_of(bytes));
+    EXPECT_EQ(result.bytes, bytes.size());
+    const std::string start =
+        "<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" "
+        "header_type=\"UInt64\" compressor=\"vtkZLibDataCompressor\">\n<PolyData>\n<FieldData/>\n<Piece "
+        "NumberOfPoints=\"40000\" NumberOfVerts=\"0\" NumberOfLines=\"2\" NumberOfStrips=\"0\" "
+        "NumberOfPolys=\"0\">\n<PointData Vectors=\"force\">\n<DataArray type=\"Float32\" Name=\"force\" ";
+    EXPECT_TRUE(bytes.starts_with(start)) << bytes.substr(0, 600);
+    std::size_t at = 0;
+    for (const char* tag : {"<PointData", "\"force\" N", "</PointData>", "<CellData Scalars=\"path\">", "\"path\" N",
+                            "</CellData>", "<Points>", "</Points>", "<Lines>", "\"connectivity\"", "\"offsets\"",
+                            "</Lines>", "</Piece>", "</PolyData>", "<AppendedData", "</AppendedData>", "</VTKFile>"}) {
+        at = bytes.find(tag, at);
+        ASSERT_NE(at, std::string::npos) << tag << " is not where it belongs";
+    }
+    EXPECT_TRUE(testing::vtk_bytes(bytes, "force", "Float32", 3) == bytes_of(force_)) << "NaN and infinity, too";
+    EXPECT_EQ(testing::vtk_numbers<double>(bytes, "Points", 3), places_);
+    EXPECT_EQ(testing::vtk_numbers<std::int64_t>(bytes, "path"), ids_);
+    EXPECT_EQ(testing::vtk_numbers<std::int64_t>(bytes, "offsets"), ends_);
+    EXPECT_EQ(testing::vtk_numbers<std::int64_t>(bytes, "connectivity"), order_);
+    EXPECT_EQ(folder_.names(), std::vector<std::string>{"a.vtp"});
+}
+
+TEST_F(Vtp, is_the_same_however_its_arrays_arrive) {
+    std::string first;
+    for (const std::size_t most : {kPoints * 3, std::size_t(65536), std::size_t(1000), std::size_t(7)}) {
+        VtkFile file = make_vtp(folder_ / "a.vtp", lines());
+        const auto forces = pieces(force_, most);
+        const auto places = pieces(places_, most);
+        for (std::size_t i = 0; i < forces.size(); ++i) {
+            file.write("Points", std::as_bytes(places[i]));
+            file.write("force", std::as_bytes(forces[i]));
+        }
+        write_ids(file);
+        file.finish();
+        const std::string bytes = read_file(folder_ / "a.vtp");
+        if (first.empty())
+            first = bytes;
+        EXPECT_TRUE(bytes == first) << most;
+    }
+}
+
+TEST_F(Vtp, refuses_too_few_and_too_many_samples_and_leaves_nothing) {
+    {
+        VtkFile file = make_vtp(folder_ / "a.vtp", lines());
+        file.write("force", std::as_bytes(std::span(force_)));
+        write_ids(file);
+        file.write("Points", std::as_bytes(std::span(places_).first(30)));
+        EXPECT_NE(message_of<std::logic_error>([&] { file.finish(); }).find("of Points have come"), std::string::npos);
+        EXPECT_NE(message_of<std::logic_error>([&] { write_ids(file); }).find("no room"), std::string::npos);
+        EXPECT_NE(message_of<std::logic_error>([&] { file.write("none", {}); }).find("none"), std::string::npos);
+    }
+    EXPECT_TRUE(folder_.names().empty());
 }
 
 } // namespace
