@@ -192,11 +192,13 @@ int run_all(const ExploreArguments& arguments, const CommonOptions& common, cons
     for (const std::string& name : arguments.also)
         if (name == "npy")
             options.npy = true;
+        else if (name == "vtp")
+            options.vtp = true;
         else if (name == "html")
             page = options.stem.string() + ".html";
         else if (!options.pictures.add(name))
             throw UsageError(fmt::format(
-                "--also {}: for paths there are npy, html, png, svg and pdf, with commas between them", name));
+                "--also {}: for paths there are vtp, npy, html, png, svg and pdf, with commas between them", name));
     options.look = arguments.look;
     if (!may_write(all_files(options, scene, page), common))
         return 0;
@@ -268,9 +270,9 @@ void describe(Options& options, ExploreArguments& arguments) {
                      "y, z (s, m); others are not read, and times of a path increase");
     options.required("--out FILE", arguments.out,
                      "OUT.exr (a row a path) or OUT.csv (a line a sample); OUT.paths.csv beside it has a line a path");
-    options.list("--also npy|html|png|svg|pdf", arguments.also,
-                 "further files beside it: npy (NumPy); html (force and position over time and place); png, svg, pdf "
-                 "(paths over the surface, direction of the force)");
+    options.list("--also vtp|npy|html|png|svg|pdf", arguments.also,
+                 "further files beside it: vtp (ParaView); npy (NumPy); html (force and position over time and place); "
+                 "png, svg, pdf (paths over the surface, direction of the force)");
     describe_look(options, arguments.look);
     options.flag("--open-loop", arguments.open_loop,
                  "the positions of --paths are the probe's own, as in the log of a live loop, even if the scene's "

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <numeric>
 #include <type_traits>
 
 #include <fmt/format.h>
@@ -209,6 +210,74 @@ void PathNpyWriter::write(const AnyPathRows& any) {
 
 VolumeResult PathNpyWriter::finish() {
     return publish_raw(file_);
+}
+
+namespace {
+
+PolyData lines_of(const PathVtpHeader& header) {
+    const std::string_view real = header.precision == Precision::f64 ? vtk_type<double>() : vtk_type<float>();
+    PolyData data;
+    data.polygons = false;
+    data.points = data.corners = header.samples;
+    data.cells = header.paths;
+    data.point_type = real;
+    data.point_data = {{"force", real, 3, header.samples},
+                       {"depth", real, 1, header.samples},
+                       {"facet", vtk_type<std::int32_t>(), 1, header.samples},
+                       {"time", vtk_type<double>(), 1, header.samples}};
+    if (header.proxies)
+        data.point_data.push_back({"proxy", real, 3, header.samples});
+    for (const std::uint32_t channel : {kChannelAngle, kChannelMagnitudeError})
+        if (header.compared)
+            data.point_data.push_back({name_of_channel(channel), real, 1, header.samples});
+    data.cell_data = {{"path", vtk_type<std::int64_t>(), 1, header.paths}};
+    data.active_points = "Vectors=\"force\" Scalars=\"depth\"";
+    data.active_cells = "Scalars=\"path\"";
+    return data;
+}
+
+} // namespace
+
+PathVtpWriter::PathVtpWriter(const std::filesystem::path& path, const PathVtpHeader& header, const PathLabels& labels)
+    : file_(make_vtp(path, lines_of(header))), labels_(labels), header_(header) {}
+
+template <typename T> void PathVtpWriter::write_path(const PathRows<T>& rows, std::size_t path) {
+    const std::size_t first = path * rows.pitch, count = rows.samples(path);
+    const auto reals = [&](const char* name, std::uint32_t channel) {
+        const std::size_t components = components_of(channel);
+        file_.write(name, std::as_bytes(values_of(rows, channel).subspan(first * components, count * components)));
+    };
+    reals("force", layout::kChannelForce);
+    reals("depth", layout::kChannelDepth);
+    reals("Points", layout::kChannelPosition);
+    if (header_.proxies)
+        reals("proxy", layout::kChannelProxy);
+    for (const std::uint32_t channel : {kChannelAngle, kChannelMagnitudeError})
+        if (header_.compared)
+            reals(name_of_channel(channel), channel);
+    file_.write("facet", std::as_bytes(rows.facet.subspan(first, count))); // what they call no facet is -1
+    order_.resize(count);
+    std::iota(order_.begin(), order_.end(), samples_);
+    file_.write("connectivity", std::as_bytes(std::span(order_)));
+    times_.resize(count);
+    for (std::size_t i = 0; i < count; ++i)
+        times_[i] = labels_.time(rows.path_first + path, rows.step_first + i);
+    file_.write("time", std::as_bytes(std::span(times_)));
+    samples_ += static_cast<std::int64_t>(count);
+    if (!rows.ends(path))
+        return;
+    const auto id = static_cast<std::int64_t>(labels_.id(rows.path_first + path));
+    file_.write("path", std::as_bytes(std::span(&id, 1)));
+    file_.write("offsets", std::as_bytes(std::span(&samples_, 1)));
+}
+
+void PathVtpWriter::write(const AnyPathRows& any) {
+    std::visit(
+        [&]<typename T>(const PathRows<T>& rows) {
+            for (std::size_t path = 0; path < rows.path_count; ++path)
+                write_path(rows, path);
+        },
+        any);
 }
 
 namespace {

@@ -1,4 +1,5 @@
-// What a path was like, in numbers that people read, and what is left of paths: CSV, NPY, and what a picture shows.
+// What a path was like, in numbers that people read, and what is left of paths: CSV, NPY, VTP, and what a picture
+// shows.
 #pragma once
 
 #include <charconv>
@@ -11,6 +12,7 @@
 
 #include "host/output/files.h"
 #include "host/output/rows.h"
+#include "host/output/vtk_file.h"
 #include "host/picture/picture.h"
 #include "host/reference/contact.h"
 #include "host/scene/scene.h"
@@ -201,6 +203,37 @@ private:
     TemporaryFile file_;
     std::uint64_t steps_;
     std::uint32_t channel_;
+};
+
+// Explored paths as polylines for ParaView (.vtp), one a path, streamed.
+
+struct PathVtpHeader {
+    std::uint64_t paths = 0, samples = 0; /* samples of all paths, behind whose ends nothing stands */
+    bool proxies = false;                 /* whether they are stored */
+    bool compared = false;                /* with angle and magnitude_error */
+    Precision precision = Precision::f32; /* Float32 or Float64; of `time` always Float64 */
+};
+
+/// Points are the probe (m), in the order of the steps. They have `force` (N, the active vector), `depth` (m), `facet`
+/// (-1 out of contact), `time` (s) and, where they are stored, `proxy` (m), `angle` (deg) and
+/// `magnitude_error` (N); a line has `path`, its number. Needs the
+/// channels of what it writes.
+class PathVtpWriter final : public PathSink {
+public:
+    /// Throws IoError, as do the others.
+    PathVtpWriter(const std::filesystem::path& path, const PathVtpHeader& header, const PathLabels& labels);
+    void write(const AnyPathRows& rows) override;
+    VolumeResult finish() override { return file_.finish(); }
+
+private:
+    template <typename T> void write_path(const PathRows<T>& rows, std::size_t path);
+
+    VtkFile file_;
+    PathLabels labels_;
+    PathVtpHeader header_;
+    std::int64_t samples_ = 0;        // so far
+    std::vector<std::int64_t> order_; // of the samples of one row: room, as is the next
+    std::vector<double> times_;       // s
 };
 
 // Keeps of explored paths what a picture shows: a handful of them, evenly chosen, however many and long they are.

@@ -65,6 +65,8 @@ std::vector<std::string> path_file_names(const PathRunOptions& options, layout::
         for (const layout::uint channel : kPathChannels)
             if (channels_for(options, channels) & channel)
                 names.push_back(fmt::format("{}{}.{}.npy", stem, options.label, name_of_channel(channel)));
+    if (options.vtp)
+        names.push_back(fmt::format("{}{}.vtp", stem, options.label));
     std::ranges::move(picture::names_with(stem + ".paths", options.pictures), std::back_inserter(names));
     return names;
 }
@@ -202,10 +204,14 @@ private:
         open_files();
     }
 
-    // How long a recorded path was in contact is known from its samples alone.
+    // How long a recorded path was in contact is known from its samples alone. Polylines always tell the contact.
     static layout::uint channels_of(const PreparedCase& prepared, const PathRunOptions& options, bool recorded) {
-        const layout::uint written = channels_for(options, prepared.one.scene.output.channels) & kSampled;
-        return recorded ? written | layout::kChannelFacet : written;
+        layout::uint computed = channels_for(options, prepared.one.scene.output.channels) & kSampled;
+        if (recorded)
+            computed |= layout::kChannelFacet;
+        if (options.vtp)
+            computed |= layout::kChannelFacet | layout::kChannelDepth;
+        return computed;
     }
 
     std::filesystem::path beside(const std::string& kind) const { return options_.stem.string() + kind; }
@@ -226,6 +232,14 @@ private:
                     add_sink(file,
                              std::make_unique<PathNpyWriter>(file, input.paths, input.steps, channel, scene.precision));
                 }
+        if (options_.vtp) {
+            const std::filesystem::path file = beside(options_.label + ".vtp");
+            add_sink(file, std::make_unique<PathVtpWriter>(file,
+                                                           PathVtpHeader{input.paths, total_,
+                                                                         (written_ & layout::kChannelProxy) != 0,
+                                                                         scene.compare.has_value(), scene.precision},
+                                                           labels()));
+        }
         if (written_ & kComparedChannels)
             compared_.emplace(prepared_, static_cast<unsigned>(options_.threads));
         if (options_.pictures.any())

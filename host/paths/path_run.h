@@ -23,7 +23,8 @@ struct PathRunOptions {
     std::filesystem::path stem;                    /* STEM.paths.csv and what else is asked for */
     std::string label;                             /* between stem and kind of further files: "" or ".paths" */
     std::optional<std::filesystem::path> recorded; /* in place of the scene's paths */
-    bool npy = false;                              /* not with metrics alone, nor are pictures */
+    bool npy = false;                              /* not with metrics alone, nor are VTP and pictures */
+    bool vtp = false;                              /* polylines for ParaView */
     picture::Endings pictures;
     picture::Look look; /* of the picture; without a title: the case in words */
     int threads = 0;    /* that compress */

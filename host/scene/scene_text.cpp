@@ -42,7 +42,7 @@ constexpr Foreign kForeign[] = {{" .obj .off .stl ", "solid ", "a mesh", kMeshAd
                                  "an image that forceshade does not read", "as PNG or EXR it may be a height map"},
                                 {" .csv ", "path,", "a table", kTableAdvice},
                                 {" .npy ", "\x93NUMPY", "an array of NumPy's", kOtherAdvice},
-                                {" .json .html .vti .svg .pdf ", "%PDF", "a result", kOtherAdvice},
+                                {" .json .html .vti .vtp .svg .pdf ", "%PDF", "a result", kOtherAdvice},
                                 {" .gz .zip .xz ", "\x1f\x8b", "an archive", kOtherAdvice}};
 
 void refuse_foreign(const std::filesystem::path& path, std::string_view text) {

@@ -17,6 +17,7 @@
 #include "host/output/exr_volume.h"
 #include "host/paths/path_files.h"
 #include "tests/io/folder.h"
+#include "tests/io/vtk_bytes.h"
 #include "tests/paths/sample_paths.h"
 
 namespace forceshade::testing {
@@ -223,6 +224,64 @@ TEST_F(PathFiles, npy_is_shaped_by_path_and_step) {
     PathNpyWriter alone(folder_ / "alone.npy", kLengths.size(), kSteps, layout::kChannelForce, Precision::f64);
     write_paths<double>(alone, kLengths, kSteps, 1, 2);
     EXPECT_EQ(read("alone.npy"), text) << "path by path, in pieces";
+}
+
+// Recorded paths have numbers and times of their own.
+PathLabels vtp_labels() {
+    return {[](std::uint64_t path) { return 100 - path; },
+            [](std::uint64_t path, std::uint64_t step) { return double(path) + double(step) / 128; }};
+}
+
+constexpr std::uint64_t kSamples = 102; // sum of kLengths
+
+TEST_F(PathFiles, vtp_is_a_polyline_a_path) {
+    PathVtpWriter writer(folder_ / "a.vtp", {kLengths.size(), kSamples, true, Precision::f32}, vtp_labels());
+    const VolumeResult result = write_paths<float>(writer, kLengths, kSteps, 6, 3);
+    const std::string text = read("a.vtp");
+    EXPECT_EQ(result.bytes, text.size());
+    for (const char* word :
+         {"<Piece NumberOfPoints=\"102\" NumberOfVerts=\"0\" NumberOfLines=\"20\" ",
+          "<PointData Vectors=\"force\" Scalars=\"depth\">", "<CellData Scalars=\"path\">", "<Lines>"})
+        EXPECT_NE(text.find(word), std::string::npos) << word;
+    const auto force = vtk_numbers<float>(text, "force", 3), points = vtk_numbers<float>(text, "Points", 3),
+               proxy = vtk_numbers<float>(text, "proxy", 3), depth = vtk_numbers<float>(text, "depth");
+    const auto facet = vtk_numbers<std::int32_t>(text, "facet");
+    const auto time = vtk_numbers<double>(text, "time");
+    const auto ids = vtk_numbers<std::int64_t>(text, "path"), ends = vtk_numbers<std::int64_t>(text, "offsets"),
+               order = vtk_numbers<std::int64_t>(text, "connectivity");
+    ASSERT_EQ(points.size(), 3 * kSamples);
+    ASSERT_EQ(ends.size(), kLengths.size());
+    ASSERT_EQ(time.size(), kSamples);
+    std::size_t at = 0;
+    for (std::size_t path = 0; path < kLengths.size(); ++path) {
+        EXPECT_EQ(ids[path], 100 - std::int64_t(path));
+        for (std::size_t step = 0; step < kLengths[path]; ++step, ++at) {
+            EXPECT_EQ(order[at], std::int64_t(at));
+            for (std::size_t c = 0; c < 3; ++c) {
+                EXPECT_EQ(force[3 * at + c], float(sample_value(path, step, c, 1)));
+                EXPECT_EQ(points[3 * at + c], float(sample_value(path, step, c, 2)));
+                EXPECT_EQ(proxy[3 * at + c], float(sample_value(path, step, c, 3)));
+            }
+            EXPECT_EQ(depth[at], float(sample_value(path, step, 0, 4)));
+            EXPECT_EQ(facet[at], step == 0 ? -1 : std::int32_t(path));
+            EXPECT_EQ(time[at], double(path) + double(step) / 128);
+        }
+        EXPECT_EQ(ends[path], std::int64_t(at));
+    }
+}
+
+TEST_F(PathFiles, vtp_is_the_same_however_paths_arrive_and_keeps_doubles) {
+    std::string first;
+    for (const auto& [most, window] : {std::pair<std::size_t, std::size_t>{6, 3}, {1, 1}, {1, 2}, {100, 7}}) {
+        PathVtpWriter writer(folder_ / "a.vtp", {kLengths.size(), kSamples, false, Precision::f64}, vtp_labels());
+        write_paths<double>(writer, kLengths, kSteps, most, window);
+        const std::string text = read("a.vtp");
+        if (first.empty())
+            first = text;
+        EXPECT_TRUE(text == first) << most << ' ' << window;
+    }
+    EXPECT_EQ(vtk_numbers<double>(first, "force", 3)[5], sample_value(0, 1, 2, 1));
+    EXPECT_EQ(first.find("proxy"), std::string::npos);
 }
 
 } // namespace
