@@ -115,8 +115,9 @@ int run(const FieldArguments& arguments, const CommonOptions& common) {
 void describe(Options& options, FieldArguments& arguments) {
     options.required("SCENE", arguments.scene, "scene file (TOML)");
     options.required("--out FILE", arguments.out, "the volume, an .exr file");
-    options.list("--also vti|npy|png|svg|pdf", arguments.also,
-                 "further files beside it: vti (ParaView), npy (NumPy), png, svg, pdf (pictures)");
+    options.list("--also vti|vtp|npy|png|svg|pdf", arguments.also,
+                 "further files beside it: vti (ParaView: the field), vtp (ParaView: the surface with the forces on "
+                 "it), npy (NumPy), png, svg, pdf (pictures)");
     describe_look(options, arguments.pictures.look);
     options.read(
         "--quantity magnitude|x|y|z|direction|angle",
@@ -290,8 +291,9 @@ void describe(Options& options, SweepArguments& arguments) {
     options.optional(
         "--shard I/N", arguments.shard,
         "do the I-th of N parts, for several machines at once; Slurm's array variables are taken where set");
-    options.list("--also vti|npy|png|svg|pdf", arguments.also,
-                 "further files for each case: vti (ParaView), npy (NumPy), png, svg, pdf (pictures)");
+    options.list("--also vti|vtp|npy|png|svg|pdf", arguments.also,
+                 "further files for each case: vti (ParaView: the field), vtp (ParaView: the surface with the forces "
+                 "on it, the paths as lines), npy (NumPy), png, svg, pdf (pictures)");
     options.flag("--fresh", arguments.fresh, "compute anew what is there already");
     options.flag("--replace", arguments.replace,
                  "put this study's summary, manifest and report in the place of another study's, whose cases it "

@@ -17,6 +17,7 @@
 #include "host/picture/scene_picture.h"
 #include "host/program.h"
 #include "host/referee/validate.h"
+#include "host/sweep/surface_file.h"
 #include "host/threads.h"
 
 namespace forceshade {
@@ -63,11 +64,13 @@ AlsoFormats parse_also(const std::vector<std::string>& names) {
     for (const std::string& name : names) {
         if (name == "vti")
             also.vti = true;
+        else if (name == "vtp")
+            also.vtp = true;
         else if (name == "npy")
             also.npy = true;
         else if (!also.pictures.add(name))
             throw UsageError(
-                fmt::format("--also {}: there are vti, npy, png, svg and pdf, with commas between them", name));
+                fmt::format("--also {}: there are vti, vtp, npy, png, svg and pdf, with commas between them", name));
     }
     return also;
 }
@@ -84,6 +87,8 @@ void add_field_files(const std::string& stem, std::uint32_t channels, AlsoFormat
         for (const layout::uint channel : kFieldChannels)
             if ((channels | layout::kChannelForce) & channel)
                 names.push_back(fmt::format("{}.{}.npy", stem, name_of_channel(channel)));
+    if (also.vtp)
+        names.push_back(stem + ".vtp");
     for (const char* kind : {".mosaic", ".arrows", ".shading"})
         if (kind != std::string_view(".shading") || (channels & layout::kChannelUnshaded))
             std::ranges::move(picture::names_with(stem + kind, also.pictures), std::back_inserter(names));
@@ -121,6 +126,7 @@ PathRunOptions path_options(const std::filesystem::path& volume, AlsoFormats als
     options.stem = volume.parent_path() / stem;
     options.label = ".paths";
     options.npy = also.npy;
+    options.vtp = also.vtp;
     options.pictures = also.pictures;
     options.threads = threads;
     return options;
@@ -203,9 +209,18 @@ CaseRecord CaseOutput::finish() {
     if (compared_)
         record.deviation = compared_->record();
     record.volume_times.check = checking_;
+    if (also_.vtp)
+        add_surface(record);
     if (slices_)
         add_pictures(record);
     return record;
+}
+
+void CaseOutput::add_surface(CaseRecord& record) {
+    const Stage stage("writing the surface of " + prepared_.one.name);
+    const std::string name = volume_.stem().string() + ".vtp";
+    const VolumeResult result = write_surface(volume_.parent_path() / name, prepared_);
+    record.files.push_back({name, result.sha256, result.bytes});
 }
 
 void CaseOutput::add_pictures(CaseRecord& record) {

@@ -32,11 +32,11 @@ namespace forceshade {
 
 /// What is written beside the EXR.
 struct AlsoFormats {
-    bool vti = false, npy = false;
+    bool vti = false, vtp = false, npy = false;
     picture::Endings pictures{};
 };
 
-/// \throws UsageError for a name that is none of vti, npy, png, svg, pdf.
+/// \throws UsageError for a name that is none of vti, vtp, npy, png, svg, pdf.
 AlsoFormats parse_also(const std::vector<std::string>& names);
 
 /// The names of all files that a case leaves whose volume is or would be called `STEM.exr`, the volume first.
@@ -71,6 +71,7 @@ public:
     CaseRecord finish();
 
 private:
+    void add_surface(CaseRecord& record);
     void add_pictures(CaseRecord& record);
 
     const PreparedCase& prepared_;

@@ -11,6 +11,7 @@
 #include "host/error.h"
 #include "host/long_run.h"
 #include "host/sweep/engine_choice.h"
+#include "host/sweep/surface_file.h"
 
 namespace forceshade {
 namespace {
@@ -48,6 +49,13 @@ void add_files(const Scene& scene, double count, double reals, double ids, bool 
         add_volume(count, reals * real + ids * 4, Compression::zip, sum);
     if (npy)
         add_volume(count, reals * real + ids * 4, Compression::none, sum);
+}
+
+// Of paths: place, force, depth and perhaps the proxy; facet, time and number of each sample.
+void add_polylines(const Scene& scene, double samples, Forecast& sum) {
+    const double real = scene.precision == Precision::f64 ? 8 : 4;
+    const double stored = scene.output.channels & layout::kChannelProxy ? 3 + 3 + 1 + 3 : 3 + 3 + 1;
+    add_volume(samples, stored * real + 4 + 8 + 8, Compression::zip, sum);
 }
 
 // The same extent, coarser; the first paths.
@@ -108,6 +116,7 @@ Forecast& Forecast::operator+=(const Forecast& other) {
     voxels += other.voxels;
     samples += other.samples;
     most_bytes += other.most_bytes;
+    surface_bytes += other.surface_bytes;
     least_bytes += other.least_bytes;
     return *this;
 }
@@ -120,6 +129,8 @@ Forecast forecast(const Scene& scene, AlsoFormats also) {
         const auto& size = scene.grid.size;
         sum.voxels = static_cast<double>(size[0]) * static_cast<double>(size[1]) * static_cast<double>(size[2]);
         add_files(scene, sum.voxels, reals(channels, {layout::kChannelForce}), ids, also.vti, also.npy, sum);
+        if (also.vtp)
+            sum.most_bytes += sum.surface_bytes = most_surface_bytes(scene) + kHeaderBytes;
     }
     if (scene.paths) {
         const Workload work = path_workload(scene);
@@ -127,6 +138,8 @@ Forecast forecast(const Scene& scene, AlsoFormats also) {
         add_files(scene, sum.samples, reals(channels, {layout::kChannelForce, layout::kChannelPosition}), ids, false,
                   also.npy, sum);
         sum.most_bytes += kSummaryBytes * static_cast<double>(scene.paths->count);
+        if (also.vtp)
+            add_polylines(scene, sum.samples, sum);
     }
     return sum;
 }
@@ -136,7 +149,7 @@ void measure(Engine& engine, const std::vector<const Case*>& cases, const std::f
     const std::size_t copies = std::min(cases.size(), kSmallCopies);
     Stage stage("computing small copies", copies, "cases");
     Forecast small;
-    double bytes = 0, seconds = 0;
+    double bytes = 0, surfaces = 0, seconds = 0;
     std::size_t formats = 0;
     for (std::size_t i = 0; i < copies; ++i) {
         const ScratchFolder folder;
@@ -154,15 +167,16 @@ void measure(Engine& engine, const std::vector<const Case*>& cases, const std::f
                 if (ended.error)
                     std::rethrow_exception(ended.error);
                 for (const FileRecord& file : ended.record.files)
-                    bytes += static_cast<double>(file.bytes);
+                    (file.name == "small.vtp" ? surfaces : bytes) += static_cast<double>(file.bytes);
             });
         seconds += seconds_since(start);
         stage.update(i + 1);
     }
-    forecast.bytes =
-        std::clamp(forecast.most_bytes * bytes / small.most_bytes, forecast.least_bytes, forecast.most_bytes);
-    forecast.seconds = seconds * forecast.most_bytes / small.most_bytes +
-                       kPictureSeconds * static_cast<double>(formats * cases.size());
+    const double times = (forecast.most_bytes - forecast.surface_bytes) / (small.most_bytes - small.surface_bytes);
+    if (small.surface_bytes > 0)
+        surfaces *= forecast.surface_bytes / small.surface_bytes;
+    forecast.bytes = std::clamp(times * bytes + surfaces, forecast.least_bytes, forecast.most_bytes);
+    forecast.seconds = times * seconds + kPictureSeconds * static_cast<double>(formats * cases.size());
 }
 
 double free_bytes(const std::filesystem::path& folder) {

@@ -18,6 +18,7 @@ struct Forecast {
     double voxels = 0;             /* of fields */
     double samples = 0;            /* of paths */
     double most_bytes = 0;         /* nothing can be compressed */
+    double surface_bytes = 0;      /* of them, those of surfaces, which hardly grow with the grid */
     double least_bytes = 0;        /* everything is compressed as far as its format can */
     std::optional<double> bytes;   /* as small copies of the cases came out */
     std::optional<double> seconds; /* likewise, and with pictures */

@@ -51,6 +51,7 @@ AlsoFormats with_present(AlsoFormats also, const std::filesystem::path& folder, 
         });
     };
     return {also.vti || any({.vti = true}),
+            also.vtp || any({.vtp = true}),
             also.npy || any({.npy = true}),
             {also.pictures.png || any({.pictures = {.png = true}}),
              also.pictures.svg || any({.pictures = {.svg = true}}),
@@ -62,7 +63,7 @@ void forget(const std::filesystem::path& folder, const Case& one, AlsoFormats al
     std::error_code ignored;
     std::filesystem::remove(record_path(folder, one.name), ignored);
     const std::vector<std::string> keep = file_names(one.name, one.scene, also);
-    for (const std::string& name : possible_file_names(one.name, {true, true, {true, true, true}}))
+    for (const std::string& name : possible_file_names(one.name, {true, true, true, {true, true, true}}))
         if (std::find(keep.begin(), keep.end(), name) == keep.end())
             std::filesystem::remove(folder / name, ignored);
 }

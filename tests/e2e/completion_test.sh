@@ -39,8 +39,9 @@ expect 'cpu' forceshade field bump.toml --engine = c
 expect 'f64' forceshade --precision f6
 expect 'f32 f64' forceshade --precision ''
 expect 'png,npy' forceshade field --also png,n
-expect 'npy,vti npy,png npy,svg npy,pdf' forceshade sweep --also npy,
+expect 'npy,vti npy,vtp npy,png npy,svg npy,pdf' forceshade sweep --also npy,
 expect 'vtp,npy vtp,html vtp,png vtp,svg vtp,pdf' forceshade explore --also vtp,
+expect 'vti vtp' forceshade field --also vt
 expect 'error-time energy' forceshade study e
 expect 'bash zsh fish' forceshade completion ''
 expect 'bump_radius-20mm bump_radius-30mm' forceshade sweep own.toml --only ''

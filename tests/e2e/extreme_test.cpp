@@ -144,7 +144,7 @@ TEST_F(Extreme, grids_of_one_voxel_and_one_plane) {
                          where,
                      voxels);
         expect_success(
-            {"field", "scene.toml", "--out", "field.exr", "--also", "npy,vti,png", "--quiet", "--engine", "gpu"});
+            {"field", "scene.toml", "--out", "field.exr", "--also", "npy,vti,vtp,png", "--quiet", "--engine", "gpu"});
         EXPECT_EQ(read_exr(path("field.exr")).parts.at("force").channels.at("B").size(), voxels);
     }
 }

@@ -28,8 +28,8 @@ TEST_F(Locale, is_there) {
 }
 
 TEST_F(Locale, german_changes_no_byte_of_a_sweep) {
-    const std::vector<std::string> arguments{"sweep",  "study.toml",  "--only", "*1000mil*",
-                                             "--also", "npy,vti,png", "--out"};
+    const std::vector<std::string> arguments{"sweep",  "study.toml",      "--only", "*1000mil*",
+                                             "--also", "npy,vti,vtp,png", "--out"};
     auto here = arguments, there = arguments;
     here.push_back("plain");
     there.push_back("german");

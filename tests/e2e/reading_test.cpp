@@ -141,7 +141,7 @@ TEST_F(Reading, finds_no_path_of_the_machine) {
                           "height = [\"1 mm\", \"2 mm\"]\n[force]\nshading = \"height_map\"\n[grid]\n"
                           "size = [8, 8, 4]\norigin = [\"-4 mm\", \"-4 mm\", \"-1 mm\"]\nspacing = \"1 mm\"\n",
                           file));
-        expect_success({"sweep", path("map.toml"), "--out", path("out"), "--also", "npy,vti,png", "--fresh"});
+        expect_success({"sweep", path("map.toml"), "--out", path("out"), "--also", "npy,vti,vtp,png", "--fresh"});
         char host[256] = {};
         ::gethostname(host, sizeof host - 1);
         std::vector<std::string> secrets{"secret place", folder_.path().string(), FORCESHADE_SOURCE};
