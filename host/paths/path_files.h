@@ -210,8 +210,8 @@ private:
 struct PathVtpHeader {
     std::uint64_t paths = 0, samples = 0; /* samples of all paths, behind whose ends nothing stands */
     bool proxies = false;                 /* whether they are stored */
-    bool compared = false;                /* with angle and magnitude_error */
     Precision precision = Precision::f32; /* Float32 or Float64; of `time` always Float64 */
+    bool compared = false;                /* with angle and magnitude_error */
 };
 
 /// Points are the probe (m), in the order of the steps. They have `force` (N, the active vector), `depth` (m), `facet`

@@ -237,7 +237,7 @@ private:
             add_sink(file, std::make_unique<PathVtpWriter>(file,
                                                            PathVtpHeader{input.paths, total_,
                                                                          (written_ & layout::kChannelProxy) != 0,
-                                                                         scene.compare.has_value(), scene.precision},
+                                                                         scene.precision, scene.compare.has_value()},
                                                            labels()));
         }
         if (written_ & kComparedChannels)
