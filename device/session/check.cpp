@@ -16,6 +16,7 @@
 #include "host/paths/motions.h"
 #include "host/picture/canvas.h"
 #include "host/program.h"
+#include "host/quiet_signals.h"
 #include "shaders/shared/law.h"
 
 namespace forceshade::device {

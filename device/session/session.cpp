@@ -12,6 +12,7 @@
 #include "device/session/scene_changes.h"
 #include "device/session/signals.h"
 #include "host/program.h"
+#include "host/quiet_signals.h"
 
 namespace forceshade::device {
 

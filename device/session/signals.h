@@ -1,34 +1,9 @@
 // Signals from outside: none of them leaves a force on the device.
 #pragma once
 
-#include <csignal>
-#include <initializer_list>
-#include <pthread.h>
-
 #include "device/loop/live_loop.h"
 
 namespace forceshade::device {
-
-/// While it lives, the calling thread, and every thread that it starts for good, is not interrupted by what a person, a
-/// terminal or a batch system sends: those signals are the main thread's, whose handlers wait, which the live loop's
-/// thread must not.
-class QuietSignals {
-public:
-    QuietSignals() noexcept {
-        sigset_t asked;
-        sigemptyset(&asked);
-        for (const int signal :
-             {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGTSTP, SIGTTIN, SIGTTOU, SIGWINCH, SIGUSR1, SIGUSR2})
-            sigaddset(&asked, signal);
-        ::pthread_sigmask(SIG_BLOCK, &asked, &before_);
-    }
-    ~QuietSignals() { ::pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
-    QuietSignals(const QuietSignals&) = delete;
-    QuietSignals& operator=(const QuietSignals&) = delete;
-
-private:
-    sigset_t before_{};
-};
 
 /// While it lives, abort() (and with it an exception that nobody catches), a fault of memory or arithmetic, SIGQUIT and
 /// every other signal that ends a process by default and that nobody else handles halt the device before the process

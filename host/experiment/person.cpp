@@ -16,8 +16,9 @@
 #include "experiment_pages.h"
 #include "host/clock.h"
 #include "host/error.h"
-#include "host/experiment/page_server.h"
+#include "host/page/page_server.h"
 #include "host/program.h"
+#include "host/quiet_signals.h"
 #include "shaders/shared/law.h"
 
 namespace forceshade::experiment {
@@ -72,7 +73,7 @@ public:
             remark("{}\n", manner_);
         loop_.suspend(true);
         {
-            const device::QuietSignals quiet;
+            const QuietSignals quiet;
             loop_.start();
         }
         remark("participant's page: {}\noperator's page:    {}\n", server_.address(kParticipant),

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-namespace forceshade::experiment {
+namespace forceshade {
 
 struct ServedPage {
     std::string name;        /* "participant": served as /TOKEN/participant */
@@ -29,10 +29,10 @@ struct PageEvent {
 /// refused.
 class PageServer {
 public:
-    /// `port`: 0 for any that is free. `on_close` is called at once, in another thread, when a client of a page has
-    /// gone. \throws UsageError if the port cannot be had.
+    /// `port`: 0 for any that is free. `on_close`, if there is one, is called at once, in another thread, when a client
+    /// of a page has gone. \throws UsageError if the port cannot be had.
     PageServer(std::vector<ServedPage> pages, std::uint16_t port,
-               std::function<void(const std::string& page)> on_close);
+               std::function<void(const std::string& page)> on_close = {});
     ~PageServer();
 
     /// "http://127.0.0.1:41237/4f0c.../participant"
@@ -52,4 +52,4 @@ private:
     std::shared_ptr<Core> core_;
 };
 
-} // namespace forceshade::experiment
+} // namespace forceshade

@@ -1,11 +1,14 @@
-#include "host/experiment/page_server.h"
+#include "host/page/page_server.h"
 
 #include <algorithm>
+#include <atomic>
+#include <chrono>
 #include <deque>
 #include <mutex>
 #include <random>
 #include <sys/socket.h>
 #include <sys/time.h>
+#include <system_error>
 #include <thread>
 
 #include <boost/asio/io_context.hpp>
@@ -15,10 +18,10 @@
 #include <boost/beast/websocket.hpp>
 #include <fmt/format.h>
 
-#include "device/session/signals.h"
 #include "host/error.h"
+#include "host/quiet_signals.h"
 
-namespace forceshade::experiment {
+namespace forceshade {
 namespace {
 
 namespace asio = boost::asio;
@@ -118,21 +121,27 @@ private:
     };
 
     void accept() {
-        const device::QuietSignals quiet;
+        const QuietSignals quiet;
         while (!stopped_) {
             beast::error_code error;
             Tcp::socket socket(io_);
             acceptor_.accept(socket, error);
-            if (error)
+            if (error) {
+                std::this_thread::sleep_for(std::chrono::milliseconds(10)); // of too many open files, say
                 continue;
+            }
             const timeval patience{1, 0};
             ::setsockopt(socket.native_handle(), SOL_SOCKET, SO_SNDTIMEO, &patience, sizeof patience);
             socket.set_option(Tcp::no_delay(true), error);
             ++running_;
-            std::thread([self = shared_from_this(), one = std::move(socket)]() mutable {
-                self->serve(std::move(one));
-                --self->running_;
-            }).detach();
+            try {
+                std::thread([self = shared_from_this(), one = std::move(socket)]() mutable {
+                    self->serve(std::move(one));
+                    --self->running_;
+                }).detach();
+            } catch (const std::system_error&) { // there is no thread, or no locked memory, for another browser
+                --running_;
+            }
         }
     }
 
@@ -178,7 +187,7 @@ private:
         response.set("X-Content-Type-Options", "nosniff");
         response.set("Content-Security-Policy",
                      "default-src 'none'; style-src 'unsafe-inline'; script-src "
-                     "'unsafe-inline'; img-src 'self'; connect-src 'self'; base-uri 'none'; frame-ancestors "
+                     "'unsafe-inline'; img-src 'self' data:; connect-src 'self'; base-uri 'none'; frame-ancestors "
                      "'none'");
         response.keep_alive(false);
         response.body() = text;
@@ -215,7 +224,8 @@ private:
             if (stopped_)
                 return;
         }
-        on_close_(client->page);
+        if (on_close_)
+            on_close_(client->page);
         add({PageEvent::Kind::closed, client->page, {}});
     }
 
@@ -252,7 +262,7 @@ private:
 PageServer::PageServer(std::vector<ServedPage> pages, std::uint16_t port,
                        std::function<void(const std::string& page)> on_close)
     : core_(std::make_shared<Core>(std::move(pages), std::move(on_close))) {
-    const device::QuietSignals quiet;
+    const QuietSignals quiet;
     core_->listen(port);
 }
 
@@ -273,4 +283,4 @@ bool PageServer::is_open(const std::string& page) const {
     return core_->is_open(page);
 }
 
-} // namespace forceshade::experiment
+} // namespace forceshade
