@@ -55,9 +55,10 @@ struct LiveLoop::Turn {
     std::int64_t due = 0, begin = 0, end = 0; /* ns */
 };
 
-LiveLoop::LiveLoop(BackEnd& back_end, std::unique_ptr<LiveLaw> law, const LoopSettings& settings, SampleRing* log)
-    : back_end_(back_end), settings_(settings), period_(1 / settings.rate), log_(log), laws_(std::move(law)),
-      safety_(settings.limits, period_), counts_(std::make_unique<LoopCounts>()) {}
+LiveLoop::LiveLoop(BackEnd& back_end, std::unique_ptr<LiveLaw> law, const LoopSettings& settings, SampleRing* log,
+                   std::vector<SampleRing*> others)
+    : back_end_(back_end), settings_(settings), period_(1 / settings.rate), log_(log), others_(std::move(others)),
+      laws_(std::move(law)), safety_(settings.limits, period_), counts_(std::make_unique<LoopCounts>()) {}
 
 LiveLoop::~LiveLoop() {
     stop();
@@ -305,6 +306,8 @@ void LiveLoop::record(Turn& turn) noexcept {
             }
             sleep_until(now() + 50'000);
         }
+    for (SampleRing* const ring : others_)
+        ring->put(sample);
     publish(sample);
 }
 

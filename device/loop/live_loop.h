@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <thread>
+#include <vector>
 
 #include "device/backends/back_end.h"
 #include "device/loop/live_law.h"
@@ -64,8 +65,10 @@ struct LoopStatus {
 class LiveLoop {
 public:
     /// Everything must outlive it. `log`: where samples are put; null: nowhere. As fast as possible the loop waits for
-    /// room there; in real time a sample that finds none is lost, and counted.
-    LiveLoop(BackEnd& back_end, std::unique_ptr<LiveLaw> law, const LoopSettings& settings, SampleRing* log);
+    /// room there; in real time a sample that finds none is lost, and counted. `others`: where they are put, too,
+    /// without ever waiting for room.
+    LiveLoop(BackEnd& back_end, std::unique_ptr<LiveLaw> law, const LoopSettings& settings, SampleRing* log,
+             std::vector<SampleRing*> others = {});
     ~LiveLoop(); // stops it
 
     void start();
@@ -112,6 +115,7 @@ private:
     const LoopSettings settings_;
     const double period_; /* s */
     SampleRing* const log_;
+    const std::vector<SampleRing*> others_;
     LawExchange laws_;
     Safety safety_;
     std::unique_ptr<LoopCounts> counts_;

@@ -1,5 +1,5 @@
 // One sample of the live loop: what is measured, what can happen to it, how it is counted, and the ring that carries it
-// to the log.
+// to who wants it.
 #pragma once
 
 #include <algorithm>
@@ -7,10 +7,13 @@
 #include <atomic>
 #include <bit>
 #include <cerrno>
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <stop_token>
 #include <string_view>
+#include <thread>
 #include <vector>
 
 #include <glm/vec3.hpp>
@@ -165,7 +168,7 @@ struct LoopCounts {
     double seconds = 0;                    /* s: by the clock */
 };
 
-/// Samples on their way from the live loop to the log: one thread puts, another reads, neither waits.
+/// Samples on their way from the live loop to one reader: one thread puts, another reads, neither waits.
 class SampleRing {
 public:
     /// Room for so many samples at least; the memory is touched here, so that the loop never waits for a page.
@@ -200,5 +203,23 @@ private:
     alignas(64) std::atomic<std::size_t> put_ = 0;
     alignas(64) std::atomic<std::size_t> read_ = 0;
 };
+
+/// What a reader's thread does: hands the samples to `take`, oldest first, some 1000 at a time, and none where there
+/// are none, with a pause after that; until a stop is asked for and nothing is left.
+template <typename Take>
+void drain(SampleRing& ring, const std::stop_token& stop, std::chrono::milliseconds pause, Take&& take) {
+    constexpr std::size_t kAtOnce = 1024; // before their room is freed
+    while (true) {
+        const bool last = stop.stop_requested(); // before the look: nothing is put after it
+        const std::span<const LiveSample> all = ring.look(), samples = all.first(std::min(all.size(), kAtOnce));
+        take(samples);
+        ring.release(samples.size());
+        if (!samples.empty())
+            continue;
+        if (last)
+            return;
+        std::this_thread::sleep_for(pause);
+    }
+}
 
 } // namespace forceshade::device

@@ -63,6 +63,17 @@ void add_log(WrappedLines& lines, const LiveOutcome& outcome) {
         lines.add("log", losses);
 }
 
+void add_sent(WrappedLines& lines, const LiveOutcome& outcome) {
+    if (outcome.sent_to.empty())
+        return;
+    const std::uint64_t dropped = outcome.counts.samples - outcome.sent;
+    const std::string& why = outcome.send_failure;
+    lines.add("sent", fmt::format("{}: {}, {}", outcome.sent_to, counted(outcome.sent, "sample"),
+                                  dropped == 0 ? "none dropped"
+                                               : fmt::format("{} DROPPED: {}", counted(dropped, "sample"),
+                                                             why.empty() ? "they came too fast" : why)));
+}
+
 void add_times(WrappedLines& lines, const LiveOutcome& outcome) {
     lines.add_line(fmt::format("{:<14}{:>12}{:>12}{:>12}{:>12}", "times", "p50", "p99", "p99.9", "largest"));
     const LoopCounts& counts = outcome.counts;
@@ -287,6 +298,7 @@ std::string report_text(const LiveOutcome& outcome) {
     lines.add("largest", extremes_text(counts));
     lines.add("energy", energy_text(counts));
     add_log(lines, outcome);
+    add_sent(lines, outcome);
     for (const std::string& remark : outcome.remarks)
         lines.add("note", remark);
     add_counts(lines, outcome);
@@ -327,6 +339,10 @@ nlohmann::ordered_json report_json(const LiveOutcome& outcome) {
     json["log"] = {{"file", outcome.log.empty() ? Json(nullptr) : text(outcome.log)},
                    {"samples", outcome.logged},
                    {"lost", counts.lost}};
+    const bool sent = !outcome.sent_to.empty();
+    json["sent"] = {{"to", sent ? text(outcome.sent_to) : Json(nullptr)},
+                    {"samples", outcome.sent},
+                    {"dropped", sent ? counts.samples - outcome.sent : 0}};
     json["compute"] = times_json(counts.computing);
     json["read"] = times_json(counts.reading);
     json["write"] = times_json(counts.writing);

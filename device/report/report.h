@@ -39,6 +39,9 @@ struct LiveOutcome {
     std::vector<std::pair<std::string, std::string>> limits; // of safety, as text with units: ("max_force", "3 N")
     std::string log;                                         // file name; empty: none was asked for
     std::uint64_t logged = 0;                                // samples in it
+    std::string sent_to;                                     // "udp:127.0.0.1:5005"; empty: nowhere
+    std::uint64_t sent = 0;                                  // samples that went there, of all
+    std::string send_failure;                                // why others did not; empty: they found no room
     std::string ended;                // why the run ended: "after 60 s", "interrupted", "the device is gone: ..."
     std::vector<std::string> remarks; // what the user should know: refused scenes, losses, ...
 };

@@ -20,7 +20,6 @@ namespace forceshade::device {
 namespace {
 
 constexpr std::size_t kText = std::size_t(1) << 18;   // bytes gathered before they are written
-constexpr std::size_t kAtOnce = 1024;                 // samples read before their room is freed
 constexpr auto kPause = std::chrono::milliseconds(5); // between looks at an empty ring
 constexpr auto kPatience = std::chrono::seconds(2);   // with a reader of a pipe that reads nothing, at the end
 
@@ -93,20 +92,13 @@ void LiveLog::close() {
 
 void LiveLog::run(const std::stop_token& stop) {
     stop_ = stop;
-    while (true) {
-        const bool last = stop.stop_requested(); // before the look: nothing is put after it
-        const std::span<const LiveSample> all = ring_.look(), samples = all.first(std::min(all.size(), kAtOnce));
+    drain(ring_, stop, kPause, [this](std::span<const LiveSample> samples) {
         for (const LiveSample& sample : samples)
             add(sample);
         pending_ += samples.size();
-        ring_.release(samples.size());
         if (samples.empty() || text_.size() >= kText)
             write_out();
-        if (samples.empty() && last)
-            return;
-        if (samples.empty())
-            std::this_thread::sleep_for(kPause);
-    }
+    });
 }
 
 template <typename... Numbers> void LiveLog::add_numbers(Numbers... values) {

@@ -11,6 +11,7 @@
 #include "device/session/live_log.h"
 #include "device/session/scene_changes.h"
 #include "device/session/signals.h"
+#include "device/session/view.h"
 #include "host/program.h"
 #include "host/quiet_signals.h"
 
@@ -64,6 +65,8 @@ const SessionOptions& checked(const SessionOptions& options) {
         throw UsageError(fmt::format("--fast is for sim and replay: {} goes by the clock", options.device));
     if (sim && !options.duration)
         throw UsageError("--fast needs --duration: a simulated hand does not tire");
+    if (options.view_port)
+        throw UsageError("--fast is too fast to be looked at: leave it out, or --view");
     return options;
 }
 
@@ -163,14 +166,8 @@ public:
             warn(warning);
         if (const std::string manner = manner_text(opened_.settings); !manner.empty())
             line_.say(manner);
-        if (!options.log.empty()) {
-            const QuietSignals quiet;
-            ring_.emplace(static_cast<std::size_t>(kBuffered * opened_.settings.rate));
-            log_.emplace(options.log, *ring_, prepared_.one.scene.precision, options.replace_log,
-                         opened_.facts.buttons > 0);
-            scenes_.keep_first();
-        }
-        loop_.emplace(*opened_.device, make_live_law(prepared_), opened_.settings, ring_ ? &*ring_ : nullptr);
+        const std::vector<SampleRing*> others = start_readers();
+        loop_.emplace(*opened_.device, make_live_law(prepared_), opened_.settings, ring_ ? &*ring_ : nullptr, others);
     }
 
     SessionResult run() {
@@ -193,6 +190,29 @@ public:
     }
 
 private:
+    // Each with a ring and a thread of its own, so that a pipe that nobody empties holds up no page. Those beside the
+    // log are returned; the log comes last: where something is wrong with them, no log stays.
+    std::vector<SampleRing*> start_readers() {
+        const QuietSignals quiet;
+        const double rate = opened_.settings.rate;
+        std::vector<SampleRing*> others;
+        if (options_.send)
+            others.push_back(&sender_.emplace(*options_.send, rate).ring());
+        if (options_.view_port) {
+            const ViewedRun run{options_.scene.filename().string(), opened_.facts.name, rate,
+                                opened_.settings.limits.max_force};
+            others.push_back(&view_.emplace(*options_.view_port, run).ring());
+            remark("view: {}\n", view_->address()); // even if quiet: nobody could guess it
+        }
+        if (!options_.log.empty()) {
+            ring_.emplace(static_cast<std::size_t>(kBuffered * rate));
+            log_.emplace(options_.log, *ring_, prepared_.one.scene.precision, options_.replace_log,
+                         opened_.facts.buttons > 0);
+            scenes_.keep_first();
+        }
+        return others;
+    }
+
     void start() {
         const QuietSignals quiet;
         begun_ = Clock::now();
@@ -250,6 +270,8 @@ private:
         status.clamped = now.clamped;
         status.lost = now.lost + (log_ ? log_->lost() : 0);
         status.state = state_of(now, withheld_.state);
+        if (view_)
+            view_->tell(status);
         line_.update(status);
     }
 
@@ -263,6 +285,18 @@ private:
         outcome.facts = opened_.facts;
         outcome.counts = loop_->counts();
         outcome.permissions = loop_->permissions();
+        outcome.ended = result.end == LoopEnd::done             ? "after the time that was asked for"
+                        : result.end == LoopEnd::recording_over ? "at the end of the recording"
+                        : result.end == LoopEnd::device_gone    ? "because the device was gone" + result.complaint
+                                                                : "interrupted";
+        if (view_)
+            view_->close(outcome.ended);
+        if (sender_) {
+            sender_->close();
+            outcome.sent_to = udp_text(*options_.send);
+            outcome.sent = sender_->sent();
+            outcome.send_failure = sender_->failure();
+        }
         if (log_) {
             log_->close();
             outcome.log = options_.log.filename().string();
@@ -279,10 +313,6 @@ private:
         outcome.mapping = opened_.settings.mapping;
         outcome.manner = manner_text(opened_.settings);
         outcome.limits = limits_as_text(opened_.settings.limits);
-        outcome.ended = result.end == LoopEnd::done             ? "after the time that was asked for"
-                        : result.end == LoopEnd::recording_over ? "at the end of the recording"
-                        : result.end == LoopEnd::device_gone    ? "because the device was gone" + result.complaint
-                                                                : "interrupted";
         const std::uint64_t paths = outcome.counts.paths, again = paths - std::min(paths, outcome.scenes.size());
         if (again > 0 && is_sim(options_.device))
             remarks_.push_back(fmt::format("the simulated hand lost its path {} and began again: it left paths.bound, "
@@ -307,7 +337,9 @@ private:
     SceneChanges scenes_;
     std::optional<SampleRing> ring_;
     std::optional<LiveLog> log_;
-    std::optional<LiveLoop> loop_; // before the log goes
+    std::optional<UdpSender> sender_;
+    std::optional<LiveView> view_;
+    std::optional<LiveLoop> loop_; // before those go that it gives samples
     Watched<bool> fails_;
     Watched<const char*> withheld_; // why the device displays no force
     Clock::time_point begun_ = Clock::now();

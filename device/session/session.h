@@ -1,6 +1,7 @@
 // A run of the live loop from the scene's file to the report: the loop, its log, a person at the terminal.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <memory>
@@ -11,6 +12,7 @@
 
 #include "device/loop/live_loop.h"
 #include "device/report/report.h"
+#include "device/session/udp_sender.h"
 #include "host/prepare/prepared_case.h"
 
 namespace forceshade::device {
@@ -34,7 +36,9 @@ struct SessionOptions {
     std::optional<std::pair<glm::dvec3, glm::dvec3>> workspace; /* m: as in SafetyLimits; none: the device's */
     std::filesystem::path log;                                  // empty: none
     bool replace_log = false;
-    bool watch = false; // whether the loop reads the scene again when its file changes
+    std::optional<UdpAddress> send;         // where samples go, too
+    std::optional<std::uint16_t> view_port; // of a page that shows them, 0 for any that is free; none: no page
+    bool watch = false;                     // whether the loop reads the scene again when its file changes
     bool quiet = false;
 };
 

@@ -209,6 +209,13 @@ unsigned read_button(const char* flag, const std::string& text) {
     return number;
 }
 
+std::uint16_t page_port(const std::optional<int>& port) {
+    constexpr int kMostPort = 65535;
+    if (port && (*port < 0 || *port > kMostPort))
+        throw UsageError(fmt::format("--port: 1 to {}, got {}", kMostPort, *port));
+    return static_cast<std::uint16_t>(port.value_or(0));
+}
+
 void read_positive(Options& options, const char* flag, std::optional<double>& value, Dimension dimension,
                    const char* help) {
     add(options, flag, value, dimension, Accepted::positive, help);

@@ -1,6 +1,7 @@
 // The options of a device, its loop and its safety: those of live and of experiment.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 
 #include "device/session/check.h"
@@ -24,6 +25,9 @@ void read_positive(Options& options, const char* flag, std::optional<double>& va
 
 /// A button's number. \throws UsageError.
 unsigned read_button(const char* flag, const std::string& text);
+
+/// What --port says: of a page on this machine; 0: any that is free. \throws UsageError.
+std::uint16_t page_port(const std::optional<int>& port);
 
 /// \throws UsageError for what does not fit together.
 device::SessionOptions checked_options(const DeviceArguments& arguments);

@@ -62,13 +62,9 @@ std::string checked_device(const ExperimentArguments& arguments, const experimen
 
 experiment::PersonOptions person_options(const ExperimentArguments& arguments, const experiment::Experiment& experiment,
                                          const CommonOptions& common) {
-    constexpr int kMostPort = 65535;
-    const int port = arguments.port.value_or(0);
-    if (port < 0 || port > kMostPort)
-        throw UsageError(fmt::format("--port: 1 to {}, got {}", kMostPort, port));
     experiment::PersonOptions options;
     options.session = checked_options(arguments.device);
-    options.port = static_cast<std::uint16_t>(port);
+    options.port = page_port(arguments.port);
     options.buttons = answer_buttons(arguments.buttons);
     options.check = checked_device(arguments, experiment, common);
     return options;

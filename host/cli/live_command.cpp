@@ -27,7 +27,8 @@ namespace {
 
 struct LiveArguments {
     std::string scene, log, report;
-    bool fast = false;
+    bool fast = false, view = false;
+    std::optional<int> port;
     DeviceArguments device;
 };
 
@@ -127,6 +128,8 @@ int run(const LiveArguments& arguments, const CommonOptions& common) {
         throw UsageError("--gpu: the live loop runs on the CPU");
     if (arguments.device.session.watch && is_standard_input(arguments.scene))
         throw UsageError("--watch: standard input is read once; name a scene's file");
+    if (arguments.port && !arguments.view)
+        throw UsageError("--port is of the page that --view serves: say --view, too");
     const Case one = load_scene(arguments.scene, common);
     const std::filesystem::path stem = report_stem(arguments);
     check_outputs(arguments, stem, one.scene);
@@ -137,6 +140,8 @@ int run(const LiveArguments& arguments, const CommonOptions& common) {
         return preparation->prepare(read_scene(path, replaced));
     };
     options.real_time = !arguments.fast;
+    if (arguments.view)
+        options.view_port = page_port(arguments.port);
     if (!arguments.log.empty())
         options.log = std::filesystem::absolute(arguments.log);
     options.quiet = common.quiet || common.silent;
@@ -158,7 +163,17 @@ void describe(Options& options, LiveArguments& arguments) {
     read_positive(options, "--duration TIME", session.duration, Dimension::time,
                   "ends after it (\"60 s\"); default: until Ctrl-C");
     options.optional("--log FILE", arguments.log,
-                     "a CSV file, a line a sample: what explore writes, the displayed force, times");
+                     "a CSV file, or a pipe (mkfifo) that is read: a line a sample, with what explore writes, the "
+                     "displayed force, times");
+    options.read(
+        "--send udp:[HOST:]PORT",
+        [&session](const std::string& text) { session.send = device::parse_udp_address(text); },
+        "samples in UDP datagrams to a tool of your own, on this machine unless HOST, an address in digits, says "
+        "another; each sample is 16 doubles, little-endian: t, x, y, z, gx, gy, gz, fx, fy, fz, cx, cy, cz, depth, "
+        "facet, tick, as in the log");
+    options.flag("--view", arguments.view,
+                 "serve a page for browsers on this machine: force over time and over place, as it is felt");
+    options.optional("--port N", arguments.port, "of that page (default: any that is free)");
     options.optional("--report STEM", arguments.report,
                      "STEM.txt, STEM.json and STEM.html at the end (default: beside the log, LOG.live.*)");
     options.flag("--watch", session.watch, "read the scene again whenever its file is saved");
@@ -166,7 +181,8 @@ void describe(Options& options, LiveArguments& arguments) {
     describe_safety(options, arguments.device);
     options
         .example("live bump.toml --duration \"2 s\" --fast --log felt.csv", "a simulated hand, faster than the clock")
-        .example("live bump.toml --device sim --duration \"1 s\" --max-force \"1 N\"", "by the clock, with a limit");
+        .example("live bump.toml --device sim --duration \"1 s\" --max-force \"1 N\"", "by the clock, with a limit")
+        .example("live bump.toml --duration \"1 s\" --view --send udp:5005", "seen in a browser, and sent to a tool");
 }
 
 } // namespace

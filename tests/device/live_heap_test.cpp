@@ -150,8 +150,8 @@ TEST(LiveHeap, TheLoopTakesNothing) {
             settings.dead_man = 1;
             settings.clutch = 2;
             settings.mapping = {glm::dvec3(0), turn_about(2, 0.1), 1.1};
-            SampleRing ring(samples);
-            LiveLoop loop(device, make_live_law(prepared), settings, &ring);
+            SampleRing ring(samples), other(64);
+            LiveLoop loop(device, make_live_law(prepared), settings, &ring, {&other});
             const std::uint64_t before = all();
             loop.start();
             for (int i = 0; i < 3; ++i) {

@@ -108,6 +108,24 @@ TEST(LiveLoop, ComputingForTooLongIsItsOwnFault) {
     EXPECT_EQ(run.counts.happened[13], 1u);
 }
 
+// A page or a network that is slow is not waited for, not even as fast as possible, and takes nothing from the log.
+TEST(LiveLoop, OnlyTheLogIsWaitedFor) {
+    ScriptedDevice device(deep, 1000);
+    LoopSettings settings;
+    settings.real_time = false;
+    settings.samples = 500;
+    SampleRing log(512), unread(4), read(512);
+    LiveLoop loop(device, make_live_law(prepared_scene(kPlane)), settings, &log, {&unread, &read});
+    loop.start();
+    loop.join();
+    EXPECT_EQ(loop.counts().lost, 0u);
+    EXPECT_EQ(log.look().size(), 500u);
+    ASSERT_EQ(unread.look().size(), 4u);
+    EXPECT_EQ(unread.look().back().tick, 3u);
+    ASSERT_EQ(read.look().size(), 500u);
+    EXPECT_EQ(read.look().back().force, log.look().back().force);
+}
+
 TEST(LiveLoop, ANewLawHoldsFromTheNextSampleOnAndBeginsAPath) {
     ScriptedDevice device(deep, 100000, false);
     SampleRing ring(1 << 14);

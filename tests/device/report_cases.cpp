@@ -132,6 +132,9 @@ LiveOutcome talkative() {
         outcome.counts.happened[i] = 1000 * i + 7;
     outcome.counts.damped = 2e-3;
     outcome.counts.lost = 17;
+    outcome.sent_to = "udp:127.0.0.1:5005";
+    outcome.sent = 59900;
+    outcome.send_failure = "Connection refused: nobody listens there";
     outcome.remarks = {"the scene bump2.toml was refused: facets must be at least 1, got 0; the one before goes on",
                        "17 samples are missing in the log"};
     return outcome;

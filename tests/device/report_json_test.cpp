@@ -55,6 +55,9 @@ TEST(ReportJson, holds_what_the_run_came_to) {
     EXPECT_EQ(json["largest_energy_J"], 3.4e-4);
     EXPECT_EQ(json["damped_J"], 0);
     EXPECT_EQ(json["log"], (Json{{"file", "live.csv"}, {"samples", 60000}, {"lost", 0}}));
+    EXPECT_EQ(json["sent"], (Json{{"to", nullptr}, {"samples", 0}, {"dropped", 0}}));
+    EXPECT_EQ(report_json(talkative())["sent"],
+              (Json{{"to", "udp:127.0.0.1:5005"}, {"samples", 59900}, {"dropped", 100}}));
     EXPECT_EQ(json["limits"]["max_slew"], "1 N/ms");
     EXPECT_EQ(json["permissions"][0]["what"], "SCHED_FIFO");
     EXPECT_EQ(json["permissions"][0]["granted"], false);

@@ -116,6 +116,7 @@ TEST(ReportText, its_table_holds_the_quantiles) {
 TEST(ReportText, says_what_was_lost_and_remarked) {
     const std::string text = report_text(talkative());
     EXPECT_TRUE(says(text, "17 samples LOST"));
+    EXPECT_TRUE(says(text, "sent          udp:127.0.0.1:5005: 59900 samples, 100 samples DROPPED: Connection refused"));
     EXPECT_TRUE(says(text, "note          the scene bump2.toml was refused"));
     EXPECT_TRUE(says(text, "2 mJ taken out by the passivity controller") || says(text, "passivity"));
     for (const std::string_view name : kHappenings)

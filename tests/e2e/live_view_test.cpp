@@ -1,0 +1,142 @@
+// The page of a live loop in headless Chromium: what is felt is seen, and who looks changes nothing.
+#include "tests/e2e/live_workplace.h"
+#include "tests/report/browser.h"
+
+namespace forceshade::testing {
+namespace {
+
+constexpr const char* kViewed = "document.body.dataset.phase";
+constexpr const char* kPictures = "['time', 'place'].map((id) => document.getElementById(id).toDataURL()).join()";
+
+class LiveView : public Live {
+protected:
+    // By the clock, with a log; the page's address is said even by --quiet.
+    std::unique_ptr<Process> viewed(const std::string& scene, std::vector<std::string> further) {
+        std::vector<std::string> all = live(scene, {"--view", "--log", "log.csv", "--json", "--quiet"});
+        all.insert(all.end(), further.begin(), further.end());
+        Launch launch = this->launch(std::move(all));
+        launch.error = path("stderr");
+        auto process = std::make_unique<Process>(launch);
+        await(*process, [&] {
+            const std::string said = text("stderr");
+            const std::size_t begin = said.find("view: http://127.0.0.1:");
+            if (begin == std::string::npos || said.find('\n', begin) == std::string::npos)
+                return false;
+            address = said.substr(begin + 6, said.find('\n', begin) - begin - 6);
+            return true;
+        });
+        return process;
+    }
+    bool is_in(Browser& browser, const std::string& phase) const {
+        return browser.wait_for(fmt::format("{} === '{}'", kViewed, phase));
+    }
+    static double number(Browser& browser, const std::string& expression) {
+        const nlohmann::json value = browser.evaluate(expression);
+        return value.is_number() ? value.get<double>() : -1;
+    }
+    void expect_undisturbed(const Outcome& outcome, std::size_t samples) const {
+        EXPECT_EQ(outcome.code, 0) << text("stderr");
+        const nlohmann::json said = nlohmann::json::parse(outcome.out);
+        EXPECT_EQ(said["samples"], samples);
+        EXPECT_EQ(said["log"]["lost"], 0);
+        EXPECT_EQ(rows("log.csv").size(), samples);
+    }
+
+    std::string address;
+};
+
+TEST_F(LiveView, shows_the_force_over_time_and_place_and_how_the_run_ended) {
+    Browser browser;
+    const auto process = viewed("bump.toml", {"--duration", "6 s"});
+    browser.open_address(address);
+    ASSERT_TRUE(is_in(browser, "running"));
+    EXPECT_TRUE(browser.wait_for("points.length > 500 && points.at(-1).sent.size > 0.5"));
+    EXPECT_TRUE(browser.wait_for("parseFloat(document.getElementById('sent').textContent) > 0.5"));
+    EXPECT_TRUE(browser.wait_for("parseFloat(document.getElementById('rate').textContent) > 900"));
+    EXPECT_EQ(browser.text("document.getElementById('scene').textContent"), "bump.toml");
+    EXPECT_NE(browser.text("document.getElementById('device').textContent").find("1000 Hz"), std::string::npos);
+    const std::string before = browser.text(kPictures);
+    EXPECT_TRUE(browser.wait_for(fmt::format("points.at(-1).t > {}", 0.3 + number(browser, "points.at(-1).t"))));
+    EXPECT_NE(browser.text(kPictures), before) << "it scrolls";
+    ASSERT_TRUE(is_in(browser, "ended"));
+    EXPECT_EQ(browser.text("document.getElementById('state').textContent"),
+              "The run has ended: after the time that was asked for");
+    expect_undisturbed(process->wait(), 6000);
+
+    // What stays is what was felt.
+    const Rows log = rows("log.csv");
+    EXPECT_NEAR(number(browser, "points.at(-1).t"), number_in(log.back(), "t"), 1e-12);
+    EXPECT_NEAR(number(browser, "points.at(-1).sent.size"), size_in(log.back(), "cx", "cy", "cz"), 1e-12);
+    EXPECT_NEAR(number(browser, "points.at(-1).law.size"), size_in(log.back(), "fx", "fy", "fz"), 1e-12);
+    EXPECT_NEAR(number(browser, "points.at(-1).place.x"), 1e3 * number_in(log.back(), "x"), 1e-9);
+    EXPECT_NEAR(number(browser, "points.at(-1).depth"), 1e3 * number_in(log.back(), "depth"), 1e-9);
+    const std::string last = browser.text(kPictures);
+    std::this_thread::sleep_for(std::chrono::milliseconds(300));
+    EXPECT_EQ(browser.text(kPictures), last) << "the last picture stays";
+    EXPECT_EQ(browser.text(kViewed), "ended") << "the program is gone, and that is no trouble";
+    EXPECT_GT(browser.screenshot().colours, 50u);
+    for (const char* const choice : {"axis", "show"}) {
+        const std::string place = browser.text("document.getElementById('place').toDataURL()");
+        browser.evaluate(fmt::format("(() => {{ const s = document.getElementById('{}'); s.selectedIndex = 1; "
+                                     "s.dispatchEvent(new Event('change')); }})()",
+                                     choice));
+        EXPECT_TRUE(browser.wait_for("!wanted"));
+        EXPECT_NE(browser.text("document.getElementById('place').toDataURL()"), place) << choice;
+    }
+    EXPECT_EQ(browser.complaints(), std::vector<std::string>{});
+}
+
+TEST_F(LiveView, who_looks_and_goes_does_not_change_the_run) {
+    Browser first, second;
+    const auto process = viewed("hand.toml", {"--duration", "5 s"});
+    first.open_address(address);
+    second.open_address(address);
+    ASSERT_TRUE(first.wait_for("points.length > 100"));
+    ASSERT_TRUE(second.wait_for("points.length > 100"));
+    first.open_address("data:text/html,gone");
+    EXPECT_TRUE(is_in(second, "ended"));
+    expect_undisturbed(process->wait(), 5000);
+}
+
+// At 10 kHz a part of the samples is shown; a force of one sample is among them.
+TEST_F(LiveView, thins_out_a_fast_loop_and_keeps_its_peaks) {
+    constexpr int kRows = 60'000, kPeak = 43'217;
+    std::string table = "path,t,x,y,z\n";
+    for (int i = 0; i < kRows; ++i)
+        table += fmt::format("0,{},0,0,{}\n", 1e-4 * i, i == kPeak ? -0.0015 : -0.001);
+    write("peak.csv", table);
+    Browser browser;
+    const auto process =
+        viewed("plane.toml", {"--device", "replay:peak.csv", "--rate", "10 kHz", "--max-speed", "none"});
+    browser.open_address(address);
+    ASSERT_TRUE(is_in(browser, "ended")) << browser.text(kViewed);
+    expect_undisturbed(process->wait(), kRows);
+    const double shown = number(browser, "points.length / (points.at(-1).t - points[0].t)"); // Hz
+    EXPECT_GT(shown, 500);
+    EXPECT_LT(shown, 2100);
+    EXPECT_NEAR(number(browser, "Math.max(...points.map((point) => point.law.size))"), 1.5, 1e-9);
+    EXPECT_EQ(number(browser, "points.filter((point) => point.law.size > 1.2).length"), 1);
+}
+
+TEST_F(LiveView, says_why_there_is_no_force) {
+    Browser browser;
+    const auto process = viewed("plane.toml", {"--device", "sim:1@0 s..1 s", "--dead-man", "1", "--duration", "60 s"});
+    browser.open_address(address);
+    ASSERT_TRUE(browser.wait_for("document.getElementById('state').textContent === 'no force: dead_man'"));
+    EXPECT_TRUE(browser.evaluate("document.body.hasAttribute('data-trouble')").get<bool>());
+    process->send(SIGINT);
+    EXPECT_TRUE(browser.wait_for("document.getElementById('state').textContent === 'The run has ended: interrupted'"));
+    EXPECT_EQ(process->wait().code, 130);
+}
+
+TEST_F(LiveView, tells_that_the_program_was_killed) {
+    Browser browser;
+    const auto process = viewed("plane.toml", {});
+    browser.open_address(address);
+    ASSERT_TRUE(is_in(browser, "running"));
+    process->send(SIGKILL);
+    EXPECT_TRUE(is_in(browser, "gone"));
+}
+
+} // namespace
+} // namespace forceshade::testing
