@@ -3,11 +3,12 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <condition_variable>
 #include <deque>
 #include <mutex>
+#include <poll.h>
 #include <random>
 #include <sys/socket.h>
-#include <sys/time.h>
 #include <system_error>
 #include <thread>
 
@@ -31,8 +32,13 @@ using Tcp = asio::ip::tcp;
 using WebSocket = beast::websocket::stream<Tcp::socket>;
 using Request = http::request<http::string_body>;
 
-constexpr std::size_t kLongestText = 16384; // bytes that a page may send at once
-constexpr std::size_t kMostEvents = 1000;   // that wait
+using Clock = std::chrono::steady_clock;
+
+constexpr std::size_t kLongestText = 16384;                 // bytes that a page may send at once
+constexpr std::size_t kMostEvents = 1000;                   // that wait
+constexpr auto kPatience = std::chrono::seconds(1);         // with a browser that takes nothing
+constexpr auto kLastWords = std::chrono::milliseconds(200); // for what was sent just before the end
+constexpr int kRequestPatience = 5000;                      /* ms: with one that asks for nothing */
 
 std::string random_token() {
     std::random_device source;
@@ -65,11 +71,14 @@ public:
     }
 
     void stop() {
+        const Clock::time_point end = Clock::now() + kLastWords;
+        while (is_writing() && Clock::now() < end)
+            std::this_thread::sleep_for(std::chrono::milliseconds(2));
         {
             const std::lock_guard lock(mutex_);
             stopped_ = true;
             for (const auto& client : clients_)
-                ::shutdown(client->socket.next_layer().native_handle(), SHUT_RDWR);
+                client->hang_up();
         }
         ::shutdown(acceptor_.native_handle(), SHUT_RDWR);
         accepting_.join();
@@ -98,13 +107,8 @@ public:
             std::ranges::copy_if(clients_, std::back_inserter(to),
                                  [&](const auto& client) { return client->page == page; });
         }
-        for (const auto& client : to) {
-            const std::lock_guard lock(client->writing);
-            beast::error_code error;
-            client->socket.write(asio::buffer(text), error);
-            if (error)
-                ::shutdown(client->socket.next_layer().native_handle(), SHUT_RDWR);
-        }
+        for (const auto& client : to)
+            client->put(text);
     }
 
     bool is_open(const std::string& page) const {
@@ -115,10 +119,54 @@ public:
 private:
     struct Client {
         Client(Tcp::socket raw, std::string name) : socket(std::move(raw)), page(std::move(name)) {}
+
+        // To the socket goes what a thread of the client's own writes: Asio waits for room there for ever, whatever
+        // timeout the socket has.
+        void put(const std::string& text) {
+            const std::lock_guard lock(mutex);
+            if (texts.empty())
+                moved = Clock::now();
+            else if (Clock::now() - moved > kPatience)
+                return hang_up();
+            texts.push_back(text);
+            wake.notify_one();
+        }
+        void write() {
+            std::unique_lock lock(mutex);
+            while (true) {
+                wake.wait(lock, [this] { return gone || !texts.empty(); });
+                if (gone)
+                    return;
+                const std::string& text = texts.front(); // stays where it is while others are put behind it
+                lock.unlock();
+                beast::error_code error;
+                socket.write(asio::buffer(text), error);
+                lock.lock();
+                if (error)
+                    return hang_up();
+                texts.pop_front();
+                moved = Clock::now();
+            }
+        }
+        // Ends what reads and writes there.
+        void hang_up() { ::shutdown(socket.next_layer().native_handle(), SHUT_RDWR); }
+
         WebSocket socket;
         const std::string page;
-        std::mutex writing;
+        std::mutex mutex; // of what follows
+        std::condition_variable wake;
+        std::deque<std::string> texts; // still to be written
+        Clock::time_point moved{};     // when one was written, or the first was put
+        bool gone = false;
     };
+
+    bool is_writing() const {
+        const std::lock_guard lock(mutex_);
+        return std::ranges::any_of(clients_, [](const auto& client) {
+            const std::lock_guard lock_client(client->mutex);
+            return !client->texts.empty();
+        });
+    }
 
     void accept() {
         const QuietSignals quiet;
@@ -130,8 +178,6 @@ private:
                 std::this_thread::sleep_for(std::chrono::milliseconds(10)); // of too many open files, say
                 continue;
             }
-            const timeval patience{1, 0};
-            ::setsockopt(socket.native_handle(), SOL_SOCKET, SO_SNDTIMEO, &patience, sizeof patience);
             socket.set_option(Tcp::no_delay(true), error);
             ++running_;
             try {
@@ -150,8 +196,9 @@ private:
         beast::error_code error;
         http::request_parser<http::string_body> parser;
         parser.body_limit(kLongestText);
-        const timeval patience{5, 0};
-        ::setsockopt(socket.native_handle(), SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
+        pollfd asked{socket.native_handle(), POLLIN, 0};
+        if (::poll(&asked, 1, kRequestPatience) <= 0)
+            return;
         http::read(socket, buffer, parser, error);
         if (error)
             return;
@@ -199,8 +246,6 @@ private:
 
     void talk(const std::shared_ptr<Client>& client, const Request& request, bool alone) {
         beast::error_code error;
-        const timeval forever{0, 0};
-        ::setsockopt(client->socket.next_layer().native_handle(), SOL_SOCKET, SO_RCVTIMEO, &forever, sizeof forever);
         client->socket.read_message_max(kLongestText);
         client->socket.accept(request, error);
         if (error)
@@ -210,6 +255,12 @@ private:
             client->socket.close(beast::websocket::close_code::normal, error);
             return;
         }
+        std::thread writing;
+        try {
+            writing = std::thread([client] { client->write(); });
+        } catch (const std::system_error&) { // as in accept()
+            client->hang_up();
+        }
         beast::flat_buffer buffer;
         while (true) {
             client->socket.read(buffer, error);
@@ -218,6 +269,14 @@ private:
             add({PageEvent::Kind::text, client->page, beast::buffers_to_string(buffer.data())});
             buffer.clear();
         }
+        {
+            const std::lock_guard lock(client->mutex);
+            client->gone = true;
+        }
+        client->hang_up();
+        client->wake.notify_one();
+        if (writing.joinable())
+            writing.join();
         {
             const std::lock_guard lock(mutex_);
             std::erase(clients_, client);

@@ -41,7 +41,7 @@ public:
     /// The oldest event that was not taken yet. From one thread.
     std::optional<PageEvent> next_event();
 
-    /// To every client of a page; one that takes nothing for a second is closed.
+    /// To every client of a page, without waiting for any; one that takes nothing for a second is closed.
     void send(const std::string& page, const std::string& text);
 
     /// Whether a client of the page is connected.

@@ -1,0 +1,85 @@
+// Pages for browsers: one that takes nothing holds up neither who sends nor the others.
+#include <algorithm>
+#include <arpa/inet.h>
+#include <atomic>
+#include <chrono>
+#include <netinet/in.h>
+#include <optional>
+#include <sys/socket.h>
+#include <thread>
+#include <unistd.h>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "host/page/page_server.h"
+
+namespace forceshade {
+namespace {
+
+/// A WebSocket of a page, connected.
+class PageClient {
+public:
+    explicit PageClient(const std::string& address) : socket_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
+        const std::size_t port = address.find(':', 5) + 1, path = address.find('/', port);
+        const int small = 4096; // of what is not read
+        ::setsockopt(socket_, SOL_SOCKET, SO_RCVBUF, &small, sizeof small);
+        sockaddr_in there{};
+        there.sin_family = AF_INET;
+        there.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+        there.sin_port = htons(static_cast<std::uint16_t>(std::stoi(address.substr(port))));
+        EXPECT_EQ(::connect(socket_, reinterpret_cast<sockaddr*>(&there), sizeof there), 0);
+        const std::string asked =
+            fmt::format("GET {} HTTP/1.1\r\nHost: {}\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
+                        "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Version: 13\r\n\r\n",
+                        address.substr(path), address.substr(7, path - 7));
+        EXPECT_EQ(::send(socket_, asked.data(), asked.size(), 0), std::ssize(asked));
+    }
+    ~PageClient() { ::close(socket_); }
+
+    /// How many bytes came until the server closed it.
+    std::size_t read_all() const {
+        std::vector<char> room(1 << 16);
+        std::size_t all = 0;
+        for (ssize_t got = 0; (got = ::recv(socket_, room.data(), room.size(), 0)) > 0;)
+            all += static_cast<std::size_t>(got);
+        return all;
+    }
+
+private:
+    int socket_;
+};
+
+TEST(PageServer, WhoTakesNothingIsClosedAndWaitedForByNobody) {
+    constexpr int kTexts = 25;
+    const std::string text(1'000'000, 'x');
+    std::atomic<int> closed = 0;
+    std::optional<PageServer> server(std::in_place, std::vector<ServedPage>{{"view", "<p>a page</p>"}},
+                                     std::uint16_t{0}, [&](const std::string&) { ++closed; });
+    const PageClient stuck(server->address("view")), reader(server->address("view"));
+    std::size_t got = 0;
+    std::jthread reading([&] { got = reader.read_all(); });
+    for (int opened = 0; opened < 2;)
+        opened += server->next_event().has_value();
+    double longest = 0; /* s */
+    const auto seconds_since = [](auto begin) {
+        return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    };
+    for (int i = 0; i < kTexts; ++i) {
+        const auto begin = std::chrono::steady_clock::now();
+        server->send("view", text);
+        longest = std::max(longest, seconds_since(begin));
+        std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    }
+    EXPECT_EQ(closed, 1) << "the one that took nothing";
+    server->send("view", "the last words");
+    const auto end = std::chrono::steady_clock::now();
+    server.reset();
+    reading.join();
+    EXPECT_LT(seconds_since(end), 2);
+    EXPECT_LT(longest, 0.2);
+    EXPECT_GT(got, kTexts * text.size() + 14) << "all that was sent, to the last word";
+}
+
+} // namespace
+} // namespace forceshade
