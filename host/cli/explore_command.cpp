@@ -144,19 +144,18 @@ void print_outcome(const PathRecord& record, const std::string& out, const Engin
            plural(record.paths, "path"), record.error.differing + record.error.metrics);
     if (record.deviation)
         remark("{}", deviation_text(*record.deviation));
-    if (record.in_contact == 0)
-        remark(
-            "warning: no sample is in contact, so the force is 0 everywhere: go deeper (over a mesh, depth counts from "
-            "the top of its box), or press\n");
     constexpr double kHardly = 0.1; // of the samples
     const bool mesh = scene.surface.kind == SurfaceKind::mesh;
     const bool followed = scene.paths && scene.paths->follow == PathFollow::surface;
-    if (record.in_contact > 0 && share(record.in_contact, record.samples) < kHardly && scene.paths)
-        remark("warning: only {:.2g} % of the samples are in contact{}\n",
-               100 * share(record.in_contact, record.samples),
-               !mesh || followed ? "; go deeper, or press"
-                                 : ": depth counts from the top of the mesh's box; follow = \"surface\" under [paths] "
-                                   "counts it from the surface below each sample");
+    if (share(record.in_contact, record.samples) < kHardly && (scene.paths || record.in_contact == 0))
+        remark("warning: {} in contact{}\n",
+               record.in_contact == 0
+                   ? std::string("no sample is")
+                   : fmt::format("only {:.2g} % of the samples are", 100 * share(record.in_contact, record.samples)),
+               !mesh || followed || !scene.paths
+                   ? "; go deeper, or press"
+                   : ": depth counts from the top of the mesh's box; follow = \"surface\" under [paths] counts it "
+                     "straight down from the surface, which is less along its normal where it slopes");
     // Those that follow a surface below it are meant to.
     if (record.began_inside > 0 && !followed)
         remark("warning: {} of {} begin behind the mesh's surface; their proxies begin at the nearest place of it\n",

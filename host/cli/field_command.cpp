@@ -41,7 +41,7 @@ PictureChoice picture_choice(const FieldArguments& arguments, const Scene& scene
     refuse_unused(wanted, choice.look == picture::Look{} && arguments.slice.empty() &&
                               choice.slice.quantity == picture::Quantity::magnitude);
     if (choice.slice.quantity == picture::Quantity::angle && !(scene.output.channels & layout::kChannelUnshaded))
-        throw UsageError("--quantity angle: the scene computes no unshaded force: write channels = [\"force\", "
+        throw UsageError("--quantity turn: the scene computes no unshaded force: write channels = [\"force\", "
                          "\"unshaded\"] under [output]");
     return choice;
 }
@@ -120,11 +120,10 @@ void describe(Options& options, FieldArguments& arguments) {
                  "it), npy (NumPy), png, svg, pdf (pictures)");
     describe_look(options, arguments.pictures.look);
     options.read(
-        "--quantity magnitude|x|y|z|direction|angle",
+        "--quantity magnitude|x|y|z|direction|turn",
         [&](const std::string& text) { arguments.pictures.slice.quantity = quantity_named(text); },
-        "that the colours show: magnitude (default), a component, the direction, or the angle by which shading turns "
-        "the "
-        "force");
+        "that the colours show: magnitude (default), a component, the direction, or the turn: the angle between "
+        "the forces with and without shading");
     options.optional("--slice PLANE", arguments.slice,
                      "of *.arrows and *.shading: x, y or z, in the middle or as in \"y=2 mm\"; by default y");
     options

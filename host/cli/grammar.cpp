@@ -126,6 +126,8 @@ std::string meant_option(const std::string& name, const std::vector<std::string>
     std::vector<std::string> names;
     for (const CLI::App* command : group.get_subcommands(nullptr))
         names.push_back(command->get_name());
+    if (names.empty())
+        refuse(fmt::format("{} has no commands of its own, such as \"{}\"", full_name(group), word), group);
     const std::string_view meant = nearest(word, names);
     const std::string there = fmt::format("; there are {}", fmt::join(names, ", "));
     if (word.empty())

@@ -132,7 +132,8 @@ int run(const Arguments& arguments, const CommonOptions& common) {
     refuse_if_meaningless(mesh.findings, path);
     print_data(common.json ? as_json(path, mesh) : as_text(mesh));
     if (!common.quiet && unit.empty())
-        remark("lengths are in the file's unit, which the file does not tell; --unit mm gives them in metres\n");
+        remark("lengths are in the file's unit, which no mesh file tells; for metres say what a coordinate of 1 is, as "
+               "--unit mm\n");
     return 0;
 }
 

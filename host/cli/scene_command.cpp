@@ -166,16 +166,16 @@ int print_schema(const SchemaArguments& arguments, const CommonOptions& common) 
 } // namespace
 
 void add_scene_commands(CommandLine& program) {
-    program.add<InitArguments>("init", "Write a scene to start from, with comments, that works as it stands", init,
-                               [](Options& options, InitArguments& arguments) {
-                                   options.required("KIND", arguments.what, "what the scene is for")
-                                       .one_of({kStarters.begin(), kStarters.end()});
-                                   options.optional("MESH", arguments.mesh,
-                                                    "of kind mesh: the mesh's file; left out: mesh.obj");
-                                   options.optional("--out FILE", arguments.out, "the scene's file; default: stdout");
-                                   options.example("init bump --out bump.toml", "a bump to change")
-                                       .example("init paths", "a scene with paths, to read");
-                               });
+    program.add<InitArguments>(
+        "init", "Write a scene to start from, with comments, that works as it stands", init,
+        [](Options& options, InitArguments& arguments) {
+            options.required("KIND", arguments.what, "what the scene is for: bump, mesh, paths, live or experiment")
+                .one_of({kStarters.begin(), kStarters.end()});
+            options.optional("MESH", arguments.mesh, "of kind mesh: the mesh's file; left out: mesh.obj");
+            options.optional("--out FILE", arguments.out, "the scene's file; default: stdout");
+            options.example("init bump --out bump.toml", "a bump to change")
+                .example("init paths", "a scene with paths, to read");
+        });
     program.add<SchemaArguments>("schema", "Print every key of a scene or study, its unit, default and meaning",
                                  print_schema, [](Options& options, SchemaArguments& arguments) {
                                      options.optional("KEY", arguments.name,

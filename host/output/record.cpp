@@ -179,11 +179,12 @@ nlohmann::ordered_json deviation_json(const DeviationRecord& deviation) {
 
 std::string deviation_text(const DeviationRecord& deviation) {
     if (deviation.magnitudes == 0)
-        return "compared with the shape of [compare]: no sample is as near to it as compare.depth says\n";
-    return fmt::format(
-        "compared with the shape of [compare] near its surface: direction {:.3g} deg (RMS), {:.3g} at most; magnitude "
-        "{:.3g} N (RMS), {:.3g} at most\n",
-        deviation.rms_angle, deviation.largest_angle, deviation.rms_magnitude_error, deviation.largest_magnitude_error);
+        return "compared with the shape of [compare]: contact is nowhere as little deep as compare.depth says\n";
+    return fmt::format("compared with the shape of [compare], where contact is at most compare.depth deep: direction "
+                       "{:.3g} deg (RMS), {:.3g} at most, at {} places; magnitude {:.3g} N (RMS), {:.3g} at most, at "
+                       "{}, where the shape alone would be felt included\n",
+                       deviation.rms_angle, deviation.largest_angle, deviation.angles, deviation.rms_magnitude_error,
+                       deviation.largest_magnitude_error, deviation.magnitudes);
 }
 
 std::string complaint(const CaseRecord& record) {

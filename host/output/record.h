@@ -68,8 +68,8 @@ struct PathError {
     bool passed() const { return beyond == 0 && metrics == 0; }
 };
 
-/// Of the forces of a field or of paths from those of the shape of [compare], at most compare.depth below it: root mean
-/// squares and largest sizes.
+/// Of the forces of a field or of paths from those of the shape of [compare], where contact is at most compare.depth
+/// deep: root mean squares and largest sizes.
 struct DeviationRecord {
     std::uint64_t angles = 0;                                    /* samples with a force */
     double rms_angle = 0, largest_angle = 0;                     /* deg: between force and normal */

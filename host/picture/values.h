@@ -39,7 +39,7 @@ struct FieldSlice {
 enum class Quantity { magnitude, x, y, z, direction, angle };
 
 /// As the command line names them, in the order of Quantity.
-inline constexpr std::array<std::string_view, 6> kQuantityNames{"magnitude", "x", "y", "z", "direction", "angle"};
+inline constexpr std::array<std::string_view, 6> kQuantityNames{"magnitude", "x", "y", "z", "direction", "turn"};
 
 /// The value where there is no force; a value that is no finite number is NaN.
 inline constexpr double kNoForce = -INFINITY;

@@ -95,7 +95,7 @@ Deviation ShapeComparison::at(const glm::dvec3& place, const glm::dvec3& force, 
     if (!(magnitude > 0 || found.depth > 0))
         return {kNoNumber, kNoNumber, false};
     return {angle_between(force, found.normal), magnitude - stiffness_ * std::max(0.0, found.depth),
-            found.depth <= counted_depth_};
+            (magnitude > 0 ? magnitude / stiffness_ : found.depth) <= counted_depth_};
 }
 
 void DeviationSum::add(const Deviation& one, double count) {

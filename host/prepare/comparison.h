@@ -26,7 +26,7 @@ inline std::uint32_t written_channels(const Scene& scene) {
 struct Deviation {
     double angle;           /* deg: between the force and that normal; NaN where one of them is missing */
     double magnitude_error; /* N: |F| - K depth; NaN out of contact with both */
-    bool counts;            /* the probe is at most compare.depth below the shape */
+    bool counts;            /* it is felt at most compare.depth deep; or, out of contact, the shape would be */
 };
 
 /// Evaluates in double. Nothing of it changes, so threads may share it.

@@ -484,10 +484,11 @@ void add_compare(std::vector<Key>& keys) {
         "surface.kind", "\"sphere\"", kCompareKinds,
         "the shape that forces are compared with: the channels angle (deg, between the force and the shape's normal at "
         "the probe) and magnitude_error (N, the force's magnitude less K times the depth below the shape)");
-    compare.length<&CompareSpec::depth>("depth", "\"2 mm\"",
-                                        "root mean squares and largest sizes of the two are told of places at most so "
-                                        "far below the shape, as a hand reaches them",
-                                        {.sign = kPositive});
+    compare.length<&CompareSpec::depth>(
+        "depth", "\"2 mm\"",
+        "root mean squares and largest sizes of the two are told of places where the contact "
+        "is at most so deep, as a hand presses",
+        {.sign = kPositive});
     compare.length<&CompareSpec::radius>(
         "surface.radius", "",
         "of a sphere or cylinder; left out: a bump's own smooth shape, its cylinder on its plane, with the normal "

@@ -97,7 +97,7 @@ struct TextureSpec {
 /// A shape that forces are compared with: what K and its depth would give, along its normal.
 struct CompareSpec {
     CompareKind kind = CompareKind::sphere;
-    double depth = 0.002;                        /* m: below the shape, to which deviations are summed up */
+    double depth = 0.002;                        /* m: of contact, to which deviations are summed up */
     std::optional<double> radius;                /* m: sphere, cylinder; a bump's own smooth shape needs none */
     std::optional<std::array<double, 3>> centre; /* m: of the sphere; a place of the cylinder's axis or of the plane */
     std::optional<CompareAxis> axis;             /* of the cylinder, y; that the plane faces, z */

@@ -142,13 +142,16 @@ constexpr const char* kPathColumns[] = {"paths",
                                         "path_samples_differing",
                                         "paths_exr_sha256"};
 
-constexpr const char* kDeviationColumns[] = {"compare_rms_angle_deg", "compare_largest_angle_deg",
-                                             "compare_rms_magnitude_error_N", "compare_largest_magnitude_error_N"};
+constexpr const char* kDeviationColumns[] = {
+    "compare_angles",     "compare_rms_angle_deg",         "compare_largest_angle_deg",
+    "compare_magnitudes", "compare_rms_magnitude_error_N", "compare_largest_magnitude_error_N"};
 
 void add_deviation(const std::optional<DeviationRecord>& deviation, CsvText& csv) {
     if (deviation && deviation->magnitudes > 0)
-        csv.add(deviation->rms_angle)
+        csv.add(deviation->angles)
+            .add(deviation->rms_angle)
             .add(deviation->largest_angle)
+            .add(deviation->magnitudes)
             .add(deviation->rms_magnitude_error)
             .add(deviation->largest_magnitude_error);
     else

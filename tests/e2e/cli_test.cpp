@@ -94,7 +94,7 @@ TEST_F(CommandLine, refuses_what_it_does_not_know) {
              {"field", "scene.toml", "--out", "a.exr", "--title", "no picture"},
              {"field", "scene.toml", "--out", "a.exr", "--also", "png", "--size", "12"},
              {"field", "scene.toml", "--out", "a.exr", "--also", "png", "--quantity", "force"},
-             {"field", "scene.toml", "--out", "a.exr", "--also", "png", "--quantity", "angle"},
+             {"field", "scene.toml", "--out", "a.exr", "--also", "png", "--quantity", "turn"},
              {"field", "scene.toml", "--out", "a.exr", "--also", "png", "--slice", "y=1 km"},
              {"field", "scene.toml", "--out", "a.exr", "--also", "png", "--slice", "u"},
              {"validate", "three.toml", "--only", "nosuch*"},

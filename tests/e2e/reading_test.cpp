@@ -78,7 +78,7 @@ std::pair<unsigned, unsigned> size_of_png(const std::string& bytes) {
 
 TEST_F(Reading, finds_pictures_as_they_were_asked_for) {
     expect_success({"field", "scene.toml", "--out", "a.exr", "--also", "png,svg,pdf", "--title", "A title", "--size",
-                    "800x600", "--quantity", "angle", "--slice", "x", "--quiet"});
+                    "800x600", "--quantity", "turn", "--slice", "x", "--quiet"});
     for (const std::string kind : {"arrows", "mosaic", "shading"}) {
         const auto [width, height] = size_of_png(read_text(path("a." + kind + ".png")));
         EXPECT_EQ(width, 800u) << kind;

@@ -210,7 +210,9 @@ class Comparing(InFolder):
         row = forceshade.read(self.path("swept"))
         for of, column in ((field, "compare"), (explored, "path_compare")):
             places = grid_of(field) if of is field else explored.position
-            near = np.linalg.norm(places - [0, 0, -0.02], axis=-1) >= 0.01795
+            size = np.linalg.norm(of.force, axis=-1)
+            depth = 0.02 - np.linalg.norm(places - [0, 0, -0.02], axis=-1)
+            near = np.where(size > 0, size / 1000, depth) <= 0.00205
             rms = np.sqrt(np.nanmean(np.square(of.angle[near], dtype=float)))
             np.testing.assert_allclose(row[column + "_rms_angle_deg"], rms, rtol=1e-5)
             np.testing.assert_allclose(row[column + "_largest_magnitude_error_N"],

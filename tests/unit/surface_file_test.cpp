@@ -24,7 +24,7 @@ using Point = glm::dvec3;
 struct ReadSurface {
     std::string text;
     std::vector<Point> points, force, unshaded;
-    std::vector<double> angle;                   /* deg */
+    std::vector<double> turn;                    /* deg */
     std::vector<std::vector<std::size_t>> cells; /* points of each corner */
     std::vector<int> facet;
     double raw_bytes = 0; /* of all arrays */
@@ -53,8 +53,8 @@ template <typename Real> ReadSurface read_surface(const std::filesystem::path& f
     surface.points = vectors_in<double>(text, "Points");
     surface.force = vectors_in<Real>(text, "force");
     surface.unshaded = vectors_in<Real>(text, "unshaded");
-    for (const Real angle : testing::vtk_numbers<Real>(text, "angle"))
-        surface.angle.push_back(double(angle));
+    for (const Real turn : testing::vtk_numbers<Real>(text, "turn"))
+        surface.turn.push_back(double(turn));
     surface.facet = testing::vtk_numbers<std::int32_t>(text, "facet");
     const auto corners = testing::vtk_numbers<std::int64_t>(text, "connectivity");
     std::int64_t begin = 0;
@@ -65,7 +65,7 @@ template <typename Real> ReadSurface read_surface(const std::filesystem::path& f
     EXPECT_EQ(std::size_t(begin), corners.size());
     EXPECT_EQ(surface.cells.size(), surface.facet.size());
     EXPECT_EQ(surface.points.size(), surface.force.size());
-    EXPECT_EQ(surface.points.size(), surface.angle.size());
+    EXPECT_EQ(surface.points.size(), surface.turn.size());
     surface.raw_bytes =
         double(surface.points.size() * (24 + 7 * sizeof(Real)) + corners.size() * 8 + surface.facet.size() * 12);
     return surface;
@@ -125,13 +125,13 @@ TEST_F(SurfaceFile, OfAMeshHasItsFacetsAsTheyAreAndTheForceAlongTheirNormals) {
                 EXPECT_EQ(surface.points[point], polygons.vertices[polygons.outline(std::uint32_t(facet))[corner]]);
                 EXPECT_LT(distance(surface.force[point], 2.0 * kHouseNormals[facet]), 1e-6) << "2 N/mm times 1 mm";
                 EXPECT_EQ(surface.force[point], surface.unshaded[point]);
-                EXPECT_EQ(surface.angle[point], 0);
+                EXPECT_EQ(surface.turn[point], 0);
             }
         }
         EXPECT_EQ(surface.points[surface.cells[0][3]], Point(0, -0.01, 0.02)) << "in metres";
         EXPECT_NE(surface.text.find("Name=\"pressed_m\" NumberOfTuples=\"1\" format=\"ascii\">0.001<"),
                   std::string::npos);
-        EXPECT_NE(surface.text.find("<PointData Vectors=\"force\" Scalars=\"angle\">"), std::string::npos);
+        EXPECT_NE(surface.text.find("<PointData Vectors=\"force\" Scalars=\"turn\">"), std::string::npos);
         EXPECT_NE(surface.text.find("NumberOfPolys=\"7\">"), std::string::npos);
     }
 }
@@ -148,7 +148,7 @@ TEST_F(SurfaceFile, OfAShadedMeshTurnsFromVertexToVertex) {
             const Point expected = surface.points[point] * 100.0; // at 1 cm, of length 1: 1 N/mm times 1 mm
             EXPECT_LT(distance(surface.force[point], expected), 1e-6);
             EXPECT_LT(distance(surface.unshaded[point], surface.unshaded[cell[0]]), 1e-12) << "one for a facet";
-            EXPECT_NEAR(surface.angle[point], turn, 1e-4);
+            EXPECT_NEAR(surface.turn[point], turn, 1e-4);
         }
 }
 
@@ -163,7 +163,7 @@ TEST_F(SurfaceFile, OfAMeshHasNoForceWhereNoProbeTouchesIt) {
     for (std::size_t facet = 0; facet < 9; ++facet)
         for (const std::size_t point : surface.cells[facet]) {
             EXPECT_NEAR(distance(surface.force[point], Point(0)), facet < 7 ? 1 : 0, 1e-6) << facet;
-            EXPECT_EQ(surface.angle[point] > 0, facet < 7) << facet;
+            EXPECT_EQ(surface.turn[point] > 0, facet < 7) << facet;
         }
 }
 
@@ -192,7 +192,7 @@ TEST_F(SurfaceFile, OfAnUnshadedBumpHasOneForceAFacetWithJumpsBetween) {
                         1e-8);
             const Point expected = law(middle, 0, law(middle, 0, -1).proxy.z - 1e-3).force;
             EXPECT_LT(distance(surface.force[corners[i]], expected), 2e-6) << cell;
-            EXPECT_EQ(surface.angle[corners[i]], 0);
+            EXPECT_EQ(surface.turn[corners[i]], 0);
         }
         forces.insert(std::round(1e4 * surface.force[corners[0]].x));
     }
@@ -213,8 +213,8 @@ TEST_F(SurfaceFile, OfAShadedBumpTurnsWithinItsFacets) {
             const double sine = beside ? 0 : x / (600 * kMil), cosine = std::sqrt(1 - sine * sine);
             EXPECT_LT(distance(surface.force[point], Point(sine, 0, cosine)), 3e-6) << x;
             const double slope = std::atan2(surface.unshaded[point].x, surface.unshaded[point].z);
-            EXPECT_NEAR(surface.angle[point], std::abs(std::asin(sine) - slope) * kDegreesOfRadian, 1e-3) << x;
-            largest = std::max(largest, surface.angle[point]);
+            EXPECT_NEAR(surface.turn[point], std::abs(std::asin(sine) - slope) * kDegreesOfRadian, 1e-3) << x;
+            largest = std::max(largest, surface.turn[point]);
         }
         const double edge = std::asin(500.0 / 600);
         EXPECT_NEAR(largest, (facets == 1 ? edge : edge / 2) * kDegreesOfRadian, 0.01);
@@ -226,7 +226,7 @@ TEST_F(SurfaceFile, OfManyFacetsIsKeptSmall) {
         written(std::string("[surface]\nfacets = 1000000\n[force]\nshading = \"reference\"\n") + kSurfaceGrid);
     EXPECT_EQ(surface.cells.size(), 1024u + 4 + 3) << "strips of facets, and the plane cut as the grid is";
     for (std::size_t point = 0; point < surface.points.size(); ++point)
-        EXPECT_LT(surface.angle[point], 0.1) << "so many facets are as good as the cylinder";
+        EXPECT_LT(surface.turn[point], 0.1) << "so many facets are as good as the cylinder";
     std::set<int> facets(surface.facet.begin(), surface.facet.end());
     EXPECT_EQ(facets.size(), 1025u);
     EXPECT_EQ(*facets.rbegin(), 1000000) << "the plane";

@@ -50,22 +50,25 @@ def angle(one: ArrayLike, other: ArrayLike) -> Array:
 
 @dataclass(frozen=True)
 class Contact:
-    """What probes meet; the arrays have the shape of the probes' array, without its last axis for numbers."""
+    """What probes meet; the arrays have the shape of the probes' array, without its last axis for numbers.
+
+        force: N, (..., 3); 0 out of contact.
+        unshaded: N, (..., 3): what shading = "none" would give.
+        depth: m, (...).
+        proxy: m, (..., 3): the place of the surface that is touched; the probe itself out of contact.
+        facet: (...): its number, -1 out of contact.
+        angle: deg, (...): with [compare], between the force and the normal of the shape there; NaN where there is none.
+        magnitude_error: N, (...): with [compare], the force's magnitude less that of the shape; NaN out of contact with
+            both.
+    """
 
     force: Array
-    """N, (..., 3); 0 out of contact."""
     unshaded: Array
-    """N, (..., 3): what shading = "none" would give."""
     depth: Array
-    """m, (...)."""
     proxy: Array
-    """m, (..., 3): the place of the surface that is touched; the probe itself out of contact."""
     facet: Array
-    """(...): its number, -1 out of contact."""
     angle: Array | None = None
-    """deg, (...): with [compare], between the force and the normal of the shape there; NaN where there is none."""
     magnitude_error: Array | None = None
-    """N, (...): with [compare], the force's magnitude less that of the shape; NaN out of contact with both."""
 
     @property
     def turn(self) -> Array:
@@ -75,30 +78,35 @@ class Contact:
 
 @dataclass(frozen=True)
 class Field:
-    """Forces over a grid; sample [k, j, i] lies at (x[i], y[j], z[k])."""
+    """Forces over a grid; sample [k, j, i] lies at (x[i], y[j], z[k]).
+
+        x: m, (nx,).
+        y: m, (ny,).
+        z: m, (nz,).
+        force: N, (nz, ny, nx, 3). Where the field does not depend on y, one layer that stands for all, and is read-
+            only.
+        depth: m, (nz, ny, nx).
+        facet: (nz, ny, nx); -1 out of contact.
+        proxy: m, (nz, ny, nx, 3).
+        unshaded: N, (nz, ny, nx, 3).
+        angle: deg, (nz, ny, nx): with [compare], between the force and the normal of the shape there; NaN without a
+            force.
+        magnitude_error: N, (nz, ny, nx): with [compare], the force's magnitude less that of the shape; NaN out of
+            contact with both.
+        scene: The scene as complete TOML.
+    """
 
     x: Array
-    """m, (nx,)."""
     y: Array
-    """m, (ny,)."""
     z: Array
-    """m, (nz,)."""
     force: Array
-    """N, (nz, ny, nx, 3). Where the field does not depend on y, one layer that stands for all, and is read-only."""
     depth: Array | None = None
-    """m, (nz, ny, nx)."""
     facet: Array | None = None
-    """(nz, ny, nx); -1 out of contact."""
     proxy: Array | None = None
-    """m, (nz, ny, nx, 3)."""
     unshaded: Array | None = None
-    """N, (nz, ny, nx, 3)."""
     angle: Array | None = None
-    """deg, (nz, ny, nx): with [compare], between the force and the normal of the shape there; NaN without a force."""
     magnitude_error: Array | None = None
-    """N, (nz, ny, nx): with [compare], the force's magnitude less that of the shape; NaN out of contact with both."""
     scene: str = ""
-    """The scene as complete TOML."""
 
     @property
     def magnitude(self) -> Array:
@@ -121,28 +129,30 @@ class Field:
 
 @dataclass(frozen=True)
 class Paths:
-    """What probes met along paths; behind the end of a shorter path stand NaN and -1."""
+    """What probes met along paths; behind the end of a shorter path stand NaN and -1.
+
+        position: m, (paths, steps, 3): where the law was evaluated.
+        force: N, (paths, steps, 3).
+        proxy: m, (paths, steps, 3).
+        depth: m, (paths, steps).
+        facet: (paths, steps); -1 out of contact.
+        angle: deg, (paths, steps): with [compare], as of a Contact.
+        magnitude_error: N, (paths, steps): likewise.
+        rate: Hz: samples a second; NaN for a file of recorded paths, whose samples have times of their own.
+        figures: Numbers of each path, (paths,): the columns of PATHS.paths.csv, whose names carry their units.
+        scene: The scene as complete TOML.
+    """
 
     position: Array
-    """m, (paths, steps, 3): where the law was evaluated."""
     force: Array
-    """N, (paths, steps, 3)."""
     proxy: Array | None = None
-    """m, (paths, steps, 3)."""
     depth: Array | None = None
-    """m, (paths, steps)."""
     facet: Array | None = None
-    """(paths, steps); -1 out of contact."""
     angle: Array | None = None
-    """deg, (paths, steps): with [compare], as of a Contact."""
     magnitude_error: Array | None = None
-    """N, (paths, steps): likewise."""
     rate: float = float("nan")
-    """Hz: samples a second; NaN for a file of recorded paths, whose samples have times of their own."""
     figures: Mapping[str, Array] = _field(default_factory=dict)
-    """Numbers of each path, (paths,): the columns of PATHS.paths.csv, whose names carry their units."""
     scene: str = ""
-    """The scene as complete TOML."""
 
     @property
     def time(self) -> Array:
@@ -164,8 +174,12 @@ class Scene:
 
     def __init__(self, scene: Mapping[str, Any], overrides: Mapping[str, Any] | None = None, *,
                  mesh: tuple[ArrayLike, Any] | None = None) -> None:
+        if not isinstance(scene, Mapping):
+            raise SceneError(f"a scene is a dict of tables, got {scene!r}; for a file: Scene.load(...)")
         with tempfile.TemporaryDirectory() as folder:
             if mesh is not None:
+                if scene.get("surface", {}).get("kind") != "mesh":
+                    raise SceneError("mesh= is for scenes with {'surface': {'kind': 'mesh'}}")
                 file = Path(folder) / "mesh.obj"
                 file.write_text(_obj(*mesh), encoding="ascii")
                 scene = {**scene, "surface": {"unit": "m", **scene.get("surface", {}), "file": str(file)}}
@@ -248,6 +262,8 @@ class Scene:
         paths: positions in metres, (paths, steps, 3), or a list of arrays (steps, 3), a sample each 1/rate s; in a
             closed loop where the hand wants to be. None: as the scene's [paths] says.
         """
+        if isinstance(paths, np.ndarray) and paths.ndim == 2:
+            raise SceneError(f"paths have shape (paths, steps, 3), got {paths.shape}; one path alone is paths[None]")
         given = None if paths is None else [_rows(np.asarray(path, dtype=float)) for path in paths]
         arrays = self._native.explore(given, engine, gpu, threads)
         if self._native.compares:
@@ -293,7 +309,9 @@ def read(file: FilePath) -> Field | Paths | Table:
     path = Path(file)
     if path.is_dir():
         return _table(path / "summary.csv")
-    if path.suffix.lower() != ".exr":
+    if path.suffix.lower() not in (".exr", ".csv"):
+        raise FileError(f"{path}: read takes .exr and .csv files that forceshade wrote, or the folder of a sweep")
+    if path.suffix.lower() == ".csv":
         return _table(path)
     arrays = _native.read_exr(os.fspath(path))
     return Field(**arrays) if "x" in arrays else Paths(**arrays)
@@ -331,6 +349,8 @@ def sphere(radius: float, subdivisions: int) -> tuple[Array, Array]:
     """
     if subdivisions < 1:
         raise ValueError(f"subdivisions is 1 or more, got {subdivisions}")
+    if isinstance(radius, str) or not radius > 0:
+        raise ValueError(f"radius is a positive number, got {radius!r}")
     golden = (1 + 5 ** 0.5) / 2
     pairs = [(-1, golden), (1, golden), (-1, -golden), (1, -golden)]
     corners = np.array([(a, b, 0) for a, b in pairs] + [(0, a, b) for a, b in pairs] + [(b, 0, a) for a, b in pairs])
@@ -406,6 +426,10 @@ def _obj(vertices: ArrayLike, faces: Any) -> str:
     points = np.asarray(vertices, dtype=float)
     if points.ndim != 2 or points.shape[1] != 3:
         raise SceneError(f"the mesh's vertices have shape (n, 3), got {points.shape}")
+    for number, face in enumerate(faces):
+        if not all(0 <= int(corner) < len(points) for corner in face):
+            raise SceneError(f"faces[{number}] = {list(map(int, face))}: vertices are counted from 0, and there are "
+                             f"{len(points)}")
     lines = ["v " + " ".join(map(repr, point)) for point in points.tolist()]
     lines += ["f " + " ".join(str(int(corner) + 1) for corner in face) for face in faces]
     return "\n".join(lines) + "\n"
