@@ -60,6 +60,8 @@ Ran run(const std::string& program, std::vector<std::string> arguments, const st
     for (std::string& argument : arguments)
         pointers.push_back(argument.data());
     pointers.push_back(nullptr);
+    for (const char* written : {"field.exr", "paths.exr", "paths.paths.csv"}) // else the program would refuse to
+        std::filesystem::remove(written);
     Ran ran;
     int status = 0;
     rusage used{};
