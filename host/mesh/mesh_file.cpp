@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <future>
 
 #include <fmt/format.h>
 
@@ -105,11 +106,12 @@ PolygonFile parse_polygons(const std::filesystem::path& path, std::string_view b
     const std::string name = path.string();
     if (bytes.empty())
         throw IoError(fmt::format("{}: the file is empty", name));
+    std::future<std::string> sha256 = std::async(std::launch::async, [bytes] { return sha256_of(bytes); });
     PolygonFile file = format_of(name, path, bytes).read({name, bytes, normals});
     refuse_what_is_not_finite(name, file.polygons);
     if (normals)
         require_normals(name, file.polygons);
-    file.sha256 = sha256_of(bytes);
+    file.sha256 = sha256.get();
     return file;
 }
 
