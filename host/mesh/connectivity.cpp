@@ -90,13 +90,6 @@ public:
         return found;
     }
 
-    // A face's half-edge is the one that ends in its first corner.
-    void outline(std::uint32_t facet, std::vector<std::uint32_t>& vertices) const override {
-        vertices.clear();
-        for (const auto vertex : mesh_.fv_range(mesh_.face_handle(facet)))
-            vertices.push_back(number(vertex));
-    }
-
     void fan(std::uint32_t vertex, std::vector<FacetCorner>& corners) const override {
         corners.clear();
         for (const auto edge : mesh_.voh_range(mesh_.vertex_handle(vertex)))
@@ -205,11 +198,6 @@ public:
         return found;
     }
 
-    void outline(std::uint32_t facet, std::vector<std::uint32_t>& vertices) const override {
-        const auto corners = polygons_.outline(facet);
-        vertices.assign(corners.begin(), corners.end());
-    }
-
     void fan(std::uint32_t at, std::vector<FacetCorner>& corners) const override {
         corners.clear();
         for (std::uint32_t i = begins_[at]; i < begins_[at + 1]; ++i) {
@@ -247,7 +235,7 @@ Connectivity::Connectivity(const PolygonSoup& polygons, Method method) : polygon
         structure_ = HalfEdges::build(polygons);
     has_half_edges_ = structure_ != nullptr;
     if (!has_half_edges_)
-        structure_ = std::make_unique<MatchedEdges>(polygons);
+        structure_ = std::make_shared<MatchedEdges>(polygons);
 }
 
 } // namespace forceshade

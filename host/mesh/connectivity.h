@@ -37,6 +37,9 @@ public:
 
     /// Converts implicitly, so that functions of the connectivity take polygons. The polygons must outlive it.
     Connectivity(const PolygonSoup& polygons, Method method = Method::half_edges_if_manifold);
+    /// Of the same facets with their vertices elsewhere; those first polygons must outlive it as well.
+    Connectivity(const PolygonSoup& polygons, const Connectivity& same)
+        : polygons_(polygons), structure_(same.structure_), has_half_edges_(same.has_half_edges_) {}
 
     const PolygonSoup& polygons() const noexcept { return polygons_; }
     bool has_half_edges() const noexcept { return has_half_edges_; }
@@ -44,8 +47,6 @@ public:
     struct Structure {
         virtual ~Structure() = default;
         virtual ConnectivityCounts counts() const = 0;
-        /// The vertices around a facet, from its first corner.
-        virtual void outline(std::uint32_t facet, std::vector<std::uint32_t>& vertices) const = 0;
         /// The corners at a vertex, by facet and corner, so that sums over them have one order.
         virtual void fan(std::uint32_t vertex, std::vector<FacetCorner>& corners) const = 0;
     };
@@ -53,7 +54,7 @@ public:
 
 private:
     const PolygonSoup& polygons_;
-    std::unique_ptr<const Structure> structure_;
+    std::shared_ptr<const Structure> structure_;
     bool has_half_edges_;
 };
 

@@ -5,14 +5,11 @@
 #include <utility>
 #include <vector>
 
-#include <CGAL/Bbox_3.h>
-#include <CGAL/Box_intersection_d/Box_with_info_d.h>
 #include <CGAL/Constrained_Delaunay_triangulation_2.h>
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Exact_rational.h>
 #include <CGAL/Triangulation_face_base_with_info_2.h>
 #include <CGAL/Triangulation_vertex_base_with_info_2.h>
-#include <CGAL/box_intersection_d.h>
 #include <CGAL/intersections.h>
 
 namespace forceshade {
@@ -73,10 +70,6 @@ void mark_outside(Delaunay& delaunay) {
     }
 }
 
-using Box = CGAL::Box_intersection_d::Box_with_info_d<double, 3, std::uint32_t>;
-
-struct GivenUp {};
-
 Kernel::Point_3 point(const glm::dvec3& v) {
     return {v.x, v.y, v.z};
 }
@@ -123,40 +116,11 @@ bool planar_delaunay(std::span<const std::array<double, 2>> polygon,
     return true;
 }
 
-SelfIntersections count_self_intersections(std::span<const glm::dvec3> vertices, std::span<const std::uint32_t> places,
-                                           std::span<const std::array<std::uint32_t, 3>> triangles,
-                                           std::span<const glm::dvec3> normals, std::size_t most_pairs) {
-    std::vector<Box> boxes;
-    boxes.reserve(triangles.size());
-    for (std::uint32_t i = 0; i < triangles.size(); ++i) {
-        const auto& [a, b, c] = triangles[i];
-        if (normals[i] != glm::dvec3(0))
-            boxes.emplace_back(point(vertices[a]).bbox() + point(vertices[b]).bbox() + point(vertices[c]).bbox(), i);
-    }
-    SelfIntersections result;
-    std::size_t near = 0, tested = 0;
-    const auto triangle = [&](std::uint32_t i) {
-        const auto& [a, b, c] = triangles[i];
-        return Kernel::Triangle_3(point(vertices[a]), point(vertices[b]), point(vertices[c]));
+bool triangles_meet(const std::array<glm::dvec3, 3>& one, const std::array<glm::dvec3, 3>& other) {
+    const auto triangle = [](const std::array<glm::dvec3, 3>& corners) {
+        return Kernel::Triangle_3(point(corners[0]), point(corners[1]), point(corners[2]));
     };
-    // Needles round a vertex of high valence all overlap in their boxes: pairs grow with the square of their number.
-    const auto test = [&](const Box& one, const Box& other) {
-        if (++near > 20'000'000 + 50 * triangles.size())
-            throw GivenUp();
-        for (const std::uint32_t i : triangles[one.info()])
-            for (const std::uint32_t j : triangles[other.info()])
-                if (places[i] == places[j])
-                    return;
-        result.pairs += CGAL::do_intersect(triangle(one.info()), triangle(other.info()));
-        if (result.pairs >= most_pairs || ++tested >= 50 * most_pairs)
-            throw GivenUp();
-    };
-    try {
-        CGAL::box_self_intersection_d(boxes.begin(), boxes.end(), test);
-    } catch (const GivenUp&) {
-        result.complete = false;
-    }
-    return result;
+    return CGAL::do_intersect(triangle(one), triangle(other));
 }
 
 } // namespace forceshade

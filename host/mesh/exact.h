@@ -22,17 +22,7 @@ glm::dvec3 exact_cross_direction(const glm::dvec3& a, const glm::dvec3& b, const
 bool planar_delaunay(std::span<const std::array<double, 2>> polygon,
                      std::vector<std::array<std::uint32_t, 3>>& triangles);
 
-/// Pairs of triangles that touch or cross without having a corner in common.
-struct SelfIntersections {
-    std::size_t pairs = 0;
-    bool complete = true; // false: given up after `most_pairs`, or because far too many pairs came near each other
-};
-
-/// With exact predicates, over the pairs whose bounding boxes overlap. Corners at the same place (`places`: of each
-/// vertex, as weld() tells) are the same corner; triangles without area are passed over. `normals`: of the triangles, 0
-/// for those.
-SelfIntersections count_self_intersections(std::span<const glm::dvec3> vertices, std::span<const std::uint32_t> places,
-                                           std::span<const std::array<std::uint32_t, 3>> triangles,
-                                           std::span<const glm::dvec3> normals, std::size_t most_pairs);
+/// Whether two triangles that have an area touch or cross.
+bool triangles_meet(const std::array<glm::dvec3, 3>& one, const std::array<glm::dvec3, 3>& other);
 
 } // namespace forceshade

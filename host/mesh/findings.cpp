@@ -12,7 +12,7 @@
 #include "host/error.h"
 #include "host/long_run.h"
 #include "host/mesh/connectivity.h"
-#include "host/mesh/exact.h"
+#include "host/mesh/self_intersections.h"
 #include "host/mesh/surface.h"
 #include "host/reference/elementary.h"
 
@@ -68,38 +68,48 @@ void measure_surface(const PolygonSoup& polygons, const MeshTriangles& triangles
 
 } // namespace
 
-MeshFindings inspect(const PolygonSoup& all, std::size_t self_intersection_triangles) {
+ShapeFindings inspect_shape(const PolygonSoup& all, std::size_t self_intersection_triangles) {
     const Stage stage("checking the mesh");
-    MeshFindings found;
+    ShapeFindings shape;
+    MeshFindings& found = shape.findings;
     count_kinds(all, found);
     measure_box(all, found);
     count_repeated_corners(all, found);
-    std::optional<Connectivity> mesh(std::in_place, all);
-    std::vector<glm::dvec3> normals = facet_normals(*mesh);
+    std::vector<glm::dvec3> normals = facet_normals(all);
     found.degenerate_facets = static_cast<std::size_t>(std::ranges::count(normals, glm::dvec3(0)));
-    const CoincidentFacets coincident = find_coincident(all, normals);
+    CoincidentFacets coincident = find_coincident(all, normals);
     found.redundant_facets = coincident.redundant.size();
     found.opposed_facets = coincident.opposed;
+    shape.redundant = std::move(coincident.redundant);
     PolygonSoup rest;
-    if (!coincident.redundant.empty()) {
-        rest = without_facets(all, coincident.redundant);
-        normals = facet_normals(mesh.emplace(rest));
+    if (!shape.redundant.empty()) {
+        rest = without_facets(all, shape.redundant);
+        normals = facet_normals(rest);
     }
-    const PolygonSoup& polygons = mesh->polygons();
-
-    static_cast<ConnectivityCounts&>(found) = (*mesh)->counts();
-    found.closed = found.facets > 0 && found.odd_edges == 0;
+    const PolygonSoup& polygons = shape.redundant.empty() ? all : rest;
 
     const MeshTriangles triangles = triangulate(polygons, normals);
     measure_surface(polygons, triangles, found);
     if (triangles.corners.size() <= self_intersection_triangles) {
         constexpr std::size_t kMostPairs = 100'000;
-        const SelfIntersections pairs = count_self_intersections(polygons.vertices, weld(polygons), triangles.corners,
-                                                                 triangles.normals, kMostPairs);
+        const SelfIntersections pairs = count_self_intersections(polygons, weld(polygons), triangles, kMostPairs);
         found.self_intersections = pairs.pairs;
         found.more_self_intersections = !pairs.complete;
     }
+    return shape;
+}
+
+MeshFindings with_connections(ShapeFindings shape, const Connectivity& mesh) {
+    MeshFindings& found = shape.findings;
+    ConnectivityCounts& counts = found;
+    counts = shape.redundant.empty() ? mesh->counts()
+                                     : Connectivity(without_facets(mesh.polygons(), shape.redundant))->counts();
+    found.closed = found.facets > 0 && found.odd_edges == 0;
     return found;
+}
+
+MeshFindings inspect(const PolygonSoup& polygons, std::size_t self_intersection_triangles) {
+    return with_connections(inspect_shape(polygons, self_intersection_triangles), polygons);
 }
 
 namespace {

@@ -31,9 +31,21 @@ struct MeshFindings : ConnectivityCounts {
     glm::dvec3 low{0}, high{0};                    // corners of the bounding box
 };
 
-/// Looks at everything, for self-intersections among up to as many triangles; about 1.1 s for a million triangles.
-/// Corners must be in range and coordinates finite.
-MeshFindings inspect(const PolygonSoup& polygons, std::size_t self_intersection_triangles = 4'000'000);
+/// Most triangles among which self-intersections are looked for.
+inline constexpr std::size_t kSelfIntersectionTriangles = 4'000'000;
+
+/// Looks at everything. Corners must be in range and coordinates finite.
+MeshFindings inspect(const PolygonSoup& polygons, std::size_t self_intersection_triangles = kSelfIntersectionTriangles);
+
+// The same in two steps, so that the first can go on while somebody finds out how the facets are connected.
+
+struct ShapeFindings {
+    MeshFindings findings;                /* without counts of connections, and `closed` */
+    std::vector<std::uint32_t> redundant; /* facets, ascending */
+};
+ShapeFindings inspect_shape(const PolygonSoup& polygons,
+                            std::size_t self_intersection_triangles = kSelfIntersectionTriangles);
+MeshFindings with_connections(ShapeFindings shape, const Connectivity& mesh);
 
 /// True if it is known that the facets bound one solid whose surface nowhere meets itself.
 bool is_solid(const MeshFindings& findings);

@@ -147,12 +147,11 @@ glm::dvec3 triangle_normal(const glm::dvec3& a, const glm::dvec3& b, const glm::
     return unit(exact_cross_direction(a, b, c));
 }
 
-std::vector<glm::dvec3> facet_normals(const Connectivity& mesh) {
-    const std::vector<glm::dvec3>& vertices = mesh.polygons().vertices;
-    std::vector<glm::dvec3> normals(mesh.polygons().facets(), glm::dvec3(0));
-    std::vector<std::uint32_t> outline;
-    for (std::uint32_t facet = 0; facet < normals.size(); ++facet) {
-        mesh->outline(facet, outline);
+std::vector<glm::dvec3> facet_normals(const PolygonSoup& polygons) {
+    const std::vector<glm::dvec3>& vertices = polygons.vertices;
+    std::vector<glm::dvec3> normals(polygons.facets(), glm::dvec3(0));
+    for (std::size_t facet = 0; facet < normals.size(); ++facet) {
+        const auto outline = polygons.outline(facet);
         if (outline.size() == 3)
             normals[facet] = triangle_normal(vertices[outline[0]], vertices[outline[1]], vertices[outline[2]]);
         else if (outline.size() > 3)
@@ -315,18 +314,19 @@ std::size_t count_opposed(const Mesh& mesh) {
 
 } // namespace
 
-Mesh prepare_mesh(PolygonSoup polygons, const MeshPlacement& placement, VertexNormals weights) {
+Mesh prepare_mesh(PolygonSoup polygons, const MeshPlacement& placement, VertexNormals weights,
+                  const Connectivity* known) {
     Mesh mesh;
     mesh.polygons = std::move(polygons);
     place(mesh.polygons.vertices, placement);
-    const Connectivity connected(mesh.polygons);
-    mesh.facet_normals = facet_normals(connected);
+    mesh.facet_normals = facet_normals(mesh.polygons);
     mesh.redundant_facets = find_coincident(mesh.polygons, mesh.facet_normals).redundant;
     mesh.triangles = triangulate(mesh.polygons, mesh.facet_normals);
     if (weights == VertexNormals::file) {
         take_file_normals(mesh, placement);
         mesh.opposed_normals = count_opposed(mesh);
     } else {
+        const Connectivity connected = known ? Connectivity(mesh.polygons, *known) : Connectivity(mesh.polygons);
         mesh.vertex_normals = vertex_normals(connected, mesh.facet_normals, weights, mesh.redundant_facets);
     }
     return mesh;

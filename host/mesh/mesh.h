@@ -43,7 +43,7 @@ glm::dvec3 triangle_normal(const glm::dvec3& a, const glm::dvec3& b, const glm::
 
 /// The unit Newell normal of each facet: that of the area vector, which is the plane's where the facet is plane. 0
 /// where the area vector is 0 to within the rounding of twice double's precision.
-std::vector<glm::dvec3> facet_normals(const Connectivity& mesh);
+std::vector<glm::dvec3> facet_normals(const PolygonSoup& polygons);
 
 /// The unit normal of each vertex (see VertexNormals). 0 where the facets' normals cancel to within 1e-12 of the sum of
 /// their weights, and where there is no facet with an area. A facet that has a vertex twice counts once in `plain`,
@@ -82,7 +82,9 @@ struct MeshPlacement {
 /// Facets keep their order and numbers, vertices too. How facets are cut into triangles: surface.h. Corners must be in
 /// range, and normals not 0. \throws UsageError if unit * scale is not positive, or a coordinate is beyond 1e100 m or
 /// not finite
-Mesh prepare_mesh(PolygonSoup polygons, const MeshPlacement& placement, VertexNormals vertex_normals);
+/// \param known how these facets are connected, if that is known
+Mesh prepare_mesh(PolygonSoup polygons, const MeshPlacement& placement, VertexNormals vertex_normals,
+                  const Connectivity* known = nullptr);
 
 struct MeshBox {
     glm::dvec3 low, high; /* in the polygons' unit */

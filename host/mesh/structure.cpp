@@ -18,16 +18,6 @@ using layout::uint;
 constexpr uint kUnnumbered = 0xFFFFFFFFu;
 constexpr std::size_t kMostTriangles = std::size_t(1) << 28; // a leaf names its first in 28 bits
 
-float rounded_down(double value) {
-    const auto nearest = static_cast<float>(value);
-    return double(nearest) > value ? std::nextafter(nearest, -2.0f) : nearest;
-}
-
-float rounded_up(double value) {
-    const auto nearest = static_cast<float>(value);
-    return double(nearest) < value ? std::nextafter(nearest, 2.0f) : nearest;
-}
-
 void append(std::vector<double>& table, const glm::dvec3& vector) {
     table.insert(table.end(), {vector.x, vector.y, vector.z});
 }
@@ -39,17 +29,10 @@ std::vector<TreeItem> tree_items(const Mesh& mesh, const MeshTriangles& triangle
     for (std::size_t triangle = 0; triangle < triangles.corners.size(); ++triangle) {
         if (triangles.normals[triangle] == glm::dvec3(0))
             continue;
-        TreeItem item{{2, 2, 2}, static_cast<std::uint32_t>(triangle), {-2, -2, -2}, 0};
-        for (const uint corner : triangles.corners[triangle]) {
-            const glm::dvec3 at = frame.local(mesh.polygons.vertices[corner]);
-            for (int axis = 0; axis < 3; ++axis) {
-                float& low = item.low[std::size_t(axis)];
-                float& high = item.high[std::size_t(axis)];
-                low = std::min(low, rounded_down(at[axis]));
-                high = std::max(high, rounded_up(at[axis]));
-            }
-        }
-        items.push_back(item);
+        std::array<glm::dvec3, 3> corners;
+        std::ranges::transform(triangles.corners[triangle], corners.begin(),
+                               [&](uint corner) { return frame.local(mesh.polygons.vertices[corner]); });
+        items.push_back(tree_item(static_cast<std::uint32_t>(triangle), corners));
     }
     if (items.empty())
         throw UsageError("the mesh has no facet with an area");

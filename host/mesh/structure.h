@@ -114,6 +114,9 @@ struct TreeItem {
     std::uint32_t unused;
 };
 
+/// Of a triangle none of whose coordinates is beyond 1.
+TreeItem tree_item(std::uint32_t triangle, const std::array<glm::dvec3, 3>& corners);
+
 /// Brings the items into the tree's order and returns its nodes, root first; leaves are runs of items. No path from the
 /// root has more than reference::kMeshTreeDepth nodes, whatever the items. The same for any number of threads.
 std::vector<layout::MeshNode> build_tree(std::vector<TreeItem>& items, unsigned leaf_triangles, unsigned threads);

@@ -255,7 +255,29 @@ private:
     unsigned leaf_;
 };
 
+float rounded_down(double value) {
+    const auto nearest = static_cast<float>(value);
+    return double(nearest) > value ? std::nextafter(nearest, -2.0f) : nearest;
+}
+
+float rounded_up(double value) {
+    const auto nearest = static_cast<float>(value);
+    return double(nearest) < value ? std::nextafter(nearest, 2.0f) : nearest;
+}
+
 } // namespace
+
+TreeItem tree_item(std::uint32_t triangle, const std::array<glm::dvec3, 3>& corners) {
+    TreeItem item{{2, 2, 2}, triangle, {-2, -2, -2}, 0};
+    for (const glm::dvec3& corner : corners)
+        for (int axis = 0; axis < 3; ++axis) {
+            float& low = item.low[std::size_t(axis)];
+            float& high = item.high[std::size_t(axis)];
+            low = std::min(low, rounded_down(corner[axis]));
+            high = std::max(high, rounded_up(corner[axis]));
+        }
+    return item;
+}
 
 std::vector<layout::MeshNode> build_tree(std::vector<TreeItem>& items, unsigned leaf_triangles, unsigned threads) {
     const Builder builder(items, leaf_triangles);

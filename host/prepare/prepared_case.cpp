@@ -99,19 +99,21 @@ std::shared_ptr<const SceneMesh> read_scene_mesh(const MeshSpec& spec, std::map<
                    kTriangleBytes * static_cast<double>(triangles));
     auto mesh = std::make_shared<SceneMesh>();
     mesh->sha256 = file.sha256;
+    std::optional<Connectivity> connected;
     // Looking at the file takes as long as preparing it.
-    std::future<void> prepared = std::async(std::launch::async, [&spec, &mesh, polygons = file.polygons]() mutable {
+    std::future<void> prepared = std::async(std::launch::async, [&] {
         const Stage stage("preparing the mesh");
-        mesh->mesh =
-            prepare_mesh(std::move(polygons),
-                         {.unit = spec.unit, .scale = spec.scale, .rotate = spec.rotate, .translate = spec.translate},
-                         vertex_normals_of(spec.normals));
+        connected.emplace(file.polygons);
+        mesh->mesh = prepare_mesh(
+            file.polygons, {.unit = spec.unit, .scale = spec.scale, .rotate = spec.rotate, .translate = spec.translate},
+            vertex_normals_of(spec.normals), &*connected);
         mesh->structure = build_structure(mesh->mesh, {.winding = spec.inside == InsideTest::winding});
     });
     const auto known = findings.find(file.sha256);
-    mesh->findings = known != findings.end() ? known->second : inspect(file.polygons);
-    refuse_if_meaningless(mesh->findings, spec.file);
+    ShapeFindings shape = known != findings.end() ? ShapeFindings{known->second, {}} : inspect_shape(file.polygons);
+    refuse_if_meaningless(shape.findings, spec.file);
     prepared.get();
+    mesh->findings = known != findings.end() ? known->second : with_connections(std::move(shape), *connected);
     findings.emplace(file.sha256, mesh->findings);
     if (is_solid(mesh->findings))
         assume_solid(mesh->structure);
