@@ -72,9 +72,9 @@ Case load_scene(const std::string& path, const CommonOptions& common) {
     return one;
 }
 
-Study load_study(const std::string& path, const CommonOptions& common) {
+Study load_study(const std::string& path, const CommonOptions& common, const CaseChoice& choice) {
     const std::vector<Override> replaced = overrides(common);
-    Study study = path.empty() ? default_study(replaced) : read_study(path, replaced);
+    Study study = path.empty() ? default_study(replaced, choice) : read_study(path, replaced, {}, choice);
     print_warnings(study.warnings, common);
     return study;
 }

@@ -153,7 +153,7 @@ std::vector<Override> overrides(const CommonOptions& common);
 Case load_scene(const std::string& path, const CommonOptions& common);
 
 /// The study in a file, or the paper's if `path` is empty; its warnings likewise.
-Study load_study(const std::string& path, const CommonOptions& common);
+Study load_study(const std::string& path, const CommonOptions& common, const CaseChoice& choice = {});
 
 /// For --verbose: where the time of a case or of paths went.
 void tell_stages(const EngineTimes& engine, const VolumeTimings& files);

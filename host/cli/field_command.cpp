@@ -1,4 +1,6 @@
 #include <algorithm>
+#include <chrono>
+#include <span>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -11,8 +13,8 @@
 #include "host/output/files.h"
 #include "host/program.h"
 #include "host/report/report.h"
-#include "host/scene/cases.h"
 #include "host/sweep/case_pipeline.h"
+#include "host/sweep/merge.h"
 #include "host/sweep/sweep.h"
 
 namespace forceshade {
@@ -134,10 +136,10 @@ void describe(Options& options, FieldArguments& arguments) {
 }
 
 struct SweepArguments {
-    std::string study, out, only = "*";
+    std::string study, out, status, only = "*";
     std::optional<std::string> shard;
     std::vector<std::string> also;
-    bool fresh = false, replace = false, list = false, dry = false;
+    bool fresh = false, replace = false, list = false, dry = false, merge = false, verify = false;
 };
 
 constexpr const char* kGoOn = "what was finished stays; the same command goes on from there";
@@ -160,13 +162,13 @@ std::string as_json(const SweepResult& result, const SweepOptions& options) {
     return json.dump(2) + "\n";
 }
 
-std::string case_list(const std::vector<const Case*>& cases, bool json) {
+std::string case_list(const Study& study, bool json) {
     std::string text;
     nlohmann::ordered_json list = nlohmann::ordered_json::array();
-    for (const Case* one : cases) {
-        text += one->name + "\n";
-        list.push_back({{"name", one->name}, {"parameters", nlohmann::ordered_json::object()}});
-        for (const auto& [key, value] : one->varied)
+    for (const Case& one : study.cases) {
+        text += one.name + "\n";
+        list.push_back({{"name", one.name}, {"parameters", nlohmann::ordered_json::object()}});
+        for (const auto& [key, value] : one.varied)
             list.back()["parameters"][key] = value;
     }
     return json ? list.dump(2) + "\n" : text;
@@ -223,6 +225,10 @@ void print_outcome(const SweepResult& result, const SweepOptions& options, const
         remark("largest error against the oracle in double precision: {:.2g} of the largest force\n",
                result.largest_relative_error);
     const std::filesystem::path folder = std::filesystem::absolute(options.folder).lexically_normal();
+    if (options.shard) {
+        remark("when all shards have ended: the same command with --merge in place of --shard\n");
+        return;
+    }
     remark("look at {} (in a browser), summary.csv (a row a case), manifest.json (everything known){}{} and *.exr "
            "beside it\n",
            (folder / report.filename()).string(),
@@ -230,9 +236,61 @@ void print_outcome(const SweepResult& result, const SweepOptions& options, const
            options.also.pictures.any() && paths ? ", *.paths.*" : "");
 }
 
+int print_status(const SweepArguments& arguments, const CommonOptions& common) {
+    const std::vector<ShardNote> notes = read_notes(arguments.status);
+    if (notes.empty())
+        throw UsageError(arguments.status +
+                         ": no shard has told of itself in this folder; --status is for what --shard began");
+    const double now = std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
+    print_data(common.json ? status_json(notes, now) : status_text(notes, now));
+    return 0;
+}
+
+std::string as_json(const MergeResult& result) {
+    return nlohmann::ordered_json{{"cases", result.cases},       {"recorded", result.recorded},
+                                  {"missing", result.missing},   {"shards", result.shards},
+                                  {"failures", result.failures}, {"beyond_bound", result.wrong}}
+               .dump(2) +
+           "\n";
+}
+
+// 1 where something is missing or wrong.
+int merge(const SweepArguments& arguments, const CommonOptions& common) {
+    const LongRun long_run(common.quiet);
+    const MergeResult result =
+        merge_sweep(load_study(arguments.study, common), {arguments.out, arguments.verify, arguments.replace});
+    const report::ReportResult report = report::write_report(arguments.out);
+    if (!common.quiet)
+        remark("{} of {} recorded; look at {}\n", result.recorded, plural(result.cases, "case"),
+               std::filesystem::absolute(report.file).lexically_normal().string());
+    if (result.temporaries > 0 && !common.quiet)
+        remark("{} of other machines, .*.tmp: once no shard is at work, they can be removed\n",
+               plural(result.temporaries, "temporary file"));
+    for (const auto* list : {&result.failures, &result.wrong})
+        for (const std::string& failure : *list)
+            remark("error: {}\n", failure);
+    if (!result.missing.empty()) {
+        constexpr std::size_t kMost = 5;
+        const std::span<const std::string> first(result.missing.data(), std::min(kMost, result.missing.size()));
+        remark("error: {} missing: {}{}\n", plural(result.missing.size(), "case"), fmt::join(first, ", "),
+               first.size() < result.missing.size() ? " ..." : "");
+        if (!result.shards.empty())
+            remark("error: run again: --shard {}\n", fmt::join(result.shards, ", --shard "));
+    }
+    if (common.json)
+        print_data(as_json(result));
+    return result.missing.empty() && result.wrong.empty() ? 0 : 1;
+}
+
 int run(const SweepArguments& arguments, const CommonOptions& common) {
+    if (!arguments.status.empty())
+        return print_status(arguments, common);
     if (arguments.out.empty() && !arguments.list)
         throw UsageError("--out is required: name a folder, \".\" for the current one");
+    if (arguments.verify && !arguments.merge)
+        throw UsageError("--verify goes with --merge: a sweep verifies what it finds by itself");
+    if (arguments.merge)
+        return merge(arguments, common);
     const LongRun long_run(common.quiet, arguments.dry ? "" : kGoOn);
     SweepOptions options;
     options.dry = arguments.dry;
@@ -243,9 +301,12 @@ int run(const SweepArguments& arguments, const CommonOptions& common) {
     options.quiet = common.quiet;
     options.also = parse_also(arguments.also);
     options.shard = arguments.shard ? parse_shard(*arguments.shard) : slurm_shard();
-    const Study study = load_study(arguments.study, common);
+    const bool part = options.shard || arguments.list;
+    const Shard shard = options.shard.value_or(Shard{});
+    const Study study =
+        load_study(arguments.study, common, part ? CaseChoice{arguments.only, shard.index, shard.count} : CaseChoice{});
     if (arguments.list) {
-        print_data(case_list(chosen_cases(study, options), common.json));
+        print_data(case_list(study, common.json));
         return 0;
     }
     const SettledEngine engine =
@@ -268,9 +329,14 @@ int run(const SweepArguments& arguments, const CommonOptions& common) {
         print_data(forecast_text(result, options, common.json));
         return 0;
     }
-    const report::ReportResult report = report::write_report(options.folder);
-    if (!common.quiet)
-        print_outcome(result, options, study, report.file);
+    if (options.shard) {
+        if (!common.quiet)
+            print_outcome(result, options, study, {});
+    } else {
+        const report::ReportResult report = report::write_report(options.folder);
+        if (!common.quiet)
+            print_outcome(result, options, study, report.file);
+    }
     for (const std::string& failure : result.failures)
         remark("error: {}\n", failure);
     if (common.json)
@@ -289,7 +355,14 @@ void describe(Options& options, SweepArguments& arguments) {
         .names(case_names);
     options.optional(
         "--shard I/N", arguments.shard,
-        "do the I-th of N parts, for several machines at once; Slurm's array variables are taken where set");
+        "do the I-th of N parts, for several machines at once, and write volumes and records alone; of a Slurm array "
+        "1-N or an srun the part is known");
+    options.flag("--merge", arguments.merge,
+                 "compute nothing: make manifest, summary and report of what shards left; ends with 1 and tells which "
+                 "are missing, if any");
+    options.flag("--verify", arguments.verify, "with --merge: hash every file, instead of looking at its size");
+    options.optional("--status DIR", arguments.status,
+                     "compute nothing: tell how the shards stand that write into DIR");
     options.list("--also vti|vtp|npy|png|svg|pdf", arguments.also,
                  "further files for each case: vti (ParaView: the field), vtp (ParaView: the surface with the forces "
                  "on it, the paths as lines), npy (NumPy), png, svg, pdf (pictures)");
@@ -300,7 +373,8 @@ void describe(Options& options, SweepArguments& arguments) {
     options
         .example("sweep --out bumps --only '*600mil_facets-[1-3]_*' --also png",
                  "some cases of the paper's study, with pictures")
-        .example("sweep study.toml -o results --engine cpu", "a study of your own");
+        .example("sweep study.toml -o results --engine cpu", "a study of your own")
+        .example("sweep study.toml -o results --shard 3/8", "its third of eight parts; then the same with --merge");
 }
 
 } // namespace

@@ -58,32 +58,66 @@ const char* advice(bool writing, int number) {
 
 constexpr std::size_t kBufferBytes = 1 << 20;
 constexpr std::uint64_t kWriteBack = 8 << 20; /* bytes */
-constexpr std::size_t kLongestName = 200; /* bytes of NAME kept in a temporary's name: file systems allow 255 in all */
+constexpr std::size_t kLongestName = 170; /* bytes of NAME kept in a temporary's name: file systems allow 255 in all */
+constexpr std::size_t kLongestHost = 32;
 constexpr std::size_t kUniqueDigits = 16;
-constexpr std::string_view kMark = ".fs";
+constexpr std::string_view kMark = ".fs.";
 constexpr std::string_view kEnding = ".tmp";
+
+// Letters, digits and "-" of the machine's name.
+const std::string& this_host() {
+    static const std::string name = [] {
+        std::array<char, kLongestHost + 1> text{};
+        ::gethostname(text.data(), kLongestHost);
+        std::string host(text.data());
+        for (char& c : host)
+            c = std::isalnum(static_cast<unsigned char>(c)) ? c : '-';
+        return host.empty() ? "unnamed" : host;
+    }();
+    return name;
+}
 
 std::string temporary_name(const std::filesystem::path& path) {
     std::random_device source;
     const std::uint64_t unique = (std::uint64_t{source()} << 32) | source();
-    return fmt::format(".{}{}{:016x}{}", path.filename().string().substr(0, kLongestName), kMark, unique, kEnding);
+    return fmt::format(".{}{}{}.{}.{:016x}{}", path.filename().string().substr(0, kLongestName), kMark, this_host(),
+                       ::getpid(), unique, kEnding);
 }
 
-bool is_temporary_name(std::string_view name) {
-    if (name.size() < 1 + kMark.size() + kUniqueDigits + kEnding.size() || name.front() != '.' ||
-        !name.ends_with(kEnding))
-        return false;
+struct TemporaryName {
+    std::string_view of, host; /* the file's own name, where it was not too long; the machine */
+};
+
+// Nothing of another file's name.
+std::optional<TemporaryName> temporary_name_in(std::string_view name) {
+    if (!name.starts_with('.') || !name.ends_with(kEnding))
+        return std::nullopt;
+    name.remove_prefix(1);
     name.remove_suffix(kEnding.size());
-    const std::string_view digits = name.substr(name.size() - kUniqueDigits);
-    name.remove_suffix(kUniqueDigits);
-    const auto is_digit = [](char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f'); };
-    return std::ranges::all_of(digits, is_digit) && name.ends_with(kMark);
+    const auto take_last = [&name](const char* characters) -> std::optional<std::string_view> {
+        const std::size_t dot = name.rfind('.');
+        if (dot == std::string_view::npos)
+            return std::nullopt;
+        const std::string_view part = name.substr(dot + 1);
+        name = name.substr(0, dot);
+        return part.empty() || part.find_first_not_of(characters) != std::string_view::npos ? std::nullopt
+                                                                                            : std::optional(part);
+    };
+    const auto unique = take_last("0123456789abcdef"), process = take_last("0123456789");
+    const std::size_t mark = name.rfind(kMark);
+    if (!unique || unique->size() != kUniqueDigits || !process || mark == std::string_view::npos || mark == 0)
+        return std::nullopt;
+    const std::string_view host = name.substr(mark + kMark.size());
+    if (host.empty() || host.find('.') != std::string_view::npos)
+        return std::nullopt;
+    return TemporaryName{name.substr(0, mark), host};
 }
 
 // What a file is called, or will be.
 std::string final_name(const std::filesystem::path& path) {
     const std::string name = path.filename().string();
-    return is_temporary_name(name) ? name.substr(1, name.rfind(kMark) - 1) : name;
+    const auto temporary = temporary_name_in(name);
+    return temporary ? std::string(temporary->of) : name;
 }
 
 std::set<std::filesystem::path>& kept_files() {
@@ -269,23 +303,44 @@ void keep_files(const std::vector<std::filesystem::path>& files) {
         kept_files().insert(std::filesystem::absolute(file));
 }
 
-std::size_t clear_stale_temporaries(const std::filesystem::path& folder) {
-    std::size_t removed = 0;
+namespace {
+
+// Calls use(path, temporary) for the temporaries right in a folder.
+template <typename Use> void for_each_temporary(const std::filesystem::path& folder, const Use& use) {
     std::error_code error;
     for (std::filesystem::directory_iterator entry(folder, error), end; !error && entry != end;
          entry.increment(error)) {
-        const std::filesystem::path& path = entry->path();
-        if (!is_temporary_name(path.filename().string()))
-            continue;
+        const std::string name = entry->path().filename().string();
+        if (const auto temporary = temporary_name_in(name))
+            use(entry->path(), *temporary);
+    }
+}
+
+} // namespace
+
+std::size_t clear_stale_temporaries(const std::filesystem::path& folder) {
+    std::size_t removed = 0;
+    for_each_temporary(folder, [&](const std::filesystem::path& path, const TemporaryName& temporary) {
+        if (temporary.host != this_host())
+            return; // file systems of a cluster may keep locks to the machine that took them
         const int descriptor = ::open(path.c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
         struct stat status {};
         if (descriptor < 0)
-            continue;
+            return;
         if (::fstat(descriptor, &status) == 0 && S_ISREG(status.st_mode) && lock(descriptor, false))
             removed += ::unlink(path.c_str()) == 0;
         ::close(descriptor);
-    }
+    });
     return removed;
+}
+
+std::vector<std::string> temporaries_of_others(const std::filesystem::path& folder) {
+    std::vector<std::string> names;
+    for_each_temporary(folder, [&](const std::filesystem::path& path, const TemporaryName& temporary) {
+        if (temporary.host != this_host())
+            names.push_back(path.filename().string());
+    });
+    return names;
 }
 
 void make_subfolder(const std::filesystem::path& folder, const std::string& name) {
@@ -309,8 +364,6 @@ void write_file_atomically(const std::filesystem::path& path, std::span<const st
 void write_file_atomically(const std::filesystem::path& path, std::string_view text) {
     write_file_atomically(path, std::as_bytes(std::span(text)));
 }
-
-namespace {} // namespace
 
 Sha256::Sha256() : context_(EVP_MD_CTX_new(), EVP_MD_CTX_free) {
     require(context_ && EVP_DigestInit_ex(context_.get(), EVP_sha256(), nullptr) == 1);

@@ -30,9 +30,10 @@ inline bool is_plain_name(const std::string& name) {
 
 // A file that appears under its own name only when it is complete and on disk.
 
-/// Written as `.NAME.fs<16 hex digits>.tmp` beside NAME and locked while alive, so that what a killed process left can
-/// be told from what a live one is writing. Several processes may write the same NAME at once: the last rename stands.
-/// Every failure is an IoError that names NAME, and once one occurred nothing can be published.
+/// Written as `.NAME.fs.HOST.PROCESS.<16 hex digits>.tmp` beside NAME and locked while alive, so that what a killed
+/// process left can be told from what a live one is writing, by the machine that it ran on. Several processes may write
+/// the same NAME at once: the last rename stands. Every failure is an IoError that names NAME, and once one occurred
+/// nothing can be published.
 class TemporaryFile {
 public:
     explicit TemporaryFile(std::filesystem::path final_path);
@@ -78,9 +79,12 @@ private:
 /// From now on these files stay as they are: what is published under their names is dropped.
 void keep_files(const std::vector<std::filesystem::path>& files);
 
-/// Removes the temporaries of TemporaryFile in `folder` that no live process holds; returns how many. Leaves everything
-/// else alone, does not descend, and a folder that is missing or cannot be read counts as empty.
+/// Removes the temporaries of this machine's in `folder` that no live process holds; returns how many. Leaves
+/// everything else alone, does not descend, and a folder that is missing or cannot be read counts as empty.
 std::size_t clear_stale_temporaries(const std::filesystem::path& folder);
+
+/// The names of those that other machines write, or left.
+std::vector<std::string> temporaries_of_others(const std::filesystem::path& folder);
 
 /// Makes a folder of the program's own in one that it writes results into, which is made if need be. \throws IoError if
 /// it cannot be, or is a symbolic link: what that leads to is not the program's to change.

@@ -33,6 +33,9 @@ using Selection = std::vector<const Value*>;
 /// The first value of each entry.
 Selection first_values(const Merged& merged);
 
+/// True of the keys that decide which others apply.
+bool is_selector(std::size_t key);
+
 /// Takes away the values of keys that do not apply; `selection` is one choice of what the merged layers allow.
 void drop_inapplicable(Selection& selection, const Merged& merged);
 
@@ -52,15 +55,10 @@ Scene build_scene(const Selection& selection);
 void check_scene(const Scene& scene, const Selection& selection, const Document& document, Errors& errors,
                  std::vector<std::string>& warnings);
 
-// Case names: what varies over a study, in file order, safe as file names everywhere.
-
-/// Fills in `name` and `varied` of each case. `selections` are the cases' own, `order` the order of keys
-/// (Document::order). Names that would be equal, or equal but for upper and lower case, or too long, end in a hash of
-/// the case's values.
-void name_cases(std::vector<Case>& cases, const std::vector<Selection>& selections,
-                const std::vector<std::size_t>& order);
-
 // Cases of a study by a pattern of their names, as `--only` gives it.
+
+/// Throws UsageError: the pattern matches no case's name.
+[[noreturn]] void refuse_pattern(const std::string& pattern, std::size_t cases, const std::string& first);
 
 /// The cases whose name a shell pattern matches, in the study's order; they live as long as the study.
 /// \throws UsageError if there is none.

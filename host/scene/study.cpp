@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <map>
-#include <unordered_set>
 
 #include <fmt/format.h>
+#include <fnmatch.h>
 
 #include "host/error.h"
-#include "host/scene/cases.h"
+#include "host/scene/case_list.h"
 #include "host/scene/document.h"
 #include "host/scene/scene_text.h"
 
@@ -24,12 +24,11 @@ struct Stack {
 
 class StudyBuilder {
 public:
-    StudyBuilder(std::shared_ptr<const Document> document, bool one_scene, Errors& errors)
-        : document_(std::move(document)), one_scene_(one_scene), errors_(errors) {
+    StudyBuilder(std::shared_ptr<const Document> document, bool one_scene, const CaseChoice& choice, Errors& errors)
+        : document_(std::move(document)), one_scene_(one_scene), choice_(choice), errors_(errors) {
         study_.document = document_;
     }
 
-    // Everything that is wrong is in the errors then, and reported before cases are named.
     Study build() {
         errors_.attempt([&] { refuse_equal_file_names(); });
         for (const Layer& variant : document_->variants)
@@ -41,8 +40,20 @@ public:
             refuse_sweep();
         for (const Stack& stack : stacks_)
             errors_.attempt([&] { cross(stack); });
+        study_.all = list_.size();
+        const bool sound = errors_.none();
+        if (sound)
+            list_.name(document_->order);
+        for (const std::size_t i : sound ? chosen() : every(1))
+            if (!errors_.enough())
+                study_.cases.push_back(built(i));
         errors_.report();
-        name_cases(study_.cases, selections_, document_->order);
+        if (study_.cases.size() < study_.all) {
+            constexpr std::size_t kSample = 100;
+            for (const std::size_t i : every(std::max<std::size_t>(1, study_.all / kSample)))
+                study_.sample.push_back(built(i));
+            errors_.report();
+        }
         return std::move(study_);
     }
 
@@ -153,61 +164,76 @@ private:
             if (__builtin_mul_overflow(count, axis->values.size(), &count) || count + combinations_ > kMostCases)
                 fail(source(), axis->where, "the axes cross to more than {} cases; split the study", kMostCases);
         combinations_ += count;
-        for (std::size_t number = 0; number < count && !errors_.enough(); ++number) {
-            Selection selection = first_values(stack.merged);
-            std::size_t rest = number;
-            for (std::size_t i = axis_entries.size(); i-- > 0;) {
-                const Entry& axis = *axis_entries[i];
-                selection[axis.key] = &axis.values[rest % axis.values.size()];
-                rest /= axis.values.size();
-            }
-            drop_inapplicable(selection, stack.merged);
-            add_case(std::move(selection));
-        }
+        list_.add(stack.merged, axis_entries);
     }
 
-    void add_case(Selection selection) {
-        if (!seen_.insert(identity(selection)).second)
-            return;
+    std::vector<std::size_t> every(std::size_t step) const {
+        std::vector<std::size_t> result;
+        for (std::size_t i = 0; i < list_.size(); i += step)
+            result.push_back(i);
+        return result;
+    }
+
+    std::vector<std::size_t> chosen() const {
+        std::vector<std::size_t> matching = every(1), part;
+        if (choice_.only != "*")
+            std::erase_if(matching, [&](std::size_t i) {
+                return fnmatch(choice_.only.c_str(), list_.name_of(i).c_str(), 0) != 0;
+            });
+        if (matching.empty() && list_.size() > 0)
+            refuse_pattern(choice_.only, list_.size(), list_.name_of(0));
+        for (std::size_t i = choice_.index - 1; i < matching.size(); i += choice_.count)
+            part.push_back(matching[i]);
+        return part;
+    }
+
+    Case built(std::size_t i) {
+        const Selection selection = list_.selection(i);
         Case one;
         one.scene = build_scene(selection);
         check_scene(one.scene, selection, *document_, errors_, study_.warnings);
-        for (std::size_t i = 0; i < selection.size(); ++i)
-            if (const Key& key = schema_keys()[i]; selection[i])
-                one.settings.push_back({key.table, key.name, literal(key, *selection[i])});
-        study_.cases.push_back(std::move(one));
-        selections_.push_back(std::move(selection));
+        for (std::size_t key = 0; key < selection.size(); ++key)
+            if (selection[key])
+                one.settings.push_back(
+                    {schema_keys()[key].table, schema_keys()[key].name, literal(schema_keys()[key], *selection[key])});
+        if (!errors_.none())
+            return one;
+        one.name = list_.name_of(i);
+        one.varied = list_.varied(i);
+        return one;
     }
 
     std::shared_ptr<const Document> document_;
     bool one_scene_;
+    CaseChoice choice_;
     Errors& errors_;
     Study study_;
     std::vector<Stack> stacks_;
-    std::vector<Selection> selections_;
-    std::unordered_set<std::string> seen_;
+    CaseList list_;
     std::size_t combinations_ = 0;
 };
 
 Study build_study(std::string_view text, const std::string& source, const std::filesystem::path& folder,
-                  std::span<const Override> overrides, bool one_scene, const ReadBeside& beside = {}) {
+                  std::span<const Override> overrides, bool one_scene, const ReadBeside& beside = {},
+                  const CaseChoice& choice = {}) {
     Errors errors;
     auto document = std::make_shared<const Document>(read_document(text, source, folder.string(), overrides, errors));
     if (beside)
         errors.attempt([&] { beside(*document); });
-    return StudyBuilder(std::move(document), one_scene, errors).build();
+    return StudyBuilder(std::move(document), one_scene, choice, errors).build();
 }
 
 } // namespace
 
 Study parse_study(std::string_view text, const std::string& source, const std::filesystem::path& folder,
-                  std::span<const Override> overrides, const ReadBeside& beside) {
-    return build_study(text, source, folder, overrides, false, beside);
+                  std::span<const Override> overrides, const ReadBeside& beside, const CaseChoice& choice) {
+    return build_study(text, source, folder, overrides, false, beside, choice);
 }
 
-Study read_study(const std::filesystem::path& path, std::span<const Override> overrides, const ReadBeside& beside) {
+Study read_study(const std::filesystem::path& path, std::span<const Override> overrides, const ReadBeside& beside,
+                 const CaseChoice& choice) {
     const SceneText read = read_scene_text(path);
-    return parse_study(read.text, read.source, read.folder, overrides, beside);
+    return parse_study(read.text, read.source, read.folder, overrides, beside, choice);
 }
 
 Case parse_scene(std::string_view text, const std::string& source, const std::filesystem::path& folder,
@@ -224,8 +250,8 @@ Case read_scene(const std::filesystem::path& path, std::span<const Override> ove
     return parse_scene(read.text, read.source, read.folder, overrides, warnings);
 }
 
-Study default_study(std::span<const Override> overrides) {
-    return parse_study(default_study_toml(), "built-in study", {}, overrides);
+Study default_study(std::span<const Override> overrides, const CaseChoice& choice) {
+    return parse_study(default_study_toml(), "built-in study", {}, overrides, {}, choice);
 }
 
 std::string_view default_study_toml() {

@@ -38,8 +38,17 @@ struct Case {
     std::vector<Setting> settings; // every key that applies, in the schema's order
 };
 
+/// Which cases of a study are wanted: those whose name a shell pattern matches, and of these every `count`-th from the
+/// `index`-th on, counted from 1.
+struct CaseChoice {
+    std::string only = "*";
+    std::size_t index = 1, count = 1;
+};
+
 struct Study {
-    std::vector<Case> cases; // in the order of the file's variants and axes, the last axis fastest; none twice
+    std::vector<Case> cases;  // in the order of the file's variants and axes, the last axis fastest; none twice
+    std::size_t all = 0;      // how many the study has; `cases` may be some of them
+    std::vector<Case> sample; // where they are, some that are spread over all
     std::vector<std::string> warnings; // `source:line:column: ...`
     std::shared_ptr<const Document> document;
 };
@@ -49,13 +58,14 @@ inline constexpr std::size_t kMostCases = 100000;
 
 /// Reads and resolves a study; "-" is standard input, as for read_scene_text. Files that it names are neither opened
 /// nor looked for. Throws IoError if it cannot be read, UsageError `file:line:column: message` for what is wrong in it:
-/// all of it, a line for each error.
+/// all of it, a line for each error. Cases that are not chosen are named, but neither built nor checked.
 Study read_study(const std::filesystem::path& path, std::span<const Override> overrides = {},
-                 const ReadBeside& beside = {});
+                 const ReadBeside& beside = {}, const CaseChoice& choice = {});
 
 /// The same from text. `source` is what errors call it; file names are relative to `folder`.
 Study parse_study(std::string_view text, const std::string& source, const std::filesystem::path& folder = {},
-                  std::span<const Override> overrides = {}, const ReadBeside& beside = {});
+                  std::span<const Override> overrides = {}, const ReadBeside& beside = {},
+                  const CaseChoice& choice = {});
 
 /// One scene: as a study, but a sweep axis or a second variant is a UsageError that names it. Warnings are added to
 /// `warnings`.
@@ -65,7 +75,7 @@ Case parse_scene(std::string_view text, const std::string& source, const std::fi
                  std::span<const Override> overrides = {}, std::vector<std::string>* warnings = nullptr);
 
 /// The paper's study: 7 bumps x 3 radii, and n = 4, 8, 16, 32, 64 shaded and unshaded; 51 cases.
-Study default_study(std::span<const Override> overrides = {});
+Study default_study(std::span<const Override> overrides = {}, const CaseChoice& choice = {});
 std::string_view default_study_toml();
 
 /// A case as complete, canonical TOML: every key that applies, in the user's text; files by base name, with the scene's

@@ -47,6 +47,10 @@ Workload& Workload::operator+=(const Workload& other) {
     return *this;
 }
 
+Workload Workload::operator*(double times) const {
+    return {voxels * times, steps * times, harmonics * times, mesh_steps * times};
+}
+
 Workload field_workload(const Scene& scene) {
     Workload work;
     if (!scene.field || scene.surface.kind == SurfaceKind::mesh) // of meshes both take equally long
@@ -73,12 +77,13 @@ Workload path_workload(const Scene& scene, const std::string& recorded) {
 }
 
 Workload study_workload(const Study& study) {
+    const std::vector<Case>& cases = study.sample.empty() ? study.cases : study.sample;
     Workload work;
-    for (const Case& one : study.cases) {
+    for (const Case& one : cases) {
         work += field_workload(one.scene);
         work += path_workload(one.scene);
     }
-    return work;
+    return work * (static_cast<double>(study.all) / static_cast<double>(cases.size()));
 }
 
 double saved_by_software_device(const Workload& work, unsigned threads) {

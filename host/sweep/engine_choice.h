@@ -20,6 +20,7 @@ struct Workload {
     double mesh_steps = 0; /* of paths over meshes */
 
     Workload& operator+=(const Workload& other);
+    Workload operator*(double times) const;
 };
 
 /// A scene's field; nothing where it has none.

@@ -1,8 +1,6 @@
 #include "host/sweep/manifest.h"
 
 #include <algorithm>
-#include <charconv>
-#include <cstdlib>
 #include <fstream>
 #include <set>
 #include <string_view>
@@ -18,6 +16,8 @@
 #include "host/output/reading.h"
 #include "host/output/record.h"
 #include "host/program.h"
+#include "host/reference/chunks.h"
+#include "host/scene/document.h"
 #include "host/threads.h"
 
 namespace forceshade {
@@ -47,62 +47,6 @@ std::uint64_t peak_memory() {
 }
 
 namespace {
-
-std::optional<std::size_t> whole_number(std::string_view text) {
-    std::size_t value = 0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (error != std::errc() || end != text.data() + text.size())
-        return std::nullopt;
-    return value;
-}
-
-std::size_t slurm_number(const char* name, std::optional<std::size_t> otherwise = std::nullopt) {
-    const char* text = std::getenv(name);
-    const std::optional<std::size_t> value = text ? whole_number(text) : otherwise;
-    if (!value)
-        throw UsageError(fmt::format("this is a task of a Slurm array, and {} is {}: say --shard I/N (1/1: everything)",
-                                     name, text ? fmt::format("\"{}\"", text) : "not set"));
-    return *value;
-}
-
-} // namespace
-
-Shard parse_shard(const std::string& text) {
-    const std::size_t slash = text.find('/');
-    if (slash != std::string::npos) {
-        const auto index = whole_number(std::string_view(text).substr(0, slash));
-        const auto total = whole_number(std::string_view(text).substr(slash + 1));
-        if (index && total && *index >= 1 && *index <= *total)
-            return {*index, *total};
-    }
-    throw UsageError(fmt::format("--shard {}: it is I/N with 1 <= I <= N, for example 3/8", text));
-}
-
-std::optional<Shard> slurm_shard() {
-    if (!std::getenv("SLURM_ARRAY_TASK_ID"))
-        return std::nullopt;
-    const std::size_t id = slurm_number("SLURM_ARRAY_TASK_ID"), total = slurm_number("SLURM_ARRAY_TASK_COUNT");
-    const std::size_t first = slurm_number("SLURM_ARRAY_TASK_MIN", 0), step = slurm_number("SLURM_ARRAY_TASK_STEP", 1);
-    if (id < first || step == 0 || (id - first) / step >= total)
-        throw UsageError(fmt::format("this is task {} of a Slurm array of {} tasks from {} by {}, which cannot be: say "
-                                     "--shard I/N (1/1: everything)",
-                                     id, total, first, step));
-    return Shard{(id - first) / step + 1, total};
-}
-
-namespace {
-
-std::vector<CaseRecord> records_of(const std::filesystem::path& folder, const Study& study,
-                                   const Fingerprints& fingerprints) {
-    std::vector<CaseRecord> records;
-    for (const Case& one : study.cases) {
-        const auto expected = fingerprints.find(one.name);
-        auto record = read_record(folder, one.name);
-        if (record && expected != fingerprints.end() && expected->second.count(record->fingerprint))
-            records.push_back(std::move(*record));
-    }
-    return records;
-}
 
 Json account(const RunAccount& run) {
     return {{"program", version()},
@@ -177,12 +121,11 @@ void add_paths(const CaseRecord& record, CsvText& csv) {
 
 // Columns: the case, every key that varies in the study, then figures that do not change from run to run; those of
 // paths and of comparisons only where a case of the study has some.
-std::string summary(const Study& study, const std::vector<CaseRecord>& records) {
+std::string summary(const Study& study, const std::vector<std::optional<CaseRecord>>& records) {
     std::vector<std::string> keys;
     for (const Case& one : study.cases)
         for (const auto& [key, value] : one.varied)
-            if (std::find(keys.begin(), keys.end(), key) == keys.end())
-                keys.push_back(key);
+            add_once(key, keys);
     CsvText csv;
     csv.add("case");
     for (const std::string& key : keys)
@@ -205,12 +148,15 @@ std::string summary(const Study& study, const std::vector<CaseRecord>& records) 
         for (const char* column : kDeviationColumns)
             csv.add(fmt::format("path_{}", column));
     csv.end();
-    for (const CaseRecord& record : records) {
+    for (const std::optional<CaseRecord>& found : records) {
+        if (!found)
+            continue;
+        const CaseRecord& record = *found;
         csv.add(record.name);
         for (const std::string& key : keys) {
-            const auto found = std::find_if(record.parameters.begin(), record.parameters.end(),
-                                            [&](const auto& parameter) { return parameter.first == key; });
-            csv.add(found == record.parameters.end() ? std::string() : found->second);
+            const auto parameter = std::find_if(record.parameters.begin(), record.parameters.end(),
+                                                [&](const auto& one) { return one.first == key; });
+            csv.add(parameter == record.parameters.end() ? std::string() : parameter->second);
         }
         csv.add(record.precision).add(record.voxels).add(record.evaluated).add(record.largest_force);
         csv.add(record.error.compared).add(record.error.differing).add(record.error.largest);
@@ -228,27 +174,51 @@ std::string summary(const Study& study, const std::vector<CaseRecord>& records) 
 
 } // namespace
 
-std::size_t write_manifest(const std::filesystem::path& folder, const Study& study, const Fingerprints& fingerprints,
-                           const RunAccount* run) {
+std::vector<std::optional<CaseRecord>> records_of(const std::filesystem::path& folder, const Study& study,
+                                                  const Fingerprints& fingerprints) {
+    std::vector<std::optional<CaseRecord>> records(study.cases.size());
+    reference::share_out(most_threads(), records.size(), [&](std::size_t, std::size_t i) {
+        const auto expected = fingerprints.find(study.cases[i].name);
+        if (expected == fingerprints.end())
+            return;
+        auto record = read_record(folder, study.cases[i].name);
+        if (record && expected->second.contains(record->fingerprint))
+            records[i] = std::move(record);
+    });
+    return records;
+}
+
+void write_manifest(const std::filesystem::path& folder, const Study& study,
+                    const std::vector<std::optional<CaseRecord>>& records, const RunAccount* run) {
     const std::filesystem::path path = folder / "manifest.json";
-    for (;;) {
-        const std::vector<CaseRecord> records = records_of(folder, study, fingerprints);
-        Json json;
-        json["format"] = kManifestFormat;
-        json["program"] = version();
-        json["cases_of_study"] = study.cases.size();
-        json["cases_recorded"] = records.size();
-        json["complete"] = records.size() == study.cases.size();
-        json["last_run"] = run ? account(*run) : last_account(path);
-        json["cases"] = Json::array();
-        for (const CaseRecord& record : records)
-            json["cases"].push_back(Json::parse(record_json(record)));
-        write_file_atomically(path, json.dump(2) + "\n");
-        write_file_atomically(folder / "summary.csv", summary(study, records));
-        // Another shard may have ended a case meanwhile, and merged before this did.
-        if (records_of(folder, study, fingerprints).size() == records.size())
-            return records.size();
+    const auto recorded =
+        static_cast<std::size_t>(std::ranges::count_if(records, [](const auto& record) { return record.has_value(); }));
+    const std::string head = Json{
+        {"format", kManifestFormat},
+        {"program", version()},
+        {"cases_of_study", study.all},
+        {"cases_recorded", recorded},
+        {"complete", recorded == study.all},
+        {"last_run", run ? account(*run) : last_account(path)},
+        {"cases", Json::array()}}.dump(2);
+    // The records of many cases, as one JSON value, would take ten times the memory of their text.
+    const std::string_view end = "]\n}";
+    TemporaryFile file(path);
+    file.write(std::string_view(head).substr(0, head.size() - end.size()));
+    std::string_view before = "\n";
+    for (const std::optional<CaseRecord>& record : records) {
+        if (!record)
+            continue;
+        std::string text = record_json(*record);
+        for (std::size_t at = 0; (at = text.find('\n', at)) != std::string::npos; ++at)
+            text.insert(at + 1, "    ");
+        file.write(before);
+        file.write("    " + text);
+        before = ",\n";
     }
+    file.write(recorded > 0 ? "\n  ]\n}\n" : "]\n}\n");
+    file.publish();
+    write_file_atomically(folder / "summary.csv", summary(study, records));
 }
 
 void require_same_study(const std::filesystem::path& folder, const Study& study) {

@@ -1,16 +1,17 @@
-// The account of a sweep's folder, manifest.json and summary.csv, and what goes into it: this process, its machine and
-// its share of the study.
+// The account of a sweep's folder, manifest.json and summary.csv, and what goes into it: the records of its cases, this
+// process and its machine.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
-#include <map>
 #include <optional>
-#include <set>
 #include <string>
+#include <vector>
 
+#include "host/output/record.h"
 #include "host/scene/study.h"
+#include "host/sweep/identity.h"
 
 namespace forceshade {
 
@@ -20,19 +21,6 @@ std::string cpu_name();
 double cpu_seconds();
 /// Most bytes that this process had resident.
 std::uint64_t peak_memory();
-
-// Which part of a study this process does.
-
-struct Shard {
-    std::size_t index = 1, count = 1; /* 1-based: "3/8" */
-};
-
-/// \throws UsageError unless the text is I/N with 1 <= I <= N.
-Shard parse_shard(const std::string& text);
-
-/// The shard that Slurm's array variables name, if they are set. \throws UsageError if they make no sense: a task that
-/// then took the whole study would do the others' work too.
-std::optional<Shard> slurm_shard();
 
 /// What a run of the program cost; stands in the manifest only.
 struct RunAccount {
@@ -46,14 +34,15 @@ struct RunAccount {
     std::uint64_t peak_memory = 0; /* bytes resident */
 };
 
-/// For each case of a study, what its record must say to count: any of the fingerprints. Records of other scenes or
-/// programs under the same name do not.
-using Fingerprints = std::map<std::string, std::set<std::string>>;
+/// The records of the study's cases that count, shards' and earlier runs' too, in the study's order; nothing where
+/// there is none. On all cores.
+std::vector<std::optional<CaseRecord>> records_of(const std::filesystem::path& folder, const Study& study,
+                                                  const Fingerprints& fingerprints);
 
-/// Merges the records of the study's cases, other shards' and earlier runs' too, into manifest.json and summary.csv.
-/// Without `run` the account of the last run is kept. Returns how many cases are recorded. \throws IoError.
-std::size_t write_manifest(const std::filesystem::path& folder, const Study& study, const Fingerprints& fingerprints,
-                           const RunAccount* run);
+/// Writes manifest.json and summary.csv of such records. Without `run` the account of the last run is kept. \throws
+/// IoError.
+void write_manifest(const std::filesystem::path& folder, const Study& study,
+                    const std::vector<std::optional<CaseRecord>>& records, const RunAccount* run);
 
 /// Refuses to put a study's summary, manifest and report in the place of those that tell of finished cases which the
 /// study does not have. The same cases with other parameters, some of them or more are no other study. \throws

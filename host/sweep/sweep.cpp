@@ -1,8 +1,12 @@
 #include "host/sweep/sweep.h"
 
 #include <algorithm>
+#include <array>
+#include <chrono>
+#include <iterator>
 #include <optional>
 #include <set>
+#include <unistd.h>
 #include <utility>
 
 #include <fmt/format.h>
@@ -18,11 +22,6 @@
 namespace forceshade {
 
 namespace {
-
-// Of everything that decides the bytes of a case.
-std::string fingerprint(const PreparedCase& prepared, bool cpu_engine) {
-    return sha256_of(fmt::format("{}\n{}\n{}", version(), cpu_engine ? "cpu" : "gpu", prepared.scene));
-}
 
 // True if a record says that the case was done just so, and its files are still what they were.
 bool is_done(const CaseJob& job, const SweepOptions& options, std::optional<CaseRecord>& record) {
@@ -68,47 +67,16 @@ void forget(const std::filesystem::path& folder, const Case& one, AlsoFormats al
             std::filesystem::remove(folder / name, ignored);
 }
 
-// The study with the SHA-256 of its images, by which study.toml names them, and what each case's record must say to
-// count. Images of cases that nobody wants now may be missing; such cases count as not done.
-struct Prepared {
-    Study study;
-    Fingerprints fingerprints;
-    std::set<std::string> warnings; // of the files of the cases chosen
-};
-
 PreparedCase prepared_case(CasePreparation& preparation, const Case& one) {
     PreparedCase prepared = preparation.prepare(one);
     add_recorded_digest(prepared);
     return prepared;
 }
 
-Prepared prepare(const Study& study, const std::vector<const Case*>& chosen, CasePreparation& preparation) {
-    Prepared result{study, {}, {}};
-    Stage stage("preparing", study.cases.size(), "cases");
-    const std::set<const Case*> wanted(chosen.begin(), chosen.end());
-    for (std::size_t i = 0; i < study.cases.size(); ++i) {
-        check_interrupt();
-        stage.update(i, study.cases[i].name);
-        try {
-            const PreparedCase prepared = prepared_case(preparation, study.cases[i]);
-            result.study.cases[i].scene = prepared.one.scene;
-            if (wanted.count(&study.cases[i]))
-                result.warnings.insert(prepared.warnings.begin(), prepared.warnings.end());
-            for (const bool cpu_engine : {false, true})
-                result.fingerprints[study.cases[i].name].insert(fingerprint(prepared, cpu_engine));
-        } catch (const Error&) {
-            if (wanted.count(&study.cases[i]))
-                throw;
-        }
-    }
-    return result;
-}
-
-void prepare_folder(const Study& study, const std::filesystem::path& folder) {
+void prepare_folder(const std::filesystem::path& folder) {
     make_subfolder(folder, "manifest.d");
-    clear_stale_temporaries(folder);
-    clear_stale_temporaries(folder / "manifest.d");
-    write_file_atomically(folder / "study.toml", resolved_toml(study));
+    for (const std::filesystem::path& one : {folder, folder / "manifest.d"})
+        clear_stale_temporaries(one);
 }
 
 void note_failure(SweepResult& result, const CaseOutcome& outcome) {
@@ -140,8 +108,58 @@ void count(RunAccount& account, const CaseRecord& record) {
     }
 }
 
+// What a shard tells of itself while it is at work, at most every few seconds.
+class Teller {
+public:
+    Teller(const std::filesystem::path& folder, const Shard& shard, const std::string& only, std::size_t cases)
+        : folder_(folder) {
+        note_.shard = shard;
+        note_.only = only;
+        note_.cases = cases;
+        std::array<char, 256> host{};
+        ::gethostname(host.data(), host.size() - 1);
+        note_.host = host.data();
+        note_.process = ::getpid();
+        note_.started = seconds_since_1970();
+        tell();
+    }
+    void kept() { ++note_.kept; }
+    void computed() {
+        ++note_.computed;
+        tell_soon();
+    }
+    /// `name`: of a case; empty: what stopped all that were left.
+    void failed(const std::string& name, const std::string& message) {
+        note_.failures.push_back({name, message});
+        tell_soon();
+    }
+    void end() {
+        note_.ended = true;
+        tell();
+    }
+
+private:
+    static double seconds_since_1970() {
+        return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
+    }
+    void tell_soon() {
+        constexpr double kPause = 5; // s
+        if (seconds_since(last_) > kPause)
+            tell();
+    }
+    void tell() {
+        last_ = Clock::now();
+        note_.told = seconds_since_1970();
+        write_note(folder_, note_);
+    }
+
+    std::filesystem::path folder_;
+    ShardNote note_;
+    Clock::time_point last_ = Clock::now();
+};
+
 void compute_missing(Engine& engine, const std::vector<const Case*>& missing,
-                     const std::function<CaseJob(const Case&)>& job_of, const SweepOptions& options,
+                     const std::function<CaseJob(const Case&)>& job_of, const SweepOptions& options, Teller* teller,
                      SweepResult& result) {
     Stage stage("computing", missing.size(), "cases");
     std::size_t next_job = 0, ended = 0;
@@ -149,80 +167,80 @@ void compute_missing(Engine& engine, const std::vector<const Case*>& missing,
         return next_job < missing.size() ? std::make_unique<CaseJob>(job_of(*missing[next_job++])) : nullptr;
     };
     const auto done = [&](const CaseOutcome& outcome) {
+        const std::string& name = outcome.job->prepared.one.name;
         if (outcome.error) {
             note_failure(result, outcome);
+            if (teller)
+                teller->failed(name, result.failures.back().substr(name.size() + 2));
             if (!options.quiet)
                 remark("failed: {}\n", result.failures.back());
         } else {
             write_record(options.folder, outcome.record);
             ++result.computed;
+            if (teller)
+                teller->computed();
             count(result, outcome.record);
             count(result.account, outcome.record);
         }
-        stage.update(++ended, outcome.job->prepared.one.name);
+        stage.update(++ended, name);
     };
     run_cases(engine, next, missing.size(), {options.encoders}, done);
 }
 
-} // namespace
-
-std::vector<const Case*> chosen_cases(const Study& study, const SweepOptions& options) {
-    std::vector<const Case*> chosen = cases_named(study, options.only);
-    if (const auto shard = options.shard) {
-        std::vector<const Case*> part;
-        for (std::size_t i = shard->index - 1; i < chosen.size(); i += shard->count)
-            part.push_back(chosen[i]);
-        chosen = part;
-    }
-    return chosen;
-}
-
-SweepResult run_sweep(const Study& study, const std::function<std::unique_ptr<Engine>()>& make, bool cpu_engine,
-                      const SweepOptions& options) {
+SweepResult sweep(Study study, const std::function<std::unique_ptr<Engine>()>& make, bool cpu_engine,
+                  const SweepOptions& options, Teller* teller) {
     const Clock::time_point start = Clock::now();
     const double cpu_start = cpu_seconds();
-    const std::vector<const Case*> chosen = chosen_cases(study, options);
-    if (!options.replace)
+    std::vector<const Case*> chosen;
+    if (options.shard) // the study has no other cases
+        std::ranges::transform(study.cases, std::back_inserter(chosen), [](const Case& one) { return &one; });
+    else
+        chosen = cases_named(study, options.only);
+    if (!options.replace && !options.shard)
         require_same_study(options.folder, study);
     SweepResult result;
     result.chosen = chosen.size();
+    const Fingerprints fingerprints = options.shard ? Fingerprints() : identify(study);
     CasePreparation preparation;
-    const Prepared prepared = prepare(study, chosen, preparation);
-    for (const std::string& warning : prepared.warnings)
-        if (!options.quiet)
-            remark("warning: {}\n", warning);
-
     const auto job_of = [&](const Case& one) {
         CaseJob job{prepared_case(preparation, one), options.folder / (one.name + ".exr"), {}, {}};
-        job.fingerprint = fingerprint(job.prepared, cpu_engine);
+        job.fingerprint = fingerprint(job.prepared.scene, cpu_engine);
         job.also = with_present(options.also, options.folder, one.name);
         return job;
     };
     std::vector<const Case*> missing;
+    std::set<std::string> warnings;
     std::optional<Stage> checking(std::in_place, "checking what is there", chosen.size(), "cases");
     for (const Case* one : chosen) {
         check_interrupt();
-        checking->update(missing.size() + result.kept);
+        checking->update(missing.size() + result.kept, one->name);
+        const CaseJob job = job_of(*one);
+        warnings.insert(job.prepared.warnings.begin(), job.prepared.warnings.end());
         std::optional<CaseRecord> record;
-        if (options.fresh || !is_done(job_of(*one), options, record)) {
+        if (options.fresh || !is_done(job, options, record)) {
             missing.push_back(one);
+            result.forecast += forecast(job.prepared.one.scene, job.also);
             continue;
         }
         ++result.kept;
+        if (teller)
+            teller->kept();
         count(result, *record);
     }
-
     checking.reset();
-    for (const Case* one : missing)
-        result.forecast += forecast(prepared.study.cases[static_cast<std::size_t>(one - study.cases.data())].scene,
-                                    with_present(options.also, options.folder, one->name));
+    for (const std::string& warning : warnings)
+        if (!options.quiet)
+            remark("warning: {}\n", warning);
     if (options.dry) {
         if (!missing.empty())
             measure(*make(), missing, job_of, result.forecast);
         return result;
     }
     require_space(options.folder, result.forecast);
-    prepare_folder(prepared.study, options.folder);
+    if (!options.shard) {
+        prepare_folder(options.folder);
+        write_file_atomically(options.folder / "study.toml", resolved_toml(study));
+    }
 
     const auto finish = [&] {
         const Stage stage("writing the account");
@@ -231,7 +249,18 @@ SweepResult run_sweep(const Study& study, const std::function<std::unique_ptr<En
         result.account.wall = seconds_since(start);
         result.account.cpu = cpu_seconds() - cpu_start;
         result.account.peak_memory = peak_memory();
-        write_manifest(options.folder, study, prepared.fingerprints, missing.empty() ? nullptr : &result.account);
+        if (options.shard)
+            return;
+        const RunAccount* const account = missing.empty() ? nullptr : &result.account;
+        std::optional<std::ptrdiff_t> before;
+        for (;;) { // another process may have ended a case meanwhile, and told of it before this did
+            const auto records = records_of(options.folder, study, fingerprints);
+            const std::ptrdiff_t recorded = std::ranges::count_if(records, [](const auto& one) { return !!one; });
+            if (before == recorded)
+                return;
+            write_manifest(options.folder, study, records, account);
+            before = recorded;
+        }
     };
     if (missing.empty()) {
         finish();
@@ -250,7 +279,7 @@ SweepResult run_sweep(const Study& study, const std::function<std::unique_ptr<En
     for (const Case* one : missing)
         forget(options.folder, *one, with_present(options.also, options.folder, one->name));
     try {
-        compute_missing(*engine, missing, job_of, options, result);
+        compute_missing(*engine, missing, job_of, options, teller, result);
     } catch (...) {
         try {
             finish(); // what was done stands in the manifest
@@ -261,6 +290,31 @@ SweepResult run_sweep(const Study& study, const std::function<std::unique_ptr<En
     }
     finish();
     return result;
+}
+
+} // namespace
+
+SweepResult run_sweep(Study study, const std::function<std::unique_ptr<Engine>()>& make, bool cpu_engine,
+                      const SweepOptions& options) {
+    if (!options.shard || options.dry)
+        return sweep(std::move(study), make, cpu_engine, options, nullptr);
+    prepare_folder(options.folder);
+    make_subfolder(options.folder / "manifest.d", "shards");
+    clear_stale_temporaries(options.folder / "manifest.d" / "shards");
+    Teller teller(options.folder, *options.shard, options.only, study.cases.size());
+    try {
+        SweepResult result = sweep(std::move(study), make, cpu_engine, options, &teller);
+        teller.end();
+        return result;
+    } catch (const std::exception& error) {
+        try {
+            teller.failed("", error.what());
+            teller.end();
+        } catch (const IoError&) {
+            // The error that stopped the run says more.
+        }
+        throw;
+    }
 }
 
 } // namespace forceshade

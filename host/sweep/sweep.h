@@ -13,16 +13,18 @@
 #include "host/sweep/case_pipeline.h"
 #include "host/sweep/forecast.h"
 #include "host/sweep/manifest.h"
+#include "host/sweep/shards.h"
 
 namespace forceshade {
 
 struct SweepOptions {
     std::filesystem::path folder;
-    std::string only = "*"; /* shell pattern of case names */
-    std::optional<Shard> shard;
-    bool fresh = false;   /* compute every chosen case anew */
-    bool replace = false; /* take the place of another study in the folder */
-    bool dry = false;     /* only tell what there is to do */
+    std::string only = "*";     /* shell pattern of case names */
+    std::optional<Shard> shard; /* the study holds its cases alone; writes files and records, and a note of its own,
+                                   for merge_sweep() */
+    bool fresh = false;         /* compute every chosen case anew */
+    bool replace = false;       /* take the place of another study in the folder */
+    bool dry = false;           /* only tell what there is to do */
     bool quiet = false;
     AlsoFormats also;
     std::optional<compute::DeviceReport>
@@ -44,10 +46,8 @@ struct SweepResult {
 /// Evaluates the chosen cases of a study into `options.folder`, which is made if need be. `engine` is called only if
 /// there is something to compute. \throws UsageError (nothing chosen; another study in the folder), IoError (also
 /// before it begins, where the files cannot fit the disk), compute::DeviceError, Interrupted. Whatever was finished
-/// stays; running again goes on from there. The cases that `--only` and `--shard` choose.
-std::vector<const Case*> chosen_cases(const Study& study, const SweepOptions& options);
-
-SweepResult run_sweep(const Study& study, const std::function<std::unique_ptr<Engine>()>& engine, bool cpu_engine,
+/// stays; running again goes on from there.
+SweepResult run_sweep(Study study, const std::function<std::unique_ptr<Engine>()>& engine, bool cpu_engine,
                       const SweepOptions& options);
 
 } // namespace forceshade

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "host/output/files.h"
 #include "tests/e2e/workplace.h"
 #include "tests/io/picture.h"
 
@@ -231,7 +232,8 @@ TEST_F(BadInput, a_height_map_with_a_chunk_longer_than_the_file_takes_no_memory)
 
 TEST_F(BadInput, nothing_is_written_through_a_link_in_the_results) {
     std::filesystem::create_directories(path("others"));
-    write("others/.a.fs0123456789abcdef.tmp", "as if left by a run that was killed");
+    write("others/" + TemporaryFile(path("others/a")).temporary_path().filename().string(),
+          "as if left by a run that was killed");
     write("others/study.json", "{}");
     const Tree before = tree_of(path("others"));
     write("scene.toml", kOneCase);

@@ -25,7 +25,9 @@ constexpr const char* kUnset[] = {"LC_ALL",
                                   "SLURM_ARRAY_TASK_ID",
                                   "SLURM_ARRAY_TASK_COUNT",
                                   "SLURM_ARRAY_TASK_MIN",
-                                  "SLURM_ARRAY_TASK_STEP"};
+                                  "SLURM_ARRAY_TASK_MAX",
+                                  "SLURM_PROCID",
+                                  "SLURM_STEP_NUM_TASKS"};
 
 std::vector<std::string> environment_of(const Launch& launch) {
     std::map<std::string, std::string> merged;

@@ -1,4 +1,5 @@
 // Several processes write one folder: as shards of a study, as tasks of a batch system, and by mistake.
+#include <array>
 #include <memory>
 
 #include <fmt/format.h>
@@ -40,6 +41,14 @@ protected:
         return computed;
     }
 
+    Outcome merge(const std::string& out, int code, std::vector<std::string> further = {}) const {
+        std::vector<std::string> arguments{"sweep", "paper.toml", "--out", out, "--merge", "--json", "--quiet"};
+        arguments.insert(arguments.end(), further.begin(), further.end());
+        const Outcome outcome = forceshade(arguments);
+        EXPECT_EQ(outcome.code, code) << outcome.error;
+        return outcome;
+    }
+
     void expect_whole(const std::string& out, const Tree& expected) const {
         EXPECT_EQ(differences(results_in(path(out)), expected), std::set<std::string>{});
         EXPECT_EQ(temporaries_in(path(out)), std::vector<std::string>{});
@@ -54,13 +63,21 @@ TEST_F(Shards, at_once_in_one_folder_merge_into_what_one_process_makes) {
     const std::vector<int> computed = run_together(
         {part("out", {"--shard", "1/3"}), part("out", {"--shard", "2/3"}), part("out", {"--shard", "3/3"})});
     EXPECT_EQ(computed, (std::vector<int>{17, 17, 17}));
+    for (const char* name : {"manifest.json", "summary.csv", "report.html", "study.toml"})
+        EXPECT_FALSE(std::filesystem::exists(path("out") / name)) << name;
+    merge("out", 0);
     expect_whole("out", expected);
 }
 
-TEST_F(Shards, one_after_another_merge_too) {
+TEST_F(Shards, that_are_missing_are_named_by_a_merge) {
     const Tree expected = whole();
     for (int i = 4; i >= 1; --i) {
         EXPECT_EQ(run_together({part("out", {"--shard", fmt::format("{}/4", i)})}).front(), i == 4 ? 12 : 13);
+        const json merged = json::parse(merge("out", i == 1 ? 0 : 1).out);
+        std::vector<std::string> others;
+        for (int other = 1; other < i; ++other)
+            others.push_back(fmt::format("{}/4", other));
+        EXPECT_EQ(merged["shards"], json(others));
         const json manifest = read_json("out/manifest.json");
         EXPECT_EQ(manifest["complete"], i == 1);
         EXPECT_EQ(manifest["cases_of_study"], 51);
@@ -69,43 +86,100 @@ TEST_F(Shards, one_after_another_merge_too) {
     expect_whole("out", expected);
 }
 
-TEST_F(Shards, are_merged_by_the_next_command_that_reads_the_folder) {
+TEST_F(Shards, whose_files_are_damaged_are_found_by_a_merge_that_verifies) {
+    run_together({part("out", {"--shard", "1/2"}), part("out", {"--shard", "2/2"})});
+    const std::string volume = "out/cylinder_bump_radius-600mil.exr";
+    std::string bytes = read_text(path(volume));
+    bytes[bytes.size() / 2] ^= 1;
+    write(volume, bytes);
+    merge("out", 0);
+    const json verified = json::parse(merge("out", 1, {"--verify"}).out);
+    EXPECT_EQ(verified["missing"], json({"cylinder_bump_radius-600mil"}));
+    EXPECT_EQ(verified["shards"], json({"1/2"}));
+    std::filesystem::remove(path(volume));
+    EXPECT_EQ(json::parse(merge("out", 1).out)["missing"].size(), 1u);
+}
+
+TEST_F(Shards, are_merged_by_a_sweep_of_the_whole_too) {
     const Tree expected = whole();
     run_together({part("out", {"--shard", "1/2"}), part("out", {"--shard", "2/2"})});
-    std::filesystem::remove(path("out/manifest.json"));
-    std::filesystem::remove(path("out/summary.csv"));
     EXPECT_EQ(run_together({part("out")}).front(), 0);
     expect_whole("out", expected);
+}
+
+TEST_F(Shards, tell_how_they_stand) {
+    expect_failure(2, {"sweep", "--status", "out"}, {"no shard"});
+    run_together({part("out", {"--shard", "2/3"})});
+    const json shard = json::parse(expect_success({"sweep", "--status", "out", "--json"}).out)["shards"][0];
+    EXPECT_EQ(shard["shard"], 2);
+    EXPECT_EQ(shard["of"], 3);
+    EXPECT_EQ(shard["state"], "done");
+    EXPECT_EQ(shard["computed"], 17);
+    const std::string text = expect_success({"sweep", "--status", "out"}).out;
+    EXPECT_NE(text.find("3 shards: 1 done, 0 at work, 0 failed, 0 silent, 2 not begun"), std::string::npos) << text;
+}
+
+// A mesh that is not there fails its cases, and the merge says why.
+TEST_F(Shards, that_fail_leave_their_reason) {
+    write("meshes.toml", "[surface]\nkind = \"mesh\"\nfile = [\"a.obj\", \"b.obj\"]\n[grid]\nsamples = 8\n");
+    write("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n");
+    expect_success({"sweep", "meshes.toml", "--out", "out", "--shard", "1/2", "--quiet"});
+    EXPECT_EQ(forceshade({"sweep", "meshes.toml", "--out", "out", "--shard", "2/2", "--quiet"}).code, 4);
+    const Outcome merged = forceshade({"sweep", "meshes.toml", "--out", "out", "--merge"});
+    EXPECT_EQ(merged.code, 1);
+    EXPECT_NE(merged.error.find("error: shard 2/2: cannot read"), std::string::npos) << merged.error;
+    EXPECT_NE(merged.error.find("b.obj"), std::string::npos) << merged.error;
+    EXPECT_NE(merged.error.find("--shard 2/2"), std::string::npos) << merged.error;
+}
+
+Launch in_array(Launch launch, const std::string& id, const std::string& count, const std::string& first,
+                const std::string& last) {
+    launch.environment.insert({{"SLURM_ARRAY_TASK_ID", id},
+                               {"SLURM_ARRAY_TASK_COUNT", count},
+                               {"SLURM_ARRAY_TASK_MIN", first},
+                               {"SLURM_ARRAY_TASK_MAX", last}});
+    return launch;
 }
 
 TEST_F(Shards, come_from_slurms_array_variables) {
     const Tree expected = whole();
     std::vector<Launch> tasks;
-    for (int task = 10; task <= 14; task += 2) { // --array=10-14:2
-        Launch& launch = tasks.emplace_back(part("out"));
-        launch.environment.insert({{"SLURM_ARRAY_TASK_ID", std::to_string(task)},
-                                   {"SLURM_ARRAY_TASK_COUNT", "3"},
-                                   {"SLURM_ARRAY_TASK_MIN", "10"},
-                                   {"SLURM_ARRAY_TASK_MAX", "14"},
-                                   {"SLURM_ARRAY_TASK_STEP", "2"}});
-    }
+    for (const char* task : {"0", "1", "2"})
+        tasks.push_back(in_array(part("out"), task, "3", "0", "2"));
     EXPECT_EQ(run_together(tasks), (std::vector<int>{17, 17, 17}));
+    merge("out", 0);
     expect_whole("out", expected);
     Launch overridden = part("other", {"--shard", "1/51"});
     overridden.environment.insert({{"SLURM_ARRAY_TASK_ID", "2"}, {"SLURM_ARRAY_TASK_COUNT", "3"}});
     EXPECT_EQ(run_together({overridden}).front(), 1) << "what the user says counts more than the surroundings";
 }
 
-// A task that cannot tell its part must not take all of them: n tasks would do the work n times.
-TEST_F(Shards, from_slurms_variables_that_make_no_sense_are_refused) {
-    using Pair = std::pair<std::string, std::string>;
-    for (const auto& [id, count] :
-         {Pair("x", "3"), Pair("1", "none"), Pair("7", "3"), Pair("-1", "3"), Pair("1", "")}) {
-        Launch launch = part("out");
+// srun -n4, alone and within an array of two.
+TEST_F(Shards, are_the_tasks_of_an_srun) {
+    const auto in_step = [](Launch launch, int rank, int count) {
         launch.environment.insert(
-            {{"SLURM_ARRAY_TASK_ID", id}, {"SLURM_ARRAY_TASK_COUNT", count}, {"SLURM_ARRAY_TASK_MIN", "1"}});
-        expect_failure(2, launch, {"Slurm array", "--shard"});
-    }
+            {{"SLURM_PROCID", std::to_string(rank)}, {"SLURM_STEP_NUM_TASKS", std::to_string(count)}});
+        return launch;
+    };
+    std::vector<Launch> tasks, tasks_of_array;
+    for (int rank = 0; rank < 4; ++rank)
+        tasks.push_back(in_step(part("out"), rank, 4));
+    EXPECT_EQ(run_together(tasks), (std::vector<int>{13, 13, 13, 12}));
+    for (const char* task : {"1", "2"})
+        for (int rank = 0; rank < 2; ++rank)
+            tasks_of_array.push_back(in_step(in_array(part("two"), task, "2", "1", "2"), rank, 2));
+    EXPECT_EQ(run_together(tasks_of_array), (std::vector<int>{13, 13, 13, 12}));
+}
+
+// A task that cannot tell its part must not take all of them: n tasks would do the work n times; nor another's, as
+// when some tasks of an array are submitted again.
+TEST_F(Shards, from_slurms_variables_that_leave_the_part_open_are_refused) {
+    using Array = std::array<std::string, 4>;
+    for (const auto& [id, count, first, last] :
+         {Array{"x", "3", "1", "3"}, Array{"1", "none", "1", "3"}, Array{"7", "3", "1", "3"},
+          Array{"-1", "3", "1", "3"}, Array{"1", "", "1", "3"}, Array{"3", "2", "3", "5"}, Array{"5", "1", "5", "5"},
+          Array{"1", "1", "1", "1"}, Array{"10", "3", "10", "14"}, Array{"1", "2", "1", "3"}})
+        expect_failure(2, in_array(part("out"), id, count, first, last), {"Slurm", "--shard"});
 }
 
 TEST_F(Shards, beyond_the_number_of_cases_have_nothing_to_do) {

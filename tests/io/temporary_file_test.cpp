@@ -127,11 +127,12 @@ private:
 
 TEST(StaleTemporaries, are_those_that_no_live_process_holds) {
     const Folder folder;
-    const std::vector<std::string> others{".a.exr.tmp", ".hidden", "a.exr", "a.fs0123456789abcdef.tmp",
-                                          ".a.exr.fs0123456789abcdeX.tmp"};
+    const std::string own = TemporaryFile(folder / "a.exr").temporary_path().filename().string();
+    const std::vector<std::string> others{".a.exr.tmp", ".hidden", "a.exr", own.substr(1),
+                                          own.substr(0, own.size() - 5) + "X.tmp"};
     for (const std::string& name : others)
         std::ofstream(folder / name) << name;
-    std::filesystem::create_directory(folder / ".d.fs0123456789abcdef.tmp");
+    std::filesystem::create_directory(folder / TemporaryFile(folder / "d").temporary_path().filename());
     Holder holder(folder / "b.exr");
     const std::size_t before = folder.names().size();
     EXPECT_EQ(clear_stale_temporaries(folder.path()), 0u);
@@ -140,6 +141,15 @@ TEST(StaleTemporaries, are_those_that_no_live_process_holds) {
     EXPECT_EQ(folder.names().size(), before);
     EXPECT_EQ(clear_stale_temporaries(folder.path()), 1u);
     EXPECT_EQ(folder.names().size(), others.size() + 1);
+}
+
+// Locks may not reach further than the machine.
+TEST(StaleTemporaries, of_other_machines_stay) {
+    const Folder folder;
+    const std::string of_another = ".a.exr.fs.other-node.17.0123456789abcdef.tmp";
+    std::ofstream(folder / of_another) << "half";
+    EXPECT_EQ(clear_stale_temporaries(folder.path()), 0u);
+    EXPECT_EQ(temporaries_of_others(folder.path()), std::vector<std::string>{of_another});
 }
 
 TEST(StaleTemporaries, may_be_cleared_while_their_writers_work) {

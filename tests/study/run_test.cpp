@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "host/output/files.h"
 #include "host/program.h"
 #include "host/study/run/study_run.h"
 #include "tests/io/folder.h"
@@ -51,8 +52,8 @@ TEST_F(Run, OfAnotherStudySceneOrFormIsAnother) {
 }
 
 TEST_F(Run, ClearsWhatAKilledOneLeft) {
-    const std::filesystem::path stale = folder_ / "out/energy/.x.exr.fs0123456789abcdef.tmp";
-    std::filesystem::create_directories(stale.parent_path());
+    std::filesystem::create_directories(folder_ / "out/energy");
+    const std::filesystem::path stale = TemporaryFile(folder_ / "out/energy/x.exr").temporary_path();
     std::ofstream(stale) << "half";
     fingerprint();
     EXPECT_FALSE(std::filesystem::exists(stale));

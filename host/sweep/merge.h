@@ -1,0 +1,33 @@
+// What the shards of a study left, put together; nothing is computed.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "host/scene/study.h"
+#include "host/sweep/shards.h"
+
+namespace forceshade {
+
+struct MergeOptions {
+    std::filesystem::path folder;
+    bool verify = false;  /* by the files' SHA-256, not only by their size */
+    bool replace = false; /* take the place of another study in the folder */
+};
+
+struct MergeResult {
+    std::size_t cases = 0, recorded = 0;
+    std::vector<std::string> missing;  /* cases without a record that counts, or whose files are not what it says */
+    std::vector<std::string> shards;   /* "3/8": those they belong to, where the shards' notes agree on that */
+    std::vector<std::string> failures; /* "CASE: why", as shards told of cases that are missing */
+    std::size_t temporaries = 0;       /* of other machines: at work, or killed */
+    std::vector<std::string> wrong; /* "CASE: why", of recorded cases that are further from the oracle than allowed */
+};
+
+/// Writes study.toml, manifest.json and summary.csv of a folder's records. \throws UsageError (another study in the
+/// folder), IoError
+MergeResult merge_sweep(Study study, const MergeOptions& options);
+
+} // namespace forceshade

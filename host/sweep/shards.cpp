@@ -1,0 +1,225 @@
+#include "host/sweep/shards.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cstdlib>
+#include <map>
+#include <string_view>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "host/error.h"
+#include "host/long_run.h"
+#include "host/output/files.h"
+#include "host/output/reading.h"
+
+namespace forceshade {
+
+namespace {
+
+std::optional<std::size_t> whole_number(std::string_view text) {
+    std::size_t value = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (error != std::errc() || end != text.data() + text.size())
+        return std::nullopt;
+    return value;
+}
+
+std::size_t slurm_number(const char* name) {
+    const char* text = std::getenv(name);
+    const std::optional<std::size_t> value = text ? whole_number(text) : std::nullopt;
+    if (!value)
+        throw UsageError(fmt::format("this is a task of Slurm, and {} is {}: say --shard I/N (1/1: everything)", name,
+                                     text ? fmt::format("\"{}\"", text) : "not set"));
+    return *value;
+}
+
+// The whole of a job that has no array.
+Shard array_part() {
+    if (!std::getenv("SLURM_ARRAY_TASK_ID"))
+        return {};
+    const std::size_t id = slurm_number("SLURM_ARRAY_TASK_ID"), count = slurm_number("SLURM_ARRAY_TASK_COUNT");
+    const std::size_t first = slurm_number("SLURM_ARRAY_TASK_MIN"), last = slurm_number("SLURM_ARRAY_TASK_MAX");
+    if (first > 1 || last != first + count - 1 || count < 2 || id < first || id > last)
+        throw UsageError(fmt::format(
+            "this is task {} of a Slurm array of {} from {} to {}, and only of the arrays 1-N and 0-(N-1) can it be "
+            "told which part of the study is meant: say --shard I/N, for example --shard $SLURM_ARRAY_TASK_ID/8",
+            id, count, first, last));
+    return {id - first + 1, count};
+}
+
+// Of the tasks that one srun started.
+Shard step_part() {
+    if (!std::getenv("SLURM_STEP_NUM_TASKS"))
+        return {};
+    const std::size_t count = slurm_number("SLURM_STEP_NUM_TASKS"), rank = slurm_number("SLURM_PROCID");
+    if (rank >= count)
+        throw UsageError(fmt::format("this is task {} of {} of a Slurm step, which cannot be: say --shard I/N (1/1: "
+                                     "everything)",
+                                     rank, count));
+    return {rank + 1, count};
+}
+
+std::filesystem::path notes_folder(const std::filesystem::path& folder) {
+    return folder / "manifest.d" / "shards";
+}
+
+Json as_json(const ShardNote& note) {
+    Json failures = Json::array();
+    for (const ShardNote::Failure& failure : note.failures)
+        failures.push_back({{"case", failure.name}, {"message", failure.message}});
+    return {{"shard", note.shard.index}, {"of", note.shard.count},    {"only", note.only},    {"cases", note.cases},
+            {"kept", note.kept},         {"computed", note.computed}, {"failures", failures}, {"host", note.host},
+            {"process", note.process},   {"started", note.started},   {"told", note.told},    {"ended", note.ended}};
+}
+
+ShardNote note_of(const Json& json) {
+    ShardNote note;
+    note.shard = {json.at("shard").get<std::size_t>(), json.at("of").get<std::size_t>()};
+    note.only = json.at("only").get<std::string>();
+    note.cases = json.at("cases").get<std::size_t>();
+    note.kept = json.at("kept").get<std::size_t>();
+    note.computed = json.at("computed").get<std::size_t>();
+    for (const Json& failure : json.at("failures"))
+        note.failures.push_back({failure.at("case").get<std::string>(), failure.at("message").get<std::string>()});
+    note.host = json.at("host").get<std::string>();
+    note.process = json.at("process").get<std::int64_t>();
+    note.started = json.at("started").get<double>();
+    note.told = json.at("told").get<double>();
+    note.ended = json.at("ended").get<bool>();
+    return note;
+}
+
+} // namespace
+
+Shard parse_shard(const std::string& text) {
+    const std::size_t slash = text.find('/');
+    if (slash != std::string::npos) {
+        const auto index = whole_number(std::string_view(text).substr(0, slash));
+        const auto total = whole_number(std::string_view(text).substr(slash + 1));
+        if (index && total && *index >= 1 && *index <= *total)
+            return {*index, *total};
+    }
+    throw UsageError(fmt::format("--shard {}: it is I/N with 1 <= I <= N, for example 3/8", text));
+}
+
+std::optional<Shard> slurm_shard() {
+    const Shard array = array_part(), step = step_part();
+    if (array.count * step.count == 1)
+        return std::nullopt;
+    return Shard{(array.index - 1) * step.count + step.index, array.count * step.count};
+}
+
+std::string ShardNote::name() const {
+    return fmt::format("{}/{}", shard.index, shard.count);
+}
+
+void write_note(const std::filesystem::path& folder, const ShardNote& note) {
+    write_file_atomically(notes_folder(folder) / fmt::format("{}-of-{}.json", note.shard.index, note.shard.count),
+                          as_json(note).dump(2) + "\n");
+}
+
+std::vector<ShardNote> read_notes(const std::filesystem::path& folder) {
+    std::vector<ShardNote> notes;
+    std::error_code error;
+    for (std::filesystem::directory_iterator entry(notes_folder(folder), error), end; !error && entry != end;
+         entry.increment(error)) {
+        if (!is_plain_name(entry->path().filename().string()))
+            continue;
+        try {
+            notes.push_back(note_of(read_json(entry->path())));
+        } catch (const Error&) {
+            continue; // being replaced, or damaged
+        } catch (const Json::exception&) {
+            continue;
+        }
+    }
+    std::ranges::sort(notes, {}, [](const ShardNote& one) { return std::pair(one.shard.count, one.shard.index); });
+    return notes;
+}
+
+namespace {
+
+// The shards of one sweep.
+struct Standing {
+    std::size_t shards = 0, done = 0, at_work = 0, failed = 0;
+    std::size_t cases = 0, cases_done = 0; // of the shards that began
+    double left = 0;                       // s: of the slowest at work; infinite where none has done a case
+};
+
+constexpr double kSilent = 600; // s without a word
+
+bool is_silent(const ShardNote& note, double now) {
+    return !note.ended && now - note.told > kSilent;
+}
+
+double seconds_left(const ShardNote& note) {
+    const double rate = static_cast<double>(note.computed) / std::max(1e-3, note.told - note.started);
+    return static_cast<double>(note.cases - std::min(note.cases, note.done() + note.failures.size())) / rate;
+}
+
+std::map<std::size_t, Standing> standings(const std::vector<ShardNote>& notes, double now) {
+    std::map<std::size_t, Standing> result; // by the number of shards
+    for (const ShardNote& note : notes) {
+        Standing& standing = result[note.shard.count];
+        ++standing.shards;
+        standing.done += note.ended && note.failures.empty();
+        standing.failed += note.ended && !note.failures.empty();
+        standing.cases += note.cases;
+        standing.cases_done += note.done();
+        if (!note.ended && !is_silent(note, now)) {
+            ++standing.at_work;
+            standing.left = std::max(standing.left, seconds_left(note));
+        }
+    }
+    return result;
+}
+
+std::string state_of(const ShardNote& note, double now) {
+    if (note.ended)
+        return note.failures.empty() ? "done" : "failed";
+    return is_silent(note, now) ? "silent" : "at work";
+}
+
+} // namespace
+
+std::string status_text(const std::vector<ShardNote>& notes, double now) {
+    std::string text;
+    for (const auto& [count, standing] : standings(notes, now)) {
+        text +=
+            fmt::format("{} shards: {} done, {} at work, {} failed, {} silent, {} not begun; {} of {} cases of those "
+                        "that began\n",
+                        count, standing.done, standing.at_work, standing.failed,
+                        standing.shards - standing.done - standing.at_work - standing.failed, count - standing.shards,
+                        standing.cases_done, standing.cases);
+        if (standing.at_work > 0)
+            text += standing.left < 1e9 ? fmt::format("those at work need about {} more\n", clock_text(standing.left))
+                                        : "those at work have not computed a case yet\n";
+        for (const ShardNote& note : notes) {
+            if (note.shard.count != count || (note.ended && note.failures.empty()))
+                continue;
+            text += fmt::format("  {:>9}  {:<7}  {:>6} of {:<6}  {} (process {}), {} ago\n", note.name(),
+                                state_of(note, now), note.done(), note.cases, note.host, note.process,
+                                clock_text(std::max(0.0, now - note.told)));
+            for (const ShardNote::Failure& failure : note.failures)
+                text += fmt::format("             {}{}\n", failure.name.empty() ? "" : failure.name + ": ",
+                                    failure.message);
+        }
+    }
+    return text;
+}
+
+std::string status_json(const std::vector<ShardNote>& notes, double now) {
+    Json shards = Json::array();
+    for (const ShardNote& note : notes) {
+        Json one = as_json(note);
+        one["state"] = state_of(note, now);
+        if (!note.ended && note.computed > 0)
+            one["seconds_left"] = seconds_left(note);
+        shards.push_back(std::move(one));
+    }
+    return Json{{"shards", shards}}.dump(2) + "\n";
+}
+
+} // namespace forceshade

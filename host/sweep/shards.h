@@ -1,0 +1,54 @@
+// The parts of a study that several processes do: which one this is, and what each tells of itself in the folder, so
+// that anybody can see how the whole stands.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace forceshade {
+
+struct Shard {
+    std::size_t index = 1, count = 1; /* 1-based: "3/8" */
+};
+
+/// \throws UsageError unless the text is I/N with 1 <= I <= N.
+Shard parse_shard(const std::string& text);
+
+/// The part that Slurm's variables name: a task of an array 1-N or 0-(N-1), one of the tasks of an srun, or both.
+/// Nothing without them. \throws UsageError for an array of other numbers, which may be some tasks of a larger one:
+/// what is meant cannot be told, and a task that then took the whole study would do the others' work too.
+std::optional<Shard> slurm_shard();
+
+/// What a shard tells of itself, in FOLDER/manifest.d/shards/I-of-N.json.
+struct ShardNote {
+    Shard shard;
+    std::string only = "*"; /* pattern of the cases that the shards share */
+    std::size_t cases = 0, kept = 0, computed = 0;
+    struct Failure {
+        std::string name, message; /* of a case */
+    };
+    std::vector<Failure> failures;
+    std::string host;
+    std::int64_t process = 0;
+    double started = 0, told = 0; /* s since 1970 */
+    bool ended = false;
+
+    std::size_t done() const { return kept + computed; }
+    std::string name() const; /* "3/8" */
+};
+
+/// \throws IoError
+void write_note(const std::filesystem::path& folder, const ShardNote& note);
+/// Those that can be understood, by count, then index.
+std::vector<ShardNote> read_notes(const std::filesystem::path& folder);
+
+/// How the shards of a folder stand: a line for each that is at work, has failed or is silent, and what is left.
+std::string status_text(const std::vector<ShardNote>& notes, double now);
+/// The same for programs.
+std::string status_json(const std::vector<ShardNote>& notes, double now);
+
+} // namespace forceshade
