@@ -1,0 +1,115 @@
+#!/bin/sh
+# A sweep as an array of a Slurm of one node: tasks are killed and requeued, and the bytes are those of one process.
+# Needs slurmctld, slurmd, slurm-client and munge, and root for them; else it is skipped.
+#     slurm_test.sh PROGRAM SOURCE
+set -eu
+program=$(readlink -f "$1")
+source=$(readlink -f "$2")
+for tool in slurmctld slurmd sbatch munged; do
+    command -v $tool > /dev/null || { echo "skipped: $tool is not installed"; exit 77; }
+done
+[ "$(id -u)" = 0 ] || { echo "skipped: Slurm's daemons need root"; exit 77; }
+
+folder=$(mktemp -d)
+end() {
+    for name in slurmctld slurmd munged; do
+        [ ! -f "$folder/$name.pid" ] || kill "$(cat "$folder/$name.pid")" 2> /dev/null || true
+    done
+    rm -rf "$folder"
+}
+trap end EXIT
+cd "$folder"
+chmod 755 .
+
+# Munge of its own, so that none of the machine's is touched.
+mkdir -m 700 munge
+dd if=/dev/urandom of=munge/key bs=1 count=1024 2> /dev/null
+chmod 400 munge/key
+munged --force --key-file="$folder/munge/key" --socket="$folder/munge.socket" --pid-file="$folder/munged.pid" \
+    --log-file="$folder/munge/log" --seed-file="$folder/munge/seed"
+
+node=$(hostname -s)
+cat > slurm.conf << END
+ClusterName=one
+SlurmctldHost=$node(127.0.0.1)
+SlurmUser=root
+AuthType=auth/munge
+AuthInfo=socket=$folder/munge.socket
+CredType=cred/munge
+SlurmctldPort=17817
+SlurmdPort=17818
+SlurmctldPidFile=$folder/slurmctld.pid
+SlurmdPidFile=$folder/slurmd.pid
+SlurmctldLogFile=$folder/slurmctld.log
+SlurmdLogFile=$folder/slurmd.log
+StateSaveLocation=$folder/state
+SlurmdSpoolDir=$folder/spool
+ProctrackType=proctrack/linuxproc
+TaskPlugin=task/none
+SwitchType=switch/none
+MpiDefault=none
+ReturnToService=2
+SelectType=select/cons_tres
+SelectTypeParameters=CR_CPU
+SchedulerParameters=sched_interval=1,batch_sched_delay=0
+KillWait=2
+NodeName=$node NodeAddr=127.0.0.1 CPUs=2 State=UNKNOWN
+PartitionName=all Nodes=$node Default=YES MaxTime=60 State=UP
+END
+export SLURM_CONF="$folder/slurm.conf"
+mkdir state spool
+slurmctld
+slurmd
+i=0
+until sinfo -h -o %T 2> /dev/null | grep -q -E 'idle|mixed'; do
+    i=$((i + 1))
+    [ $i -lt 60 ] || { echo "skipped: Slurm does not come up here"; tail -5 slurmctld.log slurmd.log; exit 77; }
+    sleep 0.5
+done
+
+cat > study.toml << END
+[surface]
+radius = ["600 mil", "1000 mil", "1400 mil"]
+facets = [1, 2, 3, 4]
+[force]
+shading = ["none", "reference"]
+[grid]
+size = [160, 120, 160]
+origin = ["-25 mm", "-6 mm", "-10 mm"]
+spacing = "0.3 mm"
+[output]
+compression = "zip"
+END
+"$program" sweep study.toml --out whole --engine cpu --quiet
+export FORCESHADE="$program"
+parts=4
+job=$(sbatch --parsable --array=1-$parts --output=log.%a "$source/host/slurm/sweep.sbatch" study.toml out $parts \
+    --engine cpu --quiet)
+until [ -n "$(find out -name '*.json' 2> /dev/null | head -1)" ]; do sleep 0.1; done
+scontrol requeue "${job}_1" || true          # ends it with SIGTERM, then SIGKILL, and begins it anew
+pkill -KILL -f -- "--shard 2/$parts" || true # as when memory runs out
+while squeue -h -j "$job" 2> /dev/null | grep -q .; do
+    "$program" sweep --status out > status || true
+    scontrol update "JobId=${job}_1" StartTime=now 2> /dev/null || true # else what is requeued waits two minutes
+    sleep 0.5
+done
+cat status
+
+# What was killed is missing or not; some tasks once more, by number.
+code=0
+"$program" sweep study.toml --out out --merge --quiet || code=$?
+if [ $code -ne 0 ]; then
+    again=$(sbatch --parsable --array=1,2 --output=log.%a "$source/host/slurm/sweep.sbatch" study.toml out $parts \
+        --engine cpu --quiet)
+    while squeue -h -j "$again" 2> /dev/null | grep -q .; do sleep 0.5; done
+fi
+sbatch --parsable --wait --output=merge.log --wrap "$program sweep study.toml --out out --merge --quiet"
+cat log.* merge.log
+for file in study.toml summary.csv $(cd whole && ls ./*.exr); do
+    cmp "whole/$file" "out/$file"
+done
+[ -z "$(find out -name '.*.tmp')" ] || { echo "temporaries are left"; exit 1; }
+# An srun shares the study out among its tasks.
+srun -n2 "$program" sweep study.toml --out tasks --only '*facets-[12]*none' --engine cpu --quiet
+[ "$(find tasks/manifest.d/shards -name '*-of-2.json' | wc -l)" = 2 ]
+echo "the bytes are those of one process"
