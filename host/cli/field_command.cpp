@@ -289,6 +289,10 @@ int run(const SweepArguments& arguments, const CommonOptions& common) {
         throw UsageError("--out is required: name a folder, \".\" for the current one");
     if (arguments.verify && !arguments.merge)
         throw UsageError("--verify goes with --merge: a sweep verifies what it finds by itself");
+    if (arguments.merge &&
+        (arguments.shard || arguments.only != "*" || arguments.fresh || arguments.dry || !arguments.also.empty()))
+        throw UsageError("--merge is of the whole study and computes nothing: leave out --shard, --only, --fresh, "
+                         "--dry-run and --also");
     if (arguments.merge)
         return merge(arguments, common);
     const LongRun long_run(common.quiet, arguments.dry ? "" : kGoOn);

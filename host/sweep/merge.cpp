@@ -65,6 +65,9 @@ MergeResult merge_sweep(Study study, const MergeOptions& options) {
         clear_stale_temporaries(one);
     const Fingerprints fingerprints = identify(study);
     std::vector<std::optional<CaseRecord>> records = records_of(options.folder, study, fingerprints);
+    if (std::ranges::none_of(records, [](const auto& record) { return record.has_value(); }))
+        throw UsageError(fmt::format("{}: no case there is of this study; name the file that the shards were given",
+                                     options.folder.string()));
     drop_without_files(options, records);
     write_file_atomically(options.folder / "study.toml", resolved_toml(study));
     write_manifest(options.folder, study, records, nullptr);

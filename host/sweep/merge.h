@@ -27,7 +27,7 @@ struct MergeResult {
 };
 
 /// Writes study.toml, manifest.json and summary.csv of a folder's records. \throws UsageError (another study in the
-/// folder), IoError
+/// folder, or none), IoError
 MergeResult merge_sweep(Study study, const MergeOptions& options);
 
 } // namespace forceshade

@@ -86,6 +86,15 @@ TEST_F(Shards, that_are_missing_are_named_by_a_merge) {
     expect_whole("out", expected);
 }
 
+TEST_F(Shards, are_not_merged_by_the_wrong_words) {
+    run_together({part("out", {"--shard", "1/51"})});
+    expect_failure(2, {"sweep", "paper.toml", "--out", "out", "--merge", "--shard", "1/2"}, {"--merge", "--shard"});
+    expect_failure(2, {"sweep", "paper.toml", "--out", "out", "--verify"}, {"--verify", "--merge"});
+    expect_failure(4, {"sweep", "paper.toml", "--out", "none", "--merge"}, {"none", "no such folder"});
+    expect_failure(2, {"sweep", "--out", "out", "--merge"}, {"no case there is of this study"});
+    EXPECT_FALSE(std::filesystem::exists(path("out/study.toml")));
+}
+
 TEST_F(Shards, whose_files_are_damaged_are_found_by_a_merge_that_verifies) {
     run_together({part("out", {"--shard", "1/2"}), part("out", {"--shard", "2/2"})});
     const std::string volume = "out/cylinder_bump_radius-600mil.exr";
