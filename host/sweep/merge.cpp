@@ -66,8 +66,10 @@ MergeResult merge_sweep(Study study, const MergeOptions& options) {
     const Fingerprints fingerprints = identify(study);
     std::vector<std::optional<CaseRecord>> records = records_of(options.folder, study, fingerprints);
     if (std::ranges::none_of(records, [](const auto& record) { return record.has_value(); }))
-        throw UsageError(fmt::format("{}: no case there is of this study; name the file that the shards were given",
-                                     options.folder.string()));
+        throw UsageError(fmt::format(
+            "{}: no case there is of this study and program {}; name the file that the shards were given, and run the "
+            "same program",
+            options.folder.string(), version()));
     drop_without_files(options, records);
     write_file_atomically(options.folder / "study.toml", resolved_toml(study));
     write_manifest(options.folder, study, records, nullptr);
