@@ -41,8 +41,14 @@ public:
     void remember(layout::uint triangle) noexcept {
         if (knows(triangle) || (count_ == kMost && !forget_one()))
             return;
-        begin_touch(mesh_, triangle, touches_[count_]);
+        put(triangle, count_);
         constraints_[count_++] = Constraint::none;
+    }
+
+    /// Minds a triangle in place of another.
+    void put(layout::uint triangle, layout::uint place) noexcept {
+        begin_touch(mesh_, triangle, touches_[place]);
+        fetch_neighbours(mesh_, triangle);
     }
 
     bool knows(layout::uint triangle) const noexcept {
@@ -505,7 +511,7 @@ private:
         const T height = dot(normal, proxy_ - corner);
         const T apex = dot(normal, pool_[released].triangle.corners[(edge + 2) % 3] - corner);
         if (!(height * apex > T(0)) && !pool_.knows(across))
-            begin_touch(mesh_, across, pool_[released]);
+            pool_.put(across, released);
         else
             remember(across);
     }

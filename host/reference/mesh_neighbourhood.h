@@ -47,7 +47,7 @@ template <typename T> MoveBox box_of(const Move<T>& move, float margin) noexcept
 
 /// The box that a move is likely to go on in: further ahead than aside.
 template <typename T> MoveBox box_ahead(const Move<T>& move, float reach) noexcept {
-    MoveBox box = box_of(move, kBoxMargin<T> + 0.0625F * reach);
+    MoveBox box = box_of(move, kBoxMargin<T> + 0.25F * reach);
     const T length = largest_coordinate(move.displacement);
     for (int i = 0; i < 3; ++i) {
         const float ahead = length > T(0) ? reach * static_cast<float>(move.displacement[i] / length) : 0.0F;
@@ -216,11 +216,29 @@ template <typename T> struct Neighbourhood {
     CloseTriangles<T> close;
 };
 
-/// Asks the memory for what will be read soon.
-inline void fetch([[maybe_unused]] const void* address) noexcept {
+/// Asks the memory for what will be read soon. Inlined always, as what calls it alone: the compiler takes a function
+/// that does nothing else for one that does nothing, and drops the call.
+[[gnu::always_inline]] inline void fetch([[maybe_unused]] const void* address) noexcept {
 #if defined(__GNUC__)
     __builtin_prefetch(address);
 #endif
+}
+
+/// The same for what a walk reads of the triangles across a triangle's edges: one of them comes next, most likely. No
+/// more than that, since only so many lines of the cache can be on their way at once.
+template <typename T>
+[[gnu::always_inline]] inline void fetch_neighbours(const layout::MeshView<T>& mesh, layout::uint triangle) noexcept {
+    fetch(&mesh.triangle_facets[triangle]);
+    for (std::size_t i = 0; i < 3; ++i) {
+        const std::size_t across = mesh.triangle_neighbours[3 * std::size_t(triangle) + i];
+        if (across >= mesh.triangle_facets.size())
+            continue;
+        fetch(&mesh.triangle_corners[3 * across]);
+        fetch(&mesh.triangle_normals[3 * across]);
+        fetch(&mesh.triangle_neighbours[3 * across]);
+        if (!mesh.obstacle_begins.empty())
+            fetch(&mesh.obstacle_begins[across]);
+    }
 }
 
 /// Bit i of the result: child i of the node meets the box. Places without a child have boxes that meet nothing.
@@ -273,16 +291,6 @@ void put_leaf(const layout::MeshNode& node, unsigned i, layout::uint place, Neig
     four.child[j] = node.child[i];
 }
 
-/// Asks the memory for what of the leaves a cast will read.
-template <typename T>
-void fetch_ahead(const layout::MeshView<T>& mesh, const Neighbourhood<T>& neighbourhood, layout::uint count) noexcept {
-    for (layout::uint i = 0; i < count; ++i)
-        visit_leaf(neighbourhood.fours[i / 4].child[i % 4], [&](layout::uint triangle, layout::uint end) {
-            for (; triangle < end; ++triangle)
-                fetch(&mesh.vertices[3 * std::size_t(mesh.triangle_corners[3 * std::size_t(triangle)])]);
-        });
-}
-
 /// Gathers the leaves around a move. False if there are too many: then nothing is known.
 template <typename T>
 bool gather(const layout::MeshView<T>& mesh, const Move<T>& move, Neighbourhood<T>& neighbourhood) noexcept {
@@ -310,7 +318,6 @@ bool gather(const layout::MeshView<T>& mesh, const Move<T>& move, Neighbourhood<
     }
     if (neighbourhood.count < Neighbourhood<T>::kFewFours && neighbourhood.reach < 1.0F)
         neighbourhood.reach *= 1.5F;
-    fetch_ahead(mesh, neighbourhood, count);
     for (; count % 4 != 0; ++count)
         neighbourhood.fours[count / 4].low_x[count % 4] = std::numeric_limits<float>::infinity();
     return true;
