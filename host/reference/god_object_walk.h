@@ -243,6 +243,7 @@ public:
     static constexpr unsigned kSubsteps = 20000;
     static constexpr unsigned kPatience = 16;
     static constexpr layout::uint kBatch = 64;
+    static constexpr layout::uint kFew = 12; /* looked at one by one */
     static constexpr layout::uint kNone = ~0U;
 
     Walk(const layout::MeshView<T>& mesh, Neighbourhood<T>& neighbourhood, const Vector<T>& proxy,
@@ -413,7 +414,23 @@ private:
             batch[left] = static_cast<layout::uint>(triangle);
             left += apart ? 0 : 1;
         }
+        if (left > kFew)
+            left = sift_by_edges(batch, left, move);
         hit_first(batch, left, move, first);
+    }
+
+    /// Where many triangles meet, a move comes near all their planes, but passes beside most of them.
+    layout::uint sift_by_edges(layout::uint* batch, layout::uint count, const Move<T>& move) const noexcept {
+        layout::uint left = 0;
+        for (layout::uint i = 0; i < count; i += kLanes<T>) {
+            const auto beyond = beyond_an_edge(
+                triangle_lanes(mesh_, [&](layout::uint lane) { return batch[std::min(i + lane, count - 1)]; }), move);
+            for (layout::uint lane = 0; lane < std::min(kLanes<T>, count - i); ++lane) {
+                batch[left] = batch[i + lane];
+                left += beyond[lane] != 0 ? 0 : 1;
+            }
+        }
+        return left;
     }
 
     /// The first impact with one of a few triangles, if it comes before what was found so far.

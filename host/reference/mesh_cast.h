@@ -83,6 +83,33 @@ bool beyond_an_edge(const Triangle<T>& triangle, const Vector<T>& begin, const V
     return false;
 }
 
+/// beyond_an_edge() of the part of a move that is near each plane, for triangles side by side.
+template <typename T> LaneMask<T> beyond_an_edge(const TriangleLanes<T>& triangles, const Move<T>& move) noexcept {
+    using Real = Lanes<T>;
+    const Real zero{}, reach = zero + Skin<T>::kCulled, until = zero + move.until;
+    const VectorLanes<T> from{zero + move.from.x, zero + move.from.y, zero + move.from.z};
+    const VectorLanes<T> displacement{zero + move.displacement.x, zero + move.displacement.y,
+                                      zero + move.displacement.z};
+    const auto at = [&](Real t) {
+        return VectorLanes<T>{from.x + t * displacement.x, from.y + t * displacement.y, from.z + t * displacement.z};
+    };
+    const Real height = dot<T>(triangles.normal, from - triangles.corners[0]);
+    const Real rate = dot<T>(triangles.normal, displacement), last = height + until * rate;
+    const Real above = (reach - height) / rate, below = (-reach - height) / rate; // not used where they are no numbers
+    const VectorLanes<T> begin = at(height > reach ? above : height < -reach ? below : zero);
+    const VectorLanes<T> end = at(last > reach ? above : last < -reach ? below : until);
+    LaneMask<T> beyond{};
+    for (std::size_t i = 0; i < 3; ++i) {
+        const VectorLanes<T>& corner = triangles.corners[i];
+        const VectorLanes<T> edge = triangles.corners[i == 2 ? 0 : i + 1] - corner;
+        const VectorLanes<T> inward = cross<T>(triangles.normal, edge);
+        const Real one = dot<T>(inward, begin - corner), other = dot<T>(inward, end - corner);
+        const Real nearer = one > other ? one : other;
+        beyond |= (nearer < zero) & (nearer * nearer > Skin<T>::kWidth * Skin<T>::kWidth * dot<T>(edge, edge));
+    }
+    return beyond;
+}
+
 /// The part of an offset that is square to an edge, to the last bit: along the edge a move may be long.
 template <typename T> Vector<T> square_to(const Vector<T>& edge, const Vector<T>& offset) noexcept {
     return offset - (dot(offset, edge) / dot(edge, edge)) * edge;

@@ -171,25 +171,36 @@ EdgeLanes<T> edge_lanes(const VectorLanes<T>& start, const VectorLanes<T>& end, 
     return {square, length_square, after & before, ~(dot<T>(cross<T>(normal, edge), start) <= zero)};
 }
 
+template <typename T> struct TriangleLanes { VectorLanes<T> corners[3], normal; };
+
+/// The triangles that triangle(lane) tells.
+template <typename T, typename Index>
+[[gnu::always_inline]] inline TriangleLanes<T> triangle_lanes(const layout::MeshView<T>& mesh,
+                                                              const Index& triangle) noexcept {
+    TriangleLanes<T> lanes;
+    for (layout::uint lane = 0; lane < kLanes<T>; ++lane) {
+        const std::size_t first = 3 * std::size_t(triangle(lane));
+        for (std::size_t i = 0; i < 3; ++i) {
+            const T* corner = &mesh.vertices[3 * std::size_t(mesh.triangle_corners[first + i])];
+            lanes.corners[i].x[lane] = corner[0];
+            lanes.corners[i].y[lane] = corner[1];
+            lanes.corners[i].z[lane] = corner[2];
+        }
+        lanes.normal.x[lane] = mesh.triangle_normals[first];
+        lanes.normal.y[lane] = mesh.triangle_normals[first + 1];
+        lanes.normal.z[lane] = mesh.triangle_normals[first + 2];
+    }
+    return lanes;
+}
+
 /// The triangles first to first + kLanes - 1, each no further than `last`, which stands for those beyond.
 template <typename T>
 Lanes<T> square_lanes(const layout::MeshView<T>& mesh, layout::uint first, layout::uint last,
                       const Vector<T>& probe) noexcept {
     using Real = Lanes<T>;
     using Mask = LaneMask<T>;
-    VectorLanes<T> corners[3], normal;
-    for (layout::uint lane = 0; lane < kLanes<T>; ++lane) {
-        const std::size_t triangle = first + lane < last ? first + lane : last;
-        for (std::size_t i = 0; i < 3; ++i) {
-            const T* corner = &mesh.vertices[3 * std::size_t(mesh.triangle_corners[3 * triangle + i])];
-            corners[i].x[lane] = corner[0];
-            corners[i].y[lane] = corner[1];
-            corners[i].z[lane] = corner[2];
-        }
-        normal.x[lane] = mesh.triangle_normals[3 * triangle];
-        normal.y[lane] = mesh.triangle_normals[3 * triangle + 1];
-        normal.z[lane] = mesh.triangle_normals[3 * triangle + 2];
-    }
+    const auto [corners, normal] =
+        triangle_lanes(mesh, [&](layout::uint lane) { return first + lane < last ? first + lane : last; });
     VectorLanes<T> offsets[3];
     Real corner_squares[3];
     for (std::size_t i = 0; i < 3; ++i) {
