@@ -15,7 +15,7 @@ using layout::uint;
 template <typename T> using Point = std::array<T, 3>;
 
 // The skin of the law (Skin<T>::kWidth), and how far below a plane a corner may be above it.
-template <typename T> constexpr T kSkin = std::is_same_v<T, double> ? T(0x1p-40) : T(0x1p-14);
+template <typename T> constexpr T kSkin = std::is_same_v<T, double> ? T(0x1p-40) : T(0x1p-15);
 template <typename T> constexpr T kFlush = kSkin<T>* T(0.015625) * T(0.25);
 constexpr std::size_t kMostListed = 48; // of either side
 

@@ -9,7 +9,7 @@ namespace forceshade::reference {
 
 /// No displacement is longer, so that no rounding of one is as large as the skin; every one within the region is
 /// shorter.
-template <typename T> constexpr T kLongestMove = T(8);
+template <typename T> constexpr T kLongestMove = T(Skin<T>::kDouble ? 8 : 4);
 
 /// The few triangles near the proxy that are minded by their half-spaces rather than by casts.
 template <typename T> class TouchPool {

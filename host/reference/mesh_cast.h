@@ -16,7 +16,7 @@ namespace forceshade::reference {
 /// nothing.
 template <typename T> struct Skin {
     static constexpr bool kDouble = std::is_same_v<T, double>;
-    static constexpr T kWidth = kDouble ? T(0x1p-40) : T(0x1p-14);
+    static constexpr T kWidth = kDouble ? T(0x1p-40) : T(0x1p-15);
     static constexpr T kImpact = kWidth * T(0.875);     /* a move ends where it comes this close */
     static constexpr T kPlane = kWidth * T(0.90625);    /* above this a plane alone keeps a move from an impact */
     static constexpr T kCulled = kWidth * T(0.9375);    /* beyond this a height needs no closer look */

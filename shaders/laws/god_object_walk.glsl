@@ -3,7 +3,6 @@
 // the host (is_left): more triangles than the pool holds, a third plane, edges, corners, what the host did not list
 // beforehand, proxies and probes far off.
 
-const real kFarOff = real(8.0LF);
 const uint kProjectionRounds = 64u;
 const real kFlush = kRest * real(0.25LF);
 const real kRegion = real(2.0LF); // half the side of the box in which a proxy minds the mesh

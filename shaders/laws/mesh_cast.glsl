@@ -3,8 +3,10 @@
 // The skin that keeps a god-object off every triangle.
 #ifdef FS_F64
 const real kWidth = real(9.094947017729282379150390625e-13LF); // 2^-40
+const real kFarOff = real(8.0LF); // no displacement is longer
 #else
-const real kWidth = real(6.103515625e-05LF); // 2^-14
+const real kWidth = real(3.0517578125e-05LF); // 2^-15
+const real kFarOff = real(4.0LF);
 #endif
 const real kImpact = kWidth * real(0.875LF);
 const real kPlane = kWidth * real(0.90625LF);
