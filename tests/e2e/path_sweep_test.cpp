@@ -69,6 +69,7 @@ TEST_F(Paths, of_a_study_are_shared_out_among_shards) {
     expect_success({"sweep", "study.toml", "--out", "all", "--engine", "cpu"});
     for (const char* shard : {"2/2", "1/2"})
         expect_success({"sweep", "study.toml", "--out", "shards", "--engine", "cpu", "--shard", shard});
+    expect_success({"sweep", "study.toml", "--out", "shards", "--merge"});
     EXPECT_EQ(differences(results_in(path("all")), results_in(path("shards"))), std::set<std::string>{});
 }
 
