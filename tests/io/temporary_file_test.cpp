@@ -132,7 +132,8 @@ TEST(StaleTemporaries, are_those_that_no_live_process_holds) {
                                           own.substr(0, own.size() - 5) + "X.tmp"};
     for (const std::string& name : others)
         std::ofstream(folder / name) << name;
-    std::filesystem::create_directory(folder / TemporaryFile(folder / "d").temporary_path().filename());
+    const std::filesystem::path name = TemporaryFile(folder / "d").temporary_path();
+    std::filesystem::create_directory(name);
     Holder holder(folder / "b.exr");
     const std::size_t before = folder.names().size();
     EXPECT_EQ(clear_stale_temporaries(folder.path()), 0u);
