@@ -194,7 +194,7 @@ public:
         for (const std::uint32_t side : border)
             names.push_back(loops.find(fans.find(side)));
         std::ranges::sort(names);
-        found.holes = names.size() - std::ranges::unique(names).size();
+        found.holes = static_cast<std::size_t>(std::unique(names.begin(), names.end()) - names.begin());
         return found;
     }
 

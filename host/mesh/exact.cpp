@@ -105,7 +105,7 @@ bool planar_delaunay(std::span<const std::array<double, 2>> polygon,
             continue;
         std::array<std::uint32_t, 3> triangle{face->vertex(0)->info(), face->vertex(1)->info(),
                                               face->vertex(2)->info()};
-        std::ranges::rotate(triangle, std::ranges::min_element(triangle));
+        std::rotate(triangle.begin(), std::ranges::min_element(triangle), triangle.end());
         triangles.push_back(triangle);
     }
     if (triangles.size() - before != polygon.size() - 2) {

@@ -234,7 +234,7 @@ private:
             const auto mine = cycle(facet);
             if (mine.empty())
                 continue;
-            std::ranges::rotate(mine, std::ranges::min_element(mine));
+            std::rotate(mine.begin(), std::ranges::min_element(mine), mine.end());
             backwards[facet] = mine.back() < mine[1 % mine.size()];
             if (backwards[facet])
                 std::reverse(mine.begin() + 1, mine.end());

@@ -2,7 +2,9 @@
 // operations, same bits. What is FS_WIDE has external linkage and is no template; what it calls has to be FS_INLINE.
 #pragma once
 
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+// GCC's alone; the sanitizers know nothing of what the loader does.
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) &&               \
+    !defined(__SANITIZE_THREAD__)
 #define FS_WIDE __attribute__((target_clones("avx512f", "avx2", "default")))
 #else
 #define FS_WIDE

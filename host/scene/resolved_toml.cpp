@@ -69,7 +69,7 @@ std::vector<std::size_t> key_order(const Document& document) {
         return has(table) ||
                (table != "texture" && table != "paths" && table != "compare" && (table != "hand" || has("paths")));
     };
-    std::ranges::stable_partition(tables, in_base);
+    std::stable_partition(tables.begin(), tables.end(), in_base);
     std::vector<std::size_t> order;
     for (const std::string_view table : tables) {
         const std::size_t begin = order.size();
