@@ -94,7 +94,10 @@ VolumeResult NpyWriter::finish() {
 }
 
 CsvText& CsvText::add(std::string_view text) {
-    const char* const quote = text.find_first_of(",\"\r\n") == std::string_view::npos ? "" : "\"";
+    const auto is_blank = [](char c) { return c == ' ' || c == '\t'; }; // which readers may take off a cell
+    const bool plain = text.find_first_of(",\"\r\n") == std::string_view::npos &&
+                       (text.empty() || (!is_blank(text.front()) && !is_blank(text.back())));
+    const char* const quote = plain ? "" : "\"";
     text_ += quote;
     for (const char c : text)
         text_.append(c == '"' ? 2 : 1, c);

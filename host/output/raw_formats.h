@@ -51,7 +51,8 @@ private:
 /// One line at a time: `row.add("a,b").add(0.1).end();` Lines end in a single line feed; the last is to be ended.
 class CsvText {
 public:
-    CsvText& add(std::string_view text); /* quoted where it holds a comma, a quote or a line break */
+    /// Quoted where it holds a comma, a quote or a line break, or begins or ends with a blank.
+    CsvText& add(std::string_view text);
     CsvText& add(const char* text) { return add(std::string_view(text)); }
     CsvText& add(std::floating_point auto value) { return add(fmt::format("{}", value)); } /* reads back the same */
     CsvText& add(std::integral auto value) { return add(std::string_view(std::to_string(value))); }
