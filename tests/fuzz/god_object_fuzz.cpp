@@ -1,0 +1,171 @@
+// A god-object (L6) on a soup or a solid: every piece of its way is held against all triangles in exact arithmetic, it
+// keeps its skin, comes to rest, is the same with lists of obstacles, and stays on its side of a closed surface.
+#include <memory>
+#include <numbers>
+#include <optional>
+
+#include <glm/geometric.hpp>
+
+#include "host/error.h"
+#include "host/mesh/findings.h"
+#include "host/mesh/structure.h"
+#include "host/referee/mesh_referee.h"
+#include "host/reference/god_object.h"
+#include "tests/fuzz/meshes.h"
+#include "tests/mesh/god_object_referee.h"
+#include "tests/mesh/god_object_walks.h"
+
+namespace forceshade {
+namespace {
+
+using fuzz::Bytes;
+using fuzz::require;
+using walks::wide;
+
+constexpr unsigned kSteps = 12;
+/// A move ends 7/8 of a skin from a triangle.
+constexpr double kLeastGap = 0.86;
+
+/// The next probe, in the mesh's frame: on corners, edges, along them, beside them, or anywhere.
+class Course {
+public:
+    Course(Bytes& bytes, const MeshStructure& structure) : bytes_(bytes), structure_(structure) {}
+
+    glm::dvec3 next() {
+        const glm::dvec3 here = corner(), there = corner();
+        switch (bytes_.below(8)) {
+        case 0:
+            at_ = here + beside();
+            break;
+        case 1:
+            at_ = 0.5 * (here + there) + beside();
+            break;
+        case 2:
+            at_ += bytes_.number() * (there - here);
+            break;
+        case 3:
+            at_ += beside();
+            break;
+        case 4: // through a place
+            at_ = at_ + 2.0 * (here + beside() - at_);
+            break;
+        case 5:
+            at_ = here + bytes_.number() * (there - here) + beside();
+            break;
+        case 6:
+            at_ = 0.5 * here + beside();
+            break;
+        default:
+            at_ = glm::dvec3(bytes_.number(), bytes_.number(), bytes_.number());
+        }
+        if (!(glm::length(at_) < 1e3))
+            at_ = glm::dvec3(1.5);
+        return at_;
+    }
+
+private:
+    glm::dvec3 corner() {
+        const std::size_t vertex = 3 * bytes_.below(std::min<std::size_t>(256, structure_.reals->vertices.size() / 3));
+        return {structure_.reals->vertices[vertex], structure_.reals->vertices[vertex + 1],
+                structure_.reals->vertices[vertex + 2]};
+    }
+    /// Nothing, or 1e-12 to 1 sizes.
+    glm::dvec3 beside() {
+        const std::uint8_t size = bytes_.byte();
+        if (size % 4 == 0)
+            return glm::dvec3(0);
+        const glm::dvec3 direction(static_cast<double>(bytes_.byte()) - 127.5,
+                                   static_cast<double>(bytes_.byte()) - 127.5,
+                                   static_cast<double>(bytes_.byte()) - 127.5);
+        return std::pow(10.0, -12 + static_cast<double>(size / 20)) * glm::normalize(direction);
+    }
+
+    Bytes& bytes_;
+    const MeshStructure& structure_;
+    glm::dvec3 at_{1.5, 1.25, 1.75};
+};
+
+template <typename T> bool same_bits(const glm::vec<3, T>& one, const glm::vec<3, T>& other) {
+    return std::memcmp(&one, &other, sizeof one) == 0;
+}
+
+/// How often a closed surface goes round a place of the frame: solid angles over 4 pi (van Oosterom & Strackee 1983).
+double winding_at(const brute::Triangles& triangles, const glm::dvec3& place) {
+    using Point = glm::vec<3, long double>;
+    long double sum = 0;
+    for (const auto& corners : triangles.corners) {
+        const Point a = Point(corners[0]) - Point(place), b = Point(corners[1]) - Point(place),
+                    c = Point(corners[2]) - Point(place);
+        const long double u = glm::length(a), v = glm::length(b), w = glm::length(c);
+        sum += 2 * std::atan2(glm::dot(a, glm::cross(b, c)),
+                              u * v * w + glm::dot(a, b) * w + glm::dot(b, c) * u + glm::dot(c, a) * v);
+    }
+    return static_cast<double>(sum / (4 * std::numbers::pi_v<long double>));
+}
+
+template <typename T> void walk(const MeshStructure& structure, bool closed, Bytes& bytes) {
+    MeshTables<T> tables = make_mesh_tables<T>(structure, 1.0);
+    const layout::MeshView<T> view = tables.view();
+    MeshTables<T> listed = tables;
+    find_obstacles(listed, 1);
+    const layout::MeshView<T> with_lists = listed.view();
+    const brute::Triangles triangles = brute::Triangles::of(view.vertices, view.triangle_corners);
+    const brute::TriangleGrid grid(triangles);
+    const auto around = std::make_unique<reference::Neighbourhood<T>>();
+    const auto around_lists = std::make_unique<reference::Neighbourhood<T>>();
+    reference::GodObject<T> state, other;
+    Course course(bytes, structure);
+    std::optional<double> side;
+    const double skin = double(reference::Skin<T>::kWidth);
+    const auto gap = [&] { return std::sqrt(double(reference::nearest(view, state.proxy).square)) / skin; };
+    for (unsigned step = 0; step < kSteps && (step == 0 || !bytes.empty()); ++step) {
+        const glm::vec<3, T> probe(course.next());
+        unsigned crossed = 0;
+        const auto trace = [&](const glm::vec<3, T>& from, const glm::vec<3, T>& to) {
+            crossed += grid.touches(wide(from), wide(to));
+        };
+        const auto contact = reference::update(view, state, *around, probe, trace);
+        const auto listed_contact = reference::update(with_lists, other, *around_lists, probe);
+        require(same_bits(contact.proxy, listed_contact.proxy) && same_bits(state.proxy, other.proxy) &&
+                    contact.count == listed_contact.count && contact.substeps == listed_contact.substeps,
+                "step {}: lists of obstacles change something", step);
+        // Where there is no room for a skin, a path cannot begin with one.
+        if (step == 0 && gap() < 1 - 1e-3)
+            return;
+        require(crossed == 0, "step {}: {} pieces of the way cross a triangle", step, crossed);
+        require(contact.finished, "step {}: it does not come to rest", step);
+        require(gap() > kLeastGap, "step {}: {} skins from the mesh", step, gap());
+        if (closed) {
+            const double now = winding_at(triangles, wide(state.proxy));
+            require(std::abs(now - side.value_or(now)) < 0.5, "step {}: the winding number was {}, it is {}", step,
+                    side.value_or(now), now);
+            side = now;
+        }
+    }
+}
+
+} // namespace
+} // namespace forceshade
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+    using namespace forceshade;
+    Bytes bytes(data, size);
+    const std::uint8_t kind = bytes.byte();
+    const PolygonSoup soup = kind & 2 ? fuzz::take_solid(bytes) : fuzz::take_soup(bytes);
+    try {
+        const MeshFindings findings = inspect(soup);
+        refuse_if_meaningless(findings, "a mesh");
+        const Mesh mesh = prepare_mesh(soup, {}, VertexNormals::plain);
+        MeshStructure structure = build_structure(mesh, {.threads = 1});
+        if (is_solid(findings))
+            assume_solid(structure);
+        // Of what is flat to within rounding, or seen from too far, no side can be told.
+        const bool solid = is_solid(findings) && brute::choose_triangles(mesh).noise == 0 && structure.scale < 1e3;
+        if (kind & 1)
+            walk<double>(structure, solid, bytes);
+        else
+            walk<float>(structure, solid, bytes);
+    } catch (const UsageError&) {
+    }
+    return 0;
+}

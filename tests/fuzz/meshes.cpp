@@ -1,0 +1,186 @@
+#include "tests/fuzz/meshes.h"
+
+#include <glm/geometric.hpp>
+
+#include "host/error.h"
+#include "host/mesh/connectivity.h"
+#include "host/mesh/findings.h"
+#include "host/mesh/structure.h"
+#include "host/referee/mesh_referee.h"
+#include "host/reference/mesh_contact.h"
+#include "host/reference/mesh_nearest.h"
+#include "tests/mesh/god_object_walks.h"
+
+namespace forceshade::fuzz {
+
+using reference::Nearest;
+using reference::Vector;
+
+void check_sound(const PolygonSoup& soup) {
+    require(soup.begins.front() == 0 && soup.begins.back() == soup.corners.size(), "facets do not hold all corners");
+    for (std::size_t facet = 0; facet < soup.facets(); ++facet)
+        require(soup.begins[facet + 1] >= soup.begins[facet] + 3, "facet {} has too few corners", facet);
+    for (const std::uint32_t corner : soup.corners)
+        require(corner < soup.vertices.size(), "there is no vertex {}", corner);
+    for (const glm::dvec3& vertex : soup.vertices)
+        require(std::isfinite(vertex.x) && std::isfinite(vertex.y) && std::isfinite(vertex.z),
+                "a vertex is not finite");
+    require(soup.normals.empty() || soup.normals.size() == soup.corners.size(), "not a normal for each corner");
+}
+
+PolygonSoup take_soup(Bytes& bytes) {
+    PolygonSoup soup;
+    const std::size_t vertices = 3 + bytes.below(22);
+    for (std::size_t i = 0; i < vertices; ++i)
+        soup.vertices.emplace_back(bytes.number(), bytes.number(), bytes.number());
+    for (std::size_t facets = 1 + bytes.below(40); facets > 0; --facets) {
+        const std::uint8_t kind = bytes.byte();
+        for (std::size_t corners = kind < 160 ? 3 : kind < 240 ? 4 : 5 + kind % 8; corners > 0; --corners)
+            soup.corners.push_back(static_cast<std::uint32_t>(bytes.below(vertices)));
+        soup.end_facet();
+    }
+    return soup;
+}
+
+PolygonSoup take_solid(Bytes& bytes) {
+    static const std::vector<walks::Terrain> solids = walks::solids();
+    PolygonSoup soup = solids[bytes.below(solids.size())].polygons;
+    for (std::size_t moves = bytes.below(8); moves > 0; --moves) {
+        glm::dvec3& vertex = soup.vertices[bytes.below(soup.vertices.size())];
+        vertex += glm::dvec3(bytes.number(), bytes.number(), bytes.number()) / 4.0;
+    }
+    return soup;
+}
+
+namespace {
+
+void check_normals(const std::vector<glm::dvec3>& normals) {
+    for (const glm::dvec3& normal : normals)
+        require(normal == glm::dvec3(0) || std::abs(glm::length(normal) - 1) < 1e-12, "a normal is {} long",
+                glm::length(normal));
+}
+
+void check_mesh(const Mesh& mesh) {
+    check_sound(mesh.polygons);
+    check_normals(mesh.facet_normals);
+    check_normals(mesh.vertex_normals);
+    check_normals(mesh.triangles.normals);
+    require(mesh.triangles.corners.size() == mesh.polygons.corners.size() - 2 * mesh.polygons.facets(),
+            "{} triangles of {} corners and {} facets", mesh.triangles.corners.size(), mesh.polygons.corners.size(),
+            mesh.polygons.facets());
+    require(std::ranges::is_sorted(mesh.triangles.facets), "triangles are not in the order of their facets");
+    for (const auto& corners : mesh.triangles.corners)
+        for (const std::uint32_t corner : corners)
+            require(corner < mesh.polygons.vertices.size(), "a triangle has no vertex {}", corner);
+}
+
+template <typename T> Nearest<T> nearest_by_loop(const layout::MeshView<T>& mesh, const Vector<T>& probe) {
+    Nearest<T> best{0, 0, 0, {}, std::numeric_limits<T>::infinity()};
+    for (layout::uint triangle = 0; triangle < mesh.params.triangles; ++triangle) {
+        const auto point = reference::nearest_on_triangle(probe, reference::triangle_at(mesh, triangle));
+        const layout::uint facet = mesh.triangle_facets[triangle];
+        if (point.square < best.square ||
+            (point.square == best.square && (facet < best.facet || (facet == best.facet && triangle < best.triangle))))
+            best = {triangle, facet, point.feature, point.offset, point.square};
+    }
+    return best;
+}
+
+/// Places of the mesh's frame: anywhere, on vertices, on lines between them.
+glm::dvec3 take_place(Bytes& bytes, const MeshStructure& structure) {
+    const auto vertex = [&] {
+        const std::size_t at = 3 * bytes.below(std::min<std::size_t>(256, structure.reals->vertices.size() / 3));
+        return glm::dvec3(structure.reals->vertices[at], structure.reals->vertices[at + 1],
+                          structure.reals->vertices[at + 2]);
+    };
+    switch (bytes.below(4)) {
+    case 0:
+        return vertex();
+    case 1: {
+        const glm::dvec3 one = vertex();
+        return one + bytes.number() * (vertex() - one);
+    }
+    default:
+        return {bytes.number(), bytes.number(), bytes.number()};
+    }
+}
+
+template <typename T> void check_nearest(const MeshTables<T>& tables, const glm::dvec3& place) {
+    const layout::MeshView<T> mesh = tables.view();
+    const Vector<T> probe(place);
+    if (!(std::abs(probe.x) + std::abs(probe.y) + std::abs(probe.z) < T(1e15)))
+        return;
+    const Nearest<T> expected = nearest_by_loop(mesh, probe);
+    for (const layout::uint hint : {0U, mesh.params.triangles - 1, expected.triangle}) {
+        const Nearest<T> found = reference::nearest(mesh, probe, hint);
+        require(found.triangle == expected.triangle && found.facet == expected.facet &&
+                    found.feature == expected.feature && found.square == expected.square &&
+                    std::memcmp(&found.offset, &expected.offset, sizeof found.offset) == 0,
+                "at {} {} {} triangle {} is the nearest (square {}), not {} (square {})", place.x, place.y, place.z,
+                expected.triangle, expected.square, found.triangle, found.square);
+    }
+}
+
+/// What distances of a referee in the world's metres may differ by, in units of the frame.
+constexpr double kRounding = 1e-11;
+
+void check_against_referee(const MeshStructure& structure, const layout::MeshView<double>& view,
+                           const brute::MeshReferee& referee, bool solid, const glm::dvec3& place) {
+    const glm::dvec3 world = structure.centre + structure.scale * place;
+    if (!(glm::length(place) < 1e3) || !(glm::length(structure.centre) < 1e3 * structure.scale) ||
+        !(structure.scale > 1e-90) || !(structure.scale < 1e90))
+        return;
+    const Vector<double> probe(to_mesh_frame(structure, world));
+    const Nearest<double> found = reference::nearest(view, probe);
+    const double distance = std::sqrt(found.square);
+    const auto expected = static_cast<double>(referee.nearest(world).distance) / structure.scale;
+    require(std::abs(distance - expected) <= kRounding * (1 + glm::length(place)), "{} away, not {}", expected,
+            distance);
+    if (distance < 1e-3)
+        return;
+    const auto winding = static_cast<double>(referee.winding_number(world));
+    require(std::abs(reference::winding_number(view, probe) - winding) < reference::kWindingFine.error,
+            "the winding number is {}, not {}", winding, reference::winding_number(view, probe));
+    if (solid) {
+        require(std::abs(winding - std::round(winding)) < 1e-9, "a solid's winding number is {}", winding);
+        require(reference::inside_by_pseudonormal(view, found) == (winding > 0.5),
+                "pseudonormals say {}, the winding number is {}", reference::inside_by_pseudonormal(view, found),
+                winding);
+    }
+}
+
+} // namespace
+
+void check_preparation(const PolygonSoup& soup, Bytes& bytes) {
+    check_sound(soup);
+    const MeshFindings findings = inspect(soup);
+    warnings(findings);
+    const Connectivity connected(soup), matched(soup, Connectivity::Method::matched_edges);
+    require(connected->counts() == matched->counts(), "half-edges and matched edges are counted otherwise");
+    const std::uint8_t kind = bytes.byte();
+    try {
+        refuse_if_meaningless(findings, "a mesh");
+        const Mesh mesh = prepare_mesh(soup, {}, kind & 1 ? VertexNormals::plain : VertexNormals::angle, &connected);
+        check_mesh(mesh);
+        MeshStructure structure =
+            build_structure(mesh, {.threads = 1, .winding = true, .leaf_triangles = kind & 2 ? 1U : 4U});
+        if (is_solid(findings))
+            assume_solid(structure);
+        const bool solid = is_solid(findings) && findings.volume > 0; // its outside out
+        const auto wide = make_mesh_tables<double>(structure, 1);
+        const auto narrow = make_mesh_tables<float>(structure, 1);
+        const brute::MeshReferee referee(mesh, {});
+        // Of triangles that are flat to within rounding tree and referee pass over different ones.
+        const bool has_flat = brute::choose_triangles(mesh).noise > 0;
+        for (int i = 0; i < 6; ++i) {
+            const glm::dvec3 place = take_place(bytes, structure);
+            check_nearest<double>(wide, place);
+            check_nearest<float>(narrow, place);
+            if (!has_flat)
+                check_against_referee(structure, wide.view(), referee, solid, place);
+        }
+    } catch (const UsageError&) {
+    }
+}
+
+} // namespace forceshade::fuzz

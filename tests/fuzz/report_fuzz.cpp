@@ -1,0 +1,186 @@
+// The page of a folder whose manifest.json or study.json is the input: no markup of the input survives. Its tags are
+// those of the page of a folder with the same words made harmless.
+#include <cctype>
+#include <cstdlib>
+#include <fstream>
+
+#include <nlohmann/json.hpp>
+
+#include "host/report/contents.h"
+#include "host/report/sections.h"
+#include "host/report/words.h"
+#include "tests/fuzz/fuzz.h"
+
+namespace forceshade {
+namespace {
+
+using fuzz::require;
+using Json = nlohmann::ordered_json;
+
+/// Tags and their attributes' names, as a strict reader of HTML finds them.
+class Markup {
+public:
+    explicit Markup(std::string_view html) : html_(html) {
+        while (!html_.empty())
+            read_one();
+    }
+    const std::string& tags() const { return tags_; }
+
+private:
+    void read_one() {
+        if (html_[0] == '<')
+            read_tag();
+        else if (html_[0] == '&')
+            read_entity();
+        else {
+            const char c = html_[0];
+            require(c != '>' && (static_cast<unsigned char>(c) >= ' ' || c == '\n' || c == '\t' || c == '\r'),
+                    "the character {} stands in the text", static_cast<int>(c));
+            html_.remove_prefix(1);
+        }
+    }
+    void read_entity() {
+        for (const std::string_view entity : {"&amp;", "&lt;", "&gt;", "&quot;", "&#39;"})
+            if (html_.starts_with(entity)) {
+                html_.remove_prefix(entity.size());
+                return;
+            }
+        require(false, "an entity that the program does not write: {}", html_.substr(0, 20));
+    }
+    std::string_view take_name() {
+        std::size_t length = 0;
+        while (length < html_.size() &&
+               (std::islower(static_cast<unsigned char>(html_[length])) ||
+                std::isdigit(static_cast<unsigned char>(html_[length])) || html_[length] == '-'))
+            ++length;
+        const std::string_view name = html_.substr(0, length);
+        html_.remove_prefix(length);
+        return name;
+    }
+    void read_tag() {
+        html_.remove_prefix(1);
+        const bool end = html_.starts_with('/');
+        html_.remove_prefix(end);
+        const std::string_view name = take_name();
+        require(!name.empty(), "a tag without a name: {}", html_.substr(0, 20));
+        tags_ += fmt::format("<{}{}", end ? "/" : "", name);
+        while (html_.starts_with(' ')) {
+            html_.remove_prefix(1);
+            const std::string_view attribute = take_name();
+            require(html_.starts_with("=\""), "the attribute {} has no quotes", attribute);
+            html_.remove_prefix(2);
+            const std::size_t length = html_.find('"');
+            require(length != std::string_view::npos, "the attribute {} does not end", attribute);
+            check_attribute(attribute, html_.substr(0, length));
+            tags_ += fmt::format(" {}", attribute);
+            html_.remove_prefix(length + 1);
+        }
+        require(html_.starts_with('>'), "the tag {} does not end", name);
+        html_.remove_prefix(1);
+        tags_ += ">\n";
+        if (name == "script" && !end)
+            skip_script();
+    }
+    static void check_attribute(std::string_view name, std::string_view value) {
+        require(value.find_first_of("<>") == std::string_view::npos, "{} holds markup: {}", name, value);
+        require(!name.starts_with("on") && name != "style" && name != "src", "there is an attribute {}", name);
+        if (name == "href") // an address below the page, or a place of it
+            require(value.find(':') == std::string_view::npos && !value.starts_with("//"), "a link leads to {}", value);
+    }
+    void skip_script() {
+        const std::size_t length = html_.find('<');
+        require(html_.substr(std::min(length, html_.size())).starts_with("</script>"), "a script holds markup");
+        require(Json::accept(html_.substr(0, length)), "a script is no JSON");
+        html_.remove_prefix(length);
+    }
+
+    std::string_view html_;
+    std::string tags_;
+};
+
+std::string harmless_words(std::string_view text) {
+    std::string result;
+    for (const char c : text) {
+        const bool plain =
+            std::isalnum(static_cast<unsigned char>(c)) || std::string_view(" -_./").find(c) != std::string_view::npos;
+        result += plain ? std::string(1, c) : fmt::format("x{:02x}", static_cast<unsigned char>(c));
+    }
+    return result;
+}
+
+Json harmless(const Json& json) {
+    if (json.is_string())
+        return harmless_words(json.get_ref<const std::string&>());
+    if (json.is_array()) {
+        Json result = Json::array();
+        for (const Json& one : json)
+            result.push_back(harmless(one));
+        return result;
+    }
+    if (json.is_object()) {
+        Json result = Json::object();
+        for (const auto& [key, value] : json.items())
+            result[harmless_words(key)] = harmless(value);
+        return result;
+    }
+    return json;
+}
+
+class Folder {
+public:
+    Folder() {
+        std::string name = (std::filesystem::temp_directory_path() / "forceshade-fuzz-XXXXXX").string();
+        require(::mkdtemp(name.data()) != nullptr, "no folder");
+        path_ = name;
+    }
+    ~Folder() {
+        std::error_code ignored;
+        std::filesystem::remove_all(path_, ignored);
+    }
+    /// The body of the page of a folder that holds this file alone.
+    std::string body(const char* name, const std::string& text) const {
+        std::ofstream(path_ / name, std::ios::binary) << text;
+        const report::Contents contents = report::read_contents(path_);
+        std::string html = report::troubles_section(contents.troubles);
+        for (const report::Sweep& sweep : contents.sweeps)
+            html += report::sweep_section(path_, sweep);
+        for (const report::StudyPart& part : contents.studies)
+            html += report::study_section(path_, part);
+        std::filesystem::remove(path_ / name);
+        return html;
+    }
+
+private:
+    std::filesystem::path path_;
+};
+
+void check_page(std::string_view text) {
+    static const Folder folder;
+    const Json json = Json::parse(text, nullptr, false);
+    const char* const name = json.is_object() && json.contains("study") ? "study.json" : "manifest.json";
+    const std::string html = folder.body(name, std::string(text));
+    const Markup markup(html);
+    if (json.is_discarded())
+        return;
+    const std::string tame = folder.body(name, harmless(json).dump());
+    require(Markup(tame).tags() == markup.tags(), "the page's tags depend on the input's characters:\n{}\n---\n{}",
+            html, tame);
+}
+
+void check_words(std::string_view text) {
+    const std::string escaped = report::escaped(text);
+    require(Markup(escaped).tags().empty(), "escaped text holds tags");
+    Markup(report::link(text, text));
+    require(Json::accept("\"" + escaped + "\"") || text.find_first_of("\\\t\r\n\x7f") != std::string_view::npos,
+            "escaped text is no UTF-8");
+}
+
+} // namespace
+} // namespace forceshade
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+    const std::string_view text(reinterpret_cast<const char*>(data), size);
+    forceshade::check_words(text.substr(0, 64));
+    forceshade::check_page(text);
+    return 0;
+}

@@ -1,0 +1,277 @@
+// fuzz_seeds FOLDER: writes FOLDER/TARGET/..., small inputs that the program itself makes or that are in tests/data,
+// and FOLDER/TARGET.dict, the words of the target's language.
+#include <fstream>
+#include <set>
+
+#include <nlohmann/json.hpp>
+
+#include "host/error.h"
+#include "host/output/exr_volume.h"
+#include "host/output/files.h"
+#include "host/output/reading.h"
+#include "host/scene/schema.h"
+#include "host/scene/starter.h"
+#include "host/scene/study.h"
+#include "host/study/data/data_files.h"
+#include "tests/fuzz/fuzz.h"
+#include "tests/io/picture.h"
+#include "tests/mesh/shapes.h"
+#include "tests/mesh/written_files.h"
+#include "tests/report/sample_folder.h"
+#include "tests/report/samples.h"
+
+namespace forceshade {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+class Seeds {
+public:
+    explicit Seeds(std::filesystem::path folder) : folder_(std::move(folder)) {}
+
+    void add(const std::string& target, std::string_view bytes) {
+        std::filesystem::create_directories(folder_ / target);
+        std::ofstream(folder_ / target / fmt::format("seed-{}", ++count_), std::ios::binary) << bytes;
+    }
+    void add_words(const std::string& target, const std::set<std::string>& words) {
+        std::ofstream file(folder_ / (target + ".dict"));
+        for (const std::string& word : words) {
+            file << '"';
+            for (const char c : word)
+                file << (c == '"' || c == '\\' || c < ' ' || c > '~'
+                             ? fmt::format("\\x{:02x}", static_cast<unsigned char>(c))
+                             : std::string(1, c));
+            file << "\"\n";
+        }
+    }
+    /// A folder for files that become seeds.
+    std::filesystem::path scratch() const {
+        std::filesystem::create_directories(folder_ / "scratch");
+        return folder_ / "scratch";
+    }
+
+private:
+    std::filesystem::path folder_;
+    int count_ = 0;
+};
+
+void add_scenes(Seeds& seeds) {
+    seeds.add("toml", schema_text());
+    seeds.add("toml", default_study_toml());
+    for (const std::string_view what : kStarters)
+        seeds.add("toml", starter_scene(what, "mesh.obj", "scene.toml"));
+    seeds.add("toml", "[surface]\nkind = [\"bump\", \"mesh\"]\nfile = \"a.obj\"\n[[variant]]\n[texture]\nfunction = "
+                      "\"sine\"\n[[variant]]\ngrid = { spacing = [\"1 mm\", \"2 mm\", \"3 mm\"] }\n");
+    for (const char* text : {"quantity 1e-3 kg m^2/s^2", "quantity 600 mil", "quantity 5 N s/m", "quantity 90 deg",
+                             "override surface.radius=[600 mil, 1 in]", "override paths.kind=taps"})
+        seeds.add("toml", text);
+    std::set<std::string> words{"[[variant]]", "= [\"",   "\"]",   " = {", "deg",       "mil",
+                                "kg",          "N/mm",    "e-300", "µm",   "quantity ", "override ",
+                                "\"\"\"",      "\\u00e9", "nan",   "inf",  "0x1",       "1979-05-27"};
+    for (const Key& key : schema_keys()) {
+        words.emplace(key.table);
+        words.emplace(key.name);
+        words.insert(key.path());
+        words.insert(key.choices.begin(), key.choices.end());
+    }
+    words.erase("");
+    seeds.add_words("toml", words);
+}
+
+void add_meshes(Seeds& seeds) {
+    constexpr std::string_view kExtensions[] = {".obj", ".off", ".ply", ".stl"};
+    for (const PolygonSoup& soup : {testing::fine_tetrahedron(), shapes::cube(true)})
+        for (const auto& [extension, bytes] : testing::all_formats(soup)) {
+            const auto format = std::ranges::find(kExtensions, extension) - std::begin(kExtensions);
+            seeds.add("mesh_file", static_cast<char>(format) + bytes);
+        }
+    seeds.add("mesh_file", '\0' + read_file(FORCESHADE_TEST_DATA "/bump.obj"));
+    seeds.add("mesh_file",
+              std::string("\4v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nvt 0 0\nf 1/1/1 2//1 -1/-1/-1\nf 1//1 \\\n2//1 "
+                          "3//1\n"));
+    seeds.add("mesh_file",
+              std::string("\6ply\r\nformat ascii 1.0\r\nelement vertex 3\r\nproperty float x\r\nproperty float "
+                          "y\r\nproperty float z\r\nproperty float nx\r\nproperty float ny\r\nproperty float nz\r\n"
+                          "element face 1\r\nproperty list uchar int vertex_index\r\nend_header\r\n0 0 0 0 0 1\r\n"
+                          "1 0 0 0 0 1\r\n0 1 0 0 0 1\r\n3 0 1 2\r\n"));
+    seeds.add_words("mesh_file", {"v ",
+                                  "vn ",
+                                  "vt ",
+                                  "f ",
+                                  "\n",
+                                  "\r\n",
+                                  "# ",
+                                  "//",
+                                  "\\\n",
+                                  "OFF\n",
+                                  "COFF",
+                                  "NOFF",
+                                  "4OFF",
+                                  "BINARY",
+                                  "ply\n",
+                                  "format ",
+                                  "ascii 1.0",
+                                  "binary_little_endian",
+                                  "binary_big_endian",
+                                  "element vertex ",
+                                  "element face ",
+                                  "property list ",
+                                  "property ",
+                                  "uchar",
+                                  "int ",
+                                  "float ",
+                                  "double ",
+                                  "short ",
+                                  "vertex_indices",
+                                  "end_header\n",
+                                  "comment ",
+                                  "obj_info ",
+                                  "tristrips",
+                                  "solid ",
+                                  "facet normal ",
+                                  "outer loop\n",
+                                  "vertex ",
+                                  "endloop\n",
+                                  "endfacet\n",
+                                  "endsolid",
+                                  "nan",
+                                  "inf",
+                                  "1e308",
+                                  "-0",
+                                  " x\n",
+                                  " y\n",
+                                  " z\n",
+                                  " nx\n"});
+    // Of soups and god-objects any bytes are one.
+    std::mt19937 random(1);
+    for (const char* target : {"prepare", "god_object"})
+        for (int i = 0; i < 40; ++i) {
+            std::string bytes(static_cast<std::size_t>(60 + random() % 400), '\0');
+            for (char& byte : bytes)
+                byte = static_cast<char>(random() % (i % 2 ? 256 : 100));
+            bytes[0] = static_cast<char>(i);
+            seeds.add(target, bytes);
+        }
+}
+
+/// The names of an object's members, and words that stand in it.
+void collect_words(const Json& json, std::set<std::string>& words) {
+    if (json.is_string() && json.get_ref<const std::string&>().size() < 20)
+        words.insert(json.get<std::string>());
+    for (const auto& [key, value] : json.items()) {
+        if (json.is_object())
+            words.insert('"' + key + "\":");
+        if (json.is_structured())
+            collect_words(value, words);
+    }
+}
+
+void add_records(Seeds& seeds) {
+    const std::filesystem::path folder = seeds.scratch();
+    CaseRecord record = testing::write_sample_case(folder, {.size = {5, 3, 2}, .paths = true});
+    record.deviation.emplace();
+    record.paths.emplace().deviation.emplace();
+    testing::write_sample_manifest(folder, {record});
+    const std::string one = Json::parse(record_json(record)).dump(),
+                      manifest = Json::parse(read_file(folder / "manifest.json")).dump();
+    study::StudyData data = testing::sample_study();
+    for (study::Table& table : data.tables)
+        table.rows.resize(std::min<std::size_t>(table.rows.size(), 4));
+    data.findings = {{"sample", "A finding.", "", "here", "now", "for sure"}};
+    const std::string study = study::data_json(data);
+    data.figures.resize(1);
+    data.tables.resize(1);
+    const std::string short_study = study::data_json(data);
+    std::set<std::string> words{"<script>",       "</script>", "<!--", "\\u003c", "&lt;",
+                                "\\ud83d\\ude00", "null",      "true", "1e308",   "-1"};
+    for (const std::string& text : {one, manifest, study, short_study}) {
+        collect_words(Json::parse(text), words);
+        seeds.add("report", text);
+        seeds.add("record", text);
+    }
+    words.erase("");
+    seeds.add_words("record", words);
+    seeds.add_words("report", words);
+    for (const auto& entry : std::filesystem::directory_iterator(folder))
+        if (entry.path().extension() == ".exr")
+            seeds.add("volume", read_file(entry.path()));
+}
+
+void add_volumes(Seeds& seeds) {
+    int name = 0;
+    for (const Compression compression : {Compression::none, Compression::zip1, Compression::zip, Compression::pxr24})
+        for (const PixelType pixel : {PixelType::float32, PixelType::half}) {
+            const std::filesystem::path path = seeds.scratch() / fmt::format("{}.exr", ++name);
+            VolumeHeader header;
+            header.size = {3, 2, 9};
+            header.spacing = {1, 1, 1};
+            header.compression = compression;
+            header.pixel = pixel;
+            VolumeWriter writer(path, header);
+            std::vector<float> force(3 * 54);
+            for (std::size_t i = 0; i < force.size(); ++i)
+                force[i] = static_cast<float>(i % 7);
+            writer.write(layout::FieldChunk<float>{3, 3, 0, 2, 0, 9, force, {}, {}, {}, {}}, 1);
+            writer.finish();
+            seeds.add("volume", read_file(path));
+        }
+}
+
+void add_pictures(Seeds& seeds) {
+    const std::filesystem::path path = seeds.scratch() / "u";
+    const std::vector<std::vector<png_byte>> rows(5, std::vector<png_byte>{0, 255, 7, 9, 100, 3, 3, 3});
+    for (const int depth : {1, 8, 16})
+        for (const bool interlaced : {false, true}) {
+            testing::write_png(path, depth == 16 ? 4 : 8, rows, {depth, PNG_COLOR_TYPE_GRAY, interlaced});
+            seeds.add("height_map", read_file(path));
+        }
+    const auto value = [](int x, int y) { return std::sin(x + 10.0 * y); };
+    for (const Imf::Compression compression : {Imf::NO_COMPRESSION, Imf::RLE_COMPRESSION, Imf::ZIP_COMPRESSION,
+                                               Imf::PIZ_COMPRESSION, Imf::PXR24_COMPRESSION})
+        for (const bool tiled : {false, true}) {
+            testing::write_exr(path, {{"Y", {tiled ? Imf::HALF : Imf::FLOAT, value}}},
+                               {{{0, 0}, {4, 3}}, {{1, 0}, {4, 4}}, compression, tiled});
+            seeds.add("height_map", read_file(path));
+        }
+}
+
+void add_tables(Seeds& seeds) {
+    seeds.add("csv", "path,t,x,y,z\n0,0,0.1,0,-1e-3\n0,0.001,0.2,0,-1e-3\n1,0,+1,2,3\n0,0.002,0,0,0\n");
+    seeds.add("csv", "\xEF\xBB\xBFt , x,y,\"z\",path,force\r\n0,0,0,0,1e0,\"a,\"\"b\"\r\n\r\n1,1,1,1,1.0,\r\n");
+    seeds.add("csv", std::string("\0\1\5a,b \x0d\"x\n\0\x3f\xf0\0\0\0\0\0\1", 20));
+    seeds.add_words("csv", {"path,t,x,y,z\n", "\"\"", "\r\n", ",", "nan", "1e308", "4.9e-324", "9007199254740993",
+                            "18446744073709551615", "\xEF\xBB\xBF", "\xFF\xFE"});
+}
+
+void add_messages(Seeds& seeds) {
+    std::set<std::string> words{"ws://", "[::1]:", "?device=", "dialect=values", "&", "1e999", "true", "null"};
+    for (
+        const char* message :
+        {R"({"session_id":7,"inverse3":[{"device_id":"04BA","config":{"type":"inverse3","basis":{"permutation":"XZY"}},"status":{"calibrated":true,"ready":false}}],"verse_grip":[{"device_id":"61548"}]})",
+         R"({"inverse3":[{"device_id":"A","state":{"cursor_position":{"x":0.5,"y":-1.25e-1,"z":0}},"status":{"power_supply":true,"started":true}}],"wireless_verse_grip":[{"state":{"buttons":{"a":true,"b":false,"c":true}}}]})",
+         R"({"ok":true,"data":{"git_tag":"v3.6.1","project_version":"3.1.1.0"}})", R"({"ok":false,"error":"no"})"}) {
+        collect_words(Json::parse(message), words);
+        seeds.add("haply", message);
+    }
+    for (const char* text : {"X-YZ", "3.5.0-2-gce34c39e", "ws://[::1]:8500/x?device=04BA&dialect=values"})
+        seeds.add("haply", text);
+    words.erase("");
+    seeds.add_words("haply", words);
+}
+
+} // namespace
+} // namespace forceshade
+
+int main(int count, char** arguments) {
+    if (count != 2)
+        return 2;
+    forceshade::Seeds seeds(arguments[1]);
+    forceshade::add_scenes(seeds);
+    forceshade::add_meshes(seeds);
+    forceshade::add_records(seeds);
+    forceshade::add_volumes(seeds);
+    forceshade::add_pictures(seeds);
+    forceshade::add_tables(seeds);
+    forceshade::add_messages(seeds);
+    std::filesystem::remove_all(std::filesystem::path(arguments[1]) / "scratch");
+}

@@ -1,0 +1,81 @@
+// A scene or study: read or refused with its places told; what is read stays the same through its resolved text.
+#include "host/error.h"
+#include "host/scene/schema.h"
+#include "host/scene/study.h"
+#include "tests/fuzz/fuzz.h"
+
+namespace forceshade {
+namespace {
+
+using fuzz::require;
+
+constexpr std::size_t kMostCases = 40;
+
+void check_same(const Study& one, const Study& other) {
+    require(one.cases.size() == other.cases.size(), "{} cases become {}", one.cases.size(), other.cases.size());
+    for (std::size_t i = 0; i < one.cases.size(); ++i) {
+        require(one.cases[i].name == other.cases[i].name, "case {} becomes {}", one.cases[i].name, other.cases[i].name);
+        require(one.cases[i].scene == other.cases[i].scene, "{}: the scene becomes another", one.cases[i].name);
+        require(one.cases[i].varied == other.cases[i].varied, "{}: what varies is told otherwise", one.cases[i].name);
+        require(resolved_toml(one.cases[i]) == resolved_toml(other.cases[i]), "{}: resolved otherwise",
+                one.cases[i].name);
+    }
+}
+
+void check_study(std::string_view text) {
+    Study study;
+    try {
+        study = parse_study(text, "f.toml", "/folder");
+    } catch (const UsageError& error) {
+        require(std::string_view(error.what()).starts_with("f.toml:"), "a message without its place: {}", error.what());
+        return;
+    }
+    const std::string resolved = resolved_toml(study);
+    if (study.cases.size() > kMostCases)
+        return;
+    const Study again = parse_study(resolved, "resolved.toml", "/folder");
+    check_same(study, again);
+    require(resolved_toml(again) == resolved, "resolved again, the text is another");
+    for (const Case& one : study.cases) {
+        const Case back = parse_scene(resolved_toml(one), "case.toml", "/folder");
+        require(back.scene == one.scene, "{}: a case's text gives another scene", one.name);
+    }
+}
+
+/// "KEY=VALUE", as given on a command line.
+void check_override(std::string_view text) {
+    const std::size_t equals = std::min(text.find('='), text.size());
+    const Override one{text.substr(0, equals), text.substr(std::min(equals + 1, text.size()))};
+    try {
+        const Study study = parse_study("", "f.toml", "/folder", std::span(&one, 1));
+        if (study.cases.size() <= kMostCases)
+            check_same(study, parse_study(resolved_toml(study), "resolved.toml", "/folder"));
+    } catch (const UsageError&) {
+    }
+}
+
+/// A quantity that is read is written in SI units and read as the same.
+void check_quantity(std::string_view text) {
+    for (const Dimension dimension : {Dimension::length, Dimension::stiffness, Dimension::damping, Dimension::angle}) {
+        try {
+            const double value = parse_quantity(text, dimension);
+            const std::string back = fmt::format("{} {}", value, dimension_info(dimension).unit);
+            require(parse_quantity(back, dimension) == value, "\"{}\" is {}, but \"{}\" is not", text, value, back);
+        } catch (const UsageError&) {
+        }
+    }
+}
+
+} // namespace
+} // namespace forceshade
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+    const std::string_view text(reinterpret_cast<const char*>(data), size);
+    if (text.starts_with("quantity "))
+        forceshade::check_quantity(text.substr(9));
+    else if (text.starts_with("override "))
+        forceshade::check_override(text.substr(9));
+    else
+        forceshade::check_study(text);
+    return 0;
+}
