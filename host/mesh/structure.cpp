@@ -77,18 +77,37 @@ void number(const Mesh& mesh, const MeshTriangles& triangles, const MeshFrame& f
         append(reals.facet_normals, normal);
 }
 
+/// A triangle whose corners are collinear once they are rounded has no face any more: the normal that it had need not
+/// be across what is left of it.
+template <typename T> void drop_normals_of_lines(const std::vector<uint>& corners, MeshReals<T>& reals) {
+    constexpr double kBlunt = 1e-20; // square of a sine that no rounding makes of 0
+    for (std::size_t i = 0; i < corners.size(); i += 3) {
+        const auto at = [&](std::size_t corner) {
+            return glm::dvec3(reference::vector_at(std::span<const T>(reals.vertices), corners[i + corner]));
+        };
+        const glm::dvec3 a = at(0), b = at(1), c = at(2), u = b - a, v = c - a, across = reference::cross(u, v);
+        if (reference::dot(across, across) > kBlunt * reference::dot(u, u) * reference::dot(v, v))
+            continue;
+        if (triangle_normal(a, b, c) == glm::dvec3(0))
+            std::fill_n(reals.triangle_normals.begin() + static_cast<std::ptrdiff_t>(i), 3, T(0));
+    }
+}
+
 /// The tables of one precision out of those of double.
 template <typename T>
-std::shared_ptr<const MeshReals<T>> reals_as(const std::shared_ptr<const MeshReals<double>>& reals) {
+std::shared_ptr<const MeshReals<T>> reals_as(const std::shared_ptr<const MeshReals<double>>& reals,
+                                             const MeshParts& parts) {
     if constexpr (std::is_same_v<T, double>) {
         return reals;
     } else {
         const auto rounded = [](const std::vector<double>& table) {
             return std::vector<T>(table.begin(), table.end());
         };
-        return std::make_shared<const MeshReals<T>>(MeshReals<T>{
+        auto result = std::make_shared<MeshReals<T>>(MeshReals<T>{
             rounded(reals->vertices), rounded(reals->vertex_normals), rounded(reals->vertex_pseudonormals),
             rounded(reals->triangle_normals), rounded(reals->facet_normals), rounded(reals->edge_pseudonormals)});
+        drop_normals_of_lines(parts.triangle_corners, *result);
+        return result;
     }
 }
 
@@ -170,7 +189,8 @@ template <typename T> MeshTables<T> make_mesh_tables(const MeshStructure& struct
         throw UsageError(fmt::format("a stiffness of {} N/m on a mesh of about {} m makes forces that {} precision "
                                      "cannot hold; a normal number of newtons would be right",
                                      stiffness, structure.scale, sizeof(T) == sizeof(float) ? "single" : "double"));
-    MeshTables<T> tables{{}, structure.parts, reals_as<T>(structure.reals), structure.winding, structure.solid, {}};
+    MeshTables<T> tables{
+        {}, structure.parts, reals_as<T>(structure.reals, *structure.parts), structure.winding, structure.solid, {}};
     tables.params.centre_x = centre.x;
     tables.params.centre_y = centre.y;
     tables.params.centre_z = centre.z;
