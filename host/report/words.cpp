@@ -91,7 +91,8 @@ std::string address(std::string_view path) {
     std::string text;
     for (const char c : path) {
         const bool plain = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
-                           std::string_view("-._~/").find(c) != std::string_view::npos;
+                           std::string_view("-._~").find(c) != std::string_view::npos ||
+                           (c == '/' && !text.empty()); // two at the beginning lead to another host
         text += plain ? std::string(1, c) : fmt::format("%{:02X}", static_cast<unsigned char>(c));
     }
     return text;

@@ -307,6 +307,7 @@ TEST_F(Report, TellsOfVolumesThatAStudyDoesNotName) {
 TEST(Addresses, StayBelowTheFolder) {
     EXPECT_EQ(address("energy/curl.exr"), "energy/curl.exr");
     EXPECT_EQ(address("javascript:alert(1)"), "javascript%3Aalert%281%29");
+    EXPECT_EQ(address("//host/a"), "%2F/host/a");
     EXPECT_EQ(address("a b?c#d%"), "a%20b%3Fc%23d%25");
     EXPECT_EQ(link("a<b", "a<b"), "<a href=\"a%3Cb\">a&lt;b</a>");
 }
