@@ -25,6 +25,8 @@ using walks::wide;
 constexpr unsigned kSteps = 12;
 /// A move ends 7/8 of a skin from a triangle.
 constexpr double kLeastGap = 0.86;
+/// The scale of a frame from which most of a mesh, which lies within 2 of the origin, is seen from far.
+constexpr double kFar = 64;
 
 /// The next probe, in the mesh's frame: on corners, edges, along them, beside them, or anywhere.
 class Course {
@@ -135,7 +137,8 @@ template <typename T> void walk(const MeshStructure& structure, bool closed, Byt
         require(crossed == 0, "step {}: {} pieces of the way cross a triangle", step, crossed);
         // Between several walls it may creep on for more rounds than an update has; then `finished` says so.
         require(contact.finished || !closed, "step {}: it does not come to rest", step);
-        require(gap() > kLeastGap, "step {}: {} skins from the mesh", step, gap());
+        // Seen from far, whole folds are thinner than the skin.
+        require(gap() > kLeastGap || structure.scale > kFar, "step {}: {} skins from the mesh", step, gap());
         if (closed) {
             const double now = winding_at(triangles, wide(state.proxy));
             require(std::abs(now - side.value_or(now)) < 0.5, "step {}: the winding number was {}, it is {}", step,
@@ -161,7 +164,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         if (is_solid(findings))
             assume_solid(structure);
         // Of what is flat to within rounding, or seen from too far, no side can be told.
-        const bool solid = is_solid(findings) && brute::choose_triangles(mesh).noise == 0 && structure.scale < 1e3;
+        const bool solid = is_solid(findings) && brute::choose_triangles(mesh).noise == 0 && structure.scale <= kFar;
         if (kind & 1)
             walk<double>(structure, solid, bytes);
         else
