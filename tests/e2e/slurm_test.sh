@@ -12,8 +12,14 @@ done
 
 folder=$(mktemp -d)
 end() {
-    for name in slurmctld slurmd munged; do
-        [ ! -f "$folder/$name.pid" ] || kill "$(cat "$folder/$name.pid")" 2> /dev/null || true
+    for name in slurmd slurmctld munged; do
+        process=$(cat "$folder/$name.pid" 2> /dev/null) || continue
+        kill "$process" 2> /dev/null || continue
+        i=0
+        while kill -0 "$process" 2> /dev/null && [ $i -lt 100 ]; do # it writes its state at the end
+            i=$((i + 1))
+            sleep 0.1
+        done
     done
     rm -rf "$folder"
 }
@@ -87,7 +93,7 @@ job=$(sbatch --parsable --array=1-$parts --output=log.%a "$source/host/slurm/swe
     --engine cpu --quiet)
 until [ -n "$(find out -name '*.json' 2> /dev/null | head -1)" ]; do sleep 0.1; done
 scontrol requeue "${job}_1" || true          # ends it with SIGTERM, then SIGKILL, and begins it anew
-pkill -KILL -f -- "--shard 2/$parts" || true # as when memory runs out
+pkill -KILL -f "sweep study.toml --out out --shard 2/$parts" || true # as when memory runs out
 while squeue -h -j "$job" 2> /dev/null | grep -q .; do
     "$program" sweep --status out > status || true
     scontrol update "JobId=${job}_1" StartTime=now 2> /dev/null || true # else what is requeued waits two minutes
