@@ -1,14 +1,21 @@
 // What inspection finds on meshes whose faults are known.
+#include "host/mesh/exact.h"
 #include "host/mesh/findings.h"
+#include "host/mesh/self_intersections.h"
+#include "host/mesh/surface.h"
 
 #include <algorithm>
+#include <array>
 #include <random>
 
 #include <gtest/gtest.h>
 
 #include "host/error.h"
 #include "host/mesh/connectivity.h"
+#include "host/mesh/exact.h"
 #include "host/mesh/mesh_file.h"
+#include "host/mesh/self_intersections.h"
+#include "host/mesh/surface.h"
 #include "tests/mesh/damage.h"
 #include "tests/mesh/shapes.h"
 
@@ -165,6 +172,37 @@ TEST(Findings, SelfIntersections) {
     EXPECT_TRUE(says(inspect(crossing), "touch or cross"));
     EXPECT_FALSE(inspect(crossing, 3).self_intersections.has_value());
     EXPECT_EQ(inspect(shapes::nested_shells(2, true)).self_intersections, 0u);
+}
+
+// Through the tree, on any number of threads, as by looking at all pairs.
+TEST(Findings, SelfIntersectionsAreThoseOfAllPairs) {
+    std::size_t found = 0;
+    for (unsigned seed = 1; seed <= 8; ++seed)
+        for (const double size : {1.0, 1e-300, 1e300}) {
+            const PolygonSoup soup =
+                shapes::moved(shapes::random_polyhedra(10 * seed, seed), glm::dvec3(size), glm::dvec3(0));
+            const MeshTriangles triangles = triangulate(soup, facet_normals(soup));
+            const std::vector<std::uint32_t> places = weld(soup);
+            const auto share_a_corner = [&](std::size_t i, std::size_t j) {
+                for (const std::uint32_t one : triangles.corners[i])
+                    for (const std::uint32_t other : triangles.corners[j])
+                        if (places[one] == places[other])
+                            return true;
+                return false;
+            };
+            const auto corners = [&](std::size_t i) {
+                const auto& [a, b, c] = triangles.corners[i];
+                return std::array{soup.vertices[a], soup.vertices[b], soup.vertices[c]};
+            };
+            std::size_t expected = 0;
+            for (std::size_t i = 0; i < triangles.corners.size(); ++i)
+                for (std::size_t j = 0; j < i; ++j)
+                    expected += !share_a_corner(i, j) && triangles_meet(corners(i), corners(j));
+            for (const unsigned threads : {1u, 3u})
+                EXPECT_EQ(count_self_intersections(soup, places, triangles, 100'000, threads).pairs, expected) << size;
+            found += expected;
+        }
+    EXPECT_GT(found, 100u);
 }
 
 TEST(Findings, CornersAtTheSamePlaceAreNoIntersection) {
