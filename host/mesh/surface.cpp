@@ -134,7 +134,7 @@ private:
     }
 
     // Onto two axes that make a right-handed frame with the normal; one is perpendicular to the normal's least
-    // component.
+    // component. A quarter of the size, so that the largest numbers do not overflow.
     void project(const glm::dvec3& normal) {
         const double x = std::abs(normal.x), y = std::abs(normal.y), z = std::abs(normal.z);
         const glm::dvec3 least = x <= y && x <= z ? glm::dvec3(1, 0, 0)
@@ -145,7 +145,7 @@ private:
         const glm::dvec3 up = cross(normal, right);
         projection_.clear();
         for (std::size_t i = 0; i < corners_.size(); ++i) {
-            const glm::dvec3 offset = vertex(i) - vertex(0);
+            const glm::dvec3 offset = 0.25 * vertex(i) - 0.25 * vertex(0);
             projection_.push_back({dot(offset, right), dot(offset, up)});
         }
     }

@@ -115,19 +115,20 @@ template <typename T> Vector<T> square_to(const Vector<T>& edge, const Vector<T>
     return offset - (dot(offset, edge) / dot(edge, edge)) * edge;
 }
 
-/// Whether two points this far apart may be one, by what rounding makes of a place.
-template <typename T> bool is_one_place(const Vector<T>& apart) noexcept {
-    return dot(apart, apart) <= Skin<T>::kPlace * Skin<T>::kPlace;
+/// Whether rounding may take one of two points this far apart for the other, seen from this distance: which is nearer
+/// shows in the distance alone, to which their offset adds by its square.
+template <typename T> bool is_one_place(const Vector<T>& apart, T distance) noexcept {
+    return dot(apart, apart) <= Skin<T>::kPlace * (Skin<T>::kPlace + T(2) * distance);
 }
 
 /// The rate of approach, times the distance, to an edge that begins at a corner, if a move that is at the corner goes
 /// on over it and this is more than `approach`.
 template <typename T>
-void approach_edge(const Vector<T>& edge, const Vector<T>& to_corner, const Vector<T>& displacement,
+void approach_edge(const Vector<T>& edge, const Vector<T>& to_corner, T distance, const Vector<T>& displacement,
                    T& approach) noexcept {
     const Vector<T> offset = square_to(edge, to_corner);
     const T rate = dot(offset, displacement);
-    if (dot(edge, displacement) > T(0) && rate > approach && is_one_place(Vector<T>(to_corner - offset)))
+    if (dot(edge, displacement) > T(0) && rate > approach && is_one_place(Vector<T>(to_corner - offset), distance))
         approach = rate;
 }
 
@@ -135,7 +136,7 @@ void approach_edge(const Vector<T>& edge, const Vector<T>& to_corner, const Vect
 /// edge, or either for the face, the feature over which the move goes on counts as well, and the fastest of them: a
 /// slow approach along the triangle must not be taken for a retreat.
 template <typename T>
-T approach_of(const TrianglePoint<T>& nearest, const Triangle<T>& triangle, const Vector<T>& place,
+T approach_of(const TrianglePoint<T>& nearest, const Triangle<T>& triangle, const Vector<T>& place, T distance,
               const Vector<T>& displacement) noexcept {
     if (nearest.feature == layout::kMeshFace)
         return dot(nearest.offset, displacement);
@@ -153,16 +154,17 @@ T approach_of(const TrianglePoint<T>& nearest, const Triangle<T>& triangle, cons
         const layout::uint before = (i + 2) % 3;
         const Vector<T> to_corner = triangle.corners[i] - place;
         const bool at_corner =
-            on_edge ? (i == told || before == told) && is_one_place(Vector<T>(to_corner - nearest.offset)) : i == told;
+            on_edge ? (i == told || before == told) && is_one_place(Vector<T>(to_corner - nearest.offset), distance)
+                    : i == told;
         if (!at_corner)
             continue;
-        approach_edge(edges[i], to_corner, displacement, approach);
-        approach_edge(Vector<T>(-edges[before]), to_corner, displacement, approach);
+        approach_edge(edges[i], to_corner, distance, displacement, approach);
+        approach_edge(Vector<T>(-edges[before]), to_corner, distance, displacement, approach);
         inwards = inwards && leads_inwards(i) && leads_inwards(before);
     }
     const T height = dot(triangle.normal, nearest.offset);
     const T rate = height * dot(triangle.normal, displacement);
-    const bool over_face = inwards && is_one_place(Vector<T>(nearest.offset - height * triangle.normal));
+    const bool over_face = inwards && is_one_place(Vector<T>(nearest.offset - height * triangle.normal), distance);
     return over_face && rate > approach ? rate : approach;
 }
 
@@ -186,7 +188,7 @@ template <typename T> T impact_time(const Triangle<T>& triangle, const Move<T>& 
         const Vector<T> place = move.at(t);
         const TrianglePoint<T> nearest = nearest_on_triangle(place, triangle);
         const T distance = std::sqrt(nearest.square);
-        const T approach = approach_of(nearest, triangle, place, move.displacement); // times the distance
+        const T approach = approach_of(nearest, triangle, place, distance, move.displacement); // times the distance
         if (!(approach > T(0)))
             return never;
         const T excess = distance - Skin<T>::kImpact;

@@ -79,26 +79,27 @@ real3 square_to(real3 edge, real3 offset) {
     return difference(offset, scaled(share, edge));
 }
 
-// Whether two points this far apart may be one, by what rounding makes of a place.
-bool is_one_place(real3 apart) {
-    return product(apart, apart) <= kPlace * kPlace;
+// Whether rounding may take one of two points this far apart for the other, seen from this distance.
+bool is_one_place(real3 apart, real distance) {
+    precise real square = kPlace * (kPlace + real(2.0LF) * distance);
+    return product(apart, apart) <= square;
 }
 
 // The rate of approach, times the distance, to an edge that begins at a corner, if a move that is at the corner goes on
 // over it and this is more than `approach`.
-void approach_edge(real3 edge, real3 to_corner, real3 displacement, inout real approach) {
+void approach_edge(real3 edge, real3 to_corner, real distance, real3 displacement, inout real approach) {
     real3 offset = square_to(edge, to_corner);
     real rate = product(offset, displacement);
-    if (product(edge, displacement) > ZERO && rate > approach && is_one_place(difference(to_corner, offset)))
+    if (product(edge, displacement) > ZERO && rate > approach && is_one_place(difference(to_corner, offset), distance))
         approach = rate;
 }
 
 // Counts the edges from a corner, and whether the move leads inwards over both, if the nearest point is at that corner.
-void approach_at_corner(bool at_corner, real3 to_corner, real3 edge, real3 edge_before, real3 normal, real3 displacement,
-                        inout real approach, inout bool inwards) {
+void approach_at_corner(bool at_corner, real3 to_corner, real distance, real3 edge, real3 edge_before, real3 normal,
+                        real3 displacement, inout real approach, inout bool inwards) {
     if (at_corner) {
-        approach_edge(edge, to_corner, displacement, approach);
-        approach_edge(-edge_before, to_corner, displacement, approach);
+        approach_edge(edge, to_corner, distance, displacement, approach);
+        approach_edge(-edge_before, to_corner, distance, displacement, approach);
         inwards = inwards && product(cross_product(normal, edge), displacement) > ZERO &&
                   product(cross_product(normal, edge_before), displacement) > ZERO;
     }
@@ -106,7 +107,7 @@ void approach_at_corner(bool at_corner, real3 to_corner, real3 edge, real3 edge_
 
 // How fast a move from `place` approaches a triangle, times the distance: by the fastest of the features over which it
 // may go on.
-real approach_of(TrianglePoint nearest, Triangle triangle, real3 place, real3 displacement) {
+real approach_of(TrianglePoint nearest, Triangle triangle, real3 place, real distance, real3 displacement) {
     real approach = product(nearest.offset, displacement);
     if (nearest.feature == kMeshFace)
         return approach;
@@ -124,15 +125,18 @@ real approach_of(TrianglePoint nearest, Triangle triangle, real3 place, real3 di
     real3 to_a = difference(triangle.a, place);
     real3 to_b = difference(triangle.b, place);
     real3 to_c = difference(triangle.c, place);
-    bool at_a = on_edge ? told != 1u && is_one_place(difference(to_a, nearest.offset)) : told == 0u;
-    bool at_b = on_edge ? told != 2u && is_one_place(difference(to_b, nearest.offset)) : told == 1u;
-    bool at_c = on_edge ? told != 0u && is_one_place(difference(to_c, nearest.offset)) : told == 2u;
-    approach_at_corner(at_a, to_a, edge_0, edge_2, triangle.normal, displacement, approach, inwards);
-    approach_at_corner(at_b, to_b, edge_1, edge_0, triangle.normal, displacement, approach, inwards);
-    approach_at_corner(at_c, to_c, edge_2, edge_1, triangle.normal, displacement, approach, inwards);
+    bool at_a = on_edge ? told != 1u && is_one_place(difference(to_a, nearest.offset), distance) : told == 0u;
+    bool at_b = on_edge ? told != 2u && is_one_place(difference(to_b, nearest.offset), distance) : told == 1u;
+    bool at_c = on_edge ? told != 0u && is_one_place(difference(to_c, nearest.offset), distance) : told == 2u;
+    approach_at_corner(at_a, to_a, distance, edge_0, edge_2, triangle.normal, displacement, approach,
+                       inwards);
+    approach_at_corner(at_b, to_b, distance, edge_1, edge_0, triangle.normal, displacement, approach,
+                       inwards);
+    approach_at_corner(at_c, to_c, distance, edge_2, edge_1, triangle.normal, displacement, approach,
+                       inwards);
     real height = product(triangle.normal, nearest.offset);
     precise real rate = height * product(triangle.normal, displacement);
-    bool over_face = inwards && is_one_place(difference(nearest.offset, scaled(height, triangle.normal)));
+    bool over_face = inwards && is_one_place(difference(nearest.offset, scaled(height, triangle.normal)), distance);
     return over_face && rate > approach ? rate : approach;
 }
 
@@ -156,7 +160,7 @@ real impact_time(Triangle triangle, Move move) {
         real3 place = place_at(move, t);
         TrianglePoint nearest = nearest_on_triangle(place, triangle);
         precise real size = sqrt(nearest.square);
-        real approach = approach_of(nearest, triangle, place, move.displacement); // times the distance
+        real approach = approach_of(nearest, triangle, place, size, move.displacement); // times the distance
         precise real excess = size - kImpact;
         precise real next = t + excess * size / approach;
         bool leaves = !(approach > ZERO);

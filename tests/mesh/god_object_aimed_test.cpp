@@ -128,5 +128,23 @@ TEST(GodObjectAimed, MeshesFloat) {
     walk_on<float>(walks::meshes(files()), walks_a_mesh());
 }
 
+/// Along an edge, past the corner where it begins: the move comes nearer to the edge by a skin over its whole length,
+/// and a place a little past the corner may be taken for one at it.
+TEST(GodObjectAimed, AlongAnEdgePastItsCorner) {
+    const MeshStructure structure = build_structure(shapes::mesh_of(walks::solids()[0].polygons));
+    const MeshTables<double> tables = make_mesh_tables<double>(structure, 1.0);
+    auto around = std::make_unique<reference::Neighbourhood<double>>();
+    const auto gap = [&](const glm::dvec3& place) {
+        return std::sqrt(reference::nearest(tables.view(), place).square) / reference::Skin<double>::kWidth;
+    };
+    reference::GodObject<double> state;
+    for (const glm::dvec3& probe :
+         {glm::dvec3(1.0000000000009546, 1.0000000000003315, 1.0000000000006557), glm::dvec3(1, -1, -1)}) {
+        reference::update(tables.view(), state, *around, probe,
+                          [&](const auto&, const auto& to) { EXPECT_GT(gap(to), kLeastGap); });
+        EXPECT_GT(gap(state.proxy), kLeastGap);
+    }
+}
+
 } // namespace
 } // namespace forceshade
