@@ -1,5 +1,6 @@
 #!/bin/sh
-# A sweep as an array of a Slurm of one node: tasks are killed and requeued, and the bytes are those of one process.
+# A sweep as an array of a Slurm of four nodes on one machine: tasks are killed and requeued, a node is lost, and the
+# bytes are those of one process. Each task takes its own GPU.
 # Needs slurmctld, slurmd, slurm-client and munge, and root for them; else it is skipped.
 #     slurm_test.sh PROGRAM SOURCE
 set -eu
@@ -12,7 +13,7 @@ done
 
 folder=$(mktemp -d)
 end() {
-    for name in slurmd slurmctld munged; do
+    for name in slurmd.n1 slurmd.n2 slurmd.n3 slurmd.n4 slurmctld munged; do
         process=$(cat "$folder/$name.pid" 2> /dev/null) || continue
         kill "$process" 2> /dev/null || continue
         i=0
@@ -43,13 +44,12 @@ AuthType=auth/munge
 AuthInfo=socket=$folder/munge.socket
 CredType=cred/munge
 SlurmctldPort=17817
-SlurmdPort=17818
 SlurmctldPidFile=$folder/slurmctld.pid
-SlurmdPidFile=$folder/slurmd.pid
+SlurmdPidFile=$folder/slurmd.%n.pid
 SlurmctldLogFile=$folder/slurmctld.log
-SlurmdLogFile=$folder/slurmd.log
+SlurmdLogFile=$folder/slurmd.%n.log
 StateSaveLocation=$folder/state
-SlurmdSpoolDir=$folder/spool
+SlurmdSpoolDir=$folder/spool.%n
 ProctrackType=proctrack/linuxproc
 TaskPlugin=task/none
 SwitchType=switch/none
@@ -59,17 +59,22 @@ SelectType=select/cons_tres
 SelectTypeParameters=CR_CPU
 SchedulerParameters=sched_interval=1,batch_sched_delay=0
 KillWait=2
-NodeName=$node NodeAddr=127.0.0.1 CPUs=2 State=UNKNOWN
-PartitionName=all Nodes=$node Default=YES MaxTime=60 State=UP
+GresTypes=gpu
+NodeName=n[1-4] NodeHostname=$node NodeAddr=127.0.0.1 Port=17821-17824 CPUs=2 Gres=gpu:2 State=UNKNOWN
+PartitionName=all Nodes=n[1-4] Default=YES MaxTime=60 State=UP
 END
+echo "Name=gpu File=/dev/null,/dev/zero" > gres.conf # Slurm counts them: the tasks' GPU is found by nvidia-smi below
 export SLURM_CONF="$folder/slurm.conf"
-mkdir state spool
+mkdir state
 slurmctld
-slurmd
+for name in n1 n2 n3 n4; do
+    mkdir spool.$name
+    slurmd -N $name
+done
 i=0
-until sinfo -h -o %T 2> /dev/null | grep -q -E 'idle|mixed'; do
+until [ "$(sinfo -h -N -o %T 2> /dev/null | grep -c idle)" = 4 ]; do
     i=$((i + 1))
-    [ $i -lt 60 ] || { echo "skipped: Slurm does not come up here"; tail -5 slurmctld.log slurmd.log; exit 77; }
+    [ $i -lt 60 ] || { echo "skipped: Slurm does not come up here"; cat slurmctld.log slurmd.*.log; exit 77; }
     sleep 0.5
 done
 
@@ -94,9 +99,16 @@ job=$(sbatch --parsable --array=1-$parts --output=log.%a "$source/host/slurm/swe
 until [ -n "$(find out -name '*.json' 2> /dev/null | head -1)" ]; do sleep 0.1; done
 scontrol requeue "${job}_1" || true          # ends it with SIGTERM, then SIGKILL, and begins it anew
 pkill -KILL -f "sweep study.toml --out out --shard 2/$parts" || true # as when memory runs out
+lost=$(squeue -h -j "${job}_3" -o %N)
+if [ -n "$lost" ]; then # its tasks go on there, and begin anew elsewhere
+    kill -KILL "$(cat "slurmd.$lost.pid")"
+    scontrol update "NodeName=$lost" State=DOWN Reason=lost
+fi
 while squeue -h -j "$job" 2> /dev/null | grep -q .; do
     "$program" sweep --status out > status || true
-    scontrol update "JobId=${job}_1" StartTime=now 2> /dev/null || true # else what is requeued waits two minutes
+    for task in 1 3 4; do # else what is requeued waits two minutes
+        scontrol update "JobId=${job}_$task" StartTime=now 2> /dev/null || true
+    done
     sleep 0.5
 done
 cat status
@@ -118,4 +130,18 @@ done
 # An srun shares the study out among its tasks.
 srun -n2 "$program" sweep study.toml --out tasks --only '*facets-[12]*none' --engine cpu --quiet
 [ "$(find tasks/manifest.d/shards -name '*-of-2.json' | wc -l)" = 2 ]
+
+# A task computes on the GPU that Slurm gives it.
+mkdir bin
+uuid=$("$program" gpus | sed -n 's/^ *UUID //p' | head -1)
+cat > bin/nvidia-smi << END
+#!/bin/sh
+echo "\$3" >> $folder/asked
+echo GPU-$uuid
+END
+chmod 755 bin/nvidia-smi
+PATH="$folder/bin:$PATH" sbatch --wait --array=1-2 --gres=gpu:1 --output=gpu.%a "$source/host/slurm/sweep.sbatch" study.toml gpus 2 \
+    --engine gpu --only '*facets-[12]*none' --quiet || { cat gpu.*; exit 1; }
+sort asked | tr '\n' ' ' | grep -x -e '--id=0 --id=[01] '
+[ "$(find gpus -name "*.exr" | wc -l)" = 6 ]
 echo "the bytes are those of one process"
