@@ -1,5 +1,6 @@
 // A sweep: what its manifest says, its cases, their errors and times, what was left out, the files.
 #include <algorithm>
+#include <span>
 
 #include <fmt/format.h>
 
@@ -189,19 +190,25 @@ study::StudyData tables_of(const Sweep& sweep) {
 
 // Cases with the same list together, lists in the order in which they come.
 std::string omitted_list(const Sweep& sweep) {
-    std::vector<std::pair<std::string, std::vector<std::string>>> groups;
-    for (const CaseRecord& record : sweep.cases) {
-        const std::string list = fmt::format("{}", fmt::join(record.omitted, ", "));
-        auto found = std::ranges::find(groups, list, [](const auto& one) -> const std::string& { return one.first; });
+    struct Group {
+        std::string list, names;
+        std::size_t cases = 0;
+    };
+    std::vector<Group> groups;
+    for (std::size_t i = 0; i < sweep.cases.size(); ++i) {
+        const std::string list = fmt::format("{}", fmt::join(sweep.cases[i].omitted, ", "));
+        auto found = std::ranges::find(groups, list, &Group::list);
         if (found == groups.end())
-            found = groups.insert(groups.end(), {list, {}});
-        found->second.push_back(record.name);
+            found = groups.insert(groups.end(), {list, ""});
+        found->names += (found->cases++ == 0 ? "" : ", ") + sweep.cases[i].name;
     }
     std::string html = "<dl class=\"meanings\">\n";
-    for (const auto& [list, names] : groups)
-        html += fmt::format("<dt>{}</dt><dd>{}</dd>\n", list.empty() ? "nothing" : escaped(list),
-                            names.size() == sweep.cases.size() ? "all cases"
-                                                               : escaped(fmt::format("{}", fmt::join(names, ", "))));
+    for (const Group& group : groups) {
+        const std::string cases = group.cases == sweep.cases.size() ? "all cases"
+                                  : sweep.cases.size() > kMostCases ? count_text(group.cases) + " cases"
+                                                                    : escaped(group.names);
+        html += fmt::format("<dt>{}</dt><dd>{}</dd>\n", group.list.empty() ? "nothing" : escaped(group.list), cases);
+    }
     return folded("What was left out, as no scene needed it", html + "</dl>\n");
 }
 
@@ -239,12 +246,12 @@ std::string sweep_section(const std::filesystem::path& root, const Sweep& sweep)
     if (sweep.cases.empty())
         return html + "<p>There is no case here that this program can read.</p>\n</section>\n";
     if (sweep.cases.size() > kMostCases)
-        html += fmt::format("<p>The tables show the first {} of {} cases; summary.csv has all.</p>\n",
+        html += fmt::format("<p>Tables and files are those of the first {} of {} cases; summary.csv has all.</p>\n",
                             count_text(kMostCases), count_text(sweep.cases.size()));
     std::string files;
     for (const char* name : {"manifest.json", "summary.csv", "study.toml"})
         files += file_link(root, sweep.folder, name);
-    for (const CaseRecord& record : sweep.cases)
+    for (const CaseRecord& record : std::span(sweep.cases).first(std::min(sweep.cases.size(), kMostCases)))
         for (const FileRecord& file : record.files)
             files += file_link(root, sweep.folder, file.name, fmt::format(" <small>{}</small>", size_text(file.bytes)));
     const std::string id = anchor(sweep) + "-data";
