@@ -144,6 +144,11 @@ struct SweepArguments {
 
 constexpr const char* kGoOn = "what was finished stays; the same command goes on from there";
 
+// Folders may have names that are no UTF-8.
+std::string json_text(const nlohmann::ordered_json& json) {
+    return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+}
+
 std::string as_json(const SweepResult& result, const SweepOptions& options) {
     nlohmann::ordered_json json;
     json["folder"] = options.folder.string();
@@ -159,7 +164,7 @@ std::string as_json(const SweepResult& result, const SweepOptions& options) {
     json["engine_s"] = result.account.engine;
     json["output_s"] = result.account.output;
     json["peak_memory_bytes"] = result.account.peak_memory;
-    return json.dump(2) + "\n";
+    return json_text(json);
 }
 
 std::string case_list(const Study& study, bool json) {
@@ -171,7 +176,7 @@ std::string case_list(const Study& study, bool json) {
         for (const auto& [key, value] : one.varied)
             list.back()["parameters"][key] = value;
     }
-    return json ? list.dump(2) + "\n" : text;
+    return json ? json_text(list) : text;
 }
 
 std::string forecast_text(const SweepResult& result, const SweepOptions& options, bool as_json) {
@@ -179,19 +184,17 @@ std::string forecast_text(const SweepResult& result, const SweepOptions& options
     const std::size_t missing = result.chosen - result.kept;
     const double free = free_bytes(options.folder);
     if (as_json)
-        return nlohmann::ordered_json{{"folder", options.folder.string()},
-                                      {"chosen", result.chosen},
-                                      {"kept", result.kept},
-                                      {"to_compute", missing},
-                                      {"voxels", needed.voxels},
-                                      {"path_samples", needed.samples},
-                                      {"expected_bytes", needed.bytes.value_or(0)},
-                                      {"least_bytes", needed.least_bytes},
-                                      {"most_bytes", needed.most_bytes},
-                                      {"free_bytes", free},
-                                      {"expected_s", needed.seconds.value_or(0)}}
-                   .dump(2) +
-               "\n";
+        return json_text({{"folder", options.folder.string()},
+                          {"chosen", result.chosen},
+                          {"kept", result.kept},
+                          {"to_compute", missing},
+                          {"voxels", needed.voxels},
+                          {"path_samples", needed.samples},
+                          {"expected_bytes", needed.bytes.value_or(0)},
+                          {"least_bytes", needed.least_bytes},
+                          {"most_bytes", needed.most_bytes},
+                          {"free_bytes", free},
+                          {"expected_s", needed.seconds.value_or(0)}});
     std::string text =
         fmt::format("cases    {}: {} there already, {} to compute\n", result.chosen, result.kept, missing);
     if (missing == 0)
@@ -237,6 +240,8 @@ void print_outcome(const SweepResult& result, const SweepOptions& options, const
 }
 
 int print_status(const SweepArguments& arguments, const CommonOptions& common) {
+    if (!std::filesystem::is_directory(arguments.status))
+        throw IoError(arguments.status + ": there is no such folder");
     const std::vector<ShardNote> notes = read_notes(arguments.status);
     if (notes.empty())
         throw UsageError(arguments.status +
@@ -247,11 +252,21 @@ int print_status(const SweepArguments& arguments, const CommonOptions& common) {
 }
 
 std::string as_json(const MergeResult& result) {
-    return nlohmann::ordered_json{{"cases", result.cases},       {"recorded", result.recorded},
-                                  {"missing", result.missing},   {"shards", result.shards},
-                                  {"failures", result.failures}, {"beyond_bound", result.wrong}}
-               .dump(2) +
-           "\n";
+    return json_text({{"cases", result.cases},
+                      {"recorded", result.recorded},
+                      {"missing", result.missing},
+                      {"of_other_scenes_or_programs", result.others},
+                      {"shards", result.shards},
+                      {"failures", result.failures},
+                      {"beyond_bound", result.wrong}});
+}
+
+void tell_errors(const std::vector<std::string>& errors) {
+    constexpr std::size_t kMost = 50;
+    for (std::size_t i = 0; i < std::min(kMost, errors.size()); ++i)
+        remark("error: {}\n", errors[i]);
+    if (errors.size() > kMost)
+        remark("error: and {} more like these\n", errors.size() - kMost);
 }
 
 // 1 where something is missing or wrong.
@@ -259,21 +274,24 @@ int merge(const SweepArguments& arguments, const CommonOptions& common) {
     const LongRun long_run(common.quiet);
     const MergeResult result =
         merge_sweep(load_study(arguments.study, common), {arguments.out, arguments.verify, arguments.replace});
-    const report::ReportResult report = report::write_report(arguments.out);
+    const std::filesystem::path report = result.recorded > 0 ? report::write_report(arguments.out).file : "";
     if (!common.quiet)
-        remark("{} of {} recorded; look at {}\n", result.recorded, plural(result.cases, "case"),
-               std::filesystem::absolute(report.file).lexically_normal().string());
+        remark("{} of {} recorded{}\n", result.recorded, plural(result.cases, "case"),
+               report.empty() ? "" : "; look at " + std::filesystem::absolute(report).lexically_normal().string());
     if (result.temporaries > 0 && !common.quiet)
         remark("{} of other machines, .*.tmp: once no shard is at work, they can be removed\n",
                plural(result.temporaries, "temporary file"));
-    for (const auto* list : {&result.failures, &result.wrong})
-        for (const std::string& failure : *list)
-            remark("error: {}\n", failure);
+    tell_errors(result.failures);
+    tell_errors(result.wrong);
     if (!result.missing.empty()) {
         constexpr std::size_t kMost = 5;
         const std::span<const std::string> first(result.missing.data(), std::min(kMost, result.missing.size()));
         remark("error: {} missing: {}{}\n", plural(result.missing.size(), "case"), fmt::join(first, ", "),
                first.size() < result.missing.size() ? " ..." : "");
+        if (result.others > 0)
+            remark("error: {} of them have records of another scene, other files or another program: give --merge the "
+                   "study and the flags that the shards have, and run all with the same program\n",
+                   result.others);
         if (!result.shards.empty())
             remark("error: run again: --shard {}\n", fmt::join(result.shards, ", --shard "));
     }
@@ -304,7 +322,11 @@ int run(const SweepArguments& arguments, const CommonOptions& common) {
     options.replace = arguments.replace;
     options.quiet = common.quiet;
     options.also = parse_also(arguments.also);
-    options.shard = arguments.shard ? parse_shard(*arguments.shard) : slurm_shard();
+    options.any_engine = common.engine == "auto" && common.gpu.empty();
+    if (arguments.shard)
+        options.shard = parse_shard(*arguments.shard);
+    else if (!arguments.list && !arguments.dry)
+        require_whole();
     const bool part = options.shard || arguments.list;
     const Shard shard = options.shard.value_or(Shard{});
     const Study study =
@@ -359,8 +381,8 @@ void describe(Options& options, SweepArguments& arguments) {
         .names(case_names);
     options.optional(
         "--shard I/N", arguments.shard,
-        "do the I-th of N parts, for several machines at once, and write volumes and records alone; of a Slurm array "
-        "1-N or an srun the part is known");
+        "do the I-th of N parts, for several machines at once, and write volumes and records alone; \"slurm\": the "
+        "part that a task of a Slurm array 1-N or of an srun is");
     options.flag("--merge", arguments.merge,
                  "compute nothing: make manifest, summary and report of what shards left; ends with 1 and tells which "
                  "are missing, if any");

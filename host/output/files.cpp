@@ -4,6 +4,7 @@
 #include <array>
 #include <cctype>
 #include <cerrno>
+#include <climits>
 #include <cstring>
 #include <fcntl.h>
 #include <random>
@@ -64,15 +65,19 @@ constexpr std::size_t kUniqueDigits = 16;
 constexpr std::string_view kMark = ".fs.";
 constexpr std::string_view kEnding = ".tmp";
 
-// Letters, digits and "-" of the machine's name.
+// Letters, digits and "-" of the machine's name; of one that is longer or has others the beginning and a hash.
 const std::string& this_host() {
     static const std::string name = [] {
-        std::array<char, kLongestHost + 1> text{};
-        ::gethostname(text.data(), kLongestHost);
-        std::string host(text.data());
+        std::array<char, HOST_NAME_MAX + 1> text{};
+        ::gethostname(text.data(), HOST_NAME_MAX);
+        const std::string whole(text.data());
+        std::string host = whole.substr(0, kLongestHost);
         for (char& c : host)
             c = std::isalnum(static_cast<unsigned char>(c)) ? c : '-';
-        return host.empty() ? "unnamed" : host;
+        if (host == whole && !host.empty())
+            return host;
+        constexpr std::size_t kHash = 8;
+        return host.substr(0, kLongestHost - kHash - 1) + "-" + sha256_of(whole).substr(0, kHash);
     }();
     return name;
 }

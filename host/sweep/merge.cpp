@@ -37,19 +37,23 @@ void drop_without_files(const MergeOptions& options, std::vector<std::optional<C
     check_interrupt();
 }
 
-// Which shard each case belongs to, if all notes speak of one way to share the study out; else nothing.
+// Which shard each case belongs to, as the study was shared out last; nothing without notes.
 std::map<std::string, Shard> owners(const Study& study, const std::vector<ShardNote>& notes) {
     std::map<std::string, Shard> result;
-    const auto differs = [&](const ShardNote& note) {
-        return note.shard.count != notes.front().shard.count || note.only != notes.front().only;
-    };
-    if (notes.empty() || std::ranges::any_of(notes, differs))
+    if (notes.empty())
         return result;
+    const ShardNote& last = *std::ranges::max_element(notes, {}, &ShardNote::started);
     std::size_t place = 0;
-    const std::size_t count = notes.front().shard.count;
-    for (const Case* one : cases_named(study, notes.front().only))
-        result[one->name] = {place++ % count + 1, count};
+    for (const Case* one : cases_named(study, last.only))
+        result[one->name] = {place++ % last.shard.count + 1, last.shard.count};
     return result;
+}
+
+void require_readable(const std::filesystem::path& folder) {
+    std::error_code error;
+    const std::filesystem::directory_iterator entries(folder, error);
+    if (error)
+        throw file_error("read", folder, error.value());
 }
 
 } // namespace
@@ -60,27 +64,25 @@ MergeResult merge_sweep(Study study, const MergeOptions& options) {
     if (!options.replace)
         require_same_study(options.folder, study);
     make_subfolder(options.folder, "manifest.d");
+    require_readable(options.folder / "manifest.d");
     for (const std::filesystem::path& one :
          {options.folder, options.folder / "manifest.d", options.folder / "manifest.d" / "shards"})
         clear_stale_temporaries(one);
     const Fingerprints fingerprints = identify(study);
     std::vector<std::optional<CaseRecord>> records = records_of(options.folder, study, fingerprints);
-    if (std::ranges::none_of(records, [](const auto& record) { return record.has_value(); }))
-        throw UsageError(fmt::format(
-            "{}: no case there is of this study and program {}; name the file that the shards were given, and run the "
-            "same program",
-            options.folder.string(), version()));
     drop_without_files(options, records);
-    write_file_atomically(options.folder / "study.toml", resolved_toml(study));
-    write_manifest(options.folder, study, records, nullptr);
-
     MergeResult result;
     result.cases = study.cases.size();
-    for (const std::filesystem::path& one : {options.folder, options.folder / "manifest.d"})
+    for (const std::filesystem::path& one :
+         {options.folder, options.folder / "manifest.d", options.folder / "manifest.d" / "shards"})
         result.temporaries += temporaries_of_others(one).size();
     const std::vector<ShardNote> notes = read_notes(options.folder);
+    std::map<std::string, std::string> told; // by case
+    for (const ShardNote& note : notes)
+        for (const ShardNote::Failure& failure : note.failures)
+            told[failure.name] = failure.message;
     const std::map<std::string, Shard> owner = owners(study, notes);
-    std::set<std::size_t> shards;
+    std::set<Shard> shards;
     for (std::size_t i = 0; i < records.size(); ++i) {
         if (records[i]) {
             ++result.recorded;
@@ -88,19 +90,33 @@ MergeResult merge_sweep(Study study, const MergeOptions& options) {
                 result.wrong.push_back(std::move(complaint_text));
             continue;
         }
-        result.missing.push_back(study.cases[i].name);
-        if (const auto found = owner.find(study.cases[i].name); found != owner.end())
-            shards.insert(found->second.index);
+        const std::string& name = study.cases[i].name;
+        result.missing.push_back(name);
+        if (const auto found = owner.find(name); found != owner.end())
+            shards.insert(found->second);
+        if (const auto found = told.find(name); found != told.end())
+            result.failures.push_back(fmt::format("{}: {}", name, found->second));
+        else if (!fingerprints.contains(name))
+            result.failures.push_back(
+                fmt::format("{}: a file that it names cannot be read, or is not the one that the study means", name));
+        else if (const auto record = read_record(options.folder, name))
+            result.others += !fingerprints.at(name).contains(record->fingerprint);
     }
-    for (const std::size_t index : shards)
-        result.shards.push_back(fmt::format("{}/{}", index, notes.front().shard.count));
-    const std::set<std::string> missing(result.missing.begin(), result.missing.end());
+    for (const Shard& shard : shards)
+        result.shards.push_back(fmt::format("{}/{}", shard.index, shard.count));
     for (const ShardNote& note : notes)
         for (const ShardNote::Failure& failure : note.failures)
-            if (missing.contains(failure.name))
-                result.failures.push_back(fmt::format("{}: {}", failure.name, failure.message));
-            else if (failure.name.empty() && std::ranges::find(result.shards, note.name()) != result.shards.end())
+            if (failure.name.empty() && shards.contains(note.shard)) // it stopped all that were left
                 result.failures.push_back(fmt::format("shard {}: {}", note.name(), failure.message));
+    if (result.recorded == 0 && result.failures.empty())
+        throw UsageError(fmt::format(
+            "{}: no case there is of this study and program {}; name the file that the shards were given, and run the "
+            "same program with the same flags",
+            options.folder.string(), version()));
+    if (result.recorded > 0) {
+        write_file_atomically(options.folder / "study.toml", resolved_toml(study));
+        write_manifest(options.folder, study, records, nullptr);
+    }
     return result;
 }
 

@@ -18,16 +18,17 @@ struct MergeOptions {
 };
 
 struct MergeResult {
-    std::size_t cases = 0, recorded = 0;
-    std::vector<std::string> missing;  /* cases without a record that counts, or whose files are not what it says */
-    std::vector<std::string> shards;   /* "3/8": those they belong to, where the shards' notes agree on that */
-    std::vector<std::string> failures; /* "CASE: why", as shards told of cases that are missing */
-    std::size_t temporaries = 0;       /* of other machines: at work, or killed */
+    std::size_t cases = 0, recorded = 0; /* nothing is written where none is recorded */
+    std::vector<std::string> missing;    /* cases without a record that counts, or whose files are not what it says */
+    std::vector<std::string> shards;     /* "3/8": those they belong to, as the study was shared out last */
+    std::vector<std::string> failures;   /* "CASE: why", of cases that are missing, as far as it is known */
+    std::size_t others = 0;         /* missing ones with a record of another scene, other files or another program */
+    std::size_t temporaries = 0;    /* of other machines: at work, or killed */
     std::vector<std::string> wrong; /* "CASE: why", of recorded cases that are further from the oracle than allowed */
 };
 
 /// Writes study.toml, manifest.json and summary.csv of a folder's records. \throws UsageError (another study in the
-/// folder, or none), IoError
+/// folder, or none of whose shards anything is known), IoError
 MergeResult merge_sweep(Study study, const MergeOptions& options);
 
 } // namespace forceshade

@@ -30,7 +30,7 @@ std::size_t slurm_number(const char* name) {
     const char* text = std::getenv(name);
     const std::optional<std::size_t> value = text ? whole_number(text) : std::nullopt;
     if (!value)
-        throw UsageError(fmt::format("this is a task of Slurm, and {} is {}: say --shard I/N (1/1: everything)", name,
+        throw UsageError(fmt::format("--shard slurm: {} is {}: say --shard I/N (1/1: everything)", name,
                                      text ? fmt::format("\"{}\"", text) : "not set"));
     return *value;
 }
@@ -43,8 +43,9 @@ Shard array_part() {
     const std::size_t first = slurm_number("SLURM_ARRAY_TASK_MIN"), last = slurm_number("SLURM_ARRAY_TASK_MAX");
     if (first > 1 || last != first + count - 1 || count < 2 || id < first || id > last)
         throw UsageError(fmt::format(
-            "this is task {} of a Slurm array of {} from {} to {}, and only of the arrays 1-N and 0-(N-1) can it be "
-            "told which part of the study is meant: say --shard I/N, for example --shard $SLURM_ARRAY_TASK_ID/8",
+            "--shard slurm: this is task {} of a Slurm array of {} from {} to {}, and only of the arrays 1-N and "
+            "0-(N-1) can it be told which part of the study is meant: say --shard I/N, for example --shard "
+            "$SLURM_ARRAY_TASK_ID/8",
             id, count, first, last));
     return {id - first + 1, count};
 }
@@ -55,10 +56,27 @@ Shard step_part() {
         return {};
     const std::size_t count = slurm_number("SLURM_STEP_NUM_TASKS"), rank = slurm_number("SLURM_PROCID");
     if (rank >= count)
-        throw UsageError(fmt::format("this is task {} of {} of a Slurm step, which cannot be: say --shard I/N (1/1: "
-                                     "everything)",
+        throw UsageError(fmt::format("--shard slurm: this is task {} of {} of a step, which cannot be: say --shard I/N "
+                                     "(1/1: everything)",
                                      rank, count));
     return {rank + 1, count};
+}
+
+Shard slurm_part() {
+    if (!std::getenv("SLURM_ARRAY_TASK_ID") && !std::getenv("SLURM_STEP_NUM_TASKS"))
+        throw UsageError("--shard slurm: this is no task of a Slurm array or an srun");
+    const Shard array = array_part(), step = step_part();
+    return {(array.index - 1) * step.count + step.index, array.count * step.count};
+}
+
+constexpr std::size_t kMostShards = 1'000'000'000;
+
+bool is_shard(const Shard& shard) {
+    return shard.index >= 1 && shard.index <= shard.count && shard.count <= kMostShards;
+}
+
+std::string note_name(const Shard& shard) {
+    return fmt::format("{}-of-{}.json", shard.index, shard.count);
 }
 
 std::filesystem::path notes_folder(const std::filesystem::path& folder) {
@@ -72,6 +90,11 @@ Json as_json(const ShardNote& note) {
     return {{"shard", note.shard.index}, {"of", note.shard.count},    {"only", note.only},    {"cases", note.cases},
             {"kept", note.kept},         {"computed", note.computed}, {"failures", failures}, {"host", note.host},
             {"process", note.process},   {"started", note.started},   {"told", note.told},    {"ended", note.ended}};
+}
+
+// Folders and machines may have names that are no UTF-8.
+std::string text_of(const Json& json) {
+    return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
 ShardNote note_of(const Json& json) {
@@ -94,21 +117,26 @@ ShardNote note_of(const Json& json) {
 } // namespace
 
 Shard parse_shard(const std::string& text) {
+    if (text == "slurm")
+        return slurm_part();
     const std::size_t slash = text.find('/');
     if (slash != std::string::npos) {
         const auto index = whole_number(std::string_view(text).substr(0, slash));
         const auto total = whole_number(std::string_view(text).substr(slash + 1));
-        if (index && total && *index >= 1 && *index <= *total)
+        if (index && total && is_shard({*index, *total}))
             return {*index, *total};
     }
-    throw UsageError(fmt::format("--shard {}: it is I/N with 1 <= I <= N, for example 3/8", text));
+    throw UsageError(fmt::format("--shard {}: it is I/N with 1 <= I <= N, for example 3/8, or slurm", text));
 }
 
-std::optional<Shard> slurm_shard() {
-    const Shard array = array_part(), step = step_part();
-    if (array.count * step.count == 1)
-        return std::nullopt;
-    return Shard{(array.index - 1) * step.count + step.index, array.count * step.count};
+void require_whole() {
+    const char* const tasks = std::getenv("SLURM_STEP_NUM_TASKS");
+    const bool step = tasks && std::string_view(tasks) != "1";
+    if (step || std::getenv("SLURM_ARRAY_TASK_ID"))
+        throw UsageError(fmt::format(
+            "Slurm's variables say that this is one of several tasks (of {}), or was begun by one: say --shard slurm "
+            "to do the part of the study that they name, --shard I/N to do another, --shard 1/1 to do all of it",
+            step ? "an srun" : "an array"));
 }
 
 std::string ShardNote::name() const {
@@ -116,8 +144,7 @@ std::string ShardNote::name() const {
 }
 
 void write_note(const std::filesystem::path& folder, const ShardNote& note) {
-    write_file_atomically(notes_folder(folder) / fmt::format("{}-of-{}.json", note.shard.index, note.shard.count),
-                          as_json(note).dump(2) + "\n");
+    write_file_atomically(notes_folder(folder) / note_name(note.shard), text_of(as_json(note)));
 }
 
 std::vector<ShardNote> read_notes(const std::filesystem::path& folder) {
@@ -125,10 +152,13 @@ std::vector<ShardNote> read_notes(const std::filesystem::path& folder) {
     std::error_code error;
     for (std::filesystem::directory_iterator entry(notes_folder(folder), error), end; !error && entry != end;
          entry.increment(error)) {
-        if (!is_plain_name(entry->path().filename().string()))
+        const std::string name = entry->path().filename().string();
+        if (!is_plain_name(name))
             continue;
         try {
-            notes.push_back(note_of(read_json(entry->path())));
+            if (ShardNote note = note_of(read_json(entry->path()));
+                is_shard(note.shard) && note_name(note.shard) == name)
+                notes.push_back(std::move(note));
         } catch (const Error&) {
             continue; // being replaced, or damaged
         } catch (const Json::exception&) {
@@ -219,7 +249,7 @@ std::string status_json(const std::vector<ShardNote>& notes, double now) {
             one["seconds_left"] = seconds_left(note);
         shards.push_back(std::move(one));
     }
-    return Json{{"shards", shards}}.dump(2) + "\n";
+    return text_of({{"shards", shards}});
 }
 
 } // namespace forceshade

@@ -2,6 +2,7 @@
 // that anybody can see how the whole stands.
 #pragma once
 
+#include <compare>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -13,15 +14,17 @@ namespace forceshade {
 
 struct Shard {
     std::size_t index = 1, count = 1; /* 1-based: "3/8" */
+    friend auto operator<=>(const Shard&, const Shard&) = default;
 };
 
-/// \throws UsageError unless the text is I/N with 1 <= I <= N.
+/// "3/8", or "slurm": what Slurm's variables name, a task of an array 1-N or 0-(N-1), one of the tasks of an srun, or
+/// both. \throws UsageError for another text, and where Slurm names none: in an array of other numbers, which may be
+/// some tasks of a larger one, what is meant cannot be told.
 Shard parse_shard(const std::string& text);
 
-/// The part that Slurm's variables name: a task of an array 1-N or 0-(N-1), one of the tasks of an srun, or both.
-/// Nothing without them. \throws UsageError for an array of other numbers, which may be some tasks of a larger one:
-/// what is meant cannot be told, and a task that then took the whole study would do the others' work too.
-std::optional<Shard> slurm_shard();
+/// \throws UsageError where Slurm runs several tasks: each would do the whole, or they were started for something else.
+/// Jobs inherit the variables of those that submit them, so a part is never taken unasked.
+void require_whole();
 
 /// What a shard tells of itself, in FOLDER/manifest.d/shards/I-of-N.json.
 struct ShardNote {

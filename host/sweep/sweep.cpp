@@ -3,9 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <condition_variable>
 #include <iterator>
+#include <mutex>
 #include <optional>
 #include <set>
+#include <stop_token>
+#include <thread>
 #include <unistd.h>
 #include <utility>
 
@@ -26,7 +30,10 @@ namespace {
 // True if a record says that the case was done just so, and its files are still what they were.
 bool is_done(const CaseJob& job, const SweepOptions& options, std::optional<CaseRecord>& record) {
     record = read_record(options.folder, job.prepared.one.name);
-    if (!record || record->fingerprint != job.fingerprint)
+    const auto is_of = [&](bool cpu_engine) {
+        return record->fingerprint == fingerprint(job.prepared.scene, cpu_engine);
+    };
+    if (!record || (record->fingerprint != job.fingerprint && !(options.any_engine && (is_of(true) || is_of(false)))))
         return false;
     const EngineReport& engine = record->engine;
     // By name, not by UUID: the equal devices of a cluster finish each other's sweeps.
@@ -79,15 +86,6 @@ void prepare_folder(const std::filesystem::path& folder) {
         clear_stale_temporaries(one);
 }
 
-void note_failure(SweepResult& result, const CaseOutcome& outcome) {
-    try {
-        std::rethrow_exception(outcome.error);
-    } catch (const Error& error) {
-        result.failures.push_back(fmt::format("{}: {}", outcome.job->prepared.one.name, error.what()));
-        result.exit_code = std::max(result.exit_code, static_cast<int>(error.code()));
-    }
-}
-
 void count(SweepResult& result, const CaseRecord& record) {
     result.largest_relative_error = std::max(result.largest_relative_error, record.error.relative());
     result.differing += record.error.differing;
@@ -108,7 +106,7 @@ void count(RunAccount& account, const CaseRecord& record) {
     }
 }
 
-// What a shard tells of itself while it is at work, at most every few seconds.
+// What a shard tells of itself every few seconds, so that one that is silent is not there any more.
 class Teller {
 public:
     Teller(const std::filesystem::path& folder, const Shard& shard, const std::string& only, std::size_t cases)
@@ -121,42 +119,67 @@ public:
         note_.host = host.data();
         note_.process = ::getpid();
         note_.started = seconds_since_1970();
-        tell();
+        tell(note_);
+        thread_ = std::jthread([this](const std::stop_token& stop) { go_on(stop); });
     }
-    void kept() { ++note_.kept; }
+    void kept() {
+        const std::lock_guard lock(mutex_);
+        ++note_.kept;
+    }
     void computed() {
+        const std::lock_guard lock(mutex_);
         ++note_.computed;
-        tell_soon();
     }
     /// `name`: of a case; empty: what stopped all that were left.
     void failed(const std::string& name, const std::string& message) {
+        const std::lock_guard lock(mutex_);
         note_.failures.push_back({name, message});
-        tell_soon();
     }
+    /// \throws IoError
     void end() {
+        thread_ = {};
         note_.ended = true;
-        tell();
+        tell(note_);
     }
 
 private:
     static double seconds_since_1970() {
         return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
     }
-    void tell_soon() {
-        constexpr double kPause = 5; // s
-        if (seconds_since(last_) > kPause)
-            tell();
+    void go_on(const std::stop_token& stop) {
+        std::unique_lock lock(mutex_);
+        while (!end_.wait_for(lock, stop, std::chrono::seconds(5), [] { return false; }) && !stop.stop_requested()) {
+            ShardNote note = note_;
+            lock.unlock();
+            try {
+                tell(std::move(note));
+            } catch (const Error&) {
+                // What else is written there tells of it.
+            }
+            lock.lock();
+        }
     }
-    void tell() {
-        last_ = Clock::now();
-        note_.told = seconds_since_1970();
-        write_note(folder_, note_);
+    void tell(ShardNote note) const {
+        note.told = seconds_since_1970();
+        write_note(folder_, note);
     }
 
     std::filesystem::path folder_;
     ShardNote note_;
-    Clock::time_point last_ = Clock::now();
+    std::mutex mutex_;
+    std::condition_variable_any end_;
+    std::jthread thread_;
 };
+
+void note_failure(SweepResult& result, const std::string& name, const Error& error, const SweepOptions& options,
+                  Teller* teller) {
+    result.failures.push_back(fmt::format("{}: {}", name, error.what()));
+    result.exit_code = std::max(result.exit_code, static_cast<int>(error.code()));
+    if (teller)
+        teller->failed(name, error.what());
+    if (!options.quiet)
+        remark("failed: {}\n", result.failures.back());
+}
 
 void compute_missing(Engine& engine, const std::vector<const Case*>& missing,
                      const std::function<CaseJob(const Case&)>& job_of, const SweepOptions& options, Teller* teller,
@@ -169,11 +192,11 @@ void compute_missing(Engine& engine, const std::vector<const Case*>& missing,
     const auto done = [&](const CaseOutcome& outcome) {
         const std::string& name = outcome.job->prepared.one.name;
         if (outcome.error) {
-            note_failure(result, outcome);
-            if (teller)
-                teller->failed(name, result.failures.back().substr(name.size() + 2));
-            if (!options.quiet)
-                remark("failed: {}\n", result.failures.back());
+            try {
+                std::rethrow_exception(outcome.error);
+            } catch (const Error& error) {
+                note_failure(result, name, error, options, teller);
+            }
         } else {
             write_record(options.folder, outcome.record);
             ++result.computed;
@@ -214,12 +237,19 @@ SweepResult sweep(Study study, const std::function<std::unique_ptr<Engine>()>& m
     for (const Case* one : chosen) {
         check_interrupt();
         checking->update(missing.size() + result.kept, one->name);
-        const CaseJob job = job_of(*one);
-        warnings.insert(job.prepared.warnings.begin(), job.prepared.warnings.end());
         std::optional<CaseRecord> record;
-        if (options.fresh || !is_done(job, options, record)) {
-            missing.push_back(one);
-            result.forecast += forecast(job.prepared.one.scene, job.also);
+        try {
+            const CaseJob job = job_of(*one);
+            warnings.insert(job.prepared.warnings.begin(), job.prepared.warnings.end());
+            if (options.fresh || !is_done(job, options, record)) {
+                missing.push_back(one);
+                result.forecast += forecast(job.prepared.one.scene, job.also);
+                continue;
+            }
+        } catch (const Error& error) {
+            if (!teller || dynamic_cast<const Interrupted*>(&error))
+                throw;                                               // before anything is computed
+            note_failure(result, one->name, error, options, teller); // a part goes on with its other cases
             continue;
         }
         ++result.kept;

@@ -28,8 +28,9 @@ struct SweepOptions {
     bool quiet = false;
     AlsoFormats also;
     std::optional<compute::DeviceReport>
-        device;            /* only what such a device and driver computed counts as done; none: any */
-    unsigned encoders = 0; /* threads; 0: one a core */
+        device;              /* only what such a device and driver computed counts as done; none: any */
+    bool any_engine = false; /* what the other engine computed counts as done, too */
+    unsigned encoders = 0;   /* threads; 0: one a core */
 };
 
 struct SweepResult {

@@ -95,6 +95,24 @@ TEST_F(Shards, are_not_merged_by_the_wrong_words) {
     EXPECT_FALSE(std::filesystem::exists(path("out/study.toml")));
 }
 
+// Whatever the flags, the merge tells why the same command would not help.
+TEST_F(Shards, of_other_flags_or_counts_are_told_apart_by_a_merge) {
+    run_together({part("out", {"--shard", "1/2"}), part("out", {"--shard", "2/2", "--precision", "f64"})});
+    const json merged = json::parse(merge("out", 1).out);
+    EXPECT_EQ(merged["of_other_scenes_or_programs"], 25);
+    EXPECT_EQ(merged["shards"], json({"2/2"}));
+    run_together({part("out", {"--shard", "1/4"})});
+    EXPECT_EQ(json::parse(merge("out", 1).out)["shards"], json({"2/4", "4/4"})) << "as it was shared out last";
+}
+
+// What a GPU computed on one machine is not computed anew on one without.
+TEST_F(Shards, of_any_engine_count) {
+    run_together(
+        {part("out", {"--shard", "1/2", "--engine", "gpu"}), part("out", {"--shard", "2/2", "--engine", "cpu"})});
+    EXPECT_EQ(run_together({part("out")}).front(), 0);
+    EXPECT_EQ(run_together({part("out", {"--engine", "gpu"})}).front(), 25);
+}
+
 TEST_F(Shards, whose_files_are_damaged_are_found_by_a_merge_that_verifies) {
     run_together({part("out", {"--shard", "1/2"}), part("out", {"--shard", "2/2"})});
     const std::string volume = "out/cylinder_bump_radius-600mil.exr";
@@ -117,8 +135,11 @@ TEST_F(Shards, are_merged_by_a_sweep_of_the_whole_too) {
 }
 
 TEST_F(Shards, tell_how_they_stand) {
+    expect_failure(4, {"sweep", "--status", "out"}, {"no such folder"});
+    std::filesystem::create_directory(path("out"));
     expect_failure(2, {"sweep", "--status", "out"}, {"no shard"});
     run_together({part("out", {"--shard", "2/3"})});
+    std::filesystem::copy(path("out/manifest.d/shards/2-of-3.json"), path("out/manifest.d/shards/2-of-3 (copy).json"));
     const json shard = json::parse(expect_success({"sweep", "--status", "out", "--json"}).out)["shards"][0];
     EXPECT_EQ(shard["shard"], 2);
     EXPECT_EQ(shard["of"], 3);
@@ -128,17 +149,21 @@ TEST_F(Shards, tell_how_they_stand) {
     EXPECT_NE(text.find("3 shards: 1 done, 0 at work, 0 failed, 0 silent, 2 not begun"), std::string::npos) << text;
 }
 
-// A mesh that is not there fails its cases, and the merge says why.
+// A mesh that is not there fails its cases alone, and the merge says why.
 TEST_F(Shards, that_fail_leave_their_reason) {
-    write("meshes.toml", "[surface]\nkind = \"mesh\"\nfile = [\"a.obj\", \"b.obj\"]\n[grid]\nsamples = 8\n");
+    write("meshes.toml", "[surface]\nkind = \"mesh\"\nfile = [\"b.obj\", \"c.obj\", \"a.obj\"]\n[grid]\nsamples = 8\n");
     write("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n");
-    expect_success({"sweep", "meshes.toml", "--out", "out", "--shard", "1/2", "--quiet"});
+    const auto expect_merge = [this](const std::vector<std::string>& words) {
+        const Outcome merged = forceshade({"sweep", "meshes.toml", "--out", "out", "--merge"});
+        EXPECT_EQ(merged.code, 1);
+        for (const std::string& word : words)
+            EXPECT_NE(merged.error.find(word), std::string::npos) << word << " in\n" << merged.error;
+    };
     EXPECT_EQ(forceshade({"sweep", "meshes.toml", "--out", "out", "--shard", "2/2", "--quiet"}).code, 4);
-    const Outcome merged = forceshade({"sweep", "meshes.toml", "--out", "out", "--merge"});
-    EXPECT_EQ(merged.code, 1);
-    EXPECT_NE(merged.error.find("error: shard 2/2: cannot read"), std::string::npos) << merged.error;
-    EXPECT_NE(merged.error.find("b.obj"), std::string::npos) << merged.error;
-    EXPECT_NE(merged.error.find("--shard 2/2"), std::string::npos) << merged.error;
+    expect_merge({"0 of 3", "mesh_file-c.obj: cannot read", "3 cases missing", "--shard 2/2"});
+    EXPECT_FALSE(std::filesystem::exists(path("out/manifest.json")));
+    EXPECT_EQ(forceshade({"sweep", "meshes.toml", "--out", "out", "--shard", "1/2", "--quiet"}).code, 4);
+    expect_merge({"1 of 3", "mesh_file-b.obj: cannot read", "mesh_file-c.obj", "--shard 1/2, --shard 2/2"});
 }
 
 Launch in_array(Launch launch, const std::string& id, const std::string& count, const std::string& first,
@@ -154,7 +179,7 @@ TEST_F(Shards, come_from_slurms_array_variables) {
     const Tree expected = whole();
     std::vector<Launch> tasks;
     for (const char* task : {"0", "1", "2"})
-        tasks.push_back(in_array(part("out"), task, "3", "0", "2"));
+        tasks.push_back(in_array(part("out", {"--shard", "slurm"}), task, "3", "0", "2"));
     EXPECT_EQ(run_together(tasks), (std::vector<int>{17, 17, 17}));
     merge("out", 0);
     expect_whole("out", expected);
@@ -172,11 +197,12 @@ TEST_F(Shards, are_the_tasks_of_an_srun) {
     };
     std::vector<Launch> tasks, tasks_of_array;
     for (int rank = 0; rank < 4; ++rank)
-        tasks.push_back(in_step(part("out"), rank, 4));
+        tasks.push_back(in_step(part("out", {"--shard", "slurm"}), rank, 4));
     EXPECT_EQ(run_together(tasks), (std::vector<int>{13, 13, 13, 12}));
     for (const char* task : {"1", "2"})
         for (int rank = 0; rank < 2; ++rank)
-            tasks_of_array.push_back(in_step(in_array(part("two"), task, "2", "1", "2"), rank, 2));
+            tasks_of_array.push_back(
+                in_step(in_array(part("two", {"--shard", "slurm"}), task, "2", "1", "2"), rank, 2));
     EXPECT_EQ(run_together(tasks_of_array), (std::vector<int>{13, 13, 13, 12}));
 }
 
@@ -188,7 +214,19 @@ TEST_F(Shards, from_slurms_variables_that_leave_the_part_open_are_refused) {
          {Array{"x", "3", "1", "3"}, Array{"1", "none", "1", "3"}, Array{"7", "3", "1", "3"},
           Array{"-1", "3", "1", "3"}, Array{"1", "", "1", "3"}, Array{"3", "2", "3", "5"}, Array{"5", "1", "5", "5"},
           Array{"1", "1", "1", "1"}, Array{"10", "3", "10", "14"}, Array{"1", "2", "1", "3"}})
-        expect_failure(2, in_array(part("out"), id, count, first, last), {"Slurm", "--shard"});
+        expect_failure(2, in_array(part("out", {"--shard", "slurm"}), id, count, first, last), {"--shard slurm"});
+    expect_failure(2, part("out", {"--shard", "slurm"}), {"--shard slurm", "no task"});
+}
+
+// Jobs inherit the variables of those that submit them, and each task may be meant to do a study of its own.
+TEST_F(Shards, are_not_taken_unasked) {
+    expect_failure(2, in_array(part("out"), "2", "3", "1", "3"), {"array", "--shard slurm", "--shard 1/1"});
+    Launch step = part("out");
+    step.environment.insert({{"SLURM_PROCID", "0"}, {"SLURM_STEP_NUM_TASKS", "2"}});
+    expect_failure(2, step, {"srun", "--shard slurm", "--shard 1/1"});
+    EXPECT_FALSE(std::filesystem::exists(path("out")));
+    step.environment["SLURM_STEP_NUM_TASKS"] = "1";
+    EXPECT_EQ(run_together({step}).front(), 51);
 }
 
 TEST_F(Shards, beyond_the_number_of_cases_have_nothing_to_do) {
@@ -197,8 +235,8 @@ TEST_F(Shards, beyond_the_number_of_cases_have_nothing_to_do) {
 }
 
 TEST_F(Shards, that_are_none_are_refused) {
-    for (const char* text :
-         {"0/3", "4/3", "1/0", "3", "1/3/5", "a/b", "-1/3", "1/3 ", "1.0/3", "/", "", "1/99999999999999999999"})
+    for (const char* text : {"0/3", "4/3", "1/0", "3", "1/3/5", "a/b", "-1/3", "1/3 ", "1.0/3", "/", "", "1/1000000001",
+                             "1/99999999999999999999"})
         expect_failure(2, {"sweep", "paper.toml", "--out", "out", "--shard", text}, {"shard"});
     EXPECT_FALSE(std::filesystem::exists(path("out")));
 }

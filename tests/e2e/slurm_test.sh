@@ -128,7 +128,7 @@ for file in study.toml summary.csv $(cd whole && ls ./*.exr); do
 done
 [ -z "$(find out -name '.*.tmp')" ] || { echo "temporaries are left"; exit 1; }
 # An srun shares the study out among its tasks.
-srun -n2 "$program" sweep study.toml --out tasks --only '*facets-[12]*none' --engine cpu --quiet
+srun -n2 "$program" sweep study.toml --out tasks --shard slurm --only '*facets-[12]*none' --engine cpu --quiet
 [ "$(find tasks/manifest.d/shards -name '*-of-2.json' | wc -l)" = 2 ]
 
 # A task computes on the GPU that Slurm gives it.

@@ -22,7 +22,7 @@ import time
 
 PARTS = 8
 AT_ONCE = 4
-NODES = ["north", "south", "west"]
+NODES = [f"a-machine-whose-name-is-longer-than-a-temporary-tells-{i}" for i in (1, 2)] + ["west"]
 
 
 def study(cases):
