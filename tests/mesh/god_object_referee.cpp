@@ -66,7 +66,9 @@ TriangleGrid::TriangleGrid(const Triangles& triangles) : triangles_(triangles), 
             low_ = glm::dvec3(std::min(low_.x, corner.x), std::min(low_.y, corner.y), std::min(low_.z, corner.z));
             high_ = glm::dvec3(std::max(high_.x, corner.x), std::max(high_.y, corner.y), std::max(high_.z, corner.z));
         }
-    const double side = std::max({high_.x - low_.x, high_.y - low_.y, high_.z - low_.z});
+    double side = std::max({high_.x - low_.x, high_.y - low_.y, high_.z - low_.z});
+    if (side == 0) // all in one place, to the precision at hand
+        side = 1;
     cell_ = side / std::clamp(std::sqrt(static_cast<double>(triangles.corners.size())), 1.0, 128.0) * 1.000001;
     for (int axis = 0; axis < 3; ++axis)
         size_[static_cast<std::size_t>(axis)] = static_cast<int>((high_[axis] - low_[axis]) / cell_) + 1;
