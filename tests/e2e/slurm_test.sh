@@ -131,6 +131,25 @@ done
 srun -n2 "$program" sweep study.toml --out tasks --shard slurm --only '*facets-[12]*none' --engine cpu --quiet
 [ "$(find tasks/manifest.d/shards -name '*-of-2.json' | wc -l)" = 2 ]
 
+# A task that is cancelled stays away, one whose time is nearly over comes back.
+sed 's/160, 120, 160/640, 480, 640/' study.toml > long.toml
+begin() {
+    rm -rf long
+    sbatch --parsable --array=1 --output=stopped "$source/host/slurm/sweep.sbatch" long.toml long 1 --engine cpu --quiet
+    until [ -d long ]; do sleep 0.1; done
+}
+ended() {
+    while squeue -h -j "$1" -t running,completing 2> /dev/null | grep -q .; do sleep 0.2; done
+    squeue -h -j "$1" -o %T 2> /dev/null
+}
+job=$(begin)
+scancel "$job"
+[ -z "$(ended "$job")" ]
+job=$(begin)
+scancel --batch --signal=TERM "$job" # as --signal=B:TERM@60 does
+[ "$(ended "$job")" = PENDING ]
+scancel "$job"
+
 # A task computes on the GPU that Slurm gives it.
 mkdir bin
 uuid=$("$program" gpus | sed -n 's/^ *UUID //p' | head -1)
