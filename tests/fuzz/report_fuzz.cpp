@@ -3,6 +3,7 @@
 #include <cctype>
 #include <cstdlib>
 #include <fstream>
+#include <functional>
 
 #include <nlohmann/json.hpp>
 
@@ -108,22 +109,37 @@ std::string harmless_words(std::string_view text) {
     return result;
 }
 
-Json harmless(const Json& json) {
+/// The same with every text, also those of keys, changed.
+template <typename Change> Json with_texts(const Json& json, const Change& change, const Change& change_key) {
     if (json.is_string())
-        return harmless_words(json.get_ref<const std::string&>());
+        return change(json.get_ref<const std::string&>());
     if (json.is_array()) {
         Json result = Json::array();
         for (const Json& one : json)
-            result.push_back(harmless(one));
+            result.push_back(with_texts(one, change, change_key));
         return result;
     }
     if (json.is_object()) {
         Json result = Json::object();
         for (const auto& [key, value] : json.items())
-            result[harmless_words(key)] = harmless(value);
+            result[change_key(key)] = with_texts(value, change, change_key);
         return result;
     }
     return json;
+}
+
+Json harmless(const Json& json) {
+    const std::function<std::string(const std::string&)> change = harmless_words;
+    return with_texts(json, change, change);
+}
+
+Json hostile(const Json& json) {
+    const std::function<std::string(const std::string&)> change =
+                                                             [](const std::string&text) {
+                                                                 return text + "<i a=\"b\">&'";
+                                                             },
+                                                         keep = [](const std::string&key) { return key; };
+    return with_texts(json, change, keep);
 }
 
 class Folder {
@@ -154,11 +170,11 @@ private:
     std::filesystem::path path_;
 };
 
-void check_page(std::string_view text) {
+void check_page(const std::string& text) {
     static const Folder folder;
     const Json json = Json::parse(text, nullptr, false);
     const char* const name = json.is_object() && json.contains("study") ? "study.json" : "manifest.json";
-    const std::string html = folder.body(name, std::string(text));
+    const std::string html = folder.body(name, text);
     const Markup markup(html);
     if (json.is_discarded())
         return;
@@ -181,6 +197,9 @@ void check_words(std::string_view text) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     const std::string_view text(reinterpret_cast<const char*>(data), size);
     forceshade::check_words(text.substr(0, 64));
-    forceshade::check_page(text);
+    forceshade::check_page(std::string(text));
+    if (const auto json = forceshade::Json::parse(text, nullptr, false); !json.is_discarded())
+        forceshade::check_page(
+            forceshade::hostile(json).dump(-1, ' ', false, forceshade::Json::error_handler_t::replace));
     return 0;
 }
