@@ -1,5 +1,7 @@
 // CSV: recorded paths read or refused, the same in pieces of any size and kept or not; text and numbers that the
 // program writes are read as the same.
+#include <map>
+
 #include "host/error.h"
 #include "host/output/raw_formats.h"
 #include "host/paths/path_reader.h"
@@ -28,6 +30,40 @@ bool same(const PathSample& one, const PathSample& other) {
     return one.path == other.path && one.time == other.time && one.probe == other.probe && one.line == other.line;
 }
 
+/// Every number as strtod reads it.
+void check_numbers(const std::filesystem::path& path, const std::vector<PathSample>& samples) {
+    CsvReader csv(path);
+    csv.next();
+    std::map<std::string, std::size_t, std::less<>> columns;
+    for (std::size_t i = 0; i < csv.size(); ++i)
+        columns.emplace(csv.text(i), i);
+    for (const PathSample& sample : samples) {
+        csv.next();
+        const auto cell = [&](const char* name) { return std::string(csv.text(columns.at(name))); };
+        const auto number = [&](const char* name) { return std::strtod(cell(name).c_str(), nullptr); };
+        require(std::strtold(cell("path").c_str(), nullptr) == static_cast<long double>(sample.path),
+                "line {}: path {} is taken for {}", sample.line, cell("path"), sample.path);
+        require(number("t") == sample.time && number("x") == sample.probe.x && number("y") == sample.probe.y &&
+                    number("z") == sample.probe.z,
+                "line {}: numbers are others", sample.line);
+    }
+}
+
+/// The samples of each path, in the order of the file, later and later.
+void check_recorded(const RecordedFile& file, const std::vector<PathSample>& samples) {
+    RecordedCursor cursor(file);
+    for (const std::uint64_t id : file.ids()) {
+        double before = -std::numeric_limits<double>::infinity();
+        for (const PathSample& sample : samples) {
+            if (sample.path != id)
+                continue;
+            require(same(cursor.next(), sample), "path {}: the sample of line {} is another", id, sample.line);
+            require(sample.time > before, "line {}: it comes no later", sample.line);
+            before = sample.time;
+        }
+    }
+}
+
 void check_paths(std::string_view text) {
     static fuzz::MemoryFile file;
     file.write(text);
@@ -44,9 +80,11 @@ void check_paths(std::string_view text) {
                     std::abs(sample.probe.y) <= kFarthest && std::abs(sample.probe.z) <= kFarthest,
                 "line {}: numbers out of range", sample.line);
     require(std::ranges::equal(samples, read_all(file.path(), 1), same), "one by one, samples are others");
+    check_numbers(file.path(), samples);
     try {
         const RecordedFile kept(file.path(), {.largest_coordinate = kFarthest});
         require(kept.samples() == samples.size(), "{} samples of {}", kept.samples(), samples.size());
+        check_recorded(kept, samples);
         const RecordedFile streamed(file.path(), {.largest_coordinate = kFarthest, .most_kept = 0});
         RecordedCursor one(kept), other(streamed);
         for (std::uint64_t i = 0; i < kept.samples(); ++i)

@@ -24,6 +24,32 @@ bool holds_position(const std::string& message, std::string_view id, const glm::
     return false;
 }
 
+/// The buttons as read another way.
+std::uint32_t buttons_in(const std::string& message) {
+    const nlohmann::json json = nlohmann::json::parse(message);
+    std::uint32_t pressed = 0;
+    for (const char* list : {"wireless_verse_grip", "verse_grip"})
+        for (const nlohmann::json& grip : json.contains(list) && json[list].is_array() ? json[list] : nlohmann::json())
+            for (std::uint32_t i = 0; i < 3; ++i) {
+                const nlohmann::json::json_pointer place("/state/buttons/" +
+                                                         std::string(1, static_cast<char>('a' + i)));
+                pressed |= grip.is_structured() && grip.value(place, nlohmann::json()) == true ? 1u << i : 0u;
+            }
+    return pressed;
+}
+
+/// The text of a frame, as a server takes it apart.
+std::string unframed(std::string_view bytes) {
+    const auto at = [&](std::size_t i) { return static_cast<unsigned char>(bytes[i]); };
+    const bool is_long = at(1) == (0x80 | 126);
+    const std::size_t mask = is_long ? 4 : 2, length = is_long ? at(2) * 256u + at(3) : at(1) & 127u;
+    require(at(0) == 0x81 && at(1) >= 0x80 && bytes.size() == mask + 4 + length, "a frame of another length");
+    std::string text;
+    for (std::size_t i = 0; i < length; ++i)
+        text += static_cast<char>(at(mask + 4 + i) ^ at(mask + i % 4));
+    return text;
+}
+
 void check_messages(const std::string& message) {
     for (const std::string_view id : {"04BA", "A", "", "\xff"}) {
         const State state = read_state(message, id);
@@ -33,17 +59,23 @@ void check_messages(const std::string& message) {
         require((state.readiness.unmet & ~state.readiness.told) == 0, "what was not told is not met");
         require(state.buttons < 8, "there are three buttons");
         if (!state.fault)
-            require(holds_position(message, id, state.position) || id.empty(), "the message has another position");
+            require((holds_position(message, id, state.position) || id.empty()) && state.buttons == buttons_in(message),
+                    "the message has another position or other buttons");
         else
             require(state.position == glm::dvec3(0), "a fault with a position");
     }
     if (const auto devices = read_inventory(message))
         for (const HaplyDevice& device : *devices) {
             require(!device.id.empty(), "a device without an id");
-            std::string command;
-            write_command(command, HaplyOptions::Dialect::vector, device.id, {1, -0.5, 1e-9});
-            const auto json = nlohmann::json::parse(command);
-            require(json.at("inverse3").at(0).at("device_id") == device.id, "a command for another device");
+            for (const auto& [dialect, release] : {std::pair("vector", "3.5"), {"values", "3.4"}}) {
+                std::string command;
+                write_command(command, dialect_of(release), device.id, {1, -0.5, 1e-9});
+                const auto json = nlohmann::json::parse(command).at("inverse3").at(0);
+                require(json.at("device_id") == device.id, "a command for another device");
+                require(json.at("commands").at("set_cursor_force").at(dialect) ==
+                            nlohmann::json{{"x", 1.0}, {"y", -0.5}, {"z", 1e-9}},
+                        "a command of another force: {}", command);
+            }
             parse_basis(device.basis);
         }
     tells_of_grip(message);
@@ -51,12 +83,13 @@ void check_messages(const std::string& message) {
 }
 
 void check_words(const std::string& text) {
-    if (const auto axes = parse_basis(text)) {
-        const glm::dvec3 place(1, 2, 3);
-        require(axes->to_world(axes->to_service(place)) == place, "axes do not lead back");
-    }
-    const std::string bytes = frame(text.substr(0, 300));
-    require(bytes.size() >= 6 + std::min<std::size_t>(text.size(), 300), "a frame is too short");
+    for (std::size_t length = 0; length <= std::min<std::size_t>(text.size(), 6); ++length)
+        if (const auto axes = parse_basis(text.substr(0, length))) {
+            const glm::dvec3 place(1, 2, 3);
+            require(axes->to_world(axes->to_service(place)) == place, "axes do not lead back");
+        }
+    for (const std::size_t length : {125, 126, 300})
+        require(unframed(frame(text.substr(0, length))) == text.substr(0, length), "a frame holds another text");
     dialect_of(text);
     try {
         const HaplyOptions options = parse_haply(text);
