@@ -60,12 +60,28 @@ private:
             rest.triangles[i] = walk_.touch(resting.active[i].source).index;
             rest.cornered = rest.cornered || !walk_.above_constraining_face(i);
         }
-        rest.cornered = rest.cornered && resting.count > 0;
+        if (resting.count == 0 && rest.cornered)
+            rest_on_nearest(rest);
     }
 
-    /// Where a rest is, without its skin where that is known.
+    /// Of a walk that was stopped by what then constrained it no longer.
+    void rest_on_nearest(Rest<T>& rest) const noexcept {
+        T nearest = std::numeric_limits<T>::max();
+        visit_near(mesh_, neighbourhood_, Move<T>{rest.proxy, Vector<T>(T(0)), T(0)}, [&](layout::uint index) {
+            const T square = nearest_on_triangle(rest.proxy, triangle_at(mesh_, index)).square;
+            const bool first = square == nearest && comes_before(mesh_, index, rest.triangles[0]);
+            if (!(square < nearest) && !first)
+                return;
+            nearest = square;
+            rest.triangles[0] = index;
+            rest.count = 1;
+        });
+        rest.cornered = rest.count > 0;
+    }
+
+    /// Where a rest is, without its skin where planes tell that.
     static const Vector<T>& place_of(const Rest<T>& rest, const GodObjectContact<T>& contact) noexcept {
-        return contact.touching ? contact.proxy : rest.proxy;
+        return contact.touching && !contact.beside ? contact.proxy : rest.proxy;
     }
 
     /// Descents that gain less end where they begin but for rounding.
@@ -213,7 +229,7 @@ GodObjectContact<T> follow(const layout::MeshView<T>& mesh, GodObject<T>& state,
     Walk<T, Trace> walk(mesh, neighbourhood, state.proxy, probe, trace);
     RestSolver<T, Walk<T, Trace>> solver(mesh, neighbourhood, probe, walk);
     GodObjectContact<T> contact = solver.run(rest);
-    contact.finished = solver.finished();
+    contact.finished = contact.finished && solver.finished();
     contact.substeps = walk.substeps();
     state.proxy = rest.proxy;
     state.cornered = rest.cornered;

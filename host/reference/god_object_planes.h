@@ -121,8 +121,8 @@ bool is_nearest(const Projection<T>& result, const HalfSpace<T>* others, layout:
 
 /// Adds a half-space that `now` violates. False, and nothing changed, if no vector satisfies them all.
 template <typename T>
-bool add_half_space(const Vector<T>& wish, const HalfSpace<T>& added, const Tolerance<T>& tolerance,
-                    Projection<T>& now) noexcept {
+[[nodiscard]] bool add_half_space(const Vector<T>& wish, const HalfSpace<T>& added, const Tolerance<T>& tolerance,
+                                  Projection<T>& now) noexcept {
     const HalfSpace<T>* active = now.active;
     Projection<T> next = onto_plane(wish, added);
     bool found = is_nearest(next, active, now.count, tolerance);
@@ -144,7 +144,8 @@ bool add_half_space(const Vector<T>& wish, const HalfSpace<T>& added, const Tole
 /// violates one by more than the tolerance, and which. Each one added takes the vector further from the wish, so this
 /// ends. False if no vector was found.
 template <typename T, typename Worst>
-bool project(const Vector<T>& wish, const Tolerance<T>& tolerance, Projection<T>& result, Worst&& worst) noexcept {
+[[nodiscard]] bool project(const Vector<T>& wish, const Tolerance<T>& tolerance, Projection<T>& result,
+                           Worst&& worst) noexcept {
     constexpr int kRounds = 64;
     result.count = 0;
     result.vector = wish;

@@ -178,6 +178,7 @@ template <typename T> struct GodObjectContact {
     layout::uint triangles[3]; /* the triangle of each */
     Vector<T> normals[3];      /* 1: unit normals of the triangles, towards the proxy's side */
     bool touching;             /* count > 0 */
+    bool beside;               /* no planes tell the contact: it is the place nearest to where the walk ended */
     bool finished;             /* false: ended before it converged; the proxy is on its side all the same */
     unsigned substeps;         /* straight pieces walked before the last, and looks taken */
 };
@@ -186,7 +187,7 @@ template <typename T> GodObjectContact<T> out_of_contact(const Vector<T>& probe)
     GodObjectContact<T> contact; // no zeros beyond count: every update comes here
     contact.proxy = probe;
     contact.count = contact.substeps = 0;
-    contact.touching = false;
+    contact.touching = contact.beside = false;
     contact.finished = true;
     return contact;
 }
@@ -237,30 +238,33 @@ template <typename T> struct ConstrainingFaces {
 };
 
 /// The facets whose planes keep the probe back, and the nearest point to the probe in front of them: the proxy without
-/// its skin.
+/// its skin, as seen from `origin`, near which rounding is least. Where rounding leaves no point in front of them all,
+/// one in front of some: a Certificate tells.
 template <typename T>
-GodObjectContact<T> contact_of(const layout::MeshView<T>& mesh, const ConstrainingFaces<T>& faces,
-                               const Vector<T>& probe) noexcept {
+[[nodiscard]] GodObjectContact<T> contact_of(const layout::MeshView<T>& mesh, const ConstrainingFaces<T>& faces,
+                                             const Vector<T>& probe, const Vector<T>& origin) noexcept {
     GodObjectContact<T> contact = out_of_contact(probe);
     HalfSpace<T> planes[3];
     for (layout::uint i = 0; i < faces.count; ++i) {
         const std::size_t corner = mesh.triangle_corners[3 * std::size_t(faces.triangles[i])];
-        planes[i] = {faces.normals[i], dot(faces.normals[i], vector_at(mesh.vertices, corner) - probe), i};
+        planes[i] = {faces.normals[i], dot(faces.normals[i], vector_at(mesh.vertices, corner) - origin), i};
     }
     const T tolerance = touch_tolerance(probe);
     Projection<T> projection;
-    project(Vector<T>(T(0)), one_tolerance(tolerance), projection, [&](const Vector<T>& shift, HalfSpace<T>& space) {
-        T most = tolerance;
-        for (layout::uint i = 0; i < faces.count; ++i) {
-            const T violation = planes[i].slack - dot(planes[i].normal, shift);
-            if (violation > most) {
-                most = violation;
-                space = planes[i];
-            }
-        }
-        return most > tolerance;
-    });
-    contact.proxy = probe + projection.vector;
+    (void)project(Vector<T>(probe - origin), one_tolerance(tolerance), projection,
+                  [&](const Vector<T>& shift, HalfSpace<T>& space) {
+                      T most = tolerance;
+                      for (layout::uint i = 0; i < faces.count; ++i) {
+                          const T violation = planes[i].slack - dot(planes[i].normal, shift);
+                          if (violation > most) {
+                              most = violation;
+                              space = planes[i];
+                          }
+                      }
+                      return most > tolerance;
+                  });
+    if (projection.count > 0)
+        contact.proxy = origin + projection.vector;
     for (layout::uint i = 0; i < projection.count; ++i) {
         const layout::uint source = projection.active[i].source;
         add_facet(mesh, faces.triangles[source], faces.normals[source], contact);
@@ -335,14 +339,16 @@ bool most_violated(const layout::MeshView<T>& mesh, Neighbourhood<T>& neighbourh
     return found;
 }
 
-/// Those of all triangles near the proxy whose planes together constrain it.
+/// Those of all triangles near the proxy whose planes together constrain it; some of them where rounding leaves no
+/// displacement that keeps to them all: a Certificate tells.
 template <typename T>
-ConstrainingFaces<T> constraining_faces(const layout::MeshView<T>& mesh, Neighbourhood<T>& neighbourhood,
-                                        const Vector<T>& proxy, View view, const Vector<T>& probe) noexcept {
+[[nodiscard]] ConstrainingFaces<T> constraining_faces(const layout::MeshView<T>& mesh, Neighbourhood<T>& neighbourhood,
+                                                      const Vector<T>& proxy, View view,
+                                                      const Vector<T>& probe) noexcept {
     const Vector<T> wish = probe - proxy;
     const T tolerance = T(64) * std::numeric_limits<T>::epsilon() * largest_coordinate(wish);
     Projection<T> all;
-    project(wish, one_tolerance(tolerance), all, [&](const Vector<T>& displacement, HalfSpace<T>& space) {
+    (void)project(wish, one_tolerance(tolerance), all, [&](const Vector<T>& displacement, HalfSpace<T>& space) {
         return most_violated(mesh, neighbourhood, proxy, view, displacement, tolerance, space);
     });
     ConstrainingFaces<T> faces;
@@ -354,101 +360,207 @@ ConstrainingFaces<T> constraining_faces(const layout::MeshView<T>& mesh, Neighbo
 }
 
 /// How far from the proxy, in skins, the planes that constrain it meet.
-template <typename T> T skins_to_planes(const GodObjectContact<T>& contact) noexcept {
+template <typename T> T skins_to_planes(const ConstrainingFaces<T>& faces) noexcept {
     HalfSpace<T> planes[3];
-    for (layout::uint i = 0; i < contact.count; ++i)
-        planes[i] = {contact.normals[i], T(-1), i};
+    for (layout::uint i = 0; i < faces.count; ++i)
+        planes[i] = {faces.normals[i], T(-1), i};
     const Vector<T> still(T(0));
     Projection<T> meeting;
-    if (contact.count == 3)
+    if (faces.count == 3)
         meeting = onto_corner(still, planes[0], planes[1], planes[2]);
-    else if (contact.count == 2)
+    else if (faces.count == 2)
         meeting = onto_line(still, planes[0], planes[1]);
     return meeting.count > 0 ? std::sqrt(dot(meeting.vector, meeting.vector)) : T(1);
 }
 
-/// Whether something stands between the proxy and a place that may touch: more than a skin, and a hundredth of the
-/// distance in acute corners, before its end.
+/// Whether a triangle stands between two places, but for the share `rest` of the way at its end.
 template <typename T>
-bool is_behind(const layout::MeshView<T>& mesh, Neighbourhood<T>& neighbourhood, const Vector<T>& proxy,
-               const Vector<T>& place) noexcept {
-    const Vector<T> displacement = place - proxy;
-    const T last = T(0.99) - Skin<T>::kWidth / std::sqrt(dot(displacement, displacement));
-    bool behind = false;
-    visit_near(mesh, neighbourhood, Move<T>{proxy, displacement, T(1)}, [&](layout::uint index) {
+bool is_blocked(const layout::MeshView<T>& mesh, Neighbourhood<T>& neighbourhood, const Vector<T>& from,
+                const Vector<T>& to, T rest) noexcept {
+    const Vector<T> displacement = to - from;
+    bool blocked = false;
+    visit_near(mesh, neighbourhood, Move<T>{from, displacement, T(1)}, [&](layout::uint index) {
         const Triangle<T> triangle = triangle_at(mesh, index);
-        const T from = dot(triangle.normal, proxy - triangle.corners[0]);
-        const T to = dot(triangle.normal, place - triangle.corners[0]);
-        const T time = from / (from - to);
-        if (!(from * to < T(0)) || time > last)
+        const T begin = dot(triangle.normal, from - triangle.corners[0]);
+        const T end = dot(triangle.normal, to - triangle.corners[0]);
+        const T time = begin / (begin - end);
+        if (!(begin * end < T(0)) || time > T(1) - rest)
             return;
-        const Vector<T> crossing = proxy + time * displacement;
-        behind = behind || nearest_on_triangle(crossing, triangle).square <= Skin<T>::kRest * Skin<T>::kRest;
+        const Vector<T> crossing = from + time * displacement;
+        blocked = blocked || nearest_on_triangle(crossing, triangle).square <= Skin<T>::kRest * Skin<T>::kRest;
     });
-    return behind;
+    return blocked;
 }
 
-/// Whether a contact lies where the proxy is but for its skin.
-template <typename T>
-bool is_at_proxy(const layout::MeshView<T>& mesh, Neighbourhood<T>& neighbourhood, const Vector<T>& proxy,
-                 const GodObjectContact<T>& contact) noexcept {
-    constexpr T kBeside = T(2) * Skin<T>::kWidth;
-    const Vector<T> shift = contact.proxy - proxy;
-    const T square = dot(shift, shift);
-    if (square <= kBeside * kBeside)
+/// The certificate of a contact, given the proxy that the walk took to its side, crossing nothing: it is where the
+/// proxy is, but for the skin, or where the planes that constrain it meet; it is no further from the probe than the
+/// proxy; and nothing stands between the two. Without a contact nothing stands between the proxy and the probe.
+template <typename T> class Certificate {
+public:
+    Certificate(const layout::MeshView<T>& mesh, Neighbourhood<T>& neighbourhood, const Vector<T>& proxy,
+                const Vector<T>& probe) noexcept
+        : mesh_(mesh), neighbourhood_(neighbourhood), proxy_(proxy), probe_(probe) {}
+
+    /// Of a contact with some of these faces, which together constrain the proxy.
+    [[nodiscard]] bool holds(const GodObjectContact<T>& contact, const ConstrainingFaces<T>& faces) const noexcept {
+        return contact.touching ? is_at_proxy(contact, faces) : is_reached();
+    }
+
+private:
+    static constexpr T kBeside = T(2) * Skin<T>::kWidth;
+
+    bool is_at_proxy(const GodObjectContact<T>& contact, const ConstrainingFaces<T>& faces) const noexcept {
+        const Vector<T> shift = contact.proxy - proxy_;
+        const T square = dot(shift, shift);
+        if (square <= kBeside * kBeside)
+            return true;
+        const T length = std::sqrt(square);
+        return length <= T(4) * (T(1) + skins_to_planes(faces)) * Skin<T>::kWidth && !has_grown(contact.proxy) &&
+               is_on_named_facet(contact) && !are_convex(contact) &&
+               // More than a skin before its end, and a hundredth of the distance in acute corners.
+               !is_blocked(mesh_, neighbourhood_, proxy_, contact.proxy, T(0.01) + Skin<T>::kWidth / length);
+    }
+
+    /// Whether a place is further from the probe than the proxy is, by more than its skin.
+    bool has_grown(const Vector<T>& place) const noexcept {
+        const Vector<T> displacement = place - proxy_, both = (probe_ - proxy_) + (probe_ - place);
+        return !(dot(displacement, both) >= -kBeside * std::sqrt(dot(both, both)));
+    }
+
+    /// Planes may meet where their triangles do not reach.
+    bool is_on_named_facet(const GodObjectContact<T>& contact) const noexcept {
+        for (layout::uint i = 0; i < contact.count; ++i)
+            if (nearest_on_triangle(contact.proxy, triangle_at(mesh_, contact.triangles[i])).square <=
+                kBeside * kBeside)
+                return true;
+        return false;
+    }
+
+    /// Whether all triangles are behind each other's planes: over an edge between two such a proxy slides, so their
+    /// planes do not both constrain it.
+    bool are_convex(const GodObjectContact<T>& contact) const noexcept {
+        bool convex = contact.count > 1;
+        for (layout::uint i = 0; i < contact.count; ++i)
+            for (layout::uint j = i + 1; j < contact.count; ++j)
+                convex = convex && is_behind_plane(contact, i, j) && is_behind_plane(contact, j, i);
+        return convex;
+    }
+
+    bool is_behind_plane(const GodObjectContact<T>& contact, layout::uint one, layout::uint plane) const noexcept {
+        const Triangle<T> triangle = triangle_at(mesh_, contact.triangles[one]);
+        const Vector<T> corner = triangle_at(mesh_, contact.triangles[plane]).corners[0];
+        for (const Vector<T>& other : triangle.corners)
+            if (dot(contact.normals[plane], other - corner) > Skin<T>::kPlace)
+                return false;
         return true;
-    const T skins = std::sqrt(square) / Skin<T>::kWidth;
-    return skins <= T(2) ||
-           (skins <= T(4) * (T(1) + skins_to_planes(contact)) && !is_behind(mesh, neighbourhood, proxy, contact.proxy));
+    }
+
+    bool is_reached() const noexcept {
+        const Vector<T> pull = probe_ - proxy_;
+        return dot(pull, pull) <= kBeside * kBeside || !is_blocked(mesh_, neighbourhood_, proxy_, probe_, T(0));
+    }
+
+    const layout::MeshView<T>& mesh_;
+    Neighbourhood<T>& neighbourhood_;
+    const Vector<T>& proxy_;
+    const Vector<T>& probe_;
+};
+
+/// Whether a pull pushes against planes alone: what of it they leave free is no more than a skin or rounding explain.
+template <typename T> bool is_balanced(const GodObjectContact<T>& contact, const Vector<T>& pull) noexcept {
+    const T square = dot(pull, pull), tolerance = Skin<T>::kRest + T(0x1p-12) * std::sqrt(square);
+    Projection<T> left;
+    // Where rounding leaves none, what was found last is small or it is not.
+    (void)project(pull, one_tolerance(tolerance), left, [&](const Vector<T>& vector, HalfSpace<T>& space) {
+        for (layout::uint i = 0; i < contact.count; ++i)
+            if (dot(contact.normals[i], vector) < -tolerance) {
+                space = {contact.normals[i], T(0), i};
+                return true;
+            }
+        return false;
+    });
+    const T most = T(2) * Skin<T>::kWidth + T(0x1p-6) * std::sqrt(square);
+    return dot(left.vector, left.vector) <= most * most;
+}
+
+/// The contact at the nearest place of the triangles that constrain a proxy, where no planes tell a better one: on its
+/// side and a skin away. Unfinished if these triangles would let it go on. No contact if nothing stands between proxy
+/// and probe.
+template <typename T>
+[[nodiscard]] GodObjectContact<T> contact_beside(const layout::MeshView<T>& mesh, Neighbourhood<T>& neighbourhood,
+                                                 const Vector<T>& proxy, const ConstrainingFaces<T>& faces,
+                                                 const Vector<T>& probe) noexcept {
+    GodObjectContact<T> contact = out_of_contact(probe);
+    if (!is_blocked(mesh, neighbourhood, proxy, probe, T(0)))
+        return contact;
+    T nearest = std::numeric_limits<T>::max();
+    for (layout::uint i = 0; i < faces.count; ++i) {
+        const TrianglePoint<T> point = nearest_on_triangle(proxy, triangle_at(mesh, faces.triangles[i]));
+        if (point.square < nearest) {
+            nearest = point.square;
+            contact.proxy = proxy + point.offset;
+        }
+        add_facet(mesh, faces.triangles[i], faces.normals[i], contact);
+    }
+    contact.beside = true;
+    contact.finished = is_balanced(contact, Vector<T>(probe - contact.proxy));
+    return contact;
 }
 
 /// The contact of a proxy at rest on edges or corners, from what is kept of the rest.
 template <typename T>
-GodObjectContact<T> contact_at_corner(const layout::MeshView<T>& mesh, Neighbourhood<T>& neighbourhood,
-                                      const Rest<T>& rest, const Vector<T>& probe) noexcept {
+[[nodiscard]] GodObjectContact<T> contact_at_corner(const layout::MeshView<T>& mesh, Neighbourhood<T>& neighbourhood,
+                                                    const Rest<T>& rest, const Vector<T>& probe) noexcept {
     const bool front = is_in_front(mesh, rest);
+    const Certificate<T> certificate(mesh, neighbourhood, rest.proxy, probe);
     for (const bool both_sides : {false, true}) {
         const ConstrainingFaces<T> all =
             constraining_faces(mesh, neighbourhood, rest.proxy, View{front, both_sides}, probe);
-        const GodObjectContact<T> contact = contact_of(mesh, all, probe);
-        if (contact.touching ? is_at_proxy(mesh, neighbourhood, rest.proxy, contact) : both_sides)
-            return contact;
+        for (const Vector<T>& origin : {probe, rest.proxy}) {
+            const GodObjectContact<T> contact = contact_of(mesh, all, probe, origin);
+            if ((contact.touching || both_sides) && certificate.holds(contact, all))
+                return contact;
+        }
     }
-    GodObjectContact<T> contact = out_of_contact(probe);
-    contact.proxy = rest.proxy;
-    for (layout::uint i = 0; i < rest.count; ++i) {
-        const Triangle<T> triangle = triangle_at(mesh, rest.triangles[i]);
-        const bool above = is_above(triangle, nearest_on_triangle(rest.proxy, triangle), rest.proxy, front);
-        add_facet(mesh, rest.triangles[i], above ? triangle.normal : -triangle.normal, contact);
+    ConstrainingFaces<T> faces;
+    for (; faces.count < rest.count; ++faces.count) {
+        const layout::uint triangle = rest.triangles[faces.count];
+        const Triangle<T> shape = triangle_at(mesh, triangle);
+        const bool above = is_above(shape, nearest_on_triangle(rest.proxy, shape), rest.proxy, front);
+        faces.triangles[faces.count] = triangle;
+        faces.normals[faces.count] = above ? shape.normal : -shape.normal;
     }
-    return contact;
+    return contact_beside(mesh, neighbourhood, rest.proxy, faces, probe);
 }
 
 /// The contact of a proxy in the open or constrained by faces alone, where a walk came to rest.
 template <typename T, typename Walk>
-GodObjectContact<T> contact_at_faces(const layout::MeshView<T>& mesh, Neighbourhood<T>& neighbourhood, const Walk& walk,
-                                     const Vector<T>& probe) noexcept {
+[[nodiscard]] GodObjectContact<T> contact_at_faces(const layout::MeshView<T>& mesh, Neighbourhood<T>& neighbourhood,
+                                                   const Walk& walk, const Vector<T>& probe) noexcept {
     const Projection<T>& resting = walk.resting();
+    const Certificate<T> certificate(mesh, neighbourhood, walk.proxy(), probe);
     ConstrainingFaces<T> faces;
     for (; faces.count < resting.count; ++faces.count) {
         const Touch<T>& touch = walk.touch(resting.active[faces.count].source);
         faces.triangles[faces.count] = touch.index;
         faces.normals[faces.count] = touch.face;
     }
-    GodObjectContact<T> contact = out_of_contact(probe);
+    if (faces.count == 0)
+        return out_of_contact(probe);
     if (faces.count == 1) {
+        GodObjectContact<T> contact = out_of_contact(probe);
         const Touch<T>& touch = walk.touch(resting.active[0].source);
         touch_one(mesh, touch.index, touch.face, touch.triangle.corners[0], probe, contact);
-    } else {
-        contact = contact_of(mesh, faces, probe);
+        // Without a contact the probe is within the skin of the plane on which the proxy rests.
+        if (!contact.touching || certificate.holds(contact, faces))
+            return contact;
     }
-    if (!contact.touching || is_at_proxy(mesh, neighbourhood, walk.proxy(), contact))
-        return contact;
-    contact = out_of_contact(probe);
-    contact.proxy = walk.proxy();
-    for (layout::uint i = 0; i < faces.count; ++i)
-        add_facet(mesh, faces.triangles[i], faces.normals[i], contact);
-    return contact;
+    for (const Vector<T>& origin : {probe, walk.proxy()}) {
+        const GodObjectContact<T> contact = contact_of(mesh, faces, probe, origin);
+        if (certificate.holds(contact, faces))
+            return contact;
+    }
+    return contact_beside(mesh, neighbourhood, walk.proxy(), faces, probe);
 }
 
 } // namespace forceshade::reference

@@ -69,27 +69,27 @@ public:
         count_ = kept;
     }
 
-    /// The displacement to the point nearest to the probe that the touched triangles allow.
-    void find_displacement(const Vector<T>& proxy, const Vector<T>& probe) noexcept {
+    /// The displacement to the point nearest to the probe that the touched triangles allow. False, and no displacement,
+    /// if rounding leaves none.
+    [[nodiscard]] bool find_displacement(const Vector<T>& proxy, const Vector<T>& probe) noexcept {
         const Vector<T> wish = probe - proxy;
         const T length = largest_coordinate(wish);
         shortened_ = false;
-        if (length > kLongestMove<T>) {
-            find_long_displacement(proxy, probe);
-            return;
-        }
+        if (length > kLongestMove<T>)
+            return find_long_displacement(proxy, probe);
         tolerance_ = Skin<T>::kRest + T(8) * std::numeric_limits<T>::epsilon() * length;
         if (count_ == 1 && touches_[0].above_face()) {
             find_displacement_on_face(wish);
-            return;
+            return true;
         }
         for (const bool relaxed : {false, true})
             if (project(wish, one_tolerance(tolerance_), projection_,
                         [&](const Vector<T>& displacement, HalfSpace<T>& space) {
                             return worst(displacement, relaxed, tolerance_, space);
                         }))
-                return;
+                return true;
         projection_.vector = Vector<T>(T(0));
+        return false;
     }
 
     /// Whether a move keeps to the half-space of a triangle in the pool, so that it cannot cross it. Rounding tilts the
@@ -179,7 +179,7 @@ private:
 
     /// The same for a probe far off, of whose displacement into the planes little may be left along them. Finds the
     /// point itself, so that what rounding makes of it stays the same wherever the proxy is.
-    void find_long_displacement(const Vector<T>& proxy, const Vector<T>& probe) noexcept {
+    bool find_long_displacement(const Vector<T>& proxy, const Vector<T>& probe) noexcept {
         constexpr T kRounding = T(8) * std::numeric_limits<T>::epsilon();
         const T push = Skin<T>::kRest + kRounding * largest_coordinate(probe);
         const Tolerance<T> tolerance{push, Skin<T>::kRest + kRounding, push};
@@ -200,6 +200,7 @@ private:
         if (shortened_)
             projection_.vector = projection_.vector * (kLongestMove<T> / length);
         tolerance_ = Skin<T>::kRest + kRounding * (shortened_ ? kLongestMove<T> : T(1) + length);
+        return found;
     }
 
     /// The same for one face alone, the most common case.
@@ -261,7 +262,7 @@ public:
     /// Whether the walk was halted where a line between two faces ended.
     bool at_corner() const noexcept { return corner_; }
 
-    /// Walks until the projection is zero, or to the end of a line between two faces.
+    /// Walks until the projection is zero, or to the end of a line between two faces, or until there is none.
     void run() noexcept {
         corner_ = false;
         rests_ = largest_coordinate(proxy_) > T(kRegion) && !enter();
@@ -271,7 +272,7 @@ public:
         unsigned until = substeps_;
         while (substeps_ < kSubsteps) {
             rests_ = substep();
-            if (rests_)
+            if (rests_ || !solved_)
                 return;
             ++substeps_;
             if (corner_)
@@ -286,7 +287,8 @@ public:
         }
     }
 
-    /// Whether what constrained the proxy last still does: not if the walk was halted, or trod on the spot.
+    /// Whether what constrained the proxy last still does: not if the walk was halted, trod on the spot, or found no
+    /// displacement.
     bool rests() const noexcept { return rests_; }
 
     /// A probe far off is as far from everywhere: what is gained would not show.
@@ -452,7 +454,9 @@ private:
     /// True when at rest.
     bool substep() noexcept {
         pool_.update_touches(proxy_);
-        pool_.find_displacement(proxy_, probe_);
+        solved_ = pool_.find_displacement(proxy_, probe_);
+        if (!solved_)
+            return false;
         const Vector<T>& displacement = resting().vector;
         if (largest_coordinate(displacement) <= pool_.tolerance() && resting().count > 0)
             return true;
@@ -540,6 +544,7 @@ private:
     TouchPool<T> pool_;
     unsigned substeps_ = 0;
     bool corner_ = false;
+    bool solved_ = true;
     bool rests_ = false;
 };
 

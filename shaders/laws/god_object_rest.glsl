@@ -92,14 +92,15 @@ Rest contact_of_two(Holder one, uint source_one, Holder two, uint source_two, re
     return rest;
 }
 
-// How far from the walk's proxy the contact is, in skins.
-real skins_away(Rest rest) {
-    real3 shift = difference(rest.proxy, walk_proxy);
-    precise real skins = sqrt(product(shift, shift)) / kWidth;
-    return skins;
+// Whether a place is where the walk's proxy is, but for its skin.
+bool is_beside_proxy(real3 place) {
+    real3 shift = difference(place, walk_proxy);
+    precise real most = (real(2.0LF) * kWidth) * (real(2.0LF) * kWidth);
+    return product(shift, shift) <= most;
 }
 
-// The contact of a proxy that rests on one or two faces right below it; what rests otherwise is left to the host.
+// The contact of a proxy that rests on one or two faces right below it, with its certificate: it is where the proxy is,
+// and without a contact so is the probe. What rests otherwise is left to the host.
 Rest contact_at_rest() {
     uint source_one = resting.count > 0u ? resting.one.source : 0u;
     uint source_two = resting.count > 1u ? resting.two.source : 0u;
@@ -110,6 +111,7 @@ Rest contact_at_rest() {
     else if (resting.count == 2u)
         rest = contact_of_two(one, source_one, holder_at(source_two), source_two, walk_probe);
     bool faces = (resting.count == 0u || is_above(source_one)) && (resting.count < 2u || is_above(source_two));
-    is_left = is_left || !faces || (rest.count > 0u && !(skins_away(rest) <= real(2.0LF)));
+    bool certain = (rest.count == 0u && resting.count < 2u) || is_beside_proxy(rest.proxy);
+    is_left = is_left || !faces || !certain;
     return rest;
 }

@@ -224,8 +224,7 @@ void find_displacement(real3 proxy, real3 probe) {
             }
         }
     } while (seeking);
-    if (!succeeded)
-        found.vector = real3(ZERO);
+    is_left = is_left || !succeeded;
     resting = found;
 }
 

@@ -256,6 +256,194 @@ PolygonSoup soup(unsigned seed) {
     return soup;
 }
 
+namespace {
+
+/// A wedge of so many degrees, as long and as wide as 1, sharp at x = 0.
+PolygonSoup sharp_wedge(double degrees) {
+    const double half = std::tan(degrees * std::acos(-1.0) / 360);
+    return solid({{0, 0, 0}, {0, 1, 0}, {1, 1, -half}, {1, 1, half}, {1, 0, -half}, {1, 0, half}},
+                 {{0, 1, 2}, {0, 2, 4}, {0, 5, 3}, {0, 3, 1}, {1, 3, 2}, {0, 4, 5}, {4, 2, 3}, {4, 3, 5}});
+}
+
+/// Two cones on one rim, with so many facets round each pole.
+PolygonSoup double_cone(unsigned facets, double height) {
+    PolygonSoup soup;
+    soup.vertices = {{0, 0, height}, {0, 0, -height}};
+    for (unsigned i = 0; i < facets; ++i) {
+        const double angle = 2 * std::acos(-1.0) * i / facets;
+        soup.vertices.push_back({std::cos(angle), std::sin(angle), 0});
+        const std::uint32_t a = 2 + i, b = 2 + (i + 1) % facets;
+        add_facet(soup, {0, a, b});
+        add_facet(soup, {1, b, a});
+    }
+    return soup;
+}
+
+/// A block with a groove of so many degrees along y, 1 deep.
+PolygonSoup grooved_block(double degrees) {
+    const double half = std::tan(degrees * std::acos(-1.0) / 360);
+    PolygonSoup soup;
+    constexpr std::uint32_t kCorners = 7;
+    for (const double y : {-1.0, 1.0})
+        for (const glm::dvec2& at : {glm::dvec2(-2, -1.5), {2, -1.5}, {2, 0}, {half, 0}, {0, -1}, {-half, 0}, {-2, 0}})
+            soup.vertices.push_back({at.x, y, at.y});
+    for (std::uint32_t i = 0; i < kCorners; ++i)
+        add_facet(soup, {i, (i + 1) % kCorners, kCorners + (i + 1) % kCorners, kCorners + i});
+    add_facet(soup, {6, 5, 4, 3, 2, 1, 0});
+    add_facet(soup, {7, 8, 9, 10, 11, 12, 13});
+    return soup;
+}
+
+} // namespace
+
+std::vector<Terrain> narrow_solids(bool long_form) {
+    std::vector<Terrain> result;
+    for (const double degrees : {60.0, 10.0, 1.0, 0.1, 0.01, 1e-3, 1e-5, 1e-7, 1e-10})
+        result.push_back({fmt::format("wedge {}", degrees), sharp_wedge(degrees)});
+    for (const unsigned facets : {20U, 224U, 1000U})
+        result.push_back({fmt::format("pole {}", facets), double_cone(facets, 0.5), facets});
+    if (long_form)
+        result.push_back({"pole 20000", double_cone(20000, 0.5), 20000});
+    result.push_back({"flat pole 20", double_cone(20, 1e-4), 20});
+    for (const double degrees : {90.0, 10.0, 0.1, 1e-3})
+        result.push_back({fmt::format("groove {}", degrees), grooved_block(degrees)});
+    result.push_back({"needle", shapes::needle_fan(12, 30), 12});
+    result.push_back({"shell 5e-4", shapes::plate(5e-4)});
+    result.push_back({"shell 1e-7", shapes::plate(1e-7)});
+    result.push_back({"nested shells", shapes::nested_shells(1, true)});
+    result.push_back({"sliver box", shapes::sliver_box(50, 1000)});
+    return result;
+}
+
+std::vector<Terrain> open_meshes() {
+    const auto saddle = [](double x, double y) { return x * x - y * y; };
+    std::vector<Terrain> result = {
+        {"sheet", shapes::single_triangle()},
+        {"open cube", shapes::open_cube()},
+        {"bow tie", solid({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {-1, 0, 0}, {0, -1, 0.3}}, {{0, 1, 2}, {0, 3, 4}})},
+        {"solid bow tie", shapes::merged(shapes::tetrahedron({0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}),
+                                         shapes::tetrahedron({0, 0, 0}, {-1, 0, 0}, {0, -1, 0}, {0, 0, -1}))},
+        {"three at an edge",
+         solid({{0, 0, 0}, {0, 1, 0}, {1, 0, 0}, {-1, 0, 0.2}, {0, 0, 1}}, {{0, 1, 2}, {0, 1, 3}, {0, 1, 4}})},
+        {"doubled facet", solid({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0.5}}, {{0, 1, 2}, {0, 2, 1}, {1, 3, 2}})},
+        {"saddle", shapes::patch(shapes::Cells::triangles, 10, saddle)},
+        {"pit 40", pit(40, 0.05), 40},
+        {"pit 8", pit(8, 0.3), 8},
+        {"touching folds", touching_folds(6, 0)},
+        {"near folds", touching_folds(6, 1e-6)},
+        {"crossing tetrahedra", shapes::random_polyhedra(20, 7)}};
+    for (unsigned seed = 1; seed < 4; ++seed)
+        result.push_back({fmt::format("soup {}", seed), soup(seed)});
+    return result;
+}
+
+Prober::Prober(const MeshStructure& structure, std::uint64_t seed) : structure_(structure), random_(seed) {}
+
+glm::dvec3 Prober::direction() {
+    std::normal_distribution<double> one;
+    const double x = one(random_), y = one(random_);
+    return glm::normalize(glm::dvec3(x, y, one(random_)));
+}
+
+glm::dvec3 Prober::vertex(std::size_t v) const {
+    const auto& vertices = structure_.reals->vertices;
+    return {vertices[3 * v], vertices[3 * v + 1], vertices[3 * v + 2]};
+}
+
+glm::dvec3 Prober::corner(std::size_t triangle, std::size_t i) const {
+    return vertex(structure_.parts->triangle_corners[3 * triangle + i]);
+}
+
+glm::dvec3 Prober::normal(std::size_t triangle) const {
+    const glm::dvec3 a = corner(triangle, 0);
+    const glm::dvec3 area = glm::cross(corner(triangle, 1) - a, corner(triangle, 2) - a);
+    const double size = glm::length(area);
+    return size > 0 ? area / size : glm::dvec3(0, 0, 1);
+}
+
+/// Of a corner (0 to 2) or an edge (3 to 5).
+glm::dvec3 Prober::pseudonormal(std::size_t triangle, std::size_t i) const {
+    glm::dvec3 sum = normal(triangle);
+    if (i < 3) {
+        const std::size_t v = 3 * std::size_t(structure_.parts->triangle_corners[3 * triangle + i]);
+        const auto& normals = structure_.reals->vertex_pseudonormals;
+        sum = {normals[v], normals[v + 1], normals[v + 2]};
+    } else if (const std::size_t across = structure_.parts->triangle_neighbours[3 * triangle + i - 3];
+               across < structure_.triangles()) {
+        sum += normal(across);
+    }
+    const double size = glm::length(sum);
+    return size > 1e-9 ? sum / size : normal(triangle);
+}
+
+glm::dvec3 Prober::place_on(std::size_t triangle) {
+    double u = random(0, 1), v = random(0, 1);
+    if (u + v > 1) {
+        u = 1 - u;
+        v = 1 - v;
+    }
+    const glm::dvec3 a = corner(triangle, 0);
+    return a + u * (corner(triangle, 1) - a) + v * (corner(triangle, 2) - a);
+}
+
+/// Half the distance to the nearest of some planes behind a place.
+double Prober::half_way_in(const glm::dvec3& place, const glm::dvec3& outwards) {
+    double nearest = 1;
+    for (int i = 0; i < 8; ++i) {
+        const std::size_t other = random_() % structure_.triangles();
+        const glm::dvec3 plane = normal(other);
+        const double distance = glm::dot(plane, place - corner(other, 0)) / glm::dot(plane, outwards);
+        if (distance > 1e-12 && distance < nearest)
+            nearest = distance;
+    }
+    return nearest / 2;
+}
+
+glm::dvec3 Prober::target() {
+    const std::size_t triangle = random_() % structure_.triangles(), i = random_() % 3;
+    const glm::dvec3 here = corner(triangle, i);
+    const glm::dvec3 beside = random(0, 1) < 0.3 ? glm::dvec3(0) : length(1e-12, 1e-3) * direction();
+    const double depth = (random(0, 1) < 0.8 ? -1 : 1) * length(1e-12, 2);
+    switch (random_() % 6) {
+    case 0:
+        return here + depth * pseudonormal(triangle, i) + beside;
+    case 1:
+        return here + random(0, 1) * (corner(triangle, (i + 1) % 3) - here) + depth * pseudonormal(triangle, i + 3) +
+               beside;
+    case 2:
+        return place_on(triangle) + depth * normal(triangle) + beside;
+    case 3:
+        return 0.5 * (here + vertex(random_() % (structure_.reals->vertices.size() / 3))) + beside;
+    case 4:
+        return here + beside;
+    default: {
+        const glm::dvec3 place = place_on(triangle), outwards = normal(triangle);
+        return place - half_way_in(place, outwards) * outwards + beside;
+    }
+    }
+}
+
+glm::dvec3 Prober::begin() {
+    if (random(0, 1) < 0.6)
+        return 1.5 * direction();
+    return random(0, 1) < 0.5 ? glm::dvec3(random(-1, 1), random(-1, 1), random(-1, 1)) : target();
+}
+
+glm::dvec3 Prober::step(const glm::dvec3& from) {
+    const std::uint64_t kind = random_() % 8;
+    if (kind == 0)
+        return from + length(1e-12, 10) * direction();
+    if (kind == 1)
+        return 10.0 * direction();
+    const glm::dvec3 there = target();
+    if (kind == 2)
+        return from + random(0, 2) * (there - from);
+    const double far = glm::length(there - from);
+    if (kind == 3 && far > 0)
+        return from + std::min(far, length(1e-9, 1)) / far * (there - from);
+    return there;
+}
+
 Aimer::Aimer(const MeshStructure& structure, std::uint64_t seed)
     : structure_(structure), random_(seed), around_(structure.reals->vertices.size() / 3) {
     const auto& corners = structure.parts->triangle_corners;

@@ -63,6 +63,37 @@ std::vector<Terrain> meshes(const std::vector<std::string>& files);
 /// A few triangles anywhere, through each other.
 PolygonSoup soup(unsigned seed);
 
+/// What a contact may be wrong on: wedges of 60 to 1e-10 degrees, poles of 20 to 1000 facets, needles, grooves, thin
+/// shells; closed. `long_form`: a pole of 20 000 facets as well.
+std::vector<Terrain> narrow_solids(bool long_form = false);
+/// Rims of sheets, bow ties, three facets at an edge, doubled facets, saddle corners, crossing and touching facets.
+std::vector<Terrain> open_meshes();
+
+/// Probe positions in the mesh's frame that aim at the answer: on the pseudonormals of corners, edges and facets, 1e-12
+/// to 2 sizes deep or high, half way to what is opposite (the medial axis), between corners; steps of 1e-12 to 10
+/// sizes. A walk is Aimer::kSteps positions.
+class Prober {
+public:
+    Prober(const MeshStructure& structure, std::uint64_t seed);
+    glm::dvec3 begin();
+    glm::dvec3 step(const glm::dvec3& from);
+
+private:
+    double random(double low, double high) { return std::uniform_real_distribution<double>(low, high)(random_); }
+    double length(double least, double most) { return std::pow(10.0, random(std::log10(least), std::log10(most))); }
+    glm::dvec3 direction();
+    glm::dvec3 vertex(std::size_t v) const;
+    glm::dvec3 corner(std::size_t triangle, std::size_t i) const;
+    glm::dvec3 normal(std::size_t triangle) const;
+    glm::dvec3 pseudonormal(std::size_t triangle, std::size_t i) const;
+    glm::dvec3 place_on(std::size_t triangle);
+    double half_way_in(const glm::dvec3& place, const glm::dvec3& normal);
+    glm::dvec3 target();
+
+    const MeshStructure& structure_;
+    std::mt19937_64 random_;
+};
+
 /// Probe positions in the mesh's frame that aim at what a god-object may fall through: from corner to corner within
 /// 0 to 1e-4 sizes of the edge, through the middles of edges, along edges and parallel to facets with steps of 1e-12 to
 /// 10 sizes, between the places of a lattice, and inwards. A walk is kSteps positions, the first in the open.
