@@ -10,6 +10,7 @@
 #include <spdlog/spdlog.h>
 
 #include "host/error.h"
+#include "host/mesh/thin_parts.h"
 #include "host/output/files.h"
 #include "host/scene/value.h"
 
@@ -70,6 +71,20 @@ Case load_scene(const std::string& path, const CommonOptions& common) {
     spdlog::debug("scene: {}, in {} precision", path, one.scene.precision == Precision::f32 ? "single" : "double");
     print_warnings(warnings, common);
     return one;
+}
+
+PreparedCase prepare_scene(CasePreparation& preparation, Case one, const CommonOptions& common) {
+    constexpr double kThin = 100 * double(reference::Skin<float>::kWidth); /* of the mesh's frame, half its size */
+    PreparedCase prepared = preparation.prepare(one);
+    const auto& mesh = prepared.images.mesh;
+    if (!one.chooses_precision || !mesh || !has_thin_parts(mesh->structure, kThin))
+        return prepared;
+    if (!common.quiet)
+        remark("precision: f64, since the mesh has parts or gaps thinner than {:.2g} m, too thin for f32 "
+               "(--precision f32 takes it all the same)\n",
+               kThin * mesh->structure.scale);
+    set_precision(one, Precision::f64);
+    return preparation.prepare(one);
 }
 
 Study load_study(const std::string& path, const CommonOptions& common, const CaseChoice& choice) {

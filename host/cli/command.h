@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "host/engine/engine.h"
+#include "host/prepare/prepared_case.h"
 #include "host/program.h"
 #include "host/scene/study.h"
 #include "host/sweep/engine_choice.h"
@@ -132,6 +133,10 @@ void add_live_command(CommandLine& program);
 void add_device_command(CommandLine& program);
 void add_scene_commands(CommandLine& program); // init, schema
 void add_check_commands(CommandLine& program); // validate, gpus, devices, doctor
+
+/// A scene, prepared. Where nothing names a precision it is double where the mesh has parts too thin for single: it
+/// says so.
+PreparedCase prepare_scene(CasePreparation& preparation, Case one, const CommonOptions& common);
 
 /// What the flags say about the engine, for what measures or tries a device: without flags a Vulkan device.
 /// `needs_f64`: some case runs in double precision.

@@ -241,7 +241,7 @@ int run(const ExploreArguments& arguments, const CommonOptions& common) {
             throw UsageError("--open-loop takes the positions of --paths for the probe's: say which file");
         leave_out_the_hand(one);
     }
-    PreparedCase prepared = preparation.prepare(one);
+    PreparedCase prepared = prepare_scene(preparation, std::move(one), common);
     if (arguments.paths.empty())
         add_recorded_digest(prepared);
     prepared.one.name = std::filesystem::path(arguments.out).stem().string(); // the record's

@@ -54,7 +54,8 @@ int run(const FieldArguments& arguments, const CommonOptions& common) {
     if (volume.extension() != ".exr")
         throw UsageError(fmt::format("--out {}: a volume is an OpenEXR file, so its name ends in .exr", arguments.out));
     CaseJob job;
-    job.prepared = CasePreparation().prepare(load_scene(arguments.scene, common));
+    CasePreparation preparation;
+    job.prepared = prepare_scene(preparation, load_scene(arguments.scene, common), common);
     if (!job.prepared.one.scene.field)
         throw UsageError(
             fmt::format("{}: this scene has [paths] and no [grid], so it has no field: add a [grid], or use "

@@ -89,10 +89,8 @@ std::vector<Override> precision_of(const std::string& scene, const CommonOptions
     if (!common.precision.empty())
         return overrides(common);
     const Study study = read_study(scene);
-    const auto key = static_cast<std::size_t>(find_key("run.precision"));
-    if (study.document->base.find(key) != nullptr)
-        return {};
-    return {{"run.precision", "f64"}};
+    const bool chooses = std::ranges::all_of(study.cases, &Case::chooses_precision);
+    return chooses ? std::vector<Override>{{"run.precision", "f64"}} : std::vector<Override>{};
 }
 
 // `report`: why it could not be written; empty: it was, or none was asked for.

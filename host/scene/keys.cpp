@@ -29,7 +29,7 @@ constexpr List<2> kReferenceDirections{"normal", "radial"};
 constexpr List<5> kChannels{"force", "depth", "facet", "proxy", "unshaded"}; // bit i of layout::kChannel...
 constexpr List<4> kCompressions{"none", "zip1", "zip", "pxr24"};
 constexpr List<2> kPixelTypes{"float", "half"};
-constexpr List<2> kPrecisions{"f32", "f64"};
+constexpr List<3> kPrecisions{"f32", "f64", "auto"};
 constexpr List<2> kLoops{"open", "closed"};
 constexpr List<2> kFollows{"plane", "surface"};
 constexpr List<3> kAxes{"x", "y", "z"};
@@ -87,6 +87,9 @@ template <bool texture, auto member> void store_in_map(Scene& s, const Value& v)
 // The same key of a bump and of a height map.
 template <auto of_bump, auto of_map> void store_in_surface(Scene& s, const Value& v) {
     assign(s.surface.kind == SurfaceKind::height_map ? s.surface.map.*of_map : s.surface.*of_bump, v);
+}
+void store_precision(Scene& s, const Value& v) {
+    s.precision = v.integers.at(0) == 1 ? Precision::f64 : Precision::f32; // auto: until the mesh is known
 }
 void store_file(FileSpec& spec, const Value& value) {
     spec = {value.texts.at(0), value.path, value.sha256};
@@ -532,8 +535,10 @@ void add_output(std::vector<Key>& keys) {
     output.choice<&OutputSpec::pixel>("pixel", "\"float\"", kPixelTypes,
                                       "32 or 16 bits a sample; half is refused where a value would overflow");
     Table(keys, "run")
-        .choice<&Scene::precision>("precision", "\"f32\"", kPrecisions,
-                                   "the arithmetic that the field is evaluated in");
+        .add(ValueKind::choice, "precision", "\"f32\"", store_precision,
+             "the arithmetic that forces are evaluated in; auto: f64 for explore and field where a mesh has parts too "
+             "thin for f32, else f32; so is what names none")
+        .choices = kPrecisions;
 }
 
 } // namespace

@@ -13,6 +13,13 @@
 
 namespace forceshade {
 
+void set_precision(Case& one, Precision precision) {
+    one.scene.precision = precision;
+    for (Setting& setting : one.settings)
+        if (setting.table == "run" && setting.name == "precision")
+            setting.literal = precision == Precision::f64 ? "\"f64\"" : "\"f32\"";
+}
+
 namespace {
 
 // The layers of one variant, or of the base alone.
@@ -187,6 +194,15 @@ private:
         return part;
     }
 
+    /// Where it may be chosen it is single, unless something else is said once the mesh is known.
+    static void settle_precision(const Selection& selection, Case& one) {
+        const Value* precision = selection[key_index("run.precision")];
+        const bool automatic = precision && precision->integers.at(0) == 2;
+        one.chooses_precision = automatic || !precision || precision->where == Location{};
+        if (automatic)
+            set_precision(one, Precision::f32);
+    }
+
     Case built(std::size_t i) {
         const Selection selection = list_.selection(i);
         Case one;
@@ -196,6 +212,7 @@ private:
             if (selection[key])
                 one.settings.push_back(
                     {schema_keys()[key].table, schema_keys()[key].name, literal(schema_keys()[key], *selection[key])});
+        settle_precision(selection, one);
         if (!errors_.none())
             return one;
         one.name = list_.name_of(i);

@@ -36,7 +36,11 @@ struct Case {
     std::vector<std::pair<std::string, std::string>>
         varied;                    // what the name lists: ("kind", "bump"), ("radius", "600 mil"), ...
     std::vector<Setting> settings; // every key that applies, in the schema's order
+    bool chooses_precision = true; // nothing names one, or run.precision = "auto"
 };
+
+/// Changes a case's precision, and what its settings say of it.
+void set_precision(Case& one, Precision precision);
 
 /// Which cases of a study are wanted: those whose name a shell pattern matches, and of these every `count`-th from the
 /// `index`-th on, counted from 1.

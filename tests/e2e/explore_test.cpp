@@ -74,6 +74,20 @@ TEST_F(Explore, takes_the_precision_that_is_asked_for) {
     EXPECT_GT(read_text(path("out.csv")).size(), single.size() + 20) << "doubles have more digits";
 }
 
+TEST_F(Explore, takes_double_precision_for_a_thin_mesh) {
+    std::ofstream(folder_ / "thin.obj") << "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 0.001\nv 1 0 0.001\nv 0 1 0.001\n"
+                                           "f 1 3 2\nf 4 5 6\nf 1 2 5 4\nf 2 3 6 5\nf 3 1 4 6\n";
+    std::ofstream(folder_ / "thin.csv") << "path,t,x,y,z\n0,0,0.2,0.2,0.1\n0,0.001,0.2,0.2,0.0009\n";
+    const std::string scene = "[surface]\nkind = \"mesh\"\nfile = \"thin.obj\"\n";
+    for (const char* run : {"", "[run]\nprecision = \"auto\"\n", "[run]\nprecision = \"f32\"\n"}) {
+        std::ofstream(folder_ / "thin.toml") << scene << run;
+        const Outcome outcome = expect_success(
+            {"explore", "thin.toml", "--paths", "thin.csv", "--out", "thin-out.csv", "--engine", "cpu", "--overwrite"});
+        const bool single = std::string(run).find("f32") != std::string::npos;
+        EXPECT_EQ(outcome.err.find("precision: f64") == std::string::npos, single) << outcome.err;
+    }
+}
+
 TEST_F(Explore, prints_json_if_asked) {
     const nlohmann::json said = nlohmann::json::parse(expect_success(arguments({"--json"})).out);
     EXPECT_EQ(said["samples"], 4);

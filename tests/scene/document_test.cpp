@@ -170,7 +170,7 @@ TEST(Document, Overrides) {
     };
     EXPECT_EQ(error("run.precison", "f64"),
               "override run.precison: unknown key \"run.precison\"; did you mean \"run.precision\"?");
-    EXPECT_EQ(error("run.precision", "f16"), "override run.precision: precision is one of f32, f64; got \"f16\"");
+    EXPECT_EQ(error("run.precision", "f16"), "override run.precision: precision is one of f32, f64, auto; got \"f16\"");
     EXPECT_EQ(error("grid.spacing", "1"), "override grid.spacing: spacing needs a unit: write \"1 mm\" or \"1 m\"");
     EXPECT_NE(error("surface.facets", "1\nx = 2"), "(no error)");
 }
