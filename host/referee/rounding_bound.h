@@ -9,6 +9,7 @@
 
 #include "host/norm.h"
 #include "host/prepare/prepared_case.h"
+#include "host/referee/law_bounds.h"
 #include "host/referee/reading.h"
 
 namespace forceshade {
@@ -16,23 +17,27 @@ namespace forceshade {
 /// Whether a computed voxel is a referee's, allowing for rounding; on an edge, rounding chooses between two answers.
 enum class Verdict { within, on_edge, beyond };
 
-/// First-order bounds by counting roundings along each law's formula. In single precision every operation may be off by
-/// as much as Vulkan lets a device be (+ - * half an ULP, / 2.5 ULP, sqrt about 3 ULP), so one bound serves hardware
-/// and CPU alike. Vulkan's table of ULPs is for single precision: in double + - * / and sqrt are taken to round as IEEE
-/// 754 says, which holds for the software device, and is tried wherever else a device is validated. With u the unit
-/// roundoff (2^-24, 2^-53), s the slope of facet or map, and every coordinate taken as exact:
-///  - a height of G1 or G2 is off by at most 64 u (U(0) + s a), and exact beside the bump or with one facet; the depth
-///  by that and 64 u (|z| + d). Where R is barely above a vertex, R and a being rounded moves the circle's rise there
-///  by up to 4 u R^2 / rise, never more than 2 sqrt(u) R; slope and height of the facet follow;
-///  - a unit normal by 64 u (1 + s), a radial direction by 64 u (1 + (|x| + |z| + c) / r);
-///  - R - r of L2 by 64 u (a^2 + x^2 + |z| (|z| + 2 c)) / (R + r);
-///  - the gradient of a cylinder by 64 u (1 + s) sqrt(1 + s^2), of a sine by 64 u s (1 + turns), of a Gaussian by 64 u
-///  s (1 + (x^2 + y^2) / radius^2), of samples by 64 u s (1 + columns + rows), s there the largest; the normal of a map
-///  by that over sqrt(1 + s^2).
-/// 64 is the next power of two above the longest chain: U of a vertex (17 half ULPs), the chord (15), the normal (2 *
-/// 15 + 13) and the product. Below the smallest normal number m nothing is relative, and hardware may take such numbers
-/// for zero: each depth, direction and force is off by 4 m more, a gradient by 32 m (1 + s). No direction is off by
-/// more than 2, whatever its condition.
+/// The roundoff of a precision, and how many of it a part of a law may be off.
+struct Roundoff {
+    explicit Roundoff(Precision precision)
+        : single(precision == Precision::f32), one(single ? 0x1p-24 : 0x1p-53),
+          tiny(4 * (single ? 0x1p-126 : 0x1p-1022)) {}
+    double operator()(const roundings::Factor& factor) const { return (single ? factor.f32 : factor.f64) * one; }
+
+    bool single;
+    double one;  // u
+    double tiny; // the smallest normal number, four times
+};
+
+/// First-order bounds, law by law: what each part of it may be off (law_bounds.h), carried through its formula. One
+/// bound serves hardware and CPU alike. With s the slope of facet or map, and every coordinate taken as exact:
+///  - a height of G2 is off by what its operations and rounded vertices make of U(left) + s a, and exact beside the
+///  bump or with one facet. Where R is barely above a vertex, R and a being rounded moves the circle's rise there by up
+///  to 4 u R^2 / rise, never more than 2 sqrt(u) R; slope and height of the facet follow;
+///  - a depth by that and u d, a direction by what is said there, a force by both and the products.
+/// Below the smallest normal number m nothing is relative, and hardware may take such numbers for zero: each depth,
+/// direction and force is off by 4 m more, a gradient by 32 m (1 + s). No direction is off by more than 2, whatever its
+/// condition.
 class RoundingBound {
 public:
     /// The case must outlive the bound.
@@ -50,8 +55,7 @@ public:
 private:
     const Scene& scene_;
     FieldTables<double> tables_;
-    double unit_; // 64 u
-    double tiny_; // 4 m
+    Roundoff u_;
     double steepest_map_ = 0, steepest_texture_ = 0;
 };
 
@@ -167,13 +171,14 @@ bool is_on_edge(const Reading& computed, const glm::dvec3& probe, const Referee&
     return false;
 }
 
-/// In the mesh's frame no coordinate exceeds 1, and with u the unit roundoff of the precision and P the probe's largest
-/// coordinate, or 1, every distance, offset and proxy is off by at most e = 64 u (1 + P): the longest chain is that of
-/// a face, 42 u (1 + P) (host/reference/mesh_nearest.h), and the mesh's vertices and centre are rounded too. Then:
-///  - any triangle within 2 e of the nearest may be taken for it, with its own facet, proxy and direction;
+/// In the mesh's frame no coordinate exceeds 1, and with P the probe's largest coordinate, or 1, every distance, offset
+/// and proxy is off by at most e = kNearest u (1 + P). Then:
+///  - any triangle within 2 e of the nearest may be taken for it, with its own facet, proxy and direction, and so may
+///  an edge of it for its face, or another edge;
+///  - rounded vertices turn an edge: a point at a distance d on one of length l is off by e (1 + d / l);
 ///  - a probe within 2 e of the surface may be taken for inside or outside; so may one whose offset is so nearly in the
 ///  plane of a triangle taken for the nearest that the exact law says otherwise there;
-///  - the interpolated normal moves with the proxy: by at most 8 e / (height of the facet) of the length it had before
+///  - the interpolated normal moves with the proxy: by at most 2 e / (height of the facet) of the length it had before
 ///  it was normalised, and that length is no less than the least component of a vertex normal along their sum;
 ///  - a gradient of a height map is taken at a proxy that is off by e: what that changes is looked up on either side.
 class MeshBound {
@@ -197,14 +202,18 @@ public:
     double reach(const reference::Vector<double>& probe) const;
 
 private:
-    double direction_error(const reference::MeshTouch<double>& touch, double reach) const;
+    struct FacetShape;
+    FacetShape shape_of(layout::uint facet) const;
+    double place_error(const reference::Vector<double>& point) const; /* m, world */
+    // `off`, 1: of the touched point.
+    double direction_error(const reference::MeshTouch<double>& touch, const FacetShape& shape, double off) const;
     double slope_error(layout::uint kind, const layout::MapParams<double>& map, std::span<const double> samples,
-                       const reference::Vector<double>& world, double reach) const;
+                       double steepest, const reference::MeshTouch<double>& touch, double off) const;
 
     FieldTables<double> tables_;
     layout::Law<double> law_;
-    double unit_; // 64 u
-    double tiny_; // smallest normal number, four times
+    Roundoff u_;
+    double steepest_map_ = 0, steepest_texture_ = 0;
 };
 
 } // namespace forceshade

@@ -19,7 +19,7 @@ template <typename T> Radial<T> radial_at(const layout::LawParams<T>& params, T 
     const T square = x * x + rise * rise;
     if (!(square >= std::numeric_limits<T>::min()))
         return {};
-    const T distance = std::sqrt(square);
+    const T distance = sqrt(square);
     return {{x / distance, T(0), rise / distance}, distance};
 }
 

@@ -12,6 +12,9 @@
 
 namespace forceshade::reference {
 
+// A number type of one's own, as the tests have, brings its own.
+using std::abs, std::floor, std::ldexp, std::sqrt;
+
 template <typename T> using Vector = glm::vec<3, T>;
 
 template <typename T> [[gnu::always_inline]] inline T dot(const Vector<T>& u, const Vector<T>& v) noexcept {
@@ -27,7 +30,7 @@ template <typename T> Vector<T> normalised(const Vector<T>& v) noexcept {
     const T square = dot(v, v);
     if (!(square > T(0)))
         return Vector<T>(T(0));
-    const T length = std::sqrt(square);
+    const T length = sqrt(square);
     return {v.x / length, v.y / length, v.z / length};
 }
 
@@ -38,7 +41,7 @@ template <typename T>
 }
 
 template <typename T> T largest_coordinate(const Vector<T>& v) noexcept {
-    const T x = std::abs(v.x), y = std::abs(v.y), z = std::abs(v.z);
+    const T x = abs(v.x), y = abs(v.y), z = abs(v.z);
     const T xy = x > y ? x : y;
     return xy > z ? xy : z;
 }
@@ -49,14 +52,14 @@ template <typename T> bool is_finite(const Vector<T>& v) noexcept {
 
 /// sqrt(v . v), rounded as the kernels do it: overflows where v . v does.
 template <typename T> T length(const Vector<T>& v) noexcept {
-    return std::sqrt(dot(v, v));
+    return sqrt(dot(v, v));
 }
 
 // G1: the reference cylinder, step for step as shaders/laws/elementary.glsl.
 
 /// sqrt(R^2 - x^2), m: how far the circle stands above its axis at x, |x| <= R.
 template <typename T> T circle_rise(T radius, T x) noexcept {
-    return std::sqrt((radius - x) * (radius + x));
+    return sqrt((radius - x) * (radius + x));
 }
 
 /// G1: U(x), m, the cylinder above the nominal plane; 0 for |x| >= a. `centre_depth` is sqrt((R-a)(R+a)), m.
@@ -76,7 +79,7 @@ template <typename T> T cosine_of_turns(T turns) noexcept {
                                              0.10422916220813984,    -0.7181223017785006,   3.819952584848282,
                                              -15.09464257682299,     42.058693944897655,    -76.70585975306139,
                                              81.60524927607506,      -41.34170224039976,    6.283185307179586};
-    const T folded = std::abs(turns - std::floor(turns + T(0.5)));
+    const T folded = abs(turns - floor(turns + T(0.5)));
     const T s = T(0.25) - folded;
     const T q = s * s;
     T sum = T(kSeries[0]);
@@ -88,9 +91,9 @@ template <typename T> T cosine_of_turns(T turns) noexcept {
 /// exp(-u) for u >= 0; 0 where the result would be no normal number, and for u infinite.
 template <typename T> T exponential_decay(T u) noexcept {
     constexpr bool kDouble = std::is_same_v<T, double>;
-    constexpr T kLargest = kDouble ? T(708.0) : T(87.0);
-    constexpr T kLn2High = kDouble ? T(0.693147180559663) : T(0.693115234375);
-    constexpr T kLn2Low = kDouble ? T(2.8235290563031577e-13) : T(3.1946184945309415e-05);
+    constexpr double kLargest = kDouble ? 708.0 : 87.0;
+    constexpr double kLn2High = kDouble ? 0.693147180559663 : 0.693115234375;
+    constexpr double kLn2Low = kDouble ? 2.8235290563031577e-13 : 3.1946184945309415e-05;
     // 1 / 14!, and so on down to 1.
     constexpr std::array<double, 15> kSeries{1.1470745597729725e-11,
                                              1.6059043836821613e-10,
@@ -107,14 +110,14 @@ template <typename T> T exponential_decay(T u) noexcept {
                                              0.5,
                                              1.0,
                                              1.0};
-    if (!(u < kLargest))
+    if (!(u < T(kLargest)))
         return T(0);
-    const T k = std::floor(u * T(1.4426950408889634) + T(0.5));
-    const T r = (k * kLn2High - u) + k * kLn2Low;
+    const T k = floor(u * T(1.4426950408889634) + T(0.5));
+    const T r = (k * T(kLn2High) - u) + k * T(kLn2Low);
     T sum = T(kSeries[0]);
     for (std::size_t i = 1; i < kSeries.size(); ++i)
         sum = sum * r + T(kSeries[i]);
-    return sum * std::ldexp(T(1), -static_cast<int>(k));
+    return sum * ldexp(T(1), -static_cast<int>(k));
 }
 
 } // namespace forceshade::reference

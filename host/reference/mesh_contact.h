@@ -130,7 +130,7 @@ template <typename T>
 MeshCorner<T> corner_at(const layout::MeshView<T>& mesh, layout::uint corner, const Vector<T>& point) noexcept {
     const layout::uint vertex = mesh.facet_corners[corner];
     const Vector<T> offset = vector_at(mesh.vertices, vertex) - point;
-    return {offset, std::sqrt(dot(offset, offset)), vector_at(mesh.vertex_normals, vertex)};
+    return {offset, sqrt(dot(offset, offset)), vector_at(mesh.vertex_normals, vertex)};
 }
 
 /// Morgenbesser & Srinivasan 1996: sum over i of x_i ((sum N) - N_i), x_i the distance to corner i; in one loop as
@@ -172,7 +172,7 @@ MeshCorner<T> flat_corner_at(const layout::MeshView<T>& mesh, layout::uint corne
                              const Vector<T>& facet_normal) noexcept {
     MeshCorner<T> result = corner_at(mesh, corner, point);
     result.offset = result.offset - dot(facet_normal, result.offset) * facet_normal;
-    result.distance = std::sqrt(dot(result.offset, result.offset));
+    result.distance = sqrt(dot(result.offset, result.offset));
     return result;
 }
 
@@ -195,7 +195,7 @@ Vector<T> mean_value_normal(const layout::MeshView<T>& mesh, layout::uint facet,
         const T product = start.distance * stop.distance;
         const T along = dot(start.offset, stop.offset);                       // cosine of the angle, times product
         const T across = dot(facet_normal, cross(start.offset, stop.offset)); // sine, likewise
-        if (!(along > T(0)) && !(std::abs(across) > std::numeric_limits<T>::epsilon() * product))
+        if (!(along > T(0)) && !(abs(across) > std::numeric_limits<T>::epsilon() * product))
             return stop.distance * start.normal + start.distance * stop.normal;
         // Two forms of the tangent: each where it does not cancel.
         const T tangent = along > T(0) ? across / (product + along) : (product - along) / across;
@@ -310,7 +310,7 @@ bool is_inside(const layout::Law<T>& law, const Nearest<T>& found, const Vector<
 template <typename T>
 Contact<T> contact_with(const layout::Law<T>& law, const Nearest<T>& found, const Vector<T>& probe) noexcept {
     return touching_contact(
-        law, MeshTouch<T>{found.facet, found.offset, Vector<T>(probe + found.offset), std::sqrt(found.square)});
+        law, MeshTouch<T>{found.facet, found.offset, Vector<T>(probe + found.offset), sqrt(found.square)});
 }
 
 /// L6 static: the probe (in the mesh's frame) is pulled to the nearest point of the surface that it is inside of.

@@ -54,7 +54,7 @@ template <typename T> Facet<T> facet_at(const layout::Law<T>& law, T x) noexcept
     const T rises = circle_rise(params.radius, left) + circle_rise(params.radius, right);
     const T descent = rises > T(0) ? (left + right) / rises : T(0);
     facet.height = cylinder_height(params.half_width, params.radius, params.centre_depth, left) - descent * (x - left);
-    facet.normal_z = T(1) / std::sqrt(T(1) + descent * descent);
+    facet.normal_z = T(1) / sqrt(T(1) + descent * descent);
     facet.normal_x = descent * facet.normal_z;
     return facet;
 }
@@ -67,7 +67,7 @@ template <typename T> struct Gradient {
 };
 
 template <typename T> Gradient<T> cylinder_gradient(const layout::MapParams<T>& map, T x, bool dip) noexcept {
-    if (!(std::abs(x) < map.half_width))
+    if (!(abs(x) < map.half_width))
         return {};
     const T slope = x / circle_rise(map.radius, x);
     return {dip ? slope : -slope, T(0)};
@@ -110,7 +110,7 @@ template <typename T> T between(T low, T high, T fraction) noexcept {
 /// image.
 template <typename T>
 Gradient<T> sampled_gradient(const layout::MapParams<T>& map, std::span<const T> gradients, T x, T y) noexcept {
-    if (!(std::abs(x) <= map.half_width && std::abs(y) <= map.half_length))
+    if (!(abs(x) <= map.half_width && abs(y) <= map.half_length))
         return {};
     const Cell<T> across = cell_at((x + map.half_width) * map.nodes_per_x, map.columns);
     const Cell<T> along = cell_at((y + map.half_length) * map.nodes_per_y, map.rows);
@@ -164,7 +164,7 @@ template <typename T> Vector<T> reference_normal(T radius, T x, bool on_bump) no
 
 /// L5: the unit normal of a height map with this gradient.
 template <typename T> Vector<T> map_normal(Gradient<T> gradient) noexcept {
-    const T normal_z = T(1) / std::sqrt(gradient.x * gradient.x + gradient.y * gradient.y + T(1));
+    const T normal_z = T(1) / sqrt(gradient.x * gradient.x + gradient.y * gradient.y + T(1));
     return {-(gradient.x * normal_z), -(gradient.y * normal_z), normal_z};
 }
 
@@ -176,7 +176,7 @@ template <typename T> Column<T> column_at(const layout::Law<T>& law, T x, T y) n
     column.y = y;
     if (features.surface == layout::kSurfaceMesh)
         return column;
-    column.on_bump = std::abs(x) < law.params.half_width;
+    column.on_bump = abs(x) < law.params.half_width;
     if (features.surface == layout::kSurfaceBump)
         column.facet = facet_at(law, x);
     if (features.shading == layout::kShadingReference && features.reference == layout::kReferenceNormal)
