@@ -10,6 +10,8 @@
 #include <spirv/unified1/GLSL.std.450.h>
 #include <spirv/unified1/spirv.hpp>
 
+#include "tests/mutation/unread.h"
+
 namespace forceshade::mutation {
 namespace {
 
@@ -123,7 +125,7 @@ Operands value_operands(const Instruction& one) {
 // A mutant's list in the making.
 class Lister {
 public:
-    explicit Lister(const KernelCode& code) : code_(code) {
+    explicit Lister(const KernelCode& code) : code_(code), unread_(code) {
         for (const Instruction& one : code.instructions())
             if (one.code == spv::OpStore)
                 ++stores_[code.variable_of(code.word(one, 1))];
@@ -179,7 +181,8 @@ private:
         mutants_.push_back({block_,
                             fmt::format("{} {}#{} {}", code_.blocks()[block_].function, name_of_code(here().code),
                                         counts_[here().code], change),
-                            fmt::format("{} {}", code_.line(at_), id ? fmt::format("%{}", id) : "-"), apply});
+                            fmt::format("{} {}", code_.line(at_), id ? fmt::format("%{}", id) : "-"),
+                            unread_[at_], apply});
     }
     void add(const std::string& change, const Edit& edit) {
         add(change, [edit](Changed& changed) { changed.edit(edit); });
@@ -187,12 +190,19 @@ private:
 
     void exchange(std::size_t left, std::size_t right) {
         const std::uint32_t a = code_.word(here(), left), b = code_.word(here(), right);
-        if (a == b || code_.type_of(a) != code_.type_of(b))
+        if (is_same(a, b) || code_.type_of(a) != code_.type_of(b))
             return;
         add("exchanged", [at = here().at, left, right, a, b](Changed& changed) {
             changed.edit({at + left, 1, {b}});
             changed.edit({at + right, 1, {a}});
         });
+    }
+
+    // True of two loads from one place too.
+    bool is_same(std::uint32_t a, std::uint32_t b) const {
+        const Instruction *one = code_.definition(a), *other = code_.definition(b);
+        return a == b || (one->code == spv::OpLoad && other->code == spv::OpLoad &&
+                          code_.word(*one, 3) == code_.word(*other, 3));
     }
 
     void leave_out() {
@@ -275,6 +285,11 @@ private:
             [at = here().at + here().count - 1, type = code_.word(index, 1), next = *next](Changed& changed) {
                 changed.edit({at, 1, {changed.constant(type, next)}});
             });
+        // What is stored there instead may be read.
+        Part instead = unread_.part_of(code_.result(here()));
+        if (!instead.members.empty())
+            instead.members.back() = *next;
+        mutants_.back().unread = mutants_.back().unread && unread_.is_unread(instead);
     }
 
     void change_constant(std::size_t word) {
@@ -322,6 +337,7 @@ private:
     }
 
     const KernelCode& code_;
+    Unread unread_;
     std::map<std::uint32_t, int> stores_; // to each variable
     std::map<std::uint32_t, int> counts_; // of each operation, in the present function
     std::size_t block_ = 0, at_ = 0;

@@ -14,6 +14,7 @@ struct Mutant {
     std::size_t block = 0; /* of KernelCode::blocks() */
     std::string key;       /* "contact_at FSub#3 to FAdd": the same in every precision, while its function stays */
     std::string place;     /* "contact.glsl:41 %345" */
+    bool unread = false;   /* nothing reads what the instruction gives */
     std::function<void(Changed&)> apply;
 };
 

@@ -9,6 +9,8 @@
 #include <set>
 #include <stdexcept>
 
+#include <fnmatch.h>
+
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -29,7 +31,7 @@ struct Arguments {
     bool verbose = false, coverage = false;
 };
 
-// Survivors that were looked at: "kernel key | reason" a line.
+// Survivors that were looked at, one a line: "KERNEL PRECISION KEY | REASON", all but the reason with * for any text.
 class Known {
 public:
     explicit Known(const std::string& file) {
@@ -42,17 +44,20 @@ public:
                 continue;
             if (bar == std::string::npos)
                 throw std::runtime_error(fmt::format("{}: a line without \" | \" and a reason: {}", file, line));
-            reasons_[line.substr(0, bar)] = line.substr(bar + 3);
+            reasons_.emplace_back(line.substr(0, bar), line.substr(bar + 3));
         }
     }
     /// Empty: it was not.
-    std::string reason(const Kernel& kernel, const Mutant& mutant) const {
-        const auto found = reasons_.find(fmt::format("{} {}", kernel.name, mutant.key));
-        return found == reasons_.end() ? "" : found->second;
+    std::string reason(const std::string& kernel, const Mutant& mutant) const {
+        const std::string whole = kernel + " " + mutant.key;
+        for (const auto& [pattern, reason] : reasons_)
+            if (fnmatch(pattern.c_str(), whole.c_str(), 0) == 0)
+                return reason;
+        return "";
     }
 
 private:
-    std::map<std::string, std::string> reasons_;
+    std::vector<std::pair<std::string, std::string>> reasons_;
 };
 
 // The first `count` numbers of a random order of `all`, the same on every machine.
@@ -83,10 +88,15 @@ public:
         : kernel_(kernel), scenes_(scenes), known_(known), arguments_(arguments),
           code_(kernel.words, kernel.with_lines), kills_(scenes.size(), 0) {
         choose();
-        coverage_ = coverage_of(kernel, code_, scenes, blocks());
+        if (arguments.dump.empty())
+            coverage_ = coverage_of(kernel, code_, scenes, blocks());
     }
 
     Score run() {
+        if (!arguments_.dump.empty()) {
+            dump();
+            return score_;
+        }
         require_intact_passes();
         if (arguments_.coverage)
             print_coverage();
@@ -125,11 +135,26 @@ private:
     // Where the block runs; first the scenes that showed most so far.
     std::vector<std::size_t> live_scenes(const Mutant& mutant) const {
         std::vector<std::size_t> live;
+        if (mutant.unread)
+            return live;
         for (std::size_t scene = 0; scene < scenes_.size(); ++scene)
             if (coverage_[scene][mutant.block])
                 live.push_back(scene);
         std::ranges::stable_sort(live, std::greater<>(), [&](std::size_t scene) { return kills_[scene]; });
         return live;
+    }
+
+    // For spirv-dis and spirv-val.
+    void dump() const {
+        for (std::size_t i = 0; i < chosen_.size(); ++i) {
+            Changed changed(code_);
+            chosen_[i].apply(changed);
+            const Words words = changed.words();
+            const std::string file = fmt::format("{}/{}.{}.spv", arguments_.dump, name(), i);
+            std::ofstream(file, std::ios::binary)
+                .write(reinterpret_cast<const char*>(words.data()), std::streamsize(4 * words.size()));
+            fmt::print("{}: {} {}\n", file, chosen_[i].place, chosen_[i].key);
+        }
     }
 
     void require_intact_passes() {
@@ -183,7 +208,7 @@ private:
     }
 
     void print_survivor(const Mutant& mutant, const std::vector<std::size_t>& live) {
-        const std::string reason = known_.reason(kernel_, mutant);
+        const std::string reason = known_.reason(name(), mutant);
         score_.known += !reason.empty();
         std::vector<std::string> names;
         for (const std::size_t scene : live)
@@ -274,6 +299,7 @@ int main(int argc, char** argv) {
     app.add_option("--known", arguments.known, "file of survivors that were looked at")->capture_default_str();
     app.add_option("--jobs", arguments.jobs, "processes at a time")->capture_default_str();
     app.add_option("--seconds", arguments.seconds, "of processor time a mutant may take")->capture_default_str();
+    app.add_option("--dump", arguments.dump, "a folder for the mutants' SPIR-V; none is run then");
     app.add_flag("--verbose", arguments.verbose, "names every mutant, not only survivors");
     app.add_flag("--coverage", arguments.coverage, "names the scenes in which each block runs");
     CLI11_PARSE(app, argc, argv);
