@@ -181,8 +181,8 @@ private:
         mutants_.push_back({block_,
                             fmt::format("{} {}#{} {}", code_.blocks()[block_].function, name_of_code(here().code),
                                         counts_[here().code], change),
-                            fmt::format("{} {}", code_.line(at_), id ? fmt::format("%{}", id) : "-"),
-                            unread_[at_], apply});
+                            fmt::format("{} {}", code_.line(at_), id ? fmt::format("%{}", id) : "-"), unread_[at_],
+                            apply});
     }
     void add(const std::string& change, const Edit& edit) {
         add(change, [edit](Changed& changed) { changed.edit(edit); });
@@ -201,8 +201,8 @@ private:
     // True of two loads from one place too.
     bool is_same(std::uint32_t a, std::uint32_t b) const {
         const Instruction *one = code_.definition(a), *other = code_.definition(b);
-        return a == b || (one->code == spv::OpLoad && other->code == spv::OpLoad &&
-                          code_.word(*one, 3) == code_.word(*other, 3));
+        return a == b ||
+               (one->code == spv::OpLoad && other->code == spv::OpLoad && code_.word(*one, 3) == code_.word(*other, 3));
     }
 
     void leave_out() {

@@ -27,7 +27,7 @@ struct Arguments {
     std::vector<std::string> scene_names;
     std::size_t sample = 200;
     std::uint64_t seed = 1;
-    unsigned jobs = 1, seconds = 20;
+    unsigned jobs = 1, seconds = 8;
     bool verbose = false, coverage = false;
 };
 
@@ -298,7 +298,8 @@ int main(int argc, char** argv) {
     app.add_option("--folder", arguments.scenes, "of the scenes")->capture_default_str();
     app.add_option("--known", arguments.known, "file of survivors that were looked at")->capture_default_str();
     app.add_option("--jobs", arguments.jobs, "processes at a time")->capture_default_str();
-    app.add_option("--seconds", arguments.seconds, "of processor time a mutant may take")->capture_default_str();
+    app.add_option("--seconds", arguments.seconds, "of processor time that a mutant may take for a scene")
+        ->capture_default_str();
     app.add_option("--dump", arguments.dump, "a folder for the mutants' SPIR-V; none is run then");
     app.add_flag("--verbose", arguments.verbose, "names every mutant, not only survivors");
     app.add_flag("--coverage", arguments.coverage, "names the scenes in which each block runs");

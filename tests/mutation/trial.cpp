@@ -117,6 +117,8 @@ bool is_for(const Kernel& kernel, const PreparedCase& scene) {
 
 namespace {
 
+constexpr std::chrono::minutes kLongest(20); // of one process, which may also wait for nothing
+
 // How a process ends: one of these and the scene's number.
 constexpr int kSurvived = 0, kDiffers = 64, kError = 128;
 
@@ -137,13 +139,23 @@ void replace(const Kernel& kernel, Words words) {
     replacement = std::move(words);
 }
 
-int run_trial(const Kernel& kernel, const std::vector<PreparedCase>& scenes, Trial trial) {
+// From here on the process may take so many seconds of processor time; then it is ended.
+void limit_time(unsigned seconds) {
+    rusage used{};
+    getrusage(RUSAGE_SELF, &used);
+    const auto end = static_cast<rlim_t>(used.ru_utime.tv_sec + used.ru_stime.tv_sec + 2) + seconds;
+    const rlimit limit{end, RLIM_INFINITY};
+    setrlimit(RLIMIT_CPU, &limit);
+}
+
+int run_trial(const Kernel& kernel, const std::vector<PreparedCase>& scenes, Trial trial, unsigned seconds) {
     replace(kernel, std::move(trial.words));
     std::size_t at = trial.scenes.front();
     try {
         const auto engine = software_engine();
         for (const std::size_t scene : trial.scenes) {
             at = scene;
+            limit_time(seconds);
             if (!passes(*engine, kernel, scenes[scene]))
                 return kDiffers + static_cast<int>(scene);
         }
@@ -154,14 +166,13 @@ int run_trial(const Kernel& kernel, const std::vector<PreparedCase>& scenes, Tri
 }
 
 // Forks; the child does `work`, ends with what that returns and says nothing.
-pid_t begin_process(const std::function<int()>& work, unsigned seconds) {
+pid_t begin_process(const std::function<int()>& work) {
     const pid_t child = fork();
     if (child < 0)
         throw std::runtime_error(fmt::format("no process can be started: {}", std::strerror(errno)));
     if (child != 0)
         return child;
-    const rlimit time{seconds, seconds}, none{0, 0};
-    setrlimit(RLIMIT_CPU, &time);
+    const rlimit none{0, 0};
     setrlimit(RLIMIT_CORE, &none);
     const int nowhere = open("/dev/null", O_WRONLY | O_CLOEXEC);
     dup2(nowhere, STDOUT_FILENO);
@@ -192,7 +203,7 @@ void try_kernels(const Kernel& kernel, const std::vector<PreparedCase>& scenes, 
     using Clock = std::chrono::steady_clock;
     struct Running {
         std::size_t trial;
-        Clock::time_point end; // a process may also wait for nothing
+        Clock::time_point end;
         bool late = false;
     };
     std::map<pid_t, Running> running;
@@ -203,8 +214,8 @@ void try_kernels(const Kernel& kernel, const std::vector<PreparedCase>& scenes, 
                 done(next++, {});
                 continue;
             }
-            const pid_t child = begin_process([&] { return run_trial(kernel, scenes, one); }, seconds);
-            running[child] = {next++, Clock::now() + std::chrono::seconds(20 * seconds)};
+            const pid_t child = begin_process([&] { return run_trial(kernel, scenes, one, seconds); });
+            running[child] = {next++, Clock::now() + kLongest};
             continue;
         }
         int status = 0;
@@ -273,19 +284,17 @@ std::vector<bool> blocks_that_run(const Kernel& kernel, const KernelCode& code, 
     if (pipe(ends.data()) != 0)
         throw std::runtime_error("no pipe");
     const std::size_t count = blocks.size();
-    const pid_t child = begin_process(
-        [&] {
-            try {
-                replace(kernel, with_coverage(code, kernel.marks, blocks));
-                Marks marks(software_engine(), kernel.channel, coverage_stride(code, kernel.marks), count);
-                passes(marks, kernel, scene);
-                return write(ends[1], marks.ran().data(), count) == ssize_t(count) ? 0 : 1;
-            } catch (const std::exception& error) {
-                const std::string text = error.what();
-                return write(ends[1], text.data(), text.size()) >= 0 ? 1 : 2;
-            }
-        },
-        120);
+    const pid_t child = begin_process([&] {
+        try {
+            replace(kernel, with_coverage(code, kernel.marks, blocks));
+            Marks marks(software_engine(), kernel.channel, coverage_stride(code, kernel.marks), count);
+            passes(marks, kernel, scene);
+            return write(ends[1], marks.ran().data(), count) == ssize_t(count) ? 0 : 1;
+        } catch (const std::exception& error) {
+            const std::string text = error.what();
+            return write(ends[1], text.data(), text.size()) >= 0 ? 1 : 2;
+        }
+    });
     close(ends[1]);
     std::string read_back(4096 + count, '\0');
     std::size_t size = 0;

@@ -42,7 +42,7 @@ struct Trial {
 };
 
 /// Runs `validate`'s comparison on changed kernels, so many processes at a time; `done` takes what came of each. A
-/// process that takes more than `seconds` of processor time is ended.
+/// process that takes more than `seconds` of processor time for a scene is ended.
 void try_kernels(const Kernel& kernel, const std::vector<PreparedCase>& scenes, std::size_t trials,
                  const std::function<Trial(std::size_t)>& trial,
                  const std::function<void(std::size_t, const Outcome&)>& done, unsigned jobs, unsigned seconds);

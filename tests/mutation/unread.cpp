@@ -51,8 +51,8 @@ Part Unread::part_of(std::uint32_t pointer) const {
 
 bool Unread::is_unread(const Part& part) const {
     const Instruction* variable = code_.definition(part.variable);
-    if (!variable || (code_.word(*variable, 3) != spv::StorageClassFunction &&
-                      code_.word(*variable, 3) != spv::StorageClassPrivate))
+    if (!variable ||
+        (code_.word(*variable, 3) != spv::StorageClassFunction && code_.word(*variable, 3) != spv::StorageClassPrivate))
         return false;
     return std::ranges::none_of(read_, [&](const Part& read) {
         const std::size_t shared = std::min(read.members.size(), part.members.size());
