@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstddef>
 #include <fcntl.h>
+#include <limits>
 #include <string_view>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -160,6 +161,30 @@ Json read_json(const std::filesystem::path& path) {
     const auto size = static_cast<double>(ReadableFile(path).size());
     require_memory(path, fmt::format("JSON of {} bytes", size), size * kExpansion);
     return parse_json(read_file(path));
+}
+
+namespace {
+
+std::uint64_t whole_number(const Json& json, std::uint64_t most) {
+    const bool whole = json.is_number_unsigned() || (json.is_number_integer() && json.get<std::int64_t>() >= 0);
+    if (!whole || json.get<std::uint64_t>() > most)
+        throw Json::type_error::create(302, fmt::format("a whole number from 0 to {} is wanted", most), &json);
+    return json.get<std::uint64_t>();
+}
+
+} // namespace
+
+void read_whole(const Json& json, std::uint64_t& value) {
+    value = whole_number(json, std::numeric_limits<std::uint64_t>::max());
+}
+
+void read_whole(const Json& json, unsigned& value) {
+    value = static_cast<unsigned>(whole_number(json, std::numeric_limits<unsigned>::max()));
+}
+
+void read_whole(const Json& json, std::array<std::uint64_t, 3>& values) {
+    for (std::size_t i = 0; i < values.size(); ++i)
+        read_whole(json.at(i), values[i]);
 }
 
 } // namespace forceshade

@@ -2,6 +2,7 @@
 // the machine has.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -74,5 +75,16 @@ Json parse_json(std::string_view text);
 /// Of a whole file. \throws IoError if it cannot be read or is no regular file, UsageError if it is too large for the
 /// memory that is allowed (require_memory).
 Json read_json(const std::filesystem::path& path);
+
+/// Reads a whole number from 0 on. Json itself converts any number, however large. \throws Json::exception for a number
+/// that is negative, too large for the type or no integer, and for anything else
+void read_whole(const Json& json, std::uint64_t& value);
+void read_whole(const Json& json, unsigned& value);
+void read_whole(const Json& json, std::array<std::uint64_t, 3>& values);
+
+template <typename T>
+concept Whole = requires(const Json& json, T& value) {
+    read_whole(json, value);
+};
 
 } // namespace forceshade

@@ -38,7 +38,12 @@ struct JsonWriter {
 };
 struct JsonReader {
     const Json& json;
-    template <typename T> void operator()(const char* name, T& value) const { json.at(name).get_to(value); }
+    template <typename T> void operator()(const char* name, T& value) const {
+        if constexpr (Whole<T>)
+            read_whole(json.at(name), value);
+        else
+            json.at(name).get_to(value);
+    }
     JsonReader part(const char* name) const { return {json.at(name)}; }
 };
 
@@ -154,8 +159,10 @@ CaseRecord from_json(const Json& json) {
         record.inputs.push_back({file.at("name"), file.at("sha256"), 0});
     record.precision = json.at("precision");
     list_engine(JsonReader{json.at("engine")}, record.engine);
-    for (const Json& file : json.at("files"))
-        record.files.push_back({file.at("name"), file.at("sha256"), file.at("bytes")});
+    for (const Json& file : json.at("files")) {
+        record.files.push_back({file.at("name"), file.at("sha256"), 0});
+        read_whole(file.at("bytes"), record.files.back().bytes);
+    }
     list_case(JsonReader{json}, record);
     const auto read_deviation = [](const Json& from, std::optional<DeviationRecord>& deviation) {
         if (from.contains("compare"))

@@ -37,7 +37,7 @@ void take_account(Sweep& sweep, const Json& manifest) {
         return json.contains(key) && json[key].is_number() ? json[key].get<double>() : 0.0;
     };
     sweep.program = text(manifest, "program");
-    sweep.cases_of_study = static_cast<std::size_t>(std::max(0.0, number(manifest, "cases_of_study")));
+    sweep.cases_of_study = static_cast<std::size_t>(std::clamp(number(manifest, "cases_of_study"), 0.0, 1e15));
     if (!manifest.contains("last_run") || !manifest["last_run"].is_object())
         return;
     const Json& run = manifest["last_run"];

@@ -99,15 +99,20 @@ std::string text_of(const Json& json) {
 
 ShardNote note_of(const Json& json) {
     ShardNote note;
-    note.shard = {json.at("shard").get<std::size_t>(), json.at("of").get<std::size_t>()};
+    const auto whole = [&json](const char* name) {
+        std::uint64_t value = 0;
+        read_whole(json.at(name), value);
+        return value;
+    };
+    note.shard = {whole("shard"), whole("of")};
     note.only = json.at("only").get<std::string>();
-    note.cases = json.at("cases").get<std::size_t>();
-    note.kept = json.at("kept").get<std::size_t>();
-    note.computed = json.at("computed").get<std::size_t>();
+    note.cases = whole("cases");
+    note.kept = whole("kept");
+    note.computed = whole("computed");
     for (const Json& failure : json.at("failures"))
         note.failures.push_back({failure.at("case").get<std::string>(), failure.at("message").get<std::string>()});
     note.host = json.at("host").get<std::string>();
-    note.process = json.at("process").get<std::int64_t>();
+    note.process = static_cast<std::int64_t>(whole("process"));
     note.started = json.at("started").get<double>();
     note.told = json.at("told").get<double>();
     note.ended = json.at("ended").get<bool>();

@@ -88,6 +88,12 @@ TEST(StudyFiles, DamageIsTold) {
     const std::string text = data_json(written_sample());
     EXPECT_NE(complaint_about(text.substr(0, text.size() / 2)).find("damaged"), std::string::npos);
     EXPECT_NE(complaint_about("[]").find("no account of a study"), std::string::npos);
+    for (const char* cores : {"1e30", "-1", "4294967296", "1.5", "\"4\""})
+        EXPECT_NE(complaint_about(
+                      std::regex_replace(text, std::regex("\"cores\":[0-9]+"), fmt::format("\"cores\":{}", cores)))
+                      .find("damaged"),
+                  std::string::npos)
+            << cores;
     EXPECT_NE(complaint_about(R"({"format": 0, "study": "energy"})").find("format is 0"), std::string::npos);
     std::string ragged = text;
     const std::string cells = "[0.1,null]";

@@ -12,8 +12,8 @@
 #include "host/output/reading.h"
 #include "host/picture/chart.h"
 
-/// A struct as an object of its members, in this order; read by NLOHMANN_JSON_FROM, or ..._WITH_DEFAULT where files of
-/// the same format may lack some.
+/// A struct as an object of its members, in this order; read by FORCESHADE_FROM, or NLOHMANN_JSON_FROM_WITH_DEFAULT
+/// where files of the same format may lack some.
 #define FORCESHADE_FIELDS_READ_BY(READ, Struct, ...)                                                                   \
     void to_json(Json& nlohmann_json_j, const Struct& nlohmann_json_t) {                                               \
         NLOHMANN_JSON_EXPAND(NLOHMANN_JSON_PASTE(NLOHMANN_JSON_TO, __VA_ARGS__))                                       \
@@ -22,9 +22,17 @@
         [[maybe_unused]] const Struct nlohmann_json_default_obj{};                                                     \
         NLOHMANN_JSON_EXPAND(NLOHMANN_JSON_PASTE(READ, __VA_ARGS__))                                                   \
     }
-#define FORCESHADE_FIELDS(...) FORCESHADE_FIELDS_READ_BY(NLOHMANN_JSON_FROM, __VA_ARGS__)
+#define FORCESHADE_FROM(member) read_member(nlohmann_json_j.at(#member), nlohmann_json_t.member);
+#define FORCESHADE_FIELDS(...) FORCESHADE_FIELDS_READ_BY(FORCESHADE_FROM, __VA_ARGS__)
 
 namespace forceshade {
+
+template <typename T> static void read_member(const Json& json, T& value) {
+    if constexpr (Whole<T>)
+        read_whole(json, value);
+    else
+        json.get_to(value);
+}
 
 FORCESHADE_FIELDS(FileRecord, name, sha256, bytes)
 
@@ -77,9 +85,12 @@ void from_json(const Json& json, Table& table) {
         const bool packed = cells[column].is_object();
         const Json& values = packed ? cells[column].at("at") : cells[column];
         table.rows.resize(std::max(table.rows.size(), values.size()));
-        for (std::size_t row = 0; row < values.size(); ++row)
-            table.rows[row].push_back(
-                (packed ? cells[column].at("of").at(values[row].get<std::size_t>()) : values[row]).get<Cell>());
+        for (std::size_t row = 0; row < values.size(); ++row) {
+            std::size_t place = 0;
+            if (packed)
+                read_whole(values[row], place);
+            table.rows[row].push_back((packed ? cells[column].at("of").at(place) : values[row]).get<Cell>());
+        }
     }
 }
 
