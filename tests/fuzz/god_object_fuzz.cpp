@@ -105,7 +105,19 @@ double winding_at(const brute::Triangles& triangles, const glm::dvec3& place) {
     return static_cast<double>(sum / (4 * std::numbers::pi_v<long double>));
 }
 
-template <typename T> void walk(const MeshStructure& structure, bool closed, Bytes& bytes) {
+/// Whether no corner lies in front of any triangle.
+bool is_convex(const brute::Triangles& triangles) {
+    for (const auto& plane : triangles.corners) {
+        const glm::dvec3 a(plane[0]), normal = glm::cross(glm::dvec3(plane[1]) - a, glm::dvec3(plane[2]) - a);
+        for (const auto& corners : triangles.corners)
+            for (std::size_t i = 0; i < 3; ++i)
+                if (glm::dot(normal, glm::dvec3(corners[i]) - a) > 1e-9)
+                    return false;
+    }
+    return true;
+}
+
+template <typename T> void walk(const MeshStructure& structure, bool closed, bool within, Bytes& bytes) {
     MeshTables<T> tables = make_mesh_tables<T>(structure, 1.0);
     const layout::MeshView<T> view = tables.view();
     MeshTables<T> listed = tables;
@@ -118,10 +130,17 @@ template <typename T> void walk(const MeshStructure& structure, bool closed, Byt
     reference::GodObject<T> state, other;
     Course course(bytes, structure);
     std::optional<double> side;
+    const bool convex = closed && is_convex(triangles);
     const double skin = double(reference::Skin<T>::kWidth);
     const auto gap = [&] { return std::sqrt(double(reference::nearest(view, state.proxy).square)) / skin; };
     for (unsigned step = 0; step < kSteps && (step == 0 || !bytes.empty()); ++step) {
-        const glm::vec<3, T> probe(course.next());
+        glm::vec<3, T> probe(course.next());
+        if (within && step == 0) { // half a skin from a triangle, on either side
+            const reference::Triangle<T> one =
+                reference::triangle_at(view, static_cast<layout::uint>(bytes.below(256) % view.triangle_facets.size()));
+            probe = (one.corners[0] + one.corners[1] + one.corners[2]) / T(3) +
+                    (bytes.below(2) ? T(skin / 2) : T(-skin / 2)) * one.normal;
+        }
         unsigned crossed = 0;
         const auto trace = [&](const glm::vec<3, T>& from, const glm::vec<3, T>& to) {
             crossed += grid.touches(wide(from), wide(to));
@@ -139,11 +158,25 @@ template <typename T> void walk(const MeshStructure& structure, bool closed, Byt
         require(contact.finished || !closed, "step {}: it does not come to rest", step);
         // Seen from far, whole folds are thinner than the skin.
         require(gap() > kLeastGap || structure.scale > kFar, "step {}: {} skins from the mesh", step, gap());
+        if (closed && contact.finished && !contact.touching)
+            require(glm::length(wide(state.proxy) - wide(probe)) <= 1e3 * skin * (1 + glm::length(wide(probe))),
+                    "step {}: in the open, it does not reach the probe", step);
         if (closed) {
+            if (step == 0 && double(reference::nearest(view, probe).square) > skin * skin / 64)
+                side = winding_at(triangles, wide(probe)); // it begins where the probe is
             const double now = winding_at(triangles, wide(state.proxy));
             require(std::abs(now - side.value_or(now)) < 0.5, "step {}: the winding number was {}, it is {}", step,
                     side.value_or(now), now);
             side = now;
+            // Within a convex room one place is nearest to the probe.
+            if (convex && now > 0.5 && glm::length(wide(probe)) < 4) {
+                const double depth = winding_at(triangles, wide(probe)) > 0.5
+                                         ? 0
+                                         : std::sqrt(double(reference::nearest(view, probe).square));
+                const double distance = glm::length(wide(probe) - wide(state.proxy));
+                require(distance <= depth + 64 * skin, "step {}: it rests {} from the probe where {} is possible", step,
+                        distance, depth);
+            }
         }
     }
 }
@@ -166,9 +199,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         // Of what is flat to within rounding, or seen from too far, no side can be told.
         const bool solid = is_solid(findings) && brute::choose_triangles(mesh).noise == 0 && structure.scale <= kFar;
         if (kind & 1)
-            walk<double>(structure, solid, bytes);
+            walk<double>(structure, solid, (kind & 4) != 0, bytes);
         else
-            walk<float>(structure, solid, bytes);
+            walk<float>(structure, solid, (kind & 4) != 0, bytes);
     } catch (const UsageError&) {
     }
     return 0;

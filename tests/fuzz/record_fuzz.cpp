@@ -12,6 +12,27 @@ namespace {
 using fuzz::require;
 using Json = nlohmann::ordered_json;
 
+/// Whether what is written stands in what was read: numbers as they were unless a type rounds them.
+bool stems_from(const Json& written, const Json& read) {
+    if (written.is_object() && read.is_object()) {
+        for (const auto& [key, value] : written.items())
+            if (read.contains(key) && key != "relative_error" && !stems_from(value, read[key]))
+                return false;
+        return true;
+    }
+    if (written.is_array() && read.is_array() && written.size() == read.size()) {
+        for (std::size_t i = 0; i < written.size(); ++i)
+            if (!stems_from(written[i], read[i]))
+                return false;
+        return true;
+    }
+    if (written.is_number_integer() && read.is_number_integer())
+        return written.get<std::uint64_t>() == read.get<std::uint64_t>();
+    if (written.is_number_float() && read.is_number())
+        return written.get<double>() == read.get<double>();
+    return !written.is_string() || written == read;
+}
+
 void check_case(const Json& json) {
     const std::optional<CaseRecord> record = record_of(json);
     if (!record)
@@ -21,6 +42,11 @@ void check_case(const Json& json) {
     const std::optional<CaseRecord> again = record_of(Json::parse(text));
     require(again.has_value(), "a record cannot be read again");
     require(record_json(*again) == text, "a record becomes another");
+    const Json written = Json::parse(text);
+    require(stems_from(written, json) && written.contains("compare") == json.contains("compare") &&
+                written.contains("paths") == json.contains("paths") &&
+                (!json.contains("paths") || written["paths"].contains("compare") == json["paths"].contains("compare")),
+            "a record is not what was read: {}", text);
 }
 
 void check_csv(const study::Table& table) {
@@ -39,7 +65,11 @@ void check_csv(const study::Table& table) {
     for (const std::vector<study::Cell>& row : table.rows) {
         require(reader.next() && reader.size() == row.size(), "a row has {} cells", reader.size());
         for (std::size_t i = 0; i < row.size(); ++i)
-            require(reader.text(i) == row[i].text(), "\"{}\" is read as \"{}\"", row[i].text(), reader.text(i));
+            if (const double* number = std::get_if<double>(&row[i]))
+                require(std::strtod(std::string(reader.text(i)).c_str(), nullptr) == *number, "{} is read as {}",
+                        *number, reader.text(i));
+            else
+                require(reader.text(i) == row[i].text(), "\"{}\" is read as \"{}\"", row[i].text(), reader.text(i));
     }
     require(!reader.next(), "there is more than the table");
 }
@@ -52,7 +82,10 @@ void check_study(const Json& json) {
         return;
     }
     const std::string text = study::data_json(data);
-    require(study::data_json(study::parse_data(Json::parse(text))) == text, "a study becomes another");
+    const study::StudyData again = study::parse_data(Json::parse(text));
+    require(study::data_json(again) == text, "a study becomes another");
+    require(std::ranges::equal(data.tables, again.tables, {}, &study::Table::rows, &study::Table::rows),
+            "a table holds other cells");
     for (const study::Table& table : data.tables)
         check_csv(table);
 }

@@ -63,7 +63,21 @@ void add_scenes(Seeds& seeds) {
     seeds.add("toml", "[surface]\nkind = [\"bump\", \"mesh\"]\nfile = \"a.obj\"\n[[variant]]\n[texture]\nfunction = "
                       "\"sine\"\n[[variant]]\ngrid = { spacing = [\"1 mm\", \"2 mm\", \"3 mm\"] }\n");
     for (const char* text : {"quantity 1e-3 kg m^2/s^2", "quantity 600 mil", "quantity 5 N s/m", "quantity 90 deg",
-                             "override surface.radius=[600 mil, 1 in]", "override paths.kind=taps"})
+                             "override surface.radius=[\"600 mil\", \"1 in\"]", "override paths.kind=taps",
+                             "quantity 1234567.891 mil", "quantity 0.3 in",
+                             "override surface.radius=5 in\n[[variant]]\nsurface.radius = \"1 in\"\n[[variant]]\n"
+                             "surface.width = \"2 in\"\nsurface.radius = [\"3 in\", \"4 in\"]\n",
+                             "[paths]\nloop = \"closed\"\n[hand]\nmass = \"0.2 kg\"\ndamping = \"3 N s/m\"\n",
+                             "[[variant]]\ntexture = {}\n[[variant]]\nsurface.facets = 3\n",
+                             "[grid]\nspacing = [[\"1 mm\"], [\"2 mm\"]]\n",
+                             "[surface]\nkind = \"mesh\"\nfile = \"a\\u0001b\\\\c.obj\"\n"})
+        seeds.add("toml", text);
+    for (const char* text :
+         {"[[variant]]\nsurface.kind = \"mesh\"\nsurface.file = \"a.obj\"\nsurface.sha256 = \"{0}\"\n[[variant]]\n"
+          "surface.kind = \"height_map\"\nsurface.file = \"u.exr\"\nsurface.sha256 = \"{0}\"\n",
+          "[texture]\nfile = \"u.exr\"\nsha256 = \"{0}\"\n"})
+        seeds.add("toml", fmt::format(fmt::runtime(text), std::string(64, 'a')));
+    for (const char* text : {"quantity 7 mm", "quantity 7 N/mm"})
         seeds.add("toml", text);
     std::set<std::string> words{"[[variant]]", "= [\"",   "\"]",   " = {", "deg",       "mil",
                                 "kg",          "N/mm",    "e-300", "µm",   "quantity ", "override ",
@@ -94,6 +108,13 @@ void add_meshes(Seeds& seeds) {
                           "y\r\nproperty float z\r\nproperty float nx\r\nproperty float ny\r\nproperty float nz\r\n"
                           "element face 1\r\nproperty list uchar int vertex_index\r\nend_header\r\n0 0 0 0 0 1\r\n"
                           "1 0 0 0 0 1\r\n0 1 0 0 0 1\r\n3 0 1 2\r\n"));
+    seeds.add("mesh_file", std::string("\1OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n")); // refused, only just
+    seeds.add(
+        "mesh_file",
+        std::string(
+            "\6ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
+            "property float nx\nproperty float ny\nproperty float nz\nelement face 2\nproperty list uchar "
+            "int vertex_index\nend_header\n0 0 0 0 0 1\n1 0 0 0 1 0\n0 1 0 1 0 0\n1 1 0 0 0 -1\n3 0 1 2\n3 2 1 3\n"));
     seeds.add_words("mesh_file", {"v ",
                                   "vn ",
                                   "vt ",
@@ -170,13 +191,20 @@ void add_records(Seeds& seeds) {
     const std::filesystem::path folder = seeds.scratch();
     CaseRecord record = testing::write_sample_case(folder, {.size = {5, 3, 2}, .paths = true});
     record.deviation.emplace();
+    record.files.push_back({"large.exr", "", (std::uint64_t{1} << 33) + 5});
     record.paths.emplace().deviation.emplace();
     testing::write_sample_manifest(folder, {record});
     const std::string one = Json::parse(record_json(record)).dump(),
                       manifest = Json::parse(read_file(folder / "manifest.json")).dump();
     study::StudyData data = testing::sample_study();
     for (study::Table& table : data.tables)
-        table.rows.resize(std::min<std::size_t>(table.rows.size(), 4));
+        table.rows.resize(std::min<std::size_t>(table.rows.size(), 9));
+    study::Table& few = data.tables.emplace_back(data.tables.front()); // its column is written as its different cells
+    few.name = "few";
+    few.columns.resize(1);
+    few.rows.clear();
+    for (const char* word : {"a", "b", "a", "a", "b", "a", "a", "a", "b", "a"})
+        few.rows.push_back({std::string(word)});
     data.findings = {{"sample", "A finding.", "", "here", "now", "for sure"}};
     const std::string study = study::data_json(data);
     data.figures.resize(1);
@@ -217,6 +245,29 @@ void add_volumes(Seeds& seeds) {
         }
 }
 
+void add_paths_volume(Seeds& seeds) {
+    const std::filesystem::path path = seeds.scratch() / "paths.exr";
+    const std::vector<layout::uint> steps(9, 11);
+    PathVolumeHeader header;
+    header.steps = 11;
+    header.paths = 9;
+    header.channels = layout::kChannelForce | layout::kChannelPosition;
+    const std::vector<float> values(3 * 99, 1);
+    PathVolumeWriter writer(path, header);
+    PathRows<float> rows;
+    rows.path_count = 9;
+    rows.pitch = 11;
+    rows.steps = steps;
+    rows.position = values;
+    rows.force = values;
+    writer.write(rows);
+    writer.finish();
+    seeds.add("volume", read_file(path));
+    for (int i = 0; i < 16; ++i)
+        seeds.add("volume", std::string{'\0', static_cast<char>(i), 2, static_cast<char>(i / 2),
+                                        static_cast<char>(i / 4), static_cast<char>(i), 1, 2, 3, 5, 8, 13, 21});
+}
+
 void add_pictures(Seeds& seeds) {
     const std::filesystem::path path = seeds.scratch() / "u";
     const std::vector<std::vector<png_byte>> rows(5, std::vector<png_byte>{0, 255, 7, 9, 100, 3, 3, 3});
@@ -226,6 +277,16 @@ void add_pictures(Seeds& seeds) {
             seeds.add("height_map", read_file(path));
         }
     const auto value = [](int x, int y) { return std::sin(x + 10.0 * y); };
+    for (const double bad : {double(NAN), double(INFINITY)}) { // refused
+        testing::write_exr(path, {{"Y", {Imf::FLOAT, [bad](int x, int y) { return x + y == 3 ? bad : 1; }}}});
+        seeds.add("height_map", read_file(path));
+    }
+    for (int i = 0; i < 40; ++i)
+        seeds.add("height_map",
+                  std::string{static_cast<char>(i % 2), static_cast<char>(i * 37), static_cast<char>(i * 91),
+                              static_cast<char>(i), static_cast<char>(i * 13), static_cast<char>(i * 7),
+                              static_cast<char>(i / 2), static_cast<char>(i * 5), static_cast<char>(i * 3),
+                              static_cast<char>(i * 11), static_cast<char>(i), 7});
     for (const Imf::Compression compression : {Imf::NO_COMPRESSION, Imf::RLE_COMPRESSION, Imf::ZIP_COMPRESSION,
                                                Imf::PIZ_COMPRESSION, Imf::PXR24_COMPRESSION})
         for (const bool tiled : {false, true}) {
@@ -237,6 +298,9 @@ void add_pictures(Seeds& seeds) {
 
 void add_tables(Seeds& seeds) {
     seeds.add("csv", "path,t,x,y,z\n0,0,0.1,0,-1e-3\n0,0.001,0.2,0,-1e-3\n1,0,+1,2,3\n0,0.002,0,0,0\n");
+    seeds.add("csv", "path,t,x,y,z\n0,0,-2e15,0,0\n"); // each of these is refused
+    seeds.add("csv", "path,t,x,y,z\n0.5,0,0,0,0\n");
+    seeds.add("csv", "path,t,x,y,z\n0,1,0,0,0\n0,1,0,0,0\n");
     seeds.add("csv", "\xEF\xBB\xBFt , x,y,\"z\",path,force\r\n0,0,0,0,1e0,\"a,\"\"b\"\r\n\r\n1,1,1,1,1.0,\r\n");
     seeds.add("csv", std::string("\0\1\5a,b \x0d\"x\n\0\x3f\xf0\0\0\0\0\0\1", 20));
     seeds.add_words("csv", {"path,t,x,y,z\n", "\"\"", "\r\n", ",", "nan", "1e308", "4.9e-324", "9007199254740993",
@@ -249,6 +313,9 @@ void add_messages(Seeds& seeds) {
         const char* message :
         {R"({"session_id":7,"inverse3":[{"device_id":"04BA","config":{"type":"inverse3","basis":{"permutation":"XZY"}},"status":{"calibrated":true,"ready":false}}],"verse_grip":[{"device_id":"61548"}]})",
          R"({"inverse3":[{"device_id":"A","state":{"cursor_position":{"x":0.5,"y":-1.25e-1,"z":0}},"status":{"power_supply":true,"started":true}}],"wireless_verse_grip":[{"state":{"buttons":{"a":true,"b":false,"c":true}}}]})",
+         R"({"inverse3":[{"device_id":"04BAX","state":{"cursor_position":{"x":-11,"y":1,"z":0}}}]})",
+         R"({"inverse3":[{"device_id":"A","state":{"cursor_position":{"x":-11,"y":1,"z":0}}}]})",
+         R"({"inverse3":[{"device_id":"AB","state":{"cursor_position":{"x":1,"y":1,"z":0}}}]})",
          R"({"ok":true,"data":{"git_tag":"v3.6.1","project_version":"3.1.1.0"}})", R"({"ok":false,"error":"no"})"}) {
         collect_words(Json::parse(message), words);
         seeds.add("haply", message);
@@ -271,6 +338,7 @@ int main(int count, char** arguments) {
     forceshade::add_records(seeds);
     forceshade::add_volumes(seeds);
     forceshade::add_pictures(seeds);
+    forceshade::add_paths_volume(seeds);
     forceshade::add_tables(seeds);
     forceshade::add_messages(seeds);
     std::filesystem::remove_all(std::filesystem::path(arguments[1]) / "scratch");

@@ -42,16 +42,41 @@ void check_study(std::string_view text) {
     }
 }
 
-/// "KEY=VALUE", as given on a command line.
-void check_override(std::string_view text) {
+/// "KEY=VALUE", as given on a command line, and below it the text that it overrides.
+void check_override(std::string_view input) {
+    const std::size_t end = std::min(input.find('\n'), input.size());
+    const std::string_view text = input.substr(0, end), below = input.substr(std::min(end + 1, input.size()));
     const std::size_t equals = std::min(text.find('='), text.size());
     const Override one{text.substr(0, equals), text.substr(std::min(equals + 1, text.size()))};
     try {
-        const Study study = parse_study("", "f.toml", "/folder", std::span(&one, 1));
+        const Study study = parse_study(below, "f.toml", "/folder", std::span(&one, 1));
         if (study.cases.size() <= kMostCases)
             check_same(study, parse_study(resolved_toml(study), "resolved.toml", "/folder"));
     } catch (const UsageError&) {
     }
+}
+
+/// Of simple units, the value is the nearest double or next to it: their factors are exact in decimals.
+void check_value(std::string_view text, Dimension dimension, double value) {
+    struct Simple {
+        const char* unit;
+        Dimension dimension;
+        long double numerator, denominator;
+    };
+    const std::size_t blank = text.rfind(' ');
+    if (blank == text.npos || text.find_first_not_of("+-.0123456789eE") != blank)
+        return;
+    for (const Simple& one : {Simple{"mil", Dimension::length, 254, 1e7L},
+                              {"in", Dimension::length, 254, 1e4L},
+                              {"mm", Dimension::length, 1, 1e3L},
+                              {"N/mm", Dimension::stiffness, 1e3L, 1}})
+        if (text.substr(blank + 1) == one.unit && dimension == one.dimension) {
+            const long double expected =
+                std::strtold(std::string(text.substr(0, blank)).c_str(), nullptr) * one.numerator / one.denominator;
+            const double ulp = std::nextafter(std::abs(value), INFINITY) - std::abs(value);
+            require(std::abs(expected - static_cast<long double>(value)) <= 0.51L * static_cast<long double>(ulp),
+                    "\"{}\" is {}", text, value);
+        }
 }
 
 /// A quantity that is read is written in SI units and read as the same.
@@ -59,6 +84,7 @@ void check_quantity(std::string_view text) {
     for (const Dimension dimension : {Dimension::length, Dimension::stiffness, Dimension::damping, Dimension::angle}) {
         try {
             const double value = parse_quantity(text, dimension);
+            check_value(text, dimension, value);
             const std::string back = fmt::format("{} {}", value, dimension_info(dimension).unit);
             require(parse_quantity(back, dimension) == value, "\"{}\" is {}, but \"{}\" is not", text, value, back);
         } catch (const UsageError&) {

@@ -7,6 +7,7 @@
 namespace forceshade {
 namespace {
 
+using fuzz::Bytes;
 using fuzz::require;
 
 constexpr std::uint64_t kMostValues = std::uint64_t{1} << 20;
@@ -15,6 +16,34 @@ constexpr std::uint64_t kMostValues = std::uint64_t{1} << 20;
 bool same(const float* one, const float* other, std::size_t count) {
     return std::memcmp(one, other, count * sizeof(float)) == 0;
 }
+
+bool reads(const auto& read) {
+    try {
+        read();
+        return true;
+    } catch (const IoError&) {
+        return false;
+    }
+}
+
+/// In memory, where there is such a place.
+class Folder {
+public:
+    Folder() {
+        std::string name =
+            std::filesystem::exists("/dev/shm") ? "/dev/shm/forceshade-XXXXXX" : "/tmp/forceshade-XXXXXX";
+        require(::mkdtemp(name.data()) != nullptr, "no folder");
+        path_ = name;
+    }
+    ~Folder() {
+        std::error_code ignored;
+        std::filesystem::remove_all(path_, ignored);
+    }
+    const std::filesystem::path& path() const { return path_; }
+
+private:
+    std::filesystem::path path_;
+};
 
 void check_volume(const std::filesystem::path& path) {
     VolumeReader reader(path), threaded(path, 2);
@@ -28,10 +57,12 @@ void check_volume(const std::filesystem::path& path) {
          {layout::kChannelForce, layout::kChannelDepth, layout::kChannelProxy, layout::kChannelUnshaded}) {
         if ((header.channels & channel) == 0)
             continue;
-        reader.read(channel, 0, reader.rows(), all);
+        const bool whole = reads([&] { reader.read(channel, 0, reader.rows(), all); });
+        require(reads([&] { threaded.read(channel, 0, reader.rows(), row); }) == whole, "threads see other damage");
+        if (!whole)
+            continue;
         const std::size_t width = header.size[0] * components_of(channel);
         require(all.size() == width * reader.rows(), "{} values of {} rows", all.size(), reader.rows());
-        threaded.read(channel, 0, reader.rows(), row);
         require(row.size() == all.size() && same(row.data(), all.data(), all.size()), "threads read otherwise");
         for (std::uint64_t i = reader.rows(); i-- > 0;) {
             reader.read(channel, i, 1, row);
@@ -55,6 +86,51 @@ void check_paths(const std::filesystem::path& path) {
         require(scalars->empty() || scalars->size() == samples, "{} scalars", scalars->size());
 }
 
+/// A volume out of bytes is written and read as the same.
+void check_written(Bytes bytes) {
+    static const Folder folder;
+    const std::filesystem::path path = folder.path() / "volume.exr";
+    VolumeHeader header;
+    header.size = {1 + bytes.below(4), 1 + bytes.below(5), 1 + bytes.below(9)};
+    header.spacing = {1, 1, 1};
+    header.compression = static_cast<Compression>(bytes.below(4));
+    header.pixel = static_cast<PixelType>(bytes.below(2));
+    header.channels = layout::kChannelForce | layout::kChannelUnshaded | layout::kChannelDepth | layout::kChannelFacet;
+    const std::size_t samples = header.size[0] * header.size[1] * header.size[2];
+    std::vector<float> force, unshaded, depth; // exact in any format
+    std::vector<layout::uint> ids;
+    for (std::size_t i = 0; i < 3 * samples; ++i) {
+        force.push_back(static_cast<float>(static_cast<int>(bytes.byte()) - 128 + static_cast<int>(i % 3)) / 4);
+        unshaded.push_back(1 - force.back());
+    }
+    for (std::size_t i = 0; i < samples; ++i) {
+        depth.push_back(force[3 * i] * 2);
+        ids.push_back(static_cast<layout::uint>(i * 2654435761U));
+    }
+    VolumeWriter writer(path, header);
+    layout::FieldChunk<float> chunk{
+        header.size[0], header.size[0], 0, header.size[1], 0, header.size[2], force, {}, {}, {}, {}};
+    chunk.unshaded = unshaded;
+    chunk.depth = depth;
+    chunk.facet = ids;
+    writer.write(chunk, 1);
+    writer.finish();
+    VolumeReader reader(path);
+    require(reader.header().size == header.size && reader.header().channels == header.channels &&
+                reader.header().pixel == header.pixel && reader.header().compression == header.compression,
+            "the header is another");
+    std::vector<float> read;
+    std::vector<std::uint32_t> read_ids;
+    for (const auto& [channel, values] : {std::pair(layout::kChannelForce, &force),
+                                          {layout::kChannelUnshaded, &unshaded},
+                                          {layout::kChannelDepth, &depth}}) {
+        reader.read(channel, 0, reader.rows(), read);
+        require(read == *values, "{} is read as other values", name_of_channel(channel));
+    }
+    reader.read_ids(0, reader.rows(), read_ids);
+    require(read_ids == ids, "ids are read as others");
+}
+
 template <typename Read> void attempt(const Read& read) {
     try {
         read();
@@ -69,6 +145,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     using namespace forceshade;
     static fuzz::MemoryFile file;
     set_memory_limit(std::uint64_t{16} << 20); // what is announced and not there takes long to fill
+    if (size > 0 && data[0] == 0) {
+        check_written(fuzz::Bytes(data + 1, size - 1));
+        return 0;
+    }
     file.write({reinterpret_cast<const char*>(data), size});
     attempt([] { check_volume(file.path()); });
     attempt([] {
