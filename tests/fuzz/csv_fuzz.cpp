@@ -1,6 +1,9 @@
-// CSV: recorded paths read or refused, the same in pieces of any size and kept or not; text and numbers that the
-// program writes are read as the same.
+// CSV: recorded paths read or refused, the same in pieces of any size and kept or not, and as a plain reader reads
+// them; text and numbers that the program writes are read as the same.
+#include <array>
 #include <map>
+#include <optional>
+#include <sstream>
 
 #include "host/error.h"
 #include "host/output/raw_formats.h"
@@ -14,7 +17,8 @@ namespace {
 using fuzz::Bytes;
 using fuzz::require;
 
-constexpr double kFarthest = 1e15; // m
+constexpr double kFarthest = 1e15;                           // m
+constexpr std::uint64_t kMostExact = std::uint64_t{1} << 53; // doubles tell whole numbers apart up to here
 
 std::vector<PathSample> read_all(const std::filesystem::path& path, std::size_t most) {
     PathReader reader(path, kFarthest);
@@ -43,6 +47,8 @@ void check_numbers(const std::filesystem::path& path, const std::vector<PathSamp
         const auto number = [&](const char* name) { return std::strtod(cell(name).c_str(), nullptr); };
         require(std::strtold(cell("path").c_str(), nullptr) == static_cast<long double>(sample.path),
                 "line {}: path {} is taken for {}", sample.line, cell("path"), sample.path);
+        require(sample.path <= kMostExact || cell("path").find_first_not_of("0123456789") == std::string::npos,
+                "line {}: path {} may be a rounded number", sample.line, cell("path"));
         require(number("t") == sample.time && number("x") == sample.probe.x && number("y") == sample.probe.y &&
                     number("z") == sample.probe.z,
                 "line {}: numbers are others", sample.line);
@@ -64,17 +70,89 @@ void check_recorded(const RecordedFile& file, const std::vector<PathSample>& sam
     }
 }
 
+/// The cells of a line without quotes.
+std::vector<std::string> cells_of(const std::string& line) {
+    std::vector<std::string> cells{""};
+    for (const char c : line)
+        c == ',' ? void(cells.emplace_back()) : cells.back().push_back(c);
+    for (std::string& cell : cells) {
+        const std::size_t begin = cell.find_first_not_of(" \t"), end = cell.find_last_not_of(" \t");
+        cell = begin == cell.npos ? "" : cell.substr(begin, end - begin + 1);
+    }
+    return cells;
+}
+
+/// A plain number: not one that is 0 only because it is so small.
+std::optional<double> plain_number(const std::string& cell) {
+    char* end = nullptr;
+    const double value = std::strtod(cell.c_str(), &end);
+    const bool plain = !cell.empty() && *end == '\0' && cell.find_first_not_of("+-.0123456789eE") == cell.npos &&
+                       std::isfinite(value) && (value != 0 || cell.find_first_of("123456789eE") == cell.npos);
+    return plain ? std::optional(value) : std::nullopt;
+}
+
+/// The samples of a file read another way, line by line; nothing of a file that this reader does not understand, or
+/// that may be refused.
+std::optional<std::vector<PathSample>> simply_read(const std::string& text) {
+    const auto is_simple = [](char c) {
+        return c == '\n' || c == '\r' || c == '\t' || (c >= ' ' && c <= '~' && c != '"');
+    };
+    if (!std::ranges::all_of(text, is_simple))
+        return {};
+    std::istringstream lines(text);
+    std::map<std::string, std::size_t> columns;
+    std::size_t width = 0;
+    std::uint32_t number = 0;
+    std::vector<PathSample> samples;
+    for (std::string line; std::getline(lines, line);) {
+        ++number;
+        if (line.ends_with('\r') && !lines.eof())
+            line.pop_back();
+        if (line.find('\r') != line.npos || (!line.empty() && line.find_first_not_of(" \t") == line.npos))
+            return {};
+        if (line.empty())
+            continue;
+        const std::vector<std::string> cells = cells_of(line);
+        if (columns.empty()) {
+            width = cells.size();
+            for (std::size_t i = 0; i < width; ++i)
+                if (!columns.emplace(cells[i], i).second)
+                    return {};
+            for (const char* name : {"path", "t", "x", "y", "z"})
+                if (!columns.contains(name))
+                    return {};
+            continue;
+        }
+        if (cells.size() != width)
+            return {};
+        std::array<double, 5> values{};
+        for (std::size_t i = 0; const char* name : {"path", "t", "x", "y", "z"}) {
+            const std::optional<double> value = plain_number(cells[columns.at(name)]);
+            if (!value || (i == 0 && (*value < 0 || *value > kMostExact || *value != std::floor(*value))) ||
+                (i > 1 && std::abs(*value) > kFarthest))
+                return {};
+            values[i++] = *value;
+        }
+        samples.push_back(
+            {static_cast<std::uint64_t>(values[0]), values[1], {values[2], values[3], values[4]}, number});
+    }
+    return samples.empty() ? std::nullopt : std::optional(samples);
+}
+
 void check_paths(std::string_view text) {
     static fuzz::MemoryFile file;
     file.write(text);
+    const auto expected = simply_read(std::string(text));
     std::vector<PathSample> samples;
     try {
         samples = read_all(file.path(), 1000);
     } catch (const UsageError& error) {
+        require(!expected, "plain samples are refused: {}", error.what());
         require(std::string_view(error.what()).starts_with("/proc/self/fd/"), "a message without its place: {}",
                 error.what());
         return;
     }
+    require(!expected || std::ranges::equal(samples, *expected, same), "plain samples are read as others");
     for (const PathSample& sample : samples)
         require(std::isfinite(sample.time) && std::abs(sample.probe.x) <= kFarthest &&
                     std::abs(sample.probe.y) <= kFarthest && std::abs(sample.probe.z) <= kFarthest,

@@ -94,4 +94,24 @@ private:
     int descriptor_;
 };
 
+/// A folder of its own, in memory where the machine has such a place.
+class Folder {
+public:
+    Folder() {
+        std::string name =
+            std::filesystem::exists("/dev/shm") ? "/dev/shm/forceshade-XXXXXX" : "/tmp/forceshade-XXXXXX";
+        require(::mkdtemp(name.data()) != nullptr, "no folder");
+        path_ = name;
+    }
+    ~Folder() {
+        std::error_code ignored;
+        std::filesystem::remove_all(path_, ignored);
+    }
+    Folder(const Folder&) = delete;
+    const std::filesystem::path& path() const { return path_; }
+
+private:
+    std::filesystem::path path_;
+};
+
 } // namespace forceshade::fuzz

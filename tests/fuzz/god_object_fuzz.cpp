@@ -117,6 +117,24 @@ bool is_convex(const brute::Triangles& triangles) {
     return true;
 }
 
+/// Where a god-object rests, nothing of its pull towards the probe is left along the planes of its contact.
+template <typename T>
+void check_rest(const reference::GodObjectContact<T>& contact, const glm::dvec3& proxy, const glm::dvec3& probe,
+                double skin, unsigned step) {
+    const glm::dvec3 pull = probe - proxy;
+    glm::dvec3 left = pull;
+    const glm::dvec3 one = wide(contact.normals[0]);
+    if (contact.count == 1)
+        left -= glm::dot(left, one) * one;
+    if (contact.count == 2) {
+        const glm::dvec3 line = glm::cross(one, wide(contact.normals[1]));
+        left = glm::length(line) > 0.1 ? glm::dot(left, line) / glm::dot(line, line) * line : glm::dvec3(0);
+    }
+    require(contact.count > 2 || glm::length(left) <= 64 * skin + 0.05 * glm::length(pull),
+            "step {}: {} of a pull of {} is left at {} planes", step, glm::length(left), glm::length(pull),
+            contact.count);
+}
+
 template <typename T> void walk(const MeshStructure& structure, bool closed, bool within, Bytes& bytes) {
     MeshTables<T> tables = make_mesh_tables<T>(structure, 1.0);
     const layout::MeshView<T> view = tables.view();
@@ -168,6 +186,8 @@ template <typename T> void walk(const MeshStructure& structure, bool closed, boo
             require(std::abs(now - side.value_or(now)) < 0.5, "step {}: the winding number was {}, it is {}", step,
                     side.value_or(now), now);
             side = now;
+            if (contact.finished && contact.touching && glm::length(wide(probe)) < 4)
+                check_rest(contact, wide(state.proxy), wide(probe), skin, step);
             // Within a convex room one place is nearest to the probe.
             if (convex && now > 0.5 && glm::length(wide(probe)) < 4) {
                 const double depth = winding_at(triangles, wide(probe)) > 0.5

@@ -1,4 +1,6 @@
 // What the Inverse Service may send, and how a device is asked for: only what is a position is taken for one.
+#include <bit>
+
 #include <nlohmann/json.hpp>
 
 #include "device/backends/haply.h"
@@ -38,6 +40,32 @@ std::uint32_t buttons_in(const std::string& message) {
     return pressed;
 }
 
+/// How many conditions a status tells of, and how many of them it does not call true.
+std::pair<int, int> conditions_in(const nlohmann::json& entry) {
+    std::pair<int, int> counts;
+    for (const char* name : {"calibrated", "power_supply", "ready", "started"})
+        if (entry.contains("status") && entry["status"].is_object() && entry["status"].contains(name)) {
+            ++counts.first;
+            counts.second += entry["status"][name] != true;
+        }
+    return counts;
+}
+
+/// What a status says in words: each name that is true or false, in their order.
+std::string status_in(const nlohmann::json& entry) {
+    std::string text;
+    if (entry.contains("status") && entry["status"].is_object())
+        for (const auto& [name, value] : entry["status"].items()) {
+            std::string words = name;
+            std::ranges::replace(words, '_', ' ');
+            if (value == true)
+                text += ", " + words;
+            else if (value == false)
+                text += ", not " + words;
+        }
+    return text.substr(std::min<std::size_t>(text.size(), 2));
+}
+
 /// The text of a frame, as a server takes it apart.
 std::string unframed(std::string_view bytes) {
     const auto at = [&](std::size_t i) { return static_cast<unsigned char>(bytes[i]); };
@@ -58,6 +86,17 @@ void check_messages(const std::string& message) {
                 "a place out of reach");
         require((state.readiness.unmet & ~state.readiness.told) == 0, "what was not told is not met");
         require(state.buttons < 8, "there are three buttons");
+        if (state.readiness.told != 0) {
+            const auto entries = nlohmann::json::parse(message).at("inverse3");
+            const auto is_asked_for = [&](const nlohmann::json& entry) {
+                return entry.is_object() && (id.empty() || entry.value("device_id", nlohmann::json()) == id);
+            };
+            const auto entry = std::ranges::find_if(entries, is_asked_for);
+            require(entry != entries.end(), "a device that is not there is ready");
+            require(id.empty() || conditions_in(*entry) == std::pair(std::popcount(state.readiness.told),
+                                                                     std::popcount(state.readiness.unmet)),
+                    "other conditions are met");
+        }
         if (!state.fault)
             require((holds_position(message, id, state.position) || id.empty()) && state.buttons == buttons_in(message),
                     "the message has another position or other buttons");
@@ -65,8 +104,12 @@ void check_messages(const std::string& message) {
             require(state.position == glm::dvec3(0), "a fault with a position");
     }
     if (const auto devices = read_inventory(message))
-        for (const HaplyDevice& device : *devices) {
+        for (std::size_t i = 0; i < devices->size(); ++i) {
+            const HaplyDevice& device = (*devices)[i];
             require(!device.id.empty(), "a device without an id");
+            const auto entry = nlohmann::json::parse(message).at("inverse3").at(i);
+            require(device.status == status_in(entry) && std::popcount(device.unmet) == conditions_in(entry).second,
+                    "\"{}\" is another status", device.status);
             for (const auto& [dialect, release] : {std::pair("vector", "3.5"), {"values", "3.4"}}) {
                 std::string command;
                 write_command(command, dialect_of(release), device.id, {1, -0.5, 1e-9});
@@ -87,6 +130,16 @@ void check_words(const std::string& text) {
         if (const auto axes = parse_basis(text.substr(0, length))) {
             const glm::dvec3 place(1, 2, 3);
             require(axes->to_world(axes->to_service(place)) == place, "axes do not lead back");
+            int axis = 0, sign = 1; // the same letter by letter
+            for (const char c : text.substr(0, length))
+                if (c == '+' || c == '-')
+                    sign = c == '-' ? -1 : 1;
+                else {
+                    require(axes->to_service(place)[axis] == sign * place[(c | ' ') - 'x'], "the axis {} is another",
+                            axis);
+                    ++axis;
+                    sign = 1;
+                }
         }
     for (const std::size_t length : {125, 126, 300})
         require(unframed(frame(text.substr(0, length))) == text.substr(0, length), "a frame holds another text");
@@ -94,6 +147,8 @@ void check_words(const std::string& text) {
     try {
         const HaplyOptions options = parse_haply(text);
         const Address address = parse_address(options.url);
+        const unsigned long port = std::strtoul(address.port.c_str(), nullptr, 10);
+        require(port >= 1 && port <= 65535, "the port is {}", address.port);
         require(!address.host.empty() && !address.port.empty() && address.path.starts_with('/'), "half an address");
         require((address.host + address.path).find_first_of(" \r\n") == std::string::npos,
                 "an address with a line end");

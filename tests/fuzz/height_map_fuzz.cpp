@@ -59,10 +59,28 @@ void check_exr(Bytes& bytes, const std::filesystem::path& path) {
                                     Imf::PIZ_COMPRESSION};
     const Imf::Compression compression = all[bytes.below(4)];
     const bool tiled = bytes.below(2) != 0;
-    const int factor = 1 + bytes.byte();
+    const int factor = 1 + static_cast<int>(bytes.below(200));
     const auto value = [&](int x, int y) { return std::abs((x + 3) * 7 + (y + 3) * factor); }; // exact as a half, too
-    testing::write_exr(path, {{"Y", {type, value}}}, {display, data, compression, tiled});
-    const HeightImage image = read_height_image(path);
+    const std::size_t kind = bytes.below(4);
+    std::map<std::string, testing::ExrChannel> channels{{"Y", {type, value}}};
+    std::optional<Imath::V2i> coloured; // a pixel of one whose channels are not alike
+    if (kind > 0) {
+        channels = {{"R", {type, value}}, {"G", {type, value}}, {"B", {type, value}}};
+        if (kind > 1)
+            coloured = data.min;
+        channels[kind == 2 ? "G" : "B"].value = [&](int x, int y) {
+            return value(x, y) + (coloured == Imath::V2i(x, y) ? 1 : 0);
+        };
+    }
+    testing::write_exr(path, channels, {display, data, compression, tiled});
+    HeightImage image;
+    try {
+        image = read_height_image(path);
+        require(!coloured || !display.intersects(*coloured), "a coloured EXR picture is read");
+    } catch (const UsageError&) {
+        require(coloured && display.intersects(*coloured), "a grey EXR picture is refused");
+        return;
+    }
     const auto columns = static_cast<std::size_t>(display.max.x - display.min.x + 1);
     require(image.columns == columns &&
                 image.samples.size() == columns * static_cast<std::size_t>(display.max.y - display.min.y + 1),

@@ -26,8 +26,8 @@ bool stems_from(const Json& written, const Json& read) {
                 return false;
         return true;
     }
-    if (written.is_number_integer() && read.is_number_integer())
-        return written.get<std::uint64_t>() == read.get<std::uint64_t>();
+    if (written.is_number_unsigned() && read.is_number_integer()) // what is written is never negative
+        return written.dump() == read.dump();
     if (written.is_number_float() && read.is_number())
         return written.get<double>() == read.get<double>();
     return !written.is_string() || written == read;
@@ -37,7 +37,11 @@ void check_case(const Json& json) {
     const std::optional<CaseRecord> record = record_of(json);
     if (!record)
         return;
-    complaint(*record);
+    require(!record->files.empty(), "a record without files");
+    const bool rests = !record->paths || (record->paths->error.beyond == 0 && record->paths->error.metrics == 0 &&
+                                          record->paths->unfinished == 0);
+    require(complaint(*record).empty() == (record->error.beyond == 0 && rests), "\"{}\" is complained of",
+            complaint(*record));
     const std::string text = record_json(*record);
     const std::optional<CaseRecord> again = record_of(Json::parse(text));
     require(again.has_value(), "a record cannot be read again");

@@ -1,9 +1,11 @@
 // The page of a folder whose manifest.json or study.json is the input: no markup of the input survives. Its tags are
 // those of the page of a folder with the same words made harmless.
 #include <cctype>
+#include <cmath>
 #include <cstdlib>
 #include <fstream>
 #include <functional>
+#include <sstream>
 
 #include <nlohmann/json.hpp>
 
@@ -144,17 +146,60 @@ Json hostile(const Json& json) {
     return with_texts(json, change, keep);
 }
 
-class Folder {
+/// Without the spaces that do not break.
+std::string plain(std::string text) {
+    for (std::size_t at = text.find("\u00a0"); at != text.npos; at = text.find("\u00a0"))
+        text.erase(at, 2);
+    return text;
+}
+
+/// Counts, sizes and durations of any magnitude mean what they are of.
+void check_numbers(std::uint64_t number) {
+    const std::string count = report::count_text(number);
+    require(plain(count) == std::to_string(number) && count.front() != '\xC2', "{} is written as {}", number, count);
+    const double bytes = static_cast<double>(number);
+    std::istringstream size(report::size_text(number));
+    double value = 0;
+    std::string unit;
+    size >> value >> unit;
+    const auto power = std::string_view("B  KiBMiBGiB").find(unit) / 3;
+    const double one = std::pow(1024.0, static_cast<double>(power));
+    require(std::abs(value * one - bytes) <= one && bytes >= (power ? one : 0) && (power == 3 || bytes < 1024 * one),
+            "{} bytes are {} {}", number, value, unit);
+    const double seconds = bytes / 1000;
+    std::istringstream words(report::duration_text(seconds));
+    double sum = 0, resolution = 1;
+    while (words >> value >> unit) {
+        sum += value * (unit == "h" ? 3600 : unit == "min" ? 60 : 1);
+        resolution = unit == "h" ? 60 : resolution;
+        require(unit == "h" || value <= 60, "{} s are {}", seconds, report::duration_text(seconds));
+    }
+    require(seconds > 1e9 || std::abs(sum - seconds) <= resolution, "{} s are {}", seconds,
+            report::duration_text(seconds));
+}
+
+/// What a sweep is said to have left out follows from its cases.
+void check_findings(const report::Sweep& sweep) {
+    double voxels = 0, evaluated = 0;
+    for (const CaseRecord& record : sweep.cases)
+        if (record.voxels > 0) {
+            voxels += static_cast<double>(record.voxels);
+            evaluated += static_cast<double>(record.evaluated);
+        }
+    for (const study::Finding& finding : sweep.findings) {
+        double some = 0, all = 0, per_cent = 0;
+        if (finding.name == "evaluated" && voxels < 1e15 && evaluated < 1e15 &&
+            finding.text.find("\u00d7") == std::string::npos &&
+            std::sscanf(plain(finding.text).c_str(), "Only %lf of %lf voxels had to be evaluated (%lf %%)", &some, &all,
+                        &per_cent) == 3)
+            require(some == evaluated && all == voxels && std::abs(per_cent / 100 - some / all) <= 0.06 * some / all,
+                    "{} of {} voxels are evaluated: {}", evaluated, voxels, finding.text);
+    }
+}
+
+/// The pages of a folder.
+class Pages {
 public:
-    Folder() {
-        std::string name = (std::filesystem::temp_directory_path() / "forceshade-fuzz-XXXXXX").string();
-        require(::mkdtemp(name.data()) != nullptr, "no folder");
-        path_ = name;
-    }
-    ~Folder() {
-        std::error_code ignored;
-        std::filesystem::remove_all(path_, ignored);
-    }
     /// The whole page's title and body, of a folder whose two parts hold this file.
     std::string page(const char* name, const std::string& text) const {
         for (const char* part : {"a", "b"}) {
@@ -173,8 +218,10 @@ public:
         std::ofstream(path_ / name, std::ios::binary) << text;
         const report::Contents contents = report::read_contents(path_);
         std::string html = report::troubles_section(contents.troubles);
-        for (const report::Sweep& sweep : contents.sweeps)
+        for (const report::Sweep& sweep : contents.sweeps) {
+            check_findings(sweep);
             html += report::sweep_section(path_, sweep);
+        }
         for (const report::StudyPart& part : contents.studies)
             html += report::study_section(path_, part);
         std::filesystem::remove(path_ / name);
@@ -182,11 +229,12 @@ public:
     }
 
 private:
-    std::filesystem::path path_;
+    fuzz::Folder folder_;
+    const std::filesystem::path& path_ = folder_.path();
 };
 
 void check_page(const std::string& text) {
-    static const Folder folder;
+    static const Pages folder;
     const Json json = Json::parse(text, nullptr, false);
     const char* const name = json.is_object() && json.contains("study") ? "study.json" : "manifest.json";
     const std::string html = folder.body(name, text);
@@ -216,6 +264,10 @@ void check_words(std::string_view text) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     const std::string_view text(reinterpret_cast<const char*>(data), size);
     forceshade::check_words(text.substr(0, 64));
+    for (std::uint64_t number = std::hash<std::string_view>{}(text), i = 0; i < 8; ++i, number *= 0x9E3779B97F4A7C15u) {
+        forceshade::check_numbers(number >> number % 64);
+        forceshade::check_numbers(std::uint64_t{1} << number % 64);
+    }
     forceshade::check_page(std::string(text));
     if (const auto json = forceshade::Json::parse(text, nullptr, false); !json.is_discarded())
         forceshade::check_page(

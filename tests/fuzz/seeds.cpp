@@ -75,14 +75,18 @@ void add_scenes(Seeds& seeds) {
     for (const char* text :
          {"[[variant]]\nsurface.kind = \"mesh\"\nsurface.file = \"a.obj\"\nsurface.sha256 = \"{0}\"\n[[variant]]\n"
           "surface.kind = \"height_map\"\nsurface.file = \"u.exr\"\nsurface.sha256 = \"{0}\"\n",
-          "[texture]\nfile = \"u.exr\"\nsha256 = \"{0}\"\n"})
+          "[texture]\nfile = \"u.exr\"\nsha256 = \"{0}\"\n",
+          "[surface]\nkind = \"mesh\"\nfile = [\"a.obj\", \"b.obj\"]\nsha256 = [\"{0}\"]\n"})
         seeds.add("toml", fmt::format(fmt::runtime(text), std::string(64, 'a')));
-    for (const char* text : {"quantity 7 mm", "quantity 7 N/mm"})
+    for (const char* text : {"quantity 7 mm", "quantity 7 N/mm", "quantity 3 cm", "quantity -0 m"})
         seeds.add("toml", text);
     std::set<std::string> words{"[[variant]]", "= [\"",   "\"]",   " = {", "deg",       "mil",
                                 "kg",          "N/mm",    "e-300", "µm",   "quantity ", "override ",
                                 "\"\"\"",      "\\u00e9", "nan",   "inf",  "0x1",       "1979-05-27"};
     for (const Key& key : schema_keys()) {
+        if (key.kind == ValueKind::quantity && key.sign != Sign::any) // refused
+            seeds.add("toml", fmt::format("override {}={} {}", key.path(), key.sign == Sign::positive ? 0 : -1,
+                                          dimension_info(key.dimension).unit));
         words.emplace(key.table);
         words.emplace(key.name);
         words.insert(key.path());
@@ -109,6 +113,7 @@ void add_meshes(Seeds& seeds) {
                           "element face 1\r\nproperty list uchar int vertex_index\r\nend_header\r\n0 0 0 0 0 1\r\n"
                           "1 0 0 0 0 1\r\n0 1 0 0 0 1\r\n3 0 1 2\r\n"));
     seeds.add("mesh_file", std::string("\1OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n")); // refused, only just
+    seeds.add("mesh_file", std::string("\1OFF\n3 1 0\n0 0 1e400\n1 0 0\n0 1 0\n3 0 1 2\n"));
     seeds.add(
         "mesh_file",
         std::string(
@@ -193,6 +198,9 @@ void add_records(Seeds& seeds) {
     record.deviation.emplace();
     record.files.push_back({"large.exr", "", (std::uint64_t{1} << 33) + 5});
     record.paths.emplace().deviation.emplace();
+    record.paths->unfinished = 1;
+    record.evaluated = record.voxels / 3;
+    record.paths->deviation->angles = 3;
     testing::write_sample_manifest(folder, {record});
     const std::string one = Json::parse(record_json(record)).dump(),
                       manifest = Json::parse(read_file(folder / "manifest.json")).dump();
@@ -212,6 +220,12 @@ void add_records(Seeds& seeds) {
     const std::string short_study = study::data_json(data);
     std::set<std::string> words{"<script>",       "</script>", "<!--", "\\u003c", "&lt;",
                                 "\\ud83d\\ude00", "null",      "true", "1e308",   "-1"};
+    CaseRecord empty = record;
+    empty.files.clear();
+    Json negative = Json::parse(one);
+    negative["voxels"] = -1;
+    for (const std::string& text : {record_json(empty), negative.dump()}) // neither is understood
+        seeds.add("record", text);
     for (const std::string& text : {one, manifest, study, short_study}) {
         collect_words(Json::parse(text), words);
         seeds.add("report", text);
@@ -263,8 +277,8 @@ void add_paths_volume(Seeds& seeds) {
     writer.write(rows);
     writer.finish();
     seeds.add("volume", read_file(path));
-    for (int i = 0; i < 16; ++i)
-        seeds.add("volume", std::string{'\0', static_cast<char>(i), 2, static_cast<char>(i / 2),
+    for (int i = 0; i < 32; ++i)
+        seeds.add("volume", std::string{static_cast<char>(i % 2), static_cast<char>(i), 2, static_cast<char>(i / 2),
                                         static_cast<char>(i / 4), static_cast<char>(i), 1, 2, 3, 5, 8, 13, 21});
 }
 
@@ -300,7 +314,9 @@ void add_tables(Seeds& seeds) {
     seeds.add("csv", "path,t,x,y,z\n0,0,0.1,0,-1e-3\n0,0.001,0.2,0,-1e-3\n1,0,+1,2,3\n0,0.002,0,0,0\n");
     seeds.add("csv", "path,t,x,y,z\n0,0,-2e15,0,0\n"); // each of these is refused
     seeds.add("csv", "path,t,x,y,z\n0.5,0,0,0,0\n");
+    seeds.add("csv", "path,t,x,y,z\n1e17,0,0,0,0\n");
     seeds.add("csv", "path,t,x,y,z\n0,1,0,0,0\n0,1,0,0,0\n");
+    seeds.add("csv", "path,t,x,y,z\r\n\r\n7.0 \t,0  , 1,2,3\r\n");
     seeds.add("csv", "\xEF\xBB\xBFt , x,y,\"z\",path,force\r\n0,0,0,0,1e0,\"a,\"\"b\"\r\n\r\n1,1,1,1,1.0,\r\n");
     seeds.add("csv", std::string("\0\1\5a,b \x0d\"x\n\0\x3f\xf0\0\0\0\0\0\1", 20));
     seeds.add_words("csv", {"path,t,x,y,z\n", "\"\"", "\r\n", ",", "nan", "1e308", "4.9e-324", "9007199254740993",
@@ -316,11 +332,14 @@ void add_messages(Seeds& seeds) {
          R"({"inverse3":[{"device_id":"04BAX","state":{"cursor_position":{"x":-11,"y":1,"z":0}}}]})",
          R"({"inverse3":[{"device_id":"A","state":{"cursor_position":{"x":-11,"y":1,"z":0}}}]})",
          R"({"inverse3":[{"device_id":"AB","state":{"cursor_position":{"x":1,"y":1,"z":0}}}]})",
+         R"({"inverse3":[{"device_id":"04BA","status":{"calibrated":true,"ready":"yes","power_supply":1}}]})",
+         R"({"inverse3":[{"device_id":"A","state":{"cursor_position":{"x":0,"y":0,"z":0}}}],"verse_grip":[{"state":{"buttons":{"a":true}}},{"state":{"buttons":{"b":true}}}]})",
          R"({"ok":true,"data":{"git_tag":"v3.6.1","project_version":"3.1.1.0"}})", R"({"ok":false,"error":"no"})"}) {
         collect_words(Json::parse(message), words);
         seeds.add("haply", message);
     }
-    for (const char* text : {"X-YZ", "3.5.0-2-gce34c39e", "ws://[::1]:8500/x?device=04BA&dialect=values"})
+    for (const char* text :
+         {"X-YZ", "3.5.0-2-gce34c39e", "ws://[::1]:8500/x?device=04BA&dialect=values", "ws://a:65536"})
         seeds.add("haply", text);
     words.erase("");
     seeds.add_words("haply", words);

@@ -1,5 +1,10 @@
 // A scene or study: read or refused with its places told; what is read stays the same through its resolved text.
+#include <map>
+#include <numbers>
+#include <optional>
+
 #include "host/error.h"
+#include "host/scene/document.h"
 #include "host/scene/schema.h"
 #include "host/scene/study.h"
 #include "tests/fuzz/fuzz.h"
@@ -22,6 +27,28 @@ void check_same(const Study& one, const Study& other) {
     }
 }
 
+/// Quantities that must be positive are, and of the files of one list all have a digest or none.
+void check_cases(const Study& study) {
+    for (const Case& one : study.cases)
+        for (const Setting& setting : one.settings) {
+            const Key& key = schema_keys()[key_index(fmt::format("{}.{}", setting.table, setting.name))];
+            if (key.kind != ValueKind::quantity || setting.literal.front() != '"' ||
+                setting.literal.find('\\') != std::string::npos)
+                continue;
+            const double value = parse_quantity(setting.literal.substr(1, setting.literal.size() - 2), key.dimension);
+            require(key.sign == Sign::any || value > 0 || (key.sign == Sign::not_negative && value == 0),
+                    "{}: {} is {}", one.name, key.path(), setting.literal);
+        }
+    if (!study.document->variants.empty() || study.cases.size() > kMostCases)
+        return;
+    const SurfaceSpec& first = study.cases.front().scene.surface;
+    for (const Case& one : study.cases)
+        require(one.scene.surface.kind != first.kind ||
+                    (one.scene.surface.mesh.sha256.empty() == first.mesh.sha256.empty() &&
+                     one.scene.surface.map.sha256.empty() == first.map.sha256.empty()),
+                "{}: some files have a digest", one.name);
+}
+
 void check_study(std::string_view text) {
     Study study;
     try {
@@ -30,6 +57,7 @@ void check_study(std::string_view text) {
         require(std::string_view(error.what()).starts_with("f.toml:"), "a message without its place: {}", error.what());
         return;
     }
+    check_cases(study);
     const std::string resolved = resolved_toml(study);
     if (study.cases.size() > kMostCases)
         return;
@@ -50,41 +78,65 @@ void check_override(std::string_view input) {
     const Override one{text.substr(0, equals), text.substr(std::min(equals + 1, text.size()))};
     try {
         const Study study = parse_study(below, "f.toml", "/folder", std::span(&one, 1));
+        check_cases(study);
         if (study.cases.size() <= kMostCases)
             check_same(study, parse_study(resolved_toml(study), "resolved.toml", "/folder"));
     } catch (const UsageError&) {
     }
 }
 
-/// Of simple units, the value is the nearest double or next to it: their factors are exact in decimals.
-void check_value(std::string_view text, Dimension dimension, double value) {
-    struct Simple {
-        const char* unit;
-        Dimension dimension;
-        long double numerator, denominator;
-    };
+/// A unit of one symbol with or without a prefix, in SI units: exactly the ratio of two numbers, but for degrees.
+struct Factor {
+    long double numerator = 1, denominator = 1;
+};
+std::optional<Factor> factor_of(std::string_view unit) {
+    static const std::map<std::string_view, Factor> symbols{
+        {"m", {}},           {"mil", {254, 1e7L}},
+        {"in", {254, 1e4L}}, {"g", {1, 1e3L}},
+        {"s", {}},           {"Hz", {}},
+        {"N", {}},           {"J", {}},
+        {"rad", {}},         {"deg", {std::numbers::pi_v<long double>, 180}}};
+    static const std::map<char, Factor> prefixes{{'p', {1, 1e12L}}, {'n', {1, 1e9L}}, {'u', {1, 1e6L}},
+                                                 {'m', {1, 1e3L}},  {'c', {1, 1e2L}}, {'k', {1e3L, 1}},
+                                                 {'M', {1e6L, 1}},  {'G', {1e9L, 1}}};
+    if (const auto symbol = symbols.find(unit); symbol != symbols.end())
+        return symbol->second;
+    const auto symbol = symbols.find(unit.substr(std::min<std::size_t>(unit.size(), 1)));
+    const auto prefix = prefixes.find(unit.empty() ? ' ' : unit.front());
+    if (symbol == symbols.end() || prefix == prefixes.end())
+        return {};
+    return Factor{symbol->second.numerator * prefix->second.numerator,
+                  symbol->second.denominator * prefix->second.denominator};
+}
+
+/// Of a unit, or of one over another, the value is the nearest double; of degrees and over inches one near to it.
+void check_value(std::string_view text, double value) {
+    require(value != 0 || !std::signbit(value), "\"{}\" is -0", text);
     const std::size_t blank = text.rfind(' ');
     if (blank == text.npos || text.find_first_not_of("+-.0123456789eE") != blank)
         return;
-    for (const Simple& one : {Simple{"mil", Dimension::length, 254, 1e7L},
-                              {"in", Dimension::length, 254, 1e4L},
-                              {"mm", Dimension::length, 1, 1e3L},
-                              {"N/mm", Dimension::stiffness, 1e3L, 1}})
-        if (text.substr(blank + 1) == one.unit && dimension == one.dimension) {
-            const long double expected =
-                std::strtold(std::string(text.substr(0, blank)).c_str(), nullptr) * one.numerator / one.denominator;
-            const double ulp = std::nextafter(std::abs(value), INFINITY) - std::abs(value);
-            require(std::abs(expected - static_cast<long double>(value)) <= 0.51L * static_cast<long double>(ulp),
-                    "\"{}\" is {}", text, value);
-        }
+    const std::string_view unit = text.substr(blank + 1);
+    const std::size_t slash = std::min(unit.find('/'), unit.size());
+    const std::optional<Factor> over = slash < unit.size() ? factor_of(unit.substr(slash + 1)) : Factor{};
+    const std::optional<Factor> factor = factor_of(unit.substr(0, slash));
+    if (!factor || !over || !(std::abs(value) > 1e-290 && std::abs(value) < 1e290))
+        return;
+    const long double expected = std::strtold(std::string(text.substr(0, blank)).c_str(), nullptr) *
+                                 (factor->numerator * over->denominator) / (factor->denominator * over->numerator);
+    const double ulp = std::nextafter(std::abs(value), INFINITY) - std::abs(value);
+    const bool is_exact = unit.find("deg") == unit.npos && unit.find('i', slash) == unit.npos;
+    require(std::abs(expected - static_cast<long double>(value)) <=
+                (is_exact ? 0.51L : 8.0L) * static_cast<long double>(ulp),
+            "\"{}\" is {}", text, value);
 }
 
 /// A quantity that is read is written in SI units and read as the same.
 void check_quantity(std::string_view text) {
-    for (const Dimension dimension : {Dimension::length, Dimension::stiffness, Dimension::damping, Dimension::angle}) {
+    for (int i = 0; i <= static_cast<int>(Dimension::force_rate); ++i) {
+        const auto dimension = static_cast<Dimension>(i);
         try {
             const double value = parse_quantity(text, dimension);
-            check_value(text, dimension, value);
+            check_value(text, value);
             const std::string back = fmt::format("{} {}", value, dimension_info(dimension).unit);
             require(parse_quantity(back, dimension) == value, "\"{}\" is {}, but \"{}\" is not", text, value, back);
         } catch (const UsageError&) {

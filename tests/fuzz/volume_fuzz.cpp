@@ -26,25 +26,6 @@ bool reads(const auto& read) {
     }
 }
 
-/// In memory, where there is such a place.
-class Folder {
-public:
-    Folder() {
-        std::string name =
-            std::filesystem::exists("/dev/shm") ? "/dev/shm/forceshade-XXXXXX" : "/tmp/forceshade-XXXXXX";
-        require(::mkdtemp(name.data()) != nullptr, "no folder");
-        path_ = name;
-    }
-    ~Folder() {
-        std::error_code ignored;
-        std::filesystem::remove_all(path_, ignored);
-    }
-    const std::filesystem::path& path() const { return path_; }
-
-private:
-    std::filesystem::path path_;
-};
-
 void check_volume(const std::filesystem::path& path) {
     VolumeReader reader(path), threaded(path, 2);
     const VolumeHeader& header = reader.header();
@@ -65,7 +46,7 @@ void check_volume(const std::filesystem::path& path) {
         require(all.size() == width * reader.rows(), "{} values of {} rows", all.size(), reader.rows());
         require(row.size() == all.size() && same(row.data(), all.data(), all.size()), "threads read otherwise");
         for (std::uint64_t i = reader.rows(); i-- > 0;) {
-            reader.read(channel, i, 1, row);
+            require(reads([&] { reader.read(channel, i, 1, row); }), "row {} cannot be read alone", i);
             require(row.size() == width && same(row.data(), &all[i * width], width), "row {} is another alone", i);
         }
     }
@@ -86,13 +67,44 @@ void check_paths(const std::filesystem::path& path) {
         require(scalars->empty() || scalars->size() == samples, "{} scalars", scalars->size());
 }
 
+/// A file that ends too soon, or a block that says that it is shorter than its pixels, is noticed.
+void check_damaged(const std::filesystem::path& path, const VolumeHeader& header) {
+    std::string bytes = read_file(path);
+    static fuzz::MemoryFile file;
+    const auto is_read = [&] {
+        file.write(bytes);
+        return reads([] {
+            std::vector<float> values;
+            VolumeReader reader(file.path());
+            reader.read(layout::kChannelUnshaded, 0, reader.rows(), values);
+        });
+    };
+    // The last block is a row of the last part, unshaded forces: its part, its row, its size, 4 bytes each, its pixels.
+    const std::size_t row = 3 * header.size[0] * (header.pixel == PixelType::half ? 2 : 4);
+    if (header.compression == Compression::none) {
+        std::uint32_t size = 0;
+        char* const at = &bytes[bytes.size() - row - sizeof size];
+        std::memcpy(&size, at, sizeof size);
+        require(size == row, "the last block is no row of forces");
+        --size;
+        std::memcpy(at, &size, sizeof size);
+        require(!is_read(), "a block may be shorter than its pixels");
+    }
+    bytes.pop_back();
+    require(!is_read(), "the last byte may be missing");
+}
+
 /// A volume out of bytes is written and read as the same.
 void check_written(Bytes bytes) {
-    static const Folder folder;
+    static const fuzz::Folder folder;
     const std::filesystem::path path = folder.path() / "volume.exr";
     VolumeHeader header;
     header.size = {1 + bytes.below(4), 1 + bytes.below(5), 1 + bytes.below(9)};
-    header.spacing = {1, 1, 1};
+    header.origin = {bytes.number(), bytes.number(), bytes.number()};
+    header.spacing = {bytes.number(), bytes.number(), bytes.number()};
+    header.scene = bytes.text(3);
+    header.version = "1";
+    header.omitted = "proxy";
     header.compression = static_cast<Compression>(bytes.below(4));
     header.pixel = static_cast<PixelType>(bytes.below(2));
     header.channels = layout::kChannelForce | layout::kChannelUnshaded | layout::kChannelDepth | layout::kChannelFacet;
@@ -116,8 +128,11 @@ void check_written(Bytes bytes) {
     writer.write(chunk, 1);
     writer.finish();
     VolumeReader reader(path);
-    require(reader.header().size == header.size && reader.header().channels == header.channels &&
-                reader.header().pixel == header.pixel && reader.header().compression == header.compression,
+    const VolumeHeader& found = reader.header();
+    require(found.size == header.size && found.channels == header.channels && found.pixel == header.pixel &&
+                found.compression == header.compression && found.origin == header.origin &&
+                found.spacing == header.spacing && found.scene == header.scene && found.version == header.version &&
+                found.omitted == header.omitted,
             "the header is another");
     std::vector<float> read;
     std::vector<std::uint32_t> read_ids;
@@ -129,6 +144,50 @@ void check_written(Bytes bytes) {
     }
     reader.read_ids(0, reader.rows(), read_ids);
     require(read_ids == ids, "ids are read as others");
+    check_damaged(path, header);
+}
+
+/// Paths out of bytes are written, and some of them read.
+void check_written_paths(Bytes bytes) {
+    static const fuzz::Folder folder;
+    const std::filesystem::path path = folder.path() / "paths.exr";
+    PathVolumeHeader header;
+    header.steps = 1 + bytes.below(20);
+    header.paths = 1 + bytes.below(12);
+    header.compression = static_cast<Compression>(bytes.below(4));
+    header.channels = layout::kChannelForce | layout::kChannelPosition;
+    std::vector<float> force, position;
+    for (std::size_t i = 0; i < 3 * header.steps * header.paths; ++i) {
+        force.push_back(static_cast<float>(i + bytes.byte()));
+        position.push_back(static_cast<float>(i) / 4);
+    }
+    const std::vector<layout::uint> steps(header.paths, static_cast<layout::uint>(header.steps));
+    PathVolumeWriter writer(path, header);
+    PathRows<float> rows;
+    rows.path_count = header.paths;
+    rows.pitch = header.steps;
+    rows.steps = steps;
+    rows.force = force;
+    rows.position = position;
+    writer.write(rows);
+    writer.finish();
+    const std::size_t most_paths = 1 + bytes.below(12), most_steps = 1 + bytes.below(20);
+    std::size_t every_path = 1, every_step = 1;
+    while (every_path * most_paths < header.paths)
+        ++every_path;
+    while (every_step * most_steps < header.steps)
+        ++every_step;
+    std::vector<float> some_force, some_position;
+    for (std::size_t one = 0; one < header.paths; one += every_path)
+        for (std::size_t step = 0; step < header.steps; step += every_step)
+            for (std::size_t axis = 0; axis < 3; ++axis) {
+                some_force.push_back(force[3 * (one * header.steps + step) + axis]);
+                some_position.push_back(position[3 * (one * header.steps + step) + axis]);
+            }
+    const PathSamples read = read_paths(path, most_paths, most_steps);
+    require(read.every_step == every_step && read.paths * read.steps * 3 == some_force.size(), "{} paths of {} steps",
+            read.paths, read.steps);
+    require(read.force == some_force && read.position == some_position, "paths are read as others");
 }
 
 template <typename Read> void attempt(const Read& read) {
@@ -145,8 +204,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     using namespace forceshade;
     static fuzz::MemoryFile file;
     set_memory_limit(std::uint64_t{16} << 20); // what is announced and not there takes long to fill
-    if (size > 0 && data[0] == 0) {
-        check_written(fuzz::Bytes(data + 1, size - 1));
+    if (size > 0 && data[0] < 2) {
+        const fuzz::Bytes bytes(data + 1, size - 1);
+        data[0] == 0 ? check_written(bytes) : check_written_paths(bytes);
         return 0;
     }
     file.write({reinterpret_cast<const char*>(data), size});
