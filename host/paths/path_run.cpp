@@ -443,11 +443,11 @@ template <typename T> void compare_in(Engine& engine, const PreparedCase& prepar
     const bool recorded = spec.kind == PathKind::recorded;
     const std::shared_ptr<const RecordedFile> file = recorded ? read_recorded<T>(prepared, spec.path) : nullptr;
     EngineAndOracle<T> both(prepared, file, kSampled, engine.report().software, 0);
-    ProxySides<T> sides(prepared, std::uint64_t(both.input.paths) * both.input.steps,
-                        both.input.features.loop == layout::kLoopClosed);
+    ContactReferee<T> contacts(prepared, std::uint64_t(both.input.paths) * both.input.steps,
+                               both.input.features.loop == layout::kLoopClosed);
     RowGatherer<T> gatherer(both.source, [&](const PathRows<T>& rows) {
         both.oracle.compare(rows);
-        sides.check(rows);
+        contacts.check(rows);
     });
     engine.explore(
         both.input,
@@ -461,11 +461,11 @@ template <typename T> void compare_in(Engine& engine, const PreparedCase& prepar
     if (file)
         file->require_unchanged();
     comparison.error = both.oracle.error();
-    comparison.sides = sides.count();
+    comparison.contacts = contacts.count();
 }
 
 const std::string& first_of(const PathComparison& one) {
-    return one.error.first.empty() ? one.sides.first : one.error.first;
+    return one.error.first.empty() ? one.contacts.first : one.error.first;
 }
 
 } // namespace
@@ -476,7 +476,7 @@ PathComparison compare_paths(Engine& engine, const PreparedCase& prepared, Preci
         compare_in<float>(engine, prepared, comparison);
     else
         compare_in<double>(engine, prepared, comparison);
-    comparison.passed = comparison.error.passed() && comparison.sides.other == 0;
+    comparison.passed = comparison.error.passed() && comparison.contacts.wrong() == 0;
     return comparison;
 }
 
@@ -494,28 +494,40 @@ std::string path_comparison_table(const std::vector<PathComparison>& comparisons
     std::size_t width = 4;
     for (const PathComparison& one : comparisons)
         width = std::max(width, one.name.size());
-    std::string text = fmt::format("{:<{}}  {:>4}  {:>8}  {:>10}  {:>8}  {:>8}  {:>11}  {:>11}  {:>8}  {}\n", "case",
-                                   width, "", "paths", "samples", "bits", "metrics", "max |F|", "against", "other", "");
-    text += fmt::format("{:<{}}  {:>4}  {:>8}  {:>10}  {:>8}  {:>8}  {:>11}  {:>11}  {:>8}  {}\n", "", width, "", "",
-                        "", "differ", "differ", "N", "oracle / N", "side", "");
-    SideCount all;
+    constexpr const char* kRow =
+        "{:<{}}  {:>4}  {:>8}  {:>10}  {:>8}  {:>8}  {:>11}  {:>11}  {:>7}  {:>10}  {:>8}  {:>8}  {:>8}  {}\n";
+    std::string text = fmt::format(fmt::runtime(kRow), "case", width, "", "paths", "samples", "bits", "metrics",
+                                   "max |F|", "against", "grew", "unbalanced", "drop-out", "phantom", "other", "");
+    text += fmt::format(fmt::runtime(kRow), "", width, "", "", "", "differ", "differ", "N", "oracle / N", "", "", "",
+                        "", "side", "");
+    ContactCount all;
     for (const PathComparison& one : comparisons) {
-        text += fmt::format("{:<{}}  {:>4}  {:>8}  {:>10}  {:>8}  {:>8}  {:>11.4g}  {:>11.2e}  {:>8}  {}\n", one.name,
-                            width, name_of(one.precision), one.error.paths, one.error.samples, one.error.differing,
-                            one.error.metrics, one.error.largest_force, one.error.largest,
-                            one.sides.closed ? fmt::format("{}", one.sides.other) : "-",
-                            one.passed ? "ok" : "FAILED: " + first_of(one));
-        all.closed = all.closed || one.sides.closed;
-        all.samples += one.sides.samples;
-        all.brute += one.sides.brute;
-        all.near += one.sides.near;
+        const ContactCount& contacts = one.contacts;
+        const auto shown = [](std::uint64_t count, bool looked_at) {
+            return looked_at ? fmt::format("{}", count) : "-";
+        };
+        text += fmt::format(fmt::runtime(kRow), one.name, width, name_of(one.precision), one.error.paths,
+                            one.error.samples, one.error.differing, one.error.metrics,
+                            fmt::format("{:.4g}", one.error.largest_force), fmt::format("{:.2e}", one.error.largest),
+                            shown(contacts.grew, contacts.mesh), shown(contacts.unbalanced, contacts.mesh),
+                            shown(contacts.dropped, contacts.closed), shown(contacts.phantoms, contacts.mesh),
+                            shown(contacts.other, contacts.closed), one.passed ? "ok" : "FAILED: " + first_of(one));
+        all.add(contacts);
     }
-    if (all.closed)
+    if (all.mesh)
         text +=
-            fmt::format("other side: samples whose proxy is not on the side of a closed mesh where its path began, "
-                        "by the winding number at {} samples, at {} of them by loops over all triangles; {} were too "
-                        "near to the surface to tell\n",
-                        all.samples, all.brute, all.near);
+            fmt::format("contacts, judged at {} samples: grew, the proxy is further from the probe than the last one "
+                        "was; unbalanced, the force is not along the normals of the facets at the proxy; phantom, "
+                        "nothing stands between proxy and probe\n",
+                        all.samples);
+    if (all.closed)
+        text += fmt::format("drop-out and other side: a free probe, or a proxy in contact, is not on the side of a "
+                            "closed mesh where its path began, by {} winding numbers, {} of them by loops over all "
+                            "triangles\n",
+                            all.windings, all.brute);
+    if (all.mesh)
+        text += fmt::format("{} samples were too near to the surface, or in too narrow a corner, to tell all of it\n",
+                            all.near);
     return text;
 }
 
@@ -531,9 +543,15 @@ std::string path_comparison_json(const std::vector<PathComparison>& comparisons)
                         {"beyond_bound", one.error.beyond},
                         {"largest_error_N", one.error.largest},
                         {"largest_force_N", one.error.largest_force},
-                        {"sides_told", one.sides.samples - one.sides.near},
-                        {"sides_told_by_loops", one.sides.brute},
-                        {"on_other_side", one.sides.other},
+                        {"contacts_judged", one.contacts.samples},
+                        {"contacts_in_doubt", one.contacts.near},
+                        {"winding_numbers", one.contacts.windings},
+                        {"winding_numbers_by_loops", one.contacts.brute},
+                        {"grew", one.contacts.grew},
+                        {"unbalanced", one.contacts.unbalanced},
+                        {"dropped_out", one.contacts.dropped},
+                        {"phantoms", one.contacts.phantoms},
+                        {"on_other_side", one.contacts.other},
                         {"passed", one.passed},
                         {"first_difference", first_of(one)}});
     return json.dump(2);

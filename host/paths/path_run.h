@@ -13,8 +13,8 @@
 #include "host/output/record.h"
 #include "host/picture/picture.h"
 #include "host/prepare/prepared_case.h"
+#include "host/referee/contact_referee.h"
 #include "host/referee/path_oracle.h"
-#include "host/referee/proxy_sides.h"
 
 namespace forceshade {
 
@@ -45,14 +45,14 @@ std::vector<std::string> path_file_names(const PathRunOptions& options, layout::
 /// compute::DeviceError, Error (exit 1) for forces that are no finite numbers.
 PathRecord run_paths(Engine& engine, const PreparedCase& prepared, const PathRunOptions& options);
 
-// An engine's paths compared with the oracle in the same precision, every sample of a scene's, and on a closed mesh
-// against the winding number.
+// An engine's paths compared with the oracle in the same precision, every sample of a scene's; and on a mesh the
+// contacts judged without either.
 
 struct PathComparison {
     std::string name;
     Precision precision = Precision::f32;
     PathError error;
-    SideCount sides;
+    ContactCount contacts;
     bool passed = false;
 };
 

@@ -6,6 +6,7 @@
 #include <limits>
 #include <optional>
 #include <thread>
+#include <utility>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -149,6 +150,12 @@ struct Hints {
     layout::uint same = 0, exact = 0;
 };
 
+// What is remembered along a row of voxels.
+struct RowMemory {
+    std::optional<glm::dvec3> proxy;  /* m: of the last voxel, if it was in contact */
+    unsigned jumps = 0, features = 0; /* voxels of each kind that the brute referee looked at */
+};
+
 // Everything a case of an analytic surface is compared with, and the tables that it takes.
 template <typename T> class SurfaceReferees {
 public:
@@ -198,7 +205,8 @@ public:
         return against(computed, at, exact.column(exact_.x[at.x], exact_.y[at.y]), exact, rounded);
     }
 
-    std::optional<Finding> against_closed_form(const Reading& computed, VoxelIndex at) const {
+    std::optional<Finding> against_closed_form(const Reading& computed, const Reading&, VoxelIndex at,
+                                               RowMemory&) const {
         const ClosedFormReferee exact{referee_}, rounded{rounded_referee_};
         const std::size_t row = extruded_ ? 0 : at.y - columns_y_;
         return against(computed, at, columns_[row * exact_.x.size() + at.x], exact, rounded);
@@ -243,6 +251,8 @@ private:
 
 constexpr double kDoubleRoundoff = 0x1p-53;
 constexpr std::uint64_t kBruteBudget = 20'000'000; // triangles that the brute referee may look at: some seconds
+constexpr unsigned kChosenOfRow = 2;               // voxels of a kind that it looks at in a row, at most
+constexpr std::uint64_t kChosenRows = 1024;        // rows in which it does, at most
 
 brute::MeshShading brute_shading(Shading shading) {
     switch (shading) {
@@ -281,7 +291,8 @@ brute::MeshLaw brute_law(const PreparedCase& prepared) {
 }
 
 // Likewise of a mesh. The closed form's place takes the brute referee, which loops over all triangles: on evenly chosen
-// voxels, so many that the loops stay within some seconds.
+// voxels; and where a wrong facet is most likely, which are voxels next to the medial axis and those whose nearest
+// place is on an edge or a corner. Each so many that the loops stay within some seconds.
 template <typename T> class MeshReferees {
 public:
     static constexpr bool kOracleTellsForce = true;
@@ -295,6 +306,8 @@ public:
         const std::uint64_t voxels = std::uint64_t(tables_.x.size()) * tables_.y.size() * tables_.z.size();
         const std::uint64_t affordable = std::max<std::uint64_t>(1, kBruteBudget / law_.mesh.params.triangles);
         every_ = std::max<std::uint64_t>(1, voxels / affordable);
+        const std::uint64_t rows = std::uint64_t(tables_.y.size()) * tables_.z.size();
+        row_every_ = rows / std::clamp<std::uint64_t>(affordable / (4 * kChosenOfRow), 1, kChosenRows) + 1;
     }
 
     const FieldTables<T>& tables() const { return tables_; }
@@ -323,8 +336,11 @@ public:
     }
 
     // Where rounding decides which facet is the nearest, the answer may be that of any of them.
-    std::optional<Finding> against_closed_form(const Reading& computed, VoxelIndex at) const {
-        if (((at.z * tables_.y.size() + at.y) * tables_.x.size() + at.x) % every_ != 0)
+    std::optional<Finding> against_closed_form(const Reading& computed, const Reading& same, VoxelIndex at,
+                                               RowMemory& row) const {
+        const std::size_t number = at.z * tables_.y.size() + at.y;
+        const bool critical = number % row_every_ == 0 && is_critical(same, at, row);
+        if ((number * tables_.x.size() + at.x) % every_ != 0 && !critical)
             return std::nullopt;
         const Point probe = probe_at(tables_, at);
         const Reading truth = reading_of(referee_.at(world_of(probe)));
@@ -339,6 +355,22 @@ public:
 
 private:
     using Point = reference::Vector<double>;
+
+    // Whether the proxy jumped from one side to another since the last voxel of the row, as it does across the medial
+    // axis, or is on an edge or a corner; of either the first ones of the row.
+    bool is_critical(const Reading& same, VoxelIndex at, RowMemory& row) const {
+        const bool touching = same.depth > 0;
+        const std::optional<glm::dvec3> last =
+            std::exchange(row.proxy, touching ? std::optional(same.proxy) : std::nullopt);
+        if (!touching || at.x == 0)
+            return false;
+        const double step = (exact_.x[at.x] - exact_.x[at.x - 1]) * exact_law_.mesh.params.scale;
+        if (last && norm(same.proxy - *last) > 2 * step)
+            return row.jumps++ < kChosenOfRow;
+        return row.features < kChosenOfRow &&
+               reference::nearest(exact_law_.mesh, probe_at(tables_, at)).feature != layout::kMeshFace &&
+               row.features++ < kChosenOfRow;
+    }
 
     bool fits_brute(const Reading& computed, const Reading& truth, const Point& probe) const {
         const layout::MeshParams<double>& frame = exact_law_.mesh.params;
@@ -372,7 +404,8 @@ private:
     brute::MeshReferee referee_;
     MeshBound bound_;
     layout::uint channels_;
-    std::uint64_t every_; // voxels: one in so many goes to the brute referee
+    std::uint64_t every_;     // voxels: one in so many goes to the brute referee
+    std::uint64_t row_every_; // rows: in one in so many critical voxels do
 };
 
 // True if every channel of the sample equals the contact's bit for bit.
@@ -416,12 +449,14 @@ template <typename T, typename Referees> struct VoxelComparison {
     void compare_row(const layout::FieldChunk<T>& chunk, std::size_t row) {
         const std::size_t z = chunk.z_first + row / chunk.y_count, y = chunk.y_first + row % chunk.y_count;
         Hints hints;
+        RowMemory memory;
         for (std::size_t x = 0; x < chunk.x_count; ++x)
-            compare_voxel(chunk, row * chunk.x_pitch + x, {x, y, z}, hints);
+            compare_voxel(chunk, row * chunk.x_pitch + x, {x, y, z}, hints, memory);
     }
 
 private:
-    void compare_voxel(const layout::FieldChunk<T>& chunk, std::size_t sample, VoxelIndex at, Hints& hints) {
+    void compare_voxel(const layout::FieldChunk<T>& chunk, std::size_t sample, VoxelIndex at, Hints& hints,
+                       RowMemory& memory) {
         const reference::Contact<T> same = referees.same_precision(at, hints);
         const Reading computed = reading_of(chunk, sample);
         ++result.voxels;
@@ -429,7 +464,7 @@ private:
             compare_with_same_precision(chunk, sample, computed, same, at);
         const Finding oracle = referees.against_oracle(computed, same.facet, at, hints);
         add(oracle, computed, at, result.oracle, "the oracle in double precision");
-        const std::optional<Finding> closed_form = referees.against_closed_form(computed, at);
+        const std::optional<Finding> closed_form = referees.against_closed_form(computed, reading_of(same), at, memory);
         if (closed_form)
             add(*closed_form, computed, at, result.closed_form, Referees::kClosedForm);
         const Finding& telling = Referees::kOracleTellsForce ? oracle : *closed_form;

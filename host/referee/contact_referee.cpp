@@ -1,0 +1,350 @@
+#include "host/referee/contact_referee.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "host/norm.h"
+#include "host/prepare/prepared_case.h"
+#include "host/program.h"
+#include "host/referee/contact_surface.h"
+#include "host/reference/mesh_cast.h"
+
+namespace forceshade {
+
+namespace {
+
+constexpr std::uint64_t kLoopBudget = 1'000'000; // triangles that loops may look at: some seconds
+constexpr double kFurther = 8;                   // how far from a proxy in contact its side is told, in tolerances
+constexpr double kFew = 4;                       // tolerances that explain a growth, a residual, a force
+constexpr double kSlant = 1.0 / 64;              // of a force's direction
+
+using Point = reference::Vector<double>;
+
+// The structure's vertices as an engine in T has them. Through a table: g++ 12 at -O2 folds conversions there and back.
+template <typename T> std::vector<double> rounded_vertices(const MeshStructure& structure) {
+    const MeshTables<T> tables = make_mesh_tables<T>(structure, 0);
+    const auto vertices = tables.view().vertices;
+    return {vertices.begin(), vertices.end()};
+}
+
+} // namespace
+
+void ContactCount::add(const ContactCount& more) {
+    mesh = mesh || more.mesh;
+    closed = closed || more.closed;
+    samples += more.samples;
+    windings += more.windings;
+    brute += more.brute;
+    near += more.near;
+    grew += more.grew;
+    unbalanced += more.unbalanced;
+    dropped += more.dropped;
+    phantoms += more.phantoms;
+    other += more.other;
+    if (first.empty())
+        first = more.first;
+}
+
+template <typename T> struct ContactReferee<T>::Surface : ContactSurface {
+    Surface(const PreparedCase& prepared, std::uint64_t samples)
+        : ContactSurface(prepared.images.mesh->mesh, prepared.images.mesh->structure,
+                         rounded_vertices<T>(prepared.images.mesh->structure)),
+          by_winding(prepared.one.scene.surface.mesh.inside == InsideTest::winding),
+          affordable(std::max<std::uint64_t>(1, kLoopBudget / prepared.images.mesh->structure.triangles())),
+          brute_every(samples / affordable + 1) {}
+
+    // What skin and rounding make of a place; no side can be told nearer to the surface.
+    double tolerance(const Point& local, const glm::dvec3& world) const {
+        constexpr double kEpsilon = std::numeric_limits<T>::epsilon();
+        const double written = std::max({std::abs(world.x), std::abs(world.y), std::abs(world.z)}) / scale();
+        const double touch = 16 * kEpsilon * (1 + reference::largest_coordinate(local));
+        const double placed = 4 * kEpsilon * (1 + reference::largest_coordinate(local) + written);
+        return 2 * double(reference::Skin<T>::kWidth) + touch + placed;
+    }
+
+    bool by_winding;
+    std::uint64_t affordable;  // samples that loops may look at
+    std::uint64_t brute_every; // of the samples, those that they look at
+};
+
+template <typename T> struct ContactReferee<T>::Path {
+    std::optional<int> side;  // the winding number where the path is to be
+    std::optional<int> there; // the winding number at the last place where it is known
+    Point place{0};           // that place
+    bool other = false;       // loops over all triangles have told that the path is elsewhere
+    T last[3]{};              // m: the position of its last sample
+    bool begun = false, touching = false, lost = false;
+    Point probe{0}, proxy{0}; // of the last sample
+    double tolerance = 0;     // likewise
+};
+
+template <typename T> struct ContactReferee<T>::Sample {
+    std::size_t path, step;
+    glm::dvec3 world_probe, world_proxy; /* m */
+    layout::uint facet;
+    Point probe{0}, proxy{0}; // in the frame
+    double tolerance = 0;
+
+    bool touching() const { return facet != layout::kNoFacet; }
+};
+
+// One sample of a path, judged.
+template <typename T> class ContactReferee<T>::Judge {
+public:
+    Judge(const Surface& surface, Path& path, const Sample& sample, ContactCount& count)
+        : surface_(surface), path_(path), at_(sample), count_(count), pull_(at_.probe - at_.proxy), depth_(norm(pull_)),
+          margin_(kFew * at_.tolerance) {}
+
+    void judge() {
+        ++count_.samples;
+        if (!path_.begun && surface_.closed())
+            begin();
+        if (surface_.closed())
+            check_side();
+        if (at_.touching() && depth_ > margin_)
+            check_contact();
+        if (path_.begun)
+            check_growth();
+        count_.near += doubtful_;
+        path_.begun = true;
+        path_.lost = lost_;
+        path_.touching = at_.touching();
+        path_.probe = at_.probe;
+        path_.proxy = at_.proxy;
+        path_.tolerance = at_.tolerance;
+    }
+
+private:
+    // A path begins where its probe is; behind the surface, at the nearest place in front of it.
+    void begin() {
+        path_.side = surface_.side_by_tree(at_.probe, at_.tolerance);
+        if (path_.side)
+            *path_.side += surface_.behind(at_.probe, surface_.by_winding);
+    }
+
+    void check_side() {
+        Point place = at_.proxy, towards(0.0);
+        double nearest = at_.tolerance;
+        const bool chosen = count_.samples % surface_.brute_every == 0;
+        if (at_.touching()) {
+            if (depth_ > at_.tolerance)
+                towards = -pull_ / depth_; // less deep, rounding may turn it round
+            else if (!chosen) {
+                doubtful_ = true;
+                return;
+            }
+            place = at_.proxy + kFurther * at_.tolerance * towards;
+            nearest = 2 * at_.tolerance;
+        }
+        std::optional<int> side;
+        if (path_.there && surface_.meets(path_.place, place) == Meets::no) {
+            side = path_.there;
+        } else {
+            ++count_.windings;
+            side = surface_.side_by_tree(place, nearest);
+        }
+        // Of a path that fell, the first sample; of too many paths, not of all.
+        const bool suspected = side && path_.side && *side != *path_.side && !path_.other;
+        const bool looks = chosen || (suspected && count_.brute < 2 * surface_.affordable);
+        if (looks) {
+            ++count_.brute;
+            side = surface_.side_by_loops(place, nearest);
+        }
+        if (!side) {
+            doubtful_ = true;
+            return;
+        }
+        path_.there = side;
+        path_.place = place;
+        if (!path_.side)
+            path_.side = side;
+        if (*side == *path_.side)
+            return;
+        if (at_.touching() && !path_.other &&
+            (!looks || surface_.faces_both_ways(at_.proxy, towards, (kFurther + 1) * at_.tolerance))) {
+            doubtful_ = true;
+            return;
+        }
+        path_.other = lost_ = true;
+        note(at_.touching() ? count_.other : count_.dropped,
+             fmt::format("is on the other side of the surface than where the path began (winding number {}, not {})",
+                         *side, *path_.side));
+    }
+
+    void check_contact() {
+        const double allowed = margin_ + kSlant * depth_;
+        const int facing = surface_.facing(path_.other ? std::nullopt : path_.side);
+        if (const auto face = surface_.face_at(at_.facet, at_.proxy, margin_)) {
+            const Point normal = surface_.normal(*face);
+            const double rate = reference::dot(normal, pull_);
+            if (norm(pull_ - rate * normal) <= allowed && (facing == 0 || facing * rate < 0)) {
+                // The face stands between proxy and probe, unless the proxy came from where the probe is.
+                check_course();
+                return;
+            }
+        }
+        const std::vector<std::uint32_t> here = surface_.triangles_at(at_.proxy, margin_, margin_);
+        if (rests_on(here, facing, allowed)) {
+            check_course();
+            return;
+        }
+        if (check_course() || check_sight(here))
+            return;
+        if (rests_on_both(here, facing, allowed)) {
+            doubtful_ = true;
+            return;
+        }
+        note(count_.unbalanced, fmt::format("has a force {:.3g} of its size off the normals of the facets there",
+                                            off_normals(here, facing) / depth_));
+    }
+
+    // Whether the force is along normals that may constrain a proxy together. Of a mesh that is no solid, all its
+    // facets' fronts face the proxy, or all their backs.
+    bool rests_on(const std::vector<std::uint32_t>& triangles, int facing, double allowed) const {
+        for (const int side : {1, -1})
+            if ((facing == 0 || facing == side) &&
+                surface_.residual(pull_, triangles, side, false, at_.tolerance) <= allowed)
+                return true;
+        return false;
+    }
+
+    double off_normals(const std::vector<std::uint32_t>& triangles, int facing) const {
+        return surface_.residual(pull_, triangles, facing, true, at_.tolerance);
+    }
+
+    // Whether any facets at the proxy explain the force, or others of a narrow corner that it is in.
+    bool rests_on_both(const std::vector<std::uint32_t>& here, int facing, double allowed) const {
+        if (off_normals(here, facing) <= allowed)
+            return true;
+        for (double reach = 8 * margin_; reach < 1; reach *= 8) {
+            const std::vector<std::uint32_t> around = surface_.triangles_at(at_.proxy, reach, margin_);
+            if (kFew * surface_.kept_off(around, facing, at_.tolerance, at_.tolerance) * 8 >= reach &&
+                off_normals(around, facing) <= allowed)
+                return true;
+        }
+        return false;
+    }
+
+    // A proxy that was at a free probe, and sees the new one, goes there.
+    bool check_course() {
+        const double aside = 2.5 * std::max(at_.tolerance, path_.tolerance);
+        if (!path_.begun || path_.touching || path_.lost || surface_.meets(path_.probe, at_.probe) != Meets::no ||
+            !surface_.is_clear(path_.probe, at_.probe, aside) || surface_.distance(path_.probe) <= 2 * aside ||
+            surface_.distance(at_.probe) <= 2 * aside)
+            return false;
+        note_phantom("nothing stands between the last probe and this one");
+        return true;
+    }
+
+    // A proxy without a balanced force that sees the probe, from some place around it where the surface leaves room.
+    bool check_sight(const std::vector<std::uint32_t>& here) {
+        if (surface_.distance(at_.probe) <= 2 * margin_)
+            return false;
+        std::vector<Point> off{-pull_ / depth_};
+        for (std::size_t i = 0; i < std::min<std::size_t>(here.size(), 8); ++i)
+            for (const double way : {1.0, -1.0})
+                off.push_back(way * surface_.normal(here[i]));
+        for (const Point& direction : off) {
+            const Point from = at_.proxy + kFurther * at_.tolerance * direction;
+            if (reference::dot(direction, pull_) > 0 || surface_.distance(from) <= margin_ ||
+                !surface_.is_clear(from, at_.probe, 2.5 * at_.tolerance))
+                continue;
+            if (surface_.closed() && (!path_.side || surface_.side_by_tree(from, at_.tolerance) != path_.side))
+                continue;
+            note_phantom("nothing stands between it and the probe");
+            return true;
+        }
+        return false;
+    }
+
+    void check_growth() {
+        const double tolerance = std::max(at_.tolerance, path_.tolerance);
+        const double growth = depth_ - norm(at_.probe - path_.proxy);
+        if (!(growth > kFew * tolerance))
+            return;
+        if (path_.touching) {
+            const auto around = surface_.triangles_at(path_.proxy, 2 * growth, kFew * tolerance);
+            const int facing = surface_.facing(path_.other ? std::nullopt : path_.side);
+            if (growth <= kFew * (tolerance + surface_.kept_off(around, facing, tolerance, tolerance))) {
+                doubtful_ = true;
+                return;
+            }
+        }
+        note(count_.grew,
+             fmt::format("is {:.9g} m further from the probe than the last proxy was", growth * surface_.scale()));
+    }
+
+    void note_phantom(const char* why) {
+        note(count_.phantoms, fmt::format("has a force {:.9g} m deep, but {}", depth_ * surface_.scale(), why));
+    }
+
+    void note(std::uint64_t& counter, const std::string& what) {
+        ++counter;
+        const glm::dvec3& place = at_.world_proxy;
+        if (count_.first.empty())
+            count_.first = fmt::format("path {}, step {}: the proxy at ({:.9g}, {:.9g}, {:.9g}) m {}", at_.path,
+                                       at_.step, place.x, place.y, place.z, what);
+    }
+
+    const Surface& surface_;
+    Path& path_;
+    const Sample& at_;
+    ContactCount& count_;
+    Point pull_;
+    double depth_, margin_;
+    bool doubtful_ = false;
+    bool lost_ = false; // the proxy is elsewhere
+};
+
+template <typename T>
+ContactReferee<T>::ContactReferee(const PreparedCase& prepared, std::uint64_t samples, bool closed_loop)
+    : closed_loop_(closed_loop) {
+    if (!prepared.images.mesh)
+        return;
+    surface_ = std::make_unique<Surface>(prepared, samples);
+    count_.mesh = true;
+    count_.closed = surface_->closed();
+}
+
+template <typename T> ContactReferee<T>::~ContactReferee() = default;
+
+template <typename T> void ContactReferee<T>::check(const PathRows<T>& rows) {
+    if (!surface_)
+        return;
+    if (rows.step_first == 0)
+        paths_.assign(rows.path_count, {});
+    for (std::size_t path = 0; path < rows.path_count; ++path) {
+        check_interrupt();
+        const std::size_t samples = rows.samples(path);
+        for (std::size_t i = 0; i < samples; ++i) {
+            const std::size_t at = path * rows.pitch + i, step = rows.step_first + i;
+            const T* const position = &rows.position[3 * at];
+            const T* const proxy = &rows.proxy[3 * at];
+            Path& state = paths_[path];
+            const bool stands = step > 0 && std::memcmp(position, state.last, 3 * sizeof(T)) == 0;
+            std::copy_n(position, 3, state.last);
+            Sample sample{rows.path_first + path,
+                          step,
+                          {position[0], position[1], position[2]},
+                          {proxy[0], proxy[1], proxy[2]},
+                          rows.facet[at]};
+            sample.probe = surface_->to_frame(sample.world_probe);
+            sample.proxy = surface_->to_frame(sample.world_proxy);
+            // A probe that left its bound stays where it was, without a proxy.
+            if ((closed_loop_ && stands && !sample.touching()) || !std::isfinite(norm(sample.probe)) ||
+                !std::isfinite(norm(sample.proxy)))
+                continue;
+            sample.tolerance = surface_->tolerance(sample.proxy, sample.world_probe);
+            Judge(*surface_, state, sample, count_).judge();
+        }
+    }
+}
+
+template class ContactReferee<float>;
+template class ContactReferee<double>;
+
+} // namespace forceshade

@@ -1,0 +1,275 @@
+// The referee of contacts sees what no god-object may do, in the rows of a path alone, and nothing else.
+#include "host/referee/contact_referee.h"
+
+#include <cmath>
+#include <fstream>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "host/paths/path_run.h"
+#include "host/prepare/prepared_case.h"
+#include "host/referee/contact_surface.h"
+#include "tests/io/folder.h"
+#include "tests/mesh/shapes.h"
+
+namespace forceshade::testing {
+namespace {
+
+constexpr layout::uint kFree = layout::kNoFacet;
+
+struct Row {
+    glm::dvec3 probe, proxy; // m
+    layout::uint facet = 0;
+};
+
+// A probe out of contact.
+Row free_at(const glm::dvec3& place) {
+    return {place, place, kFree};
+}
+
+// What is to be counted.
+struct Wrong {
+    std::uint64_t grew = 0, unbalanced = 0, dropped = 0, phantoms = 0, other = 0;
+};
+
+class ContactReferee : public ::testing::Test {
+protected:
+    PreparedCase prepared(const PolygonSoup& polygons, const std::string& more = "") const {
+        std::ofstream file(folder_ / "mesh.obj");
+        for (const glm::dvec3& v : polygons.vertices)
+            file << fmt::format("v {} {} {}\n", v.x, v.y, v.z);
+        for (std::size_t facet = 0; facet < polygons.facets(); ++facet) {
+            file << "f";
+            for (std::uint32_t i = polygons.begins[facet]; i < polygons.begins[facet + 1]; ++i)
+                file << ' ' << polygons.corners[i] + 1;
+            file << "\n";
+        }
+        file.close();
+        return CasePreparation().prepare(
+            parse_scene("[surface]\nkind = \"mesh\"\nfile = \"mesh.obj\"\n" + more, "scene", folder_.path()));
+    }
+
+    // One path, in windows of two samples.
+    template <typename T> static ContactCount count_of(const PreparedCase& one, const std::vector<Row>& path) {
+        forceshade::ContactReferee<T> contacts(one, path.size(), false);
+        const layout::uint steps = static_cast<layout::uint>(path.size());
+        for (std::size_t first = 0; first < path.size(); first += 2) {
+            PathRows<T> rows;
+            std::vector<T> position, proxy;
+            std::vector<layout::uint> facet;
+            for (std::size_t i = first; i < std::min(first + 2, path.size()); ++i) {
+                for (int axis = 0; axis < 3; ++axis) {
+                    position.push_back(T(path[i].probe[axis]));
+                    proxy.push_back(T(path[i].proxy[axis]));
+                }
+                facet.push_back(path[i].facet);
+            }
+            rows.path_count = 1;
+            rows.pitch = facet.size();
+            rows.steps = {&steps, 1};
+            rows.position = position;
+            rows.proxy = proxy;
+            rows.facet = facet;
+            rows.step_first = first;
+            contacts.check(rows);
+        }
+        return contacts.count();
+    }
+
+    // In both precisions.
+    static void expect(const PreparedCase& one, const std::vector<Row>& path, const Wrong& wrong) {
+        for (const ContactCount& count : {count_of<float>(one, path), count_of<double>(one, path)}) {
+            EXPECT_EQ(count.samples, path.size());
+            EXPECT_EQ(count.grew, wrong.grew) << count.first;
+            EXPECT_EQ(count.unbalanced, wrong.unbalanced) << count.first;
+            EXPECT_EQ(count.dropped, wrong.dropped) << count.first;
+            EXPECT_EQ(count.phantoms, wrong.phantoms) << count.first;
+            EXPECT_EQ(count.other, wrong.other) << count.first;
+            EXPECT_EQ(count.first.empty(), count.wrong() == 0);
+        }
+    }
+
+    Folder folder_;
+};
+
+TEST_F(ContactReferee, finds_nothing_in_an_ordinary_path) {
+    const PreparedCase one = prepared(shapes::cube());
+    expect(one,
+           {free_at({0, 0, 1.5}),
+            {{0, 0, 0.5}, {0, 0, 1}, 5},
+            {{0.5, 0.2, -5}, {0.5, 0.2, 1}, 5}, // out again on the other side, and held all the same
+            {{0.9, 0.9, 0.5}, {0.9, 0.9, 1}, 5},
+            free_at({1.1, 0, 1.1}),
+            free_at({1.1, 0, 0})},
+           {});
+    const ContactCount count =
+        count_of<double>(one, {free_at({0, 0, 1.5}), {{0, 0, 0.5}, {0, 0, 1}, 5}, free_at({0, 0, 1.2})});
+    EXPECT_TRUE(count.mesh);
+    EXPECT_TRUE(count.closed);
+    EXPECT_EQ(count.near, 0u);
+}
+
+TEST_F(ContactReferee, sees_a_proxy_that_fell_through) {
+    const PreparedCase one = prepared(shapes::cube());
+    const std::vector<Row> path{free_at({0, 0, 1.5}),
+                                {{0, 0, 0.5}, {0, 0, 1}},
+                                free_at({0, 0, 0.4}),
+                                free_at({0, 0.3, -0.4}),
+                                {{0, 0, -1.5}, {0, 0, -1}}}; // held from within
+    expect(one, path, {.dropped = 2, .other = 1});
+    EXPECT_NE(count_of<double>(one, path).first.find("path 0, step 2"), std::string::npos);
+    // From within to the outside: of a cube that is turned inside out, so that its inside is free.
+    PolygonSoup room = shapes::cube();
+    for (std::size_t facet = 0; facet < room.facets(); ++facet)
+        std::reverse(&room.corners[room.begins[facet]], &room.corners[room.begins[facet + 1]]);
+    expect(prepared(room), {free_at({0, 0, 0}), {{0, 0, 2}, {0, 0, 1}}, free_at({0, 0, 2})}, {.dropped = 1});
+}
+
+TEST_F(ContactReferee, lets_a_path_that_begins_behind_the_surface_go_on_in_front_of_it) {
+    const PreparedCase one = prepared(shapes::cube());
+    expect(one, {{{0, 0, 0.9}, {0, 0, 1}}, {{0, 0, 0.8}, {0, 0, 1}}, free_at({0, 0, 1.1})}, {});
+    expect(one, {free_at({0, 0, 0.9}), free_at({0, 0, 0.8}), free_at({0, 0, 1.1})}, {.dropped = 2});
+}
+
+TEST_F(ContactReferee, tells_sides_among_shells_and_solids_that_overlap) {
+    const PreparedCase hollow = prepared(shapes::nested_shells(3, true));
+    const glm::dvec3 wall = [&] {
+        for (double x = 0; x < 1; x += 0.01)
+            if (brute::MeshReferee(hollow.images.mesh->mesh, {}).winding_number({x, 0.01, 0.02}) > 0.5)
+                return glm::dvec3(x + 0.1, 0.01, 0.02);
+        return glm::dvec3(0);
+    }();
+    expect(hollow, {free_at({0, 0, 0}), free_at({0.1, 0, 0})}, {});
+    expect(hollow, {free_at({0, 0, 0}), free_at(wall)}, {.dropped = 1});
+    expect(hollow, {free_at({2, 0, 0}), free_at(wall)}, {.dropped = 1});
+    const PreparedCase both = prepared(shapes::nested_shells(3, false));
+    expect(both, {free_at({2, 0, 0}), free_at(wall)}, {.dropped = 1});
+    expect(both, {free_at({2, 0, 0}), free_at({0, 0, 0})}, {.dropped = 1});
+    // Two cubes that overlap in x = [0.5, 1]: who begins there goes on within the other.
+    const PreparedCase two =
+        prepared(shapes::merged(shapes::cube(), shapes::moved(shapes::cube(), glm::dvec3(1), {1.5, 0, 0})));
+    expect(two, {free_at({-2, 0, 0}), {{-0.5, 0, 0}, {-1, 0, 0}}, free_at({0.75, 0, 0})}, {.dropped = 1});
+    expect(two, {{{0.95, 0, 0}, {1, 0, 0}}, {{0.6, 0, 0}, {1, 0, 0}}, free_at({1.2, 0, 0})}, {});
+    expect(two, {{{0.95, 0, 0}, {1, 0, 0}}, free_at({3, 0, 0})}, {.dropped = 1});
+}
+
+TEST_F(ContactReferee, does_not_guess_on_the_surface_nor_in_narrow_corners) {
+    const PreparedCase one = prepared(shapes::cube());
+    const std::vector<Row> grazing{free_at({0, 0, 1.5}), free_at({0, 0, 1 - 1e-13}), {{0, 0, 1 - 1e-13}, {0, 0, 1}}};
+    EXPECT_EQ(count_of<double>(one, grazing).near, 2u);
+    expect(one, grazing, {});
+    // A notch of 20 degrees, pressed hard against its one wall and a little against the other.
+    PolygonSoup block;
+    const double w = 0.5 * std::tan(0.17453292519943295);
+    const std::vector<glm::dvec3> outline{{-1, 0, -1}, {1, 0, -1},   {1, 0, 0.5}, {w, 0, 0.5},
+                                          {0, 0, 0},   {-w, 0, 0.5}, {-1, 0, 0.5}};
+    const auto corners = static_cast<std::uint32_t>(outline.size());
+    for (const double y : {-1.0, 1.0})
+        for (const glm::dvec3& at : outline)
+            block.vertices.push_back({at.x, y, at.z});
+    for (std::uint32_t i = 0; i < corners; ++i) {
+        const std::uint32_t next = (i + 1) % corners;
+        shapes::add_facet(block, {next, i, corners + i, corners + next});
+    }
+    shapes::add_facet(block, {0, 1, 2, 3, 4, 5, 6});
+    shapes::add_facet(block, {13, 12, 11, 10, 9, 8, 7});
+    const PreparedCase notch = prepared(block);
+    expect(notch, {free_at({0, 0, 1}), {{-0.3, 0, -0.1}, {0, 0, 0}}, {{0.3, 0, -0.1}, {0, 0, 0}}}, {});
+    // An open mesh has no sides.
+    const ContactCount open = count_of<double>(prepared(shapes::open_cube()), {free_at({0, 0, 2}), free_at({0, 0, 0})});
+    EXPECT_FALSE(open.closed);
+    EXPECT_EQ(open.windings, 0u);
+    EXPECT_EQ(open.wrong(), 0u);
+}
+
+TEST_F(ContactReferee, sees_a_proxy_that_goes_away_from_the_probe) {
+    for (const PolygonSoup& polygons : {shapes::cube(), shapes::open_cube()}) {
+        const PreparedCase one = prepared(polygons);
+        // On the face x = 1, and down it although the probe does not move.
+        const Row held{{0.5, 0, 0}, {1, 0, 0}};
+        expect(one, {free_at({1.5, 0, 0}), held, {{0.5, 0, 0}, {1, 0.5, 0}}, held}, {.grew = 1, .unbalanced = 1});
+        expect(one, {free_at({1.5, 0, 0}), held, {{-0.5, 0.1, 0}, {1, 0.1, 0}}, held}, {});
+        // Over the cube's edge, where the other face is further off.
+        expect(one, {free_at({1.5, 0, 0}), {{0.9, 0.7, 0}, {1, 0.7, 0}}, {{0.9, 0.7, 0}, {0.9, 1, 0}}}, {.grew = 1});
+    }
+}
+
+TEST_F(ContactReferee, sees_a_force_in_no_direction_of_the_facets) {
+    for (const PolygonSoup& polygons : {shapes::cube(), shapes::open_cube()}) {
+        const PreparedCase one = prepared(polygons);
+        expect(one, {free_at({1.5, 0, 0}), {{0.5, 0, 0}, {1, 0.1, 0}}}, {.unbalanced = 1});
+        expect(one, {free_at({1.5, 0, 0}), {{0.5, 0, 0}, {1, 0.005, 0}}}, {});
+        // In the air, and off the edge that the proxy slides over.
+        expect(one, {free_at({1.5, 0, 0}), {{0.5, 0, 0}, {1.1, 0, 0}}}, {.unbalanced = 1});
+        expect(one, {free_at({1.5, 0, 0}), {{0.5, 0.9, 0.1}, {1, 1, 0}}}, {.unbalanced = 1});
+    }
+}
+
+TEST_F(ContactReferee, sees_a_force_where_nothing_is_in_between) {
+    for (const PolygonSoup& polygons : {shapes::cube(), shapes::open_cube()}) {
+        const PreparedCase one = prepared(polygons);
+        // From the open into the open; and over an edge into the open, where the facets bear no such force.
+        const bool closed = polygons.facets() == 6; // so that the proxy is seen to pull from within
+        expect(one, {free_at({1.5, 0, 0}), {{1.5, 0.5, 0}, {1, 0.5, 0}}}, {.phantoms = 1, .other = closed ? 1u : 0u});
+        expect(one, {free_at({0.5, 1.5, 0}), {{1.5, 0.5, 0}, {1, 1, 0}}}, {.phantoms = 1});
+    }
+}
+
+// Eight triangles, thick by a thousandth of a degree: in single precision thinner than the skin.
+PolygonSoup thin_wedge() {
+    PolygonSoup wedge;
+    const double z = 8.7266462601931728e-06;
+    wedge.vertices = {{0, 0, 0}, {0, 1, 0}, {1, 1, -z}, {1, 1, z}, {1, 0, -z}, {1, 0, z}};
+    for (const auto& [a, b, c] : std::initializer_list<std::array<std::uint32_t, 3>>{
+             {0, 1, 2}, {0, 2, 4}, {0, 5, 3}, {0, 3, 1}, {1, 3, 2}, {0, 4, 5}, {4, 2, 3}, {4, 3, 5}})
+        shapes::add_facet(wedge, {a, b, c});
+    return wedge;
+}
+
+TEST_F(ContactReferee, sees_a_proxy_at_the_far_end_of_a_thin_wedge) {
+    const PreparedCase one = prepared(thin_wedge());
+    const glm::dvec3 end(1.0000133813354597, 1.0000072313490214, -1.4504776647443512e-05);
+    const std::vector<Row> right{free_at({0.9033547430225982, 1.0863647407898338, 0.05290819690751334}),
+                                 free_at({0.9999999999999994, 0.9999999999999994, -8.726646259605142e-06}),
+                                 free_at(end)};
+    expect(one, right, {});
+    std::vector<Row> wrong = right;
+    wrong[2] = {end, {0, 1.0000072313490214, 0}, 0};
+    for (const ContactCount& count : {count_of<float>(one, wrong), count_of<double>(one, wrong)}) {
+        EXPECT_EQ(count.grew, 1u);
+        EXPECT_NE(count.first.find("path 0, step 2"), std::string::npos) << count.first;
+    }
+}
+
+TEST_F(ContactReferee, fills_columns_of_the_table_of_validate) {
+    const PreparedCase one = prepared(shapes::icosphere(2), "[paths]\ncount = 20\nsteps = 300\ndepth = \"300 mm\"\n");
+    EngineOptions options;
+    options.cpu = true;
+    const auto engine = make_engine(options);
+    PathComparison comparison = compare_paths(*engine, one, Precision::f32);
+    EXPECT_TRUE(comparison.passed);
+    EXPECT_EQ(comparison.contacts.samples, 6000u);
+    EXPECT_GT(comparison.contacts.brute, 1000u);
+    EXPECT_LT(comparison.contacts.near, 1000u);
+    EXPECT_EQ(comparison.contacts.wrong(), 0u);
+    EXPECT_NE(path_comparison_table({comparison}).find("judged at 6000 samples"), std::string::npos);
+    EXPECT_NE(path_comparison_json({comparison}).find("\"on_other_side\": 0"), std::string::npos);
+    EXPECT_NE(path_comparison_json({comparison}).find("\"phantoms\": 0"), std::string::npos);
+}
+
+// The sign of tiny volumes, and of lines that graze an edge.
+TEST(ContactSurface, tells_what_a_line_meets_or_that_it_cannot) {
+    const std::array<glm::dvec3, 3> triangle{glm::dvec3(0, 0, 0), glm::dvec3(1, 0, 0), glm::dvec3(0, 1, 0)};
+    EXPECT_EQ(segment_meets({0.2, 0.2, 1}, {0.2, 0.2, -1}, triangle), Meets::yes);
+    EXPECT_EQ(segment_meets({0.2, 0.2, 1}, {0.2, 0.2, 1e-300}, triangle), Meets::unsure);
+    EXPECT_EQ(segment_meets({0.2, 0.2, 1}, {0.2, 0.2, 1e-15}, triangle), Meets::no);
+    EXPECT_EQ(segment_meets({0.2, 0.2, 1}, {0.9, 0.9, -1}, triangle), Meets::no);
+    EXPECT_EQ(segment_meets({0.5, 0, 1}, {0.5, 0, -1}, triangle), Meets::unsure);
+    EXPECT_EQ(segment_meets({0.5, -1e-15, 1}, {0.5, -1e-15, -1}, triangle), Meets::no);
+    EXPECT_EQ(volume_sign({1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, 0, 0}), 1);
+    EXPECT_EQ(volume_sign({1, 0, 0}, {0, 1, 0}, {1, 1, 0}, {0, 0, 0}), 0);
+}
+
+} // namespace
+} // namespace forceshade::testing
