@@ -3,6 +3,7 @@
 #include <array>
 #include <map>
 #include <optional>
+#include <set>
 #include <sstream>
 
 #include "host/error.h"
@@ -38,9 +39,11 @@ bool same(const PathSample& one, const PathSample& other) {
 void check_numbers(const std::filesystem::path& path, const std::vector<PathSample>& samples) {
     CsvReader csv(path);
     csv.next();
+    static const std::set<std::string, std::less<>> names{"path", "t", "x", "y", "z"};
     std::map<std::string, std::size_t, std::less<>> columns;
     for (std::size_t i = 0; i < csv.size(); ++i)
-        columns.emplace(csv.text(i), i);
+        require(columns.emplace(csv.text(i), i).second || !names.contains(csv.text(i)), "two columns are called {}",
+                csv.text(i));
     for (const PathSample& sample : samples) {
         csv.next();
         const auto cell = [&](const char* name) { return std::string(csv.text(columns.at(name))); };

@@ -121,8 +121,19 @@ void check_messages(const std::string& message) {
             }
             parse_basis(device.basis);
         }
-    tells_of_grip(message);
-    dialect_of(read_version(message));
+    const nlohmann::json all = nlohmann::json::parse(message, nullptr, false);
+    const auto has_grip = [&](const char* list) {
+        return all.is_object() && all.contains(list) && all[list].is_array() && all[list].size() > 0;
+    };
+    require(tells_of_grip(message) == (has_grip("wireless_verse_grip") || has_grip("verse_grip")), "a grip is told of");
+    const std::string version = read_version(message);
+    require(version.empty() || message.find("\"" + version) != std::string::npos ||
+                message.find("\"v" + version) != std::string::npos || message.find('\\') != std::string::npos,
+            "the version {} is not told", version);
+    require(!version.starts_with('v') || message.find("\"vv") != std::string::npos ||
+                message.find('\\') != std::string::npos,
+            "the version {} has a v", version);
+    dialect_of(version);
 }
 
 void check_words(const std::string& text) {

@@ -1,6 +1,7 @@
 // fuzz_seeds FOLDER: writes FOLDER/TARGET/..., small inputs that the program itself makes or that are in tests/data,
 // and FOLDER/TARGET.dict, the words of the target's language.
 #include <fstream>
+#include <random>
 #include <set>
 
 #include <nlohmann/json.hpp>
@@ -54,6 +55,17 @@ private:
     std::filesystem::path folder_;
     int count_ = 0;
 };
+
+/// For targets that make something out of any bytes. The first byte, below `kinds`, chooses what.
+void add_random(Seeds& seeds, const std::string& target, std::mt19937& random, int kinds) {
+    for (int i = 0; i < 40; ++i) {
+        std::string bytes(static_cast<std::size_t>(60 + random() % 400), '\0');
+        for (char& byte : bytes)
+            byte = static_cast<char>(random() % (i % 2 ? 256 : 100));
+        bytes[0] = static_cast<char>(i % kinds);
+        seeds.add(target, bytes);
+    }
+}
 
 void add_scenes(Seeds& seeds) {
     seeds.add("toml", schema_text());
@@ -170,14 +182,8 @@ void add_meshes(Seeds& seeds) {
                                   " nx\n"});
     // Of soups and god-objects any bytes are one.
     std::mt19937 random(1);
-    for (const char* target : {"prepare", "god_object"})
-        for (int i = 0; i < 40; ++i) {
-            std::string bytes(static_cast<std::size_t>(60 + random() % 400), '\0');
-            for (char& byte : bytes)
-                byte = static_cast<char>(random() % (i % 2 ? 256 : 100));
-            bytes[0] = static_cast<char>(i);
-            seeds.add(target, bytes);
-        }
+    add_random(seeds, "prepare", random, 256);
+    add_random(seeds, "god_object", random, 256);
 }
 
 /// The names of an object's members, and words that stand in it.
@@ -277,9 +283,8 @@ void add_paths_volume(Seeds& seeds) {
     writer.write(rows);
     writer.finish();
     seeds.add("volume", read_file(path));
-    for (int i = 0; i < 32; ++i)
-        seeds.add("volume", std::string{static_cast<char>(i % 2), static_cast<char>(i), 2, static_cast<char>(i / 2),
-                                        static_cast<char>(i / 4), static_cast<char>(i), 1, 2, 3, 5, 8, 13, 21});
+    std::mt19937 random(1);
+    add_random(seeds, "volume", random, 2);
 }
 
 void add_pictures(Seeds& seeds) {
@@ -295,12 +300,8 @@ void add_pictures(Seeds& seeds) {
         testing::write_exr(path, {{"Y", {Imf::FLOAT, [bad](int x, int y) { return x + y == 3 ? bad : 1; }}}});
         seeds.add("height_map", read_file(path));
     }
-    for (int i = 0; i < 40; ++i)
-        seeds.add("height_map",
-                  std::string{static_cast<char>(i % 2), static_cast<char>(i * 37), static_cast<char>(i * 91),
-                              static_cast<char>(i), static_cast<char>(i * 13), static_cast<char>(i * 7),
-                              static_cast<char>(i / 2), static_cast<char>(i * 5), static_cast<char>(i * 3),
-                              static_cast<char>(i * 11), static_cast<char>(i), 7});
+    std::mt19937 random(1);
+    add_random(seeds, "height_map", random, 2);
     for (const Imf::Compression compression : {Imf::NO_COMPRESSION, Imf::RLE_COMPRESSION, Imf::ZIP_COMPRESSION,
                                                Imf::PIZ_COMPRESSION, Imf::PXR24_COMPRESSION})
         for (const bool tiled : {false, true}) {
@@ -316,6 +317,8 @@ void add_tables(Seeds& seeds) {
     seeds.add("csv", "path,t,x,y,z\n0.5,0,0,0,0\n");
     seeds.add("csv", "path,t,x,y,z\n1e17,0,0,0,0\n");
     seeds.add("csv", "path,t,x,y,z\n0,1,0,0,0\n0,1,0,0,0\n");
+    seeds.add("csv", "path,t,x,y,z\n0,0,0,0,0\n0,2,0,0,0\n0,1,0,0,0\n");
+    seeds.add("csv", "path,t,x,y,z,x\n0,0,0,0,0,1\n");
     seeds.add("csv", "path,t,x,y,z\r\n\r\n7.0 \t,0  , 1,2,3\r\n");
     seeds.add("csv", "\xEF\xBB\xBFt , x,y,\"z\",path,force\r\n0,0,0,0,1e0,\"a,\"\"b\"\r\n\r\n1,1,1,1,1.0,\r\n");
     seeds.add("csv", std::string("\0\1\5a,b \x0d\"x\n\0\x3f\xf0\0\0\0\0\0\1", 20));
@@ -334,7 +337,8 @@ void add_messages(Seeds& seeds) {
          R"({"inverse3":[{"device_id":"AB","state":{"cursor_position":{"x":1,"y":1,"z":0}}}]})",
          R"({"inverse3":[{"device_id":"04BA","status":{"calibrated":true,"ready":"yes","power_supply":1}}]})",
          R"({"inverse3":[{"device_id":"A","state":{"cursor_position":{"x":0,"y":0,"z":0}}}],"verse_grip":[{"state":{"buttons":{"a":true}}},{"state":{"buttons":{"b":true}}}]})",
-         R"({"ok":true,"data":{"git_tag":"v3.6.1","project_version":"3.1.1.0"}})", R"({"ok":false,"error":"no"})"}) {
+         R"({"verse_grip":[]})", R"({"ok":true,"data":{"git_tag":"v3.6.1","project_version":"3.1.1.0"}})",
+         R"({"ok":false,"error":"no"})"}) {
         collect_words(Json::parse(message), words);
         seeds.add("haply", message);
     }
