@@ -392,6 +392,23 @@ bool is_blocked(const layout::MeshView<T>& mesh, Neighbourhood<T>& neighbourhood
     return blocked;
 }
 
+/// Whether a pull pushes against planes alone: what of it they leave free is no more than a skin or rounding explain.
+template <typename T> bool is_balanced(const GodObjectContact<T>& contact, const Vector<T>& pull) noexcept {
+    const T square = dot(pull, pull), tolerance = Skin<T>::kRest + T(0x1p-12) * std::sqrt(square);
+    Projection<T> left;
+    // Where rounding leaves none, what was found last is small or it is not.
+    (void)project(pull, one_tolerance(tolerance), left, [&](const Vector<T>& vector, HalfSpace<T>& space) {
+        for (layout::uint i = 0; i < contact.count; ++i)
+            if (dot(contact.normals[i], vector) < -tolerance) {
+                space = {contact.normals[i], T(0), i};
+                return true;
+            }
+        return false;
+    });
+    const T most = T(2) * Skin<T>::kWidth + T(0x1p-6) * std::sqrt(square);
+    return dot(left.vector, left.vector) <= most * most;
+}
+
 /// The certificate of a contact, given the proxy that the walk took to its side, crossing nothing: it is where the
 /// proxy is, but for the skin, or where the planes that constrain it meet; it is no further from the probe than the
 /// proxy; and nothing stands between the two. Without a contact nothing stands between the proxy and the probe.
@@ -401,22 +418,22 @@ public:
                 const Vector<T>& probe) noexcept
         : mesh_(mesh), neighbourhood_(neighbourhood), proxy_(proxy), probe_(probe) {}
 
-    /// Of a contact with some of these faces, which together constrain the proxy.
-    [[nodiscard]] bool holds(const GodObjectContact<T>& contact, const ConstrainingFaces<T>& faces) const noexcept {
+    /// Of a contact with some of these faces, which together constrain the proxy. Moves it by what rounding explains.
+    [[nodiscard]] bool holds(GodObjectContact<T>& contact, const ConstrainingFaces<T>& faces) const noexcept {
         return contact.touching ? is_at_proxy(contact, faces) : is_reached();
     }
 
 private:
     static constexpr T kBeside = T(2) * Skin<T>::kWidth;
 
-    bool is_at_proxy(const GodObjectContact<T>& contact, const ConstrainingFaces<T>& faces) const noexcept {
+    bool is_at_proxy(GodObjectContact<T>& contact, const ConstrainingFaces<T>& faces) const noexcept {
         const Vector<T> shift = contact.proxy - proxy_;
         const T square = dot(shift, shift);
         if (square <= kBeside * kBeside)
             return true;
-        const T length = std::sqrt(square);
-        return length <= T(4) * (T(1) + skins_to_planes(faces)) * Skin<T>::kWidth && !has_grown(contact.proxy) &&
-               is_on_named_facet(contact) && !are_convex(contact) &&
+        const T length = std::sqrt(square), skins = T(1) + skins_to_planes(faces);
+        return length <= T(4) * skins * Skin<T>::kWidth && move_onto_facet(contact, faces, skins) &&
+               !has_grown(contact.proxy) && !are_convex(contact) &&
                // More than a skin before its end, and a hundredth of the distance in acute corners.
                !is_blocked(mesh_, neighbourhood_, proxy_, contact.proxy, T(0.01) + Skin<T>::kWidth / length);
     }
@@ -427,13 +444,28 @@ private:
         return !(dot(displacement, both) >= -kBeside * std::sqrt(dot(both, both)));
     }
 
-    /// Planes may meet where their triangles do not reach.
-    bool is_on_named_facet(const GodObjectContact<T>& contact) const noexcept {
-        for (layout::uint i = 0; i < contact.count; ++i)
-            if (nearest_on_triangle(contact.proxy, triangle_at(mesh_, contact.triangles[i])).square <=
-                kBeside * kBeside)
-                return true;
-        return false;
+    /// Planes may meet where their triangles do not reach: a contact no further from one of them than rounding of so
+    /// acute a corner explains is moved there, where all of them constrain it.
+    bool move_onto_facet(GodObjectContact<T>& contact, const ConstrainingFaces<T>& faces, T skins) const noexcept {
+        T nearest = kBeside + touch_tolerance(contact.proxy) * skins;
+        nearest = nearest * nearest;
+        Vector<T> offset(T(0));
+        bool found = false;
+        for (layout::uint i = 0; i < contact.count; ++i) {
+            const TrianglePoint<T> point = nearest_on_triangle(contact.proxy, triangle_at(mesh_, contact.triangles[i]));
+            if (!(point.square <= nearest))
+                continue;
+            nearest = point.square;
+            offset = point.offset;
+            found = true;
+        }
+        if (!found || nearest <= kBeside * kBeside)
+            return found;
+        contact.proxy += offset;
+        contact.count = 0;
+        for (layout::uint i = 0; i < faces.count; ++i)
+            add_facet(mesh_, faces.triangles[i], faces.normals[i], contact);
+        return is_balanced(contact, Vector<T>(probe_ - contact.proxy));
     }
 
     /// Whether all triangles are behind each other's planes: over an edge between two such a proxy slides, so their
@@ -465,23 +497,6 @@ private:
     const Vector<T>& proxy_;
     const Vector<T>& probe_;
 };
-
-/// Whether a pull pushes against planes alone: what of it they leave free is no more than a skin or rounding explain.
-template <typename T> bool is_balanced(const GodObjectContact<T>& contact, const Vector<T>& pull) noexcept {
-    const T square = dot(pull, pull), tolerance = Skin<T>::kRest + T(0x1p-12) * std::sqrt(square);
-    Projection<T> left;
-    // Where rounding leaves none, what was found last is small or it is not.
-    (void)project(pull, one_tolerance(tolerance), left, [&](const Vector<T>& vector, HalfSpace<T>& space) {
-        for (layout::uint i = 0; i < contact.count; ++i)
-            if (dot(contact.normals[i], vector) < -tolerance) {
-                space = {contact.normals[i], T(0), i};
-                return true;
-            }
-        return false;
-    });
-    const T most = T(2) * Skin<T>::kWidth + T(0x1p-6) * std::sqrt(square);
-    return dot(left.vector, left.vector) <= most * most;
-}
 
 /// The contact at the nearest place of the triangles that constrain a proxy, where no planes tell a better one: on its
 /// side and a skin away. Unfinished if these triangles would let it go on. No contact if nothing stands between proxy
@@ -517,7 +532,7 @@ template <typename T>
         const ConstrainingFaces<T> all =
             constraining_faces(mesh, neighbourhood, rest.proxy, View{front, both_sides}, probe);
         for (const Vector<T>& origin : {probe, rest.proxy}) {
-            const GodObjectContact<T> contact = contact_of(mesh, all, probe, origin);
+            GodObjectContact<T> contact = contact_of(mesh, all, probe, origin);
             if ((contact.touching || both_sides) && certificate.holds(contact, all))
                 return contact;
         }
@@ -556,7 +571,7 @@ template <typename T, typename Walk>
             return contact;
     }
     for (const Vector<T>& origin : {probe, walk.proxy()}) {
-        const GodObjectContact<T> contact = contact_of(mesh, faces, probe, origin);
+        GodObjectContact<T> contact = contact_of(mesh, faces, probe, origin);
         if (certificate.holds(contact, faces))
             return contact;
     }

@@ -1,6 +1,7 @@
 // Probes along recorded paths, from the command line: streams, refusals, memory, interrupts.
 #include <array>
 #include <csignal>
+#include <fstream>
 #include <iterator>
 #include <sstream>
 #include <thread>
@@ -84,7 +85,7 @@ TEST_F(Explore, takes_double_precision_for_a_thin_mesh) {
         const Outcome outcome = expect_success(
             {"explore", "thin.toml", "--paths", "thin.csv", "--out", "thin-out.csv", "--engine", "cpu", "--overwrite"});
         const bool single = std::string(run).find("f32") != std::string::npos;
-        EXPECT_EQ(outcome.err.find("precision: f64") == std::string::npos, single) << outcome.err;
+        EXPECT_EQ(outcome.error.find("precision: f64") == std::string::npos, single) << outcome.error;
     }
 }
 

@@ -68,6 +68,9 @@ public:
 private:
     static constexpr double kSkin = double(reference::Skin<T>::kWidth);
     static constexpr double kEpsilon = std::numeric_limits<T>::epsilon();
+    static constexpr double kBeside = (sizeof(T) == 8 ? 128 : 8) * kSkin; /* beside tips of rims walks may stop */
+    static constexpr double kRounded =
+        1e-8; /* of a residual: what rounding makes of where nearly parallel planes meet */
 
     std::string fault_of(const Update& update, const reference::GodObjectContact<T>& contact, bool follows,
                          bool crossed) {
@@ -84,7 +87,7 @@ private:
         if (growth > tolerance)
             return note(tally_.grew, fmt::format("grew by {:.3g}", growth));
         const bool blocked = grid_.touches(update.proxy, update.probe);
-        if (contact.touching != blocked && surface_distance(update.probe) > rounding + 4 * kSkin &&
+        if (contact.touching != blocked && surface_distance(update.probe) > rounding + kBeside &&
             is_certain(update, blocked))
             return contact.touching ? note(tally_.phantoms, fmt::format("a phantom, {:.3g}", depth))
                                     : note(tally_.dropped, "free, but not reached");
@@ -107,15 +110,16 @@ private:
         tally_.distance = std::max(tally_.distance, distance);
         if (distance > tolerance)
             return note(tally_.far, fmt::format("{:.3g} from the facets named", distance));
-        if (residual > tolerance + glm::length(pull) / 64)
+        if (residual > std::max(tolerance, kRounded) + glm::length(pull) / 64)
             return note(tally_.unbalanced, fmt::format("unbalanced by {:.3g}", residual));
         return "";
     }
 
     /// Whether what stands between proxy and probe does not hang on a few skins, as beside a rim.
     bool is_certain(const Update& update, bool blocked) const {
-        for (int i = 0; i < 27; ++i) {
-            const glm::dvec3 aside = 6 * kSkin * glm::dvec3(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1);
+        for (int i = 0; i < 54; ++i) {
+            const double far = (i < 27 ? 2 : 6) * kSkin;
+            const glm::dvec3 aside = far * glm::dvec3(i % 3 - 1, i / 3 % 3 - 1, i / 9 % 3 - 1);
             if (grid_.touches(update.proxy + aside, update.probe + aside) != blocked ||
                 grid_.touches(update.proxy + aside, update.probe) != blocked)
                 return false;
