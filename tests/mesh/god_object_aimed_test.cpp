@@ -89,7 +89,7 @@ template <typename T> void walk_on(const std::vector<walks::Terrain>& terrains, 
             tally.unfinished, tally.least_gap);
         EXPECT_EQ(tally.crossed, 0u) << terrain.name;
         // In narrow corners a contact may say that it is uncertain.
-        EXPECT_LE(tally.unfinished, tally.contacts / 500) << terrain.name;
+        EXPECT_LE(tally.unfinished, tally.contacts / 150) << terrain.name;
         EXPECT_GT(tally.contacts, tally.steps / 20) << terrain.name;
     }
 }
