@@ -233,14 +233,17 @@ private:
             input, work.take, [&](std::size_t z_first, std::size_t z_count) { return planner.plan(z_first, z_count); });
     }
 
-    template <typename T> compute::FieldTimes run_kernel(const PathWork<T>& work, EngineTimes&) {
+    template <typename T> compute::FieldTimes run_kernel(const PathWork<T>& work, EngineTimes& spent) {
         if (work.input.law.features.surface != layout::kSurfaceMesh)
             return paths_.on(device_).explore(work.input, work.take, work.take_metrics);
         // What the kernel leaves is the oracle's: few steps need its many cases.
         const compute::FinishUpdates<T> finish = [&](std::span<layout::MeshUpdate<T>> updates) {
             reference::finish_updates(work.input.law.mesh, updates, most_threads());
         };
-        return mesh_paths_.on(device_).explore(work.input, finish, work.take, work.take_metrics);
+        const compute::MeshPathTimes times =
+            mesh_paths_.on(device_).explore(work.input, finish, work.take, work.take_metrics);
+        spent.host_updates = times.host_updates;
+        return times;
     }
 
     std::filesystem::path cache_;

@@ -23,6 +23,7 @@ struct EngineTimes {
     double prepare = 0;                 /* reading images and meshes, and putting a mesh into its tree */
     double plan = 0;                    /* of a mesh: where there is force, and what is near */
     std::uint64_t voxels_evaluated = 0; /* of a mesh; the others were found free as whole blocks */
+    std::uint64_t host_updates = 0;     /* of proxies on a mesh, which a kernel of paths left to the host */
     std::uint64_t uploaded = 0;         /* bytes copied to a device: tables, plans, recorded positions */
 
     double sum() const { return prepare + plan + compile + upload + kernel + read_back; } /* s */

@@ -120,7 +120,26 @@ namespace {
 constexpr std::chrono::minutes kLongest(20); // of one process, which may also wait for nothing
 
 // How a process ends: one of these and the scene's number.
-constexpr int kSurvived = 0, kDiffers = 64, kError = 128;
+constexpr int kSurvived = 0, kLeftToHost = 1, kDiffers = 64, kError = 128;
+
+// Hands all on, and counts.
+class Counting final : public Engine {
+public:
+    explicit Counting(std::unique_ptr<Engine> engine) : engine_(std::move(engine)) {}
+
+    EngineReport report() const override { return engine_->report(); }
+    EngineTimes run(const EngineWork& work) override {
+        const EngineTimes times = engine_->run(work);
+        host_updates_ += times.host_updates;
+        return times;
+    }
+    /// Since the last call.
+    std::uint64_t host_updates() { return std::exchange(host_updates_, 0); }
+
+private:
+    std::unique_ptr<Engine> engine_;
+    std::uint64_t host_updates_ = 0;
+};
 
 std::unique_ptr<Engine> software_engine() {
     EngineOptions options;
@@ -152,17 +171,19 @@ int run_trial(const Kernel& kernel, const std::vector<PreparedCase>& scenes, Tri
     replace(kernel, std::move(trial.words));
     std::size_t at = trial.scenes.front();
     try {
-        const auto engine = software_engine();
+        Counting engine(software_engine());
+        bool left_to_host = false;
         for (const std::size_t scene : trial.scenes) {
             at = scene;
             limit_time(seconds);
-            if (!passes(*engine, kernel, scenes[scene]))
+            if (!passes(engine, kernel, scenes[scene]))
                 return kDiffers + static_cast<int>(scene);
+            left_to_host = left_to_host || engine.host_updates() != trial.host_updates[scene];
         }
+        return left_to_host ? kLeftToHost : kSurvived;
     } catch (const std::exception&) {
         return kError + static_cast<int>(at);
     }
-    return kSurvived;
 }
 
 // Forks; the child does `work`, ends with what that returns and says nothing.
@@ -183,16 +204,16 @@ pid_t begin_process(const std::function<int()>& work) {
 Outcome outcome_of(int status, bool late) {
     if (WIFEXITED(status)) {
         const int code = WEXITSTATUS(status);
-        if (code == kSurvived)
-            return {};
+        if (code == kSurvived || code == kLeftToHost)
+            return {End::survived, code == kLeftToHost, 0};
         if (code >= kError)
-            return {End::error, static_cast<std::size_t>(code - kError)};
+            return {End::error, false, static_cast<std::size_t>(code - kError)};
         if (code >= kDiffers)
-            return {End::differs, static_cast<std::size_t>(code - kDiffers)};
-        return {End::crash, 0}; // a driver that exits
+            return {End::differs, false, static_cast<std::size_t>(code - kDiffers)};
+        return {End::crash, false, 0}; // a driver that exits
     }
     const int signal = WTERMSIG(status);
-    return {late || signal == SIGXCPU || signal == SIGKILL ? End::time : End::crash, 0};
+    return {late || signal == SIGXCPU || signal == SIGKILL ? End::time : End::crash, false, 0};
 }
 
 } // namespace
@@ -277,43 +298,65 @@ private:
     std::vector<char> ran_;
 };
 
-// In a process of its own, as the parent must not start threads.
-std::vector<bool> blocks_that_run(const Kernel& kernel, const KernelCode& code, const PreparedCase& scene,
-                                  const std::vector<std::size_t>& blocks) {
+// What `work` returns in a process of its own, as the parent must not start threads. \throws std::runtime_error with
+// what went wrong there, after `doing`.
+std::string in_process(const std::string& doing, const std::function<std::string()>& work) {
     std::array<int, 2> ends{};
     if (pipe(ends.data()) != 0)
         throw std::runtime_error("no pipe");
-    const std::size_t count = blocks.size();
     const pid_t child = begin_process([&] {
+        std::string text;
+        bool done = false;
         try {
-            replace(kernel, with_coverage(code, kernel.marks, blocks));
-            Marks marks(software_engine(), kernel.channel, coverage_stride(code, kernel.marks), count);
-            passes(marks, kernel, scene);
-            return write(ends[1], marks.ran().data(), count) == ssize_t(count) ? 0 : 1;
+            text = work();
+            done = true;
         } catch (const std::exception& error) {
-            const std::string text = error.what();
-            return write(ends[1], text.data(), text.size()) >= 0 ? 1 : 2;
+            text = error.what();
         }
+        return write(ends[1], text.data(), text.size()) == ssize_t(text.size()) && done ? 0 : 1;
     });
     close(ends[1]);
-    std::string read_back(4096 + count, '\0');
-    std::size_t size = 0;
-    for (ssize_t got = 0; (got = read(ends[0], read_back.data() + size, read_back.size() - size)) > 0;)
-        size += std::size_t(got);
+    std::string result;
+    std::array<char, 4096> some{};
+    for (ssize_t got = 0; (got = read(ends[0], some.data(), some.size())) > 0;)
+        result.append(some.data(), std::size_t(got));
     close(ends[0]);
     int status = 0;
     waitpid(child, &status, 0);
-    read_back.resize(size);
     if (!WIFEXITED(status) || WEXITSTATUS(status) != 0)
-        throw std::runtime_error(
-            fmt::format("{} cannot be run to see which blocks of {} do: {}", scene.one.name, kernel.name, read_back));
-    std::vector<bool> ran(code.blocks().size(), false);
-    for (std::size_t i = 0; i < count; ++i)
-        ran[blocks[i]] = read_back[i] != 0;
-    return ran;
+        throw std::runtime_error(doing + ": " + result);
+    return result;
+}
+
+std::vector<bool> blocks_that_run(const Kernel& kernel, const KernelCode& code, const PreparedCase& scene,
+                                  const std::vector<std::size_t>& blocks) {
+    const std::string ran = in_process(fmt::format("which blocks of {} run in {}", kernel.name, scene.one.name), [&] {
+        replace(kernel, with_coverage(code, kernel.marks, blocks));
+        Marks marks(software_engine(), kernel.channel, coverage_stride(code, kernel.marks), blocks.size());
+        passes(marks, kernel, scene);
+        return std::string(marks.ran().begin(), marks.ran().end());
+    });
+    std::vector<bool> all(code.blocks().size(), false);
+    for (std::size_t i = 0; i < blocks.size(); ++i)
+        all[blocks[i]] = ran[i] != 0;
+    return all;
 }
 
 } // namespace
+
+std::vector<std::uint64_t> host_updates_of(const Kernel& kernel, const std::vector<PreparedCase>& scenes) {
+    std::vector<std::uint64_t> all(scenes.size(), 0);
+    for (std::size_t i = 0; i < scenes.size(); ++i)
+        if (is_for(kernel, scenes[i]))
+            all[i] =
+                std::stoull(in_process(fmt::format("the intact kernel {} in {}", kernel.name, scenes[i].one.name), [&] {
+                    Counting engine(software_engine());
+                    if (!passes(engine, kernel, scenes[i]))
+                        throw std::runtime_error("the comparison fails");
+                    return std::to_string(engine.host_updates());
+                }));
+    return all;
+}
 
 std::vector<std::vector<bool>> coverage_of(const Kernel& kernel, const KernelCode& code,
                                            const std::vector<PreparedCase>& scenes,

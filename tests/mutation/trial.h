@@ -32,13 +32,16 @@ enum class End { survived, differs, error, crash, time };
 
 struct Outcome {
     End end = End::survived;
+    bool left_to_host =
+        false; /* of a survivor: other steps of a mesh's paths were left to the host, with the same result */
     std::size_t scene = 0; /* that showed it; of a crash or a time-out not known */
 };
 
 /// What one process does.
 struct Trial {
     Words words;
-    std::vector<std::size_t> scenes; /* in this order, until one shows a difference */
+    std::vector<std::uint64_t> host_updates; /* of the intact kernel, by scene; may be empty */
+    std::vector<std::size_t> scenes;         /* in this order, until one shows a difference */
 };
 
 /// Runs `validate`'s comparison on changed kernels, so many processes at a time; `done` takes what came of each. A
@@ -46,6 +49,10 @@ struct Trial {
 void try_kernels(const Kernel& kernel, const std::vector<PreparedCase>& scenes, std::size_t trials,
                  const std::function<Trial(std::size_t)>& trial,
                  const std::function<void(std::size_t, const Outcome&)>& done, unsigned jobs, unsigned seconds);
+
+/// Updates of proxies that an intact kernel leaves to the host in each scene. \throws std::runtime_error for a scene in
+/// which it fails.
+std::vector<std::uint64_t> host_updates_of(const Kernel& kernel, const std::vector<PreparedCase>& scenes);
 
 /// Which of some blocks of a kernel run in each scene: by scene, then by the number of the block among all; false for
 /// the others. \throws std::runtime_error if a scene could not be run.
