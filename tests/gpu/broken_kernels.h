@@ -20,8 +20,7 @@ enum class Break {
     lap,        /* open loop: rounds are counted a step early */
     adrift,     /* turns are counted from where contact began */
     forgetful,  /* G2: a facet keeps the vertex at its right */
-    creep,      /* paths on meshes: a line between two planes is kept to wrongly */
-    tunnel,     /* likewise: a move goes past what it hits */
+    tunnel,     /* paths on meshes: a move goes past what it hits */
     slip,       /* likewise: a triangle is left before its edge */
     behind,     /* likewise: what is held from behind is shaded as if from the front */
     imprecise,  /* no `precise`: compilers reassociate */
