@@ -93,7 +93,10 @@ TEST_F(Reading, finds_pictures_as_they_were_asked_for) {
 
 TEST_F(Reading, with_openexrs_tools_finds_nothing_wrong) {
     EXPECT_EQ(tool("exrheader", {"field.exr"}).code, 0) << "package openexr";
-    EXPECT_EQ(tool("exrinfo", {"-v", "field.exr"}).code, 0);
+    // exrinfo 3.1.5 returns a number that it never set: what it prints decides.
+    const Outcome info = tool("exrinfo", {"-v", "field.exr"});
+    EXPECT_EQ(info.error, "");
+    EXPECT_NE(info.out.find("forceshade.grid: v3i [ 16, 4, 8 ]"), std::string::npos) << info.out;
     if (std::filesystem::exists("/usr/bin/exrcheck")) {
         EXPECT_EQ(tool("exrcheck", {"field.exr"}).code, 0);
     }
