@@ -168,7 +168,7 @@ namespace {
 std::uint64_t whole_number(const Json& json, std::uint64_t most) {
     const bool whole = json.is_number_unsigned() || (json.is_number_integer() && json.get<std::int64_t>() >= 0);
     if (!whole || json.get<std::uint64_t>() > most)
-        throw Json::type_error::create(302, fmt::format("a whole number from 0 to {} is wanted", most), &json);
+        throw Json::type_error::create(302, fmt::format("must be a whole number from 0 to {}", most), &json);
     return json.get<std::uint64_t>();
 }
 

@@ -526,8 +526,8 @@ std::string path_comparison_table(const std::vector<PathComparison>& comparisons
                             "triangles\n",
                             all.windings, all.brute);
     if (all.mesh)
-        text += fmt::format("{} samples were too near to the surface, or in too narrow a corner, to tell all of it\n",
-                            all.near);
+        text += fmt::format(
+            "{} samples are too near to the surface, or in too narrow a corner, for some of these checks\n", all.near);
     return text;
 }
 

@@ -18,7 +18,7 @@ namespace forceshade {
 namespace {
 
 constexpr std::uint64_t kLoopBudget = 1'000'000; // triangles that loops may look at: some seconds
-constexpr double kFurther = 8;                   // how far from a proxy in contact its side is told, in tolerances
+constexpr double kFurther = 8;                   // how far from a proxy in contact its side is checked, in tolerances
 constexpr double kFew = 4;                       // tolerances that explain a growth, a residual, a force
 constexpr double kSlant = 1.0 / 64;              // of a force's direction
 
@@ -57,7 +57,7 @@ template <typename T> struct ContactReferee<T>::Surface : ContactSurface {
           affordable(std::max<std::uint64_t>(1, kLoopBudget / prepared.images.mesh->structure.triangles())),
           brute_every(samples / affordable + 1) {}
 
-    // What skin and rounding make of a place; no side can be told nearer to the surface.
+    // What skin and rounding make of a place; the side is not defined nearer to the surface.
     double tolerance(const Point& local, const glm::dvec3& world) const {
         constexpr double kEpsilon = std::numeric_limits<T>::epsilon();
         const double written = std::max({std::abs(world.x), std::abs(world.y), std::abs(world.z)}) / scale();
@@ -75,7 +75,7 @@ template <typename T> struct ContactReferee<T>::Path {
     std::optional<int> side;  // the winding number where the path is to be
     std::optional<int> there; // the winding number at the last place where it is known
     Point place{0};           // that place
-    bool other = false;       // loops over all triangles have told that the path is elsewhere
+    bool other = false;       // loops over all triangles have found the path elsewhere
     T last[3]{};              // m: the position of its last sample
     bool begun = false, touching = false, lost = false;
     Point probe{0}, proxy{0}; // of the last sample
@@ -164,8 +164,7 @@ private:
             path_.side = side;
         if (*side == *path_.side)
             return;
-        if (at_.touching() && !path_.other &&
-            (!looks || surface_.faces_both_ways(at_.proxy, towards, (kFurther + 1) * at_.tolerance))) {
+        if (at_.touching() && !path_.other && (!looks || is_in_pocket(place, towards))) {
             doubtful_ = true;
             return;
         }
@@ -173,6 +172,13 @@ private:
         note(at_.touching() ? count_.other : count_.dropped,
              fmt::format("is on the other side of the surface than where the path began (winding number {}, not {})",
                          *side, *path_.side));
+    }
+
+    // Whether a place beside a proxy in contact may be on another side than the proxy a skin off the surface is: facets
+    // there face both ways, or another one is near.
+    bool is_in_pocket(const Point& place, const Point& towards) const {
+        return surface_.face_both_ways(at_.proxy, towards, (kFurther + 1) * at_.tolerance) ||
+               surface_.meets(place, at_.proxy + kFurther * kFurther * at_.tolerance * towards) != Meets::no;
     }
 
     void check_contact() {

@@ -37,14 +37,15 @@ struct ContactCount {
 /// - a proxy that sees the probe, past all facets, is at the probe;
 /// - a proxy crosses no facet, so on a closed mesh the winding number is the same wherever a path has it: 0 outside, 1
 ///   inside, 2 where two solids overlap or a shell is within another that faces the same way. Between a cavity and the
-///   outside it does not tell. A path that begins behind the surface goes on in front of it.
+///   outside it does not change. A path that begins behind the surface goes on in front of it.
 ///
 /// A proxy keeps a skin off every facet, and rounding of probe, vertices and touch adds to that; in a corner narrower
 /// than a right angle it is kept as many skins off as one over the sine of half the angle. What these explain is near,
-/// not wrong. A proxy out of contact is the probe. A proxy in contact is written on the surface, where no side can be
-/// told; but it pulls the probe to its own side, so that a place 8 tolerances from it along the force's line is on that
-/// side, unless facets around face both ways. The winding number is not computed anew where a straight line from the
-/// last place for which it is known certainly meets no facet.
+/// not wrong. A proxy out of contact is the probe. A proxy in contact is written on the surface, where the side is
+/// not defined; but it pulls the probe to its own side, so that a place 8 tolerances from it along the force's line is
+/// on that side, unless facets around face both ways or another one lies within 64 tolerances on that line. The winding
+/// number is not computed anew where a straight line from the last place for which it is known certainly meets no
+/// facet.
 template <typename T> class ContactReferee {
 public:
     /// The case must outlive this. `samples`: of all its paths. `closed_loop`: probes that stand still have left.

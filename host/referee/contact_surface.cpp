@@ -222,12 +222,10 @@ int ContactSurface::facing(std::optional<int> side) const {
     return *side == *front_ ? 1 : *side == *front_ + 1 ? -1 : 0;
 }
 
-bool ContactSurface::faces_both_ways(const glm::dvec3& place, const glm::dvec3& towards, double reach) const {
+bool ContactSurface::face_both_ways(const glm::dvec3& place, const glm::dvec3& towards, double reach) const {
     bool ahead = false, back = false;
-    for (const brute::Answer& answer : referee_.all_at(to_world(place), reach * scale())) {
-        if (answer.facet == layout::kNoFacet)
-            continue;
-        const double rate = dot(mesh_.facet_normals[answer.facet], towards);
+    for (const std::uint32_t triangle : triangles_at(place, reach, reach)) {
+        const double rate = dot(normal(triangle), towards);
         ahead = ahead || rate > kBothWays;
         back = back || rate < -kBothWays;
     }

@@ -50,7 +50,7 @@ public:
     int facing(std::optional<int> side) const;
 
     /// Whether facets around a place face both ways along a direction, by more than one part in 8.
-    bool faces_both_ways(const glm::dvec3& place, const glm::dvec3& towards, double reach) const;
+    bool face_both_ways(const glm::dvec3& place, const glm::dvec3& towards, double reach) const;
 
     /// The triangle of a facet whose face holds a place, further than `margin` from its edges and no further off it.
     std::optional<std::uint32_t> face_at(std::uint32_t facet, const glm::dvec3& place, double margin) const;

@@ -423,15 +423,20 @@ public:
         return contact.touching ? is_at_proxy(contact, faces) : is_reached();
     }
 
+    /// Whether a contact is where the proxy is, but for the skin: then it holds.
+    bool is_beside_proxy(const GodObjectContact<T>& contact) const noexcept {
+        const Vector<T> shift = contact.proxy - proxy_;
+        return dot(shift, shift) <= kBeside * kBeside;
+    }
+
 private:
     static constexpr T kBeside = T(2) * Skin<T>::kWidth;
 
     bool is_at_proxy(GodObjectContact<T>& contact, const ConstrainingFaces<T>& faces) const noexcept {
-        const Vector<T> shift = contact.proxy - proxy_;
-        const T square = dot(shift, shift);
-        if (square <= kBeside * kBeside)
+        if (is_beside_proxy(contact))
             return true;
-        const T length = std::sqrt(square), skins = T(1) + skins_to_planes(faces);
+        const Vector<T> shift = contact.proxy - proxy_;
+        const T length = std::sqrt(dot(shift, shift)), skins = T(1) + skins_to_planes(faces);
         return length <= T(4) * skins * Skin<T>::kWidth && move_onto_facet(contact, faces, skins) &&
                !has_grown(contact.proxy) && !are_convex(contact) &&
                // More than a skin before its end, and a hundredth of the distance in acute corners.
@@ -528,11 +533,12 @@ template <typename T>
                                                     const Rest<T>& rest, const Vector<T>& probe) noexcept {
     const bool front = is_in_front(mesh, rest);
     const Certificate<T> certificate(mesh, neighbourhood, rest.proxy, probe);
+    GodObjectContact<T> contact;
     for (const bool both_sides : {false, true}) {
         const ConstrainingFaces<T> all =
             constraining_faces(mesh, neighbourhood, rest.proxy, View{front, both_sides}, probe);
         for (const Vector<T>& origin : {probe, rest.proxy}) {
-            GodObjectContact<T> contact = contact_of(mesh, all, probe, origin);
+            contact = contact_of(mesh, all, probe, origin);
             if ((contact.touching || both_sides) && certificate.holds(contact, all))
                 return contact;
         }
@@ -545,7 +551,8 @@ template <typename T>
         faces.triangles[faces.count] = triangle;
         faces.normals[faces.count] = above ? shape.normal : -shape.normal;
     }
-    return contact_beside(mesh, neighbourhood, rest.proxy, faces, probe);
+    contact = contact_beside(mesh, neighbourhood, rest.proxy, faces, probe);
+    return contact;
 }
 
 /// The contact of a proxy in the open or constrained by faces alone, where a walk came to rest.
@@ -554,28 +561,29 @@ template <typename T, typename Walk>
                                                    const Walk& walk, const Vector<T>& probe) noexcept {
     const Projection<T>& resting = walk.resting();
     const Certificate<T> certificate(mesh, neighbourhood, walk.proxy(), probe);
+    GodObjectContact<T> contact = out_of_contact(probe); // one object, so that it is built where it is returned
+    if (resting.count == 0)
+        return contact;
+    if (resting.count == 1) {
+        const Touch<T>& touch = walk.touch(resting.active[0].source);
+        touch_one(mesh, touch.index, touch.face, touch.triangle.corners[0], probe, contact);
+        // Without a contact the probe is within the skin of the plane on which the proxy rests.
+        if (!contact.touching || certificate.is_beside_proxy(contact))
+            return contact;
+    }
     ConstrainingFaces<T> faces;
     for (; faces.count < resting.count; ++faces.count) {
         const Touch<T>& touch = walk.touch(resting.active[faces.count].source);
         faces.triangles[faces.count] = touch.index;
         faces.normals[faces.count] = touch.face;
     }
-    if (faces.count == 0)
-        return out_of_contact(probe);
-    if (faces.count == 1) {
-        GodObjectContact<T> contact = out_of_contact(probe);
-        const Touch<T>& touch = walk.touch(resting.active[0].source);
-        touch_one(mesh, touch.index, touch.face, touch.triangle.corners[0], probe, contact);
-        // Without a contact the probe is within the skin of the plane on which the proxy rests.
-        if (!contact.touching || certificate.holds(contact, faces))
-            return contact;
-    }
     for (const Vector<T>& origin : {probe, walk.proxy()}) {
-        GodObjectContact<T> contact = contact_of(mesh, faces, probe, origin);
+        contact = contact_of(mesh, faces, probe, origin);
         if (certificate.holds(contact, faces))
             return contact;
     }
-    return contact_beside(mesh, neighbourhood, walk.proxy(), faces, probe);
+    contact = contact_beside(mesh, neighbourhood, walk.proxy(), faces, probe);
+    return contact;
 }
 
 } // namespace forceshade::reference

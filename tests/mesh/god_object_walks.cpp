@@ -256,16 +256,12 @@ PolygonSoup soup(unsigned seed) {
     return soup;
 }
 
-namespace {
-
-/// A wedge of so many degrees, as long and as wide as 1, sharp at x = 0.
 PolygonSoup sharp_wedge(double degrees) {
     const double half = std::tan(degrees * std::acos(-1.0) / 360);
     return solid({{0, 0, 0}, {0, 1, 0}, {1, 1, -half}, {1, 1, half}, {1, 0, -half}, {1, 0, half}},
                  {{0, 1, 2}, {0, 2, 4}, {0, 5, 3}, {0, 3, 1}, {1, 3, 2}, {0, 4, 5}, {4, 2, 3}, {4, 3, 5}});
 }
 
-/// Two cones on one rim, with so many facets round each pole.
 PolygonSoup double_cone(unsigned facets, double height) {
     PolygonSoup soup;
     soup.vertices = {{0, 0, height}, {0, 0, -height}};
@@ -279,7 +275,6 @@ PolygonSoup double_cone(unsigned facets, double height) {
     return soup;
 }
 
-/// A block with a groove of so many degrees along y, 1 deep.
 PolygonSoup grooved_block(double degrees) {
     const double half = std::tan(degrees * std::acos(-1.0) / 360);
     PolygonSoup soup;
@@ -293,8 +288,6 @@ PolygonSoup grooved_block(double degrees) {
     add_facet(soup, {7, 8, 9, 10, 11, 12, 13});
     return soup;
 }
-
-} // namespace
 
 std::vector<Terrain> narrow_solids(bool long_form) {
     std::vector<Terrain> result;
@@ -337,28 +330,36 @@ std::vector<Terrain> open_meshes() {
     return result;
 }
 
-Prober::Prober(const MeshStructure& structure, std::uint64_t seed) : structure_(structure), random_(seed) {}
-
-glm::dvec3 Prober::direction() {
+glm::dvec3 RandomPlaces::direction() {
     std::normal_distribution<double> one;
     const double x = one(random_), y = one(random_);
     return glm::normalize(glm::dvec3(x, y, one(random_)));
 }
 
-glm::dvec3 Prober::vertex(std::size_t v) const {
+glm::dvec3 RandomPlaces::vertex(std::size_t v) const {
     const auto& vertices = structure_.reals->vertices;
     return {vertices[3 * v], vertices[3 * v + 1], vertices[3 * v + 2]};
 }
 
-glm::dvec3 Prober::corner(std::size_t triangle, std::size_t i) const {
+glm::dvec3 RandomPlaces::corner(std::size_t triangle, std::size_t i) const {
     return vertex(structure_.parts->triangle_corners[3 * triangle + i]);
 }
 
-glm::dvec3 Prober::normal(std::size_t triangle) const {
+glm::dvec3 RandomPlaces::normal(std::size_t triangle) const {
     const glm::dvec3 a = corner(triangle, 0);
     const glm::dvec3 area = glm::cross(corner(triangle, 1) - a, corner(triangle, 2) - a);
     const double size = glm::length(area);
     return size > 0 ? area / size : glm::dvec3(0, 0, 1);
+}
+
+glm::dvec3 RandomPlaces::place_on(std::size_t triangle) {
+    double u = random(0, 1), v = random(0, 1);
+    if (u + v > 1) {
+        u = 1 - u;
+        v = 1 - v;
+    }
+    const glm::dvec3 a = corner(triangle, 0);
+    return a + u * (corner(triangle, 1) - a) + v * (corner(triangle, 2) - a);
 }
 
 /// Of a corner (0 to 2) or an edge (3 to 5).
@@ -374,16 +375,6 @@ glm::dvec3 Prober::pseudonormal(std::size_t triangle, std::size_t i) const {
     }
     const double size = glm::length(sum);
     return size > 1e-9 ? sum / size : normal(triangle);
-}
-
-glm::dvec3 Prober::place_on(std::size_t triangle) {
-    double u = random(0, 1), v = random(0, 1);
-    if (u + v > 1) {
-        u = 1 - u;
-        v = 1 - v;
-    }
-    const glm::dvec3 a = corner(triangle, 0);
-    return a + u * (corner(triangle, 1) - a) + v * (corner(triangle, 2) - a);
 }
 
 /// Half the distance to the nearest of some planes behind a place.
@@ -444,27 +435,30 @@ glm::dvec3 Prober::step(const glm::dvec3& from) {
     return there;
 }
 
+glm::dvec3 Stroker::begin() {
+    const std::size_t triangle = random_() % structure_.triangles();
+    inwards_ = -normal(triangle);
+    return place_on(triangle) - 0.01 * inwards_;
+}
+
+glm::dvec3 Stroker::step(const glm::dvec3& from) {
+    const bool first = inwards_ != glm::dvec3(0), grazes = first && random(0, 1) < 0.3;
+    const double far = grazes ? length(1e-9, 1e-6) * (random(0, 1) < 0.5 ? -1 : 1) : length(1e-4, 0.1);
+    const glm::dvec3 displacement = first ? (0.01 + far) * inwards_ : far * direction();
+    inwards_ = glm::dvec3(0);
+    return from + displacement;
+}
+
 Aimer::Aimer(const MeshStructure& structure, std::uint64_t seed)
-    : structure_(structure), random_(seed), around_(structure.reals->vertices.size() / 3) {
+    : RandomPlaces(structure, seed), around_(structure.reals->vertices.size() / 3) {
     const auto& corners = structure.parts->triangle_corners;
     for (std::size_t i = 0; i < corners.size(); ++i)
         around_[corners[i]].push_back(static_cast<std::uint32_t>(i / 3));
 }
 
-glm::dvec3 Aimer::direction() {
-    std::normal_distribution<double> normal;
-    return glm::normalize(glm::dvec3(normal(random_), normal(random_), normal(random_)));
-}
-
 /// Nothing, or 1e-12 to 1e-4 sizes in any direction.
 glm::dvec3 Aimer::beside() {
     return random(0, 1) < 0.3 ? glm::dvec3(0) : length(1e-12, 1e-4) * direction();
-}
-
-glm::dvec3 Aimer::corner(std::size_t triangle, std::size_t i) const {
-    const std::size_t v = 3 * std::size_t(structure_.parts->triangle_corners[3 * triangle + i]);
-    const auto& vertices = structure_.reals->vertices;
-    return {vertices[v], vertices[v + 1], vertices[v + 2]};
 }
 
 /// Along an edge to its other end, in another of the triangles there.

@@ -28,6 +28,12 @@ std::vector<Terrain> terrains();
 std::vector<Terrain> pits();
 
 PolygonSoup wedge(double angle);
+/// A wedge of so many degrees, as long and as wide as 1, sharp at x = 0.
+PolygonSoup sharp_wedge(double degrees);
+/// Two cones on one rim, with so many facets round each pole.
+PolygonSoup double_cone(unsigned facets, double height);
+/// A block with a groove of so many degrees along y, 1 deep.
+PolygonSoup grooved_block(double degrees);
 /// A sheet folded to and fro, whose folds touch along their edges.
 PolygonSoup touching_folds(unsigned folds, double gap);
 /// A fan round a corner `depth` below its rim, whose heights are random within `relief`: narrow folds if there are
@@ -69,35 +75,56 @@ std::vector<Terrain> narrow_solids(bool long_form = false);
 /// Rims of sheets, bow ties, three facets at an edge, doubled facets, saddle corners, crossing and touching facets.
 std::vector<Terrain> open_meshes();
 
-/// Probe positions in the mesh's frame that aim at the answer: on the pseudonormals of corners, edges and facets, 1e-12
-/// to 2 sizes deep or high, half way to what is opposite (the medial axis), between corners; steps of 1e-12 to 10
-/// sizes. A walk is Aimer::kSteps positions.
-class Prober {
+/// What the walks below draw their positions from: places of a mesh, in its frame.
+class RandomPlaces {
 public:
-    Prober(const MeshStructure& structure, std::uint64_t seed);
-    glm::dvec3 begin();
-    glm::dvec3 step(const glm::dvec3& from);
+    RandomPlaces(const MeshStructure& structure, std::uint64_t seed) : structure_(structure), random_(seed) {}
 
-private:
+protected:
     double random(double low, double high) { return std::uniform_real_distribution<double>(low, high)(random_); }
+    /// Log-uniform.
     double length(double least, double most) { return std::pow(10.0, random(std::log10(least), std::log10(most))); }
     glm::dvec3 direction();
     glm::dvec3 vertex(std::size_t v) const;
     glm::dvec3 corner(std::size_t triangle, std::size_t i) const;
     glm::dvec3 normal(std::size_t triangle) const;
-    glm::dvec3 pseudonormal(std::size_t triangle, std::size_t i) const;
     glm::dvec3 place_on(std::size_t triangle);
-    double half_way_in(const glm::dvec3& place, const glm::dvec3& normal);
-    glm::dvec3 target();
 
     const MeshStructure& structure_;
     std::mt19937_64 random_;
 };
 
+/// Probe positions in the mesh's frame that aim at the answer: on the pseudonormals of corners, edges and facets, 1e-12
+/// to 2 sizes deep or high, half way to what is opposite (the medial axis), between corners; steps of 1e-12 to 10
+/// sizes. A walk is Aimer::kSteps positions.
+class Prober : RandomPlaces {
+public:
+    using RandomPlaces::RandomPlaces;
+    glm::dvec3 begin();
+    glm::dvec3 step(const glm::dvec3& from);
+
+private:
+    glm::dvec3 pseudonormal(std::size_t triangle, std::size_t i) const;
+    double half_way_in(const glm::dvec3& place, const glm::dvec3& normal);
+    glm::dvec3 target();
+};
+
+/// Probe positions in the mesh's frame as a hand moves: from 0.01 sizes above a facet to 1e-4 to 0.1 sizes below it,
+/// then steps of as much, anywhere.
+class Stroker : RandomPlaces {
+public:
+    using RandomPlaces::RandomPlaces;
+    glm::dvec3 begin();
+    glm::dvec3 step(const glm::dvec3& from);
+
+private:
+    glm::dvec3 inwards_{0}; /* before the first step */
+};
+
 /// Probe positions in the mesh's frame that aim at what a god-object may fall through: from corner to corner within
 /// 0 to 1e-4 sizes of the edge, through the middles of edges, along edges and parallel to facets with steps of 1e-12 to
 /// 10 sizes, between the places of a lattice, and inwards. A walk is kSteps positions, the first in the open.
-class Aimer {
+class Aimer : RandomPlaces {
 public:
     static constexpr unsigned kSteps = 8;
 
@@ -106,15 +133,9 @@ public:
     glm::dvec3 step(const glm::dvec3& from);
 
 private:
-    double random(double low, double high) { return std::uniform_real_distribution<double>(low, high)(random_); }
-    double length(double least, double most) { return std::pow(10.0, random(std::log10(least), std::log10(most))); }
-    glm::dvec3 direction();
     glm::dvec3 beside();
-    glm::dvec3 corner(std::size_t triangle, std::size_t i) const;
     void go_on();
 
-    const MeshStructure& structure_;
-    std::mt19937_64 random_;
     std::vector<std::vector<std::uint32_t>> around_; /* triangles at each vertex */
     std::size_t triangle_ = 0, corner_ = 0;          /* where the walk is */
     glm::dvec3 offset_{0};                           /* of the probe from the features it aims at */
