@@ -66,16 +66,7 @@ private:
 
     /// Of a walk that was stopped by what then constrained it no longer.
     void rest_on_nearest(Rest<T>& rest) const noexcept {
-        T nearest = std::numeric_limits<T>::max();
-        visit_near(mesh_, neighbourhood_, Move<T>{rest.proxy, Vector<T>(T(0)), T(0)}, [&](layout::uint index) {
-            const T square = nearest_on_triangle(rest.proxy, triangle_at(mesh_, index)).square;
-            const bool first = square == nearest && comes_before(mesh_, index, rest.triangles[0]);
-            if (!(square < nearest) && !first)
-                return;
-            nearest = square;
-            rest.triangles[0] = index;
-            rest.count = 1;
-        });
+        rest.count = nearest_near(mesh_, neighbourhood_, rest.proxy, rest.triangles[0]) ? 1 : 0;
         rest.cornered = rest.count > 0;
     }
 
@@ -221,6 +212,27 @@ void begin_path(const layout::MeshView<T>& mesh, GodObject<T>& state, Neighbourh
     }
 }
 
+/// In corners with no room for two skins a walk may push the proxy out, away from the probe: then it stays where the
+/// update began.
+template <typename T>
+void hold_if_grown(const layout::MeshView<T>& mesh, Neighbourhood<T>& neighbourhood, const Vector<T>& begin,
+                   const Vector<T>& probe, Rest<T>& rest, GodObjectContact<T>& contact) noexcept {
+    if (!Certificate<T>(mesh, neighbourhood, begin, probe).has_grown(contact.proxy) ||
+        !nearest_near(mesh, neighbourhood, begin, rest.triangles[0]))
+        return;
+    rest.proxy = begin;
+    rest.count = 1;
+    rest.cornered = true;
+    const Triangle<T> triangle = triangle_at(mesh, rest.triangles[0]);
+    const bool front = !(dot(triangle.normal, begin - triangle.corners[0]) < T(0));
+    ConstrainingFaces<T> face;
+    face.count = 1;
+    face.triangles[0] = rest.triangles[0];
+    face.normals[0] = front ? triangle.normal : -triangle.normal;
+    contact = contact_beside(mesh, neighbourhood, begin, face, probe);
+    contact.finished = false;
+}
+
 /// The update of a path that has begun, to a probe that is finite.
 template <typename T, typename Trace>
 GodObjectContact<T> follow(const layout::MeshView<T>& mesh, GodObject<T>& state, Neighbourhood<T>& neighbourhood,
@@ -230,6 +242,8 @@ GodObjectContact<T> follow(const layout::MeshView<T>& mesh, GodObject<T>& state,
     RestSolver<T, Walk<T, Trace>> solver(mesh, neighbourhood, probe, walk);
     GodObjectContact<T> contact = solver.run(rest);
     contact.finished = contact.finished && solver.finished();
+    if (contact.beside)
+        hold_if_grown(mesh, neighbourhood, state.proxy, probe, rest, contact);
     contact.substeps = walk.substeps();
     state.proxy = rest.proxy;
     state.cornered = rest.cornered;

@@ -392,6 +392,23 @@ bool is_blocked(const layout::MeshView<T>& mesh, Neighbourhood<T>& neighbourhood
     return blocked;
 }
 
+/// The triangle nearest to a place, of those within twice the skin. False if there is none.
+template <typename T>
+bool nearest_near(const layout::MeshView<T>& mesh, Neighbourhood<T>& neighbourhood, const Vector<T>& place,
+                  layout::uint& triangle) noexcept {
+    T nearest = std::numeric_limits<T>::max();
+    bool found = false;
+    visit_near(mesh, neighbourhood, Move<T>{place, Vector<T>(T(0)), T(0)}, [&](layout::uint index) {
+        const T square = nearest_on_triangle(place, triangle_at(mesh, index)).square;
+        if (!(square < nearest) && !(square == nearest && comes_before(mesh, index, triangle)))
+            return;
+        nearest = square;
+        triangle = index;
+        found = true;
+    });
+    return found;
+}
+
 /// Whether a pull pushes against planes alone: what of it they leave free is no more than a skin or rounding explain.
 template <typename T> bool is_balanced(const GodObjectContact<T>& contact, const Vector<T>& pull) noexcept {
     const T square = dot(pull, pull), tolerance = Skin<T>::kRest + T(0x1p-12) * std::sqrt(square);
@@ -429,6 +446,12 @@ public:
         return dot(shift, shift) <= kBeside * kBeside;
     }
 
+    /// Whether a place is further from the probe than the proxy is, by more than its skin.
+    bool has_grown(const Vector<T>& place) const noexcept {
+        const Vector<T> displacement = place - proxy_, both = (probe_ - proxy_) + (probe_ - place);
+        return !(dot(displacement, both) >= -kBeside * std::sqrt(dot(both, both)));
+    }
+
 private:
     static constexpr T kBeside = T(2) * Skin<T>::kWidth;
 
@@ -441,12 +464,6 @@ private:
                !has_grown(contact.proxy) && !are_convex(contact) &&
                // More than a skin before its end, and a hundredth of the distance in acute corners.
                !is_blocked(mesh_, neighbourhood_, proxy_, contact.proxy, T(0.01) + Skin<T>::kWidth / length);
-    }
-
-    /// Whether a place is further from the probe than the proxy is, by more than its skin.
-    bool has_grown(const Vector<T>& place) const noexcept {
-        const Vector<T> displacement = place - proxy_, both = (probe_ - proxy_) + (probe_ - place);
-        return !(dot(displacement, both) >= -kBeside * std::sqrt(dot(both, both)));
     }
 
     /// Planes may meet where their triangles do not reach: a contact no further from one of them than rounding of so
