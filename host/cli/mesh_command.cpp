@@ -128,7 +128,8 @@ int run(const Arguments& arguments, const CommonOptions& common) {
             parse_quantity(std::isdigit(static_cast<unsigned char>(unit[0])) ? unit : "1 " + unit, Dimension::length);
     mesh.file = read_polygons(path);
     mesh.findings = inspect(mesh.file.polygons);
-    mesh.warnings = warnings(mesh.findings);
+    mesh.findings.joined_vertices = mesh.file.joined_vertices;
+    mesh.warnings = warnings(mesh.findings, MeshUse::any, unit.empty() ? "of the file's unit" : "m", mesh.metres);
     refuse_if_meaningless(mesh.findings, path);
     print_data(common.json ? as_json(path, mesh) : as_text(mesh));
     if (!common.quiet && unit.empty())

@@ -13,35 +13,6 @@ namespace forceshade {
 
 namespace {
 
-/// Things joined into sets (union-find with path halving).
-class DisjointSets {
-public:
-    explicit DisjointSets(std::size_t count) : parents_(count) { std::iota(parents_.begin(), parents_.end(), 0u); }
-
-    /// The set's least member.
-    std::uint32_t find(std::uint32_t member) noexcept {
-        while (parents_[member] != member)
-            member = parents_[member] = parents_[parents_[member]];
-        return member;
-    }
-
-    void join(std::uint32_t a, std::uint32_t b) noexcept {
-        a = find(a);
-        b = find(b);
-        parents_[std::max(a, b)] = std::min(a, b);
-    }
-
-    std::size_t count() const noexcept {
-        std::size_t sets = 0;
-        for (std::size_t i = 0; i < parents_.size(); ++i)
-            sets += parents_[i] == i;
-        return sets;
-    }
-
-private:
-    std::vector<std::uint32_t> parents_;
-};
-
 struct DoubleTraits : OpenMesh::DefaultTraits {
     using Point = OpenMesh::Vec3d;
     VertexAttributes(0);

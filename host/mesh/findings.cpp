@@ -12,6 +12,8 @@
 #include "host/error.h"
 #include "host/long_run.h"
 #include "host/mesh/connectivity.h"
+#include "host/mesh/pieces.h"
+#include "host/mesh/places.h"
 #include "host/mesh/self_intersections.h"
 #include "host/mesh/surface.h"
 #include "host/reference/elementary.h"
@@ -99,12 +101,29 @@ ShapeFindings inspect_shape(const PolygonSoup& all, std::size_t self_intersectio
     return shape;
 }
 
+namespace {
+
+void name_pieces(const PolygonSoup& polygons, MeshFindings& found) {
+    const MeshPieces pieces = find_pieces(polygons);
+    for (std::size_t i = 0; i < pieces.pieces.size(); ++i) {
+        const MeshPiece& piece = pieces.pieces[i];
+        if (piece.is_inside_out() || piece.one_sided)
+            (piece.one_sided ? found.one_sided : found.inside_out).push_back(name_of(i, pieces));
+    }
+}
+
+} // namespace
+
 MeshFindings with_connections(ShapeFindings shape, const Connectivity& mesh) {
     MeshFindings& found = shape.findings;
     ConnectivityCounts& counts = found;
     counts = shape.redundant.empty() ? mesh->counts()
                                      : Connectivity(without_facets(mesh.polygons(), shape.redundant))->counts();
     found.closed = found.facets > 0 && found.odd_edges == 0;
+    if (!found.closed)
+        found.closing_distance = closing_distance(mesh.polygons());
+    else if (found.volume < 0 || found.components > 1 || found.misoriented_edges > 0)
+        name_pieces(mesh.polygons(), found);
     return found;
 }
 
@@ -122,62 +141,99 @@ std::string counted(std::size_t count, std::string_view one, std::string_view ma
 } // namespace
 
 bool is_solid(const MeshFindings& findings) {
+    return bounds_solids(findings) && findings.components == 1;
+}
+
+bool bounds_solids(const MeshFindings& findings) {
     const bool sound = findings.non_manifold_edges + findings.non_manifold_vertices + findings.misoriented_edges +
                            findings.degenerate_facets + findings.redundant_facets + findings.opposed_facets +
                            findings.repeated_corner_facets ==
                        0;
-    return sound && findings.closed && findings.components == 1 && findings.self_intersections == 0U;
+    return sound && findings.closed && findings.self_intersections == 0U;
 }
 
-std::vector<std::string> warnings(const MeshFindings& found, MeshUse use) {
+namespace {
+
+// 3 digits, rounded up: joining within what is printed does it.
+std::string rounded_up(double length) {
+    const double step = std::pow(10.0, std::floor(std::log10(length)) - 2);
+    return fmt::format("{:.3g}", step * std::ceil(length / step * (1 - 1e-12)));
+}
+
+std::string openness(const MeshFindings& found, MeshUse use, const std::string& unit, double metres) {
+    std::string text = use == MeshUse::path ? "a path's force stays on the side where it began, and a proxy may slide "
+                                              "round the rims"
+                       : use == MeshUse::winding_field
+                           ? "a force is where the winding number exceeds 1/2, as if small holes were closed, and "
+                             "nowhere near a sheet"
+                       : use == MeshUse::pseudonormal_field
+                           ? "a force is wherever the nearest facet is seen from behind, however far away; inside = "
+                             "\"winding\" keeps it within closed shapes with holes"
+                           : "behind a sheet there is a force however far away, within a shape with small holes as if "
+                             "they were closed";
+    if (found.closing_distance)
+        text += fmt::format("; closes if vertices within {} {} are joined: {}",
+                            rounded_up(*found.closing_distance * metres), unit,
+                            unit == "m" ? "weld" : "weld, a length in the scene");
+    return text;
+}
+
+} // namespace
+
+std::vector<std::string> warnings(const MeshFindings& found, MeshUse use, const std::string& unit, double metres) {
     const bool field = use != MeshUse::path, winding = use == MeshUse::winding_field;
-    const bool by_normals = use == MeshUse::any || use == MeshUse::pseudonormal_field;
+    const bool by_normals = use == MeshUse::pseudonormal_field;
     std::vector<std::string> text;
     const auto say = [&](std::size_t count, std::string_view one, std::string_view many, std::string_view meaning) {
         if (count > 0)
             text.push_back(counted(count, one, many) + std::string(meaning));
     };
-    const std::string openness =
-        !field    ? "the surface is open, and a proxy may slide round its rims"
-        : winding ? "the surface is open; inside is where its winding number exceeds 1/2, which is nowhere near a sheet"
-                  : "the surface is open, so which side is inside is a matter of convention; inside = \"winding\" "
-                    "serves closed shapes with holes best, and explore needs no inside";
     say(found.boundary_edges, "boundary edge", "boundary edges",
-        fmt::format(" along {}: {}", counted(found.holes, "hole or rim", "holes or rims"), openness));
+        fmt::format(" along {}: {}", counted(found.holes, "hole or rim", "holes or rims"),
+                    openness(found, use, unit, metres)));
     say(found.non_manifold_edges, "edge", "edges",
-        by_normals ? " of more than two facets: near them what is inside may be wrong by pseudonormals; inside = "
+        by_normals ? " of more than two facets: near them a static force may be missing, or appear outside; inside = "
                      "\"winding\" is the safer choice"
                    : " of more than two facets");
     say(found.non_manifold_vertices, "vertex", "vertices",
         " where surfaces touch in a point only: shading mixes their normals there");
     say(found.misoriented_edges, "edge", "edges",
-        fmt::format(" between facets of opposite orientation: {}shading cancels normals there",
-                    field ? "one of each two pushes the probe the wrong way in static fields, and " : ""));
+        fmt::format(" between facets of opposite orientation: {}shading cancels normals there; orient = \"outward\" "
+                    "turns facets so that they agree",
+                    by_normals ? "on one side of each the static force points the wrong way, and "
+                    : winding  ? "the static force is missing where the winding number falls below 1/2, and "
+                               : ""));
+    for (const std::string& piece : found.one_sided)
+        text.push_back(fmt::format("{} has one side only, as a Moebius strip has: it has no inside", piece));
     if (found.components > 1)
         say(found.components, "", "separate pieces",
-            field ? ": in a static field the probe touches whichever is nearest" : "");
-    if (field && found.closed && found.misoriented_edges == 0 && found.volume < 0)
-        text.push_back(fmt::format(
-            "the facets are oriented inward (the signed volume is negative): static forces {}; reverse the facets",
-            winding ? "appear nowhere, since no winding number exceeds 1/2" : "appear outside and not inside"));
+            field ? ": a static force leads out of the nearest facet, whichever piece that is of" : "");
+    if (field)
+        for (const std::string& piece : found.inside_out)
+            text.push_back(fmt::format(
+                "{} faces inward and no other piece is around it: static forces {}; orient = \"outward\" turns it",
+                piece,
+                by_normals ? "appear outside of it and not inside" : "are missing in it (inside = \"winding\")"));
     say(found.degenerate_facets, "facet", "facets",
         " without area: left out, and what lies on both sides of them is joined");
+    say(found.vanished_facets, "facet", "facets", " without area by joining vertices: weld is larger than their edges");
     say(found.repeated_corner_facets, "facet", "facets", " coming to a vertex twice");
     say(found.redundant_facets, "facet", "facets", " given once more: left out");
     say(found.opposed_facets, "pair of facets", "pairs of facets",
         fmt::format(" that coincide and face opposite ways: the first in the file is the one touched, and both weigh "
                     "in the vertex normals{}",
-                    by_normals ? "; what is inside may be wrong wherever they are the nearest, and inside = "
-                                 "\"winding\", for which they cancel, is the safer choice"
+                    by_normals ? "; where they are the nearest a static force may be missing, or appear outside; "
+                                 "inside = \"winding\", for which they cancel, is the safer choice"
                                : ""));
     say(found.unused_vertices, "vertex", "vertices", " that no facet uses: ignored");
     if (found.more_self_intersections && *found.self_intersections == 0)
         text.push_back("so many triangles lie close to each other that the search for self-intersections was given up");
     say(found.self_intersections.value_or(0), "pair of triangles", "pairs of triangles",
         fmt::format(" that touch or cross without a common corner{}",
-                    field ? ": in a static field the probe feels only the nearest surface, so parts within the solid "
-                            "are felt as well"
-                          : ""));
+                    by_normals ? ": the static force is missing in parts of the inside, where the nearest facet is "
+                                 "within the solid; inside = \"winding\" (or \"auto\") gives it"
+                    : winding  ? ": where the nearest facet is within the solid, a static force leads there and not out"
+                               : ""));
     if (found.more_self_intersections && *found.self_intersections > 0)
         text.back().insert(0, "at least ");
     return text;

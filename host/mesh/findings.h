@@ -24,6 +24,11 @@ struct MeshFindings : ConnectivityCounts {
     std::size_t redundant_facets = 0;              // that coincide with others and count for nothing
     std::size_t opposed_facets = 0;                // pairs that coincide, of opposite orientation, of which both count
     std::size_t repeated_corner_facets = 0;        // that have a vertex twice
+    std::size_t joined_vertices = 0;               // given again at the place of an earlier one, or near it
+    std::size_t vanished_facets = 0;               // by joining vertices that are near each other
+    std::vector<std::string> inside_out;           // names of closed pieces that face inward with no other around them
+    std::vector<std::string> one_sided;            // names of pieces without an outside
+    std::optional<double> closing_distance;        // see places.h
     std::optional<std::size_t> self_intersections; // pairs of triangles without a common corner that touch or cross
     bool more_self_intersections = false;          // the search was given up after those
     bool closed = false;                           // every edge has two facets, or another even number
@@ -50,6 +55,10 @@ MeshFindings with_connections(ShapeFindings shape, const Connectivity& mesh);
 /// True if it is known that the facets bound one solid whose surface nowhere meets itself.
 bool is_solid(const MeshFindings& findings);
 
+/// True if it is known that the facets bound solids and cavities whose surfaces nowhere meet: pseudonormals tell inside
+/// from outside everywhere.
+bool bounds_solids(const MeshFindings& findings);
+
 /// What a mesh is looked at for.
 enum class MeshUse {
     any,
@@ -59,7 +68,9 @@ enum class MeshUse {
 };
 
 /// A sentence for each thing that is wrong, with its count and what it means for the laws; empty if nothing is.
-std::vector<std::string> warnings(const MeshFindings& findings, MeshUse use = MeshUse::any);
+/// \param unit of lengths in the text, in which one of the polygons' unit is `metres`
+std::vector<std::string> warnings(const MeshFindings& findings, MeshUse use = MeshUse::any,
+                                  const std::string& unit = "of the file's unit", double metres = 1);
 
 /// \throws UsageError naming `mesh` if no law has a meaning on it: no facet, none with an area, or
 ///         coordinates whose volumes overflow

@@ -374,24 +374,16 @@ float read_float(const char* bytes) {
     return std::bit_cast<float>(static_cast<std::uint32_t>(read_bits(bytes, 4)));
 }
 
-// Triangles whose vertices are their corners in order: corners of the same coordinates become one vertex.
-PolygonSoup welded(PolygonSoup soup) {
-    for (glm::dvec3& corner : soup.vertices)
-        corner += 0.0; // -0 becomes 0
-    soup.corners = weld(soup);
-    std::uint32_t vertices = 0;
-    for (std::uint32_t corner = 0; corner < soup.corners.size(); ++corner) {
-        std::uint32_t& place = soup.corners[corner];
-        if (place == corner) {
-            soup.vertices[vertices] = soup.vertices[corner];
-            place = vertices++;
-        } else {
-            place = soup.corners[place];
-        }
+// Triangles whose vertices are their corners in order.
+PolygonSoup triangles(std::vector<glm::dvec3> corners) {
+    PolygonSoup soup;
+    soup.vertices = std::move(corners);
+    for (std::uint32_t corner = 0; corner < soup.vertices.size(); ++corner) {
+        soup.vertices[corner] += 0.0; // -0 becomes 0
+        soup.corners.push_back(corner);
         if (corner % 3 == 2)
-            soup.begins.push_back(corner + 1);
+            soup.end_facet();
     }
-    soup.vertices.resize(vertices);
     return soup;
 }
 
@@ -407,14 +399,14 @@ PolygonSoup read_binary(const Source& source) {
                                   "{}; it is damaged or truncated",
                                   source.name, triangles, kHeader + kTriangle * triangles, size));
     }
-    PolygonSoup soup;
-    soup.vertices.reserve((source.bytes.size() - kHeader) / kTriangle * 3);
+    std::vector<glm::dvec3> corners;
+    corners.reserve((source.bytes.size() - kHeader) / kTriangle * 3);
     for (std::size_t begin = kHeader; begin < source.bytes.size(); begin += kTriangle)
         for (int corner = 1; corner <= 3; ++corner) { // behind the normal
             const char* const at = source.bytes.data() + begin + 12 * corner;
-            soup.vertices.emplace_back(read_float(at), read_float(at + 4), read_float(at + 8));
+            corners.emplace_back(read_float(at), read_float(at + 4), read_float(at + 8));
         }
-    return welded(std::move(soup));
+    return triangles(std::move(corners));
 }
 
 class StlTextReader {
@@ -428,7 +420,7 @@ public:
                 read_facet();
             line_ = {};
         }
-        return welded(std::move(soup_));
+        return triangles(std::move(corners_));
     }
 
 private:
@@ -448,7 +440,7 @@ private:
 
     void read_vertex() {
         next_word("vertex");
-        soup_.vertices.push_back(read_coordinates(lines_, "", [&] {
+        corners_.push_back(read_coordinates(lines_, "", [&] {
             peek("a coordinate");
             return take_word(line_);
         }));
@@ -481,7 +473,7 @@ private:
 
     TextLines lines_;
     std::string_view line_;
-    PolygonSoup soup_;
+    std::vector<glm::dvec3> corners_;
 };
 
 } // namespace

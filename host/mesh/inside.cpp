@@ -6,6 +6,8 @@
 #include "host/mesh/structure.h"
 #include "host/mesh/surface.h"
 #include "host/reference/elementary.h"
+#include "host/reference/mesh_contact.h"
+#include "host/reference/mesh_nearest.h"
 
 namespace forceshade {
 
@@ -224,6 +226,24 @@ std::shared_ptr<const MeshWinding> make_winding(const MeshStructure& structure) 
     for (const Part& part : parts)
         winding.moments.push_back(part.moment);
     return std::make_shared<const MeshWinding>(std::move(winding));
+}
+
+double winding_behind(const MeshStructure& structure) {
+    constexpr std::size_t kMost = 256;
+    const MeshTables<double> tables = make_mesh_tables<double>(structure, 0);
+    const layout::MeshView<double> mesh = tables.view();
+    const std::size_t count = std::min(structure.triangles(), kMost);
+    std::vector<double> numbers;
+    for (std::size_t i = 0; i < count; ++i) {
+        const auto index = static_cast<uint>(i * structure.triangles() / count);
+        const auto triangle = reference::triangle_at(mesh, index);
+        const auto& [a, b, c] = triangle.corners;
+        const glm::dvec3 sides = b - a, other = c - a;
+        const double size = std::sqrt(std::sqrt(reference::dot(sides, sides) * reference::dot(other, other)));
+        numbers.push_back(reference::winding_number(mesh, (a + b + c) / 3.0 - 1e-3 * size * triangle.normal));
+    }
+    std::ranges::nth_element(numbers, numbers.begin() + static_cast<std::ptrdiff_t>(count / 2));
+    return numbers[count / 2];
 }
 
 } // namespace forceshade

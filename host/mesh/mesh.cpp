@@ -10,6 +10,7 @@
 
 #include "host/error.h"
 #include "host/mesh/connectivity.h"
+#include "host/mesh/creases.h"
 #include "host/mesh/exact.h"
 #include "host/mesh/findings.h"
 #include "host/mesh/surface.h"
@@ -273,20 +274,24 @@ void place(std::vector<glm::dvec3>& vertices, const MeshPlacement& placement) {
     }
 }
 
-// Gives each vertex its corners' normal, turned with the mesh; corners with another one get a vertex of their own at
-// the same place. Triangles stay as they are.
-void take_file_normals(Mesh& mesh, const MeshPlacement& placement) {
+std::size_t count_opposed(const Mesh& mesh) {
+    std::size_t opposed = 0;
+    for (std::size_t facet = 0; facet < mesh.polygons.facets(); ++facet)
+        for (const std::uint32_t vertex : mesh.polygons.outline(facet))
+            opposed += dot(mesh.vertex_normals[vertex], mesh.facet_normals[facet]) < 0;
+    return opposed;
+}
+
+// Gives each vertex its corners' normal; corners with another one get a vertex of their own at the same place.
+// Triangles stay as they are. `given`: a unit vector a corner.
+void split_by_normals(Mesh& mesh, const std::vector<glm::dvec3>& given) {
     constexpr std::uint32_t kLast = 0xFFFFFFFF;
     PolygonSoup& polygons = mesh.polygons;
-    const std::vector<glm::dvec3> given = std::exchange(polygons.normals, {});
-    const Turns turns = turns_of(placement);
     std::vector<std::uint32_t> next(polygons.vertices.size(), kLast); // vertex at the same place
     std::vector<bool> known(next.size());
     mesh.vertex_normals.assign(next.size(), glm::dvec3(0));
     for (std::size_t i = 0; i < polygons.corners.size(); ++i) {
-        glm::dvec3 normal = given[i];
-        turn(normal, turns);
-        normal = unit(normal);
+        const glm::dvec3& normal = given[i];
         std::uint32_t vertex = polygons.corners[i];
         while (known[vertex] && mesh.vertex_normals[vertex] != normal && next[vertex] != kLast)
             vertex = next[vertex];
@@ -302,19 +307,23 @@ void take_file_normals(Mesh& mesh, const MeshPlacement& placement) {
         known[vertex] = true;
         polygons.corners[i] = vertex;
     }
+    mesh.opposed_normals = count_opposed(mesh);
 }
 
-std::size_t count_opposed(const Mesh& mesh) {
-    std::size_t opposed = 0;
-    for (std::size_t facet = 0; facet < mesh.polygons.facets(); ++facet)
-        for (const std::uint32_t vertex : mesh.polygons.outline(facet))
-            opposed += dot(mesh.vertex_normals[vertex], mesh.facet_normals[facet]) < 0;
-    return opposed;
+// Those of the file, turned with the mesh.
+std::vector<glm::dvec3> take_file_normals(Mesh& mesh, const MeshPlacement& placement) {
+    std::vector<glm::dvec3> normals = std::exchange(mesh.polygons.normals, {});
+    const Turns turns = turns_of(placement);
+    for (glm::dvec3& normal : normals) {
+        turn(normal, turns);
+        normal = unit(normal);
+    }
+    return normals;
 }
 
 } // namespace
 
-Mesh prepare_mesh(PolygonSoup polygons, const MeshPlacement& placement, VertexNormals weights,
+Mesh prepare_mesh(PolygonSoup polygons, const MeshPlacement& placement, const Smoothing& smoothing,
                   const Connectivity* known) {
     Mesh mesh;
     mesh.polygons = std::move(polygons);
@@ -322,13 +331,15 @@ Mesh prepare_mesh(PolygonSoup polygons, const MeshPlacement& placement, VertexNo
     mesh.facet_normals = facet_normals(mesh.polygons);
     mesh.redundant_facets = find_coincident(mesh.polygons, mesh.facet_normals).redundant;
     mesh.triangles = triangulate(mesh.polygons, mesh.facet_normals);
-    if (weights == VertexNormals::file) {
-        take_file_normals(mesh, placement);
-        mesh.opposed_normals = count_opposed(mesh);
-    } else {
-        const Connectivity connected = known ? Connectivity(mesh.polygons, *known) : Connectivity(mesh.polygons);
-        mesh.vertex_normals = vertex_normals(connected, mesh.facet_normals, weights, mesh.redundant_facets);
+    if (smoothing.weights == VertexNormals::file) {
+        split_by_normals(mesh, take_file_normals(mesh, placement));
+        return mesh;
     }
+    const Connectivity connected = known ? Connectivity(mesh.polygons, *known) : Connectivity(mesh.polygons);
+    if (smoothing.weights == VertexNormals::groups || smoothing.weights == VertexNormals::crease)
+        split_by_normals(mesh, corner_normals(connected, mesh.facet_normals, smoothing, mesh.redundant_facets));
+    else
+        mesh.vertex_normals = vertex_normals(connected, mesh.facet_normals, smoothing.weights, mesh.redundant_facets);
     return mesh;
 }
 

@@ -19,7 +19,8 @@ struct PolygonSoup {
     std::vector<glm::dvec3> vertices;
     std::vector<std::uint32_t> begins{0};
     std::vector<std::uint32_t> corners;
-    std::vector<glm::dvec3> normals; /* one a corner, of any length; empty unless they were asked for */
+    std::vector<glm::dvec3> normals;   /* one a corner, of any length; empty unless they were asked for */
+    std::vector<std::uint32_t> groups; /* one a facet: its smoothing group, 0 for none; empty if the file has none */
 
     std::size_t facets() const { return begins.size() - 1; }
     std::uint32_t corners_of(std::size_t facet) const { return begins[facet + 1] - begins[facet]; }
@@ -32,9 +33,18 @@ struct PolygonSoup {
 
 /// How the normals of a vertex's facets are weighted in the vertex's own (L7).
 enum class VertexNormals {
-    plain, // equally, as in the paper
-    file,  // not at all: corners have the normals of their file
-    angle  // by the facet's angle at the vertex, which does not depend on how a face was cut into facets
+    plain,  // equally, as in the paper
+    file,   // not at all: corners have the normals of their file
+    angle,  // by the facet's angle at the vertex, which does not depend on how a face was cut into facets
+    groups, // equally, of facets of the same smoothing group only
+    crease  // equally, of facets that meet at no sharper an angle than a given one
+};
+
+struct Smoothing {
+    Smoothing(VertexNormals by = VertexNormals::plain, double angle = 0) : weights(by), crease(angle) {}
+
+    VertexNormals weights;
+    double crease; // rad: of weights `crease`
 };
 
 /// The unit normal of a triangle, counterclockwise seen from where it points; good to a few units in the last place
@@ -45,10 +55,10 @@ glm::dvec3 triangle_normal(const glm::dvec3& a, const glm::dvec3& b, const glm::
 /// where the area vector is 0 to within the rounding of twice double's precision.
 std::vector<glm::dvec3> facet_normals(const PolygonSoup& polygons);
 
-/// The unit normal of each vertex (see VertexNormals). 0 where the facets' normals cancel to within 1e-12 of the sum of
-/// their weights, and where there is no facet with an area. A facet that has a vertex twice counts once in `plain`,
-/// with the sum of its angles in `angle`; a reflex corner has an angle beyond pi. Facets in `left_out` (ascending)
-/// count for nothing.
+/// The unit normal of each vertex, of weights `plain` or `angle` (see VertexNormals). 0 where the facets' normals
+/// cancel to within 1e-12 of the sum of their weights, and where there is no facet with an area. A facet that has a
+/// vertex twice counts once in `plain`, with the sum of its angles in `angle`; a reflex corner has an angle beyond pi.
+/// Facets in `left_out` (ascending) count for nothing.
 std::vector<glm::dvec3> vertex_normals(const Connectivity& mesh, std::span<const glm::dvec3> facet_normals,
                                        VertexNormals weights, std::span<const std::uint32_t> left_out = {});
 
@@ -61,13 +71,13 @@ struct MeshTriangles {
 
 /// A mesh prepared for the laws, in metres. Facets and vertices keep the order of the file.
 struct Mesh {
-    PolygonSoup polygons;                        /* m; where corners at a vertex have several normals in the file, a
+    PolygonSoup polygons;                        /* m; where corners at a vertex have several normals, a
                                                     vertex for each, the further ones behind all others */
     std::vector<std::uint32_t> redundant_facets; /* ascending: coincide with others, count for nothing */
     std::vector<glm::dvec3> facet_normals;       /* 1: unit Newell normals; 0 where a facet has no area */
     std::vector<glm::dvec3> vertex_normals;      /* 1: unit, what L7 interpolates; 0 where they cancel */
     MeshTriangles triangles;
-    std::size_t opposed_normals = 0; /* corners whose normal, as the file gives it, points behind their facet */
+    std::size_t opposed_normals = 0; /* corners whose normal points behind their facet, where a vertex has several */
 };
 
 /// Where a mesh stands in the world: scaled by unit * scale about the file's origin, then rotated about the fixed axes
@@ -83,7 +93,7 @@ struct MeshPlacement {
 /// range, and normals not 0. \throws UsageError if unit * scale is not positive, or a coordinate is beyond 1e100 m or
 /// not finite
 /// \param known how these facets are connected, if that is known
-Mesh prepare_mesh(PolygonSoup polygons, const MeshPlacement& placement, VertexNormals vertex_normals,
+Mesh prepare_mesh(PolygonSoup polygons, const MeshPlacement& placement, const Smoothing& smoothing = {},
                   const Connectivity* known = nullptr);
 
 struct MeshBox {

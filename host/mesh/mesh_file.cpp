@@ -10,6 +10,7 @@
 #include "host/error.h"
 #include "host/long_run.h"
 #include "host/mesh/formats.h"
+#include "host/mesh/places.h"
 #include "host/output/files.h"
 #include "host/output/reading.h"
 
@@ -111,6 +112,9 @@ PolygonFile parse_polygons(const std::filesystem::path& path, std::string_view b
     refuse_what_is_not_finite(name, file.polygons);
     if (normals)
         require_normals(name, file.polygons);
+    file.joined_vertices = join_vertices(file.polygons).vertices;
+    if (file.format.starts_with("STL"))
+        file.joined_vertices = 0; // it has no vertices of its own
     file.sha256 = sha256.get();
     return file;
 }

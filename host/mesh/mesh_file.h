@@ -10,15 +10,15 @@
 namespace forceshade {
 
 struct PolygonFile {
-    PolygonSoup polygons; /* in the file's unit */
-    std::string sha256;   /* of the file's bytes, 64 hex digits */
-    std::string format;   /* "OBJ", "OFF", "PLY (binary, little endian)", ... */
+    PolygonSoup polygons;            /* in the file's unit; vertices at one place (0 being -0) are one */
+    std::string sha256;              /* of the file's bytes, 64 hex digits */
+    std::string format;              /* "OBJ", "OFF", "PLY (binary, little endian)", ... */
+    std::size_t joined_vertices = 0; /* that the file gives again at the place of an earlier one */
 };
 
 /// Reads OBJ, OFF, PLY (text, and binary of both byte orders) or STL (text or binary) of up to 4 GiB. Facets keep their
-/// corners and their order, vertices theirs; STL, which has no vertices of its own, gets one for each distinct corner
-/// (bit for bit, -0 being 0), in the order of first use. Colours and everything else are left out, normals unless
-/// `normals` asks for those of the corners (vn of an OBJ, nx, ny, nz of a PLY's vertices). Nothing is
+/// corners and their order, vertices theirs, one for each place (places.h). Colours and everything else are left out,
+/// normals unless `normals` asks for those of the corners (vn of an OBJ, nx, ny, nz of a PLY's vertices). Nothing is
 /// repaired and nothing dropped: where a file breaks off, announces more than it can hold or holds more than it
 /// announces, it is refused.
 /// \throws IoError a missing, unreadable, empty, truncated or damaged file, with file:line where it is text

@@ -73,6 +73,10 @@ MeshStructure build_structure(const Mesh& mesh, const StructureOptions& options 
 /// turn it.
 void assume_solid(MeshStructure& structure);
 
+/// The winding number just behind the facets: the median over 256 of them. 1 for closed surfaces that face outward, 1/2
+/// for sheets. Of a structure with `winding`.
+double winding_behind(const MeshStructure& structure);
+
 /// A structure in T for one stiffness; what a scene evaluates. Of double it shares everything with the structure.
 template <typename T> struct MeshTables {
     layout::MeshParams<T> params;

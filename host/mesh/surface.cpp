@@ -1,7 +1,6 @@
 #include "host/mesh/surface.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <limits>
 #include <set>
@@ -19,42 +18,6 @@ namespace {
 
 using reference::cross, reference::dot;
 using Corners = std::array<std::uint32_t, 3>;
-
-// Equal for equal numbers, 0 and -0 too, and for the same NaN.
-std::uint64_t bits(double value) {
-    return std::bit_cast<std::uint64_t>(value + 0.0);
-}
-
-std::uint64_t mixed(std::uint64_t hash, double value) {
-    hash = (hash ^ bits(value)) * 0x9E3779B97F4A7C15u;
-    return hash ^ (hash >> 29);
-}
-
-} // namespace
-
-std::vector<std::uint32_t> weld(std::span<const double> vertices) {
-    const std::size_t count = vertices.size() / 3;
-    FirstOfEqual vertices_seen(count);
-    std::vector<std::uint32_t> places(count);
-    for (std::size_t i = 0; i < count; ++i) {
-        const double* at = &vertices[3 * i];
-        const auto equals = [&](std::uint32_t other) {
-            const double* there = &vertices[3 * std::size_t(other)];
-            return bits(at[0]) == bits(there[0]) && bits(at[1]) == bits(there[1]) && bits(at[2]) == bits(there[2]);
-        };
-        places[i] =
-            vertices_seen.add(mixed(mixed(mixed(0, at[0]), at[1]), at[2]), static_cast<std::uint32_t>(i), equals);
-    }
-    return places;
-}
-
-std::vector<std::uint32_t> weld(const PolygonSoup& polygons) {
-    if (polygons.vertices.empty())
-        return {};
-    return weld(std::span(&polygons.vertices[0].x, 3 * polygons.vertices.size()));
-}
-
-namespace {
 
 class Triangulation {
 public:

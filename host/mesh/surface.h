@@ -2,7 +2,6 @@
 #pragma once
 
 #include <algorithm>
-#include <bit>
 #include <cstdint>
 #include <numeric>
 #include <optional>
@@ -11,32 +10,9 @@
 #include <vector>
 
 #include "host/mesh/mesh.h"
+#include "host/mesh/places.h"
 
 namespace forceshade {
-
-/// Finds equal ones among numbered things by an open hash table.
-class FirstOfEqual {
-public:
-    explicit FirstOfEqual(std::size_t count) : table_(std::bit_ceil(2 * count + 1), kFree) {}
-
-    /// The number added first of those for which equals(number) is true; `number` itself if there is none.
-    template <typename Equals> std::uint32_t add(std::uint64_t hash, std::uint32_t number, const Equals& equals) {
-        std::size_t slot = hash & (table_.size() - 1);
-        for (; table_[slot] != kFree; slot = (slot + 1) & (table_.size() - 1))
-            if (equals(table_[slot]))
-                return table_[slot];
-        return table_[slot] = number;
-    }
-
-private:
-    static constexpr std::uint32_t kFree = 0xFFFFFFFFu;
-    std::vector<std::uint32_t> table_;
-};
-
-/// One representative for all vertices at the same place: the lowest. `vertices` has three numbers a vertex.
-std::vector<std::uint32_t> weld(std::span<const double> vertices);
-
-std::vector<std::uint32_t> weld(const PolygonSoup& polygons);
 
 /// What is the same for two pairs of places if and only if they are the ends of the same edge.
 inline std::uint64_t edge_of(std::uint32_t place, std::uint32_t other) noexcept {

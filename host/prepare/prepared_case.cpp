@@ -12,6 +12,8 @@
 #include "host/long_run.h"
 #include "host/mesh/mesh.h"
 #include "host/mesh/mesh_file.h"
+#include "host/mesh/pieces.h"
+#include "host/mesh/places.h"
 #include "host/output/height_image.h"
 #include "host/output/reading.h"
 #include "host/scene/scene.h"
@@ -20,8 +22,14 @@ namespace forceshade {
 
 std::vector<std::string> warnings_of(const MeshSpec& spec, const SceneMesh& mesh, MeshUse use) {
     std::vector<std::string> result;
-    for (const std::string& warning : warnings(mesh.findings, use))
+    for (const std::string& change : mesh.changes)
+        result.push_back(fmt::format("{}: {}", spec.file, change));
+    for (const std::string& warning : warnings(mesh.findings, use, "m", spec.unit * spec.scale))
         result.push_back(fmt::format("{}: {}", spec.file, warning));
+    if (use == MeshUse::winding_field && spec.inside == InsideTest::automatic)
+        result.push_back(fmt::format("{}: inside is told by the winding number, since the mesh does not bound a solid "
+                                     "without crossings (inside = \"pseudonormal\" takes the nearest facet's side)",
+                                     spec.file));
     if (const std::size_t opposed = mesh.mesh.opposed_normals)
         result.push_back(
             fmt::format("{}: {} of {} corners have a normal in the file that points behind their facet, so "
@@ -81,24 +89,69 @@ std::shared_ptr<const File> cached(std::deque<std::pair<Key, std::shared_ptr<con
     return files.front().second;
 }
 
-VertexNormals vertex_normals_of(NormalWeights weights) {
-    return weights == NormalWeights::file    ? VertexNormals::file
-           : weights == NormalWeights::angle ? VertexNormals::angle
-                                             : VertexNormals::plain;
+Smoothing smoothing_of(const MeshSpec& spec) {
+    switch (spec.normals) {
+    case NormalWeights::plain:
+        return VertexNormals::plain;
+    case NormalWeights::angle:
+        return VertexNormals::angle;
+    case NormalWeights::file:
+        return VertexNormals::file;
+    case NormalWeights::groups:
+        return VertexNormals::groups;
+    case NormalWeights::crease:
+        return {VertexNormals::crease, spec.crease};
+    }
+    throw std::logic_error("no such normals");
 }
 
-// Findings already made are by the SHA-256 of their file.
+// Pseudonormals where the mesh bounds solids without crossings, as far as that is known, and for sheets.
+InsideTest inside_of(const MeshFindings& found, MeshStructure& structure) {
+    if (!found.closed) {
+        constexpr double kEnclosed = 0.9; // a shape with holes; behind sheets it is 1/2
+        const auto winding = make_winding(structure);
+        structure.winding = winding;
+        if (winding_behind(structure) > kEnclosed)
+            return InsideTest::winding;
+        structure.winding = nullptr;
+        return InsideTest::pseudonormal;
+    }
+    const bool sound = found.non_manifold_edges + found.misoriented_edges + found.opposed_facets +
+                               found.inside_out.size() + found.one_sided.size() ==
+                           0 &&
+                       found.self_intersections.value_or(0) == 0;
+    return sound ? InsideTest::pseudonormal : InsideTest::winding;
+}
+
+void refuse_missing_groups(const MeshSpec& spec, const PolygonSoup& polygons) {
+    if (spec.normals == NormalWeights::groups && polygons.groups.empty())
+        throw UsageError(fmt::format("{}: has no smoothing groups; normals = \"groups\" is for an OBJ file with s: "
+                                     "\"crease:30 deg\" finds sharp edges by their angle",
+                                     spec.file));
+}
+
+// Findings already made are by the SHA-256 of their file and what was made of it.
 // \throws IoError, UsageError for a file in which the law has no meaning
 std::shared_ptr<const SceneMesh> read_scene_mesh(const MeshSpec& spec, std::map<std::string, MeshFindings>& findings) {
     PolygonFile file = read_polygons(spec.path, spec.normals == NormalWeights::file);
     constexpr double kTriangleBytes =
         1100; // measured: of the structure, its tables in both precisions and on the device
+    refuse_missing_groups(spec, file.polygons);
     const std::size_t triangles =
         file.polygons.corners.size() - std::min(file.polygons.corners.size(), 2 * file.polygons.facets());
     require_memory(spec.path, fmt::format("a mesh of {} triangles", triangles),
                    kTriangleBytes * static_cast<double>(triangles));
     auto mesh = std::make_shared<SceneMesh>();
     mesh->sha256 = file.sha256;
+    const double weld = spec.weld / (spec.unit * spec.scale);
+    const JoinedVertices joined = weld > 0 ? join_vertices(file.polygons, weld) : JoinedVertices{};
+    if (joined.facets > 0 && joined.facets == file.polygons.facets())
+        throw UsageError(
+            fmt::format("{}: weld = {} m joins the vertices of every facet, so that nothing is left; it is "
+                        "to be smaller than the edges",
+                        spec.file, spec.weld));
+    if (spec.orient == Orientation::outward)
+        mesh->changes = orient_outward(file.polygons);
     std::optional<Connectivity> connected;
     // Looking at the file takes as long as preparing it.
     std::future<void> prepared = std::async(std::launch::async, [&] {
@@ -106,15 +159,21 @@ std::shared_ptr<const SceneMesh> read_scene_mesh(const MeshSpec& spec, std::map<
         connected.emplace(file.polygons);
         mesh->mesh = prepare_mesh(
             file.polygons, {.unit = spec.unit, .scale = spec.scale, .rotate = spec.rotate, .translate = spec.translate},
-            vertex_normals_of(spec.normals), &*connected);
+            smoothing_of(spec), &*connected);
         mesh->structure = build_structure(mesh->mesh, {.winding = spec.inside == InsideTest::winding});
     });
-    const auto known = findings.find(file.sha256);
+    const std::string made = fmt::format("{} {} {}", file.sha256, weld, static_cast<int>(spec.orient));
+    const auto known = findings.find(made);
     ShapeFindings shape = known != findings.end() ? ShapeFindings{known->second, {}} : inspect_shape(file.polygons);
     refuse_if_meaningless(shape.findings, spec.file);
     prepared.get();
     mesh->findings = known != findings.end() ? known->second : with_connections(std::move(shape), *connected);
-    findings.emplace(file.sha256, mesh->findings);
+    mesh->findings.joined_vertices = file.joined_vertices + joined.vertices;
+    mesh->findings.vanished_facets = joined.facets;
+    findings.emplace(made, mesh->findings);
+    mesh->inside = spec.inside == InsideTest::automatic ? inside_of(mesh->findings, mesh->structure) : spec.inside;
+    if (mesh->inside == InsideTest::winding && !mesh->structure.winding)
+        mesh->structure.winding = make_winding(mesh->structure);
     if (is_solid(mesh->findings))
         assume_solid(mesh->structure);
     return mesh;
@@ -198,9 +257,10 @@ PreparedCase CasePreparation::prepare(const Case& one) {
     warn_of_part(scene, prepared.warnings);
     if (scene.surface.kind == SurfaceKind::mesh) {
         prepared.images.mesh = mesh(scene.surface.mesh);
-        const bool winding = scene.surface.mesh.inside == InsideTest::winding;
+        const bool winding = prepared.images.mesh->inside == InsideTest::winding;
         prepared.warnings = warnings_of(scene.surface.mesh, *prepared.images.mesh,
                                         winding ? MeshUse::winding_field : MeshUse::pseudonormal_field);
+        set_inside(prepared.one, prepared.images.mesh->inside);
         check_mesh_fits(scene, *prepared.images.mesh);
         if (scene.grid.samples)
             scene.grid = fitted_grid(scene.grid.samples, prepared.images.mesh->mesh);

@@ -33,6 +33,8 @@ struct SceneMesh {
     Mesh mesh;          /* m, in the scene's frame */
     MeshStructure structure;
     MeshFindings findings;
+    InsideTest inside = InsideTest::pseudonormal; /* as the spec has it, or what suits the mesh */
+    std::vector<std::string> changes;             /* what orient turned, a sentence each */
 };
 
 /// The findings with which what is done still has a meaning, a sentence each, after the file's name.

@@ -20,8 +20,9 @@ template <std::size_t n> using List = std::array<std::string_view, n>;
 
 // In the order of the enumerations in scene.h, as those in schema.h.
 constexpr List<2> kFacetSpacings{"equal_arc", "equal_x"};
-constexpr List<3> kNormals{"plain", "angle", "file"};
-constexpr List<2> kInsideTests{"pseudonormal", "winding"};
+constexpr List<5> kNormals{"plain", "angle", "file", "groups", "crease:30 deg"};
+constexpr List<3> kInsideTests{"pseudonormal", "winding", "auto"};
+constexpr List<2> kOrientations{"file", "outward"};
 constexpr List<7> kShadings{"none", "reference", "height_map", "morgenbesser", "barycentric", "mean_value", "two_pass"};
 constexpr List<2> kTextureEffects{"force", "normal"};
 constexpr List<2> kDepthReadings{"vertical", "normal"};
@@ -90,6 +91,10 @@ template <auto of_bump, auto of_map> void store_in_surface(Scene& s, const Value
 }
 void store_precision(Scene& s, const Value& v) {
     s.precision = v.integers.at(0) == 1 ? Precision::f64 : Precision::f32; // auto: until the mesh is known
+}
+void store_normals(Scene& s, const Value& v) {
+    s.surface.mesh.normals = static_cast<NormalWeights>(v.integers.at(0));
+    s.surface.mesh.crease = v.numbers.empty() ? 0 : v.numbers[0];
 }
 void store_file(FileSpec& spec, const Value& value) {
     spec = {value.texts.at(0), value.path, value.sha256};
@@ -262,15 +267,28 @@ void add_surface(std::vector<Key>& keys) {
     Table mesh(keys, "surface", Subject::surface, kFormMesh);
     mesh.add(ValueKind::unit, "unit", "\"m\"", store<&MeshSpec::unit>,
              "what a coordinate of 1 means in the mesh's file, for example \"mm\"", {.sign = kPositive});
-    mesh.choice<&MeshSpec::normals>(
-        "normals", "\"plain\"", kNormals,
-        "a vertex normal is the plain average of its facets' normals, as in the paper, or weighted by their angles "
-        "there, which does not depend on how a face was cut into triangles, or what the file says, as other renderers "
-        "have it (vn of an OBJ; nx, ny and nz of a PLY) (L7)");
+    mesh.add(
+            ValueKind::choice, "normals", "\"plain\"", store_normals,
+            "a vertex normal is the plain average of its facets' normals, as in the paper, or weighted by their angles "
+            "there, which does not depend on how a face was cut into triangles, or what the file says, as other "
+            "renderers "
+            "have it (vn of an OBJ; nx, ny and nz of a PLY), or the plain average within each smoothing group of an "
+            "OBJ, or "
+            "over those facets that are connected across edges at which they meet at no sharper an angle (L7)")
+        .choices = kNormals;
     mesh.choice<&MeshSpec::inside>(
-        "inside", "\"pseudonormal\"", kInsideTests,
-        "what tells inside from outside on a grid (L6): the normal of the nearest feature, for closed meshes, or the "
-        "generalized winding number, which also serves meshes with holes");
+        "inside", "\"auto\"", kInsideTests,
+        "what tells inside from outside on a grid (L6): the normal of the nearest feature, for closed meshes whose "
+        "pieces do not cross, or the generalized winding number, which also serves crossing pieces and meshes with "
+        "holes; auto: the first for sheets and for meshes that bound solids, else the second");
+    mesh.choice<&MeshSpec::orient>(
+        "orient", "\"file\"", kOrientations,
+        "which way facets face: as the file has them, or turned so that those of a piece agree and closed pieces face "
+        "outward, but for cavities");
+    mesh.length<&MeshSpec::weld>("weld", "\"0 m\"",
+                                 "vertices no further apart are joined into one, and chains of them; of equal "
+                                 "coordinates always (after unit and transform.scale)",
+                                 {.sign = kNotNegative});
     mesh.add(ValueKind::number, "transform.scale", "1", store<&MeshSpec::scale>,
              "the mesh is made so many times larger, then turned, then moved", {.sign = kPositive});
     mesh.quantity<&MeshSpec::rotate>(Dimension::angle, "transform.rotate", "[\"0 deg\", \"0 deg\", \"0 deg\"]",

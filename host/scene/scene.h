@@ -26,8 +26,9 @@ enum class Shading { none, reference, height_map, morgenbesser, barycentric, mea
 enum class DepthReading { vertical, normal };
 enum class ReferenceDirection { normal, radial };
 enum class MapFunction { cylinder, dip, sine, gaussian, file };
-enum class NormalWeights { plain, angle, file };
-enum class InsideTest { pseudonormal, winding };
+enum class NormalWeights { plain, angle, file, groups, crease };
+enum class InsideTest { pseudonormal, winding, automatic };
+enum class Orientation { file, outward };
 enum class TextureEffect { force, normal };
 enum class Compression { none, zip1, zip, pxr24 };
 enum class PixelType { float32, half };
@@ -61,7 +62,10 @@ struct HeightMapSpec : FileSpec {
 struct MeshSpec : FileSpec {
     double unit = 1; /* m: what a coordinate of 1 means */
     NormalWeights normals = NormalWeights::plain;
-    InsideTest inside = InsideTest::pseudonormal;
+    double crease = 0; /* rad: of NormalWeights::crease */
+    double weld = 0;   /* m: vertices no further apart are one */
+    Orientation orient = Orientation::file;
+    InsideTest inside = InsideTest::automatic; /* until the mesh is known */
     double scale = 1;
     std::array<double, 3> rotate{};    /* rad: about x, then y, then z */
     std::array<double, 3> translate{}; /* m */

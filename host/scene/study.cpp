@@ -13,11 +13,24 @@
 
 namespace forceshade {
 
+namespace {
+
+void set_literal(Case& one, std::string_view table, std::string_view name, std::string_view literal) {
+    for (Setting& setting : one.settings)
+        if (setting.table == table && setting.name == name)
+            setting.literal = literal;
+}
+
+} // namespace
+
 void set_precision(Case& one, Precision precision) {
     one.scene.precision = precision;
-    for (Setting& setting : one.settings)
-        if (setting.table == "run" && setting.name == "precision")
-            setting.literal = precision == Precision::f64 ? "\"f64\"" : "\"f32\"";
+    set_literal(one, "run", "precision", precision == Precision::f64 ? "\"f64\"" : "\"f32\"");
+}
+
+void set_inside(Case& one, InsideTest inside) {
+    one.scene.surface.mesh.inside = inside;
+    set_literal(one, "surface", "inside", inside == InsideTest::winding ? "\"winding\"" : "\"pseudonormal\"");
 }
 
 namespace {

@@ -41,6 +41,8 @@ struct Case {
 
 /// Changes a case's precision, and what its settings say of it.
 void set_precision(Case& one, Precision precision);
+/// The same for surface.inside = "auto", once the mesh is known.
+void set_inside(Case& one, InsideTest inside);
 
 /// Which cases of a study are wanted: those whose name a shell pattern matches, and of these every `count`-th from the
 /// `index`-th on, counted from 1.

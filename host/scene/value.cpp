@@ -244,12 +244,31 @@ private:
         value.texts.push_back(fmt::format("{}", node.integer));
     }
 
+    // "crease:30 deg", a choice with an angle.
+    void read_angle_of_choice(const TomlNode& node, std::string_view choice, Value& value) {
+        const std::string angle = node.text.substr(choice.find(':') + 1);
+        try {
+            value.numbers.push_back(parse_quantity(angle, Dimension::angle));
+        } catch (const UsageError& error) {
+            refuse(node, "{} is a name and an angle, as \"{}\": {}", key_.name, choice, error.what());
+        }
+        if (!(value.numbers.back() >= 0) || value.numbers.back() > M_PI)
+            refuse(node, "{}: the angle of {} must be from 0 to 180 deg, got {}", key_.name,
+                   choice.substr(0, choice.find(':')), angle);
+    }
+
     void read_choice(const TomlNode& node, Value& value) {
         const std::string all = fmt::format("{} is one of {}", key_.name, fmt::join(key_.choices, ", "));
         if (node.type != Type::string)
             refuse(node, "{}, in quotes; got {}", all, describe(node));
-        const auto found = std::ranges::find(key_.choices, node.text);
-        if (found == key_.choices.end()) {
+        const auto found = std::ranges::find_if(key_.choices, [&](std::string_view choice) {
+            const std::size_t colon = choice.find(':');
+            return colon == std::string_view::npos ? choice == node.text
+                                                   : node.text.starts_with(choice.substr(0, colon + 1));
+        });
+        if (found != key_.choices.end() && found->find(':') != std::string_view::npos) {
+            read_angle_of_choice(node, *found, value);
+        } else if (found == key_.choices.end()) {
             const std::vector<std::string> names(key_.choices.begin(), key_.choices.end());
             refuse(node, "{}; got {}{}", all, describe(node), did_you_mean(node.text, names));
         }

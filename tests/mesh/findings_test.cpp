@@ -83,7 +83,7 @@ TEST(Findings, FacetsTurnedInward) {
     const MeshFindings all = inspect(cube);
     EXPECT_EQ(all.misoriented_edges, 0u);
     EXPECT_DOUBLE_EQ(all.volume, -8);
-    EXPECT_TRUE(says(all, "oriented inward"));
+    EXPECT_TRUE(says(all, "the mesh faces inward"));
 }
 
 TEST(Findings, NonManifoldEdgeAndVertices) {

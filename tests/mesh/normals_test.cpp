@@ -222,5 +222,61 @@ TEST(FileNormals, ThatAreMissingOrNoDirectionAreRefused) {
     EXPECT_THROW(parse_polygons("a.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n", true), UsageError);
 }
 
+// A drum of 16 sides and two lids; its facets' groups are 1 for the side, 2 and 3 for the lids.
+PolygonSoup drum() {
+    PolygonSoup result;
+    constexpr std::uint32_t kSides = 16;
+    for (std::uint32_t i = 0; i < kSides; ++i) {
+        const double angle = 2 * std::numbers::pi * i / kSides;
+        for (const double z : {-1.0, 1.0})
+            result.vertices.emplace_back(std::cos(angle), std::sin(angle), z);
+    }
+    for (std::uint32_t i = 0; i < kSides; ++i) {
+        const std::uint32_t next = (i + 1) % kSides;
+        shapes::add_facet(result, {2 * i, 2 * next, 2 * next + 1, 2 * i + 1});
+        result.groups.push_back(1);
+    }
+    for (std::uint32_t i = 0; i < kSides; ++i) {
+        result.corners.push_back(2 * i + 1);
+    }
+    result.end_facet();
+    for (std::uint32_t i = kSides; i-- > 0;)
+        result.corners.push_back(2 * i);
+    result.end_facet();
+    result.groups.insert(result.groups.end(), {2, 3});
+    return result;
+}
+
+TEST(Creases, GroupsAndSharpEdgesShareNoNormals) {
+    for (const Smoothing& smoothing : {Smoothing(VertexNormals::groups), Smoothing(VertexNormals::crease, 0.6)}) {
+        const Mesh mesh = prepare_mesh(drum(), {}, smoothing);
+        EXPECT_EQ(mesh.polygons.vertices.size(), 64u);
+        for (std::size_t facet = 0; facet < mesh.polygons.facets(); ++facet)
+            for (const std::uint32_t vertex : mesh.polygons.outline(facet)) {
+                const glm::dvec3& place = mesh.polygons.vertices[vertex];
+                const glm::dvec3 expected =
+                    facet < 16 ? glm::dvec3(place.x, place.y, 0) : glm::dvec3(0, 0, facet == 16 ? 1 : -1);
+                EXPECT_LT(length(mesh.vertex_normals[vertex] - expected), 1e-14);
+            }
+    }
+    // Sides meet at 22.5 degrees: below that every facet is flat, beyond 90 all share.
+    const Mesh flat = prepare_mesh(drum(), {}, Smoothing(VertexNormals::crease, 0.39));
+    for (std::size_t facet = 0; facet < flat.polygons.facets(); ++facet)
+        for (const std::uint32_t vertex : flat.polygons.outline(facet))
+            EXPECT_LT(length(flat.vertex_normals[vertex] - flat.facet_normals[facet]), 1e-14);
+    const Mesh all = prepare_mesh(drum(), {}, Smoothing(VertexNormals::crease, 1.6));
+    EXPECT_EQ(all.polygons.vertices.size(), 32u);
+    EXPECT_EQ(all.vertex_normals, prepare_mesh(drum(), {}).vertex_normals);
+}
+
+TEST(Creases, AFacetOfGroup0IsFlat) {
+    PolygonSoup off = drum();
+    off.groups.assign(off.facets(), 0);
+    const Mesh mesh = prepare_mesh(off, {}, VertexNormals::groups);
+    for (std::size_t facet = 0; facet < mesh.polygons.facets(); ++facet)
+        for (const std::uint32_t vertex : mesh.polygons.outline(facet))
+            EXPECT_LT(length(mesh.vertex_normals[vertex] - mesh.facet_normals[facet]), 1e-14);
+}
+
 } // namespace
 } // namespace forceshade

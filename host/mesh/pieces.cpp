@@ -1,0 +1,275 @@
+#include "host/mesh/pieces.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "host/error.h"
+#include "host/mesh/surface.h"
+#include "host/reference/elementary.h"
+
+namespace forceshade {
+
+namespace {
+
+using reference::cross, reference::dot;
+
+constexpr std::size_t kMostSolidAngles = 100'000'000;
+
+// Facets in sets, each the same way round as its set's least member or the other (union-find with parities).
+class OrientedSets {
+public:
+    explicit OrientedSets(std::size_t count) : parents_(count), flipped_(count, false) {
+        std::iota(parents_.begin(), parents_.end(), 0u);
+    }
+
+    std::pair<std::uint32_t, bool> find(std::uint32_t member) {
+        std::uint32_t root = member;
+        bool flipped = false;
+        for (; parents_[root] != root; root = parents_[root])
+            flipped = flipped != flipped_[root];
+        const bool result = flipped;
+        while (parents_[member] != member) {
+            const std::uint32_t next = std::exchange(parents_[member], root);
+            const bool step = flipped_[member];
+            flipped_[member] = flipped;
+            flipped = flipped != step;
+            member = next;
+        }
+        return {root, result};
+    }
+
+    /// False if it is known otherwise.
+    bool join(std::uint32_t one, std::uint32_t other, bool flipped) {
+        auto [a, a_flipped] = find(one);
+        auto [b, b_flipped] = find(other);
+        const bool relative = (a_flipped != b_flipped) != flipped;
+        if (a == b)
+            return !relative;
+        if (a > b)
+            std::swap(a, b);
+        parents_[b] = a;
+        flipped_[b] = relative;
+        return true;
+    }
+
+private:
+    std::vector<std::uint32_t> parents_;
+    std::vector<bool> flipped_; // against the parent
+};
+
+class PieceFinder {
+public:
+    explicit PieceFinder(const PolygonSoup& polygons)
+        : polygons_(polygons), sets_(polygons.facets()), facet_of_(polygons.corners.size()) {
+        for (std::uint32_t facet = 0; facet < polygons.facets(); ++facet)
+            std::fill(facet_of_.begin() + polygons.begins[facet], facet_of_.begin() + polygons.begins[facet + 1],
+                      facet);
+    }
+
+    MeshPieces run() {
+        join();
+        number();
+        find_openings();
+        measure();
+        for (MeshPiece& piece : found_.pieces)
+            if (piece.closed && piece.opposed == 0 && piece.volume < 0)
+                piece.surrounding = surrounding(piece);
+        return std::move(found_);
+    }
+
+private:
+    std::uint32_t start(std::size_t side) const { return polygons_.corners[side]; }
+    std::uint32_t end(std::size_t side) const {
+        const std::uint32_t facet = facet_of_[side];
+        return polygons_.corners[side + 1 == polygons_.begins[facet + 1] ? polygons_.begins[facet] : side + 1];
+    }
+
+    /// Calls use(sides) for the sides of facets along each edge that has two places.
+    template <typename Use> void for_each_edge(const Use& use) const {
+        const auto ends = [&](std::size_t side) { return std::pair(start(side), end(side)); };
+        for_each_bundle(polygons_.vertices.size(), polygons_.corners.size(), ends, [&](const auto& sides) {
+            if (start(sides[0]) != end(sides[0]))
+                use(sides);
+        });
+    }
+
+    void join() {
+        for_each_edge([&](const auto& sides) {
+            if (sides.size() != 2)
+                return;
+            const std::uint32_t one = facet_of_[sides[0]], other = facet_of_[sides[1]];
+            if (!sets_.join(one, other, start(sides[0]) == start(sides[1])))
+                contradictions_.push_back(one);
+        });
+    }
+
+    void number() {
+        found_.of_facet.resize(polygons_.facets());
+        found_.opposed.resize(polygons_.facets());
+        for (std::uint32_t facet = 0; facet < polygons_.facets(); ++facet) {
+            const auto [root, flipped] = sets_.find(facet);
+            found_.opposed[facet] = flipped;
+            if (root == facet) {
+                found_.of_facet[facet] = static_cast<std::uint32_t>(found_.pieces.size());
+                found_.pieces.push_back({.first_facet = facet});
+            } else {
+                found_.of_facet[facet] = found_.of_facet[root];
+            }
+            ++found_.pieces[found_.of_facet[facet]].facets;
+        }
+        for (const std::uint32_t facet : contradictions_)
+            found_.pieces[found_.of_facet[facet]].one_sided = true;
+    }
+
+    void find_openings() {
+        std::vector<std::uint32_t> here;
+        for_each_edge([&](const auto& sides) {
+            here.clear();
+            for (const std::uint32_t side : sides)
+                here.push_back(found_.of_facet[facet_of_[side]]);
+            std::ranges::sort(here);
+            for (auto first = here.begin(); first != here.end();) {
+                const auto next = std::upper_bound(first, here.end(), *first);
+                if ((next - first) % 2 == 1)
+                    found_.pieces[*first].closed = false;
+                first = next;
+            }
+        });
+    }
+
+    /// Calls use(a, b, c) for the triangles of a fan of the facet.
+    template <typename Use> void for_each_triangle(std::uint32_t facet, const Use& use) const {
+        const auto outline = polygons_.outline(facet);
+        for (std::size_t i = 2; i < outline.size(); ++i)
+            use(polygons_.vertices[outline[0]], polygons_.vertices[outline[i - 1]], polygons_.vertices[outline[i]]);
+    }
+
+    void measure() {
+        std::vector<double> area(found_.pieces.size(), 0.0), opposed_area(area);
+        boxes_.assign(found_.pieces.size(), {glm::dvec3(HUGE_VAL), glm::dvec3(-HUGE_VAL)});
+        facets_of_.resize(found_.pieces.size());
+        const MeshBox whole = bounding_box(polygons_);
+        const glm::dvec3 middle = whole.low / 2.0 + whole.high / 2.0;
+        for (std::uint32_t facet = 0; facet < polygons_.facets(); ++facet) {
+            const std::uint32_t piece = found_.of_facet[facet];
+            facets_of_[piece].push_back(facet);
+            for (const std::uint32_t vertex : polygons_.outline(facet))
+                for (int axis = 0; axis < 3; ++axis) {
+                    boxes_[piece].low[axis] = std::min(boxes_[piece].low[axis], polygons_.vertices[vertex][axis]);
+                    boxes_[piece].high[axis] = std::max(boxes_[piece].high[axis], polygons_.vertices[vertex][axis]);
+                }
+            for_each_triangle(facet, [&](const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
+                const glm::dvec3 normal = cross<double>(b - a, c - a);
+                const double size = std::sqrt(dot(normal, normal)) / 2;
+                area[piece] += size;
+                opposed_area[piece] += found_.opposed[facet] ? size : 0;
+                found_.pieces[piece].volume += dot<double>(a - middle, normal) / 6;
+            });
+        }
+        for (std::uint32_t facet = 0; facet < polygons_.facets(); ++facet) {
+            MeshPiece& piece = found_.pieces[found_.of_facet[facet]];
+            if (opposed_area[found_.of_facet[facet]] > area[found_.of_facet[facet]] / 2)
+                found_.opposed[facet].flip();
+            piece.opposed += found_.opposed[facet];
+        }
+    }
+
+    /// Of all closed pieces but this one, at the middle of its largest triangle.
+    double surrounding(const MeshPiece& piece) {
+        const std::uint32_t mine = found_.of_facet[piece.first_facet];
+        glm::dvec3 place(0);
+        double largest = -1;
+        for (const std::uint32_t facet : facets_of_[mine])
+            for_each_triangle(facet, [&](const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
+                const glm::dvec3 normal = cross<double>(b - a, c - a);
+                if (dot(normal, normal) > largest)
+                    largest = dot(normal, normal), place = a + (b - a) / 3.0 + (c - a) / 3.0;
+            });
+        double angle = 0;
+        for (std::uint32_t other = 0; other < found_.pieces.size(); ++other) {
+            const MeshBox& box = boxes_[other];
+            if (other == mine || !found_.pieces[other].closed || steps_ > kMostSolidAngles || place.x < box.low.x ||
+                place.y < box.low.y || place.z < box.low.z || place.x > box.high.x || place.y > box.high.y ||
+                place.z > box.high.z)
+                continue;
+            for (const std::uint32_t facet : facets_of_[other])
+                for_each_triangle(facet, [&](const glm::dvec3& one, const glm::dvec3& two, const glm::dvec3& three) {
+                    // Van Oosterom & Strackee (1983).
+                    const glm::dvec3 a = one - place, b = two - place, c = three - place;
+                    const double p = std::sqrt(dot(a, a)), q = std::sqrt(dot(b, b)), r = std::sqrt(dot(c, c));
+                    angle +=
+                        2 * std::atan2(dot(a, cross(b, c)), p * q * r + dot(a, b) * r + dot(b, c) * p + dot(c, a) * q);
+                    ++steps_;
+                });
+        }
+        return angle / (4 * M_PI);
+    }
+
+    const PolygonSoup& polygons_;
+    OrientedSets sets_;
+    std::vector<std::uint32_t> facet_of_, contradictions_; // of each corner; facets
+    MeshPieces found_;
+    std::vector<MeshBox> boxes_;
+    std::vector<std::vector<std::uint32_t>> facets_of_; // of each piece
+    std::size_t steps_ = 0;
+};
+
+void turn(PolygonSoup& polygons, std::uint32_t facet) {
+    const auto first = polygons.begins[facet], last = polygons.begins[facet + 1];
+    std::reverse(polygons.corners.begin() + first, polygons.corners.begin() + last);
+    if (!polygons.normals.empty())
+        std::reverse(polygons.normals.begin() + first, polygons.normals.begin() + last);
+}
+
+} // namespace
+
+MeshPieces find_pieces(const PolygonSoup& polygons) {
+    return PieceFinder(polygons).run();
+}
+
+std::string name_of(std::size_t piece, const MeshPieces& found) {
+    if (found.pieces.size() == 1)
+        return "the mesh";
+    const MeshPiece& one = found.pieces[piece];
+    return fmt::format("piece {} of {} ({} facet{}, from facet {} on)", piece + 1, found.pieces.size(), one.facets,
+                       one.facets == 1 ? "" : "s", one.first_facet);
+}
+
+std::vector<std::string> orient_outward(PolygonSoup& polygons) {
+    std::vector<std::string> turned;
+    MeshPieces found = find_pieces(polygons);
+    for (std::size_t i = 0; i < found.pieces.size(); ++i) {
+        if (found.pieces[i].one_sided)
+            throw UsageError(fmt::format("orient = \"outward\": {} has one side only, as a Moebius strip has, and so "
+                                         "no outside; leave orient out, or cut the mesh there",
+                                         name_of(i, found)));
+        if (found.pieces[i].opposed > 0)
+            turned.push_back(fmt::format("turned {} facet{} of {}, which faced against the others",
+                                         found.pieces[i].opposed, found.pieces[i].opposed == 1 ? "" : "s",
+                                         name_of(i, found)));
+    }
+    for (std::uint32_t facet = 0; facet < polygons.facets(); ++facet)
+        if (found.opposed[facet])
+            turn(polygons, facet);
+    // Outer pieces first: whether an inner one is a cavity depends on them.
+    for (bool goes_on = true; goes_on;) {
+        goes_on = false;
+        found = find_pieces(polygons);
+        std::vector<bool> turns(found.pieces.size());
+        for (std::size_t i = 0; i < turns.size(); ++i)
+            if (found.pieces[i].is_inside_out() && found.pieces[i].surrounding > -0.25) {
+                turns[i] = goes_on = true;
+                turned.push_back(fmt::format("turned {}, which faced inward", name_of(i, found)));
+            }
+        for (std::uint32_t facet = 0; facet < polygons.facets(); ++facet)
+            if (turns[found.of_facet[facet]])
+                turn(polygons, facet);
+    }
+    return turned;
+}
+
+} // namespace forceshade

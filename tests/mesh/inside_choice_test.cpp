@@ -1,0 +1,113 @@
+// surface.inside = "auto": what suits the mesh, recorded; and what orient and weld make of a scene's mesh.
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+
+#include <gtest/gtest.h>
+
+#include "host/error.h"
+#include "host/prepare/prepared_case.h"
+#include "host/reference/mesh_contact.h"
+#include "host/reference/mesh_nearest.h"
+#include "tests/io/folder.h"
+#include "tests/mesh/shapes.h"
+#include "tests/mesh/written_files.h"
+
+namespace forceshade {
+namespace {
+
+class InsideChoice : public ::testing::Test {
+protected:
+    PreparedCase prepared(const PolygonSoup& polygons, const std::string& more = "") {
+        std::ofstream(folder_ / "mesh.obj") << testing::as_obj(polygons);
+        return CasePreparation().prepare(
+            parse_scene("[surface]\nkind = \"mesh\"\nfile = \"mesh.obj\"\n" + more, "scene", folder_.path()));
+    }
+
+    static bool is_inside(const PreparedCase& one, const glm::dvec3& place) {
+        const SceneMesh& mesh = *one.images.mesh;
+        const MeshTables<double> tables = make_mesh_tables<double>(mesh.structure, 1);
+        layout::Law<double> law{};
+        law.features.surface = layout::kSurfaceMesh;
+        law.features.inside = mesh.inside == InsideTest::winding ? layout::kInsideWinding : layout::kInsidePseudonormal;
+        law.mesh = tables.view();
+        const glm::dvec3 local = to_mesh_frame(mesh.structure, place);
+        return reference::is_inside(law, reference::nearest(law.mesh, local), local);
+    }
+
+    static bool is_recorded(const PreparedCase& one, const std::string& line) {
+        return one.scene.find(line + "\n") != std::string::npos;
+    }
+
+    testing::Folder folder_;
+};
+
+PolygonSoup moved(PolygonSoup polygons, const glm::dvec3& by) {
+    for (glm::dvec3& vertex : polygons.vertices)
+        vertex += by;
+    return polygons;
+}
+
+TEST_F(InsideChoice, IsThePseudonormalForSolidsAndSheets) {
+    const PolygonSoup apart = shapes::merged(shapes::cube(), moved(shapes::cube(), {5, 0, 0}));
+    const PolygonSoup sheet = shapes::patch(shapes::Cells::triangles, 10, [](double x, double y) { return x * y; });
+    for (const PolygonSoup& polygons : {shapes::cube(), apart, sheet, shapes::nested_shells(1, true)}) {
+        const PreparedCase one = prepared(polygons);
+        EXPECT_EQ(one.images.mesh->inside, InsideTest::pseudonormal);
+        EXPECT_TRUE(is_recorded(one, "inside = \"pseudonormal\""));
+    }
+}
+
+TEST_F(InsideChoice, IsTheWindingNumberForCrossingPiecesAndShapesWithHoles) {
+    const PolygonSoup crossing = shapes::merged(shapes::cube(), moved(shapes::cube(), {0.9, 0.8, 0.7}));
+    const PreparedCase one = prepared(crossing);
+    EXPECT_EQ(one.images.mesh->inside, InsideTest::winding);
+    EXPECT_TRUE(is_recorded(one, "inside = \"winding\""));
+    const PreparedCase other = prepared(crossing, "inside = \"pseudonormal\"\n");
+    int missing = 0;
+    for (double x = -0.95; x < 1.9; x += 0.1)
+        for (double y = -0.95; y < 1.8; y += 0.1)
+            for (double z = -0.95; z < 1.7; z += 0.1) {
+                const auto within = [&](double a, double b, double c) {
+                    return std::abs(x - a) < 1 && std::abs(y - b) < 1 && std::abs(z - c) < 1;
+                };
+                const bool expected = within(0, 0, 0) || within(0.9, 0.8, 0.7);
+                EXPECT_EQ(is_inside(one, {x, y, z}), expected) << x << ' ' << y << ' ' << z;
+                missing += expected && !is_inside(other, {x, y, z});
+            }
+    EXPECT_GT(missing, 100);
+    PolygonSoup holed = shapes::icosphere(3);
+    holed.begins.pop_back();
+    holed.corners.resize(holed.begins.back());
+    EXPECT_EQ(prepared(holed).images.mesh->inside, InsideTest::winding);
+    EXPECT_EQ(prepared(holed, "inside = \"pseudonormal\"\n").images.mesh->inside, InsideTest::pseudonormal);
+}
+
+TEST_F(InsideChoice, OrientAndWeldMakeASolid) {
+    PolygonSoup inward = shapes::cube();
+    for (std::size_t facet = 0; facet < inward.facets(); ++facet)
+        std::reverse(&inward.corners[inward.begins[facet]], &inward.corners[inward.begins[facet + 1]]);
+    const PolygonSoup apart = shapes::merged(shapes::cube(), moved(inward, {5, 0, 0}));
+    EXPECT_FALSE(is_inside(prepared(apart), {5, 0, 0.5}));
+    const PreparedCase turned = prepared(apart, "orient = \"outward\"\n");
+    EXPECT_TRUE(is_inside(turned, {5, 0, 0.5}));
+    EXPECT_FALSE(is_inside(turned, {5, 0, 1.5}));
+    ASSERT_EQ(turned.images.mesh->changes.size(), 1u);
+
+    PolygonSoup crack = shapes::cube();
+    crack.vertices.push_back(crack.vertices[crack.corners[0]] + glm::dvec3(1e-6, 0, 0));
+    crack.corners[0] = 8;
+    EXPECT_FALSE(prepared(crack).images.mesh->findings.closed);
+    EXPECT_TRUE(prepared(crack, "weld = \"2 um\"\n").images.mesh->findings.closed);
+    EXPECT_FALSE(prepared(crack, "weld = \"0.5 um\"\n").images.mesh->findings.closed);
+    EXPECT_NE(testing::message_of<UsageError>([&] { prepared(crack, "weld = \"10 m\"\n"); }).find("smaller than"),
+              std::string::npos);
+    for (const char* bad : {"weld = \"-1 um\"\n", "weld = \"nan um\"\n", "weld = \"inf um\"\n", "weld = 1\n",
+                            "orient = \"inward\"\n", "normals = \"crease\"\n", "normals = \"crease:-1 deg\"\n",
+                            "normals = \"crease:30\"\n", "normals = \"crease:200 deg\"\n", "normals = \"groups\"\n"})
+        EXPECT_THROW(prepared(crack, bad), UsageError) << bad;
+    EXPECT_NO_THROW(prepared(crack, "normals = \"crease:30 deg\"\n"));
+}
+
+} // namespace
+} // namespace forceshade
