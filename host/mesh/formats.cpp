@@ -3,118 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <charconv>
 #include <string>
 #include <utility>
-
-#include <locale.h>
-#include <stdlib.h>
 
 #include "host/mesh/surface.h"
 
 namespace forceshade::mesh_file {
-
-namespace {
-
-// Lines and words are short, and searching through them for one of several characters with string_view's functions
-// takes several times as long.
-bool is_blank(char c) {
-    return c == ' ' || c == '\t' || c == '\v' || c == '\f';
-}
-
-void skip_blanks(std::string_view& line) {
-    line.remove_prefix(static_cast<std::size_t>(std::ranges::find_if_not(line, is_blank) - line.begin()));
-}
-
-// std::from_chars leaves the value alone where it is beyond the range of double, on either side.
-double beyond_range(std::string_view word) {
-    static const locale_t classic = ::newlocale(LC_ALL_MASK, "C", nullptr);
-    return ::strtod_l(std::string(word).c_str(), nullptr, classic);
-}
-
-std::string_view without_plus(std::string_view word) {
-    if (word.size() > 1 && word[0] == '+' && word[1] != '-')
-        word.remove_prefix(1);
-    return word;
-}
-
-} // namespace
-
-TextLines::TextLines(std::string file, std::string_view text, std::size_t number)
-    : file_(std::move(file)), text_(text), number_(number) {
-    if (text_.starts_with("\xEF\xBB\xBF"))
-        text_.remove_prefix(3);
-}
-
-bool TextLines::next(std::string_view& line) {
-    if (text_.empty())
-        return false;
-    ++number_;
-    const auto end = static_cast<std::size_t>(
-        std::ranges::find_if(text_, [](char c) { return c == '\n' || c == '\r'; }) - text_.begin());
-    line = text_.substr(0, end);
-    if (end == text_.size()) {
-        text_ = {};
-        return true;
-    }
-    const bool two = text_[end] == '\r' && end + 1 < text_.size() && text_[end + 1] == '\n';
-    text_.remove_prefix(end + (two ? 2 : 1));
-    return true;
-}
-
-bool TextLines::next_words(std::string_view& line) {
-    while (next(line)) {
-        line = line.substr(0, line.find('#'));
-        skip_blanks(line);
-        if (!line.empty())
-            return true;
-    }
-    return false;
-}
-
-std::string_view take_word(std::string_view& line) {
-    skip_blanks(line);
-    const auto end = static_cast<std::size_t>(std::ranges::find_if(line, is_blank) - line.begin());
-    const std::string_view word = line.substr(0, end);
-    line.remove_prefix(end);
-    return word;
-}
-
-std::string in_quotes(std::string_view word) {
-    constexpr std::size_t kMost = 24;
-    std::string text = "\"";
-    for (const char c : word.substr(0, kMost))
-        text += c < ' ' || c == '\x7F' ? '?' : c; // bytes beyond ASCII are negative: shown as ? too
-    return text + (word.size() > kMost ? "...\"" : "\"");
-}
-
-bool parse_number(std::string_view word, double& value) {
-    word = without_plus(word);
-    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-    if (end != word.data() + word.size() || error == std::errc::invalid_argument)
-        return false;
-    if (error == std::errc::result_out_of_range)
-        value = beyond_range(word);
-    return true;
-}
-
-bool parse_integer(std::string_view word, std::int64_t& value) {
-    word = without_plus(word);
-    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-    return error == std::errc() && end == word.data() + word.size();
-}
-
-bool is_keyword(std::string_view word, std::string_view keyword) {
-    return std::ranges::equal(word, keyword,
-                              [](char a, char b) { return (a >= 'A' && a <= 'Z' ? a - 'A' + 'a' : a) == b; });
-}
-
-std::uint64_t read_bits(const char* bytes, std::size_t size, bool big_endian) {
-    std::uint64_t bits = 0;
-    for (std::size_t i = 0; i < size; ++i)
-        bits |= std::uint64_t{static_cast<unsigned char>(bytes[i])} << 8 * (big_endian ? size - 1 - i : i);
-    return bits;
-}
 
 // Wavefront OBJ: `v` and `f` statements; all others of the format have no bearing on the polygons.
 
@@ -254,117 +148,14 @@ PolygonFile read_obj(const Source& source) {
     return {ObjReader(source).read(), "", "OBJ"};
 }
 
-// OFF, the Object File Format of Geomview, as text: OFF, COFF, NOFF, STOFF and their combinations.
-
-namespace {
-
-class OffReader {
-public:
-    explicit OffReader(const Source& source) : name_(source.name), lines_(source.name, source.bytes) {}
-
-    PolygonSoup read() {
-        read_header();
-        soup_.vertices.reserve(vertices_);
-        soup_.begins.reserve(facets_ + 1);
-        for (std::size_t vertex = 0; vertex < vertices_; ++vertex)
-            read_vertex();
-        for (std::size_t facet = 0; facet < facets_; ++facet)
-            read_facet();
-        if (lines_.next_words(line_))
-            lines_.damaged("the file goes on behind the {} vertices and {} facets that it announces", vertices_,
-                           facets_);
-        return std::move(soup_);
-    }
-
-private:
-    void read_header() {
-        next_line("its keyword OFF");
-        check_keyword(take_word(line_));
-        std::string_view word = take_word(line_);
-        if (word == "BINARY")
-            throw UsageError(fmt::format("{}: binary OFF is not read; save it as text, or as PLY", name_));
-        if (word.empty()) {
-            next_line("its numbers of vertices and facets");
-            word = take_word(line_);
-        }
-        vertices_ = announced(word, "vertices");
-        facets_ = announced(take_word(line_), "facets");
-        const std::size_t left = lines_.rest().size();
-        // `0 0 0` and `3 0 1 2` with their line ends are the shortest lines, but for the last one's end.
-        if (vertices_ > left / 6 + 1 || facets_ > left / 8 + 1 || vertices_ * 6 + facets_ * 8 > left + 1)
-            lines_.damaged(
-                "{} vertices and {} facets are announced, which {} bytes cannot hold; the file is damaged or truncated",
-                vertices_, facets_, left);
-    }
-
-    void check_keyword(std::string_view keyword) const {
-        const std::string_view prefix = keyword.substr(0, keyword.rfind("OFF"));
-        if (!keyword.ends_with("OFF") || prefix.find_first_not_of("STCN4n") != std::string_view::npos)
-            lines_.damaged("an OFF file begins with OFF, not with {}", in_quotes(keyword));
-        if (prefix.find('4') != std::string_view::npos || prefix.find('n') != std::string_view::npos)
-            throw UsageError(
-                fmt::format("{}: {} has vertices of other than three coordinates", name_, in_quotes(keyword)));
-    }
-
-    std::size_t announced(std::string_view word, std::string_view what) const {
-        std::int64_t count = 0;
-        if (!parse_integer(word, count) || count < 0)
-            lines_.damaged("expected the number of {}, got {}", what, in_quotes(word));
-        return static_cast<std::size_t>(count);
-    }
-
-    void next_line(std::string_view expected) {
-        if (!lines_.next_words(line_))
-            lines_.damaged("the file breaks off before {}", expected);
-    }
-
-    // What follows the coordinates in a line (a normal, a colour, a texture position) is left.
-    void read_vertex() {
-        next_line(fmt::format("vertex {} of {}", soup_.vertices.size(), vertices_));
-        const std::string whose = fmt::format(" of vertex {}", soup_.vertices.size());
-        soup_.vertices.push_back(read_coordinates(lines_, whose, [&] { return take_word(line_); }));
-    }
-
-    void read_facet() {
-        next_line(fmt::format("facet {} of {}", soup_.facets(), facets_));
-        const std::size_t count = announced(take_word(line_), "corners of a facet");
-        if (count < 3 || count > line_.size() / 2 + lines_.rest().size() / 2)
-            lines_.damaged("a facet with {} corners; it has three or more, and no more than the file's bytes can hold",
-                           count);
-        for (std::size_t corner = 0; corner < count; ++corner)
-            soup_.corners.push_back(read_corner());
-        soup_.end_facet();
-    }
-
-    // A long facet may go on in the next line.
-    std::uint32_t read_corner() {
-        std::string_view word = take_word(line_);
-        if (word.empty()) {
-            next_line(fmt::format("all corners of facet {}", soup_.facets()));
-            word = take_word(line_);
-        }
-        std::int64_t index = 0;
-        if (!parse_integer(word, index))
-            lines_.damaged("{} is no vertex", in_quotes(word));
-        if (index < 0 || index >= static_cast<std::int64_t>(vertices_))
-            lines_.damaged("no vertex {}; there are {}, and the first is 0", index, vertices_);
-        return static_cast<std::uint32_t>(index);
-    }
-
-    std::string name_;
-    TextLines lines_;
-    std::string_view line_;
-    PolygonSoup soup_;
-    std::size_t vertices_ = 0, facets_ = 0;
-};
-
-} // namespace
-
-PolygonFile read_off(const Source& source) {
-    return {OffReader(source).read(), "", "OFF"};
-}
-
 // STL, text and binary: triangles without vertices of their own.
+
+std::uint64_t read_bits(const char* bytes, std::size_t size, bool big_endian) {
+    std::uint64_t bits = 0;
+    for (std::size_t i = 0; i < size; ++i)
+        bits |= std::uint64_t{static_cast<unsigned char>(bytes[i])} << 8 * (big_endian ? size - 1 - i : i);
+    return bits;
+}
 
 namespace {
 
