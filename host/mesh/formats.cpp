@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <span>
 #include <string>
 #include <utility>
 
@@ -10,21 +11,41 @@
 
 namespace forceshade::mesh_file {
 
-// Wavefront OBJ: `v` and `f` statements; all others of the format have no bearing on the polygons.
+// Wavefront OBJ: `v` and `f` statements. Elements that are no facets are skipped with a count; the other statements of
+// the format have no bearing on the polygons.
 
 namespace {
 
+constexpr std::array kNameStatements = std::to_array<std::string_view>(
+    {"g", "o", "usemtl", "usemap", "mtllib", "maplib", "shadow_obj", "trace_obj", "call", "csh"});
+
 constexpr std::array kOtherStatements = std::to_array<std::string_view>(
-    {"vt",        "vn",     "vp",     "vc",    "g",    "o",      "s",   "mg",   "l",        "p",        "usemtl",
-     "usemap",    "mtllib", "maplib", "bevel", "lod",  "cstype", "deg", "bmat", "step",     "curv",     "curv2",
-     "surf",      "parm",   "trim",   "hole",  "scrv", "sp",     "end", "con",  "c_interp", "d_interp", "shadow_obj",
-     "trace_obj", "ctech",  "stech",  "call",  "csh",  "bsp",    "bzp", "cdc",  "cdp",      "res"});
+    {"vt",       "vn",       "vp",    "vc",    "s",    "mg",   "bevel", "lod", "cstype", "deg",
+     "bmat",     "step",     "curv2", "parm",  "trim", "hole", "scrv",  "sp",  "end",    "con",
+     "c_interp", "d_interp", "ctech", "stech", "bsp",  "bzp",  "cdc",   "cdp", "res"});
+
+struct ObjElement {
+    std::string_view keyword;
+    Skipped::Kind kind;
+};
+constexpr std::array<ObjElement, 4> kElements{{{"l", {"line element (l)", "line elements (l)"}},
+                                               {"p", {"point element (p)", "point elements (p)"}},
+                                               {"curv", {"free-form curve (curv)", "free-form curves (curv)"}},
+                                               {"surf", {"free-form surface (surf)", "free-form surfaces (surf)"}}}};
+
+bool is_one_of(std::string_view word, std::span<const std::string_view> words) {
+    return std::ranges::find(words, word) != words.end();
+}
+
+bool is_facet(std::string_view keyword) {
+    return keyword == "f" || keyword == "fo"; // fo: before version 3 of the format
+}
 
 class ObjReader {
 public:
     explicit ObjReader(const Source& source) : lines_(source.name, source.bytes), wanted_(source.normals) {}
 
-    PolygonSoup read() {
+    PolygonFile read() {
         std::string_view line;
         while (next_statement(line)) {
             const std::string_view keyword = take_word(line);
@@ -32,29 +53,36 @@ public:
                 soup_.vertices.push_back(read_vector(line, "a vertex"));
             else if (keyword == "vn" && wanted_)
                 normals_.push_back(read_vector(line, "a normal"));
-            else if (keyword == "f")
+            else if (is_facet(keyword))
                 read_facet(line);
-            else if (std::ranges::find(kOtherStatements, keyword) == kOtherStatements.end())
-                lines_.damaged("{} is no statement of an OBJ file", in_quotes(keyword));
+            else if (!is_one_of(keyword, kNameStatements) && !is_one_of(keyword, kOtherStatements))
+                skip_element_or_text(keyword, line);
         }
+        if (has_text_ && soup_.vertices.empty())
+            lines_.damaged("none of the file's lines is a vertex of an OBJ file");
         check_range();
         if (!normals_.empty())
             take_normals();
-        return std::move(soup_);
+        return {std::move(soup_), "", "OBJ", skipped_.warnings()};
     }
 
 private:
     static constexpr std::int64_t kNone = -1; // normal
 
-    // A backslash at the end of a line continues it.
+    // A backslash at the end of a line continues it; blanks may stand behind it. In a statement that ends in a name, as
+    // `usemtl a\`, and in text it may belong to the name: there it continues the line only if the next line begins with
+    // no statement.
     bool next_statement(std::string_view& line) {
         if (!lines_.next_words(line))
             return false;
-        if (line.back() != '\\')
+        if (!continues(line))
             return true;
+        std::string_view words = line;
+        const std::string_view keyword = take_word(words);
+        const bool may_be_name = !is_data(keyword);
         joined_.clear();
-        while (!line.empty() && line.back() == '\\') {
-            joined_.append(line.substr(0, line.size() - 1)).push_back(' ');
+        while (continues(line) && !(may_be_name && next_line_is_statement())) {
+            joined_.append(line.substr(0, line.rfind('\\'))).push_back(' ');
             if (!lines_.next(line))
                 lines_.damaged("the file ends in a line that is to be continued");
             line = line.substr(0, line.find('#'));
@@ -62,6 +90,36 @@ private:
         joined_.append(line);
         line = joined_;
         return true;
+    }
+
+    static bool continues(std::string_view line) {
+        const std::size_t last = line.find_last_not_of(" \t\v\f");
+        return last != std::string_view::npos && line[last] == '\\';
+    }
+
+    static bool is_data(std::string_view keyword) {
+        return keyword == "v" || is_facet(keyword) || is_one_of(keyword, kOtherStatements) ||
+               std::ranges::find(kElements, keyword, &ObjElement::keyword) != kElements.end();
+    }
+
+    // Or nothing, or a comment.
+    bool next_line_is_statement() const {
+        TextLines ahead = lines_;
+        std::string_view line;
+        if (!ahead.next(line))
+            return true;
+        line = line.substr(0, line.find('#'));
+        const std::string_view keyword = take_word(line);
+        return keyword.empty() || is_data(keyword) || is_one_of(keyword, kNameStatements);
+    }
+
+    void skip_element_or_text(std::string_view keyword, std::string_view line) {
+        const auto element = std::ranges::find(kElements, keyword, &ObjElement::keyword);
+        if (element == kElements.end() &&
+            (has_only_numbers(line) || (has_only_numbers(keyword) && take_word(line).empty())))
+            lines_.damaged("{} is no statement of an OBJ file", in_quotes(keyword));
+        has_text_ = has_text_ || element == kElements.end();
+        skipped_.add(element == kElements.end() ? kTextLine : element->kind, lines_.line_number());
     }
 
     glm::dvec3 read_vector(std::string_view line, const char* what) {
@@ -74,12 +132,22 @@ private:
     }
 
     void read_facet(std::string_view line) {
+        const std::size_t begin = soup_.corners.size();
         std::size_t count = 0;
         for (std::string_view word = take_word(line); !word.empty(); word = take_word(line), ++count)
             soup_.corners.push_back(corner(word));
-        if (count < 3)
-            lines_.damaged("a facet has three corners or more, got {}; the file is damaged or breaks off here", count);
-        soup_.end_facet();
+        if (count >= 3) {
+            soup_.end_facet();
+            return;
+        }
+        if (!lines_.line_has_end())
+            lines_.damaged("a facet has three corners or more, got {}; the file breaks off here, unless a line end is "
+                           "all that is missing",
+                           count);
+        soup_.corners.resize(begin);
+        if (wanted_)
+            corner_normals_.resize(begin);
+        skipped_.add(kShortFaces[count], lines_.line_number());
     }
 
     // `7`, `7/1`, `7//3`, `7/1/3`; -1 is the last vertex so far. Vertices may follow the facets that use them.
@@ -134,7 +202,9 @@ private:
 
     TextLines lines_;
     bool wanted_; // normals
+    bool has_text_ = false;
     PolygonSoup soup_;
+    Skipped skipped_{"in line"};
     std::vector<glm::dvec3> normals_;
     std::vector<std::int64_t> corner_normals_; // one a corner, from 0, or kNone
     std::string joined_;
@@ -145,7 +215,7 @@ private:
 } // namespace
 
 PolygonFile read_obj(const Source& source) {
-    return {ObjReader(source).read(), "", "OBJ"};
+    return ObjReader(source).read();
 }
 
 // STL, text and binary: triangles without vertices of their own.
@@ -178,8 +248,9 @@ PolygonSoup triangles(std::vector<glm::dvec3> corners) {
     return soup;
 }
 
-PolygonSoup read_binary(const Source& source) {
-    if (!is_binary_stl(source.bytes)) {
+PolygonFile read_binary(const Source& source) {
+    const std::optional<std::size_t> behind = bytes_behind_binary_stl(source.bytes);
+    if (!behind) {
         const std::size_t size = source.bytes.size();
         if (size < kHeader)
             throw IoError(
@@ -191,30 +262,67 @@ PolygonSoup read_binary(const Source& source) {
                                   source.name, triangles, kHeader + kTriangle * triangles, size));
     }
     std::vector<glm::dvec3> corners;
-    corners.reserve((source.bytes.size() - kHeader) / kTriangle * 3);
-    for (std::size_t begin = kHeader; begin < source.bytes.size(); begin += kTriangle)
+    const std::size_t end = source.bytes.size() - *behind;
+    corners.reserve((end - kHeader) / kTriangle * 3);
+    for (std::size_t begin = kHeader; begin < end; begin += kTriangle)
         for (int corner = 1; corner <= 3; ++corner) { // behind the normal
             const char* const at = source.bytes.data() + begin + 12 * corner;
             corners.emplace_back(read_float(at), read_float(at + 4), read_float(at + 8));
         }
-    return triangles(std::move(corners));
+    std::vector<std::string> warnings;
+    if (*behind > 0)
+        warnings.push_back(
+            fmt::format("{} byte{} behind the last of the {} triangles that the file announces: skipped (at byte {}){}",
+                        *behind, *behind == 1 ? "" : "s", (end - kHeader) / kTriangle, end,
+                        *behind % kTriangle == 0 ? fmt::format("; they may be {} more", *behind / kTriangle) : ""));
+    return {triangles(std::move(corners)), "", "STL (binary)", std::move(warnings)};
 }
 
+constexpr std::array kStlKeywords = std::to_array<std::string_view>(
+    {"solid", "facet", "normal", "outer", "loop", "vertex", "endloop", "endfacet", "endsolid"});
+
+// Lines of text, such as comments and colours, are skipped wherever a keyword is expected. A keyword in the wrong place
+// is an error: something is missing before it.
 class StlTextReader {
 public:
     explicit StlTextReader(const Source& source) : lines_(source.name, source.bytes) {}
 
-    PolygonSoup read() {
-        while (next_word("solid", true)) {
-            line_ = {}; // the name
-            while (!is_keyword(peek("facet or endsolid"), "endsolid"))
+    PolygonFile read() {
+        bool open = false; // a solid that is to end
+        std::size_t parts = 0;
+        for (;; ++parts) {
+            const std::string_view word = next_part(!open);
+            if (word.empty())
+                break;
+            open = !is_keyword(word, "endsolid");
+            if (is_keyword(word, "facet"))
                 read_facet();
-            line_ = {};
+            else
+                line_ = {}; // the name
         }
-        return triangles(std::move(corners_));
+        if (parts == 0)
+            lines_.damaged("this is no STL file: no line of it begins with solid or facet");
+        return {triangles(std::move(corners_)), "", "STL (text)", skipped_.warnings()};
     }
 
 private:
+    // Solid, endsolid or facet, left where it is; empty at the end of the file.
+    std::string_view next_part(bool may_end) {
+        for (;;) {
+            const std::string_view word = peek("facet or endsolid", may_end);
+            if (word.empty() || is_keyword(word, "facet") || is_keyword(word, "solid") || is_keyword(word, "endsolid"))
+                return word;
+            skip_text("facet or endsolid", word);
+        }
+    }
+
+    void skip_text(std::string_view expected, std::string_view word) {
+        if (std::ranges::any_of(kStlKeywords, [&](std::string_view keyword) { return is_keyword(word, keyword); }))
+            lines_.damaged("expected {}, got {}", expected, in_quotes(word));
+        skipped_.add(kTextLine, lines_.line_number());
+        line_ = {};
+    }
+
     void read_facet() {
         next_word("facet");
         next_word("normal");
@@ -252,33 +360,40 @@ private:
         }
     }
 
-    bool next_word(std::string_view keyword, bool may_end = false) {
-        const std::string_view word = peek(keyword, may_end);
-        if (word.empty())
-            return false;
-        if (!is_keyword(word, keyword))
-            lines_.damaged("expected {}, got {}", keyword, in_quotes(word));
+    // Of a facet. A number there may be a coordinate, and is no text.
+    void next_word(std::string_view keyword) {
+        for (;;) {
+            const std::string_view word = peek(keyword);
+            double value = 0;
+            if (is_keyword(word, keyword))
+                break;
+            if (parse_number(word, value))
+                lines_.damaged("expected {}, got {}", keyword, in_quotes(word));
+            skip_text(keyword, word);
+        }
         take_word(line_);
-        return true;
     }
 
     TextLines lines_;
     std::string_view line_;
     std::vector<glm::dvec3> corners_;
+    Skipped skipped_{"in line"};
 };
 
 } // namespace
 
-bool is_binary_stl(std::string_view bytes) {
-    return bytes.size() >= kHeader && bytes.size() == kHeader + kTriangle * read_bits(bytes.data() + 80, 4);
+std::optional<std::size_t> bytes_behind_binary_stl(std::string_view bytes) {
+    if (bytes.size() < kHeader)
+        return {};
+    const std::size_t triangles = read_bits(bytes.data() + 80, 4), needed = kHeader + kTriangle * triangles;
+    if (bytes.size() < needed || (triangles == 0 && bytes.size() > needed))
+        return {};
+    return bytes.size() - needed;
 }
 
 PolygonFile read_stl(const Source& source) {
-    const std::size_t begin = source.bytes.find_first_not_of(" \t\r\n");
-    const bool text = begin != std::string_view::npos && is_keyword(source.bytes.substr(begin, 5), "solid");
-    if (text && !is_binary_stl(source.bytes))
-        return {StlTextReader(source).read(), "", "STL (text)"};
-    return {read_binary(source), "", "STL (binary)"};
+    const bool text = looks_like_text(source.bytes) && !bytes_behind_binary_stl(source.bytes);
+    return text ? StlTextReader(source).read() : read_binary(source);
 }
 
 } // namespace forceshade::mesh_file

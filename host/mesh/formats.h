@@ -1,10 +1,13 @@
 // The readers of the formats, each from the whole file in memory.
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -26,8 +29,50 @@ PolygonFile read_off(const Source& source);
 PolygonFile read_ply(const Source& source);
 PolygonFile read_stl(const Source& source);
 
-/// True if the bytes have exactly the length that a binary STL file announces.
-bool is_binary_stl(std::string_view bytes);
+/// True if no zero byte is among the first: text has none, and triangles do.
+bool looks_like_text(std::string_view bytes);
+
+/// How many bytes are behind the triangles that a binary STL file announces. None if the triangles are not all there,
+/// or if none are announced and yet bytes follow.
+std::optional<std::size_t> bytes_behind_binary_stl(std::string_view bytes);
+
+/// The keyword of an OFF file: "COFF8" has the prefix "C" and the count "8", which some programs write without a blank.
+struct OffKeyword {
+    std::string_view prefix, count;
+};
+
+/// None if the word is no such keyword.
+std::optional<OffKeyword> parse_off_keyword(std::string_view word);
+
+/// What a reader leaves out of a file, counted by kind.
+class Skipped {
+public:
+    struct Kind {
+        std::string_view one, several; // "face of two corners", "faces of two corners"
+    };
+
+    /// `where`: what stands before a place, "in line" or "at byte".
+    explicit Skipped(std::string_view where) : where_(where) {}
+
+    void add(const Kind& kind, std::size_t place);
+
+    /// "3 faces of two corners: skipped (the first in line 12)", a sentence for each kind.
+    std::vector<std::string> warnings() const;
+
+private:
+    struct Entry {
+        Kind kind;
+        std::size_t count, first;
+    };
+    std::string_view where_;
+    std::vector<Entry> entries_;
+};
+
+/// Of 0, 1 and 2 corners.
+inline constexpr std::array<Skipped::Kind, 3> kShortFaces{{{"face without corners", "faces without corners"},
+                                                           {"face of one corner", "faces of one corner"},
+                                                           {"face of two corners", "faces of two corners"}}};
+inline constexpr Skipped::Kind kTextLine{"line of text", "lines of text"};
 
 /// True if the words are the same but for capitals; `keyword` has none.
 bool is_keyword(std::string_view word, std::string_view keyword);
@@ -37,7 +82,7 @@ std::uint64_t read_bits(const char* bytes, std::size_t size, bool big_endian = f
 
 // Text files read line by line and word by word, in no locale, with errors that name file and line.
 
-/// The lines of a text, ended by LF, CR LF or CR; a byte order mark is skipped.
+/// The lines of a text, ended by LF, CR LF or CR; a byte order mark at the beginning of a line is skipped.
 class TextLines {
 public:
     /// `number`: of the line before the text.
@@ -51,6 +96,7 @@ public:
 
     std::size_t line_number() const noexcept { return number_; } /* of the line last read, from 1 */
     std::string_view rest() const noexcept { return text_; }
+    bool line_has_end() const noexcept { return has_end_; } /* false: the file ends in the line last read */
 
     /// Throws IoError: `bump.off:12: message`.
     template <typename... Parts>
@@ -62,6 +108,7 @@ private:
     std::string file_;
     std::string_view text_;
     std::size_t number_;
+    bool has_end_ = true;
 };
 
 /// Takes the next word (up to a space or a tab) off the front of a line; empty at its end.
@@ -75,6 +122,10 @@ bool parse_number(std::string_view word, double& value);
 
 /// True if the whole word is an integer of 64 bits.
 bool parse_integer(std::string_view word, std::int64_t& value);
+
+/// True if a line has words and each of them is a number or an OBJ corner such as 7/1/3: it may be a damaged vertex or
+/// facet, and is no text.
+bool has_only_numbers(std::string_view line);
 
 /// Three numbers that next_word() gives; `whose` ends the message about a word that is none.
 template <typename NextWord>

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <future>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -33,16 +34,17 @@ constexpr std::array<Format, 4> kFormats{{{"OBJ", ".obj", mesh_file::read_obj},
 // What the bytes look like from their beginning; null if like none.
 const Format* format_of_contents(std::string_view bytes) {
     const auto& [obj, off, ply, stl] = kFormats;
-    if (mesh_file::is_binary_stl(bytes))
-        return &stl;
+    const std::optional<std::size_t> behind = mesh_file::bytes_behind_binary_stl(bytes);
     mesh_file::TextLines lines("", bytes.substr(0, 65536));
     std::string_view line;
-    if (!lines.next_words(line))
-        return nullptr;
-    const std::string_view word = mesh_file::take_word(line);
-    if (word == "ply")
+    const std::string_view word = lines.next_words(line) ? mesh_file::take_word(line) : std::string_view();
+    if (word == "ply" && behind != 0) // a binary PLY file may by chance have a small number where STL has its count
         return &ply;
-    if (word.size() <= 8 && word.ends_with("OFF"))
+    if (behind)
+        return &stl;
+    if (!mesh_file::looks_like_text(bytes))
+        return nullptr;
+    if (mesh_file::parse_off_keyword(word))
         return &off;
     if (mesh_file::is_keyword(word.substr(0, 5), "solid"))
         return &stl;

@@ -1,4 +1,5 @@
 // OFF, the Object File Format of Geomview, as text: OFF, COFF, NOFF, STOFF and their combinations.
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -15,25 +16,30 @@ class OffReader {
 public:
     explicit OffReader(const Source& source) : name_(source.name), lines_(source.name, source.bytes) {}
 
-    PolygonSoup read() {
+    PolygonFile read() {
         read_header();
         soup_.vertices.reserve(vertices_);
         soup_.begins.reserve(facets_ + 1);
         for (std::size_t vertex = 0; vertex < vertices_; ++vertex)
             read_vertex();
-        for (std::size_t facet = 0; facet < facets_; ++facet)
+        for (facet_ = 0; facet_ < facets_; ++facet_)
             read_facet();
-        if (lines_.next_words(line_))
-            lines_.damaged("the file goes on behind the {} vertices and {} facets that it announces", vertices_,
-                           facets_);
-        return std::move(soup_);
+        while (lines_.next_words(line_)) {
+            if (has_only_numbers(line_))
+                lines_.damaged("the file goes on behind the {} vertices and {} facets that it announces", vertices_,
+                               facets_);
+            skipped_.add(kTextLine, lines_.line_number());
+        }
+        return {std::move(soup_), "", "OFF", skipped_.warnings()};
     }
 
 private:
     void read_header() {
         next_line("its keyword OFF");
-        check_keyword(take_word(line_));
-        std::string_view word = take_word(line_);
+        const std::string_view keyword = take_word(line_);
+        std::string_view word = count_behind(keyword);
+        if (word.empty())
+            word = take_word(line_);
         if (word == "BINARY")
             throw UsageError(fmt::format("{}: binary OFF is not read; save it as text, or as PLY", name_));
         if (word.empty()) {
@@ -43,20 +49,22 @@ private:
         vertices_ = announced(word, "vertices");
         facets_ = announced(take_word(line_), "facets");
         const std::size_t left = lines_.rest().size();
-        // `0 0 0` and `3 0 1 2` with their line ends are the shortest lines, but for the last one's end.
-        if (vertices_ > left / 6 + 1 || facets_ > left / 8 + 1 || vertices_ * 6 + facets_ * 8 > left + 1)
+        // `0 0 0` and `0`, a facet without corners, are the shortest lines; the last one's end may be missing.
+        if (vertices_ > left / 6 + 1 || facets_ > left / 2 + 1 || vertices_ * 6 + facets_ * 2 > left + 1)
             lines_.damaged(
                 "{} vertices and {} facets are announced, which {} bytes cannot hold; the file is damaged or truncated",
                 vertices_, facets_, left);
     }
 
-    void check_keyword(std::string_view keyword) const {
-        const std::string_view prefix = keyword.substr(0, keyword.rfind("OFF"));
-        if (!keyword.ends_with("OFF") || prefix.find_first_not_of("STCN4n") != std::string_view::npos)
-            lines_.damaged("an OFF file begins with OFF, not with {}", in_quotes(keyword));
-        if (prefix.find('4') != std::string_view::npos || prefix.find('n') != std::string_view::npos)
+    // The count that stands behind the keyword without a blank, or none.
+    std::string_view count_behind(std::string_view word) const {
+        const std::optional<OffKeyword> keyword = parse_off_keyword(word);
+        if (!keyword)
+            lines_.damaged("an OFF file begins with OFF, not with {}", in_quotes(word));
+        if (keyword->prefix.find_first_of("4n") != std::string_view::npos)
             throw UsageError(
-                fmt::format("{}: {} has vertices of other than three coordinates", name_, in_quotes(keyword)));
+                fmt::format("{}: {} has vertices of other than three coordinates", name_, in_quotes(word)));
+        return keyword->count;
     }
 
     std::size_t announced(std::string_view word, std::string_view what) const {
@@ -79,21 +87,26 @@ private:
     }
 
     void read_facet() {
-        next_line(fmt::format("facet {} of {}", soup_.facets(), facets_));
+        next_line(fmt::format("facet {} of {}", facet_, facets_));
+        const std::size_t line = lines_.line_number(), begin = soup_.corners.size();
         const std::size_t count = announced(take_word(line_), "corners of a facet");
-        if (count < 3 || count > line_.size() / 2 + lines_.rest().size() / 2)
-            lines_.damaged("a facet with {} corners; it has three or more, and no more than the file's bytes can hold",
-                           count);
+        if (count > line_.size() / 2 + lines_.rest().size() / 2)
+            lines_.damaged("a facet with {} corners, more than the file's bytes can hold", count);
         for (std::size_t corner = 0; corner < count; ++corner)
             soup_.corners.push_back(read_corner());
-        soup_.end_facet();
+        if (count >= 3) {
+            soup_.end_facet();
+        } else {
+            soup_.corners.resize(begin);
+            skipped_.add(kShortFaces[count], line);
+        }
     }
 
     // A long facet may go on in the next line.
     std::uint32_t read_corner() {
         std::string_view word = take_word(line_);
         if (word.empty()) {
-            next_line(fmt::format("all corners of facet {}", soup_.facets()));
+            next_line(fmt::format("all corners of facet {}", facet_));
             word = take_word(line_);
         }
         std::int64_t index = 0;
@@ -108,13 +121,25 @@ private:
     TextLines lines_;
     std::string_view line_;
     PolygonSoup soup_;
+    Skipped skipped_{"in line"};
     std::size_t vertices_ = 0, facets_ = 0;
+    std::size_t facet_ = 0; // the one that is read, from 0
 };
 
 } // namespace
 
+std::optional<OffKeyword> parse_off_keyword(std::string_view word) {
+    const std::size_t at = word.find("OFF");
+    if (at == std::string_view::npos)
+        return {};
+    const OffKeyword keyword{word.substr(0, at), word.substr(at + 3)};
+    const bool known = keyword.prefix.find_first_not_of("STCN4n") == std::string_view::npos &&
+                       keyword.count.find_first_not_of("0123456789") == std::string_view::npos;
+    return known ? std::optional(keyword) : std::nullopt;
+}
+
 PolygonFile read_off(const Source& source) {
-    return {OffReader(source).read(), "", "OFF"};
+    return OffReader(source).read();
 }
 
 } // namespace forceshade::mesh_file

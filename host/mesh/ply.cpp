@@ -1,4 +1,5 @@
-// PLY, the Polygon File Format, as text and binary: the vertices' x, y, z and the faces' lists of vertices.
+// PLY, the Polygon File Format, as text and binary: the vertices' x, y, z, and the lists of vertices of faces and of
+// triangle strips.
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -55,6 +56,10 @@ std::size_t size_of(PlyType type) {
 
 bool is_integer(PlyType type) {
     return type != PlyType::float32 && type != PlyType::float64;
+}
+
+bool is_unsigned(PlyType type) {
+    return type == PlyType::uint8 || type == PlyType::uint16 || type == PlyType::uint32;
 }
 
 PlyType parse_type(const TextLines& lines, std::string_view word) {
@@ -174,11 +179,19 @@ public:
     }
     std::uint64_t bytes_left() const { return line_.size() + lines_.rest().size(); }
     static std::uint64_t least_bytes(PlyType) { return 1; } // a digit; the blank behind it may be missing once
-    bool at_end() {
+    static constexpr std::string_view kWhere = "in line";
+    std::size_t place() const { return lines_.line_number(); }
+    // Text behind the last element is skipped.
+    bool at_end(Skipped& skipped) {
         std::string_view line;
-        while (lines_.next(line))
-            if (!take_word(line).empty())
+        while (lines_.next(line)) {
+            std::string_view words = line;
+            if (take_word(words).empty())
+                continue;
+            if (has_only_numbers(line))
                 return false;
+            skipped.add(kTextLine, place());
+        }
         return true;
     }
     template <typename... Parts> [[noreturn]] void fail(fmt::format_string<Parts...> message, Parts&&... parts) const {
@@ -206,8 +219,8 @@ public:
     std::int64_t integer(PlyType type) {
         const std::uint64_t bits = next_bits(type);
         const std::size_t unused = 64 - 8 * size_of(type);
-        const bool is_signed = type == PlyType::int8 || type == PlyType::int16 || type == PlyType::int32;
-        return is_signed ? static_cast<std::int64_t>(bits << unused) >> unused : static_cast<std::int64_t>(bits);
+        return is_unsigned(type) ? static_cast<std::int64_t>(bits)
+                                 : static_cast<std::int64_t>(bits << unused) >> unused;
     }
     void skip(PlyType type, std::uint64_t values) {
         need(values <= bytes_left() / size_of(type));
@@ -215,7 +228,9 @@ public:
     }
     std::uint64_t bytes_left() const { return bytes_.size() - at_; }
     static std::uint64_t least_bytes(PlyType type) { return size_of(type); }
-    bool at_end() const { return bytes_.find_first_not_of(" \t\r\n", at_) == std::string_view::npos; }
+    static constexpr std::string_view kWhere = "at byte";
+    std::size_t place() const { return at_; }
+    bool at_end(Skipped&) const { return bytes_.find_first_not_of(" \t\r\n", at_) == std::string_view::npos; }
     template <typename... Parts> [[noreturn]] void fail(fmt::format_string<Parts...> message, Parts&&... parts) const {
         throw IoError(
             fmt::format("{}: at byte {}: {}", name_, at_, fmt::format(message, std::forward<Parts>(parts)...)));
@@ -239,34 +254,41 @@ private:
     bool big_endian_;
 };
 
+constexpr Skipped::Kind kEdge{"edge", "edges"};
+constexpr Skipped::Kind kShortStrip{"strip of fewer than three vertices", "strips of fewer than three vertices"};
+
 template <typename Values> class PlyReader {
 public:
     PlyReader(const Source& source, const PlyHeader& header)
         : header_(header), values_(source, header), normals_(source.normals) {}
 
-    PolygonSoup read() {
+    PolygonFile read() {
         check_announced();
         for (const PlyElement& element : header_.elements) {
-            if (element.name == "vertex" || element.name == "vertices")
+            if (is_vertices(element))
                 read_vertices(element);
             else if (element.name == "face" || element.name == "faces")
-                read_facets(element);
-            else if (element.name == "tristrips")
-                values_.fail("triangle strips are not read; save the mesh with faces");
+                read_lists(element, "all faces", [&](const PlyProperty& indices) { read_corners(indices); });
+            else if (element.name == "tristrips" || element.name == "tristrip")
+                read_lists(element, "all triangle strips", [&](const PlyProperty& indices) { read_strips(indices); });
             else if (!element.properties.empty())
                 for (std::uint64_t item = 0; item < element.count; ++item)
                     skip_item(element);
         }
-        if (!values_.at_end())
+        if (!values_.at_end(skipped_))
             values_.fail("the file goes on behind the elements that it announces");
         check_range();
         if (!vertex_normals_.empty())
             for (const std::uint32_t vertex : soup_.corners)
                 soup_.normals.push_back(vertex_normals_[vertex]);
-        return std::move(soup_);
+        return {std::move(soup_), "", kFlavours[static_cast<std::size_t>(header_.encoding)], skipped_.warnings()};
     }
 
 private:
+    static bool is_vertices(const PlyElement& element) {
+        return element.name == "vertex" || element.name == "vertices";
+    }
+
     void check_announced() const {
         std::uint64_t left = values_.bytes_left() + 1; // the last line end of a text may be missing
         for (const PlyElement& element : header_.elements) {
@@ -313,19 +335,22 @@ private:
         }
     }
 
-    void read_facets(const PlyElement& element) {
+    // Faces or strips; `what`: "all faces", and `read` takes the list of their vertices.
+    template <typename Read> void read_lists(const PlyElement& element, std::string_view what, const Read& read) {
+        if (element.count == 0)
+            return;
         int list = element.find("vertex_indices");
         if (list < 0)
             list = element.find("vertex_index");
         const PlyProperty* indices = list < 0 ? nullptr : &element.properties[static_cast<std::size_t>(list)];
         if (!indices || !indices->list || !is_integer(indices->type))
-            values_.fail("the faces have no list of integers vertex_indices or vertex_index");
+            values_.fail("the {} have no list of integers vertex_indices or vertex_index", what.substr(4));
         soup_.begins.reserve(static_cast<std::size_t>(element.count) + soup_.begins.size());
         for (std::uint64_t item = 0; item < element.count; ++item) {
-            values_.begin_item("all faces");
+            values_.begin_item(what);
             for (const PlyProperty& property : element.properties)
                 if (&property == indices)
-                    read_corners(property);
+                    read(property);
                 else
                     skip(property);
             values_.end_item();
@@ -341,16 +366,70 @@ private:
     }
 
     void read_corners(const PlyProperty& property) {
+        const std::size_t place = values_.place(), begin = soup_.corners.size();
         const std::uint64_t count = list_length(property);
-        if (count < 3)
-            values_.fail("a facet has three corners or more, got {}", count);
-        for (std::uint64_t corner = 0; corner < count; ++corner) {
-            const std::int64_t index = values_.integer(property.type);
-            if (index < 0 || index > std::int64_t{0xFFFFFFFF})
-                values_.fail("facet {} has vertex {}; the first is 0", soup_.facets(), index);
-            highest_ = std::max(highest_, index);
-            soup_.corners.push_back(static_cast<std::uint32_t>(index));
+        for (std::uint64_t corner = 0; corner < count; ++corner)
+            soup_.corners.push_back(vertex(values_.integer(property.type)));
+        if (count >= 3) {
+            soup_.end_facet();
+        } else {
+            soup_.corners.resize(begin);
+            skipped_.add(kShortFaces[count], place);
         }
+    }
+
+    std::uint32_t vertex(std::int64_t index) {
+        if (index < 0 || index > kMost)
+            values_.fail("facet {} has vertex {}; the first is 0", soup_.facets(), index);
+        highest_ = std::max(highest_, index);
+        return static_cast<std::uint32_t>(index);
+    }
+
+    // Vertices a b c d e ... are the triangles (a, b, c), (c, b, d), (c, d, e), ...: every second one is turned, so
+    // that all face the same way. -1 ends a strip, and the next one begins unturned. A vertex that is given twice turns
+    // a strip or joins it to another: triangles with two equal corners are no part of the surface.
+    void read_strips(const PlyProperty& property) {
+        const std::uint64_t count = list_length(property);
+        std::uint64_t length = 0; // of the strip so far
+        std::array<std::uint32_t, 2> last{};
+        std::size_t begin = values_.place();
+        const auto end_strip = [&] {
+            if (length == 1 || length == 2)
+                skipped_.add(kShortStrip, begin);
+            length = 0;
+        };
+        for (std::uint64_t item = 0; item < count; ++item) {
+            const std::int64_t index = values_.integer(property.type);
+            if (is_strip_end(index, property.type)) {
+                end_strip();
+                begin = values_.place();
+                continue;
+            }
+            const std::uint32_t next = vertex(index);
+            if (length >= 2 && last[0] != last[1] && next != last[0] && next != last[1])
+                add_triangle(last[length % 2], last[1 - length % 2], next);
+            last = {last[1], next};
+            ++length;
+        }
+        end_strip();
+    }
+
+    // An unsigned type's -1 is its largest number, unless there is such a vertex.
+    bool is_strip_end(std::int64_t index, PlyType type) const {
+        if (index == -1 || !is_unsigned(type))
+            return index == -1;
+        if (index != (std::int64_t{1} << 8 * size_of(type)) - 1)
+            return false;
+        std::uint64_t vertices = 0;
+        for (const PlyElement& element : header_.elements)
+            vertices += is_vertices(element) ? element.count : 0;
+        return static_cast<std::uint64_t>(index) >= vertices;
+    }
+
+    void add_triangle(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+        if (soup_.corners.size() > kMost - 3)
+            values_.fail("the triangle strips make more triangles than {}", kMost / 3);
+        soup_.corners.insert(soup_.corners.end(), {a, b, c});
         soup_.end_facet();
     }
 
@@ -358,6 +437,8 @@ private:
 
     void skip_item(const PlyElement& element) {
         values_.begin_item(element.name);
+        if (element.name == "edge" || element.name == "edges")
+            skipped_.add(kEdge, values_.place());
         for (const PlyProperty& property : element.properties)
             skip(property);
         values_.end_item();
@@ -370,10 +451,13 @@ private:
                          soup_.vertices.size());
     }
 
+    static constexpr std::int64_t kMost = 0xFFFFFFFF; // vertex, and corners
+
     const PlyHeader& header_;
     Values values_;
     bool normals_; // are wanted
     PolygonSoup soup_;
+    Skipped skipped_{Values::kWhere};
     std::vector<glm::dvec3> vertex_normals_;
     std::int64_t highest_ = -1;
 };
@@ -382,9 +466,8 @@ private:
 
 PolygonFile read_ply(const Source& source) {
     const PlyHeader header = read_ply_header(source.name, source.bytes);
-    PolygonSoup polygons = header.encoding == PlyEncoding::text ? PlyReader<TextValues>(source, header).read()
-                                                                : PlyReader<BinaryValues>(source, header).read();
-    return {std::move(polygons), "", kFlavours[static_cast<std::size_t>(header.encoding)]};
+    return header.encoding == PlyEncoding::text ? PlyReader<TextValues>(source, header).read()
+                                                : PlyReader<BinaryValues>(source, header).read();
 }
 
 } // namespace forceshade::mesh_file

@@ -1,4 +1,4 @@
-// What the readers of text share: lines, words and numbers.
+// What the readers of text share: lines, words and numbers, and the count of what they skip.
 #include <algorithm>
 #include <charconv>
 #include <string>
@@ -38,10 +38,7 @@ std::string_view without_plus(std::string_view word) {
 } // namespace
 
 TextLines::TextLines(std::string file, std::string_view text, std::size_t number)
-    : file_(std::move(file)), text_(text), number_(number) {
-    if (text_.starts_with("\xEF\xBB\xBF"))
-        text_.remove_prefix(3);
-}
+    : file_(std::move(file)), text_(text), number_(number) {}
 
 bool TextLines::next(std::string_view& line) {
     if (text_.empty())
@@ -50,7 +47,10 @@ bool TextLines::next(std::string_view& line) {
     const auto end = static_cast<std::size_t>(
         std::ranges::find_if(text_, [](char c) { return c == '\n' || c == '\r'; }) - text_.begin());
     line = text_.substr(0, end);
-    if (end == text_.size()) {
+    if (line.starts_with("\xEF\xBB\xBF")) // not only in the first: files are joined as they are
+        line.remove_prefix(3);
+    has_end_ = end < text_.size();
+    if (!has_end_) {
         text_ = {};
         return true;
     }
@@ -101,9 +101,41 @@ bool parse_integer(std::string_view word, std::int64_t& value) {
     return error == std::errc() && end == word.data() + word.size();
 }
 
+bool has_only_numbers(std::string_view line) {
+    std::string_view word = take_word(line);
+    if (word.empty())
+        return false;
+    double value = 0;
+    for (; !word.empty(); word = take_word(line))
+        if (!parse_number(word, value) && word.find_first_not_of("/-0123456789") != std::string_view::npos)
+            return false;
+    return true;
+}
+
+bool looks_like_text(std::string_view bytes) {
+    constexpr std::size_t kLooked = 1024;
+    return bytes.substr(0, kLooked).find('\0') == std::string_view::npos;
+}
+
 bool is_keyword(std::string_view word, std::string_view keyword) {
     return std::ranges::equal(word, keyword,
                               [](char a, char b) { return (a >= 'A' && a <= 'Z' ? a - 'A' + 'a' : a) == b; });
+}
+
+void Skipped::add(const Kind& kind, std::size_t place) {
+    const auto known = std::ranges::find(entries_, kind.one, [](const Entry& entry) { return entry.kind.one; });
+    if (known == entries_.end())
+        entries_.push_back({kind, 1, place});
+    else
+        ++known->count;
+}
+
+std::vector<std::string> Skipped::warnings() const {
+    std::vector<std::string> warnings;
+    for (const auto& [kind, count, first] : entries_)
+        warnings.push_back(fmt::format("{} {}: skipped ({}{} {})", count, count == 1 ? kind.one : kind.several,
+                                       count == 1 ? "" : "the first ", where_, first));
+    return warnings;
 }
 
 } // namespace forceshade::mesh_file
