@@ -288,17 +288,23 @@ public:
     explicit StlTextReader(const Source& source) : lines_(source.name, source.bytes) {}
 
     PolygonFile read() {
-        bool open = false; // a solid that is to end
-        std::size_t parts = 0;
+        bool open = false;                // a solid that is to end
+        std::size_t parts = 0, begin = 0; // the first corner of the solid
         for (;; ++parts) {
             const std::string_view word = next_part(!open);
             if (word.empty())
                 break;
-            open = !is_keyword(word, "endsolid");
-            if (is_keyword(word, "facet"))
+            if (is_keyword(word, "facet")) {
                 read_facet();
-            else
-                line_ = {}; // the name
+                open = true;
+                continue;
+            }
+            const bool ends = is_keyword(word, "endsolid");
+            if (!ends && open && soup_.vertices.size() > begin)
+                lines_.damaged("expected facet or endsolid, got {}", in_quotes(word));
+            open = !ends;
+            begin = soup_.vertices.size();
+            line_ = {}; // the name
         }
         if (parts == 0)
             lines_.damaged("this is no STL file: no line of it begins with solid or facet");

@@ -272,6 +272,8 @@ TEST(Skipped, StlTextInWhichSomethingIsMissing) {
     expect_refusal("a.stl", without("endsolid a\n"), "breaks off before facet or endsolid");
     expect_refusal("a.stl", kStlFacet, "breaks off before facet or endsolid");
     expect_refusal("a.stl", whole + kStlFacet, "breaks off before facet or endsolid");
+    expect_refusal("a.stl", "solid b\n" + kStlFacet + whole, ":9: expected facet or endsolid, got \"solid\"");
+    expect_read("a.stl", "Solid part, made by hand\n" + whole, triangle(), {});
     // Damaged keywords.
     for (const auto& [from, to] : std::vector<std::pair<std::string, std::string>>{{"facet", "fcet"},
                                                                                    {"outer", "outter"},
