@@ -130,6 +130,7 @@ int run(const Arguments& arguments, const CommonOptions& common) {
     mesh.findings = inspect(mesh.file.polygons);
     mesh.findings.joined_vertices = mesh.file.joined_vertices;
     mesh.warnings = warnings(mesh.findings, MeshUse::any, unit.empty() ? "of the file's unit" : "m", mesh.metres);
+    mesh.warnings.insert(mesh.warnings.begin(), mesh.file.warnings.begin(), mesh.file.warnings.end());
     refuse_if_meaningless(mesh.findings, path);
     print_data(common.json ? as_json(path, mesh) : as_text(mesh));
     if (!common.quiet && unit.empty())

@@ -143,6 +143,7 @@ std::shared_ptr<const SceneMesh> read_scene_mesh(const MeshSpec& spec, std::map<
                    kTriangleBytes * static_cast<double>(triangles));
     auto mesh = std::make_shared<SceneMesh>();
     mesh->sha256 = file.sha256;
+    mesh->changes = file.warnings;
     const double weld = spec.weld / (spec.unit * spec.scale);
     const JoinedVertices joined = weld > 0 ? join_vertices(file.polygons, weld) : JoinedVertices{};
     if (joined.facets > 0 && joined.facets == file.polygons.facets())
@@ -151,7 +152,7 @@ std::shared_ptr<const SceneMesh> read_scene_mesh(const MeshSpec& spec, std::map<
                         "to be smaller than the edges",
                         spec.file, spec.weld));
     if (spec.orient == Orientation::outward)
-        mesh->changes = orient_outward(file.polygons);
+        std::ranges::copy(orient_outward(file.polygons), std::back_inserter(mesh->changes));
     std::optional<Connectivity> connected;
     // Looking at the file takes as long as preparing it.
     std::future<void> prepared = std::async(std::launch::async, [&] {

@@ -34,10 +34,11 @@ struct SceneMesh {
     MeshStructure structure;
     MeshFindings findings;
     InsideTest inside = InsideTest::pseudonormal; /* as the spec has it, or what suits the mesh */
-    std::vector<std::string> changes;             /* what orient turned, a sentence each */
+    std::vector<std::string> changes;             /* what was skipped of the file, what orient turned */
 };
 
-/// The findings with which what is done still has a meaning, a sentence each, after the file's name.
+/// What of the file was skipped, and the findings with which what is done still has a meaning, a sentence each, after
+/// the file's name.
 std::vector<std::string> warnings_of(const MeshSpec& spec, const SceneMesh& mesh, MeshUse use);
 
 /// The grid of `samples` along the longest side of the mesh's bounding box and 5 %, about its centre, with as many

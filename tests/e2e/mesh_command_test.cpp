@@ -66,6 +66,16 @@ TEST_F(MeshCommand, WarnsAndSucceeds) {
     EXPECT_TRUE(has(expect_success({"mesh", "open.obj"}).out, "warning "));
 }
 
+TEST_F(MeshCommand, WarnsOfWhatIsSkipped) {
+    write("lines.obj", std::string(kTetrahedron) + "f 1 2\nl 1 2 3\nf 3 4\n");
+    EXPECT_EQ(described({"lines.obj"})["warnings"], json({"2 faces of two corners: skipped (the first in line 9)",
+                                                          "1 line element (l): skipped (in line 10)"}));
+    EXPECT_TRUE(has(expect_success({"mesh", "lines.obj"}).out, "warning        2 faces of two corners: skipped"));
+    write("lines.toml", "[surface]\nkind = \"mesh\"\nfile = \"lines.obj\"\nunit = \"cm\"\n[grid]\nsamples = 5\n");
+    EXPECT_TRUE(has(expect_success({"field", "lines.toml", "--out", "lines.exr"}).error,
+                    "warning: lines.obj: 2 faces of two corners: skipped (the first in line 9)"));
+}
+
 TEST_F(MeshCommand, RefusesWhatHasNoMeaning) {
     write("none.off", "OFF\n3 0 0\n0 0 0\n1 0 0\n0 1 0\n");
     expect_failure(2, {"mesh", "none.off"}, {"none.off", "no facets"});
