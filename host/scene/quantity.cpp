@@ -311,15 +311,40 @@ double convert(const Decimal& number, const Unit& unit) {
     refuse("{} is a number and a unit, for example \"{}\"; got \"{}\"", info.with_article, info.example, text);
 }
 
+std::string_view trimmed(std::string_view text) {
+    const std::size_t begin = text.find_first_not_of(" \t");
+    return begin == text.npos ? text.substr(0, 0) : text.substr(begin, text.find_last_not_of(" \t") - begin + 1);
+}
+
+struct Blank {
+    std::string_view character, name;
+};
+constexpr Blank kBlanks[] = {{"\u00a0", "no-break space (U+00A0)"},
+                             {"\u202f", "narrow no-break space (U+202F)"},
+                             {"\u2007", "figure space, which is a no-break space (U+2007)"},
+                             {"\u2009", "thin space (U+2009)"},
+                             {"\u2002", "en space (U+2002)"},
+                             {"\u2003", "em space (U+2003)"},
+                             {"\u200b", "zero-width space (U+200B)"},
+                             {"\u2060", "zero-width no-break space (U+2060)"},
+                             {"\ufeff", "zero-width no-break space (U+FEFF)"}};
+
+// Blanks that look like a space, or like nothing, come with what is copied from a page or typed with Alt or Option.
+void refuse_other_blanks(std::string_view text) {
+    for (const auto& [character, name] : kBlanks)
+        if (text.find(character) != text.npos) {
+            std::string plain(text);
+            for (const Blank& blank : kBlanks)
+                for (std::size_t at = 0; (at = plain.find(blank.character, at)) != plain.npos;)
+                    plain.replace(at, blank.character.size(), " ");
+            refuse("\"{}\" contains a {}; write an ordinary space: \"{}\"", text, name, trimmed(plain));
+        }
+}
+
 // "a force, ", or an empty text for what has no name here.
 std::string what_has(const std::array<int, 4>& powers) {
     const auto found = std::ranges::find(kDimensions, powers, &DimensionInfo::powers);
     return found == kDimensions.end() ? "" : fmt::format("{}, ", found->with_article);
-}
-
-std::string_view trimmed(std::string_view text) {
-    const std::size_t begin = text.find_first_not_of(" \t");
-    return begin == text.npos ? text.substr(0, 0) : text.substr(begin, text.find_last_not_of(" \t") - begin + 1);
 }
 
 } // namespace
@@ -334,6 +359,7 @@ double parse_quantity(std::string_view text, Dimension expected) {
     if (text.size() > kLongestQuantity)
         refuse("{} of {} characters is too long; write for example \"{}\"", info.with_article, text.size(),
                info.example);
+    refuse_other_blanks(text);
     const Decimal number = read_decimal(text);
     if (number.length == 0)
         refuse_number(text, info);

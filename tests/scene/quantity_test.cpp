@@ -88,6 +88,16 @@ TEST(Quantity, SaysWhatWouldBeRight) {
     EXPECT_EQ(length_error("600 min"), "unknown unit \"min\": did you mean \"mil\", a thousandth of an inch?");
     EXPECT_EQ(length_error("0.6 inch"), "unknown unit \"inch\": did you mean \"in\"?");
     EXPECT_EQ(length_error("1 ft"), "unknown unit \"ft\": 1 ft is \"12 in\"");
+    EXPECT_EQ(length_error("1\u00a0mm"),
+              "\"1\u00a0mm\" contains a no-break space (U+00A0); write an ordinary space: \"1 mm\"");
+    EXPECT_EQ(length_error("1\u202fmm\u00a0"),
+              "\"1\u202fmm\u00a0\" contains a no-break space (U+00A0); write an ordinary space: \"1 mm\"");
+    EXPECT_EQ(length_error("\u202f1 mm"),
+              "\"\u202f1 mm\" contains a narrow no-break space (U+202F); write an ordinary space: \"1 mm\"");
+    EXPECT_EQ(length_error("1\u2009mm"),
+              "\"1\u2009mm\" contains a thin space (U+2009); write an ordinary space: \"1 mm\"");
+    EXPECT_EQ(usage_error([] { parse_quantity("1 N\u00a0s/m", Dimension::damping); }),
+              "\"1 N\u00a0s/m\" contains a no-break space (U+00A0); write an ordinary space: \"1 N s/m\"");
     EXPECT_EQ(length_error("1 \u00b5m"), "(no error)");
     EXPECT_EQ(length_error("1 \u03bcm"), "(no error)");
     EXPECT_EQ(usage_error([] { parse_quantity("1 min", Dimension::time); }), "unknown unit \"min\": 1 min is \"60 s\"");
