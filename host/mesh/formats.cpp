@@ -55,6 +55,8 @@ public:
                 normals_.push_back(read_vector(line, "a normal"));
             else if (is_facet(keyword))
                 read_facet(line);
+            else if (keyword == "s")
+                read_group(line);
             else if (!is_one_of(keyword, kNameStatements) && !is_one_of(keyword, kOtherStatements))
                 skip_element_or_text(keyword, line);
         }
@@ -131,13 +133,30 @@ private:
         });
     }
 
+    // `s 1`; `s 0` and `s off` are none, and so is what is no number.
+    void read_group(std::string_view line) {
+        std::int64_t number = 0;
+        const std::string_view word = take_word(line);
+        group_ = parse_integer(word, number) && number > 0 && number <= std::int64_t{0xFFFFFFFF}
+                     ? static_cast<std::uint32_t>(number)
+                     : 0;
+        if (group_ != 0)
+            soup_.groups.resize(soup_.facets(), 0);
+    }
+
+    void end_facet() {
+        soup_.end_facet();
+        if (!soup_.groups.empty() || group_ != 0)
+            soup_.groups.resize(soup_.facets(), group_);
+    }
+
     void read_facet(std::string_view line) {
         const std::size_t begin = soup_.corners.size();
         std::size_t count = 0;
         for (std::string_view word = take_word(line); !word.empty(); word = take_word(line), ++count)
             soup_.corners.push_back(corner(word));
         if (count >= 3) {
-            soup_.end_facet();
+            end_facet();
             return;
         }
         if (!lines_.line_has_end())
@@ -208,6 +227,7 @@ private:
     std::vector<glm::dvec3> normals_;
     std::vector<std::int64_t> corner_normals_; // one a corner, from 0, or kNone
     std::string joined_;
+    std::uint32_t group_ = 0; // smoothing group of what follows
     std::int64_t highest_ = 0;
     std::size_t highest_line_ = 0;
 };
@@ -300,10 +320,10 @@ public:
                 continue;
             }
             const bool ends = is_keyword(word, "endsolid");
-            if (!ends && open && soup_.vertices.size() > begin)
+            if (!ends && open && corners_.size() > begin)
                 lines_.damaged("expected facet or endsolid, got {}", in_quotes(word));
             open = !ends;
-            begin = soup_.vertices.size();
+            begin = corners_.size();
             line_ = {}; // the name
         }
         if (parts == 0)

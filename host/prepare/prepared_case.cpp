@@ -144,6 +144,10 @@ std::shared_ptr<const SceneMesh> read_scene_mesh(const MeshSpec& spec, std::map<
     auto mesh = std::make_shared<SceneMesh>();
     mesh->sha256 = file.sha256;
     mesh->changes = file.warnings;
+    if (!file.polygons.groups.empty() && spec.normals != NormalWeights::groups)
+        mesh->changes.push_back(
+            "has smoothing groups, which are not used: normals = \"groups\" keeps the edges between "
+            "them sharp");
     const double weld = spec.weld / (spec.unit * spec.scale);
     const JoinedVertices joined = weld > 0 ? join_vertices(file.polygons, weld) : JoinedVertices{};
     if (joined.facets > 0 && joined.facets == file.polygons.facets())

@@ -269,6 +269,12 @@ TEST(Creases, GroupsAndSharpEdgesShareNoNormals) {
     EXPECT_EQ(all.vertex_normals, prepare_mesh(drum(), {}).vertex_normals);
 }
 
+TEST(Creases, GroupsAreThoseOfAnObj) {
+    const std::string facets = "f 1 2 3\ns 4\nf 2 4 3\ns off\nf 1 2 4\ns 7\nf 1 3 4\n";
+    EXPECT_EQ(parse_polygons("a.obj", kRoof + facets).polygons.groups, (std::vector<std::uint32_t>{0, 4, 0, 7}));
+    EXPECT_TRUE(parse_polygons("a.obj", kRoof + std::string("s off\nf 1 2 3\n")).polygons.groups.empty());
+}
+
 TEST(Creases, AFacetOfGroup0IsFlat) {
     PolygonSoup off = drum();
     off.groups.assign(off.facets(), 0);
