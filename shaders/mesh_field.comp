@@ -72,7 +72,7 @@ bool inside_by_pseudonormal(MeshTriangle triangle, real3 normal, TrianglePoint p
 
 // The contact with the nearest of the candidates; `inside` by the winding number.
 Contact contact_at(real3 probe, uint candidate, bool inside) {
-    Contact contact = Contact(ZERO, real3(ZERO), real3(ZERO), to_world(probe), kNoFacet);
+    Contact contact = Contact(ZERO, real3(ZERO), real3(ZERO), to_scene(probe), kNoFacet);
     if (candidate == kNoCandidate)
         return contact;
     MeshTriangle triangle = mesh_triangle(candidate >> kMeshCandidateShift);
@@ -111,7 +111,7 @@ void store_free_proxy(uint at) {
         return;
     real3 probe = real3(axes[at % chunk.x_pitch], axes[chunk.y_axis + chunk.y_first + row % chunk.y_count],
                         axes[chunk.z_axis + chunk.z_first + row / chunk.y_count]);
-    real3 proxy = to_world(probe);
+    real3 proxy = to_scene(probe);
     STORE_VECTOR(proxy_out, at, proxy)
 }
 

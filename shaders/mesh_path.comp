@@ -64,23 +64,23 @@ real3 vertex_normal(uint vertex) {
 // The force on a probe (in the mesh's frame) that a god-object holds. The facet shaded is the lowest of those that hold
 // it; seen from behind, its interpolated normal is reversed.
 Contact force_of(Rest rest, real3 probe) {
-    Contact contact = Contact(ZERO, real3(ZERO), real3(ZERO), to_world(probe), kNoFacet);
+    Contact contact = Contact(ZERO, real3(ZERO), real3(ZERO), to_scene(probe), kNoFacet);
     if (rest.count == 0u)
         return contact;
     real3 offset = difference(rest.proxy, probe);
     precise real size = sqrt(product(offset, offset));
     MeshTouch touch = MeshTouch(rest.facets.x, offset, rest.proxy, size);
-    real3 world = to_world(rest.proxy);
     real3 pull = scaled(mesh.stiffness, offset);
     precise real depth = size * mesh.scale;
     contact.depth = depth;
     contact.facet = touch.facet;
-    contact.proxy = world;
+    contact.proxy = to_scene(rest.proxy);
     contact.unshaded = pull;
-    real3 shaded = shaded_force(touch, rest.back ? -pull : pull, world);
+    real3 shaded = shaded_force(touch, rest.back ? -pull : pull);
     contact.force = shaded;
     if (TEXTURE != kMapNone) {
-        real3 slope = in_plane(texture_gradient(world.x, world.y), facet_normal(touch.facet));
+        real2 place = map_place(rest.proxy);
+        real3 slope = in_plane(texture_gradient(place.x, place.y), facet_normal(touch.facet));
         precise real tug = law.texture_stiffness * depth;
         contact.force = difference(contact.force, scaled(tug, slope));
         contact.unshaded = difference(contact.unshaded, scaled(tug, slope));
@@ -126,8 +126,8 @@ real3 target_at(MotionParams motion, uint path, uint step, uint steps) {
     return motion_at(motion, path, chunk.paths, step);
 }
 
-real3 to_mesh(real3 world) {
-    return divided(difference(world, real3(mesh.centre_x, mesh.centre_y, mesh.centre_z)), mesh.scale);
+real3 to_mesh(real3 place) {
+    return divided(difference(place, real3(mesh.centre_x, mesh.centre_y, mesh.centre_z)), mesh.scale);
 }
 
 // Whether a step begins with what the host takes.

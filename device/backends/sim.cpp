@@ -34,8 +34,9 @@ PreparedCase with_hand(PreparedCase prepared, double rate) {
 class Sim final : public BackEnd {
 public:
     Sim(PreparedCase prepared, double rate, std::uint64_t still, std::vector<HeldButton> buttons)
-        : prepared_(with_hand(std::move(prepared), rate)), still_(still), paths_(prepared_), input_(paths_.input()),
-          hand_(input_.hands[0]), batch_(paths_.batch(0, 1)), buttons_(std::move(buttons)) {
+        : prepared_(with_hand(std::move(prepared), rate)), still_(still), origin_(scene_origin(prepared_)),
+          paths_(prepared_), input_(paths_.input()), hand_(input_.hands[0]), batch_(paths_.batch(0, 1)),
+          buttons_(std::move(buttons)) {
         if (input_.features.motion == layout::kMotionRecorded)
             record();
         begin();
@@ -55,7 +56,8 @@ public:
         const bool left = !(reference::dot(offset, offset) <= hand_.bound * hand_.bound);
         if (left)
             begin();
-        return {Answer::fresh, reference::measured(hand_, Vector<double>(state_.x, state_.y, state_.z)), left,
+        const Vector<double> measured = reference::measured(hand_, Vector<double>(state_.x, state_.y, state_.z));
+        return {Answer::fresh, world_place(measured, origin_), left,
                 pressed(static_cast<double>(samples_++) / facts_.rate)};
     }
 
@@ -108,6 +110,7 @@ private:
     const PreparedCase prepared_;
     const std::uint64_t still_;
     std::uint64_t waits_ = 0; // samples for which the hand still holds still
+    const glm::dvec3 origin_; /* m, in the world: of the places below */
     ScenePaths<double> paths_;
     const layout::PathInput<double> input_;
     const layout::HandParams<double> hand_;

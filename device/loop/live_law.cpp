@@ -12,15 +12,18 @@ namespace forceshade::device {
 
 namespace {
 
-template <typename T> LiveContact as_live(const reference::Contact<T>& contact, bool finished = true) noexcept {
-    return {glm::dvec3(contact.proxy), glm::dvec3(contact.force), double(contact.depth), contact.facet, finished};
+// `origin`, m: what the contact's proxy is measured from.
+template <typename T>
+LiveContact as_live(const reference::Contact<T>& contact, const glm::dvec3& origin, bool finished = true) noexcept {
+    return {world_place(glm::dvec3(contact.proxy), origin), glm::dvec3(contact.force), double(contact.depth),
+            contact.facet, finished};
 }
 
 // What every law has in common: the case and its tables.
 template <typename T> class TabledLaw : public LiveLaw {
 public:
     explicit TabledLaw(PreparedCase prepared)
-        : prepared_(std::move(prepared)),
+        : prepared_(std::move(prepared)), origin_(scene_origin(prepared_)),
           tables_(make_tables<T>(prepared_.one.scene, prepared_.images, Extent::what_varies)), law_(tables_.law()) {}
 
     bool reaches(const glm::dvec3& probe) const noexcept override {
@@ -30,6 +33,7 @@ public:
 
 protected:
     PreparedCase prepared_;
+    glm::dvec3 origin_; /* m, in the world */
     FieldTables<T> tables_;
     layout::Law<T> law_; // points into the tables
 };
@@ -42,7 +46,7 @@ public:
     void begin_path() noexcept override {}
 
     LiveContact at(const glm::dvec3& probe) noexcept override {
-        return as_live(reference::evaluate(this->law_, reference::Vector<T>(probe)));
+        return as_live(reference::evaluate(this->law_, reference::Vector<T>(probe)), this->origin_);
     }
 };
 
@@ -55,22 +59,25 @@ public:
     }
 
     bool reaches(const glm::dvec3& probe) const noexcept override {
-        return TabledLaw<T>::reaches(probe) && is_within_reach(local(probe));
+        return TabledLaw<T>::reaches(probe) && is_within_reach(local(place_of(probe)));
     }
 
     void begin_path() noexcept override { begun_ = false; }
 
     LiveContact at(const glm::dvec3& probe) noexcept override {
-        const reference::Vector<T> place = local(probe);
+        const reference::Vector<T> place = place_of(probe), at = local(place);
         if (!std::exchange(begun_, true))
-            begin_probe(this->law_, around_, proxy_, place);
-        const PathContact<T> found = follow_probe(this->law_, around_, proxy_, probe, place);
-        return as_live(found.contact, found.finished);
+            begin_probe(this->law_, around_, proxy_, at);
+        const PathContact<T> found = follow_probe(this->law_, around_, proxy_, place, at);
+        return as_live(found.contact, this->origin_, found.finished);
     }
 
 private:
-    reference::Vector<T> local(const glm::dvec3& probe) const noexcept {
-        return reference::to_mesh_frame(this->law_.mesh.params, reference::Vector<T>(probe));
+    reference::Vector<T> place_of(const glm::dvec3& probe) const noexcept {
+        return reference::Vector<T>(probe - this->origin_);
+    }
+    reference::Vector<T> local(const reference::Vector<T>& place) const noexcept {
+        return reference::to_mesh_frame(this->law_.mesh.params, place);
     }
 
     reference::Neighbourhood<T> around_;

@@ -13,11 +13,11 @@ struct PreparedCase;
 
 namespace forceshade::device {
 
-/// The law at a probe, in world coordinates; numbers of the run's precision, so that each float is exact here.
+/// The law at a probe; numbers of the run's precision, so that each float is exact here.
 struct LiveContact {
-    glm::dvec3 proxy;    /* m: out of contact the probe */
-    glm::dvec3 force;    /* N: perhaps not finite */
-    double depth;        /* m */
+    glm::dvec3 proxy; /* m, in the world: the scene's origin and a number of that precision; out of contact the probe */
+    glm::dvec3 force; /* N: perhaps not finite */
+    double depth;     /* m */
     std::uint32_t facet; // layout::kNoFacet out of contact
     bool finished;       // the proxy reached its rest position
 };
@@ -36,7 +36,8 @@ public:
     /// Forgets the history: the next probe begins a path.
     virtual void begin_path() noexcept = 0;
 
-    /// At a probe, m, that the law reaches, each coordinate rounded once to the run's precision.
+    /// At a probe in the world, m, that the law reaches; each coordinate, from the scene's origin, is rounded once to
+    /// the run's precision.
     virtual LiveContact at(const glm::dvec3& probe) noexcept = 0;
 };
 

@@ -95,7 +95,7 @@ std::vector<LiveSample> stroke(const PreparedCase& stimulus, const Manner& manne
         sample.path = static_cast<std::uint32_t>(path);
         sample.happened = found.finished ? 0U : std::uint32_t(device::kUnfinished);
         sample.probe = reading.position;
-        sample.proxy = glm::dvec3(found.contact.proxy);
+        sample.proxy = world_place(glm::dvec3(found.contact.proxy), law->origin());
         sample.force = sample.commanded = glm::dvec3(found.contact.force);
         sample.depth = found.contact.depth;
         sample.facet = found.contact.facet;

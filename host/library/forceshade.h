@@ -19,7 +19,7 @@ using Place = std::array<double, 3>;
 /// What a probe meets, in the scene's precision; a float stands here exactly.
 struct Touch {
     std::array<double, 3> force{}; /* N; 0 out of contact */
-    std::array<double, 3> proxy{}; /* m: the place of the surface that is touched; out of contact the probe */
+    std::array<double, 3> proxy{}; /* m, in the world: where the surface is touched; out of contact the probe */
     double depth = 0;              /* m; 0 out of contact */
     long facet = -1;               /* its number; -1 out of contact */
 };

@@ -34,10 +34,10 @@ glm::dvec3 as_vector(const Place& place) {
     return {place[0], place[1], place[2]};
 }
 
-// A float is exact as a double.
-template <typename T> Touch touch_of(const reference::Contact<T>& contact) noexcept {
-    return {as_array(glm::dvec3(contact.force)), as_array(glm::dvec3(contact.proxy)), double(contact.depth),
-            contact.facet == layout::kNoFacet ? -1 : long(contact.facet)};
+// A float is exact as a double. `origin`, m: what the proxy is measured from.
+template <typename T> Touch touch_of(const reference::Contact<T>& contact, const glm::dvec3& origin) noexcept {
+    return {as_array(glm::dvec3(contact.force)), as_array(world_place(glm::dvec3(contact.proxy), origin)),
+            double(contact.depth), contact.facet == layout::kNoFacet ? -1 : long(contact.facet)};
 }
 
 Touch nothing(const Place& place) noexcept {
@@ -89,7 +89,7 @@ Touch Scene::at(const Place& place) const noexcept {
         if (!(farthest <= largest_coordinate<T>(state_->prepared)) || std::isnan(probe.x + probe.y + probe.z))
             return nothing(place);
         layout::uint hint = 0;
-        return touch_of(static_contact(tables.law(), state_->prepared, probe, hint));
+        return touch_of(static_contact(tables.law(), state_->prepared, probe, hint), scene_origin(state_->prepared));
     };
     return std::visit(evaluate, state_->tables);
 }

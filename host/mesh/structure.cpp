@@ -180,12 +180,23 @@ template <typename T> layout::MeshView<T> MeshTables<T>::view() const {
     return view;
 }
 
+glm::dvec3 origin_of(const MeshStructure& structure) {
+    constexpr double kNear = 4; // scales
+    glm::dvec3 origin(0);
+    for (int axis = 0; axis < 3; ++axis) {
+        const double scales = structure.centre[axis] / structure.scale;
+        if (std::abs(scales) >= kNear)
+            origin[axis] = std::round(scales) * structure.scale;
+    }
+    return origin;
+}
+
 template <typename T> MeshTables<T> make_mesh_tables(const MeshStructure& structure, double stiffness) {
     const double force = stiffness * structure.scale;
     const auto rounded = static_cast<T>(force);
-    const glm::vec<3, T> centre(structure.centre);
+    const glm::vec<3, T> centre(structure.centre - origin_of(structure)), world(structure.centre);
     if (!std::isnormal(static_cast<T>(structure.scale)) || !(std::isnormal(rounded) || stiffness == 0) ||
-        !std::isfinite(centre.x + centre.y + centre.z))
+        !std::isfinite(world.x + world.y + world.z))
         throw UsageError(fmt::format("a stiffness of {} N/m on a mesh of about {} m makes forces that {} precision "
                                      "cannot hold; a normal number of newtons would be right",
                                      stiffness, structure.scale, sizeof(T) == sizeof(float) ? "single" : "double"));
@@ -194,6 +205,8 @@ template <typename T> MeshTables<T> make_mesh_tables(const MeshStructure& struct
     tables.params.centre_x = centre.x;
     tables.params.centre_y = centre.y;
     tables.params.centre_z = centre.z;
+    tables.params.map_x = world.x;
+    tables.params.map_y = world.y;
     tables.params.scale = static_cast<T>(structure.scale);
     tables.params.stiffness = rounded;
     tables.params.facets = static_cast<uint>(structure.parts->facet_begins.size() - 1);

@@ -77,7 +77,8 @@ void assume_solid(MeshStructure& structure);
 /// for sheets. Of a structure with `winding`.
 double winding_behind(const MeshStructure& structure);
 
-/// A structure in T for one stiffness; what a scene evaluates. Of double it shares everything with the structure.
+/// A structure in T for one stiffness; what a scene evaluates, at places from origin_of(). Of double it shares
+/// everything with the structure.
 template <typename T> struct MeshTables {
     layout::MeshParams<T> params;
     std::shared_ptr<const MeshParts> parts;
@@ -97,7 +98,12 @@ template <typename T> MeshTables<T> make_mesh_tables(const MeshStructure& struct
 /// Fills tables.obstacles, which makes god-objects faster and changes nothing else.
 template <typename T> void find_obstacles(MeshTables<T>& tables, unsigned threads = 0);
 
-/// A position in the mesh's frame, from m; in double, to be rounded once.
+/// The scene's origin, m: the place from which places are measured before they are rounded to T, so that a mesh is felt
+/// alike wherever it lies. On each axis 0 for a mesh whose centre is within 4 scales of 0; else the multiple of the
+/// scale nearest to the centre.
+glm::dvec3 origin_of(const MeshStructure& structure);
+
+/// A place of the world, m, in the mesh's frame; in double, to be rounded once.
 inline glm::dvec3 to_mesh_frame(const MeshStructure& structure, const glm::dvec3& world) {
     return (world - structure.centre) / structure.scale;
 }

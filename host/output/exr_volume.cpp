@@ -132,6 +132,11 @@ void read_rows(Image& image, std::size_t layer, const Part& part, std::uint64_t 
     image.read(layer, static_cast<std::int32_t>(first), static_cast<std::int32_t>(first + count - 1), threads, take);
 }
 
+glm::dvec3 place_origin_of(const Image& image) {
+    const auto origin = image.vector("forceshade.place_origin");
+    return origin ? glm::dvec3(origin->x, origin->y, origin->z) : glm::dvec3(0);
+}
+
 } // namespace
 
 } // namespace exr
@@ -197,6 +202,7 @@ VolumeHeader VolumeReader::State::read_header(int threads) const {
     found.scene = text("forceshade.scene");
     found.version = text("forceshade.version");
     found.omitted = text("forceshade.omitted");
+    found.place_origin = exr::place_origin_of(image);
     found.threads = threads;
     const auto compression = exr::compression_from(first.compression);
     if (!compression)
@@ -255,6 +261,7 @@ PathSamples read_paths(const std::filesystem::path& path, std::uint64_t most_pat
     const std::uint64_t columns = first.columns(), rows = first.rows();
     PathSamples read;
     read.scene = image.text("forceshade.scene").value_or("");
+    read.origin = exr::place_origin_of(image);
     const std::uint64_t every_path = (rows + most_paths - 1) / most_paths;
     read.every_step = (columns + most_steps - 1) / most_steps;
     read.paths = (rows + every_path - 1) / every_path;

@@ -1,5 +1,6 @@
 // A field over a grid as an OpenEXR file: written in a stream, read back before it gets its name, and read in a stream.
 // Width nx, height ny * nz, row = z * ny + y; parts `force` (R, G, B), `depth` (Z), `facet` (id), `proxy`, `unshaded`.
+// Where places are not of the world, `forceshade.place_origin` (m) says what to add to them.
 #pragma once
 
 #include <array>
@@ -8,6 +9,8 @@
 #include <memory>
 #include <string>
 #include <vector>
+
+#include <glm/vec3.hpp>
 
 #include "host/output/rows.h"
 #include "host/scene/scene.h"
@@ -23,6 +26,7 @@ struct ExrOptions {
     std::string version;                  /* of the program */
     std::string omitted;                  /* what the scene did not need */
     int threads = 0;                      /* that compress this file; 0: it asks for no parallel work */
+    glm::dvec3 place_origin{0};           /* m, in the world: what positions and proxies are measured from */
 };
 
 struct VolumeHeader : ExrOptions {
@@ -111,6 +115,7 @@ struct PathSamples {
     std::uint64_t paths = 0, steps = 0;        /* here */
     std::uint64_t every_step = 1;              /* of the file's steps, every which one is here */
     std::vector<float> force, position, proxy; /* N, m, m: three a sample, path after path; proxy empty if not stored */
+    glm::dvec3 origin{0};                      /* m, in the world: what position and proxy are measured from */
     std::vector<float> depth;                  /* m: one a sample; empty if not stored, or not asked for */
     std::vector<float> angle, magnitude_error; /* deg, N: likewise */
     std::vector<std::uint32_t> facet;          /* likewise; layout::kNoFacet out of contact and behind a path's end */

@@ -64,6 +64,16 @@ Imf::Header make_header(const Part& part, std::uint64_t width, std::uint64_t row
     return header;
 }
 
+Imf::V3dAttribute attribute_of(double x, double y, double z) {
+    return Imf::V3dAttribute(Imath::V3d(x, y, z));
+}
+
+// Only where it says something.
+void add_place_origin(Imf::Header& header, const glm::dvec3& origin) {
+    if (origin != glm::dvec3(0))
+        header.insert("forceshade.place_origin", attribute_of(origin.x, origin.y, origin.z));
+}
+
 // Describes `count` rows at `bytes`, the first of which is row `first`; pixel type as in the file.
 Imf::FrameBuffer frame_of(const Part& part, std::uint64_t width, std::uint64_t first, std::uint64_t count,
                           const std::byte* bytes) {
@@ -290,13 +300,15 @@ Sheet sheet_of(const VolumeHeader& volume) {
     exr::require_possible(volume);
     const auto [nx, ny, nz] = volume.size;
     Sheet sheet{nx, ny * nz, exr::parts_of(volume), {}, volume.threads};
-    const auto vector_of = [](const std::array<double, 3>& v) { return Imf::V3dAttribute({v[0], v[1], v[2]}); };
+    const auto vector_of = [](const std::array<double, 3>& v) { return attribute_of(v[0], v[1], v[2]); };
     for (const Part& part : sheet.parts) {
         Imf::Header header = make_header(part, nx, ny * nz, volume.compression, volume);
         header.insert("forceshade.grid",
                       Imf::V3iAttribute({static_cast<int>(nx), static_cast<int>(ny), static_cast<int>(nz)}));
         header.insert("forceshade.origin", vector_of(volume.origin));
         header.insert("forceshade.spacing", vector_of(volume.spacing));
+        if (volume.channels & layout::kChannelProxy)
+            add_place_origin(header, volume.place_origin);
         sheet.headers.push_back(header);
     }
     return sheet;
@@ -379,18 +391,13 @@ void require_possible(const PathVolumeHeader& header) {
                                      header.paths, kMostRows));
 }
 
-// Coarser numbers would do to forces; positions are read against each other.
-bool is_exact(std::uint32_t channel) {
-    return channel == layout::kChannelPosition || channel == layout::kChannelProxy;
-}
-
 Sheet sheet_of(const PathVolumeHeader& header) {
     require_possible(header);
     Sheet sheet{header.steps, header.paths, {}, {}, header.threads};
     for (const std::uint32_t channel : kPathChannels) {
         if (!(header.channels & channel) && channel != layout::kChannelForce && channel != layout::kChannelPosition)
             continue;
-        const bool exact = is_exact(channel);
+        const bool exact = is_place(channel); // coarser numbers would do to forces; places are read against each other
         const Compression compression =
             exact && header.compression == Compression::pxr24 ? Compression::zip : header.compression;
         const Part part = exr::make_part(channel, exact ? PixelType::float32 : header.pixel, compression);
@@ -399,6 +406,7 @@ Sheet sheet_of(const PathVolumeHeader& header) {
                      Imf::V2iAttribute({static_cast<int>(header.steps), static_cast<int>(header.paths)}));
         if (header.rate > 0)
             image.insert("forceshade.rate", Imf::DoubleAttribute(header.rate));
+        add_place_origin(image, header.place_origin);
         sheet.parts.push_back(part);
         sheet.headers.push_back(image);
     }

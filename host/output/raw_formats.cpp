@@ -28,15 +28,19 @@ void write_rows_as(Target& file, std::span<const Value> values, std::size_t rows
     }
 }
 
-// Writes the chunk's rows of a channel, each repeat_y times, reals converted to `precision`. Throws IoError.
+// Writes the chunk's rows of a channel, each repeat_y times, reals converted to `precision`; proxies whose origin is
+// not 0 as doubles in the world. Throws IoError.
 template <typename Target>
 void write_rows(Target& file, const AnyFieldChunk& any, std::uint32_t channel, std::size_t repeat_y,
-                Precision precision) {
+                Precision precision, const glm::dvec3& origin) {
     const auto write = [&](const auto& chunk) {
         const std::size_t components = components_of(channel), rows = chunk.y_count * chunk.z_count;
         const std::size_t pitch = chunk.x_pitch * components, count = chunk.x_count * components;
         if (channel == layout::kChannelFacet)
             write_rows_as<std::uint32_t>(file, ids_of(chunk), rows, pitch, count, repeat_y);
+        else if (is_moved(channel, origin))
+            write_rows_as<double>(file, std::span<const double>(in_world(values_of(chunk, channel), origin)), rows,
+                                  pitch, count, repeat_y);
         else if (precision == Precision::f64)
             write_rows_as<double>(file, values_of(chunk, channel), rows, pitch, count, repeat_y);
         else
@@ -75,17 +79,18 @@ std::string npy_header(const std::vector<std::uint64_t>& shape, std::uint32_t ch
 }
 
 NpyWriter::NpyWriter(const std::filesystem::path& path, const std::array<std::uint64_t, 3>& size, std::uint32_t channel,
-                     Precision precision)
-    : file_(path), order_(size), channel_(channel), precision_(precision) {
+                     Precision precision, const glm::dvec3& origin)
+    : file_(path), order_(size), channel_(channel), precision_(is_moved(channel, origin) ? Precision::f64 : precision),
+      origin_(origin) {
     std::vector<std::uint64_t> shape(size.rbegin(), size.rend());
     if (components_of(channel) == 3)
         shape.push_back(3);
-    file_.write(npy_header(shape, channel, precision));
+    file_.write(npy_header(shape, channel, precision_));
 }
 
 void NpyWriter::write(const AnyFieldChunk& chunk, std::size_t repeat_y) {
     order_.accept(chunk, repeat_y);
-    write_rows(file_, chunk, channel_, repeat_y, precision_);
+    write_rows(file_, chunk, channel_, repeat_y, precision_, origin_);
 }
 
 VolumeResult NpyWriter::finish() {
@@ -116,7 +121,7 @@ struct VtiTarget {
 };
 
 std::vector<VtkArray> vti_arrays(const VtiHeader& header) {
-    const auto& [size, origin, spacing, channels, precision] = header;
+    const auto& [size, origin, spacing, channels, precision, place_origin] = header;
     const std::string extent = fmt::format("0 {} 0 {} 0 {}", size[0] - 1, size[1] - 1, size[2] - 1);
     const char* scalars = channels & layout::kChannelDepth   ? " Scalars=\"depth\""
                           : channels & layout::kChannelFacet ? " Scalars=\"facet\""
@@ -126,8 +131,8 @@ std::vector<VtkArray> vti_arrays(const VtiHeader& header) {
         if (channels & channel)
             arrays.push_back({name_of_channel(channel),
                               channel == layout::kChannelFacet ? "Int32" // what UInt32 calls no facet is -1
-                              : precision == Precision::f64    ? "Float64"
-                                                               : "Float32",
+                              : precision == Precision::f64 || is_moved(channel, place_origin) ? "Float64"
+                                                                                               : "Float32",
                               components_of(channel), size[0] * size[1] * size[2]});
     arrays.front().before = fmt::format("<ImageData WholeExtent=\"{}\" Origin=\"{}\" Spacing=\"{}\">\n"
                                         "<Piece Extent=\"{}\">\n<PointData Vectors=\"force\"{}>\n",
@@ -146,7 +151,7 @@ void VtiWriter::write(const AnyFieldChunk& chunk, std::size_t repeat_y) {
     for (const std::uint32_t channel : kFieldChannels)
         if (header_.channels & channel) {
             VtiTarget target{file_, name_of_channel(channel)};
-            write_rows(target, chunk, channel, repeat_y, header_.precision);
+            write_rows(target, chunk, channel, repeat_y, header_.precision, header_.place_origin);
         }
 }
 

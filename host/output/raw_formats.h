@@ -33,9 +33,10 @@ std::string npy_header(const std::vector<std::uint64_t>& shape, std::uint32_t ch
 
 class NpyWriter final : public ChunkSink {
 public:
-    /// `channel` is one layout::kChannel... bit; reals are stored as '<f4' or '<f8', ids as '<u4'. Throws IoError.
+    /// `channel` is one layout::kChannel... bit; reals are stored as '<f4' or '<f8', ids as '<u4'. `origin`, m, in the
+    /// world: what proxies are measured from. Throws IoError.
     NpyWriter(const std::filesystem::path& path, const std::array<std::uint64_t, 3>& size, std::uint32_t channel,
-              Precision precision);
+              Precision precision, const glm::dvec3& origin = glm::dvec3(0));
     void write(const AnyFieldChunk& chunk, std::size_t repeat_y) override;
     VolumeResult finish() override;
 
@@ -44,6 +45,7 @@ private:
     RowOrder order_;
     std::uint32_t channel_;
     Precision precision_;
+    glm::dvec3 origin_; /* m */
 };
 
 // Comma-separated values as RFC 4180 quotes them; numbers print so that they read back exactly, in every locale.
@@ -72,6 +74,7 @@ struct VtiHeader {
     std::array<double, 3> spacing{}; /* m */
     std::uint32_t channels = layout::kChannelForce;
     Precision precision = Precision::f32; /* Float32 or Float64 */
+    glm::dvec3 place_origin{0};           /* m, in the world: what proxies are measured from */
 };
 
 class VtiWriter final : public ChunkSink {

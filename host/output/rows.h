@@ -12,6 +12,8 @@
 #include <variant>
 #include <vector>
 
+#include <glm/vec3.hpp>
+
 #include "shaders/shared/law.h"
 
 namespace forceshade {
@@ -69,6 +71,26 @@ inline constexpr std::array kPathChannels{layout::kChannelForce, layout::kChanne
 /// Reals (or ids) a sample of a channel: 3 for vectors, else 1.
 constexpr std::size_t components_of(std::uint32_t channel) {
     return channel & (layout::kChannelDepth | layout::kChannelFacet | kComparedChannels) ? 1 : 3;
+}
+
+/// Channels of places, m. Engines measure them from the scene's origin (host/mesh/structure.h), which is 0 but for
+/// meshes far from the world's. Files whose numbers may be doubles hold them in the world, as doubles where the origin
+/// is not 0; an EXR, which has floats, holds them as they come, and the origin as an attribute.
+constexpr bool is_place(std::uint32_t channel) {
+    return channel == layout::kChannelPosition || channel == layout::kChannelProxy;
+}
+
+/// Whether a channel's numbers are doubles of the world, whatever the run's precision.
+inline bool is_moved(std::uint32_t channel, const glm::dvec3& origin) {
+    return is_place(channel) && origin != glm::dvec3(0);
+}
+
+/// Places in the world, m, three numbers each, for an origin, m.
+template <typename T> std::vector<double> in_world(std::span<const T> places, const glm::dvec3& origin) {
+    std::vector<double> world(places.size());
+    for (std::size_t i = 0; i < world.size(); ++i)
+        world[i] = origin[static_cast<int>(i % 3)] + static_cast<double>(places[i]);
+    return world;
 }
 
 /// A chunk's channel behind the rows that came before, without padding, each row `repeats` times.

@@ -9,6 +9,7 @@
 #include "host/norm.h"
 #include "host/paths/path_files.h"
 #include "host/paths/path_reader.h"
+#include "host/paths/recorded.h"
 #include "host/prepare/prepared_case.h"
 #include "host/program.h"
 #include "host/reference/path_step.h"
@@ -50,7 +51,7 @@ public:
     Exploration(const PreparedCase& prepared, const std::filesystem::path& paths, const std::filesystem::path& out,
                 float stretch)
         : stretch_(stretch), law_(make_path_law<T>(prepared)), reader_(paths, largest_coordinate<T>(prepared)),
-          census_(reader_.csv().source()), writer_(out),
+          census_(reader_.csv().source(), 0, law_->origin()), writer_(out, law_->origin()),
           summary_(out.parent_path() / (out.stem().string() + ".paths.csv"), prepared.one.scene.precision) {}
 
     ExploreResult run(const ExploreProgress& progress) {
@@ -62,6 +63,7 @@ public:
             progress(reader_.csv().bytes_read(), reader_.csv().bytes());
         }
         add_warnings();
+        add_coarse_warning();
         summarise();
         writer_.publish();
         summary_.finish();
@@ -81,6 +83,13 @@ private:
                                        fmt::format("{} of {} paths, here the first, begin behind the mesh's surface; "
                                                    "their proxies begin at the nearest place of it",
                                                    inside_, census_.paths()));
+    }
+
+    void add_coarse_warning() {
+        constexpr Precision kPrecision = std::is_same_v<T, float> ? Precision::f32 : Precision::f64;
+        const StepScale& scale = census_.scale();
+        if (const auto warning = coarse_warning(kPrecision, scale.farthest(), kMedianStep, scale.median_step()))
+            result_.warnings.push_back(*warning);
     }
 
     void summarise() {
@@ -115,7 +124,7 @@ private:
         if (found.begins_inside && inside_++ == 0)
             first_inside_ = sample.line;
         result_.largest_force = std::max(result_.largest_force, size);
-        const reference::Vector<T> probe(sample.probe); // where the law was evaluated
+        const reference::Vector<T> probe(sample.probe - law_->origin()); // where the law was evaluated
         if (number == tracks_.size())
             tracks_.push_back(PathTrack<T>(sample.path, found.begins_inside));
         tracks_[number].add(sample.time, probe, found.contact, found.finished, T(stretch_));

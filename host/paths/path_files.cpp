@@ -115,9 +115,18 @@ VolumeResult PathSummary::finish() {
     return publish_raw(file_);
 }
 
-PathWriter::PathWriter(const std::filesystem::path& path, bool compared) : file_(path) {
+PathWriter::PathWriter(const std::filesystem::path& path, const glm::dvec3& origin, bool compared)
+    : file_(path), origin_(origin) {
     file_.write(
         fmt::format("path,t,x,y,z,gx,gy,gz,fx,fy,fz,depth,facet{}\n", compared ? ",angle,magnitude_error" : ""));
+}
+
+template <typename T> void PathWriter::add_place(const reference::Vector<T>& place) {
+    for (int axis = 0; axis < 3; ++axis)
+        if (origin_[axis] != 0)
+            row_.add(origin_[axis] + double(place[axis]));
+        else
+            row_.add(place[axis]);
 }
 
 template <typename T>
@@ -125,9 +134,10 @@ void PathWriter::add(std::uint64_t path, double time, const reference::Vector<T>
                      const reference::Contact<T>& contact, std::span<const T> compared) {
     row_.add(path);
     row_.add(time);
-    for (const reference::Vector<T>& vector : {probe, contact.proxy, contact.force})
-        for (const T component : {vector.x, vector.y, vector.z})
-            row_.add(component);
+    add_place(probe);
+    add_place(contact.proxy);
+    for (const T component : {contact.force.x, contact.force.y, contact.force.z})
+        row_.add(component);
     row_.add(contact.depth);
     if (contact.facet == layout::kNoFacet)
         row_.add(-1);
@@ -183,12 +193,12 @@ void write_row(TemporaryFile& file, std::span<const Value> samples, std::size_t 
 } // namespace
 
 PathNpyWriter::PathNpyWriter(const std::filesystem::path& path, std::uint64_t paths, std::uint64_t steps,
-                             std::uint32_t channel, Precision precision)
-    : file_(path), steps_(steps), channel_(channel) {
+                             std::uint32_t channel, Precision precision, const glm::dvec3& origin)
+    : file_(path), steps_(steps), channel_(channel), origin_(origin) {
     std::vector<std::uint64_t> shape{paths, steps};
     if (components_of(channel) == 3)
         shape.push_back(3);
-    file_.write(npy_header(shape, channel, precision));
+    file_.write(npy_header(shape, channel, is_moved(channel, origin) ? Precision::f64 : precision));
 }
 
 void PathNpyWriter::write(const AnyPathRows& any) {
@@ -200,9 +210,12 @@ void PathNpyWriter::write(const AnyPathRows& any) {
                 const std::size_t beyond = rows.ends(path) ? (steps_ - rows.steps[path]) * components : 0;
                 if (channel_ == layout::kChannelFacet)
                     write_row(file_, rows.facet.subspan(first, samples), beyond, layout::kNoFacet);
+                else if (const std::span<const T> values = values_of(rows, channel_).subspan(first, samples);
+                         is_moved(channel_, origin_))
+                    write_row(file_, std::span<const double>(in_world(values, origin_)), beyond,
+                              std::numeric_limits<double>::quiet_NaN());
                 else
-                    write_row(file_, values_of(rows, channel_).subspan(first, samples), beyond,
-                              std::numeric_limits<T>::quiet_NaN());
+                    write_row(file_, values, beyond, std::numeric_limits<T>::quiet_NaN());
             }
         },
         any);
@@ -220,13 +233,14 @@ PolyData lines_of(const PathVtpHeader& header) {
     data.polygons = false;
     data.points = data.corners = header.samples;
     data.cells = header.paths;
-    data.point_type = real;
+    const std::string_view place = header.origin != glm::dvec3(0) ? vtk_type<double>() : real;
+    data.point_type = place;
     data.point_data = {{"force", real, 3, header.samples},
                        {"depth", real, 1, header.samples},
                        {"facet", vtk_type<std::int32_t>(), 1, header.samples},
                        {"time", vtk_type<double>(), 1, header.samples}};
     if (header.proxies)
-        data.point_data.push_back({"proxy", real, 3, header.samples});
+        data.point_data.push_back({"proxy", place, 3, header.samples});
     for (const std::uint32_t channel : {kChannelAngle, kChannelMagnitudeError})
         if (header.compared)
             data.point_data.push_back({name_of_channel(channel), real, 1, header.samples});
@@ -245,7 +259,11 @@ template <typename T> void PathVtpWriter::write_path(const PathRows<T>& rows, st
     const std::size_t first = path * rows.pitch, count = rows.samples(path);
     const auto reals = [&](const char* name, std::uint32_t channel) {
         const std::size_t components = components_of(channel);
-        file_.write(name, std::as_bytes(values_of(rows, channel).subspan(first * components, count * components)));
+        const std::span<const T> values = values_of(rows, channel).subspan(first * components, count * components);
+        if (is_moved(channel, header_.origin))
+            file_.write(name, std::as_bytes(std::span<const double>(in_world(values, header_.origin))));
+        else
+            file_.write(name, std::as_bytes(values));
     };
     reals("force", layout::kChannelForce);
     reals("depth", layout::kChannelDepth);
@@ -316,9 +334,9 @@ std::string follows(const Following& f, const char* line) {
 
 } // namespace
 
-PathCollector::PathCollector(std::uint64_t paths, std::uint64_t steps)
+PathCollector::PathCollector(std::uint64_t paths, std::uint64_t steps, const glm::dvec3& origin)
     : count_(paths), every_(std::max<std::uint64_t>(1, (paths + kDrawn - 1) / kDrawn)),
-      stride_(std::max<std::uint64_t>(1, (steps + kDrawnSteps - 1) / kDrawnSteps)) {}
+      stride_(std::max<std::uint64_t>(1, (steps + kDrawnSteps - 1) / kDrawnSteps)), origin_(origin) {}
 
 template <typename T> void PathCollector::add(const PathRows<T>& rows) {
     for (std::size_t path = 0; path < rows.path_count; ++path)
@@ -336,10 +354,10 @@ template <typename T> void PathCollector::add_path(const PathRows<T>& rows, std:
     for (std::size_t step = (rows.step_first + stride_ - 1) / stride_ * stride_; step < end; step += stride_) {
         const std::size_t at = 3 * (path * rows.pitch + step - rows.step_first);
         const double fx = double(rows.force[at]), fz = double(rows.force[at + 2]);
-        drawn.way.push_back({double(rows.position[at]), double(rows.position[at + 2])});
+        drawn.way.push_back({origin_.x + double(rows.position[at]), origin_.z + double(rows.position[at + 2])});
         drawn.direction.push_back(fx == 0 && fz == 0 ? std::numeric_limits<double>::quiet_NaN()
                                                      : std::atan2(fx, fz) * kDegrees);
-        y_sum_ += double(rows.position[at + 1]);
+        y_sum_ += origin_.y + double(rows.position[at + 1]);
         ++y_samples_;
     }
 }

@@ -149,12 +149,14 @@ const char* path_summary_header();
 // Explored paths as a CSV file: where the probe was, and the contact there.
 
 /// Columns path,t,x,y,z,gx,gy,gz,fx,fy,fz,depth,facet (s, m, N); x, y, z are where the law was evaluated, g is the
-/// proxy, facet -1 out of contact. Nothing stands under the final name until publish() or finish().
+/// proxy, both in the world; facet -1 out of contact. Nothing stands under the final name until publish() or finish().
 class PathWriter {
 public:
-    /// `compared`: with columns angle (deg) and magnitude_error (N) of [compare], empty where there is no number.
-    /// \throws IoError, as do the others.
-    explicit PathWriter(const std::filesystem::path& path, bool compared = false);
+    /// `origin`, m, in the world: what places are measured from; on axes on which it is not 0 they are written as
+    /// doubles. `compared`: with columns angle (deg) and magnitude_error (N) of [compare], empty where there is no
+    /// number. \throws IoError, as do the others.
+    explicit PathWriter(const std::filesystem::path& path, const glm::dvec3& origin = glm::dvec3(0),
+                        bool compared = false);
     /// `compared`: those two, if there are such columns.
     template <typename T>
     void add(std::uint64_t path, double time, const reference::Vector<T>& probe, const reference::Contact<T>& contact,
@@ -164,8 +166,11 @@ public:
     VolumeResult finish();
 
 private:
+    template <typename T> void add_place(const reference::Vector<T>& place);
+
     TemporaryFile file_;
     NumberRow row_;
+    glm::dvec3 origin_; /* m */
 };
 
 /// What a sample is called by.
@@ -178,8 +183,9 @@ struct PathLabels {
 class PathCsvWriter final : public PathSink {
 public:
     /// Throws IoError, as do the others.
-    PathCsvWriter(const std::filesystem::path& path, const PathLabels& labels, bool compared = false)
-        : writer_(path, compared), labels_(labels) {}
+    PathCsvWriter(const std::filesystem::path& path, const PathLabels& labels, const glm::dvec3& origin = glm::dvec3(0),
+                  bool compared = false)
+        : writer_(path, origin, compared), labels_(labels) {}
     void write(const AnyPathRows& rows) override;
     VolumeResult finish() override { return writer_.finish(); }
 
@@ -190,12 +196,13 @@ private:
 
 // One channel of explored paths as a NumPy array, shape (paths, steps, 3) for vectors and (paths, steps) for scalars.
 
-/// Reals as '<f4' or '<f8', facets as '<u4'; behind a path's end NaN and layout::kNoFacet.
+/// Reals as '<f4' or '<f8', facets as '<u4'; behind a path's end NaN and layout::kNoFacet. Places whose origin is not 0
+/// as '<f8' of the world.
 class PathNpyWriter final : public PathSink {
 public:
     /// `channel` is one layout::kChannel... bit. Throws IoError, as do the others.
     PathNpyWriter(const std::filesystem::path& path, std::uint64_t paths, std::uint64_t steps, std::uint32_t channel,
-                  Precision precision);
+                  Precision precision, const glm::dvec3& origin = glm::dvec3(0));
     void write(const AnyPathRows& rows) override;
     VolumeResult finish() override;
 
@@ -203,6 +210,7 @@ private:
     TemporaryFile file_;
     std::uint64_t steps_;
     std::uint32_t channel_;
+    glm::dvec3 origin_; /* m */
 };
 
 // Explored paths as polylines for ParaView (.vtp), one a path, streamed.
@@ -212,6 +220,7 @@ struct PathVtpHeader {
     bool proxies = false;                 /* whether they are stored */
     Precision precision = Precision::f32; /* Float32 or Float64; of `time` always Float64 */
     bool compared = false;                /* with angle and magnitude_error */
+    glm::dvec3 origin{0}; /* m, in the world: what places are measured from; where it is not 0 they are Float64 */
 };
 
 /// Points are the probe (m), in the order of the steps. They have `force` (N, the active vector), `depth` (m), `facet`
@@ -240,7 +249,8 @@ private:
 
 class PathCollector {
 public:
-    PathCollector(std::uint64_t paths, std::uint64_t steps);
+    /// `origin`, m, in the world: what places are measured from.
+    PathCollector(std::uint64_t paths, std::uint64_t steps, const glm::dvec3& origin = glm::dvec3(0));
 
     template <typename T> void add(const PathRows<T>& rows);
 
@@ -257,6 +267,7 @@ private:
     template <typename T> void add_path(const PathRows<T>& rows, std::size_t path);
 
     std::uint64_t count_, every_, stride_;
+    glm::dvec3 origin_; /* m */
     std::vector<picture::DrawnPath> paths_;
     double y_sum_ = 0;
     std::uint64_t y_samples_ = 0;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <numeric>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -282,6 +283,28 @@ std::uint64_t PathReader::path_id() const {
     return static_cast<std::uint64_t>(value);
 }
 
+void StepScale::begin(const glm::dvec3& place) {
+    const glm::dvec3 from = place - origin_;
+    farthest_ = std::max({farthest_, std::abs(from.x), std::abs(from.y), std::abs(from.z)});
+}
+
+void StepScale::add(const glm::dvec3& place, const glm::dvec3& before) {
+    begin(place);
+    const glm::dvec3 step = place - before;
+    const double square = step.x * step.x + step.y * step.y + step.z * step.z;
+    if (square > 0 && std::isfinite(square))
+        ++steps_[static_cast<std::size_t>(std::ilogb(square) - kLeast)];
+}
+
+double StepScale::median_step() const {
+    const std::uint64_t all = std::accumulate(steps_.begin(), steps_.end(), std::uint64_t(0));
+    std::uint64_t before = 0;
+    for (std::size_t i = 0; i < kExponents; ++i)
+        if (before += steps_[i]; 2 * before > all)
+            return std::exp2((static_cast<int>(i) + kLeast + 0.5) / 2);
+    return 0;
+}
+
 namespace {
 
 constexpr double kTolerance = 0.01; // of the period
@@ -295,6 +318,8 @@ std::size_t PathCensus::add(const PathSample& sample) {
         if (added) {
             ids_.push_back(sample.path);
             times_.push_back(sample.time);
+            places_.push_back(sample.probe);
+            scale_.begin(sample.probe);
             return last_;
         }
         if (!first_return_)
@@ -302,6 +327,8 @@ std::size_t PathCensus::add(const PathSample& sample) {
     }
     check_time(sample, times_[last_]);
     times_[last_] = sample.time;
+    scale_.add(sample.probe, places_[last_]);
+    places_[last_] = sample.probe;
     return last_;
 }
 

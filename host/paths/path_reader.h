@@ -114,13 +114,41 @@ private:
     bool any_ = false;
 };
 
+// How far places of paths are from an origin, and from one sample to the next.
+
+class StepScale {
+public:
+    /// `origin`: m, in the world.
+    explicit StepScale(const glm::dvec3& origin = glm::dvec3(0)) : origin_(origin) {}
+
+    /// A path's first place, m, in the world.
+    void begin(const glm::dvec3& place);
+    /// A further one, and the one before it.
+    void add(const glm::dvec3& place, const glm::dvec3& before);
+
+    /// The largest coordinate from the origin, m.
+    double farthest() const { return farthest_; }
+    /// The median distance from one sample to the next where there is any, m, to a factor of 1.2; 0 where there is
+    /// none.
+    double median_step() const;
+
+private:
+    static constexpr int kLeast = -1100; // exponents of a square
+    static constexpr std::size_t kExponents = 2200;
+
+    glm::dvec3 origin_; /* m */
+    double farthest_ = 0;
+    std::array<std::uint64_t, kExponents> steps_{}; // by the exponent of the square of their length
+};
+
 // The paths of a recorded file as its samples come by: which path a sample belongs to, and whether it may follow.
 
 class PathCensus {
 public:
     /// `source`: the file's name, for errors. `period`, s: what the times of a path keep to within 1 %; 0: they need
-    /// only increase.
-    explicit PathCensus(std::string source, double period = 0) : source_(std::move(source)), period_(period) {}
+    /// only increase. `origin`: as for StepScale.
+    explicit PathCensus(std::string source, double period = 0, const glm::dvec3& origin = glm::dvec3(0))
+        : source_(std::move(source)), period_(period), scale_(origin) {}
 
     /// Paths are numbered by their first samples: the number of the sample's.
     /// \throws UsageError `file:line:column: t: ...` if its time does not come after that of its path's sample before,
@@ -132,6 +160,7 @@ public:
     std::size_t paths() const { return ids_.size(); }
     /// The line at which a path first goes on after samples of another.
     std::optional<std::uint32_t> first_return() const { return first_return_; }
+    const StepScale& scale() const { return scale_; }
 
 private:
     void check_time(const PathSample& sample, double before) const;
@@ -140,8 +169,10 @@ private:
     double period_; /* s */
     std::unordered_map<std::uint64_t, std::size_t> numbers_;
     std::vector<std::uint64_t> ids_;
-    std::vector<double> times_; /* s: of each path's last sample */
-    std::size_t last_ = 0;      // the path of the sample before
+    std::vector<double> times_;      /* s: of each path's last sample */
+    std::vector<glm::dvec3> places_; /* m: likewise */
+    StepScale scale_;
+    std::size_t last_ = 0; // the path of the sample before
     std::optional<std::uint32_t> first_return_;
 };
 

@@ -50,6 +50,7 @@ void set_options(ExrOptions& options, const PreparedCase& prepared, const Scene&
     options.compression = written.output.compression;
     options.pixel = written.output.pixel;
     options.scene = prepared.scene;
+    options.place_origin = scene_origin(prepared);
     options.version = version();
     options.omitted = fmt::format("{}", fmt::join(omissions(written), "; "));
     options.threads = threads;
@@ -195,8 +196,9 @@ private:
         std::shared_ptr<const RecordedFile> file)
         : Base(prepared, file, channels_of(prepared, options, file != nullptr), engine.report().software,
                kComparedSamples),
-          engine_(engine), prepared_(prepared), options_(options), file_(std::move(file)),
-          rate_(rate_of(prepared.one.scene)), written_(channels_for(options, written_channels(prepared.one.scene))),
+          engine_(engine), prepared_(prepared), origin_(scene_origin(prepared)), options_(options),
+          file_(std::move(file)), rate_(rate_of(prepared.one.scene)),
+          written_(channels_for(options, written_channels(prepared.one.scene))),
           total_(file_ ? file_->samples() : std::uint64_t(input.paths) * input.steps),
           gatherer_(source, [this](const PathRows<T>& rows) { receive(rows); }) {
         if (file_)
@@ -221,7 +223,7 @@ private:
         if (!options_.samples.empty())
             add_sink(options_.samples, is_csv(options_.samples)
                                            ? std::unique_ptr<PathSink>(std::make_unique<PathCsvWriter>(
-                                                 options_.samples, labels(), scene.compare.has_value()))
+                                                 options_.samples, labels(), origin_, scene.compare.has_value()))
                                            : std::make_unique<PathVolumeWriter>(options_.samples, header()));
         summary_.emplace(beside(".paths.csv"), scene.precision);
         if (options_.npy)
@@ -229,21 +231,21 @@ private:
                 if (written_ & channel) {
                     const std::filesystem::path file =
                         beside(fmt::format("{}.{}.npy", options_.label, name_of_channel(channel)));
-                    add_sink(file,
-                             std::make_unique<PathNpyWriter>(file, input.paths, input.steps, channel, scene.precision));
+                    add_sink(file, std::make_unique<PathNpyWriter>(file, input.paths, input.steps, channel,
+                                                                   scene.precision, origin_));
                 }
         if (options_.vtp) {
             const std::filesystem::path file = beside(options_.label + ".vtp");
-            add_sink(file, std::make_unique<PathVtpWriter>(file,
-                                                           PathVtpHeader{input.paths, total_,
-                                                                         (written_ & layout::kChannelProxy) != 0,
-                                                                         scene.precision, scene.compare.has_value()},
-                                                           labels()));
+            add_sink(file, std::make_unique<PathVtpWriter>(
+                               file,
+                               PathVtpHeader{input.paths, total_, (written_ & layout::kChannelProxy) != 0,
+                                             scene.precision, scene.compare.has_value(), origin_},
+                               labels()));
         }
         if (written_ & kComparedChannels)
             compared_.emplace(prepared_, static_cast<unsigned>(options_.threads));
         if (options_.pictures.any())
-            collector_.emplace(input.paths, input.steps);
+            collector_.emplace(input.paths, input.steps, origin_);
     }
 
     void add_sink(const std::filesystem::path& file, std::unique_ptr<PathSink> sink) {
@@ -302,8 +304,13 @@ private:
                 if (!std::isfinite(rows.force[i]) || !std::isfinite(rows.position[i]))
                     refuse(rows.path_first + path,
                            fmt::format(" at step {}, at ({}, {}, {}) m,", rows.step_first + i / 3 - path * rows.pitch,
-                                       rows.position[i / 3 * 3], rows.position[i / 3 * 3 + 1],
-                                       rows.position[i / 3 * 3 + 2]));
+                                       in_world(rows, i / 3, 0), in_world(rows, i / 3, 1), in_world(rows, i / 3, 2)));
+    }
+
+    // m: a coordinate of a sample's place, as short as its precision has it.
+    std::string in_world(const PathRows<T>& rows, std::size_t sample, int axis) const {
+        const T place = rows.position[3 * sample + std::size_t(axis)];
+        return origin_[axis] != 0 ? fmt::format("{}", origin_[axis] + double(place)) : fmt::format("{}", place);
     }
 
     [[noreturn]] void refuse(std::uint64_t path, const std::string& where) const {
@@ -411,6 +418,7 @@ private:
 
     Engine& engine_;
     const PreparedCase& prepared_;
+    const glm::dvec3 origin_; /* m, in the world: of the places of rows */
     const PathRunOptions& options_;
     std::shared_ptr<const RecordedFile> file_; // null: the paths are generated
     double rate_;                              /* 1/s */

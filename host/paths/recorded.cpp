@@ -27,7 +27,7 @@ RecordedFile::RecordedFile(const std::filesystem::path& file, const RecordedOpti
     : path_(file), largest_coordinate_(options.largest_coordinate) {
     PathReader reader(file, options.largest_coordinate);
     stamp_ = reader.csv().file().stamp();
-    PathCensus census(reader.csv().source(), options.period);
+    PathCensus census(reader.csv().source(), options.period, options.origin);
     std::vector<PathSample> samples;
     for (reader.read(samples, kAhead); !samples.empty(); reader.read(samples, kAhead)) {
         check_interrupt();
@@ -45,6 +45,7 @@ RecordedFile::RecordedFile(const std::filesystem::path& file, const RecordedOpti
             options.progress(reader.csv().bytes_read(), reader.csv().bytes());
     }
     ids_ = census.ids();
+    scale_ = census.scale();
     if (reader.csv().ends_open())
         warnings_.push_back(location_prefix(reader.csv().source(), reader.csv().end()) +
                             "the last line has no line feed: if the file was cut off, its last number may be too");
@@ -54,7 +55,7 @@ RecordedFile::RecordedFile(const std::filesystem::path& file, const RecordedOpti
 
 RecordedFile::RecordedFile(std::string source, std::vector<std::vector<glm::dvec3>> paths,
                            const RecordedOptions& options)
-    : path_(std::move(source)), largest_coordinate_(options.largest_coordinate) {
+    : path_(std::move(source)), largest_coordinate_(options.largest_coordinate), scale_(options.origin) {
     if (paths.empty())
         throw UsageError(fmt::format("{}: there is no path", path_.string()));
     for (std::size_t path = 0; path < paths.size(); ++path) {
@@ -67,6 +68,7 @@ RecordedFile::RecordedFile(std::string source, std::vector<std::vector<glm::dvec
             if (!(farthest <= largest_coordinate_) || std::isnan(probe.x + probe.y + probe.z))
                 throw UsageError(fmt::format("{}[{}][{}]: ({}, {}, {}) m: coordinates are numbers of up to {:.3g} m",
                                              path_.string(), path, i, probe.x, probe.y, probe.z, largest_coordinate_));
+            i == 0 ? scale_.begin(probe) : scale_.add(probe, paths[path][i - 1]);
             kept_.push_back({path, options.period * static_cast<double>(i), probe, 0});
         }
         ids_.push_back(path);
@@ -216,7 +218,7 @@ template <typename T> void RecordedPaths<T>::keep(std::uint64_t begin, std::uint
     if (kept_from_ + places_.size() < end)
         cursor_.go_to(kept_from_ + places_.size());
     while (kept_from_ + places_.size() < end)
-        places_.emplace_back(cursor_.next().probe);
+        places_.emplace_back(cursor_.next().probe - origin_);
 }
 
 template <typename T> std::span<const T> RecordedPaths<T>::positions(std::size_t step, std::size_t steps) {
@@ -228,7 +230,8 @@ template <typename T> std::span<const T> RecordedPaths<T>::positions(std::size_t
         if (!kept && step < end)
             keep(count_ == 1 ? begin + step : begin_, begin + end);
         for (std::size_t i = step; i < end; ++i) {
-            const Place place = kept ? Place(file_->kept()[begin + i].probe) : places_[begin + i - kept_from_];
+            const Place place =
+                kept ? Place(file_->kept()[begin + i].probe - origin_) : places_[begin + i - kept_from_];
             T* const out = &window_[3 * ((i - step) * count_ + path)];
             out[0] = place.x;
             out[1] = place.y;

@@ -25,6 +25,9 @@ inline constexpr std::size_t kKeptSamples = std::size_t(1) << 16;
 /// Paths of a file, at most.
 inline constexpr std::size_t kRecordedPaths = std::size_t(1) << 24;
 
+/// What StepScale::median_step() is, in a warning.
+inline constexpr const char* kMedianStep = "the median step from sample to sample";
+
 /// How a file of recorded paths is read.
 struct RecordedOptions {
     double largest_coordinate = 0; /* m: as for PathReader */
@@ -32,6 +35,7 @@ struct RecordedOptions {
     std::size_t most_interleaved = kInterleavedSamples;
     std::size_t most_kept = kKeptSamples;
     std::function<void(std::uint64_t done, std::uint64_t total)> progress{}; /* bytes; may be empty */
+    glm::dvec3 origin{0};                                                    /* m: as for StepScale */
 };
 
 /// Reads the file once to check it and to count; RecordedCursor reads it again. A file in which each path's samples
@@ -53,6 +57,7 @@ public:
     std::span<const std::uint64_t> ids() const { return ids_; }
     std::span<const layout::uint> steps() const { return steps_; }
     const std::vector<std::string>& warnings() const { return warnings_; }
+    const StepScale& scale() const { return scale_; }
 
     /// All samples, path by path; empty if they are not kept.
     std::span<const PathSample> kept() const { return kept_; }
@@ -73,6 +78,7 @@ private:
     std::vector<layout::uint> steps_;
     std::size_t longest_ = 0;
     std::uint64_t samples_ = 0;
+    StepScale scale_;
     std::vector<std::string> warnings_;
     std::vector<PathSample> kept_;
 };
@@ -111,12 +117,14 @@ struct PreparedCase;
 inline constexpr std::size_t kRecordedSamples = std::size_t(1) << 20;
 
 /// Paths as an engine asks for them. Of a file that is not kept a batch of several paths is in memory; one path
-/// that is longer than a batch may be goes by in windows. Positions are rounded once to T.
+/// that is longer than a batch may be goes by in windows. Positions are measured from `origin`, m, in the world, and
+/// rounded once to T.
 template <typename T> class RecordedPaths {
 public:
     /// `most`: samples of a batch, as kRecordedSamples.
-    explicit RecordedPaths(std::shared_ptr<const RecordedFile> file, std::size_t most = kRecordedSamples)
-        : file_(std::move(file)), cursor_(*file_), most_(most) {}
+    explicit RecordedPaths(std::shared_ptr<const RecordedFile> file, std::size_t most = kRecordedSamples,
+                           const glm::dvec3& origin = glm::dvec3(0))
+        : file_(std::move(file)), cursor_(*file_), most_(most), origin_(origin) {}
 
     const std::shared_ptr<const RecordedFile>& file() const { return file_; }
     /// Further batches have at most so many samples.
@@ -139,6 +147,7 @@ private:
     std::shared_ptr<const RecordedFile> file_;
     RecordedCursor cursor_;
     std::size_t most_;
+    glm::dvec3 origin_;                 /* m */
     std::size_t first_ = 0, count_ = 0; // selected paths
     std::uint64_t begin_ = 0;           // the first selected sample of the file
     std::vector<Place> places_;         // path by path, from sample kept_from_ on

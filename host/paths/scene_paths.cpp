@@ -38,11 +38,17 @@ layout::PathFeatures features_of(const PathsSpec& paths, std::uint32_t channels)
     return features;
 }
 
+// The middle of a quantity that may differ from path to path.
+double typical(const Spread& spread) {
+    return spread.shape == Spread::Shape::uniform ? 0.5 * (spread.low + spread.high) : spread.value;
+}
+
 } // namespace
 
 template <typename T>
 ScenePaths<T>::ScenePaths(const PreparedCase& prepared, std::shared_ptr<const RecordedFile> recorded)
-    : spec_(recorded ? prepared.one.scene.paths.value_or(PathsSpec{}) : paths_of(prepared)) {
+    : spec_(recorded ? prepared.one.scene.paths.value_or(PathsSpec{}) : paths_of(prepared)),
+      origin_(scene_origin(prepared)) {
     if (recorded) {
         spec_.kind = PathKind::recorded;
         spec_.follow = PathFollow::plane;
@@ -62,6 +68,8 @@ ScenePaths<T>::ScenePaths(const PreparedCase& prepared, std::shared_ptr<const Re
     if (spec_.closed())
         hand_ = hand_params<T>(scene.hand, spec_, region_.bound);
     const double farthest = farthest_coordinate(spec_, region_);
+    region_.centre = {region_.centre[0] - origin_.x, region_.centre[1] - origin_.y};
+    region_.height -= origin_.z;
     if (prepared.images.mesh && spec_.kind != PathKind::recorded && !(farthest <= largest_coordinate<T>(prepared)))
         throw UsageError(fmt::format("the paths come to {:.3g} m from the origin, further from the mesh than {} can "
                                      "follow: at most {:.3g} m; are the units right?",
@@ -72,7 +80,7 @@ ScenePaths<T>::ScenePaths(const PreparedCase& prepared, std::shared_ptr<const Re
             recorded = read_recorded<T>(prepared, spec_.path);
         spec_.count = recorded->paths();
         spec_.steps = recorded->longest();
-        recorded_ = std::make_unique<RecordedPaths<T>>(std::move(recorded));
+        recorded_ = std::make_unique<RecordedPaths<T>>(std::move(recorded), kRecordedSamples, origin_);
     }
     constexpr std::uint64_t kWorthIt = 4; // samples a triangle
     if (tables_.mesh && spec_.count * spec_.steps >= kWorthIt * tables_.mesh->params.triangles) {
@@ -95,15 +103,33 @@ template <typename T> layout::PathInput<T> ScenePaths<T>::input() {
 }
 
 template <typename T> std::vector<std::string> ScenePaths<T>::warnings() const {
-    if (recorded_)
-        return recorded_->file()->warnings();
-    std::vector<std::string> warnings = pace_warnings(spec_, region_);
-    if (spec_.count > 1 && generated_.harmonics == 0 && !paths_differ(spec_))
+    std::vector<std::string> warnings = recorded_ ? recorded_->file()->warnings() : pace_warnings(spec_, region_);
+    if (const std::optional<std::string> warning = coarse())
+        warnings.push_back(*warning);
+    if (!recorded_ && spec_.count > 1 && generated_.harmonics == 0 && !paths_differ(spec_))
         warnings.push_back(
             fmt::format("[paths]: all {} paths are the same one; spread speed, depth, heading or offset, "
                         "as in speed = {{ mean = \"100 mm/s\", sd = \"20 mm/s\" }}, or say count = 1",
                         spec_.count));
     return warnings;
+}
+
+template <typename T> std::optional<std::string> ScenePaths<T>::coarse() const {
+    constexpr Precision kPrecision = std::is_same_v<T, float> ? Precision::f32 : Precision::f64;
+    if (recorded_) {
+        const StepScale& scale = recorded_->file()->scale();
+        return coarse_warning(kPrecision, scale.farthest(), kMedianStep, scale.median_step());
+    }
+    PathsSpec open = spec_;
+    open.loop = PathLoop::open;
+    open.drive = PathDrive::depth;
+    const double farthest = farthest_coordinate(open, region_), step = typical(spec_.speed) / spec_.rate; /* m */
+    if (spec_.steps > 1)
+        if (const auto warning = coarse_warning(kPrecision, farthest, "the step from sample to sample", step))
+            return warning;
+    return spec_.drive == PathDrive::depth
+               ? coarse_warning(kPrecision, farthest, "the depth", std::abs(typical(spec_.depth)))
+               : std::nullopt;
 }
 
 template <typename T> void ScenePaths<T>::limit_batches(std::size_t samples) {
@@ -209,8 +235,8 @@ template <typename T> std::span<const T> ScenePaths<T>::positions(std::size_t st
             const std::size_t at = std::min<std::size_t>(step + i, spec_.steps - 1);
             reference::Vector<T> place =
                 reference::motion_at(law_, generated_, batch_, path, static_cast<layout::uint>(at));
-            if (const std::optional<double> height = height_at(*below_, double(place.x), double(place.y)))
-                place.z = static_cast<T>(*height + (double(place.z) - region_.height));
+            if (const auto height = height_at(*below_, origin_.x + double(place.x), origin_.y + double(place.y)))
+                place.z = static_cast<T>((*height - origin_.z) + (double(place.z) - region_.height));
             for (int axis = 0; axis < 3; ++axis)
                 window_[3 * (i * batch_.count + path) + std::size_t(axis)] = place[axis];
         }

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -24,13 +25,15 @@ std::shared_ptr<const RecordedFile> read_recorded(const PreparedCase& prepared, 
     RecordedOptions options;
     options.largest_coordinate = largest_coordinate<T>(prepared);
     options.period = paths && paths->closed() ? 1 / paths->rate : 0;
+    options.origin = scene_origin(prepared);
     Stage stage("reading " + file.filename().string(), 0, "MB");
     options.progress = [&](std::uint64_t done, std::uint64_t total) { stage.update(done / 1000000, total / 1000000); };
     return std::make_shared<const RecordedFile>(file, options);
 }
 
-/// Owns what a layout::PathInput only points to. A batch's tables are made when it is asked for, in double, and rounded
-/// once to T; a path depends on the seed and its number alone, neither on its batch nor on T but for that rounding.
+/// Owns what a layout::PathInput only points to. Places are measured from scene_origin(). A batch's tables are made
+/// when it is asked for, in double, and rounded once to T; a path depends on the seed and its number alone, neither on
+/// its batch nor on T but for that rounding.
 template <typename T> class ScenePaths final : public layout::PathSource<T> {
 public:
     /// `prepared` must outlive it. `recorded`: the paths of a file in place of those of the scene, whose loop, drive,
@@ -46,7 +49,8 @@ public:
     /// Paths of a mesh that began behind its surface, of those whose batch was made.
     std::uint64_t begins_inside() const { return inside_; }
 
-    /// What is remarkable in the recorded file, `file:line:column: ...`, or in what is generated.
+    /// What is remarkable in the recorded file, `file:line:column: ...`, or in what is generated; and where T is too
+    /// coarse for the steps or the depth.
     std::vector<std::string> warnings() const;
     /// Batches of recorded paths have at most so many samples, each path counted as long as the longest.
     void limit_batches(std::size_t samples);
@@ -58,8 +62,10 @@ private:
     layout::PathBatch<T> generate(std::size_t first, std::size_t count);
     void add_path(std::size_t first, std::size_t path, std::size_t count);
     void start_proxies(const layout::PathBatch<T>& batch);
+    std::optional<std::string> coarse() const;
 
     PathsSpec spec_;
+    glm::dvec3 origin_; /* m, in the world: of the region and of all places */
     PathRegion region_;
     FieldTables<T> tables_;
     layout::Law<T> law_;                        // points into the tables

@@ -129,7 +129,8 @@ DeviationRecord DeviationSum::record() const {
 }
 
 Compared::Compared(const PreparedCase& prepared, unsigned threads)
-    : comparison_(prepared), grid_(prepared.one.scene.grid), threads_(reference::threads_for(threads)) {}
+    : comparison_(prepared), grid_(prepared.one.scene.grid), origin_(scene_origin(prepared)),
+      threads_(reference::threads_for(threads)) {}
 
 // Each sample stands for `count`. Sums by rows, added in their order, so that they do not depend on the threads.
 template <typename T, typename PlaceAt>
@@ -218,7 +219,7 @@ template <typename T> PathRows<T> Compared::paths(PathRows<T> rows) {
                [&](std::size_t path, std::size_t i) -> std::optional<glm::dvec3> {
                    if (i >= rows.samples(path))
                        return std::nullopt;
-                   return glm::dvec3(reference::vector_at(rows.position, path * rows.pitch + i));
+                   return world_place(glm::dvec3(reference::vector_at(rows.position, path * rows.pitch + i)), origin_);
                });
     rows.angle = buffers<T>().angle;
     rows.magnitude_error = buffers<T>().magnitude_error;

@@ -106,6 +106,7 @@ private:
 
     ShapeComparison comparison_;
     GridSpec grid_;
+    glm::dvec3 origin_; /* m, in the world: of the places of paths */
     unsigned threads_;
     std::tuple<Buffers<float>, Buffers<double>> buffers_; // those of the run's precision are used
     DeviationSum sum_;

@@ -208,6 +208,31 @@ void warn_of_part(const Scene& scene, std::vector<std::string>& warnings) {
                                        1e3 * end, 500 * scene.surface.width));
 }
 
+// m: the largest coordinate of a grid along an axis, from what its places are measured from.
+double farthest_of(const GridSpec& grid, std::size_t axis, double from) {
+    const double end = grid.origin[axis] + grid.spacing[axis] * static_cast<double>(grid.size[axis] - 1);
+    return std::max(std::abs(grid.origin[axis] - from), std::abs(end - from));
+}
+
+// Of the axis that suffers most.
+void warn_of_coarse_grid(PreparedCase& prepared) {
+    const Scene& scene = prepared.one.scene;
+    if (!scene.field)
+        return;
+    const glm::dvec3 from = prepared.images.mesh ? prepared.images.mesh->structure.centre : glm::dvec3(0);
+    const bool by_y = depends_on_y(features_of(scene));
+    double farthest = 0, spacing = 0;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const double own = farthest_of(scene.grid, axis, from[static_cast<int>(axis)]);
+        if (scene.grid.size[axis] < 2 || (axis == 1 && !by_y) || own * spacing < farthest * scene.grid.spacing[axis])
+            continue;
+        farthest = own;
+        spacing = scene.grid.spacing[axis];
+    }
+    if (const auto warning = coarse_warning(scene.precision, farthest, "the grid's spacing", spacing))
+        prepared.warnings.push_back(*warning);
+}
+
 void check_digest(const std::string& file, const std::string& expected, const std::string& found) {
     if (!expected.empty() && expected != found)
         throw UsageError(fmt::format("{} is not the file that the scene means: its SHA-256 is {}, the scene says {}",
@@ -270,6 +295,7 @@ PreparedCase CasePreparation::prepare(const Case& one) {
         if (scene.grid.samples)
             scene.grid = fitted_grid(scene.grid.samples, prepared.images.mesh->mesh);
     }
+    warn_of_coarse_grid(prepared);
     if (scene.compare && scene.compare->kind == CompareKind::mesh)
         prepared.compared_mesh = compared_mesh(scene);
     prepared.scene = resolved_toml(prepared.one);
@@ -277,17 +303,34 @@ PreparedCase CasePreparation::prepare(const Case& one) {
     return prepared;
 }
 
+glm::dvec3 scene_origin(const PreparedCase& prepared) {
+    return prepared.images.mesh ? origin_of(prepared.images.mesh->structure) : glm::dvec3(0);
+}
+
+std::optional<std::string> coarse_warning(Precision precision, double farthest, const std::string& what,
+                                          double length) {
+    constexpr double kShare = 0.01;
+    if (precision != Precision::f32 || !(farthest > 0) || !std::isfinite(farthest) || !(length > 0))
+        return std::nullopt;
+    const double ulp = std::ldexp(1.0, std::ilogb(farthest) - 23); /* m */
+    if (ulp <= kShare * length)
+        return std::nullopt;
+    return fmt::format("single precision rounds coordinates of {:.3g} m to {:.2g} m, and {} is {:.2g} m: use "
+                       "--precision f64",
+                       farthest, ulp, what, length);
+}
+
 template <typename T> PathContact<T> PathLaw<T>::at(std::size_t path, const glm::dvec3& probe) {
     if (law_.features.surface != layout::kSurfaceMesh) // L1 to L5: no history
         return {reference::evaluate(law_, reference::Vector<T>(probe))};
-    const reference::Vector<T> local = reference::to_mesh_frame(law_.mesh.params, reference::Vector<T>(probe));
+    const reference::Vector<T> place(probe - origin_), local = reference::to_mesh_frame(law_.mesh.params, place);
     if (!is_within_reach(local))
         throw UsageError(fmt::format("path position ({}, {}, {}) m is more than {:.0f} times the mesh's size from its "
                                      "centre, further than {} can follow; is the unit right?",
                                      probe.x, probe.y, probe.z, kMeshReach<T> / 2,
                                      std::is_same_v<T, float> ? "f32" : "f64"));
     const bool inside = path == proxies_.size() && begin_probe(law_, around_, proxies_.emplace_back(), local);
-    PathContact<T> contact = follow_probe(law_, around_, proxies_[path], probe, local);
+    PathContact<T> contact = follow_probe(law_, around_, proxies_[path], place, local);
     contact.begins_inside = inside;
     return contact;
 }

@@ -7,6 +7,7 @@
 #include <deque>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <type_traits>
 #include <vector>
@@ -52,9 +53,22 @@ struct PreparedCase {
     SceneImages images;
     std::shared_ptr<const SceneMesh> compared_mesh; // of [compare]; null: it has none
     std::string scene;                              /* resolved TOML, as it goes into files */
-    std::vector<std::string> warnings;              /* of the mesh's file, for a static field */
+    std::vector<std::string> warnings;              /* of the mesh's file and the grid, for a static field */
     double seconds = 0;                             /* that this took: files that cases share are read once */
 };
+
+/// Where the case's places are measured from, m, in the world: those of its paths, of proxies and of god-objects,
+/// before they are rounded. origin_of() its mesh; without one the world's own origin.
+glm::dvec3 scene_origin(const PreparedCase& prepared);
+
+/// A place from such an origin, m, in the world. For an origin of 0 the same bits: a zero keeps its sign.
+inline glm::dvec3 world_place(const glm::dvec3& place, const glm::dvec3& origin) {
+    return place - (glm::dvec3(0) - origin);
+}
+
+/// A warning that names f64, where single precision rounds coordinates of up to `farthest`, m, to more than a hundredth
+/// of `length`, m, which is `what`; nothing in double precision, or for no length.
+std::optional<std::string> coarse_warning(Precision precision, double farthest, const std::string& what, double length);
 
 /// Reads images and meshes; cases that follow each other share them, and only the last few stay in memory.
 class CasePreparation {
@@ -72,8 +86,9 @@ private:
     std::map<std::string, MeshFindings> findings_;                                  // by the file's SHA-256
 };
 
-/// The law at a place, m, that has no history, as a field has it; each coordinate of the world, or of the mesh's frame,
-/// is rounded once to T. `hint`: what was nearest to the place before, a good guess for the next.
+/// The law at a place of the world, m, that has no history, as a field has it; each coordinate of the world, or of the
+/// mesh's frame, is rounded once to T. The proxy is measured from scene_origin(). `hint`: what was nearest to the place
+/// before, a good guess for the next.
 template <typename T>
 reference::Contact<T> static_contact(const layout::Law<T>& law, const PreparedCase& prepared, const glm::dvec3& place,
                                      layout::uint& hint) noexcept {
@@ -85,7 +100,7 @@ reference::Contact<T> static_contact(const layout::Law<T>& law, const PreparedCa
 
 // A force law as a probe meets it that moves along paths: laws with a history keep one for each path.
 
-/// The contact of a sample, in world coordinates.
+/// The contact of a sample, places from scene_origin().
 template <typename T> struct PathContact {
     reference::Contact<T> contact; /* out of contact the proxy is the probe, the facet layout::kNoFacet */
     bool begins_inside =
@@ -96,21 +111,26 @@ template <typename T> struct PathContact {
 /// Squares of lengths up to this, m, stay numbers of T: the most that scenes may have, too.
 template <typename T> constexpr double kLargestLength = std::is_same_v<T, float> ? 1e15 : 1e150;
 
-/// The largest coordinate of a probe, m: squares of lengths stay numbers of T, and a mesh can still be told from a
-/// point.
+/// The largest coordinate of a probe in the world, m: squares of lengths stay numbers of T, and a mesh can still be
+/// told from a point.
 template <typename T> double largest_coordinate(const PreparedCase& prepared);
 
 template <typename T> class PathLaw {
 public:
     explicit PathLaw(const PreparedCase& prepared)
-        : tables_(make_tables<T>(prepared.one.scene, prepared.images, Extent::what_varies)), law_(tables_.law()) {}
+        : origin_(scene_origin(prepared)),
+          tables_(make_tables<T>(prepared.one.scene, prepared.images, Extent::what_varies)), law_(tables_.law()) {}
     PathLaw(const PathLaw&) = delete;
 
-    /// A probe, m, each coordinate rounded once to T. `path`: 0 or one more than any before begins a new path, others
-    /// go on from where their last sample left them.
+    /// As scene_origin().
+    const glm::dvec3& origin() const { return origin_; }
+
+    /// A probe in the world, m; each coordinate, from the scene's origin, is rounded once to T. `path`: 0 or one more
+    /// than any before begins a new path, others go on from where their last sample left them.
     PathContact<T> at(std::size_t path, const glm::dvec3& probe);
 
 private:
+    glm::dvec3 origin_; /* m */
     FieldTables<T> tables_;
     layout::Law<T> law_;                           // points into the tables
     reference::Neighbourhood<T> around_;           // of a mesh: of the probe
@@ -121,7 +141,7 @@ private:
 /// \throws UsageError if a value leaves the range of T.
 template <typename T> std::unique_ptr<PathLaw<T>> make_path_law(const PreparedCase& prepared);
 
-// L6 to L9 as one probe meets them in the world: the god-object begins, and follows.
+// L6 to L9 as one probe meets them: the god-object begins, and follows.
 
 /// Whether a place of the mesh's frame is one at which T still follows a probe.
 template <typename T> bool is_within_reach(const reference::Vector<T>& local) noexcept {
@@ -137,15 +157,16 @@ bool begin_probe(const layout::Law<T>& law, reference::Neighbourhood<T>& around,
     return start.inside != 0;
 }
 
-/// Takes the probe on, to `probe`, m, which in the mesh's frame is `local`. Neither allocates nor throws.
+/// Takes the probe on, to `probe`, m, from the scene's origin, which in the mesh's frame is `local`. Neither allocates
+/// nor throws.
 template <typename T>
 PathContact<T> follow_probe(const layout::Law<T>& law, reference::Neighbourhood<T>& around,
-                            reference::GodObject<T>& proxy, const glm::dvec3& probe,
+                            reference::GodObject<T>& proxy, const reference::Vector<T>& probe,
                             const reference::Vector<T>& local) noexcept {
     const auto rest = reference::update(law.mesh, proxy, around, local);
     PathContact<T> contact{reference::mesh_contact(law, rest, local), false, rest.finished};
     if (contact.contact.facet == layout::kNoFacet)
-        contact.contact.proxy = reference::Vector<T>(probe); // not there and back through the mesh's frame
+        contact.contact.proxy = probe; // not there and back through the mesh's frame
     return contact;
 }
 

@@ -148,19 +148,31 @@ std::vector<T> axis(const GridSpec& grid, std::size_t which, std::size_t count, 
     return samples;
 }
 
-// In the mesh's own frame, where single precision suffices however far the mesh is from the origin.
-template <typename T> std::vector<T> local_axis(const GridSpec& grid, int which, const MeshStructure& mesh) {
+// m: of a grid's samples along an axis from the mesh's centre.
+double farthest_sample(const GridSpec& grid, int which, const MeshStructure& mesh) {
     const auto i = static_cast<std::size_t>(which);
     const double centre = mesh.centre[which];
     const double last = grid.origin[i] + grid.spacing[i] * static_cast<double>(grid.size[i] - 1);
-    const double farthest = std::max(std::abs(grid.origin[i] - centre), std::abs(last - centre)); /* m */
+    return std::max(std::abs(grid.origin[i] - centre), std::abs(last - centre));
+}
+
+template <typename T> bool is_in_reach(const GridSpec& grid, const MeshStructure& mesh) {
+    const double reach = kMeshReach<T> * mesh.scale; /* m */
+    return farthest_sample(grid, 0, mesh) <= reach && farthest_sample(grid, 1, mesh) <= reach &&
+           farthest_sample(grid, 2, mesh) <= reach;
+}
+
+// In the mesh's own frame, where single precision suffices however far the mesh is from the origin.
+template <typename T> std::vector<T> local_axis(const GridSpec& grid, int which, const MeshStructure& mesh) {
+    const auto i = static_cast<std::size_t>(which);
+    const double farthest = farthest_sample(grid, which, mesh);
     if (!(farthest <= kMeshReach<T> * mesh.scale))
         throw UsageError(fmt::format(
             "the grid reaches {:.3g} m from the mesh's centre along {}, and the mesh is about "
             "{:.3g} m in size: beyond {:.0f} sizes {} cannot tell its facets apart; move the grid "
             "or check the unit",
             farthest, "xyz"[which], 2 * mesh.scale, kMeshReach<T> / 2, std::is_same_v<T, float> ? "f32" : "f64"));
-    return axis<T>(grid, i, grid.size[i], centre, mesh.scale, "a grid coordinate, in sizes of the mesh,");
+    return axis<T>(grid, i, grid.size[i], mesh.centre[which], mesh.scale, "a grid coordinate, in sizes of the mesh,");
 }
 
 layout::uint mesh_shading(Shading shading) {
@@ -181,6 +193,14 @@ const HeightMapSpec& direction_map(const Scene& scene) {
 }
 const HeightImage* direction_image(const Scene& scene, const SceneImages& images) {
     return tilts_normals(scene) ? images.texture.get() : images.map.get();
+}
+
+// A sine is read but for whole wavelengths, so that its phase does not suffer where the mesh is far away.
+template <typename T> void place_map(const Scene& scene, const MeshStructure& mesh, layout::MeshParams<T>& params) {
+    if (!scene.texture || scene.texture->map.function != MapFunction::sine)
+        return;
+    const double length = scene.texture->map.width, whole = std::round(origin_of(mesh).x / length); /* m, 1 */
+    params.map_x = static_cast<T>(mesh.centre.x - whole * length);
 }
 
 bool is_shaded_by_map(const Scene& scene) {
@@ -279,7 +299,12 @@ template <typename T> FieldTables<T> make_tables(const Scene& scene, const Scene
     }
     if (images.mesh) {
         const MeshStructure& mesh = images.mesh->structure;
-        tables.mesh = std::make_shared<const MeshTables<T>>(make_mesh_tables<T>(mesh, scene.force.stiffness));
+        MeshTables<T> made = make_mesh_tables<T>(mesh, scene.force.stiffness);
+        place_map(scene, mesh, made.params);
+        tables.mesh = std::make_shared<const MeshTables<T>>(std::move(made));
+        // Paths alone need no grid, and the one by default may be far from the mesh.
+        if (!scene.field && !is_in_reach<T>(scene.grid, mesh))
+            return tables;
         tables.x = local_axis<T>(scene.grid, 0, mesh);
         tables.y = local_axis<T>(scene.grid, 1, mesh);
         tables.z = local_axis<T>(scene.grid, 2, mesh);

@@ -70,11 +70,40 @@ private:
     Stored* data_ = nullptr;
 };
 
+// Of places: floats of the precision, or where these are measured from an origin, m, that is not 0, doubles of the
+// world.
+template <typename T> class Places {
+public:
+    Places(py::dict& into, std::uint32_t channel, const Shape& shape, const glm::dvec3& origin) : origin_(origin) {
+        if (is_moved(channel, origin))
+            moved_.emplace(into, channel, shape);
+        else
+            plain_.emplace(into, channel, shape);
+    }
+
+    // Coordinates from sample `first` on.
+    void put(std::size_t first, std::span<const T> values) {
+        if (moved_)
+            moved_->put(first, std::span<const double>(in_world(values, origin_)));
+        else
+            plain_->put(first, values);
+    }
+    void put(std::size_t sample, const reference::Vector<T>& place) {
+        const T values[] = {place.x, place.y, place.z};
+        put(sample, values);
+    }
+
+private:
+    glm::dvec3 origin_; /* m */
+    std::optional<Channel<T>> plain_;
+    std::optional<Channel<double>> moved_;
+};
+
 // Contacts of single probes.
 template <typename T> struct ContactArrays {
-    explicit ContactArrays(py::dict& into, std::size_t count)
+    ContactArrays(py::dict& into, std::size_t count, const glm::dvec3& origin)
         : force(into, layout::kChannelForce, shape(count)), unshaded(into, layout::kChannelUnshaded, shape(count)),
-          proxy(into, layout::kChannelProxy, shape(count)), depth(into, layout::kChannelDepth, shape(count)),
+          proxy(into, layout::kChannelProxy, shape(count), origin), depth(into, layout::kChannelDepth, shape(count)),
           facet(into, layout::kChannelFacet, shape(count)) {}
 
     void put(std::size_t i, const reference::Contact<T>& contact) {
@@ -86,7 +115,9 @@ template <typename T> struct ContactArrays {
     }
 
     static Shape shape(std::size_t count) { return {py::ssize_t(count)}; }
-    Channel<T> force, unshaded, proxy, depth;
+    Channel<T> force, unshaded;
+    Places<T> proxy;
+    Channel<T> depth;
     Channel<layout::uint> facet;
 };
 
@@ -131,12 +162,13 @@ std::uint32_t channels_named(const std::vector<std::string>& names) {
 // Channels of a field, filled chunk by chunk.
 template <typename T> class FieldArrays {
 public:
-    FieldArrays(py::dict& into, std::uint32_t channels, const Shape& shape)
+    FieldArrays(py::dict& into, std::uint32_t channels, const Shape& shape, const glm::dvec3& origin)
         : rows_(std::size_t(shape[1])), columns_(std::size_t(shape[2])) {
-        for (const std::uint32_t channel :
-             {layout::kChannelForce, layout::kChannelDepth, layout::kChannelProxy, layout::kChannelUnshaded})
+        for (const std::uint32_t channel : {layout::kChannelForce, layout::kChannelDepth, layout::kChannelUnshaded})
             if (channels & channel)
                 reals_.emplace_back(channel, Channel<T>(into, channel, shape));
+        if (channels & layout::kChannelProxy)
+            proxy_.emplace(into, layout::kChannelProxy, shape, origin);
         if (channels & layout::kChannelFacet)
             facet_.emplace(into, layout::kChannelFacet, shape);
     }
@@ -150,6 +182,8 @@ public:
                     array.put(
                         to,
                         values_of(chunk, channel).subspan(from * array.components(), columns_ * array.components()));
+                if (proxy_)
+                    proxy_->put(to, values_of(chunk, layout::kChannelProxy).subspan(3 * from, 3 * columns_));
                 if (facet_)
                     facet_->put(to, ids_of(chunk).subspan(from, columns_));
             }
@@ -158,6 +192,7 @@ public:
 private:
     std::size_t rows_, columns_;
     std::vector<std::pair<std::uint32_t, Channel<T>>> reals_;
+    std::optional<Places<T>> proxy_;
     std::optional<Channel<layout::uint>> facet_;
 };
 
@@ -195,7 +230,8 @@ py::dict PreparedScene::field(const std::vector<std::string>& channels, const En
             reals += wanted & channel ? components_of(channel) : 0;
         require_memory_for(fmt::format("{} samples", samples), double(samples) * double(reals * sizeof(T)));
         FieldArrays<T> arrays(result, wanted,
-                              {py::ssize_t(input.z.size()), py::ssize_t(input.y.size()), py::ssize_t(input.x.size())});
+                              {py::ssize_t(input.z.size()), py::ssize_t(input.y.size()), py::ssize_t(input.x.size())},
+                              scene_origin(prepared));
         const py::gil_scoped_release release;
         make_engine(options)->evaluate<T>(input, [&](const layout::FieldChunk<T>& chunk) {
             arrays.put(chunk);
@@ -252,7 +288,7 @@ py::dict PreparedScene::contact(const Points& points, unsigned threads) const {
     py::dict result;
     const auto evaluate = [&]<typename T>(const FieldTables<T>& tables) {
         const std::span<const glm::dvec3> all = checked<T>(points, prepared_);
-        ContactArrays<T> arrays(result, all.size());
+        ContactArrays<T> arrays(result, all.size(), scene_origin(prepared_));
         const layout::Law<T> law = tables.law();
         at_every_place(all.size(), threads, [&](std::size_t i, layout::uint& hint) {
             arrays.put(i, static_contact(law, prepared_, all[i], hint));
@@ -267,11 +303,12 @@ namespace {
 // All samples of paths, by path, and a row of figures each.
 template <typename T> class PathArrays {
 public:
-    PathArrays(py::dict& into, std::size_t paths, std::size_t steps, Precision precision)
-        : steps_(steps), precision_(precision),
-          samples_{Channel<T>(into, layout::kChannelPosition, {py::ssize_t(paths), py::ssize_t(steps)}),
-                   Channel<T>(into, layout::kChannelForce, {py::ssize_t(paths), py::ssize_t(steps)}),
-                   Channel<T>(into, layout::kChannelProxy, {py::ssize_t(paths), py::ssize_t(steps)}),
+    PathArrays(py::dict& into, std::size_t paths, std::size_t steps, Precision precision, const glm::dvec3& origin)
+        : steps_(steps), precision_(precision), places_{Places<T>(into, layout::kChannelPosition,
+                                                                  {py::ssize_t(paths), py::ssize_t(steps)}, origin),
+                                                        Places<T>(into, layout::kChannelProxy,
+                                                                  {py::ssize_t(paths), py::ssize_t(steps)}, origin)},
+          samples_{Channel<T>(into, layout::kChannelForce, {py::ssize_t(paths), py::ssize_t(steps)}),
                    Channel<T>(into, layout::kChannelDepth, {py::ssize_t(paths), py::ssize_t(steps)})},
           facet_(into, layout::kChannelFacet, {py::ssize_t(paths), py::ssize_t(steps)}) {
         py::dict figures;
@@ -291,18 +328,18 @@ public:
         for (std::size_t path = 0; path < rows.path_count; ++path) {
             const std::size_t from = path * rows.pitch, count = rows.samples(path);
             const std::size_t to = (rows.path_first + path) * steps_ + rows.step_first;
-            const std::span<const T> reals[] = {rows.position, rows.force, rows.proxy, rows.depth};
-            for (std::size_t i = 0; i < 4; ++i) {
-                const std::size_t components = samples_[i].components();
-                samples_[i].put(to, reals[i].subspan(from * components, count * components));
-            }
+            places_[0].put(to, rows.position.subspan(3 * from, 3 * count));
+            places_[1].put(to, rows.proxy.subspan(3 * from, 3 * count));
+            samples_[0].put(to, rows.force.subspan(3 * from, 3 * count));
+            samples_[1].put(to, rows.depth.subspan(from, count));
             facet_.put(to, rows.facet.subspan(from, count));
             if (rows.ends(path))
                 for (std::size_t rest = to + count; rest < (rows.path_first + path + 1) * steps_; ++rest) {
-                    for (Channel<T>& channel : samples_) {
-                        const T missing[] = {nan_, nan_, nan_};
+                    const T missing[] = {nan_, nan_, nan_};
+                    for (Places<T>& places : places_)
+                        places.put(rest, std::span(missing));
+                    for (Channel<T>& channel : samples_)
                         channel.put(rest, std::span(missing).first(channel.components()));
-                    }
                     facet_.put(rest, layout::kNoFacet);
                 }
         }
@@ -327,7 +364,8 @@ private:
 
     std::size_t steps_;
     Precision precision_;
-    std::array<Channel<T>, 4> samples_; // position, force, proxy, depth
+    std::array<Places<T>, 2> places_;   // position, proxy
+    std::array<Channel<T>, 2> samples_; // force, depth
     Channel<layout::uint> facet_;
     std::vector<double*> columns_; // of the figures
 };
@@ -363,7 +401,7 @@ py::dict PreparedScene::explore(const std::optional<std::vector<Points>>& given,
         input.features.channels = kChannels;
         require_memory_for(fmt::format("{} paths of {} steps", input.paths, input.steps),
                            double(input.paths) * double(input.steps) * double(path_sample_bytes(kChannels, sizeof(T))));
-        PathArrays<T> arrays(result, input.paths, input.steps, scene.precision);
+        PathArrays<T> arrays(result, input.paths, input.steps, scene.precision, scene_origin(prepared_));
         const py::gil_scoped_release release;
         BatchedSource<T> source(paths, input.steps, paths_that_fit(input));
         input.source = &source;
@@ -405,7 +443,7 @@ py::dict GodObject::follow(const Points& points) {
     py::dict result;
     const auto run = [&]<typename T>(const Law<T>& law) {
         const std::span<const glm::dvec3> all = checked<T>(points, scene_->prepared());
-        ContactArrays<T> arrays(result, all.size());
+        ContactArrays<T> arrays(result, all.size(), law->origin());
         constexpr std::size_t kBetweenSignals = std::size_t(1) << 16;
         const py::gil_scoped_release release;
         for (std::size_t i = 0; i < all.size(); ++i) {
@@ -449,7 +487,7 @@ py::dict read_field(const std::string& file) {
         if (!(header.channels & channel))
             continue;
         constexpr std::uint64_t kRows = 4096;
-        const auto read = [&]<typename Value>(std::vector<Value> values, const auto& rows) {
+        const auto read = [&]<typename Value>(std::vector<Value> values, auto rows) {
             Channel<Value> array(result, channel, shape);
             const py::gil_scoped_release release;
             for (std::uint64_t first = 0; first < reader.rows(); first += kRows) {
@@ -461,6 +499,12 @@ py::dict read_field(const std::string& file) {
         if (channel == layout::kChannelFacet)
             read(std::vector<std::uint32_t>(),
                  [&](auto first, auto count, auto& ids) { reader.read_ids(first, count, ids); });
+        else if (is_moved(channel, header.place_origin))
+            read(std::vector<double>(),
+                 [&, stored = std::vector<float>()](auto first, auto count, auto& places) mutable {
+                     reader.read(channel, first, count, stored);
+                     places = in_world(std::span<const float>(stored), header.place_origin);
+                 });
         else
             read(std::vector<float>(),
                  [&](auto first, auto count, auto& values) { reader.read(channel, first, count, values); });
@@ -478,8 +522,13 @@ py::dict read_exr(const std::string& file) {
     const Shape shape{py::ssize_t(read.paths), py::ssize_t(read.steps)};
     py::dict result;
     add(result, layout::kChannelForce, shape, read.force);
-    add(result, layout::kChannelPosition, shape, read.position);
-    add(result, layout::kChannelProxy, shape, read.proxy);
+    if (read.origin == glm::dvec3(0)) {
+        add(result, layout::kChannelPosition, shape, read.position);
+        add(result, layout::kChannelProxy, shape, read.proxy);
+    } else {
+        add(result, layout::kChannelPosition, shape, in_world(std::span<const float>(read.position), read.origin));
+        add(result, layout::kChannelProxy, shape, in_world(std::span<const float>(read.proxy), read.origin));
+    }
     add(result, layout::kChannelDepth, shape, read.depth);
     add(result, layout::kChannelFacet, shape, read.facet);
     add(result, kChannelAngle, shape, read.angle);

@@ -58,9 +58,10 @@ template <typename T> struct ContactReferee<T>::Surface : ContactSurface {
           brute_every(samples / affordable + 1) {}
 
     // What skin and rounding make of a place; the side is not defined nearer to the surface.
-    double tolerance(const Point& local, const glm::dvec3& world) const {
+    // `probe`, m: from the scene's origin.
+    double tolerance(const Point& local, const glm::dvec3& probe) const {
         constexpr double kEpsilon = std::numeric_limits<T>::epsilon();
-        const double written = std::max({std::abs(world.x), std::abs(world.y), std::abs(world.z)}) / scale();
+        const double written = std::max({std::abs(probe.x), std::abs(probe.y), std::abs(probe.z)}) / scale();
         const double touch = 16 * kEpsilon * (1 + reference::largest_coordinate(local));
         const double placed = 4 * kEpsilon * (1 + reference::largest_coordinate(local) + written);
         return 2 * double(reference::Skin<T>::kWidth) + touch + placed;
@@ -84,7 +85,7 @@ template <typename T> struct ContactReferee<T>::Path {
 
 template <typename T> struct ContactReferee<T>::Sample {
     std::size_t path, step;
-    glm::dvec3 world_probe, world_proxy; /* m */
+    glm::dvec3 probe_place, proxy_place; /* m, from the scene's origin */
     layout::uint facet;
     Point probe{0}, proxy{0}; // in the frame
     double tolerance = 0;
@@ -290,7 +291,7 @@ private:
 
     void note(std::uint64_t& counter, const std::string& what) {
         ++counter;
-        const glm::dvec3& place = at_.world_proxy;
+        const glm::dvec3 place = surface_.origin() + at_.proxy_place;
         if (count_.first.empty())
             count_.first = fmt::format("path {}, step {}: the proxy at ({:.9g}, {:.9g}, {:.9g}) m {}", at_.path,
                                        at_.step, place.x, place.y, place.z, what);
@@ -338,13 +339,13 @@ template <typename T> void ContactReferee<T>::check(const PathRows<T>& rows) {
                           {position[0], position[1], position[2]},
                           {proxy[0], proxy[1], proxy[2]},
                           rows.facet[at]};
-            sample.probe = surface_->to_frame(sample.world_probe);
-            sample.proxy = surface_->to_frame(sample.world_proxy);
+            sample.probe = surface_->to_frame(sample.probe_place);
+            sample.proxy = surface_->to_frame(sample.proxy_place);
             // A probe that left its bound stays where it was, without a proxy.
             if ((closed_loop_ && stands && !sample.touching()) || !std::isfinite(norm(sample.probe)) ||
                 !std::isfinite(norm(sample.proxy)))
                 continue;
-            sample.tolerance = surface_->tolerance(sample.proxy, sample.world_probe);
+            sample.tolerance = surface_->tolerance(sample.proxy, sample.probe_place);
             Judge(*surface_, state, sample, count_).judge();
         }
     }

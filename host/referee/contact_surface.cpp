@@ -132,7 +132,8 @@ Meets segment_meets(const glm::dvec3& from, const glm::dvec3& to, const std::arr
 }
 
 ContactSurface::ContactSurface(const Mesh& mesh, MeshStructure structure, std::vector<double> vertices)
-    : mesh_(mesh), structure_(std::move(structure)), vertices_(std::move(vertices)), referee_(mesh, {}) {
+    : mesh_(mesh), structure_(std::move(structure)), origin_(origin_of(structure_)), vertices_(std::move(vertices)),
+      referee_(mesh, {}) {
     if (!structure_.winding)
         structure_.winding = make_winding(structure_);
     tables_ = make_mesh_tables<double>(structure_, 0);

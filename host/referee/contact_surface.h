@@ -32,7 +32,12 @@ public:
 
     bool closed() const { return law_.mesh.rims.empty(); }
     double scale() const { return structure_.scale; }
-    glm::dvec3 to_frame(const glm::dvec3& world) const { return (world - structure_.centre) / structure_.scale; }
+    /// What places are measured from, m, in the world: the scene's origin.
+    const glm::dvec3& origin() const { return origin_; }
+    /// A place from the scene's origin, m, in the frame.
+    glm::dvec3 to_frame(const glm::dvec3& place) const {
+        return (place - (structure_.centre - origin_)) / structure_.scale;
+    }
     glm::dvec3 to_world(const glm::dvec3& local) const { return structure_.centre + structure_.scale * local; }
 
     /// Whether a straight line meets a facet.
@@ -72,6 +77,7 @@ private:
 
     const Mesh& mesh_;
     MeshStructure structure_;
+    glm::dvec3 origin_; /* m */
     MeshTables<double> tables_;
     std::vector<double> vertices_;
     layout::Law<double> law_{};

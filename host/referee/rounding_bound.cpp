@@ -291,20 +291,25 @@ double MeshBound::place_error(const Vector& point) const {
            (norm(params.centre_x, params.centre_y, params.centre_z) + params.scale * norm(point));
 }
 
+double MeshBound::map_error(const Vector& point) const {
+    const layout::MeshParams<double>& params = law_.mesh.params;
+    return u_(roundings::kPlace) * (std::hypot(params.map_x, params.map_y) + params.scale * norm(point));
+}
+
 double MeshBound::slope_error(layout::uint kind, const layout::MapParams<double>& map, std::span<const double> samples,
                               double steepest, const reference::MeshTouch<double>& touch, double off) const {
-    const Vector world = reference::to_world(law_.mesh.params, touch.point);
+    const auto place = reference::map_place(law_.mesh.params, touch.point);
     const auto at = [&](double dx, double dy) {
-        return reference::gradient_at(kind, map, samples, world.x + dx, world.y + dy);
+        return reference::gradient_at(kind, map, samples, place.x + dx, place.y + dy);
     };
-    const double moved = off * law_.mesh.params.scale + place_error(touch.point); /* m */
+    const double moved = off * law_.mesh.params.scale + map_error(touch.point); /* m */
     const auto here = at(0, 0);
     double most = 0;
     for (const auto& [dx, dy] : {std::pair(moved, 0.0), {-moved, 0.0}, {0.0, moved}, {0.0, -moved}}) {
         const auto there = at(dx, dy);
         most = std::max(most, std::hypot(there.x - here.x, there.y - here.y));
     }
-    return 2 * most + gradient_error(u_, kind, map, steepest, std::hypot(here.x, here.y), world.x, world.y) + u_.tiny;
+    return 2 * most + gradient_error(u_, kind, map, steepest, std::hypot(here.x, here.y), place.x, place.y) + u_.tiny;
 }
 
 double MeshBound::direction_error(const reference::MeshTouch<double>& touch, const FacetShape& shape,
@@ -323,8 +328,8 @@ double MeshBound::direction_error(const reference::MeshTouch<double>& touch, con
     }
     if (features.map != layout::kMapNone) {
         const double slope = slope_error(features.map, law_.params.map, law_.map_gradients, steepest_map_, touch, off);
-        const Vector world = reference::to_world(law_.mesh.params, touch.point);
-        const auto here = reference::gradient_at(features.map, law_.params.map, law_.map_gradients, world.x, world.y);
+        const auto place = reference::map_place(law_.mesh.params, touch.point);
+        const auto here = reference::gradient_at(features.map, law_.params.map, law_.map_gradients, place.x, place.y);
         error = lift > 0 ? (error + slope + u_(roundings::kTilt) * (1 + std::hypot(here.x, here.y))) / lift : kOpposite;
     }
     return std::min(error, kOpposite);
@@ -349,9 +354,9 @@ Bound MeshBound::at(const Vector& probe, const reference::MeshTouch<double>& tou
         bound.magnitude = bound.force;
     }
     if (law_.features.texture != layout::kMapNone) {
-        const Vector world = reference::to_world(params, touch.point);
+        const auto place = reference::map_place(params, touch.point);
         const auto slope = reference::gradient_at(law_.features.texture, law_.params.texture, law_.texture_gradients,
-                                                  world.x, world.y);
+                                                  place.x, place.y);
         const double steep = std::hypot(slope.x, slope.y);
         const double error = slope_error(law_.features.texture, law_.params.texture, law_.texture_gradients,
                                          steepest_texture_, touch, off);

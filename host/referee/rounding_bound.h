@@ -204,7 +204,8 @@ public:
 private:
     struct FacetShape;
     FacetShape shape_of(layout::uint facet) const;
-    double place_error(const reference::Vector<double>& point) const; /* m, world */
+    double place_error(const reference::Vector<double>& point) const; /* m, from the scene's origin */
+    double map_error(const reference::Vector<double>& point) const;   /* m, where a height map is read */
     // `off`, 1: of the touched point.
     double direction_error(const reference::MeshTouch<double>& touch, const FacetShape& shape, double off) const;
     double slope_error(layout::uint kind, const layout::MapParams<double>& map, std::span<const double> samples,

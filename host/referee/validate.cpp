@@ -302,7 +302,8 @@ public:
         : tables_(make_tables<T>(prepared.one.scene, prepared.images, Extent::everything)),
           exact_(make_tables<double>(prepared.one.scene, prepared.images, Extent::everything)), law_(tables_.law()),
           exact_law_(exact_.law()), referee_(prepared.images.mesh->mesh, brute_law(prepared)),
-          bound_(prepared, kPrecision<T>), channels_(tables_.features.channels) {
+          bound_(prepared, kPrecision<T>), centre_(prepared.images.mesh->structure.centre),
+          origin_(scene_origin(prepared)), channels_(tables_.features.channels) {
         const std::uint64_t voxels = std::uint64_t(tables_.x.size()) * tables_.y.size() * tables_.z.size();
         const std::uint64_t affordable = std::max<std::uint64_t>(1, kBruteBudget / law_.mesh.params.triangles);
         every_ = std::max<std::uint64_t>(1, voxels / affordable);
@@ -343,12 +344,12 @@ public:
         if ((number * tables_.x.size() + at.x) % every_ != 0 && !critical)
             return std::nullopt;
         const Point probe = probe_at(tables_, at);
-        const Reading truth = reading_of(referee_.at(world_of(probe)));
+        const Reading truth = from_origin(referee_.at(world_of(probe)));
         if (fits_brute(computed, truth, probe))
             return Finding{Verdict::within, truth};
         const double tolerance = 2 * sides_of(probe) * bound_.reach(probe) * exact_law_.mesh.params.scale; /* m */
         for (const brute::Answer& answer : referee_.all_at(world_of(probe), tolerance))
-            if (fits_brute(computed, reading_of(answer), probe))
+            if (fits_brute(computed, from_origin(answer), probe))
                 return Finding{Verdict::on_edge, truth};
         return Finding{Verdict::beyond, truth};
     }
@@ -374,7 +375,7 @@ private:
 
     bool fits_brute(const Reading& computed, const Reading& truth, const Point& probe) const {
         const layout::MeshParams<double>& frame = exact_law_.mesh.params;
-        const Point proxy = (truth.proxy - centre()) / frame.scale;
+        const Point proxy = reference::to_mesh_frame(frame, Point(truth.proxy));
         const bool touching = truth.depth > 0;
         const reference::MeshTouch<double> touch{touching ? truth.facet : 0, Point(proxy - probe), proxy,
                                                  truth.depth / frame.scale};
@@ -387,14 +388,17 @@ private:
     // One, and as many as the rounding of the probe's place in the world comes to.
     double sides_of(const Point& probe) const {
         const layout::MeshParams<double>& frame = exact_law_.mesh.params;
-        const double placed = 2 * kDoubleRoundoff * norm(centre()) / frame.scale;
+        const double placed = 2 * kDoubleRoundoff * norm(centre_) / frame.scale;
         return 1 + placed / bound_.reach(probe);
     }
 
-    glm::dvec3 world_of(const Point& probe) const { return probe * exact_law_.mesh.params.scale + centre(); }
-    Point centre() const {
-        const layout::MeshParams<double>& frame = exact_law_.mesh.params;
-        return {frame.centre_x, frame.centre_y, frame.centre_z};
+    glm::dvec3 world_of(const Point& probe) const { return probe * exact_law_.mesh.params.scale + centre_; }
+
+    // The brute referee's proxies are of the world, those of engines from the scene's origin.
+    Reading from_origin(const brute::Answer& answer) const {
+        Reading reading = reading_of(answer);
+        reading.proxy -= origin_;
+        return reading;
     }
 
     FieldTables<T> tables_;
@@ -403,6 +407,7 @@ private:
     layout::Law<double> exact_law_;
     brute::MeshReferee referee_;
     MeshBound bound_;
+    glm::dvec3 centre_, origin_; /* m, in the world: of the mesh's frame, of places */
     layout::uint channels_;
     std::uint64_t every_;     // voxels: one in so many goes to the brute referee
     std::uint64_t row_every_; // rows: in one in so many critical voxels do

@@ -266,10 +266,10 @@ GodObjectContact<T> update(const layout::MeshView<T>& mesh, GodObject<T>& state,
     return follow(mesh, state, neighbourhood, probe, trace);
 }
 
-/// m to the mesh's frame.
-template <typename T> Vector<T> to_mesh_frame(const layout::MeshParams<T>& params, const Vector<T>& world) noexcept {
-    return {(world.x - params.centre_x) / params.scale, (world.y - params.centre_y) / params.scale,
-            (world.z - params.centre_z) / params.scale};
+/// m, from the scene's origin, to the mesh's frame.
+template <typename T> Vector<T> to_mesh_frame(const layout::MeshParams<T>& params, const Vector<T>& place) noexcept {
+    return {(place.x - params.centre_x) / params.scale, (place.y - params.centre_y) / params.scale,
+            (place.z - params.centre_z) / params.scale};
 }
 
 /// Where the proxy is before the first step: at the probe, or a skin away from what it touches. A path that begins
@@ -315,7 +315,7 @@ Contact<T> mesh_contact(const layout::Law<T>& law, const GodObjectContact<T>& re
         const T stiffness = law.mesh.params.stiffness;
         const Vector<T> pull{stiffness * offset.x, stiffness * offset.y, stiffness * offset.z};
         touch.offset = -offset;
-        contact.force = (contact.unshaded - pull) - shaded_force(law, touch, Vector<T>(-pull), contact.proxy);
+        contact.force = (contact.unshaded - pull) - shaded_force(law, touch, Vector<T>(-pull));
     }
     return contact;
 }

@@ -227,10 +227,16 @@ Vector<T> shading_direction(const layout::MeshView<T>& mesh, layout::uint shadin
 
 // L6 static with L7 to L9: depth, force, proxy and facet of a probe in a mesh.
 
-/// A point of the mesh's frame in m.
-template <typename T> Vector<T> to_world(const layout::MeshParams<T>& params, const Vector<T>& point) noexcept {
+/// A point of the mesh's frame in m, from the scene's origin.
+template <typename T> Vector<T> to_scene(const layout::MeshParams<T>& params, const Vector<T>& point) noexcept {
     return {point.x * params.scale + params.centre_x, point.y * params.scale + params.centre_y,
             point.z * params.scale + params.centre_z};
+}
+
+/// m: where a height map is read.
+template <typename T> struct MapPlace { T x, y; };
+template <typename T> MapPlace<T> map_place(const layout::MeshParams<T>& params, const Vector<T>& point) noexcept {
+    return {point.x * params.scale + params.map_x, point.y * params.scale + params.map_y};
 }
 
 /// The part of a height map's gradient that lies in a facet's plane.
@@ -250,8 +256,7 @@ template <typename T> struct MeshTouch {
 /// L7 and L9: the force before texture; as the unshaded one where the direction has no length or `two_pass` would pull.
 /// With both, `two_pass` makes up for the direction that the map has tilted.
 template <typename T>
-Vector<T> shaded_force(const layout::Law<T>& law, const MeshTouch<T>& touch, const Vector<T>& unshaded,
-                       const Vector<T>& world) noexcept {
+Vector<T> shaded_force(const layout::Law<T>& law, const MeshTouch<T>& touch, const Vector<T>& unshaded) noexcept {
     const layout::Features& features = law.features;
     if (features.shading == layout::kShadingNone && features.map == layout::kMapNone)
         return unshaded;
@@ -260,7 +265,8 @@ Vector<T> shaded_force(const layout::Law<T>& law, const MeshTouch<T>& touch, con
     if (!(dot(direction, direction) > T(0)))
         return unshaded;
     if (features.map != layout::kMapNone) {
-        const Gradient<T> slope = gradient_at(features.map, law.params.map, law.map_gradients, world.x, world.y);
+        const MapPlace<T> place = map_place(law.mesh.params, touch.point);
+        const Gradient<T> slope = gradient_at(features.map, law.params.map, law.map_gradients, place.x, place.y);
         direction = normalised(Vector<T>(direction - in_plane(slope, facet_normal)));
         if (!(dot(direction, direction) > T(0)))
             return unshaded;
@@ -278,16 +284,16 @@ Vector<T> shaded_force(const layout::Law<T>& law, const MeshTouch<T>& touch, con
 /// The law where a probe touches; what the static field and the god-object have in common.
 template <typename T> Contact<T> touching_contact(const layout::Law<T>& law, const MeshTouch<T>& touch) noexcept {
     const T stiffness = law.mesh.params.stiffness;
-    const Vector<T> world = to_world(law.mesh.params, touch.point);
     Contact<T> contact;
     contact.depth = touch.distance * law.mesh.params.scale;
     contact.facet = touch.facet;
-    contact.proxy = world;
+    contact.proxy = to_scene(law.mesh.params, touch.point);
     contact.unshaded = {stiffness * touch.offset.x, stiffness * touch.offset.y, stiffness * touch.offset.z};
-    contact.force = shaded_force(law, touch, contact.unshaded, world);
+    contact.force = shaded_force(law, touch, contact.unshaded);
     if (law.features.texture != layout::kMapNone) {
+        const MapPlace<T> place = map_place(law.mesh.params, touch.point);
         const Vector<T> slope =
-            in_plane(gradient_at(law.features.texture, law.params.texture, law.texture_gradients, world.x, world.y),
+            in_plane(gradient_at(law.features.texture, law.params.texture, law.texture_gradients, place.x, place.y),
                      vector_at(law.mesh.facet_normals, touch.facet));
         const T pull = law.params.texture_stiffness * contact.depth;
         contact.force = contact.force - pull * slope;
@@ -297,7 +303,7 @@ template <typename T> Contact<T> touching_contact(const layout::Law<T>& law, con
 }
 
 template <typename T> Contact<T> free_contact(const layout::Law<T>& law, const Vector<T>& probe) noexcept {
-    return {T(0), Vector<T>(T(0)), Vector<T>(T(0)), to_world(law.mesh.params, probe), layout::kNoFacet};
+    return {T(0), Vector<T>(T(0)), Vector<T>(T(0)), to_scene(law.mesh.params, probe), layout::kNoFacet};
 }
 
 template <typename T>

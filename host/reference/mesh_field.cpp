@@ -192,7 +192,7 @@ private:
             for (std::size_t x = 0; x < chunk_.x_count; ++x)
                 SampleBuffers<T>::put(
                     buffers_.proxy, sample_at(x, y, z),
-                    to_world(input_.law.mesh.params, Vector<T>(input_.x[x], input_.y[y], input_.z[z])));
+                    to_scene(input_.law.mesh.params, Vector<T>(input_.x[x], input_.y[y], input_.z[z])));
     }
 
     void evaluate(const layout::MeshPlan& plan, std::size_t index) {

@@ -77,7 +77,7 @@ RunSamples samples_of_exr(const std::filesystem::path& file) {
         if (std::isfinite(at[0]))
             samples.shown.push_back({fmt::format("path {}", i / read.steps),
                                      double(i % read.steps * read.every_step) * period,
-                                     {at[0], at[1], at[2]},
+                                     read.origin + glm::dvec3(at[0], at[1], at[2]),
                                      {force[0], force[1], force[2]}});
     }
     return samples;

@@ -362,6 +362,8 @@ PackedPaths pack_paths(const std::filesystem::path& path, std::size_t budget) {
     PackedPaths packed{{{"size", {read.steps, read.paths, 1}}}, {}};
     if (const double period = path_period(read.scene); period > 0)
         packed.about["rate_Hz"] = 1 / (period * static_cast<double>(read.every_step));
+    if (read.origin != glm::dvec3(0))
+        packed.about["origin_m"] = {read.origin.x, read.origin.y, read.origin.z};
     for (const auto& [name, values] :
          {std::pair("force", &read.force), {"position", &read.position}, {"proxy", &read.proxy}}) {
         if (values->empty())

@@ -156,16 +156,16 @@ CaseOutput::CaseOutput(const PreparedCase& prepared, const std::filesystem::path
     const std::string stem = volume.stem().string();
     sinks_.emplace_back(stem + ".exr", std::make_unique<VolumeWriter>(volume, header));
     if (also.vti)
-        sinks_.emplace_back(
-            stem + ".vti",
-            std::make_unique<VtiWriter>(folder / (stem + ".vti"), VtiHeader{header.size, header.origin, header.spacing,
-                                                                            header.channels, scene.precision}));
+        sinks_.emplace_back(stem + ".vti", std::make_unique<VtiWriter>(
+                                               folder / (stem + ".vti"),
+                                               VtiHeader{header.size, header.origin, header.spacing, header.channels,
+                                                         scene.precision, header.place_origin}));
     if (also.npy)
         for (const layout::uint channel : kFieldChannels)
             if (header.channels & channel) {
                 const std::string name = fmt::format("{}.{}.npy", stem, name_of_channel(channel));
-                sinks_.emplace_back(name,
-                                    std::make_unique<NpyWriter>(folder / name, header.size, channel, scene.precision));
+                sinks_.emplace_back(name, std::make_unique<NpyWriter>(folder / name, header.size, channel,
+                                                                      scene.precision, header.place_origin));
             }
     if (scene.compare)
         compared_.emplace(prepared, static_cast<unsigned>(threads_));

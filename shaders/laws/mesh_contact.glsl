@@ -126,15 +126,23 @@ struct Contact {
     real depth;     // m, 0 out of contact
     real3 force;    // N
     real3 unshaded; // N: what shading "none" would give
-    real3 proxy;    // m, world: the nearest point of the mesh; the probe itself out of contact
+    real3 proxy;    // m, from the scene's origin: the nearest point of the mesh; the probe itself out of contact
     uint facet;
 };
 
-real3 to_world(real3 point) {
+// m, from the scene's origin.
+real3 to_scene(real3 point) {
     precise real x = point.x * mesh.scale + mesh.centre_x;
     precise real y = point.y * mesh.scale + mesh.centre_y;
     precise real z = point.z * mesh.scale + mesh.centre_z;
     return real3(x, y, z);
+}
+
+// m: where a height map is read.
+real2 map_place(real3 point) {
+    precise real x = point.x * mesh.scale + mesh.map_x;
+    precise real y = point.y * mesh.scale + mesh.map_y;
+    return real2(x, y);
 }
 
 // The part of a height map's gradient that lies in a facet's plane.
@@ -155,7 +163,7 @@ struct MeshTouch {
 };
 
 // L7 and L9: the force before texture; as the unshaded one where the direction has no length or `two_pass` would pull.
-real3 shaded_force(MeshTouch touch, real3 unshaded, real3 world) {
+real3 shaded_force(MeshTouch touch, real3 unshaded) {
     if (SHADING == kShadingNone && MAP == kMapNone)
         return unshaded;
     real3 normal = facet_normal(touch.facet);
@@ -163,7 +171,8 @@ real3 shaded_force(MeshTouch touch, real3 unshaded, real3 world) {
     if (!(product(direction, direction) > ZERO))
         return unshaded;
     if (MAP != kMapNone) {
-        direction = normalised(difference(direction, in_plane(map_gradient(world.x, world.y), normal)));
+        real2 place = map_place(touch.point);
+        direction = normalised(difference(direction, in_plane(map_gradient(place.x, place.y), normal)));
         if (!(product(direction, direction) > ZERO))
             return unshaded;
     }
@@ -179,15 +188,15 @@ real3 shaded_force(MeshTouch touch, real3 unshaded, real3 world) {
 
 Contact touching_contact(MeshTouch touch) {
     Contact contact;
-    real3 world = to_world(touch.point);
     precise real depth = touch.distance * mesh.scale;
     contact.depth = depth;
     contact.facet = touch.facet;
-    contact.proxy = world;
+    contact.proxy = to_scene(touch.point);
     contact.unshaded = scaled(mesh.stiffness, touch.offset);
-    contact.force = shaded_force(touch, contact.unshaded, world);
+    contact.force = shaded_force(touch, contact.unshaded);
     if (TEXTURE != kMapNone) {
-        real3 slope = in_plane(texture_gradient(world.x, world.y), facet_normal(touch.facet));
+        real2 place = map_place(touch.point);
+        real3 slope = in_plane(texture_gradient(place.x, place.y), facet_normal(touch.facet));
         precise real pull = law.texture_stiffness * depth;
         contact.force = difference(contact.force, scaled(pull, slope));
         contact.unshaded = difference(contact.unshaded, scaled(pull, slope));

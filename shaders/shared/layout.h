@@ -183,12 +183,16 @@ struct ChunkParams {
     uint rows;   // rows an invocation evaluates
 };
 
-// Where the mesh's own frame lies: vertices and probes are (world - centre) / scale there, scale a power of two such
+// Where the mesh's own frame lies: vertices and probes are (place - centre) / scale there, scale a power of two such
 // that no vertex has a coordinate beyond 1. So nothing in a mesh law is absolute, and a change of unit changes nothing.
+// Places are measured from the scene's origin, which is near the mesh (host/mesh/structure.h), so that they round alike
+// wherever in the world the mesh lies.
 FS_STRUCT MeshParams {
-    real centre_x; // m, world
+    real centre_x; // m, from the scene's origin
     real centre_y;
     real centre_z;
+    real map_x; // m: the centre as height maps see it: in the world, of a sine but for whole wavelengths
+    real map_y;
     real scale;     // m: what 1 of the mesh's frame means
     real stiffness; // K * scale, N: force for 1 of the mesh's frame
     uint facets;

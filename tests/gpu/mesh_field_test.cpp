@@ -193,5 +193,20 @@ TEST_F(MeshField, UploadsWhatTheLawReadsAlone) {
     expect_least_uploads<double>(wall);
 }
 
+// Places are measured from the scene's origin, height maps are read in the world.
+TEST_F(MeshField, FarFromTheWorldsOrigin) {
+    const MeshStructure structure = build_structure(
+        shapes::mesh_of(shapes::moved(shapes::icosphere(2), glm::dvec3(1), glm::dvec3(566321.25, -5933204.5, 12.25))));
+    MeshCase<float> far(structure, kGrids[1], layout::kShadingMeanValue);
+    EXPECT_LT(std::abs(far.tables.params.centre_y), 1);
+    EXPECT_EQ(far.tables.params.map_y, -5933204.5F);
+    far.tables.params.map_x = 0.37F;
+    far.features.texture = layout::kMapSine;
+    far.params.texture.slope = 0.2F;
+    far.params.texture.inverse_length = 3;
+    far.params.texture_stiffness = 100;
+    hold(far, "far");
+}
+
 } // namespace
 } // namespace forceshade

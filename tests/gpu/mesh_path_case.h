@@ -87,9 +87,9 @@ private:
             auto&& walker = walker_of(shape_.seed * 1000 + path);
             glm::dvec3 at = walker.begin();
             for (std::size_t step = 0; step < shape_.steps; ++step) {
-                const glm::dvec3 world = structure.centre + structure.scale * at;
+                const glm::dvec3 place = structure.centre - origin_of(structure) + structure.scale * at;
                 for (int axis = 0; axis < 3; ++axis)
-                    wandered_[3 * (step * shape_.paths + path) + static_cast<std::size_t>(axis)] = T(world[axis]);
+                    wandered_[3 * (step * shape_.paths + path) + static_cast<std::size_t>(axis)] = T(place[axis]);
                 at = walker.step(at);
             }
         }

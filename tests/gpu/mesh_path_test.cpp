@@ -172,6 +172,29 @@ TEST_F(MeshPath, ShadingsTiltsAndTextures) {
         }
 }
 
+// Places are measured from the scene's origin, height maps are read in the world.
+TEST_F(MeshPath, FarFromTheWorldsOrigin) {
+    const MeshStructure structure = build_structure(shapes::mesh_of(
+        shapes::moved(shapes::icosphere(3), glm::dvec3(0.025), glm::dvec3(566321.26, -5933204.5, 12.25))));
+    const auto felt = [&]<typename T>(T) {
+        MeshPathCase<T> one(structure, shape_of(layout::kMotionRecorded, layout::kLoopOpen, 48, 80),
+                            test::Probes::wandering);
+        EXPECT_LT(std::abs(one.law.mesh.params.centre_x), T(structure.scale));
+        EXPECT_EQ(one.law.mesh.params.map_x, T(structure.centre.x));
+        one.law.mesh.params.map_x = T(0.0123);
+        one.law.features.map = layout::kMapGaussian;
+        one.law.features.texture = layout::kMapSine;
+        one.law.params.map.slope = T(0.3);
+        one.law.params.map.inverse_length = T(0.1);
+        one.law.params.texture.slope = T(0.2);
+        one.law.params.texture.inverse_length = T(70);
+        one.law.params.texture_stiffness = T(100);
+        return hold(one, "far").touching;
+    };
+    EXPECT_GT(felt(float()), 400u);
+    EXPECT_GT(felt(double()), 400u);
+}
+
 // What the law does not read stays with the host.
 TEST_F(MeshPath, UploadsWhatIsReadAlone) {
     const MeshStructure structure = ball(1);

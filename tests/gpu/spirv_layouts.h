@@ -40,9 +40,9 @@ template <typename real> std::vector<Expected> law_members() {
 
 template <typename real> std::vector<Expected> mesh_members() {
     using Mesh = layout::MeshParams<real>;
-    return {FS_MEMBER(Mesh, centre_x),  FS_MEMBER(Mesh, centre_y),  FS_MEMBER(Mesh, centre_z),
-            FS_MEMBER(Mesh, scale),     FS_MEMBER(Mesh, stiffness), FS_MEMBER(Mesh, facets),
-            FS_MEMBER(Mesh, triangles), FS_MEMBER(Mesh, nodes),     FS_MEMBER(Mesh, zero)};
+    return {FS_MEMBER(Mesh, centre_x),  FS_MEMBER(Mesh, centre_y), FS_MEMBER(Mesh, centre_z),  FS_MEMBER(Mesh, map_x),
+            FS_MEMBER(Mesh, map_y),     FS_MEMBER(Mesh, scale),    FS_MEMBER(Mesh, stiffness), FS_MEMBER(Mesh, facets),
+            FS_MEMBER(Mesh, triangles), FS_MEMBER(Mesh, nodes),    FS_MEMBER(Mesh, zero)};
 }
 
 inline std::vector<Expected> mesh_chunk_members() {

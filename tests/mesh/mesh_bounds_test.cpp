@@ -209,7 +209,7 @@ private:
         frame.centre_x = T::given(centre.x), frame.centre_y = T::given(centre.y), frame.centre_z = T::given(centre.z);
         frame.scale = T(1);
         const Vector<double> offset = single(exact.offset);
-        const Vector<T> place = reference::to_world(frame, Vector<T>(exactly<T>(probe) + exactly<T>(offset)));
+        const Vector<T> place = reference::to_scene(frame, Vector<T>(exactly<T>(probe) + exactly<T>(offset)));
         keep(parts_.place, error_of(place, Vector<double>(probe + offset + centre)),
              norm(centre) + norm(Vector<double>(probe + offset)));
     }
@@ -293,6 +293,8 @@ public:
         law_.mesh.params = {Emulated(frame.centre_x),
                             Emulated(frame.centre_y),
                             Emulated(frame.centre_z),
+                            Emulated(frame.map_x),
+                            Emulated(frame.map_y),
                             Emulated(frame.scale),
                             Emulated(frame.stiffness),
                             frame.facets,

@@ -88,7 +88,8 @@ void hold_against_referee(Oracle& oracle, int count, bool triangles) {
                 continue;
             touching += expected.depth > 0;
             EXPECT_EQ(found.facet, expected.facet);
-            EXPECT_LT(reference::length(found.proxy - vector_of(expected.proxy)), 1e-12 * oracle.size);
+            const glm::dvec3 proxy = origin_of(oracle.structure) + found.proxy;
+            EXPECT_LT(reference::length(proxy - vector_of(expected.proxy)), 1e-12 * oracle.size);
             EXPECT_LT(reference::length(found.unshaded - vector_of(expected.unshaded)),
                       1e-12 * kContactStiffness * oracle.size);
             EXPECT_LT(reference::length(found.force - vector_of(expected.force)),

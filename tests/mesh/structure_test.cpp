@@ -176,6 +176,20 @@ TEST(Structure, FrameOfAnExactPowerOfTwoIsThatPower) {
     EXPECT_EQ(structure.centre, glm::dvec3(0));
 }
 
+TEST(Structure, PlacesOfFarMeshesAreMeasuredFromNearThem) {
+    const auto placed = [](double size, const glm::dvec3& at) {
+        return build_structure(shapes::mesh_of(shapes::moved(shapes::cube(), glm::dvec3(size), at)));
+    };
+    EXPECT_EQ(origin_of(placed(1, {3.9, -3.9, 0})), glm::dvec3(0));
+    EXPECT_EQ(origin_of(placed(1, {4.3, -1000.75, 3})), glm::dvec3(4, -1001, 0));
+    EXPECT_EQ(origin_of(placed(0.25, {4.3, 0, 1e7})), glm::dvec3(4.25, 0, 1e7));
+    const MeshStructure far = placed(1, {566321.25, -5933204.5, 12});
+    const MeshTables<float> tables = make_mesh_tables<float>(far, 1);
+    EXPECT_EQ(glm::dvec3(tables.params.centre_x, tables.params.centre_y, tables.params.centre_z),
+              far.centre - origin_of(far));
+    EXPECT_EQ(tables.params.map_y, -5933204.5F);
+}
+
 TEST(Structure, NeighboursShareTheEdge) {
     const MeshStructure structure = build_structure(shapes::mesh_of(shapes::icosphere(3)));
     const MeshParts& parts = *structure.parts;

@@ -172,6 +172,9 @@ async function paths(cases, i) {
   const [steps, count] = about.size, all = { steps, count, rate: about.rate_Hz };
   for (const name of Object.keys(about.scale))
     all[name] = components(await inflate(document.getElementById("path-" + name + "-" + i).textContent), steps, about.scale[name]);
+  for (const name of ["position", "proxy"])
+    if (about.origin_m && all[name]) // places are measured from there
+      all[name] = all[name].map((values, axis) => Float64Array.from(values, (value) => about.origin_m[axis] + value));
   return all;
 }
 

@@ -164,7 +164,7 @@ std::optional<LoopWork> work_by_history(const EnergyLaw& law, const std::vector<
     const std::size_t second = kDescent + places.size(); // the step after which the loop begins again
     glm::dvec3 before(0);
     for (std::size_t i = 0; i < way.size(); ++i) {
-        const auto contact = follow_probe(direct.law(), around, proxy, way[i], local[i]).contact;
+        const auto contact = follow_probe(direct.law(), around, proxy, glm::dvec3(0), local[i]).contact;
         const glm::dvec3 now(contact.force);
         if (i >= second) {
             const double work = glm::dot(0.5 * (before + now), way[i] - way[i - 1]);

@@ -84,7 +84,7 @@ public:
         begin_probe(direct_.law(), around_, proxy_, way.front());
         reference::Vector<T> force(T(0));
         for (const reference::Vector<T>& place : way)
-            force = follow_probe(direct_.law(), around_, proxy_, glm::dvec3(0), place).contact.force;
+            force = follow_probe(direct_.law(), around_, proxy_, reference::Vector<T>(T(0)), place).contact.force;
         return force;
     }
 

@@ -118,6 +118,7 @@ std::vector<LoopOutcome> run_as(Engine& engine, const LoopSurface& surface, cons
     input.features.channels = swings ? layout::kChannelPosition : 0;
     input.hands = hands;
     LateSpread<T> spread(cells.size(), run.steps);
+    const glm::dvec3 origin = scene_origin(prepared); /* m: what the places are measured from */
     std::vector<LoopOutcome> outcomes(cells.size());
     engine.explore(
         input, [&](const layout::PathChunk<T>& chunk) { spread.take(chunk); },
@@ -137,7 +138,7 @@ std::vector<LoopOutcome> run_as(Engine& engine, const LoopSurface& surface, cons
                 const double creep = kNowhere * run.disturbance * place.depth * cell.rate / (0.25 * steps);
                 if (swings && !outcome.left) {
                     outcome.swing = spread.of(first + i);
-                    outcome.moved = reference::length(spread.middle(first + i) - place.at);
+                    outcome.moved = reference::length(origin + spread.middle(first + i) - place.at);
                 }
                 outcome.state = state_of(outcome, creep, outcome.swing, cell.hand.quantisation);
             }

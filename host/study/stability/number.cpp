@@ -216,8 +216,8 @@ Forces by_oracle(const PreparedCase& home) {
     const FieldTables<double> tables = make_tables<double>(home.one.scene, home.images, Extent::everything);
     const layout::Law<double> law = tables.law();
     return true_forces(home, [&](const Vector& place) {
-        const bool mesh = law.features.surface == layout::kSurfaceMesh;
-        return reference::evaluate(law, mesh ? reference::to_mesh_frame(law.mesh.params, place) : place).force;
+        return reference::evaluate(law, home.images.mesh ? to_mesh_frame(home.images.mesh->structure, place) : place)
+            .force;
     });
 }
 

@@ -1,0 +1,320 @@
+// A scene is felt alike wherever it lies: forces, proxies and what is written of places, far from the world's origin
+// and in single precision; and where that is too coarse, a warning says so.
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <numbers>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "host/engine/engine.h"
+#include "host/output/exr_volume.h"
+#include "host/output/rows.h"
+#include "host/paths/path_run.h"
+#include "host/paths/scene_paths.h"
+#include "tests/paths/path_workplace.h"
+#include "tests/paths/polygons.h"
+
+namespace forceshade::testing {
+namespace {
+
+constexpr double kStiffness = 2; /* N/m */
+
+// To 2^-16 m, so that a shift by whole metres changes nothing of it in double.
+glm::dvec3 rounded(const glm::dvec3& place) {
+    return {std::round(place.x * 0x1p16) * 0x1p-16, std::round(place.y * 0x1p16) * 0x1p-16,
+            std::round(place.z * 0x1p16) * 0x1p-16};
+}
+
+// What a probe felt, the proxy from where the scene was shifted to.
+struct Felt {
+    glm::dvec3 force, proxy;
+    int facet;
+};
+
+class FarScene : public PathWorkplace {
+protected:
+    FarScene() {
+        std::vector<Polygon> ball = sphere(1, 3);
+        for (Polygon& polygon : ball)
+            for (glm::dvec3& corner : polygon)
+                corner = rounded(corner);
+        write("ball.obj", obj(ball));
+    }
+
+    // A ball of 1 m about `shift`, m.
+    static std::string ball(const glm::dvec3& shift, const std::string& more) {
+        return fmt::format(
+            "[surface]\nkind = \"mesh\"\nfile = \"ball.obj\"\n"
+            "transform = {{ translate = [\"{} m\", \"{} m\", \"{} m\"] }}\n[force]\nstiffness = \"{} N/m\"\n{}",
+            shift.x, shift.y, shift.z, kStiffness, more);
+    }
+
+    // Spirals over the ball, in and out of it.
+    static std::vector<glm::dvec3> way() {
+        std::vector<glm::dvec3> places;
+        for (int i = 0; i <= 400; ++i) {
+            const double share = i / 400.0, along = std::numbers::pi * (0.1 + 0.8 * share), round = 25 * share;
+            const double r = 0.9 + 0.2 * std::cos(40 * share);
+            places.push_back(rounded(
+                {r * std::sin(along) * std::cos(round), r * std::sin(along) * std::sin(round), r * std::cos(along)}));
+        }
+        return places;
+    }
+
+    static std::string rows(const std::vector<glm::dvec3>& places, const glm::dvec3& shift) {
+        std::string text = "path,t,x,y,z\n";
+        for (std::size_t i = 0; i < places.size(); ++i) {
+            const glm::dvec3 at = places[i] + shift;
+            text += fmt::format("0,{},{},{},{}\n", i, at.x, at.y, at.z);
+        }
+        return text;
+    }
+
+    std::vector<Felt> along_paths(const glm::dvec3& shift, const std::string& more = "") const {
+        std::vector<Felt> all;
+        for (const auto& cells : rows_of(felt(prepare(ball(shift, more), Precision::f32), rows(way(), shift)))) {
+            const auto vector = [&](std::size_t first) {
+                return glm::dvec3(number_in<double>(cells[first]), number_in<double>(cells[first + 1]),
+                                  number_in<double>(cells[first + 2]));
+            };
+            all.push_back({vector(8), vector(5) - shift, number_in<int>(cells[12])});
+        }
+        return all;
+    }
+
+    // Over a grid about the ball.
+    std::vector<Felt> over_grid(const glm::dvec3& shift) const {
+        constexpr double kBegin = -1.109375, kSpacing = 0.140625; /* m */
+        const PreparedCase prepared =
+            prepare(ball(shift, fmt::format("[grid]\nsize = [16, 16, 16]\norigin = [\"{} m\", \"{} m\", \"{} m\"]\n"
+                                            "spacing = \"{} m\"\n"
+                                            "[output]\nchannels = [\"force\", \"proxy\", \"facet\"]\n",
+                                            shift.x + kBegin, shift.y + kBegin, shift.z + kBegin, kSpacing)),
+                    Precision::f32);
+        const FieldTables<float> tables = make_tables<float>(prepared.one.scene, prepared.images, Extent::everything);
+        EngineOptions options;
+        options.cpu = true;
+        std::vector<float> force, proxy;
+        std::vector<layout::uint> facet;
+        make_engine(options)->evaluate<float>(tables.input(), [&](const layout::FieldChunk<float>& chunk) {
+            append_rows(chunk, chunk.force, 3, 1, force);
+            append_rows(chunk, chunk.proxy, 3, 1, proxy);
+            append_rows(chunk, chunk.facet, 1, 1, facet);
+        });
+        std::vector<Felt> all;
+        const glm::dvec3 origin = scene_origin(prepared);
+        for (std::size_t i = 0; i < facet.size(); ++i)
+            all.push_back({glm::dvec3(reference::vector_at<float>(force, i)),
+                           origin + glm::dvec3(reference::vector_at<float>(proxy, i)) - shift, int(facet[i])});
+        return all;
+    }
+
+    // `tolerance`: of the largest force, and of the ball's size.
+    static void expect_alike(const std::vector<Felt>& here, const std::vector<Felt>& there, double tolerance) {
+        ASSERT_EQ(here.size(), there.size());
+        double largest = 0, force = 0, proxy = 0;
+        std::size_t touching = 0;
+        for (std::size_t i = 0; i < here.size(); ++i) {
+            touching += here[i].facet >= 0;
+            largest = std::max(largest, length(here[i].force));
+            force = std::max(force, length(there[i].force - here[i].force));
+            proxy = std::max(proxy, length(there[i].proxy - here[i].proxy));
+        }
+        EXPECT_GT(touching, here.size() / 10);
+        EXPECT_LE(force, tolerance * largest);
+        EXPECT_LE(proxy, 2 * tolerance);
+    }
+};
+
+// Of a tenth of a metre to 10^7 sizes.
+std::vector<glm::dvec3> shifts() {
+    std::vector<glm::dvec3> all;
+    for (double sizes = 10; sizes <= 1e7; sizes *= 10)
+        all.insert(all.end(), {{2 * sizes, -2 * sizes, 2 * sizes},
+                               {0, 2 * sizes, 0},
+                               {2 * sizes + 0.3125, -2 * sizes - 0.4375, 0.1875 - 2 * sizes}});
+    return all;
+}
+
+TEST_F(FarScene, IsFeltAlikeAlongPaths) {
+    for (const char* const more : {"", "shading = \"mean_value\"\n"}) {
+        const std::vector<Felt> here = along_paths(glm::dvec3(0), more);
+        for (const glm::dvec3& shift : shifts()) {
+            SCOPED_TRACE(fmt::format("{} m, {} m, {} m", shift.x, shift.y, shift.z));
+            expect_alike(here, along_paths(shift, more), 1e-6);
+        }
+    }
+}
+
+TEST_F(FarScene, HasTheSameField) {
+    const std::vector<Felt> here = over_grid(glm::dvec3(0));
+    for (const glm::dvec3& shift : shifts()) {
+        SCOPED_TRACE(fmt::format("{} m, {} m, {} m", shift.x, shift.y, shift.z));
+        expect_alike(here, over_grid(shift), 1e-6);
+    }
+}
+
+TEST_F(FarScene, GivesTheSameForcesBitForBitWhereTheShiftIsOfWholeScales) {
+    const std::vector<Felt> here = along_paths(glm::dvec3(0)), there = along_paths({1 << 24, -4096, 64});
+    ASSERT_EQ(here.size(), there.size());
+    for (std::size_t i = 0; i < here.size(); ++i) {
+        EXPECT_EQ(here[i].force, there[i].force);
+        EXPECT_LT(length(here[i].proxy - there[i].proxy), 1e-8) << "doubles there are 4e-9 m apart";
+        EXPECT_EQ(here[i].facet, there[i].facet);
+    }
+}
+
+// A sine's phase is that of the world, wherever the mesh lies.
+TEST_F(FarScene, HasItsTextureWhereTheWorldHasIt) {
+    const std::string texture =
+        "[texture]\nstiffness = \"2 N/m\"\nfunction = \"sine\"\nwidth = \"125 mm\"\nheight = \"10 mm\"\n";
+    const std::vector<Felt> here = along_paths(glm::dvec3(0), texture);
+    expect_alike(here, along_paths({1 << 20, 0, 0}, texture), 1e-5);
+    const std::vector<Felt> other = along_paths({(1 << 20) + 0.0625, 0, 0}, texture);
+    double most = 0;
+    for (std::size_t i = 0; i < here.size(); ++i)
+        most = std::max(most, length(here[i].force - other[i].force));
+    EXPECT_GT(most, 0.1);
+}
+
+// Generated paths, in closed loop too, and those that follow the surface.
+TEST_F(FarScene, IsExploredAlike) {
+    for (const char* const paths :
+         {"depth = \"100 mm\"\n", "press = \"0.5 N\"\n", "depth = \"20 mm\"\nfollow = \"surface\"\n",
+          "kind = \"random_walk\"\ndepth = \"200 mm\"\n"}) {
+        const auto forces = [&](const glm::dvec3& shift) {
+            const PreparedCase prepared =
+                prepare(ball(shift, std::string("[paths]\ncount = 3\nsteps = 400\nrate = \"200 Hz\"\n"
+                                                "speed = \"0.5 m/s\"\n") +
+                                        paths),
+                        Precision::f32);
+            ScenePaths<float> source(prepared);
+            layout::PathInput<float> input = source.input();
+            input.features.channels = layout::kChannelForce;
+            std::vector<float> all;
+            reference::evaluate_paths<float>(
+                input, {},
+                [&](const layout::PathChunk<float>& chunk) {
+                    all.insert(all.end(), chunk.force.begin(), chunk.force.end());
+                },
+                [](std::size_t, std::span<const layout::PathMetrics<float>>) {});
+            return all;
+        };
+        const std::vector<float> here = forces(glm::dvec3(0));
+        EXPECT_GT(*std::ranges::max_element(here), 0.01f) << paths;
+        EXPECT_EQ(here, forces({1 << 24, -(1 << 24), 64})) << paths;
+    }
+}
+
+// A house at UTM coordinates: its western wall stands at x = 566321.25 m, not at a multiple of what a float can tell.
+TEST_F(FarScene, AHouseAtUtmCoordinatesIsFeltAsItStands) {
+    constexpr double kWall = 566321.25, kSouth = 5933204.5, kFloor = 12.25; /* m */
+    const glm::dvec3 low(kWall, kSouth, kFloor), high = low + glm::dvec3(8, 12, 6);
+    const auto corner = [&](int i) {
+        return glm::dvec3(i & 1 ? high.x : low.x, i & 2 ? high.y : low.y, i & 4 ? high.z : low.z);
+    };
+    std::vector<Polygon> house;
+    for (const auto& [a, b, c, d] : {std::array{0, 2, 3, 1}, std::array{4, 5, 7, 6}, std::array{0, 1, 5, 4},
+                                     std::array{2, 6, 7, 3}, std::array{0, 4, 6, 2}, std::array{1, 3, 7, 5}})
+        house.push_back({corner(a), corner(b), corner(c), corner(d)});
+    write("house.obj", obj(house));
+    const std::string scene = "[surface]\nkind = \"mesh\"\nfile = \"house.obj\"\n[force]\nstiffness = \"1 N/m\"\n";
+    std::string text = "path,t,x,y,z\n";
+    std::vector<double> x;
+    for (int i = 0; i <= 700; ++i) {
+        x.push_back(kWall - 0.2 + 1e-3 * i);
+        text += fmt::format("0,{},{},{},{}\n", i, x.back(), kSouth + 6.1, kFloor + 3.1);
+    }
+    const auto felt_rows = rows_of(felt(prepare(scene, Precision::f32), text));
+    ASSERT_EQ(felt_rows.size(), x.size());
+    for (std::size_t i = 0; i < x.size(); ++i) {
+        const auto number = [&](std::size_t cell) { return number_in<double>(felt_rows[i][cell]); };
+        EXPECT_NEAR(number(8), -std::max(0.0, x[i] - kWall), 1e-6) << x[i];
+        EXPECT_NEAR(number(2), x[i], 1e-6);
+        EXPECT_NEAR(number(5), std::min(x[i], kWall), 1e-6) << "the proxy";
+        EXPECT_NEAR(number(6), kSouth + 6.1, 1e-6);
+    }
+}
+
+// Files hold places of the world in double, or say what they are measured from.
+TEST_F(FarScene, IsWrittenInWorldCoordinates) {
+    const glm::dvec3 shift(1 << 22, 0, -(1 << 20));
+    write("way.csv", rows(way(), shift));
+    const PreparedCase prepared =
+        prepare(ball(shift, "[output]\nchannels = [\"force\", \"depth\", \"facet\", \"proxy\"]\n"), Precision::f32);
+    EngineOptions engine;
+    engine.cpu = true;
+    PathRunOptions options;
+    options.recorded = path("way.csv");
+    options.samples = path("a.exr");
+    options.stem = path("a");
+    options.npy = options.vtp = true;
+    const PathRecord record = run_paths(*make_engine(engine), prepared, options);
+    EXPECT_TRUE(record.error.passed());
+
+    const std::vector<glm::dvec3> places = way();
+    const PathSamples samples = read_paths(path("a.exr"), 10, 10000);
+    EXPECT_EQ(samples.origin, shift);
+    const std::string npy = read("a.position.npy"), proxies = read("a.proxy.npy"), force = read("a.force.npy");
+    EXPECT_NE(npy.find("'<f8'"), npy.npos);
+    EXPECT_NE(proxies.find("'<f8'"), proxies.npos);
+    EXPECT_NE(force.find("'<f4'"), force.npos);
+    EXPECT_NE(read("a.vtp").find("type=\"Float64\" Name=\"proxy\""), std::string::npos);
+    ASSERT_EQ(samples.position.size(), 3 * places.size());
+    std::vector<double> written(3 * places.size());
+    ASSERT_GT(npy.size(), written.size() * sizeof(double));
+    std::memcpy(written.data(), npy.data() + npy.size() - written.size() * sizeof(double),
+                written.size() * sizeof(double));
+    for (std::size_t i = 0; i < written.size(); ++i) {
+        const int axis = int(i % 3);
+        EXPECT_NEAR(double(samples.position[i]), places[i / 3][axis], 1e-7);
+        EXPECT_EQ(written[i], shift[axis] + double(samples.position[i]));
+    }
+}
+
+// How many warnings name double precision.
+std::ptrdiff_t coarse(const std::vector<std::string>& warnings) {
+    return std::ranges::count_if(
+        warnings, [](const std::string& one) { return one.find("--precision f64") != std::string::npos; });
+}
+
+TEST_F(FarScene, WarnsOfCoarseSteps) {
+    const auto warnings = [&](const std::string& scene, Precision precision = Precision::f32) {
+        const PreparedCase prepared = prepare(scene, precision);
+        return precision == Precision::f32 ? ScenePaths<float>(prepared).warnings()
+                                           : ScenePaths<double>(prepared).warnings();
+    };
+    const std::string bump =
+        "[surface]\nkind = \"bump\"\n[paths]\nsteps = 5000\nspeed = \"20 mm/s\"\ndepth = \"1 mm\"\n";
+    EXPECT_EQ(coarse(warnings(bump)), 0);
+    EXPECT_EQ(coarse(warnings(bump + "centre = [\"0 m\", \"1 km\"]\n")), 1);
+    EXPECT_EQ(coarse(warnings(bump + "centre = [\"0 m\", \"1 km\"]\n", Precision::f64)), 0);
+    EXPECT_EQ(coarse(warnings(ball({1e7, 0, 0}, "[paths]\nsteps = 5000\nspeed = \"1 m/s\"\ndepth = \"100 mm\"\n"))), 0);
+
+    const auto told = [&](const std::string& scene, const std::vector<glm::dvec3>& places, const glm::dvec3& shift) {
+        write("in.csv", rows(places, shift));
+        return explore(prepare(scene, Precision::f32), "in.csv").warnings;
+    };
+    const std::string plain = "[surface]\nkind = \"bump\"\n";
+    EXPECT_EQ(coarse(told(plain, way(), glm::dvec3(0))), 0);
+    EXPECT_EQ(coarse(told(plain, way(), {0, 1e5, 0})), 1);
+    EXPECT_EQ(coarse(told(ball({0, 1e5, 0}, ""), way(), {0, 1e5, 0})), 0);
+}
+
+TEST_F(FarScene, WarnsOfACoarseGrid) {
+    const auto warnings = [&](const std::string& scene, Precision precision) {
+        return prepare(scene, precision).warnings;
+    };
+    const std::string sine = "[surface]\nkind = \"height_map\"\nfunction = \"sine\"\nwidth = \"2 mm\"\n"
+                             "[force]\nshading = \"height_map\"\n[grid]\nsize = [64, 1, 16]\n"
+                             "spacing = \"0.1 mm\"\n";
+    EXPECT_EQ(coarse(warnings(sine + "origin = [\"0 m\", \"0 m\", \"-1 mm\"]\n", Precision::f32)), 0);
+    const std::string far = sine + "origin = [\"100 m\", \"0 m\", \"-1 mm\"]\n";
+    EXPECT_EQ(coarse(warnings(far, Precision::f32)), 1);
+    EXPECT_EQ(coarse(warnings(far, Precision::f64)), 0);
+}
+
+} // namespace
+} // namespace forceshade::testing
