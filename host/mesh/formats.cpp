@@ -292,8 +292,8 @@ PolygonFile read_binary(const Source& source) {
     std::vector<std::string> warnings;
     if (*behind > 0)
         warnings.push_back(
-            fmt::format("{} byte{} behind the last of the {} triangles that the file announces: skipped (at byte {}){}",
-                        *behind, *behind == 1 ? "" : "s", (end - kHeader) / kTriangle, end,
+            fmt::format("{} byte{} behind the last triangle (the file announces {}): skipped (at byte {}){}", *behind,
+                        *behind == 1 ? "" : "s", (end - kHeader) / kTriangle, end,
                         *behind % kTriangle == 0 ? fmt::format("; they may be {} more", *behind / kTriangle) : ""));
     return {triangles(std::move(corners)), "", "STL (binary)", std::move(warnings)};
 }

@@ -190,13 +190,13 @@ TEST(Skipped, BytesBehindABinaryStl) {
     const PolygonSoup expected = parse_polygons("a.stl", bytes).polygons;
     for (const std::size_t behind : {1, 2, 49, 51, 92, 1000001})
         for (const char filler : {'\0', '\xFF', '\n', 'x'})
-            expect_read("a.stl", bytes + std::string(behind, filler), expected,
-                        {fmt::format("{} byte{} behind the last of the 12 triangles that the file announces: skipped "
-                                     "(at byte 684)",
-                                     behind, behind == 1 ? "" : "s")});
-    expect_read("a.stl", bytes + std::string(150, '\0'), expected,
-                {"150 bytes behind the last of the 12 triangles that the file announces: skipped (at byte 684); they "
-                 "may be 3 more"});
+            expect_read(
+                "a.stl", bytes + std::string(behind, filler), expected,
+                {fmt::format("{} byte{} behind the last triangle (the file announces 12): skipped (at byte 684)",
+                             behind, behind == 1 ? "" : "s")});
+    expect_read(
+        "a.stl", bytes + std::string(150, '\0'), expected,
+        {"150 bytes behind the last triangle (the file announces 12): skipped (at byte 684); they may be 3 more"});
     // Headers that look like another format.
     for (const std::string begin : {"solid x", "OFF", "v 1", "o part", "# so", "\n"}) {
         std::string named = bytes;
