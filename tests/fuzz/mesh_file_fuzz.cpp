@@ -1,5 +1,5 @@
 // A mesh file, after a byte that says of which format: read or refused, and what is read is written and read again as
-// the same, in text and in binary.
+// the same, in text and in binary, as triangle strips, and with what is no facet between the facets.
 #include <array>
 #include <bit>
 #include <optional>
@@ -86,6 +86,93 @@ void check_mixed_ply(PolygonSoup soup) {
     }
 }
 
+/// The corners of the facets, one behind the other, as triangle strips, ended now and then. Two registers take the
+/// vertices in turn, and each further vertex makes a triangle with both: the rule of the hardware that strips are from.
+void check_strips(const PolygonSoup& soup) {
+    std::vector<std::uint32_t> expected;
+    std::string text, binary[2];
+    std::int64_t registers[2] = {-1, -1};
+    std::size_t filled = 0, length = 0;
+    const auto add = [&](std::int32_t vertex) {
+        ++length;
+        text += fmt::format(" {}", vertex);
+        for (const bool big : {false, true})
+            put_number(binary[big], vertex, big);
+    };
+    for (const std::uint32_t corner : soup.corners) {
+        const std::int64_t a = registers[0], b = registers[1], c = corner;
+        if (filled >= 2 && a != b && a != c && b != c)
+            for (const std::int64_t one : {a, b, c})
+                expected.push_back(static_cast<std::uint32_t>(one));
+        registers[filled++ % 2] = c;
+        add(static_cast<std::int32_t>(corner));
+        if ((corner * 2654435761U + filled) >> 8 & 1) {
+            filled = 0;
+            add(-1);
+        }
+    }
+    for (const bool is_text : {true, false})
+        for (const bool big : {false, true}) {
+            std::string file = fmt::format(
+                "ply\nformat {} 1.0\nelement tristrips 1\nproperty list int int vertex_indices\nelement vertex "
+                "{}\nproperty char x\nproperty char y\nproperty char z\nend_header\n",
+                is_text ? "ascii"
+                : big   ? "binary_big_endian"
+                        : "binary_little_endian",
+                soup.vertices.size());
+            if (is_text)
+                file += fmt::format("{}{}\n", length, text);
+            else
+                put_number(file, static_cast<std::int32_t>(length), big), file += binary[big];
+            for (std::size_t i = 0; i < soup.vertices.size(); ++i)
+                file += is_text ? "0 0 0\n" : std::string(3, '\0');
+            const PolygonSoup read = parse_polygons("a.ply", file).polygons;
+            require(read.corners == expected, "strips are other triangles");
+            require(read.facets() * 3 == expected.size(), "strips have other facets than triangles");
+        }
+}
+
+/// Every second line followed by another.
+std::string with_lines(const std::string& text, std::string_view line, std::string_view after) {
+    std::string result;
+    std::size_t number = 0;
+    for (std::size_t begin = 0; begin < text.size();) {
+        const std::size_t end = text.find('\n', begin) + 1;
+        const std::string_view own = std::string_view(text).substr(begin, end - begin);
+        result += own;
+        if (own.starts_with(after) && number++ % 2 == 0)
+            result += fmt::format("{}\n", line);
+        begin = end;
+    }
+    return result;
+}
+
+/// The same polygons with what is no facet between them: it is skipped with a warning, and changes nothing.
+void check_skipped(const PolygonSoup& soup) {
+    const auto check = [&](const char* name, const std::string& file, std::size_t warnings) {
+        const PolygonFile read = parse_polygons(name, file);
+        require(std::ranges::equal(
+                    read.polygons.corners, soup.corners,
+                    [&](std::uint32_t a, std::uint32_t b) { return read.polygons.vertices[a] == soup.vertices[b]; }),
+                "{} is read as other facets beside what is skipped", name);
+        require(read.polygons.begins == soup.begins, "{} has other facets beside what is skipped", name);
+        require(read.warnings.size() == warnings, "{} has {} warnings, not {}", name, read.warnings.size(), warnings);
+    };
+    const std::string obj = testing::as_obj(soup);
+    for (const std::string_view line : {"l 1 2", "p 1", "f 1 1", "f 1", "f", "a remark", "surf 0 1 0 1 1"})
+        check("a.obj", with_lines(obj, line, "f "), 1);
+    check("a.obj", with_lines(obj, "usemtl a\\", "f "), 0);
+    const std::string counts = fmt::format("\n{} {} 0\n", soup.vertices.size(), soup.facets());
+    std::string off = testing::as_off(soup);
+    off.replace(3, counts.size(), fmt::format("{} {} 0\n", soup.vertices.size(), soup.facets() + 2));
+    check("a.off", off + "2 0 0\n1 0\n", 2);
+    if (soup.corners.size() == 3 * soup.facets()) {
+        const std::string stl = testing::as_stl_text(soup);
+        for (const std::string_view after : {"solid", " facet", "   vertex", "  endloop", " endfacet", "endsolid"})
+            check("a.stl", "\xEF\xBB\xBF" + with_lines(stl, "color 1 0 0", after), 1);
+    }
+}
+
 /// The vertices of an OFF file without comments, read another way; nothing of a file that this reader does not
 /// understand.
 std::optional<std::vector<glm::dvec3>> vertices_of_off(const std::string& text) {
@@ -156,14 +243,19 @@ void check_file(const std::string& name, std::string_view bytes, bool normals) {
                 finite = finite && std::abs(vertex[axis]) < 1e38;
                 vertex[axis] = finite ? static_cast<double>(static_cast<float>(vertex[axis])) : 0;
             }
+        const std::string binary = testing::as_stl_binary(rounded);
         if (finite)
-            require(same_places(parse_polygons("a.stl", testing::as_stl_binary(rounded)).polygons, rounded),
-                    "not as STL");
+            require(same_places(parse_polygons("a.stl", binary).polygons, rounded), "not as STL");
+        if (finite)
+            require(same_places(parse_polygons("a.stl", binary + std::string(bytes.substr(0, 40))).polygons, rounded),
+                    "not as STL with bytes behind it");
     }
     require(same(soup, parse_polygons("a.ply", testing::as_ply_binary(soup, true, false, true)).polygons),
             "not the same as PLY");
     if (soup.corners.size() < 200) {
         check_mixed_ply(soup);
+        check_strips(soup);
+        check_skipped(soup);
         fuzz::Bytes places(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size());
         fuzz::check_preparation(soup, places);
     }

@@ -132,6 +132,19 @@ void add_meshes(Seeds& seeds) {
             "\6ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
             "property float nx\nproperty float ny\nproperty float nz\nelement face 2\nproperty list uchar "
             "int vertex_index\nend_header\n0 0 0 0 0 1\n1 0 0 0 1 0\n0 1 0 1 0 0\n1 1 0 0 0 -1\n3 0 1 2\n3 2 1 3\n"));
+    const std::string strips = "element vertex 4\nproperty char x\nproperty char y\nproperty char z\nelement "
+                               "tristrips 1\nproperty list uchar char vertex_indices\nend_header\n";
+    seeds.add("mesh_file", "\2ply\nformat ascii 1.0\n" + strips + "0 0 0\n1 0 0\n0 1 0\n0 0 1\n9 0 1 2 3 -1 3 2 2 0\n");
+    seeds.add("mesh_file", "\2ply\nformat binary_big_endian 1.0\n" + strips +
+                               std::string("\0\0\0\1\0\0\0\1\0\0\0\1\6\0\1\2\3\xFF\0", 19));
+    seeds.add("mesh_file", std::string("\1COFF3 3 0\n0 0 0\n1 0 0\n0 1 0\n2 0 1\n3 0 1 2\n0\nthe end\n"));
+    seeds.add("mesh_file", std::string("\3\xEF\xBB\xBF; made by\nsolid a\\\ncolor 1 0 0\nfacet normal 0 0 1\nouter "
+                                       "loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\n"
+                                       "endsolid\n"));
+    seeds.add("mesh_file", '\3' + testing::as_stl_binary(shapes::cube(true)) + "behind");
+    std::string obj = "made by\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl a\\\nl 1 2\np 1\nf 1 2\nf 1 2 \\ \n 3\n";
+    obj.insert(obj.begin(), '\0');
+    seeds.add("mesh_file", obj);
     seeds.add_words("mesh_file", {"v ",
                                   "vn ",
                                   "vt ",
@@ -164,7 +177,11 @@ void add_meshes(Seeds& seeds) {
                                   "end_header\n",
                                   "comment ",
                                   "obj_info ",
-                                  "tristrips",
+                                  "tristrips ",
+                                  " -1 ",
+                                  "element edge ",
+                                  "l 1 2\n",
+                                  "usemtl a\\\n",
                                   "solid ",
                                   "facet normal ",
                                   "outer loop\n",
