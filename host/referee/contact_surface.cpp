@@ -204,8 +204,10 @@ std::optional<int> ContactSurface::side_by_tree(const glm::dvec3& place, double 
 
 std::optional<int> ContactSurface::side_by_loops(const glm::dvec3& place, double nearest) const {
     const glm::dvec3 world = to_world(place);
-    return double(referee_.nearest(world).distance) > nearest * scale() ? whole(double(referee_.winding_number(world)))
-                                                                        : std::nullopt;
+    const double rounded = 4 * std::numeric_limits<double>::epsilon() * reference::largest_coordinate(world); /* m */
+    return double(referee_.nearest(world).distance) > nearest * scale() + rounded
+               ? whole(double(referee_.winding_number(world)))
+               : std::nullopt;
 }
 
 int ContactSurface::behind(const glm::dvec3& place, bool by_winding) const {

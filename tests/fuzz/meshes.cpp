@@ -133,7 +133,7 @@ void check_edges(const PolygonSoup& soup, const ConnectivityCounts& counts) {
 }
 
 /// A normal summed corner by corner in long double. Nothing where a corner of a polygon is too sharp to tell on which
-/// side of it the polygon is, or where sizes differ so much that numbers overflow.
+/// side of it the polygon is, or where sizes differ so much that numbers overflow, or where the normals cancel.
 std::optional<glm::dvec3> vertex_normal(const Mesh& mesh, std::uint32_t vertex, VertexNormals weights) {
     using Real = long double;
     using Place = glm::vec<3, Real>;
@@ -174,7 +174,9 @@ std::optional<glm::dvec3> vertex_normal(const Mesh& mesh, std::uint32_t vertex, 
         }
     }
     const Real length = glm::length(sum);
-    return length > kSharp * all ? std::optional(glm::dvec3(sum / length)) : std::nullopt;
+    // Angles are good to some 1e-16: where all are as small, they are no weights.
+    const bool told = length > kSharp * all && (weights == VertexNormals::plain || length > 1e-8L);
+    return told ? std::optional(glm::dvec3(sum / length)) : std::nullopt;
 }
 
 void check_vertex_normals(const Mesh& mesh, VertexNormals weights) {
