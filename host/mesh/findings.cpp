@@ -157,7 +157,7 @@ namespace {
 // 3 digits, rounded up: joining within what is printed does it.
 std::string rounded_up(double length) {
     const double step = std::pow(10.0, std::floor(std::log10(length)) - 2);
-    return fmt::format("{:.3g}", step * std::ceil(length / step * (1 - 1e-12)));
+    return fmt::format("{:.3g}", step * std::ceil(length / step));
 }
 
 std::string openness(const MeshFindings& found, MeshUse use, const std::string& unit, double metres) {

@@ -11,9 +11,9 @@
 namespace forceshade {
 
 struct PolygonFile {
-    PolygonSoup polygons; /* in the file's unit; vertices at one place (0 being -0) are one */
-    std::string sha256;   /* of the file's bytes, 64 hex digits */
-    std::string format;   /* "OBJ", "OFF", "PLY (binary, little endian)", ... */
+    PolygonSoup polygons;                   /* in the file's unit; vertices at one place (0 being -0) are one */
+    std::string sha256;                     /* of the file's bytes, 64 hex digits */
+    std::string format;                     /* "OBJ", "OFF", "PLY (binary, little endian)", ... */
     std::vector<std::string> warnings = {}; /* what was skipped: "3 edges: skipped (the first in line 7)" */
     std::size_t joined_vertices = 0;        /* that the file gives again at the place of an earlier one */
 };

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <tuple>
 #include <utility>
@@ -32,30 +33,41 @@ bool comes_before(const glm::dvec3& one, const glm::dvec3& other) {
     return std::tie(one.x, one.y, one.z) < std::tie(other.x, other.y, other.z);
 }
 
-// Points in cells of twice a distance: what is within the distance of one is in one of 8 cells.
+// Points in cells that are wide enough for most to have all within the distance in their own: what is near one is in
+// one of 8 at most.
 class NearPoints {
 public:
     NearPoints(std::span<const glm::dvec3> points, double distance)
         : points_(points), distance_(distance), heads_(std::bit_ceil(points.size() + 1), kNone),
-          next_(points.size(), kNone) {}
+          next_(points.size(), kNone) {
+        double farthest = 0;
+        for (const glm::dvec3& point : points)
+            farthest = std::max(farthest, reference::largest_coordinate(point));
+        margin_ = distance * (1 + 1e-6) + 8 * std::numeric_limits<double>::epsilon() * farthest; // rounding of cells
+        size_ = std::max(4 * margin_, farthest / std::sqrt(static_cast<double>(points.size()) + 1));
+    }
 
     /// Calls use(other, distance) for the points added before that are near, then adds this one.
     template <typename Use> void add(std::uint32_t point, const Use& use) {
         const glm::dvec3& at = points_[point];
         std::array<std::array<double, 2>, 3> cells;
-        for (int axis = 0; axis < 3; ++axis) {
-            const double place = at[axis] / (2 * distance_), cell = std::floor(place);
-            cells[static_cast<std::size_t>(axis)] = {cell, place - cell < 0.5 ? cell - 1 : cell + 1};
+        std::array<std::size_t, 3> counts;
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            const double place = at[static_cast<int>(axis)] / size_, cell = std::floor(place);
+            const double below = (place - cell) * size_, above = size_ - below;
+            cells[axis] = {cell, below <= above ? cell - 1 : cell + 1};
+            counts[axis] = std::min(below, above) <= margin_ ? 2 : 1;
         }
-        for (std::size_t i = 0; i < 8; ++i) {
-            std::uint32_t other = heads_[slot(cells[0][i & 1], cells[1][i >> 1 & 1], cells[2][i >> 2])];
-            for (; other != kNone; other = next_[other]) {
-                const glm::dvec3 apart = points_[other] - at;
-                const double square = reference::dot(apart, apart);
-                if (square <= distance_ * distance_)
-                    use(other, std::sqrt(square));
-            }
-        }
+        for (std::size_t i = 0; i < counts[0]; ++i)
+            for (std::size_t j = 0; j < counts[1]; ++j)
+                for (std::size_t k = 0; k < counts[2]; ++k)
+                    for (std::uint32_t other = heads_[slot(cells[0][i], cells[1][j], cells[2][k])]; other != kNone;
+                         other = next_[other]) {
+                        const glm::dvec3 apart = points_[other] - at;
+                        const double square = reference::dot(apart, apart);
+                        if (square <= distance_ * distance_)
+                            use(other, std::sqrt(square));
+                    }
         std::uint32_t& head = heads_[slot(cells[0][0], cells[1][0], cells[2][0])];
         next_[point] = std::exchange(head, point);
     }
@@ -66,7 +78,7 @@ private:
     std::size_t slot(double x, double y, double z) const { return hash_of(x, y, z) & (heads_.size() - 1); }
 
     std::span<const glm::dvec3> points_;
-    double distance_;
+    double distance_, margin_ = 0, size_ = 0; // of a cell
     std::vector<std::uint32_t> heads_, next_; // of cells that share a slot
 };
 

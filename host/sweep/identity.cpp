@@ -60,9 +60,19 @@ Fingerprints identify(Study& study) {
         check_interrupt();
         if (!digests.add_to(one.scene))
             continue;
-        const std::string scene = resolved_toml(one);
-        for (const bool cpu_engine : {false, true})
-            result[one.name].insert(fingerprint(scene, cpu_engine));
+        // Which of the two inside = "auto" takes depends on the file, whose digest is in the text.
+        std::vector<std::string> scenes{resolved_toml(one)};
+        if (one.scene.surface.kind == SurfaceKind::mesh && one.scene.surface.mesh.inside == InsideTest::automatic) {
+            scenes.clear();
+            for (const InsideTest inside : {InsideTest::pseudonormal, InsideTest::winding}) {
+                Case resolved = one;
+                set_inside(resolved, inside);
+                scenes.push_back(resolved_toml(resolved));
+            }
+        }
+        for (const std::string& scene : scenes)
+            for (const bool cpu_engine : {false, true})
+                result[one.name].insert(fingerprint(scene, cpu_engine));
     }
     return result;
 }
