@@ -32,6 +32,7 @@ std::string as_json(const std::string& path, const Inspected& mesh) {
                                 {"unit", mesh.unit.empty() ? "file" : "m"},
                                 {"vertices", found.vertices},
                                 {"unused_vertices", found.unused_vertices},
+                                {"joined_vertices", found.joined_vertices},
                                 {"facets", found.facets},
                                 {"triangles", found.triangles},
                                 {"quadrilaterals", found.quadrilaterals},
@@ -95,7 +96,9 @@ std::string as_text(const Inspected& mesh) {
             : fmt::format("{}{}", found.more_self_intersections ? "at least " : "", *found.self_intersections);
     std::vector<std::pair<std::string, std::string>> rows{
         {"format", mesh.file.format},
-        {"vertices", fmt::format("{}", found.vertices)},
+        {"vertices", found.joined_vertices == 0 ? fmt::format("{}", found.vertices)
+                                                : fmt::format("{}, and {} more at the same places, joined",
+                                                              found.vertices, found.joined_vertices)},
         {"facets", facet_kinds(found)},
         {"surface", topology(found)},
         {"bounding box", fmt::format("{} to {} {}", triple(found.low * m), triple(found.high * m), unit)},

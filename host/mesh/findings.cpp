@@ -141,15 +141,11 @@ std::string counted(std::size_t count, std::string_view one, std::string_view ma
 } // namespace
 
 bool is_solid(const MeshFindings& findings) {
-    return bounds_solids(findings) && findings.components == 1;
-}
-
-bool bounds_solids(const MeshFindings& findings) {
     const bool sound = findings.non_manifold_edges + findings.non_manifold_vertices + findings.misoriented_edges +
                            findings.degenerate_facets + findings.redundant_facets + findings.opposed_facets +
                            findings.repeated_corner_facets ==
                        0;
-    return sound && findings.closed && findings.self_intersections == 0U;
+    return sound && findings.closed && findings.components == 1 && findings.self_intersections == 0U;
 }
 
 namespace {

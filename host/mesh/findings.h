@@ -55,10 +55,6 @@ MeshFindings with_connections(ShapeFindings shape, const Connectivity& mesh);
 /// True if it is known that the facets bound one solid whose surface nowhere meets itself.
 bool is_solid(const MeshFindings& findings);
 
-/// True if it is known that the facets bound solids and cavities whose surfaces nowhere meet: pseudonormals tell inside
-/// from outside everywhere.
-bool bounds_solids(const MeshFindings& findings);
-
 /// What a mesh is looked at for.
 enum class MeshUse {
     any,

@@ -27,9 +27,10 @@ std::vector<std::string> warnings_of(const MeshSpec& spec, const SceneMesh& mesh
     for (const std::string& warning : warnings(mesh.findings, use, "m", spec.unit * spec.scale))
         result.push_back(fmt::format("{}: {}", spec.file, warning));
     if (use == MeshUse::winding_field && spec.inside == InsideTest::automatic)
-        result.push_back(fmt::format("{}: inside is told by the winding number, since the mesh does not bound a solid "
-                                     "without crossings (inside = \"pseudonormal\" takes the nearest facet's side)",
-                                     spec.file));
+        result.push_back(
+            fmt::format("{}: inside = \"auto\" takes the winding number, since the mesh does not bound a solid "
+                        "without crossings (inside = \"pseudonormal\" takes the nearest facet's side)",
+                        spec.file));
     if (const std::size_t opposed = mesh.mesh.opposed_normals)
         result.push_back(
             fmt::format("{}: {} of {} corners have a normal in the file that points behind their facet, so "

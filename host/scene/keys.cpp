@@ -278,7 +278,7 @@ void add_surface(std::vector<Key>& keys) {
         .choices = kNormals;
     mesh.choice<&MeshSpec::inside>(
         "inside", "\"auto\"", kInsideTests,
-        "what tells inside from outside on a grid (L6): the normal of the nearest feature, for closed meshes whose "
+        "how inside is found on a grid (L6): the normal of the nearest feature, for closed meshes whose "
         "pieces do not cross, or the generalized winding number, which also serves crossing pieces and meshes with "
         "holes; auto: the first for sheets and for meshes that bound solids, else the second");
     mesh.choice<&MeshSpec::orient>(
