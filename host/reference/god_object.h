@@ -233,6 +233,23 @@ void hold_if_grown(const layout::MeshView<T>& mesh, Neighbourhood<T>& neighbourh
     contact.finished = false;
 }
 
+/// Off an edge sharper than the skin can tell a walk may tread on the spot, though nothing stands between the proxy and
+/// a probe in the open: then the proxy goes straight there.
+template <typename T, typename Trace>
+void reach_open_probe(const layout::MeshView<T>& mesh, Neighbourhood<T>& neighbourhood, const Vector<T>& probe,
+                      const Trace& trace, Rest<T>& rest) noexcept {
+    const Vector<T> left = probe - rest.proxy;
+    layout::uint triangle = 0;
+    if (dot(left, left) <= Skin<T>::kNear * Skin<T>::kNear ||
+        (nearest_near(mesh, neighbourhood, probe, triangle) &&
+         nearest_on_triangle(probe, triangle_at(mesh, triangle)).square <= Skin<T>::kWidth * Skin<T>::kWidth))
+        return;
+    trace(rest.proxy, probe);
+    rest.proxy = probe;
+    rest.count = 0;
+    rest.cornered = false;
+}
+
 /// The update of a path that has begun, to a probe that is finite.
 template <typename T, typename Trace>
 GodObjectContact<T> follow(const layout::MeshView<T>& mesh, GodObject<T>& state, Neighbourhood<T>& neighbourhood,
@@ -244,6 +261,8 @@ GodObjectContact<T> follow(const layout::MeshView<T>& mesh, GodObject<T>& state,
     contact.finished = contact.finished && solver.finished();
     if (contact.beside)
         hold_if_grown(mesh, neighbourhood, state.proxy, probe, rest, contact);
+    else if (rest.cornered && !contact.touching)
+        reach_open_probe(mesh, neighbourhood, probe, trace, rest);
     contact.substeps = walk.substeps();
     state.proxy = rest.proxy;
     state.cornered = rest.cornered;

@@ -178,7 +178,9 @@ template <typename T> void walk(const MeshStructure& structure, bool closed, boo
         require(gap() > kLeastGap || structure.scale > kFar, "step {}: {} skins from the mesh", step, gap());
         if (closed && contact.finished && !contact.touching)
             require(glm::length(wide(state.proxy) - wide(probe)) <= 1e3 * skin * (1 + glm::length(wide(probe))),
-                    "step {}: in the open, it does not reach the probe", step);
+                    "step {}: in the open, it ends {} skins from the probe, {} from the mesh{}", step,
+                    glm::length(wide(state.proxy) - wide(probe)) / skin, gap(),
+                    grid.touches(wide(state.proxy), wide(probe)) ? ", which stands between" : "");
         if (closed) {
             if (step == 0 && double(reference::nearest(view, probe).square) > skin * skin / 64)
                 side = winding_at(triangles, wide(probe)); // it begins where the probe is

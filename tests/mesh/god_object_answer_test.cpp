@@ -117,6 +117,8 @@ private:
 
     /// Whether what stands between proxy and probe does not hang on a few skins, as beside a rim.
     bool is_certain(const Update& update, bool blocked) const {
+        if (!blocked)
+            return !passes_beside(update.proxy, update.probe);
         for (int i = 0; i < 54; ++i) {
             const double far = (i < 27 ? 2 : 6) * kSkin;
             const glm::dvec3 aside = far * glm::dvec3(i % 3 - 1, i / 3 % 3 - 1, i / 9 % 3 - 1);
@@ -125,6 +127,21 @@ private:
                 return false;
         }
         return true;
+    }
+
+    /// Whether a line crosses the plane of a triangle within a few skins of it, however narrow its tip is.
+    bool passes_beside(const glm::dvec3& from, const glm::dvec3& to) const {
+        for (const auto& corners : triangles_.corners) {
+            const glm::dvec3 normal = glm::normalize(glm::cross(corners[1] - corners[0], corners[2] - corners[0]));
+            const double begin = glm::dot(normal, from - corners[0]), end = glm::dot(normal, to - corners[0]);
+            const double time = begin / (begin - end);
+            if (!(time >= 0 && time <= 1))
+                continue;
+            const reference::Triangle<double> triangle{{corners[0], corners[1], corners[2]}, normal};
+            if (reference::nearest_on_triangle(from + time * (to - from), triangle).square <= 36 * kSkin * kSkin)
+                return true;
+        }
+        return false;
     }
 
     double surface_distance(const glm::dvec3& place) const {
@@ -283,6 +300,36 @@ TEST(GodObjectAnswer, ContactAboveAPoleWhereTheWalkIsStopped) {
                               {-1.2064938859402596e-05, 9.924660593846099e-05, -2.0947058333456995e-06},
                               {9.025636066336163e-10, 1.3913788693617518e-10, 1.3935476349546202e-09}}))
         EXPECT_TRUE(answer.touching || answer.left < 2) << answer.left;
+}
+
+/// A walk that treads on the spot off the knife edge of a rim, though nothing stands between it and the probe.
+TEST(GodObjectAnswer, ReachesAnOpenProbePastAKnifeEdge) {
+    PolygonSoup lens;
+    lens.vertices = {{-2.0000000000000018, -3.4641016151377535, 0.0},
+                     {-3.4641016151377553, -1.999999999999999, 0.0},
+                     {0.0, 0.0, -3.0},
+                     {-7.355227538141662e-16, -4.0, 0.0},
+                     {-4.0, 4.898587196589413e-16, 0.0},
+                     {0.0, 0.0, -0.375},
+                     {-3.464101615137755, 1.9999999999999998, 0.0},
+                     {3.8125, 0.15625, -0.03125},
+                     {3.2766016151377535, -2.1875000000000018, -0.1875},
+                     {2.0000000000000004, -3.4641016151377544, 0.0},
+                     {3.464101615137755, 1.9999999999999998, 0.0},
+                     {-1.6249999999999991, 2.964101615137755, 5.84375},
+                     {2.498001805406602e-16, 4.0, 0.0},
+                     {2.4062500000000004, 3.4641016151377544, -0.1875}};
+    const std::uint32_t rim[] = {7, 10, 13, 12, 11, 6, 4, 1, 0, 3, 9, 8};
+    for (std::size_t i = 0; i < std::size(rim); ++i) {
+        const std::uint32_t next = rim[(i + 1) % std::size(rim)];
+        shapes::add_facet(lens, {rim[i], next, 5});
+        shapes::add_facet(lens, {next, rim[i], 2});
+    }
+    const std::vector<Answer> answers = follow<double>(
+        lens, {{-0.19140625527546884 * 8 - 0.09375, 0.37051269567469647 * 8, 0.55273436922453656 * 8 + 1.421875},
+               {0.21484375527546867 * 8 - 0.09375, -1.3705126956746965 * 8, -0.90820311922453656 * 8 + 1.421875}});
+    EXPECT_FALSE(answers.back().touching);
+    EXPECT_LT(answers.back().left, 2);
 }
 
 } // namespace
