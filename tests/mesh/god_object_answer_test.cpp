@@ -182,7 +182,8 @@ template <typename T> void probe(const std::vector<walks::Terrain>& terrains) {
     const std::uint64_t walks = number("FORCESHADE_WALKS", in_long_form() ? 1500000 : 1000);
     const std::uint64_t seed = number("FORCESHADE_SEED", 1);
     for (const walks::Terrain& terrain : terrains) {
-        const AnswerTally tally = Answers<T>(terrain).run(terrain.valence > 100 ? walks / 8 : walks, seed);
+        const unsigned slower = terrain.valence > 100 ? terrain.valence / 8 : 1;
+        const AnswerTally tally = Answers<T>(terrain).run(walks / slower, seed);
         fmt::print("{:20} f{} {:8} steps {:8} contacts: {} grew, {} free, {} phantoms, {} unbalanced, {} far, {} "
                    "crossed, {} unfinished; growth {:.1e}, residual {:.1e}, distance {:.1e}\n",
                    terrain.name, 8 * sizeof(T), tally.steps, tally.contacts, tally.grew, tally.dropped, tally.phantoms,

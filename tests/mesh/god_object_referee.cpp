@@ -17,6 +17,10 @@ ExactPoint point_of(const glm::dvec3& v) {
     return {v.x, v.y, v.z};
 }
 
+Kernel::Triangle_3 face_of(const std::array<glm::dvec3, 3>& triangle) {
+    return {point_of(triangle[0]), point_of(triangle[1]), point_of(triangle[2])};
+}
+
 template <typename T> Triangles triangles_of(std::span<const T> vertices, std::span<const std::uint32_t> corners) {
     Triangles triangles;
     const auto at = [&](std::uint32_t v) {
@@ -38,6 +42,18 @@ bool apart(const glm::dvec3& from, const glm::dvec3& to, const std::array<glm::d
     return false;
 }
 
+/// Whether both ends are on one side of the triangle's plane by more than rounding can make of it. Of components up to
+/// `size` for the edges and `far` for the ends, products of three are off by less than 64 roundings together.
+bool on_one_side(const glm::dvec3& from, const glm::dvec3& to, const std::array<glm::dvec3, 3>& triangle) {
+    const auto largest = [](const glm::dvec3& v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); };
+    const glm::dvec3 one = triangle[1] - triangle[0], other = triangle[2] - triangle[0];
+    const glm::dvec3 begin = from - triangle[0], end = to - triangle[0], normal = glm::cross(one, other);
+    const double size = std::max(largest(one), largest(other)), far = std::max(largest(begin), largest(end));
+    const double rounding = 64 * std::numeric_limits<double>::epsilon() * size * size * far + 1e-300;
+    const double first = glm::dot(normal, begin), last = glm::dot(normal, end);
+    return std::min(first, last) > rounding || std::max(first, last) < -rounding;
+}
+
 } // namespace
 
 Triangles Triangles::of(std::span<const double> vertices, std::span<const std::uint32_t> corners) {
@@ -49,15 +65,11 @@ Triangles Triangles::of(std::span<const float> vertices, std::span<const std::ui
 }
 
 bool segment_touches_triangle(const glm::dvec3& from, const glm::dvec3& to, const std::array<glm::dvec3, 3>& triangle) {
-    if (apart(from, to, triangle))
+    if (apart(from, to, triangle) || on_one_side(from, to, triangle))
         return false;
-    const Kernel::Triangle_3 face(point_of(triangle[0]), point_of(triangle[1]), point_of(triangle[2]));
-    if (from == to)
-        return !face.is_degenerate() && face.has_on(point_of(from));
-    const Kernel::Segment_3 segment(point_of(from), point_of(to));
-    if (face.is_degenerate())
-        return false; // the structure leaves it out: its neighbours cover it
-    return CGAL::do_intersect(segment, face);
+    const Kernel::Triangle_3 face = face_of(triangle);
+    return from == to ? face.has_on(point_of(from))
+                      : CGAL::do_intersect(Kernel::Segment_3(point_of(from), point_of(to)), face);
 }
 
 TriangleGrid::TriangleGrid(const Triangles& triangles) : triangles_(triangles), low_(1e300), high_(-1e300) {
@@ -74,6 +86,8 @@ TriangleGrid::TriangleGrid(const Triangles& triangles) : triangles_(triangles), 
         size_[static_cast<std::size_t>(axis)] = static_cast<int>((high_[axis] - low_[axis]) / cell_) + 1;
     cells_.resize(std::size_t(size_[0]) * std::size_t(size_[1]) * std::size_t(size_[2]));
     for (std::uint32_t t = 0; t < triangles.corners.size(); ++t) {
+        if (face_of(triangles.corners[t]).is_degenerate())
+            continue; // the structure leaves it out: its neighbours cover it
         const auto& [a, b, c] = triangles.corners[t];
         const auto first = cell_of({std::min({a.x, b.x, c.x}), std::min({a.y, b.y, c.y}), std::min({a.z, b.z, c.z})});
         const auto last = cell_of({std::max({a.x, b.x, c.x}), std::max({a.y, b.y, c.y}), std::max({a.z, b.z, c.z})});

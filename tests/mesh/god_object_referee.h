@@ -43,7 +43,7 @@ private:
     std::vector<std::vector<std::uint32_t>> cells_;
 };
 
-/// Whether the segment and the triangle have a point in common, in exact arithmetic.
+/// Whether the segment and the triangle, which has an area, have a point in common, in exact arithmetic.
 bool segment_touches_triangle(const glm::dvec3& from, const glm::dvec3& to, const std::array<glm::dvec3, 3>& triangle);
 
 /// How far `pull` is from the cone of the reverses of up to three normals, as long as the difference is.
