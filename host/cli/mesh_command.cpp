@@ -1,35 +1,67 @@
+#include <algorithm>
+#include <cctype>
+
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "host/cli/command.h"
+#include "host/cli/picture_options.h"
 #include "host/long_run.h"
-#include "host/mesh/findings.h"
-#include "host/mesh/mesh_file.h"
+#include "host/mesh/marks.h"
+#include "host/picture/mesh_picture.h"
+#include "host/prepare/prepared_case.h"
 #include "host/program.h"
 #include "host/scene/quantity.h"
 
 namespace forceshade {
 namespace {
 
-struct Inspected {
-    PolygonFile file;
-    MeshFindings findings;
-    std::vector<std::string> warnings;
-    std::string unit;  // empty: the file's
-    double metres = 1; // what a coordinate of 1 means
+struct Arguments {
+    std::string file, unit, out;
+    std::vector<std::string> also;
+    picture::Look look;
 };
+
+struct Inspected {
+    MeshSpec spec; // its path, unit and keys
+    std::shared_ptr<const SceneMesh> mesh;
+    std::string unit;              // of lengths in texts
+    std::vector<MeshFault> faults; // what was skipped of the file among them
+    MeshMarks marks;
+};
+
+Inspected look_at(CasePreparation& preparation, MeshSpec spec, const std::string& unit) {
+    Inspected result;
+    result.mesh = preparation.mesh(spec);
+    result.unit = unit;
+    result.faults = result.mesh->changes;
+    std::ranges::move(
+        faults(result.mesh->findings,
+               result.mesh->inside == InsideTest::winding ? MeshUse::winding_field : MeshUse::pseudonormal_field, unit,
+               spec.unit),
+        std::back_inserter(result.faults));
+    result.marks = find_marks(result.mesh->mesh, result.mesh->structure, result.mesh->findings);
+    result.spec = std::move(spec);
+    return result;
+}
 
 nlohmann::ordered_json as_json(const glm::dvec3& v) {
     return {v.x, v.y, v.z};
 }
 
-std::string as_json(const std::string& path, const Inspected& mesh) {
-    const MeshFindings& found = mesh.findings;
-    const double m = mesh.metres;
-    nlohmann::ordered_json json{{"file", path},
-                                {"format", mesh.file.format},
-                                {"sha256", mesh.file.sha256},
-                                {"unit", mesh.unit.empty() ? "file" : "m"},
+std::string as_json(const Inspected& one) {
+    const MeshFindings& found = one.mesh->findings;
+    const double m = one.spec.unit;
+    std::vector<std::string> warnings;
+    nlohmann::ordered_json faults = nlohmann::ordered_json::array();
+    for (const MeshFault& fault : one.faults) {
+        warnings.push_back(sentence(fault));
+        faults.push_back({{"what", fault.what}, {"force", fault.force}, {"remedy", fault.remedy}, {"key", fault.key}});
+    }
+    nlohmann::ordered_json json{{"file", one.spec.file},
+                                {"format", one.mesh->format},
+                                {"sha256", one.mesh->sha256},
+                                {"unit", one.unit == "m" ? "m" : "file"},
                                 {"vertices", found.vertices},
                                 {"unused_vertices", found.unused_vertices},
                                 {"joined_vertices", found.joined_vertices},
@@ -55,13 +87,16 @@ std::string as_json(const std::string& path, const Inspected& mesh) {
                                 {"volume", found.volume * m * m * m},
                                 {"low", as_json(found.low * m)},
                                 {"high", as_json(found.high * m)},
-                                {"warnings", mesh.warnings}};
+                                {"sharp_edges", one.marks.sharp.size()},
+                                {"inside", one.mesh->inside == InsideTest::winding ? "winding" : "pseudonormal"},
+                                {"faults", faults},
+                                {"warnings", warnings}};
     if (found.self_intersections)
         json["self_intersections"] = *found.self_intersections;
     return json.dump(2) + "\n";
 }
 
-// "5856 (5856 triangles)", "500 (32 triangles, 468 quadrilaterals)"
+// "5856 triangles", "32 triangles, 468 quadrilaterals"
 std::string facet_kinds(const MeshFindings& found) {
     std::vector<std::string> kinds;
     if (found.triangles > 0)
@@ -69,73 +104,149 @@ std::string facet_kinds(const MeshFindings& found) {
     if (found.quadrilaterals > 0)
         kinds.push_back(plural(found.quadrilaterals, "quadrilateral"));
     if (found.others > 0)
-        kinds.push_back(fmt::format("{} of up to {} corners", found.others, found.most_corners));
-    return fmt::format("{} ({})", found.facets, fmt::join(kinds, ", "));
-}
-
-std::string topology(const MeshFindings& found) {
-    return fmt::format("{}, {}{}", found.closed ? "closed" : "open", plural(found.components, "piece"),
-                       !found.closed      ? ""
-                       : found.volume > 0 ? ", oriented outward"
-                       : found.volume < 0 ? ", oriented inward"
-                                          : "");
+        kinds.push_back(fmt::format("{} of up to {} corners", plural(found.others, "facet"), found.most_corners));
+    return fmt::format("{}", fmt::join(kinds, ", "));
 }
 
 std::string triple(const glm::dvec3& v) {
     return fmt::format("({:.6g}, {:.6g}, {:.6g})", v.x, v.y, v.z);
 }
 
-std::string as_text(const Inspected& mesh) {
-    const MeshFindings& found = mesh.findings;
-    const double m = mesh.metres;
-    const std::string unit = mesh.unit.empty() ? "file units" : "m";
+std::string contents(const Inspected& one) {
+    const MeshFindings& found = one.mesh->findings;
+    const double m = one.spec.unit;
     const glm::dvec3 size = (found.high - found.low) * m;
-    const std::string intersections =
-        !found.self_intersections
-            ? "not looked for in a mesh of this size"
-            : fmt::format("{}{}", found.more_self_intersections ? "at least " : "", *found.self_intersections);
-    std::vector<std::pair<std::string, std::string>> rows{
-        {"format", mesh.file.format},
-        {"vertices", found.joined_vertices == 0 ? fmt::format("{}", found.vertices)
-                                                : fmt::format("{}, and {} more at the same places, joined",
-                                                              found.vertices, found.joined_vertices)},
-        {"facets", facet_kinds(found)},
-        {"surface", topology(found)},
-        {"bounding box", fmt::format("{} to {} {}", triple(found.low * m), triple(found.high * m), unit)},
-        {"size", fmt::format("{:.6g} x {:.6g} x {:.6g} {}", size.x, size.y, size.z, unit)},
-        {"area", fmt::format("{:.6g} {}^2", found.area * m * m, unit)},
-        {"volume", fmt::format("{:.6g} {}^3{}", found.volume * m * m * m, unit,
-                               found.closed ? "" : " (of an open surface: no meaning of its own)")},
-        {"intersections", intersections}};
-    for (const std::string& warning : mesh.warnings)
-        rows.emplace_back("warning", warning);
-    if (mesh.warnings.empty())
-        rows.emplace_back("warnings", "none");
-    std::string text;
-    for (const auto& [name, value] : rows)
-        text += fmt::format("{:<15}{}\n", name, value);
+    const std::string joined = found.joined_vertices > 0
+                                   ? fmt::format(" (and {} more at the same places, joined)", found.joined_vertices)
+                                   : "";
+    return fmt::format("{}: {} vertices{}, {}; {:.6g} x {:.6g} x {:.6g} {}, from {} to {}", one.mesh->format,
+                       found.vertices, joined, facet_kinds(found), size.x, size.y, size.z, one.unit,
+                       triple(found.low * m), triple(found.high * m));
+}
+
+std::string surface(const Inspected& one) {
+    const MeshFindings& found = one.mesh->findings;
+    const double m = one.spec.unit;
+    const std::string faces = !found.closed ? ""
+                              : !found.inside_out.empty()
+                                  ? fmt::format(", {} of them inside out", found.inside_out.size())
+                              : found.misoriented_edges > 0 ? ", facets do not agree on a side"
+                              : found.volume > 0            ? ", faces outward"
+                              : found.volume < 0            ? ", faces inward"
+                                                            : "";
+    const std::string crossings =
+        !found.self_intersections ? "crossings not looked for in a mesh of this size"
+        : *found.self_intersections == 0
+            ? "no crossings"
+            : (found.more_self_intersections ? "at least " : "") + plural(*found.self_intersections, "crossing");
+    return fmt::format("{}, {}{}, {}; area {:.6g} {}^2, volume {:.6g} {}^3{}", found.closed ? "closed" : "open",
+                       plural(found.components, "piece"), faces, crossings, found.area * m * m, one.unit,
+                       found.volume * m * m * m, one.unit,
+                       found.closed ? "" : " (of an open surface: no meaning of its own)");
+}
+
+// Where a force is, in a field and on paths, and what shading does.
+std::string force(const Inspected& one) {
+    const bool winding = one.mesh->inside == InsideTest::winding, closed = one.mesh->findings.closed;
+    std::string text = closed && !winding ? "inside, out of the nearest facet"
+                       : closed           ? "where the winding number exceeds 1/2, out of the nearest facet"
+                       : winding          ? "inside, as if holes were closed (winding number), out of the nearest facet"
+                                          : "behind the sheet, however far away; a path's stays on the side where it "
+                                            "began";
+    if (one.mesh->findings.components > 1)
+        text += ", whichever piece that is of";
+    if (const std::size_t sharp = one.marks.sharp.size())
+        text += fmt::format("; shading rounds {} sharper than {:g} deg (normals = \"crease:{:g} deg\" keeps {})",
+                            plural(sharp, "edge"), MeshMarks::kSharp, MeshMarks::kSharp, sharp == 1 ? "it" : "them");
     return text;
 }
 
-struct Arguments {
-    std::string file, unit;
-};
+// The keys that help, each once.
+std::vector<std::string> keys_of(const Inspected& one) {
+    std::vector<std::string> keys;
+    for (const MeshFault& fault : one.faults)
+        if (!fault.key.empty() && std::ranges::find(keys, fault.key) == keys.end())
+            keys.push_back(fault.key);
+    return keys;
+}
+
+// [surface] of a scene of this mesh.
+std::string to_write(const Inspected& one, const std::string& unit) {
+    std::string text = fmt::format("[surface] kind = \"mesh\"  file = \"{}\"  unit = \"{}\"", one.spec.file, unit);
+    for (const std::string& key : keys_of(one))
+        text += "  " + key;
+    return text;
+}
+
+// What is wrong once the keys that help are written; empty where none do.
+std::string outcome(CasePreparation& preparation, const Inspected& one) {
+    if (keys_of(one).empty())
+        return "";
+    MeshSpec mended = one.spec;
+    for (const MeshFault& fault : one.faults) {
+        if (fault.key.starts_with("orient"))
+            mended.orient = Orientation::outward;
+        if (fault.key.starts_with("normals"))
+            mended.normals = NormalWeights::groups;
+        if (fault.key.starts_with("weld"))
+            mended.weld = *one.mesh->findings.closing_distance * one.spec.unit * 1.01; // it is printed rounded up
+    }
+    const Inspected then = look_at(preparation, mended, one.unit);
+    std::string left;
+    for (std::size_t i = then.mesh->changes.size(); i < then.faults.size(); ++i)
+        if (const MeshFault& fault = then.faults[i]; fault.is_wrong)
+            left += (left.empty() ? "" : "; ") + fault.what;
+    return fmt::format("{}, {}; {}", then.mesh->findings.closed ? "closed" : "open",
+                       plural(then.mesh->findings.components, "piece"), left.empty() ? "nothing is wrong" : left);
+}
+
+std::string as_text(CasePreparation& preparation, const Inspected& one, const std::string& unit) {
+    std::vector<std::pair<std::string, std::string>> rows{{"mesh", contents(one)}, {"surface", surface(one)}};
+    for (const MeshFault& fault : one.faults)
+        if (fault.is_wrong)
+            rows.emplace_back("wrong", sentence(fault));
+    if (rows.size() == 2)
+        rows.emplace_back("wrong", "nothing");
+    rows.emplace_back("force", force(one));
+    rows.emplace_back("write", to_write(one, unit));
+    if (const std::string then = outcome(preparation, one); !then.empty())
+        rows.emplace_back("then", then);
+    std::string text;
+    for (const auto& [name, value] : rows)
+        text += fmt::format("{:<9}{}\n", name, value);
+    return text;
+}
 
 int run(const Arguments& arguments, const CommonOptions& common) {
     const LongRun long_run(common.quiet);
-    const auto& [path, unit] = arguments;
-    Inspected mesh;
-    mesh.unit = unit;
-    if (!unit.empty())
-        mesh.metres =
-            parse_quantity(std::isdigit(static_cast<unsigned char>(unit[0])) ? unit : "1 " + unit, Dimension::length);
-    mesh.file = read_polygons(path);
-    mesh.findings = inspect(mesh.file.polygons);
-    mesh.findings.joined_vertices = mesh.file.joined_vertices;
-    mesh.warnings = warnings(mesh.findings, MeshUse::any, unit.empty() ? "of the file's unit" : "m", mesh.metres);
-    mesh.warnings.insert(mesh.warnings.begin(), mesh.file.warnings.begin(), mesh.file.warnings.end());
-    refuse_if_meaningless(mesh.findings, path);
-    print_data(common.json ? as_json(path, mesh) : as_text(mesh));
+    picture::Endings endings;
+    for (const std::string& name : arguments.also)
+        endings.add(name);
+    const std::filesystem::path file(arguments.file);
+    const std::filesystem::path stem = arguments.out.empty() ? file.stem().string() + ".mesh" : arguments.out;
+    refuse_unused(endings, arguments.look == picture::Look{} && arguments.out.empty());
+    std::vector<std::filesystem::path> files;
+    for (const std::string& name : picture::names_with(stem.string(), endings))
+        files.emplace_back(name);
+    const bool draws = endings.any() && may_write(files, common);
+    MeshSpec spec;
+    spec.file = arguments.file;
+    spec.path = file;
+    std::string unit = arguments.unit;
+    if (!unit.empty()) {
+        unit = std::isdigit(static_cast<unsigned char>(unit[0])) ? unit : "1 " + unit;
+        spec.unit = parse_quantity(unit, Dimension::length);
+    }
+    CasePreparation preparation;
+    const Inspected one = look_at(preparation, spec, unit.empty() ? "file units" : "m");
+    print_data(common.json ? as_json(one) : as_text(preparation, one, unit.empty() ? "UNIT" : arguments.unit));
+    if (draws) {
+        picture::Look look = arguments.look;
+        if (look.title.empty())
+            look.title = "Mesh " + file.filename().string();
+        write_picture(stem, endings,
+                      picture::draw_mesh(look, {contents(one), surface(one)}, one.mesh->mesh, one.marks, one.unit));
+    }
     if (!common.quiet && unit.empty())
         remark("lengths are in the file's unit, which no mesh file tells; for metres say what a coordinate of 1 is, as "
                "--unit mm\n");
@@ -145,15 +256,22 @@ int run(const Arguments& arguments, const CommonOptions& common) {
 } // namespace
 
 void add_mesh_command(CommandLine& program) {
-    program.add<Arguments>("mesh", "Say what is in a mesh file and what is wrong with it", run,
-                           [](Options& options, Arguments& arguments) {
-                               options.required("FILE", arguments.file, "OBJ, OFF, PLY or STL");
-                               options
-                                   .optional("--unit UNIT", arguments.unit,
-                                             "what a coordinate of 1 means, as mm or in; sizes are then in m")
-                                   .example("mesh bone.ply --unit mm", "its size in metres, holes, crossings")
-                                   .example("mesh bone.ply --json", "the same for a script");
-                           });
+    program.add<Arguments>(
+        "mesh", "Say what is in a mesh file, what is wrong with it and what to write", run,
+        [](Options& options, Arguments& arguments) {
+            options.required("FILE", arguments.file, "OBJ, OFF, PLY or STL");
+            options.optional("--unit UNIT", arguments.unit,
+                             "what a coordinate of 1 means, as mm or in; sizes are then in m");
+            options.list("--also png|svg|pdf", arguments.also,
+                         "a picture of the mesh from two sides, with holes, crossings, facets that face inward and "
+                         "sharp edges marked");
+            options.optional("--out STEM", arguments.out,
+                             "of the picture's files; without it FILE's name and .mesh, in this folder");
+            describe_look(options, arguments.look);
+            options.example("mesh bone.ply --unit mm", "its size in metres, holes, crossings, what helps")
+                .example("mesh bone.ply --also png", "and a picture, bone.mesh.png")
+                .example("mesh bone.ply --json", "the same for a script");
+        });
 }
 
 } // namespace forceshade

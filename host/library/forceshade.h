@@ -16,8 +16,18 @@ namespace forceshade::oracle {
 /// m: x, y, z.
 using Place = std::array<double, 3>;
 
+/// Why there is a force, or none.
+enum class Status {
+    free,
+    touching,
+    unfinished,   /* touching, and the proxy did not come to rest: no force is larger for it */
+    out_of_range, /* nothing is known: so far off numbers of the precision tell no place of the scene */
+    not_a_number, /* nothing is known: a coordinate is NaN or infinite */
+};
+
 /// What a probe meets, in the scene's precision; a float stands here exactly.
 struct Touch {
+    Status status = Status::free;
     std::array<double, 3> force{}; /* N; 0 out of contact */
     std::array<double, 3> proxy{}; /* m, in the world: where the surface is touched; out of contact the probe */
     double depth = 0;              /* m; 0 out of contact */
@@ -28,6 +38,13 @@ struct Touch {
 class FORCESHADE_API SceneError : public std::runtime_error {
 public:
     using std::runtime_error::runtime_error;
+};
+
+/// A polygon mesh: vertices in the unit that the scene states, and the numbers of each facet's corners, from 0 on,
+/// counterclockwise seen from outside.
+struct Mesh {
+    std::vector<Place> vertices;
+    std::vector<std::vector<int>> facets;
 };
 
 /// A scene, ready to evaluate. Copies are cheap and share everything; nothing changes, so threads may share it, too.
@@ -41,12 +58,14 @@ public:
     /// The same from TOML text; files that it names are relative to `folder`. \throws SceneError
     static Scene parse(const std::string& text, const std::string& folder = ".", const Overrides& overrides = {});
 
+    /// The same where the mesh stands for the file of surface.kind = "mesh". \throws SceneError
+    static Scene parse(const std::string& text, const Mesh& mesh, const Overrides& overrides = {});
+
     /// The scene as complete TOML.
     const std::string& toml() const;
     /// What is remarkable in it, or in its mesh.
     const std::vector<std::string>& warnings() const;
-    /// What a probe meets that has no history; nothing where the coordinates are no finite numbers in reach of the
-    /// precision. Neither allocates nor locks.
+    /// What a probe meets that has no history. Neither allocates nor locks.
     Touch at(const Place& place) const noexcept;
 
 private:
@@ -65,8 +84,8 @@ public:
     Probe(Probe&&) noexcept;
     Probe& operator=(Probe&&) noexcept;
 
-    /// What it meets at its next place; out of contact where Scene::at has nothing to say, and the next place begins
-    /// anew. Neither allocates nor locks.
+    /// What it meets at its next place; where nothing is known the path ends, and the next place begins another.
+    /// Neither allocates nor locks.
     Touch step(const Place& place) noexcept;
     /// Forgets the past: the next place begins a path.
     void begin_path() noexcept;

@@ -7,12 +7,15 @@
 
 #include "device/loop/live_law.h"
 #include "host/error.h"
+#include "host/mesh/mesh_file.h"
 #include "host/prepare/prepared_case.h"
 
 namespace forceshade::oracle {
 
 struct Scene::State {
-    explicit State(const Case& one) : prepared(CasePreparation().prepare(one)) {
+    State(const Case& one, std::vector<std::string> remarks, const PolygonFile* mesh = nullptr)
+        : prepared(CasePreparation().prepare(one, mesh)), warnings(std::move(remarks)) {
+        warnings.insert(warnings.end(), prepared.warnings.begin(), prepared.warnings.end());
         if (prepared.one.scene.precision == Precision::f32)
             tables = make_tables<float>(prepared.one.scene, prepared.images, Extent::what_varies);
         else
@@ -34,14 +37,18 @@ glm::dvec3 as_vector(const Place& place) {
     return {place[0], place[1], place[2]};
 }
 
-// A float is exact as a double. `origin`, m: what the proxy is measured from.
-template <typename T> Touch touch_of(const reference::Contact<T>& contact, const glm::dvec3& origin) noexcept {
-    return {as_array(glm::dvec3(contact.force)), as_array(world_place(glm::dvec3(contact.proxy), origin)),
-            double(contact.depth), contact.facet == layout::kNoFacet ? -1 : long(contact.facet)};
+Touch touch_of(const glm::dvec3& force, const glm::dvec3& proxy, double depth, layout::uint facet,
+               bool finished) noexcept {
+    const bool touching = facet != layout::kNoFacet;
+    return {!finished  ? Status::unfinished
+            : touching ? Status::touching
+                       : Status::free,
+            as_array(force), as_array(proxy), depth, touching ? long(facet) : -1};
 }
 
 Touch nothing(const Place& place) noexcept {
-    return {{}, place, 0, -1};
+    const bool is_number = std::isfinite(place[0]) && std::isfinite(place[1]) && std::isfinite(place[2]);
+    return {is_number ? Status::out_of_range : Status::not_a_number, {}, place, 0, -1};
 }
 
 template <typename Read> auto in_words(const Read& read) {
@@ -59,18 +66,36 @@ Scene::Scene(std::shared_ptr<const State> state) : state_(std::move(state)) {}
 Scene::Scene(const std::string& file, const Overrides& overrides)
     : state_(in_words([&] {
           std::vector<std::string> warnings;
-          auto state = std::make_shared<State>(read_scene(file, overrides, &warnings));
-          state->warnings = std::move(warnings);
-          return state;
+          const Case one = read_scene(file, overrides, &warnings);
+          return std::make_shared<State>(one, std::move(warnings));
       })) {}
 
 Scene Scene::parse(const std::string& text, const std::string& folder, const Overrides& overrides) {
     return in_words([&] {
         std::vector<std::string> warnings;
-        auto state = std::make_shared<State>(
-            parse_scene(text, "scene", std::filesystem::absolute(folder), overrides, &warnings));
-        state->warnings = std::move(warnings);
-        return Scene(std::move(state));
+        const Case one = parse_scene(text, "scene", std::filesystem::absolute(folder), overrides, &warnings);
+        return Scene(std::make_shared<State>(one, std::move(warnings)));
+    });
+}
+
+Scene Scene::parse(const std::string& text, const Mesh& mesh, const Overrides& overrides) {
+    return in_words([&] {
+        Overrides all{{"surface.file", "mesh"}};
+        all.insert(all.end(), overrides.begin(), overrides.end());
+        std::vector<std::string> warnings;
+        const Case one = parse_scene(text, "scene", std::filesystem::absolute("."), all, &warnings);
+        std::vector<glm::dvec3> vertices;
+        for (const Place& vertex : mesh.vertices)
+            vertices.push_back(as_vector(vertex));
+        std::vector<std::int64_t> corners;
+        std::vector<std::size_t> counts;
+        for (const std::vector<int>& facet : mesh.facets) {
+            corners.insert(corners.end(), facet.begin(), facet.end());
+            counts.push_back(facet.size());
+        }
+        const PolygonFile file = polygons_of("mesh", std::move(vertices), corners, counts,
+                                             one.scene.surface.mesh.normals == NormalWeights::file);
+        return Scene(std::make_shared<State>(one, std::move(warnings), &file));
     });
 }
 
@@ -89,7 +114,10 @@ Touch Scene::at(const Place& place) const noexcept {
         if (!(farthest <= largest_coordinate<T>(state_->prepared)) || std::isnan(probe.x + probe.y + probe.z))
             return nothing(place);
         layout::uint hint = 0;
-        return touch_of(static_contact(tables.law(), state_->prepared, probe, hint), scene_origin(state_->prepared));
+        const reference::Contact<T> contact = static_contact(tables.law(), state_->prepared, probe, hint);
+        return touch_of(glm::dvec3(contact.force),
+                        world_place(glm::dvec3(contact.proxy), scene_origin(state_->prepared)), double(contact.depth),
+                        contact.facet, true); // a float is exact as a double
     };
     return std::visit(evaluate, state_->tables);
 }
@@ -113,8 +141,7 @@ Touch Probe::step(const Place& place) noexcept {
         return nothing(place);
     }
     const device::LiveContact contact = state_->law->at(probe);
-    return {as_array(contact.force), as_array(contact.proxy), contact.depth,
-            contact.facet == layout::kNoFacet ? -1 : long(contact.facet)};
+    return touch_of(contact.force, contact.proxy, contact.depth, contact.facet, contact.finished);
 }
 
 void Probe::begin_path() noexcept {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 #include <span>
+#include <stdexcept>
 #include <unordered_map>
 #include <unordered_set>
 
@@ -156,83 +157,101 @@ std::string rounded_up(double length) {
     return fmt::format("{:.3g}", step * std::ceil(length / step));
 }
 
-std::string openness(const MeshFindings& found, MeshUse use, const std::string& unit, double metres) {
-    std::string text = use == MeshUse::path ? "a path's force stays on the side where it began, and a proxy may slide "
-                                              "round the rims"
-                       : use == MeshUse::winding_field
-                           ? "a force is where the winding number exceeds 1/2, as if small holes were closed, and "
-                             "nowhere near a sheet"
-                       : use == MeshUse::pseudonormal_field
-                           ? "a force is wherever the nearest facet is seen from behind, however far away; inside = "
-                             "\"winding\" keeps it within closed shapes with holes"
-                           : "behind a sheet there is a force however far away, within a shape with small holes as if "
-                             "they were closed";
-    if (found.closing_distance)
-        text += fmt::format("; closes if vertices within {} {} are joined: {}",
-                            rounded_up(*found.closing_distance * metres), unit,
-                            unit == "m" ? "weld" : "weld, a length in the scene");
-    return text;
+std::string_view force_of_open_mesh(MeshUse use) {
+    switch (use) {
+    case MeshUse::path:
+        return "a path's force stays on the side where it began, and a proxy may slide round the rims";
+    case MeshUse::winding_field:
+        return "a force is where the winding number exceeds 1/2, as if small holes were closed, and nowhere near a "
+               "sheet";
+    case MeshUse::pseudonormal_field:
+        return "a force is wherever the nearest facet is seen from behind, however far away; inside = \"winding\" "
+               "keeps it within closed shapes with holes";
+    }
+    throw std::logic_error("no such use");
+}
+
+MeshFault openness(const MeshFindings& found, MeshUse use, const std::string& unit, double metres) {
+    MeshFault fault{fmt::format("{} along {}", counted(found.boundary_edges, "boundary edge", "boundary edges"),
+                                counted(found.holes, "hole or rim", "holes or rims")),
+                    std::string(force_of_open_mesh(use))};
+    if (!found.closing_distance)
+        return fault;
+    const std::string distance = rounded_up(*found.closing_distance * metres);
+    fault.remedy = fmt::format("closes if vertices within {} {} are joined: {}", distance, unit,
+                               unit == "m" ? "weld" : "weld, a length in the scene");
+    fault.key = fmt::format("weld = \"{} {}\"", distance, unit == "m" ? "m" : "UNIT");
+    return fault;
 }
 
 } // namespace
 
-std::vector<std::string> warnings(const MeshFindings& found, MeshUse use, const std::string& unit, double metres) {
+std::string sentence(const MeshFault& fault) {
+    return fault.what + (fault.force.empty() ? "" : ": " + fault.force) +
+           (fault.remedy.empty() ? "" : "; " + fault.remedy);
+}
+
+std::vector<MeshFault> faults(const MeshFindings& found, MeshUse use, const std::string& unit, double metres) {
     const bool field = use != MeshUse::path, winding = use == MeshUse::winding_field;
     const bool by_normals = use == MeshUse::pseudonormal_field;
-    std::vector<std::string> text;
-    const auto say = [&](std::size_t count, std::string_view one, std::string_view many, std::string_view meaning) {
+    const auto if_by_normals = [&](std::string_view text) { return std::string(by_normals ? text : ""); };
+    const std::string turns = "orient = \"outward\"";
+    std::vector<MeshFault> all;
+    const auto add = [&](std::size_t count, std::string_view one, std::string_view many, std::string_view what,
+                         std::string force = "", std::string remedy = "", std::string key = "") {
         if (count > 0)
-            text.push_back(counted(count, one, many) + std::string(meaning));
+            all.push_back(
+                {counted(count, one, many) + std::string(what), std::move(force), std::move(remedy), std::move(key)});
     };
-    say(found.boundary_edges, "boundary edge", "boundary edges",
-        fmt::format(" along {}: {}", counted(found.holes, "hole or rim", "holes or rims"),
-                    openness(found, use, unit, metres)));
-    say(found.non_manifold_edges, "edge", "edges",
-        by_normals ? " of more than two facets: near them a static force may be missing, or appear outside; inside = "
-                     "\"winding\" is the safer choice"
-                   : " of more than two facets");
-    say(found.non_manifold_vertices, "vertex", "vertices",
-        " where surfaces touch in a point only: shading mixes their normals there");
-    say(found.misoriented_edges, "edge", "edges",
-        fmt::format(" between facets of opposite orientation: {}shading cancels normals there; orient = \"outward\" "
-                    "turns facets so that they agree",
+    if (found.boundary_edges > 0)
+        all.push_back(openness(found, use, unit, metres));
+    add(found.non_manifold_edges, "edge", "edges", " of more than two facets",
+        if_by_normals("near them a static force may be missing, or appear outside"),
+        if_by_normals("inside = \"winding\" is the safer choice"));
+    add(found.non_manifold_vertices, "vertex", "vertices", " where surfaces touch in a point only",
+        "shading mixes their normals there");
+    add(found.misoriented_edges, "edge", "edges", " between facets of opposite orientation",
+        fmt::format("{}shading cancels normals there",
                     by_normals ? "on one side of each the static force points the wrong way, and "
                     : winding  ? "the static force is missing where the winding number falls below 1/2, and "
-                               : ""));
+                               : ""),
+        turns + " turns facets so that they agree", turns);
     for (const std::string& piece : found.one_sided)
-        text.push_back(fmt::format("{} has one side only, as a Moebius strip has: it has no inside", piece));
-    if (found.components > 1)
-        say(found.components, "", "separate pieces",
-            field ? ": a static force leads out of the nearest facet, whichever piece that is of" : "");
+        all.push_back({piece + " has one side only, as a Moebius strip has", "it has no inside"});
+    if (found.components > 1) {
+        add(found.components, "", "separate pieces", "",
+            field ? "a static force leads out of the nearest facet, whichever piece that is of" : "");
+        all.back().is_wrong = false;
+    }
     if (field)
         for (const std::string& piece : found.inside_out)
-            text.push_back(fmt::format(
-                "{} faces inward and no other piece is around it: static forces {}; orient = \"outward\" turns it",
-                piece,
-                by_normals ? "appear outside of it and not inside" : "are missing in it (inside = \"winding\")"));
-    say(found.degenerate_facets, "facet", "facets",
-        " without area: left out, and what lies on both sides of them is joined");
-    say(found.vanished_facets, "facet", "facets", " without area by joining vertices: weld is larger than their edges");
-    say(found.repeated_corner_facets, "facet", "facets", " coming to a vertex twice");
-    say(found.redundant_facets, "facet", "facets", " given once more: left out");
-    say(found.opposed_facets, "pair of facets", "pairs of facets",
-        fmt::format(" that coincide and face opposite ways: the first in the file is the one touched, and both weigh "
-                    "in the vertex normals{}",
-                    by_normals ? "; where they are the nearest a static force may be missing, or appear outside; "
-                                 "inside = \"winding\", for which they cancel, is the safer choice"
-                               : ""));
-    say(found.unused_vertices, "vertex", "vertices", " that no facet uses: ignored");
+            all.push_back({piece + " faces inward and no other piece is around it",
+                           by_normals ? "static forces appear outside of it and not inside"
+                                      : "static forces are missing in it (inside = \"winding\")",
+                           turns + " turns it", turns});
+    add(found.degenerate_facets, "facet", "facets", " without area",
+        "left out, and what lies on both sides of them is joined");
+    add(found.vanished_facets, "facet", "facets", " without area by joining vertices",
+        "weld is larger than their edges");
+    add(found.repeated_corner_facets, "facet", "facets", " coming to a vertex twice");
+    add(found.redundant_facets, "facet", "facets", " given once more", "left out");
+    add(found.opposed_facets, "pair of facets", "pairs of facets", " that coincide and face opposite ways",
+        "the first in the file is the one touched, and both weigh in the vertex normals" +
+            if_by_normals("; where they are the nearest a static force may be missing, or appear outside"),
+        if_by_normals("inside = \"winding\", for which they cancel, is the safer choice"));
+    add(found.unused_vertices, "vertex", "vertices", " that no facet uses", "ignored");
     if (found.more_self_intersections && *found.self_intersections == 0)
-        text.push_back("so many triangles lie close to each other that the search for self-intersections was given up");
-    say(found.self_intersections.value_or(0), "pair of triangles", "pairs of triangles",
-        fmt::format(" that touch or cross without a common corner{}",
-                    by_normals ? ": the static force is missing in parts of the inside, where the nearest facet is "
-                                 "within the solid; inside = \"winding\" (or \"auto\") gives it"
-                    : winding  ? ": where the nearest facet is within the solid, a static force leads there and not out"
-                               : ""));
+        all.push_back(
+            {"so many triangles lie close to each other that the search for self-intersections was given up"});
+    add(found.self_intersections.value_or(0), "pair of triangles", "pairs of triangles",
+        " that touch or cross without a common corner",
+        by_normals ? "the static force is missing in parts of the inside, where the nearest facet is within the solid"
+        : winding  ? "where the nearest facet is within the solid, a static force leads there and not out"
+                   : "",
+        if_by_normals("inside = \"winding\" (or \"auto\") gives it"));
     if (found.more_self_intersections && *found.self_intersections > 0)
-        text.back().insert(0, "at least ");
-    return text;
+        all.back().what.insert(0, "at least ");
+    return all;
 }
 
 void refuse_if_meaningless(const MeshFindings& found, const std::string& mesh) {

@@ -57,16 +57,27 @@ bool is_solid(const MeshFindings& findings);
 
 /// What a mesh is looked at for.
 enum class MeshUse {
-    any,
     pseudonormal_field, // static, inside by pseudonormals
     winding_field,      // static, inside by the winding number
     path,               // the god-object, which meets every facet and needs no inside
 };
 
-/// A sentence for each thing that is wrong, with its count and what it means for the laws; empty if nothing is.
+/// What is wrong with a mesh, or to be known of it, in words.
+struct MeshFault {
+    std::string what;        // with its count
+    std::string force = "";  // what it does to the force; may be empty
+    std::string remedy = ""; // what helps; may be empty
+    std::string key = "";    // of [surface], in TOML, where one helps: orient = "outward"
+    bool is_wrong = true;
+};
+
+/// Empty if nothing is wrong.
 /// \param unit of lengths in the text, in which one of the polygons' unit is `metres`
-std::vector<std::string> warnings(const MeshFindings& findings, MeshUse use = MeshUse::any,
-                                  const std::string& unit = "of the file's unit", double metres = 1);
+std::vector<MeshFault> faults(const MeshFindings& findings, MeshUse use = MeshUse::pseudonormal_field,
+                              const std::string& unit = "of the file's unit", double metres = 1);
+
+/// "WHAT: FORCE; REMEDY".
+std::string sentence(const MeshFault& fault);
 
 /// \throws UsageError naming `mesh` if no law has a meaning on it: no facet, none with an area, or
 ///         coordinates whose volumes overflow

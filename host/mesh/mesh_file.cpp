@@ -105,19 +105,60 @@ PolygonFile read_polygons(const std::filesystem::path& path, bool normals) {
     return parse_polygons(path, read_file(path), normals);
 }
 
+namespace {
+
+/// What is done with every mesh as it was read.
+void finish(const std::string& name, bool normals, PolygonFile& file) {
+    refuse_what_is_not_finite(name, file.polygons);
+    if (normals)
+        require_normals(name, file.polygons);
+    file.joined_vertices = join_vertices(file.polygons).vertices;
+}
+
+} // namespace
+
 PolygonFile parse_polygons(const std::filesystem::path& path, std::string_view bytes, bool normals) {
     const std::string name = path.string();
     if (bytes.empty())
         throw IoError(fmt::format("{}: the file is empty", name));
     std::future<std::string> sha256 = std::async(std::launch::async, [bytes] { return sha256_of(bytes); });
     PolygonFile file = format_of(name, path, bytes).read({name, bytes, normals});
-    refuse_what_is_not_finite(name, file.polygons);
-    if (normals)
-        require_normals(name, file.polygons);
-    file.joined_vertices = join_vertices(file.polygons).vertices;
+    finish(name, normals, file);
     if (file.format.starts_with("STL"))
         file.joined_vertices = 0; // it has no vertices of its own
     file.sha256 = sha256.get();
+    return file;
+}
+
+PolygonFile polygons_of(const std::string& name, std::vector<glm::dvec3> vertices,
+                        std::span<const std::int64_t> corners, std::span<const std::size_t> counts, bool normals) {
+    PolygonFile file;
+    file.format = "arrays";
+    std::string bytes;
+    const auto add = [&](const void* data, std::size_t size) { bytes.append(static_cast<const char*>(data), size); };
+    add(vertices.data(), vertices.size() * sizeof(glm::dvec3));
+    add(corners.data(), corners.size_bytes());
+    add(counts.data(), counts.size_bytes());
+    file.sha256 = sha256_of(bytes);
+    file.polygons.vertices = std::move(vertices);
+    mesh_file::Skipped skipped("at facet");
+    for (std::size_t facet = 0, first = 0; facet < counts.size(); first += counts[facet++]) {
+        const std::span<const std::int64_t> outline = corners.subspan(first, counts[facet]);
+        for (const std::int64_t corner : outline) {
+            if (corner < 0 || static_cast<std::size_t>(corner) >= file.polygons.vertices.size())
+                throw UsageError(fmt::format("{}: facet {} has the vertex {}; vertices are counted from 0, and there "
+                                             "are {}",
+                                             name, facet, corner, file.polygons.vertices.size()));
+            if (outline.size() >= 3)
+                file.polygons.corners.push_back(static_cast<std::uint32_t>(corner));
+        }
+        if (outline.size() >= 3)
+            file.polygons.end_facet();
+        else
+            skipped.add(mesh_file::kShortFaces[outline.size()], facet);
+    }
+    file.warnings = skipped.warnings();
+    finish(name, normals, file);
     return file;
 }
 

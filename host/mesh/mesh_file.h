@@ -1,7 +1,9 @@
 // Polygons from OBJ, OFF, PLY and STL files, every coordinate as the double that is nearest to what the file says.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -33,5 +35,12 @@ PolygonFile read_polygons(const std::filesystem::path& path, bool normals = fals
 
 /// The same from the bytes of a file whose name is `path`.
 PolygonFile parse_polygons(const std::filesystem::path& path, std::string_view bytes, bool normals = false);
+
+/// The same from a program's arrays, whose name in messages is `name`: the first counts[0] of the corners, numbers of
+/// vertices from 0 on, are the first facet, and so on. The SHA-256 is of the arrays.
+/// \throws UsageError as above, and for a corner that is no vertex
+PolygonFile polygons_of(const std::string& name, std::vector<glm::dvec3> vertices,
+                        std::span<const std::int64_t> corners, std::span<const std::size_t> counts,
+                        bool normals = false);
 
 } // namespace forceshade

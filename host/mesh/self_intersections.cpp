@@ -69,17 +69,21 @@ public:
         Count sum;
         for (auto count = counts.begin(); count != counts.end() && !is_enough(sum); ++count)
             sum.add(*count);
-        return {std::min(sum.pairs, most_pairs_), !is_enough(sum)};
+        std::ranges::sort(sum.triangles);
+        sum.triangles.erase(std::unique(sum.triangles.begin(), sum.triangles.end()), sum.triangles.end());
+        return {std::min(sum.pairs, most_pairs_), std::move(sum.triangles), !is_enough(sum)};
     }
 
 private:
     struct Count {
         std::size_t near = 0, tested = 0, pairs = 0;
+        std::vector<std::uint32_t> triangles; // of the pairs
 
         void add(const Count& other) {
             near += other.near;
             tested += other.tested;
             pairs += other.pairs;
+            triangles.insert(triangles.end(), other.triangles.begin(), other.triangles.end());
         }
     };
 
@@ -135,7 +139,10 @@ private:
         if (!boxes_overlap(one.triangle, other.triangle))
             return;
         ++count.tested;
-        count.pairs += triangles_meet(corners(one.triangle), corners(other.triangle));
+        if (!triangles_meet(corners(one.triangle), corners(other.triangle)))
+            return;
+        ++count.pairs;
+        count.triangles.insert(count.triangles.end(), {one.triangle, other.triangle});
     }
 
     bool boxes_overlap(std::uint32_t one, std::uint32_t other) const {

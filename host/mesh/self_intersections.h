@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include "host/mesh/mesh.h"
 
@@ -12,6 +13,7 @@ namespace forceshade {
 /// Pairs of triangles that touch or cross without having a corner in common.
 struct SelfIntersections {
     std::size_t pairs = 0;
+    std::vector<std::uint32_t> triangles; // of these pairs, ascending
     bool complete = true; // false: given up after `most_pairs`, or because far too many pairs came near each other
 };
 

@@ -22,10 +22,10 @@ namespace forceshade {
 
 std::vector<std::string> warnings_of(const MeshSpec& spec, const SceneMesh& mesh, MeshUse use) {
     std::vector<std::string> result;
-    for (const std::string& change : mesh.changes)
-        result.push_back(fmt::format("{}: {}", spec.file, change));
-    for (const std::string& warning : warnings(mesh.findings, use, "m", spec.unit * spec.scale))
-        result.push_back(fmt::format("{}: {}", spec.file, warning));
+    std::vector<MeshFault> all = mesh.changes;
+    std::ranges::move(faults(mesh.findings, use, "m", spec.unit * spec.scale), std::back_inserter(all));
+    for (const MeshFault& fault : all)
+        result.push_back(fmt::format("{}: {}", spec.file, sentence(fault)));
     if (use == MeshUse::winding_field && spec.inside == InsideTest::automatic)
         result.push_back(
             fmt::format("{}: inside = \"auto\" takes the winding number, since the mesh does not bound a solid "
@@ -133,8 +133,9 @@ void refuse_missing_groups(const MeshSpec& spec, const PolygonSoup& polygons) {
 
 // Findings already made are by the SHA-256 of their file and what was made of it.
 // \throws IoError, UsageError for a file in which the law has no meaning
-std::shared_ptr<const SceneMesh> read_scene_mesh(const MeshSpec& spec, std::map<std::string, MeshFindings>& findings) {
-    PolygonFile file = read_polygons(spec.path, spec.normals == NormalWeights::file);
+std::shared_ptr<const SceneMesh> read_scene_mesh(const MeshSpec& spec, const PolygonFile* given,
+                                                 std::map<std::string, MeshFindings>& findings) {
+    PolygonFile file = given ? *given : read_polygons(spec.path, spec.normals == NormalWeights::file);
     constexpr double kTriangleBytes =
         1100; // measured: of the structure, its tables in both precisions and on the device
     refuse_missing_groups(spec, file.polygons);
@@ -144,11 +145,13 @@ std::shared_ptr<const SceneMesh> read_scene_mesh(const MeshSpec& spec, std::map<
                    kTriangleBytes * static_cast<double>(triangles));
     auto mesh = std::make_shared<SceneMesh>();
     mesh->sha256 = file.sha256;
-    mesh->changes = file.warnings;
+    mesh->format = file.format;
+    for (const std::string& skipped : file.warnings)
+        mesh->changes.push_back({skipped});
     if (!file.polygons.groups.empty() && spec.normals != NormalWeights::groups)
-        mesh->changes.push_back(
-            "has smoothing groups, which are not used: normals = \"groups\" keeps the edges between "
-            "them sharp");
+        mesh->changes.push_back({"has smoothing groups, which are not used",
+                                 "normals = \"groups\" keeps the edges between them sharp", "",
+                                 "normals = \"groups\""});
     const double weld = spec.weld / (spec.unit * spec.scale);
     const JoinedVertices joined = weld > 0 ? join_vertices(file.polygons, weld) : JoinedVertices{};
     if (joined.facets > 0 && joined.facets == file.polygons.facets())
@@ -157,7 +160,8 @@ std::shared_ptr<const SceneMesh> read_scene_mesh(const MeshSpec& spec, std::map<
                         "to be smaller than the edges",
                         spec.file, spec.weld));
     if (spec.orient == Orientation::outward)
-        std::ranges::copy(orient_outward(file.polygons), std::back_inserter(mesh->changes));
+        for (const std::string& turned : orient_outward(file.polygons))
+            mesh->changes.push_back({turned});
     std::optional<Connectivity> connected;
     // Looking at the file takes as long as preparing it.
     std::future<void> prepared = std::async(std::launch::async, [&] {
@@ -252,10 +256,11 @@ std::shared_ptr<const HeightImage> CasePreparation::image(HeightMapSpec& map) {
     return image;
 }
 
-std::shared_ptr<const SceneMesh> CasePreparation::mesh(MeshSpec& spec) {
+std::shared_ptr<const SceneMesh> CasePreparation::mesh(MeshSpec& spec, const PolygonFile* given) {
     MeshSpec placed = spec;
     placed.sha256.clear();
-    const auto mesh = cached(meshes_, placed, kMeshes, [&] { return read_scene_mesh(placed, findings_); });
+    const auto read = [&] { return read_scene_mesh(placed, given, findings_); };
+    const auto mesh = given ? read() : cached(meshes_, placed, kMeshes, read);
     check_digest(spec.file, spec.sha256, mesh->sha256);
     spec.sha256 = mesh->sha256;
     return mesh;
@@ -276,7 +281,7 @@ std::shared_ptr<const SceneMesh> CasePreparation::compared_mesh(Scene& scene) {
     return read;
 }
 
-PreparedCase CasePreparation::prepare(const Case& one) {
+PreparedCase CasePreparation::prepare(const Case& one, const PolygonFile* given) {
     const Clock::time_point start = Clock::now();
     PreparedCase prepared;
     prepared.one = one;
@@ -287,7 +292,7 @@ PreparedCase CasePreparation::prepare(const Case& one) {
         prepared.images.texture = image(scene.texture->map);
     warn_of_part(scene, prepared.warnings);
     if (scene.surface.kind == SurfaceKind::mesh) {
-        prepared.images.mesh = mesh(scene.surface.mesh);
+        prepared.images.mesh = mesh(scene.surface.mesh, given);
         const bool winding = prepared.images.mesh->inside == InsideTest::winding;
         prepared.warnings = warnings_of(scene.surface.mesh, *prepared.images.mesh,
                                         winding ? MeshUse::winding_field : MeshUse::pseudonormal_field);

@@ -25,17 +25,19 @@
 
 namespace forceshade {
 
+struct PolygonFile;
+
 /// How far from its centre a mesh's law is evaluated, in units of its frame: further out the mesh is a point, and which
 /// facet is the nearest is a matter of rounding.
 template <typename T> inline constexpr double kMeshReach = std::is_same_v<T, float> ? 0x1p20 : 0x1p48;
 
 struct SceneMesh {
-    std::string sha256; /* of the file's bytes */
-    Mesh mesh;          /* m, in the scene's frame */
+    std::string sha256, format; /* of the file's bytes; "OBJ", "PLY (text)" */
+    Mesh mesh;                  /* m, in the scene's frame */
     MeshStructure structure;
     MeshFindings findings;
     InsideTest inside = InsideTest::pseudonormal; /* as the spec has it, or what suits the mesh */
-    std::vector<std::string> changes;             /* what was skipped of the file, what orient turned */
+    std::vector<MeshFault> changes;               /* what was skipped of the file, what orient turned */
 };
 
 /// What of the file was skipped, and the findings with which what is done still has a meaning, a sentence each, after
@@ -73,13 +75,16 @@ std::optional<std::string> coarse_warning(Precision precision, double farthest, 
 /// Reads images and meshes; cases that follow each other share them, and only the last few stay in memory.
 class CasePreparation {
 public:
+    /// \param given stands for the file of the scene's mesh
     /// \throws IoError for a file that is missing or damaged, UsageError for one that is no height map or mesh, or not
     /// the one whose SHA-256 the scene states.
-    PreparedCase prepare(const Case& one);
+    PreparedCase prepare(const Case& one, const PolygonFile* given = nullptr);
+
+    /// The mesh alone; fills in its file's SHA-256. \throws as above
+    std::shared_ptr<const SceneMesh> mesh(MeshSpec& spec, const PolygonFile* given = nullptr);
 
 private:
     std::shared_ptr<const HeightImage> image(HeightMapSpec& map);
-    std::shared_ptr<const SceneMesh> mesh(MeshSpec& spec);
     std::shared_ptr<const SceneMesh> compared_mesh(Scene& scene);
     std::deque<std::pair<MeshSpec, std::shared_ptr<const SceneMesh>>> meshes_;      // the newest first
     std::deque<std::pair<std::string, std::shared_ptr<const HeightImage>>> images_; // path and image, the newest first

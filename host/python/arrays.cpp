@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include "host/error.h"
+#include "host/mesh/mesh_file.h"
 #include "host/output/exr_volume.h"
 #include "host/output/rows.h"
 #include "host/paths/path_files.h"
@@ -199,9 +200,19 @@ private:
 } // namespace
 
 PreparedScene::PreparedScene(const std::string& text, const std::string& name, const std::string& folder,
-                             const std::vector<Override>& overrides) {
+                             const std::vector<Override>& overrides, const std::optional<MeshArrays>& mesh) {
+    const Case one = parse_scene(text, name, folder, overrides, &warnings_);
+    std::optional<PolygonFile> polygons;
+    if (mesh) {
+        const auto& [vertices, corners, counts] = *mesh;
+        const auto* first = reinterpret_cast<const glm::dvec3*>(vertices.data());
+        polygons = polygons_of("mesh", {first, first + vertices.shape(0)},
+                               {corners.data(), static_cast<std::size_t>(corners.size())},
+                               std::vector<std::size_t>(counts.data(), counts.data() + counts.size()),
+                               one.scene.surface.mesh.normals == NormalWeights::file);
+    }
     const py::gil_scoped_release release;
-    prepared_ = CasePreparation().prepare(parse_scene(text, name, folder, overrides, &warnings_));
+    prepared_ = CasePreparation().prepare(one, polygons ? &*polygons : nullptr);
     std::ranges::copy(prepared_.warnings, std::back_inserter(warnings_));
     if (prepared_.one.scene.precision == Precision::f32)
         tables_ = make_tables<float>(prepared_.one.scene, prepared_.images, Extent::what_varies);

@@ -20,14 +20,17 @@ namespace forceshade::python {
 namespace py = pybind11;
 
 /// (n, 3), m.
+using Numbers = py::array_t<std::int64_t, py::array::c_style | py::array::forcecast>;
 using Points = py::array_t<double, py::array::c_style | py::array::forcecast>;
 
 /// A case and its tables, in the precision of its run. Nothing of it changes, so threads may share it.
 class PreparedScene {
 public:
     /// `name` is what messages call the text, files are relative to `folder`. \throws as parse_scene and prepare.
+    /// `mesh` stands for the file of the scene's mesh: vertices (n, 3), corners of all facets (m), corners of each (k).
+    using MeshArrays = std::tuple<Points, Numbers, Numbers>;
     PreparedScene(const std::string& text, const std::string& name, const std::string& folder,
-                  const std::vector<Override>& overrides);
+                  const std::vector<Override>& overrides, const std::optional<MeshArrays>& mesh);
 
     const PreparedCase& prepared() const { return prepared_; }
     const std::vector<std::string>& warnings() const { return warnings_; }

@@ -68,7 +68,8 @@ void define(py::module_& module) {
     define_exceptions(module);
     module.attr("__version__") = version();
     py::class_<PreparedScene, std::shared_ptr<PreparedScene>>(module, "Scene")
-        .def(py::init<const std::string&, const std::string&, const std::string&, const std::vector<Override>&>())
+        .def(py::init<const std::string&, const std::string&, const std::string&, const std::vector<Override>&,
+                      const std::optional<PreparedScene::MeshArrays>&>())
         .def_property_readonly("toml", [](const PreparedScene& scene) { return scene.prepared().scene; })
         .def_property_readonly("warnings", &PreparedScene::warnings)
         .def("field",

@@ -25,8 +25,8 @@ TEST_F(MeshCommand, TellsSizeAndKindOfAGoodMesh) {
     write("a.obj", kTetrahedron);
     const Outcome outcome = expect_success({"mesh", "a.obj"});
     for (const char* words :
-         {"OBJ", "4 triangles", "closed, 1 piece, oriented outward", "size           1 x 2 x 3 file units",
-          "volume         1 file units^3", "warnings       none"})
+         {"mesh     OBJ: 4 vertices, 4 triangles; 1 x 2 x 3 file units", "closed, 1 piece, faces outward, no crossings",
+          "volume 1 file units^3", "wrong    nothing", "force    inside", "write    [surface] kind = \"mesh\""})
         EXPECT_TRUE(has(outcome.out, words)) << words << " in\n" << outcome.out;
     EXPECT_TRUE(has(outcome.error, "--unit")) << outcome.error;
     EXPECT_EQ(expect_success({"mesh", "a.obj", "--quiet"}).error, "");
@@ -63,17 +63,46 @@ TEST_F(MeshCommand, WarnsAndSucceeds) {
     EXPECT_EQ(mesh["degenerate_facets"], 1);
     EXPECT_EQ(mesh["repeated_corner_facets"], 1);
     EXPECT_GE(mesh["warnings"].size(), 4u);
-    EXPECT_TRUE(has(expect_success({"mesh", "open.obj"}).out, "warning "));
+    EXPECT_TRUE(has(expect_success({"mesh", "open.obj"}).out, "wrong    3 boundary edges"));
 }
 
 TEST_F(MeshCommand, WarnsOfWhatIsSkipped) {
     write("lines.obj", std::string(kTetrahedron) + "f 1 2\nl 1 2 3\nf 3 4\n");
     EXPECT_EQ(described({"lines.obj"})["warnings"], json({"2 faces of two corners: skipped (the first in line 9)",
                                                           "1 line element (l): skipped (in line 10)"}));
-    EXPECT_TRUE(has(expect_success({"mesh", "lines.obj"}).out, "warning        2 faces of two corners: skipped"));
+    EXPECT_TRUE(has(expect_success({"mesh", "lines.obj"}).out, "wrong    2 faces of two corners: skipped"));
     write("lines.toml", "[surface]\nkind = \"mesh\"\nfile = \"lines.obj\"\nunit = \"cm\"\n[grid]\nsamples = 5\n");
     EXPECT_TRUE(has(expect_success({"field", "lines.toml", "--out", "lines.exr"}).error,
                     "warning: lines.obj: 2 faces of two corners: skipped (the first in line 9)"));
+}
+
+TEST_F(MeshCommand, WritesTheKeysThatHelpAndTriesThem) {
+    std::string turned = kTetrahedron;
+    turned.replace(turned.find("f 1 3 2"), 7, "f 1 2 3");
+    write("turned.obj", turned);
+    const std::string text = expect_success({"mesh", "turned.obj", "--unit", "mm"}).out;
+    EXPECT_TRUE(has(text, "unit = \"mm\"  orient = \"outward\"")) << text;
+    EXPECT_TRUE(has(text, "then     closed, 1 piece; nothing is wrong")) << text;
+    const json faults = described({"turned.obj"})["faults"];
+    ASSERT_EQ(faults.size(), 1u);
+    EXPECT_EQ(faults[0]["key"], "orient = \"outward\"");
+    // One corner of two facets a thousandth off.
+    write("crack.obj", "v 0 0 0\nv 1 0 0\nv 0 2 0\nv 0 0 3\nv 0 0.001 3\nf 1 3 2\nf 1 2 4\nf 2 3 5\nf 3 1 4\n");
+    const std::string crack = expect_success({"mesh", "crack.obj", "--unit", "mm"}).out;
+    EXPECT_TRUE(has(crack, "weld = \"1e-06 m\"")) << crack;
+    EXPECT_TRUE(has(crack, "then     closed, 1 piece; nothing is wrong")) << crack;
+}
+
+TEST_F(MeshCommand, DrawsTheMesh) {
+    write("a.obj", kTetrahedron);
+    expect_success({"mesh", "a.obj", "--also", "png,svg", "--size", "700"});
+    EXPECT_GT(std::filesystem::file_size(path("a.mesh.png")), 5000u);
+    EXPECT_GT(std::filesystem::file_size(path("a.mesh.svg")), 5000u);
+    expect_failure(2, {"mesh", "a.obj", "--also", "png"}, {"a.mesh.png", "--overwrite"});
+    expect_success({"mesh", "a.obj", "--also", "pdf", "--out", "b"});
+    EXPECT_TRUE(std::filesystem::exists(path("b.pdf")));
+    expect_failure(2, {"mesh", "a.obj", "--also", "vti"}, {"vti", "png, svg, pdf"});
+    expect_failure(2, {"mesh", "a.obj", "--out", "b"}, {"--also"});
 }
 
 TEST_F(MeshCommand, RefusesWhatHasNoMeaning) {

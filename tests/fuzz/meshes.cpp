@@ -313,7 +313,7 @@ void check_against_referee(const MeshStructure& structure, const layout::MeshVie
 void check_preparation(const PolygonSoup& soup, Bytes& bytes) {
     check_sound(soup);
     const MeshFindings findings = inspect(soup);
-    warnings(findings);
+    faults(findings);
     const Connectivity connected(soup), matched(soup, Connectivity::Method::matched_edges);
     require(connected->counts() == matched->counts(), "half-edges and matched edges are counted otherwise");
     check_edges(soup, connected->counts());

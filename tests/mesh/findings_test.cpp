@@ -25,8 +25,8 @@ namespace {
 using shapes::add_facet;
 
 bool says(const MeshFindings& found, const std::string& words) {
-    return std::ranges::any_of(warnings(found),
-                               [&](const std::string& text) { return text.find(words) != std::string::npos; });
+    return std::ranges::any_of(
+        faults(found), [&](const MeshFault& fault) { return sentence(fault).find(words) != std::string::npos; });
 }
 
 PolygonSoup without_last_facet(PolygonSoup soup) {
@@ -53,7 +53,7 @@ TEST(Findings, ACubeIsClosedAndFaultless) {
     EXPECT_EQ(found.low, glm::dvec3(-1));
     EXPECT_EQ(found.high, glm::dvec3(1));
     EXPECT_EQ(found.self_intersections, 0u);
-    EXPECT_TRUE(warnings(found).empty());
+    EXPECT_TRUE(faults(found).empty());
     EXPECT_NO_THROW(refuse_if_meaningless(found, "cube"));
 }
 
@@ -61,7 +61,7 @@ TEST(Findings, SpotIsFaultless) {
     const MeshFindings found = inspect(read_polygons(FORCESHADE_TEST_DATA "/spot.obj").polygons);
     EXPECT_TRUE(found.closed);
     EXPECT_GT(found.volume, 0);
-    EXPECT_TRUE(warnings(found).empty());
+    EXPECT_TRUE(faults(found).empty());
 }
 
 TEST(Findings, AHole) {
@@ -136,7 +136,7 @@ TEST(Findings, RedundantFacetsEnterNothing) {
         MeshFindings found =
             inspect(shapes::damaged(shapes::icosphere(1), {.repeats = 10, .strays = 5, .shuffled = false}, random));
         EXPECT_EQ(found.redundant_facets, found.facets - sound.facets);
-        EXPECT_EQ(warnings(found, MeshUse::winding_field).size(), found.unused_vertices > 0 ? 2u : 1u);
+        EXPECT_EQ(faults(found, MeshUse::winding_field).size(), found.unused_vertices > 0 ? 2u : 1u);
         EXPECT_TRUE(found.closed);
         EXPECT_NEAR(found.volume, sound.volume, 1e-5);
         EXPECT_NEAR(found.area, sound.area, 1e-5);

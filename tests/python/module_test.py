@@ -299,6 +299,25 @@ class Scenes(InFolder):
         half = forceshade.Scene({"surface": {"kind": "mesh"}}, mesh=(vertices, faces)).forces([0, 0, 0.0175])
         np.testing.assert_array_equal(force, 2 * half)
 
+    def test_vertices_given_twice_are_one_and_what_is_wrong_is_said(self):
+        vertices, faces = forceshade.sphere(0.02, 2)
+        scene = {"surface": {"kind": "mesh"}, "force": {"shading": "mean_value"}, "run": {"precision": "f64"}}
+        points = np.random.default_rng(1).normal(0, 0.01, (500, 3))
+        joined = forceshade.Scene(scene, mesh=(vertices, faces)).forces(points)
+        apart = forceshade.Scene(scene, mesh=(vertices[faces].reshape(-1, 3),
+                                              np.arange(3 * len(faces)).reshape(-1, 3))).forces(points)
+        np.testing.assert_array_equal(joined, apart)
+        with self.assertWarnsRegex(forceshade.SceneWarning, "^mesh: 180 edges between facets of opposite orientation|"
+                                                            "^mesh: .*faces inward"):
+            inward = forceshade.Scene(scene, mesh=(vertices, faces[:, ::-1]))
+        self.assertEqual(np.abs(inward.forces(points)).max(), 0)
+        turned = forceshade.Scene(scene, {"surface.orient": "outward"}, mesh=(vertices, faces[:, ::-1])).forces(points)
+        np.testing.assert_allclose(turned, joined, atol=1e-9)
+        for wrong, words in (([[0, 1, 1000]], "facet 0 has the vertex 1000"), ([[0, 1, -1]], "vertex -1"),
+                             ([[0, 1, 1.5]], "list of vertex numbers"), ([], "no facets")):
+            with self.assertRaisesRegex(forceshade.SceneError, words):
+                forceshade.Scene(scene, mesh=(vertices, wrong))
+
     def test_normals_of_the_file_turn_the_force(self):
         vertices, faces = forceshade.sphere(0.02, 2)
         lines = [f"v {x} {y} {z}" for x, y, z in vertices] + ["vn 0 1 3"]

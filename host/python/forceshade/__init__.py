@@ -16,7 +16,6 @@ import csv
 import json
 import os
 import re
-import tempfile
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field as _field
@@ -176,19 +175,18 @@ class Scene:
                  mesh: tuple[ArrayLike, Any] | None = None) -> None:
         if not isinstance(scene, Mapping):
             raise SceneError(f"a scene is a dict of tables, got {scene!r}; for a file: Scene.load(...)")
-        with tempfile.TemporaryDirectory() as folder:
-            if mesh is not None:
-                if scene.get("surface", {}).get("kind") != "mesh":
-                    raise SceneError("mesh= is for scenes with {'surface': {'kind': 'mesh'}}")
-                file = Path(folder) / "mesh.obj"
-                file.write_text(_obj(*mesh), encoding="ascii")
-                scene = {**scene, "surface": {"unit": "m", **scene.get("surface", {}), "file": str(file)}}
-            lines = _toml(scene)
-            try:
-                self._open("\n".join(text for text, _ in lines), "scene", ".", overrides)
-            except SceneError as error: # a place in the TOML is none that the caller knows
-                raise SceneError(re.sub(r"^scene:(\d+):\d+", lambda place: "scene" + lines[int(place[1]) - 1][1],
-                                        str(error), flags=re.MULTILINE)) from None
+        arrays = None
+        if mesh is not None:
+            if scene.get("surface", {}).get("kind") != "mesh":
+                raise SceneError("mesh= is for scenes with {'surface': {'kind': 'mesh'}}")
+            arrays = _mesh(*mesh)
+            scene = {**scene, "surface": {"unit": "m", **scene.get("surface", {}), "file": "mesh"}}
+        lines = _toml(scene)
+        try:
+            self._open("\n".join(text for text, _ in lines), "scene", ".", overrides, arrays)
+        except SceneError as error: # a place in the TOML is none that the caller knows
+            raise SceneError(re.sub(r"^scene:(\d+):\d+", lambda place: "scene" + lines[int(place[1]) - 1][1],
+                                    str(error), flags=re.MULTILINE)) from None
 
     @classmethod
     def load(cls, file: FilePath, overrides: Mapping[str, Any] | None = None) -> Scene:
@@ -210,9 +208,10 @@ class Scene:
         scene._open(text, name, os.fspath(folder), overrides)
         return scene
 
-    def _open(self, text: str, name: str, folder: str, overrides: Mapping[str, Any] | None) -> None:
+    def _open(self, text: str, name: str, folder: str, overrides: Mapping[str, Any] | None,
+              mesh: tuple[Array, Array, Array] | None = None) -> None:
         given = [(key, value if isinstance(value, str) else _value(value)) for key, value in (overrides or {}).items()]
-        self._native = _native.Scene(text, name, os.path.abspath(folder), given)
+        self._native = _native.Scene(text, name, os.path.abspath(folder), given, mesh)
         for warning in self._native.warnings:
             warnings.warn(warning, SceneWarning, stacklevel=4)
 
@@ -422,17 +421,17 @@ def _toml(scene: Mapping[str, Any]) -> list[tuple[str, str]]:
     return lines or [("", "")]
 
 
-def _obj(vertices: ArrayLike, faces: Any) -> str:
+def _mesh(vertices: ArrayLike, faces: Any) -> tuple[Array, Array, Array]:
+    """Vertices, all faces' corners, and the number of corners of each face."""
     points = np.asarray(vertices, dtype=float)
     if points.ndim != 2 or points.shape[1] != 3:
         raise SceneError(f"the mesh's vertices have shape (n, 3), got {points.shape}")
-    for number, face in enumerate(faces):
-        if not all(0 <= int(corner) < len(points) for corner in face):
-            raise SceneError(f"faces[{number}] = {list(map(int, face))}: vertices are counted from 0, and there are "
-                             f"{len(points)}")
-    lines = ["v " + " ".join(map(repr, point)) for point in points.tolist()]
-    lines += ["f " + " ".join(str(int(corner) + 1) for corner in face) for face in faces]
-    return "\n".join(lines) + "\n"
+    lists = [np.asarray(face) for face in faces]
+    for number, face in enumerate(lists):
+        if face.ndim != 1 or (face.size and face.dtype.kind not in "iu"):
+            raise SceneError(f"faces[{number}] = {face.tolist()}: a face is a list of vertex numbers")
+    counts = np.array([len(face) for face in lists], dtype=np.int64)
+    return points, np.concatenate(lists or [counts]).astype(np.int64), counts
 
 
 def _table(path: Path) -> Table:
