@@ -6,6 +6,7 @@
 
 #include "host/cli/command.h"
 #include "host/cli/picture_options.h"
+#include "host/error.h"
 #include "host/long_run.h"
 #include "host/mesh/marks.h"
 #include "host/picture/mesh_picture.h"
@@ -191,7 +192,12 @@ std::string outcome(CasePreparation& preparation, const Inspected& one) {
         if (fault.key.starts_with("weld"))
             mended.weld = *one.mesh->findings.closing_distance * one.spec.unit * 1.01; // it is printed rounded up
     }
-    const Inspected then = look_at(preparation, mended, one.unit);
+    Inspected then;
+    try {
+        then = look_at(preparation, mended, one.unit);
+    } catch (const UsageError& error) {
+        return error.what();
+    }
     std::string left;
     for (std::size_t i = then.mesh->changes.size(); i < then.faults.size(); ++i)
         if (const MeshFault& fault = then.faults[i]; fault.is_wrong)

@@ -123,7 +123,7 @@ MeshFindings with_connections(ShapeFindings shape, const Connectivity& mesh) {
     found.closed = found.facets > 0 && found.odd_edges == 0;
     if (!found.closed)
         found.closing_distance = closing_distance(mesh.polygons());
-    else if (found.volume < 0 || found.components > 1 || found.misoriented_edges > 0)
+    if (found.components > 1 || found.misoriented_edges > 0 || (found.closed && found.volume < 0))
         name_pieces(mesh.polygons(), found);
     return found;
 }
@@ -215,7 +215,8 @@ std::vector<MeshFault> faults(const MeshFindings& found, MeshUse use, const std:
                     by_normals ? "on one side of each the static force points the wrong way, and "
                     : winding  ? "the static force is missing where the winding number falls below 1/2, and "
                                : ""),
-        turns + " turns facets so that they agree", turns);
+        found.one_sided.empty() ? turns + " turns facets so that they agree" : "",
+        found.one_sided.empty() ? turns : "");
     for (const std::string& piece : found.one_sided)
         all.push_back({piece + " has one side only, as a Moebius strip has", "it has no inside"});
     if (found.components > 1) {

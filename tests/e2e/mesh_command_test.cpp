@@ -93,6 +93,17 @@ TEST_F(MeshCommand, WritesTheKeysThatHelpAndTriesThem) {
     EXPECT_TRUE(has(crack, "then     closed, 1 piece; nothing is wrong")) << crack;
 }
 
+TEST_F(MeshCommand, SaysWhatHasNoOutside) {
+    // A strip of five triangles with a half twist.
+    write("strip.obj", "v 1 0 0\nv 0.3 0.9 0.2\nv -0.8 0.5 0.4\nv -0.8 -0.5 0\nv 0.3 -0.9 0.3\n"
+                       "f 1 2 3\nf 3 2 4\nf 3 4 5\nf 5 4 1\nf 5 1 2\n");
+    const json mesh = described({"strip.obj"});
+    EXPECT_TRUE(std::ranges::any_of(mesh["faults"], [](const json& fault) {
+        return has(fault["what"], "has one side only");
+    })) << mesh.dump(2);
+    EXPECT_FALSE(has(expect_success({"mesh", "strip.obj"}).out, "orient ="));
+}
+
 TEST_F(MeshCommand, DrawsTheMesh) {
     write("a.obj", kTetrahedron);
     expect_success({"mesh", "a.obj", "--also", "png,svg", "--size", "700"});
