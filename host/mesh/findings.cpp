@@ -108,8 +108,12 @@ void name_pieces(const PolygonSoup& polygons, MeshFindings& found) {
     const MeshPieces pieces = find_pieces(polygons);
     for (std::size_t i = 0; i < pieces.pieces.size(); ++i) {
         const MeshPiece& piece = pieces.pieces[i];
-        if (piece.is_inside_out() || piece.one_sided)
-            (piece.one_sided ? found.one_sided : found.inside_out).push_back(name_of(i, pieces));
+        if (piece.one_sided)
+            found.one_sided.push_back(name_of(i, pieces));
+        else if (piece.is_inside_out())
+            found.inside_out.push_back(name_of(i, pieces));
+        else if (piece.is_nested() && found.self_intersections == 0U)
+            found.nested.push_back(name_of(i, pieces));
     }
 }
 
@@ -230,6 +234,13 @@ std::vector<MeshFault> faults(const MeshFindings& found, MeshUse use, const std:
                            by_normals ? "static forces appear outside of it and not inside"
                                       : "static forces are missing in it (inside = \"winding\")",
                            turns + " turns it", turns});
+    if (field)
+        for (const std::string& piece : found.nested)
+            all.push_back({piece + " faces outward within another piece",
+                           by_normals ? "static forces are missing where its facets are the nearest"
+                                      : "where its facets are the nearest a static force leads there and not out",
+                           by_normals ? "inside = \"winding\" (or \"auto\") gives them; a cavity faces inward"
+                                      : "a cavity faces inward"});
     add(found.degenerate_facets, "facet", "facets", " without area",
         "left out, and what lies on both sides of them is joined");
     add(found.vanished_facets, "facet", "facets", " without area by joining vertices",

@@ -27,6 +27,7 @@ struct MeshFindings : ConnectivityCounts {
     std::size_t joined_vertices = 0;               // given again at the place of an earlier one, or near it
     std::size_t vanished_facets = 0;               // by joining vertices that are near each other
     std::vector<std::string> inside_out;           // names of closed pieces that face inward with no other around them
+    std::vector<std::string> nested;               // names of closed pieces that face outward within another
     std::vector<std::string> one_sided;            // names of pieces without an outside
     std::optional<double> closing_distance;        // see places.h
     std::optional<std::size_t> self_intersections; // pairs of triangles without a common corner that touch or cross

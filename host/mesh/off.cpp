@@ -1,4 +1,5 @@
 // OFF, the Object File Format of Geomview, as text: OFF, COFF, NOFF, STOFF and their combinations.
+#include <algorithm>
 #include <optional>
 #include <string>
 #include <utility>
@@ -30,15 +31,20 @@ public:
                                facets_);
             skipped_.add(kTextLine, lines_.line_number());
         }
-        return {std::move(soup_), "", "OFF", skipped_.warnings()};
+        std::vector<std::string> warnings = skipped_.warnings();
+        if (!begins_with_off_)
+            warnings.insert(warnings.begin(), "does not begin with OFF; read all the same");
+        return {std::move(soup_), "", "OFF", std::move(warnings)};
     }
 
 private:
     void read_header() {
         next_line("its keyword OFF");
-        const std::string_view keyword = take_word(line_);
-        std::string_view word = count_behind(keyword);
-        if (word.empty())
+        std::string_view word = take_word(line_);
+        std::int64_t count = 0;
+        if (parse_integer(word, count))
+            begins_with_off_ = false;
+        else if (word = count_behind(word); word.empty())
             word = take_word(line_);
         if (word == "BINARY")
             throw UsageError(fmt::format("{}: binary OFF is not read; save it as text, or as PLY", name_));
@@ -47,13 +53,29 @@ private:
             word = take_word(line_);
         }
         vertices_ = announced(word, "vertices");
-        facets_ = announced(take_word(line_), "facets");
+        const auto next_count = [&] { return (word = take_word(line_)).empty() ? word = lone_count() : word; };
+        facets_ = announced(next_count(), "facets");
+        next_count(); // of edges: of no use
         const std::size_t left = lines_.rest().size();
         // `0 0 0` and `0`, a facet without corners, are the shortest lines; the last one's end may be missing.
         if (vertices_ > left / 6 + 1 || facets_ > left / 2 + 1 || vertices_ * 6 + facets_ * 2 > left + 1)
             lines_.damaged(
                 "{} vertices and {} facets are announced, which {} bytes cannot hold; the file is damaged or truncated",
                 vertices_, facets_, left);
+    }
+
+    // The next line, if it is an integer and nothing else; else empty, and that line is still to be read.
+    std::string_view lone_count() {
+        TextLines ahead = lines_;
+        std::string_view line;
+        std::int64_t count = 0;
+        if (!ahead.next_words(line))
+            return {};
+        const std::string_view word = take_word(line);
+        if (!parse_integer(word, count) || !take_word(line).empty())
+            return {};
+        lines_ = ahead;
+        return word;
     }
 
     // The count that stands behind the keyword without a blank, or none.
@@ -123,13 +145,14 @@ private:
     PolygonSoup soup_;
     Skipped skipped_{"in line"};
     std::size_t vertices_ = 0, facets_ = 0;
+    bool begins_with_off_ = true;
     std::size_t facet_ = 0; // the one that is read, from 0
 };
 
 } // namespace
 
 std::optional<OffKeyword> parse_off_keyword(std::string_view word) {
-    const std::size_t at = word.find("OFF");
+    const std::size_t at = std::min(word.find("OFF"), word.find("off"));
     if (at == std::string_view::npos)
         return {};
     const OffKeyword keyword{word.substr(0, at), word.substr(at + 3)};

@@ -75,9 +75,11 @@ public:
         number();
         find_openings();
         measure();
-        for (MeshPiece& piece : found_.pieces)
-            if (piece.closed && piece.opposed == 0 && piece.volume < 0)
-                piece.surrounding = surrounding(piece);
+        // Those that face inward first: of them more depends on it.
+        for (const bool inward : {true, false})
+            for (MeshPiece& piece : found_.pieces)
+                if (piece.closed && piece.opposed == 0 && (piece.volume < 0) == inward)
+                    piece.surrounding = surrounding(piece, inward ? kMostSolidAngles : kMostSolidAngles / 10);
         return std::move(found_);
     }
 
@@ -179,7 +181,7 @@ private:
     }
 
     /// Of all closed pieces but this one, at the middle of its largest triangle.
-    double surrounding(const MeshPiece& piece) {
+    double surrounding(const MeshPiece& piece, std::size_t most_steps) {
         const std::uint32_t mine = found_.of_facet[piece.first_facet];
         glm::dvec3 place(0);
         double largest = -1;
@@ -192,7 +194,7 @@ private:
         double angle = 0;
         for (std::uint32_t other = 0; other < found_.pieces.size(); ++other) {
             const MeshBox& box = boxes_[other];
-            if (other == mine || !found_.pieces[other].closed || steps_ > kMostSolidAngles || place.x < box.low.x ||
+            if (other == mine || !found_.pieces[other].closed || steps_ > most_steps || place.x < box.low.x ||
                 place.y < box.low.y || place.z < box.low.z || place.x > box.high.x || place.y > box.high.y ||
                 place.z > box.high.z)
                 continue;
@@ -260,11 +262,16 @@ std::vector<std::string> orient_outward(PolygonSoup& polygons) {
         goes_on = false;
         found = find_pieces(polygons);
         std::vector<bool> turns(found.pieces.size());
-        for (std::size_t i = 0; i < turns.size(); ++i)
-            if (found.pieces[i].is_inside_out() && found.pieces[i].surrounding > -0.25) {
-                turns[i] = goes_on = true;
-                turned.push_back(fmt::format("turned {}, which faced inward", name_of(i, found)));
-            }
+        for (std::size_t i = 0; i < turns.size(); ++i) {
+            const MeshPiece& piece = found.pieces[i];
+            const bool outer = piece.is_inside_out() && piece.surrounding > -0.25;
+            const bool cavity = piece.closed && piece.volume > 0 && piece.surrounding < -0.75;
+            if (!outer && !cavity)
+                continue;
+            turns[i] = goes_on = true;
+            turned.push_back(fmt::format("turned {}, {}", name_of(i, found),
+                                         outer ? "which faced inward" : "a cavity of what faced inward"));
+        }
         for (std::uint32_t facet = 0; facet < polygons.facets(); ++facet)
             if (turns[found.of_facet[facet]])
                 turn(polygons, facet);

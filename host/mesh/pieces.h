@@ -17,8 +17,9 @@ struct MeshPiece {
     bool one_sided = false;  // no way of turning its facets makes them agree, as on a Moebius strip
     std::size_t opposed = 0; // facets that disagree with those that make up most of its area
     double volume = 0;       // of a closed piece, in the polygons' unit; negative where it faces inward
-    double surrounding = 0;  // of a closed piece that faces inward: the winding number of the others there
+    double surrounding = 0;  // of a closed piece whose facets agree: the winding number of the others there
     bool is_inside_out() const { return closed && opposed == 0 && volume < 0 && surrounding < 0.75; }
+    bool is_nested() const { return closed && opposed == 0 && volume > 0 && surrounding > 0.75; }
 };
 
 struct MeshPieces {
@@ -34,8 +35,9 @@ MeshPieces find_pieces(const PolygonSoup& polygons);
 /// "piece 2 of 3 (12 facets, from facet 40 on)"; "the mesh" where there is one piece.
 std::string name_of(std::size_t piece, const MeshPieces& found);
 
-/// Turns facets so that those of a piece agree, with most of its area; then closed pieces that are inside out. Cavities
-/// stay. Corners' normals stay with their corners.
+/// Turns facets so that those of a piece agree, with most of its area; then closed pieces that are inside out, and with
+/// them the pieces that face outward within, which were their cavities. Other cavities stay. Corners' normals stay with
+/// their corners.
 /// \returns a sentence for each piece that was turned, or some facets of which were
 /// \throws UsageError for a piece with one side only
 std::vector<std::string> orient_outward(PolygonSoup& polygons);

@@ -118,7 +118,7 @@ InsideTest inside_of(const MeshFindings& found, MeshStructure& structure) {
         return InsideTest::pseudonormal;
     }
     const bool sound = found.non_manifold_edges + found.misoriented_edges + found.opposed_facets +
-                               found.inside_out.size() + found.one_sided.size() ==
+                               found.inside_out.size() + found.nested.size() + found.one_sided.size() ==
                            0 &&
                        found.self_intersections.value_or(0) == 0;
     return sound ? InsideTest::pseudonormal : InsideTest::winding;

@@ -48,6 +48,20 @@ PolygonSoup moved(PolygonSoup polygons, const glm::dvec3& by) {
     return polygons;
 }
 
+TEST_F(InsideChoice, IsTheWindingNumberWhereASolidStandsInAnother) {
+    PolygonSoup small = shapes::cube();
+    for (glm::dvec3& vertex : small.vertices)
+        vertex *= 0.5;
+    const PreparedCase one = prepared(shapes::merged(shapes::cube(), small));
+    EXPECT_EQ(one.images.mesh->inside, InsideTest::winding);
+    for (const double x : {0.2, 0.55, 0.7, 0.95}) // in both, just outside of the inner one, and in the outer one
+        EXPECT_TRUE(is_inside(one, {x, 0, 0})) << x;
+    EXPECT_FALSE(is_inside(one, {1.05, 0, 0}));
+    EXPECT_TRUE(std::ranges::any_of(one.warnings, [](const std::string& text) {
+        return text.find("faces outward within another piece") != std::string::npos;
+    }));
+}
+
 TEST_F(InsideChoice, IsThePseudonormalForSolidsAndSheets) {
     const PolygonSoup apart = shapes::merged(shapes::cube(), moved(shapes::cube(), {5, 0, 0}));
     const PolygonSoup sheet = shapes::patch(shapes::Cells::triangles, 10, [](double x, double y) { return x * y; });

@@ -52,6 +52,24 @@ TEST(Pieces, AreTurnedOutwardAndCavitiesStay) {
     EXPECT_DOUBLE_EQ(volume(hollow), 64 - 8);
 }
 
+TEST(Pieces, OneThatFacesOutwardWithinAnotherIsNamed) {
+    const PolygonSoup nested = shapes::merged(box(0, 2, false), box(0, 1, false));
+    ASSERT_EQ(inspect(nested).nested.size(), 1u);
+    EXPECT_EQ(inspect(nested).nested[0], "piece 2 of 2 (6 facets, from facet 6 on)");
+    const PolygonSoup hollow = shapes::merged(box(0, 2, false), box(0, 1, true));
+    EXPECT_TRUE(inspect(hollow).nested.empty());
+    EXPECT_TRUE(inspect(shapes::merged(hollow, box(0, 0.5, false))).nested.empty()); // a solid in the cavity
+    EXPECT_TRUE(inspect(shapes::merged(box(0, 1, false), box(5, 1, false))).nested.empty());
+}
+
+TEST(Pieces, CavitiesOfWhatFacesInwardAreTurnedWithIt) {
+    PolygonSoup inverted = shapes::merged(shapes::merged(box(0, 2, true), box(0, 1, false)), box(0, 0.5, true));
+    EXPECT_EQ(orient_outward(inverted).size(), 3u);
+    EXPECT_DOUBLE_EQ(volume(inverted), 64 - 8 + 1);
+    EXPECT_TRUE(orient_outward(inverted).empty());
+    EXPECT_TRUE(inspect(inverted).nested.empty() && inspect(inverted).inside_out.empty());
+}
+
 TEST(Pieces, FacetsAgainstTheOthersAreTurned) {
     const PolygonSoup sphere = shapes::icosphere(2);
     PolygonSoup mixed = sphere;

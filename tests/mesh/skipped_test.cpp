@@ -144,6 +144,11 @@ TEST(Skipped, OffKeywordsWithACount) {
     expect_refusal("a.off", "OFF-4 1 0\n" + data, "begins with OFF");
     expect_refusal("a.off", "OFF99999999999999999999 1 0\n" + data, "number of vertices");
     expect_refusal("a.off", "OFF4\n" + data, "number of facets");
+    for (const std::string header :
+         {"off\n4 1 0", "off4 1", "OFF\n4 1", "OFF\n4 1\n0", "OFF 4\n1\n0", "OFF\n4\n1 # facets\n\n0"})
+        expect_read("a.off", header + ("\n" + data), quad(), {});
+    expect_read("a.off", "4 1 0\n" + data, quad(), {"does not begin with OFF; read all the same"});
+    expect_refusal("a.off", "4.0 1 0\n" + data, "begins with OFF");
     EXPECT_NE(refusal<UsageError>("a.off", "4OFF4 1 0\n0 0 0 1\n").find("three coordinates"), std::string::npos);
     EXPECT_NE(refusal<UsageError>("a.obj", "OFF4 1 0\n" + data).find("look like OFF"), std::string::npos);
 }
