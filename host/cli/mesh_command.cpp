@@ -171,12 +171,23 @@ std::vector<std::string> keys_of(const Inspected& one) {
     return keys;
 }
 
+// A text in quotes; JSON's are TOML's.
+std::string in_toml(const std::string& text) {
+    return nlohmann::json(text).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
 // [surface] of a scene of this mesh.
 std::string to_write(const Inspected& one, const std::string& unit) {
-    std::string text = fmt::format("[surface] kind = \"mesh\"  file = \"{}\"  unit = \"{}\"", one.spec.file, unit);
+    std::string text = fmt::format("[surface] kind = \"mesh\"  file = {}  unit = \"{}\"", in_toml(one.spec.file), unit);
     for (const std::string& key : keys_of(one))
         text += "  " + key;
     return text;
+}
+
+// m, or of the file's unit: 0.003 of weld = "0.003 m".
+double length_in(const std::string& key) {
+    const std::size_t number = key.find('"') + 1;
+    return parse_quantity(key.substr(number, key.find(' ', number) - number) + " m", Dimension::length);
 }
 
 // What is wrong once the keys that help are written; empty where none do.
@@ -190,7 +201,7 @@ std::string outcome(CasePreparation& preparation, const Inspected& one) {
         if (fault.key.starts_with("normals"))
             mended.normals = NormalWeights::groups;
         if (fault.key.starts_with("weld"))
-            mended.weld = *one.mesh->findings.closing_distance * one.spec.unit * 1.01; // it is printed rounded up
+            mended.weld = length_in(fault.key);
     }
     Inspected then;
     try {

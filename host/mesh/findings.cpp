@@ -210,7 +210,9 @@ std::vector<MeshFault> faults(const MeshFindings& found, MeshUse use, const std:
     if (found.boundary_edges > 0)
         all.push_back(openness(found, use, unit, metres));
     add(found.non_manifold_edges, "edge", "edges", " of more than two facets",
-        if_by_normals("near them a static force may be missing, or appear outside"),
+        by_normals ? "near them a static force may be missing, or appear outside"
+        : winding  ? "the winding number counts all of them"
+                   : "a proxy is stopped by each of them",
         if_by_normals("inside = \"winding\" is the safer choice"));
     add(found.non_manifold_vertices, "vertex", "vertices", " where surfaces touch in a point only",
         "shading mixes their normals there");
@@ -225,7 +227,8 @@ std::vector<MeshFault> faults(const MeshFindings& found, MeshUse use, const std:
         all.push_back({piece + " has one side only, as a Moebius strip has", "it has no inside"});
     if (found.components > 1) {
         add(found.components, "", "separate pieces", "",
-            field ? "a static force leads out of the nearest facet, whichever piece that is of" : "");
+            field ? "a static force leads out of the nearest facet, whichever piece that is of"
+                  : "a proxy is stopped by each of them");
         all.back().is_wrong = false;
     }
     if (field)
@@ -259,7 +262,7 @@ std::vector<MeshFault> faults(const MeshFindings& found, MeshUse use, const std:
         " that touch or cross without a common corner",
         by_normals ? "the static force is missing in parts of the inside, where the nearest facet is within the solid"
         : winding  ? "where the nearest facet is within the solid, a static force leads there and not out"
-                   : "",
+                   : "a proxy is stopped by each of them, and by what lies within the solid",
         if_by_normals("inside = \"winding\" (or \"auto\") gives it"));
     if (found.more_self_intersections && *found.self_intersections > 0)
         all.back().what.insert(0, "at least ");

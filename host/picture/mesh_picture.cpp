@@ -209,10 +209,8 @@ Picture draw_mesh(const Look& look, const std::vector<std::string>& notes, const
     const glm::dvec3 middle = box.low + 0.5 * (box.high - box.low);
     double half = 0; // of the picture's side
     for (const ViewPoint& point : points)
-        for (int i = 0; i < 8; ++i) {
-            const glm::dvec3 corner{i & 1 ? box.high.x : box.low.x, i & 2 ? box.high.y : box.low.y,
-                                    i & 4 ? box.high.z : box.low.z};
-            const glm::dvec3 seen = point.seen(corner - middle);
+        for (const std::uint32_t corner : mesh.polygons.corners) {
+            const glm::dvec3 seen = point.seen(mesh.polygons.vertices[corner] - middle);
             half = std::max({half, std::abs(seen.x), std::abs(seen.y)});
         }
     half *= 1.06;

@@ -209,7 +209,7 @@ TEST_F(Explore, of_a_million_samples_takes_no_more_memory_than_of_a_few) {
 TEST_F(Explore, leaves_nothing_when_interrupted) {
     write_long("in.csv", 4000000, false);
     for (const int signal : {SIGINT, SIGTERM}) { // while it is read for the first time, and later
-        for (const int delay : {50, 900}) {
+        for (const int delay : {250, 900}) {
             Process process(launch(arguments({"--metrics-only"})));
             std::this_thread::sleep_for(std::chrono::milliseconds(delay));
             process.send(signal);
