@@ -9,6 +9,7 @@
 #include "host/error.h"
 #include "host/long_run.h"
 #include "host/mesh/marks.h"
+#include "host/mesh/pieces.h"
 #include "host/picture/mesh_picture.h"
 #include "host/prepare/prepared_case.h"
 #include "host/program.h"
@@ -16,6 +17,8 @@
 
 namespace forceshade {
 namespace {
+
+constexpr std::size_t kFewPieces = 6; // that the page lists; --json has all
 
 struct Arguments {
     std::string file, unit, out;
@@ -46,6 +49,17 @@ Inspected look_at(CasePreparation& preparation, MeshSpec spec, const std::string
     return result;
 }
 
+// How a piece stands among the others.
+std::string_view standing_of(const MeshPiece& piece) {
+    return piece.one_sided         ? "one-sided"
+           : piece.opposed > 0     ? "facets disagree"
+           : !piece.closed         ? "open"
+           : piece.is_inside_out() ? "inside out"
+           : piece.is_nested()     ? "outward within another"
+           : piece.volume < 0      ? "cavity"
+                                   : "outward";
+}
+
 nlohmann::ordered_json as_json(const glm::dvec3& v) {
     return {v.x, v.y, v.z};
 }
@@ -59,6 +73,12 @@ std::string as_json(const Inspected& one) {
         warnings.push_back(sentence(fault));
         faults.push_back({{"what", fault.what}, {"force", fault.force}, {"remedy", fault.remedy}, {"key", fault.key}});
     }
+    nlohmann::ordered_json pieces = nlohmann::ordered_json::array();
+    for (const MeshPiece& piece : find_pieces(one.mesh->mesh.polygons).pieces)
+        pieces.push_back({{"first_facet", piece.first_facet},
+                          {"facets", piece.facets},
+                          {"volume", piece.closed ? nlohmann::ordered_json(piece.volume) : nullptr},
+                          {"standing", standing_of(piece)}});
     nlohmann::ordered_json json{{"file", one.spec.file},
                                 {"format", one.mesh->format},
                                 {"sha256", one.mesh->sha256},
@@ -90,6 +110,7 @@ std::string as_json(const Inspected& one) {
                                 {"high", as_json(found.high * m)},
                                 {"sharp_edges", one.marks.sharp.size()},
                                 {"inside", one.mesh->inside == InsideTest::winding ? "winding" : "pseudonormal"},
+                                {"pieces", pieces},
                                 {"faults", faults},
                                 {"warnings", warnings}};
     if (found.self_intersections)
@@ -144,6 +165,17 @@ std::string surface(const Inspected& one) {
                        plural(found.components, "piece"), faces, crossings, found.area * m * m, one.unit,
                        found.volume * m * m * m, one.unit,
                        found.closed ? "" : " (of an open surface: no meaning of its own)");
+}
+
+// "1: 12 facets, 1e-06 m^3, outward; 2: ...".
+std::string few_pieces(const Inspected& one) {
+    std::string text;
+    const std::vector<MeshPiece> pieces = find_pieces(one.mesh->mesh.polygons).pieces;
+    for (std::size_t i = 0; i < pieces.size(); ++i)
+        text += fmt::format("{}{}: {}, {}{}", i == 0 ? "" : "; ", i + 1, plural(pieces[i].facets, "facet"),
+                            pieces[i].closed ? fmt::format("{:.6g} {}^3, ", pieces[i].volume, one.unit) : "",
+                            standing_of(pieces[i]));
+    return text;
 }
 
 // Where a force is, in a field and on paths, and what shading does.
@@ -219,10 +251,13 @@ std::string outcome(CasePreparation& preparation, const Inspected& one) {
 
 std::string as_text(CasePreparation& preparation, const Inspected& one, const std::string& unit) {
     std::vector<std::pair<std::string, std::string>> rows{{"mesh", contents(one)}, {"surface", surface(one)}};
+    if (const std::size_t pieces = one.mesh->findings.components; pieces > 1 && pieces <= kFewPieces)
+        rows.emplace_back("pieces", few_pieces(one));
+    const std::size_t sound = rows.size();
     for (const MeshFault& fault : one.faults)
         if (fault.is_wrong)
             rows.emplace_back("wrong", sentence(fault));
-    if (rows.size() == 2)
+    if (rows.size() == sound)
         rows.emplace_back("wrong", "nothing");
     rows.emplace_back("force", force(one));
     rows.emplace_back("write", to_write(one, unit));

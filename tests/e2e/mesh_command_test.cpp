@@ -93,6 +93,23 @@ TEST_F(MeshCommand, WritesTheKeysThatHelpAndTriesThem) {
     EXPECT_TRUE(has(crack, "then     closed, 1 piece; nothing is wrong")) << crack;
 }
 
+TEST_F(MeshCommand, ListsPieces) {
+    // A tetrahedron of volume 1, one of 1/8 that is a cavity of it, and one apart that is inside out.
+    write("three.obj",
+          "v 0 0 0\nv 1 0 0\nv 0 2 0\nv 0 0 3\nv 0.1 0.2 0.3\nv 0.6 0.2 0.3\nv 0.1 1.2 0.3\nv 0.1 0.2 1.8\n"
+          "v 5 0 0\nv 6 0 0\nv 5 2 0\nv 5 0 3\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n"
+          "f 6 7 5\nf 8 6 5\nf 8 7 6\nf 8 5 7\nf 10 11 9\nf 12 10 9\nf 12 11 10\nf 12 9 11\n");
+    const json pieces = described({"three.obj"})["pieces"];
+    ASSERT_EQ(pieces.size(), 3u);
+    for (const auto& [piece, volume, standing] :
+         {std::tuple(0, 1.0, "outward"), {1, -0.125, "cavity"}, {2, -1.0, "inside out"}}) {
+        EXPECT_NEAR(pieces[std::size_t(piece)]["volume"].get<double>(), volume, 1e-12);
+        EXPECT_EQ(pieces[std::size_t(piece)]["standing"], standing);
+    }
+    EXPECT_TRUE(has(expect_success({"mesh", "three.obj"}).out,
+                    "pieces   1: 4 facets, 1 file units^3, outward; 2: 4 facets, -0.125 file units^3, cavity; 3: "));
+}
+
 TEST_F(MeshCommand, SaysWhatHasNoOutside) {
     // A strip of five triangles with a half twist.
     write("strip.obj", "v 1 0 0\nv 0.3 0.9 0.2\nv -0.8 0.5 0.4\nv -0.8 -0.5 0\nv 0.3 -0.9 0.3\n"

@@ -318,6 +318,42 @@ class Scenes(InFolder):
             with self.assertRaisesRegex(forceshade.SceneError, words):
                 forceshade.Scene(scene, mesh=(vertices, wrong))
 
+    def test_forces_do_not_depend_on_how_vertices_are_given(self):
+        """Of spot, and of the OBJ files that FORCESHADE_MESHES names, with colons between them."""
+        random = np.random.default_rng(5)
+        for file in [SPOT["surface"]["file"], *filter(None, os.environ.get("FORCESHADE_MESHES", "").split(":"))]:
+            with open(file, encoding="utf-8") as lines:
+                words = [line.split() for line in lines]
+            vertices = np.array([line[1:4] for line in words if line[:1] == ["v"]], float)
+            faces = [[int(corner.split("/")[0]) - 1 for corner in line[1:]] for line in words if line[:1] == ["f"]]
+            low, high = vertices.min(axis=0), vertices.max(axis=0)
+            points = random.uniform(low, high, (1000, 3))
+            corners = [corner for face in faces for corner in face]
+            ends = np.cumsum([len(face) for face in faces])
+            apart = vertices[corners], [list(range(end - len(face), end)) for face, end in zip(faces, ends)]
+            right = [vertices[face, 0].mean() > (low[0] + high[0]) / 2 for face in faces]
+            seam = (np.vstack([vertices, vertices]),
+                    [[corner + len(vertices) * beyond for corner in face] for face, beyond in zip(faces, right)])
+            order, places = random.permutation(len(faces)), random.permutation(len(vertices))
+            numbers = np.argsort(places)
+            shuffled = vertices[places], [numbers[faces[face]] for face in order]
+            off = np.nextafter(apart[0], apart[0] + random.choice([-1, 0, 1], apart[0].shape)), apart[1]
+            for normals in ("plain", "angle"):
+                def forces(mesh, **keys):
+                    with warnings.catch_warnings():
+                        warnings.simplefilter("ignore") # of what the meshes are like
+                        return forceshade.Scene({"surface": {"kind": "mesh", "normals": normals, **keys},
+                                                 "force": {"shading": "mean_value"}, "run": {"precision": "f64"}},
+                                                mesh=mesh).forces(points)
+                whole = forces((vertices, faces))
+                largest = np.abs(whole).max()
+                self.assertGreater(np.count_nonzero(whole.any(axis=1)), 100)
+                np.testing.assert_array_equal(forces(apart), whole)
+                np.testing.assert_array_equal(forces(seam), whole)
+                np.testing.assert_allclose(forces(shuffled), whole, rtol=0, atol=1e-12 * largest)
+                welded = forces(off, weld=f"{1e-9 * (high - low).max()} m")
+                np.testing.assert_allclose(welded, whole, rtol=0, atol=1e-12 * largest)
+
     def test_normals_of_the_file_turn_the_force(self):
         vertices, faces = forceshade.sphere(0.02, 2)
         lines = [f"v {x} {y} {z}" for x, y, z in vertices] + ["vn 0 1 3"]
