@@ -31,7 +31,7 @@ void read_size(const std::string& text, picture::Look& look) {
 } // namespace
 
 void describe_look(Options& options, picture::Look& look) {
-    options.optional("--title TEXT", look.title, "of the pictures; by default the scene in words");
+    options.optional("--title TEXT", look.title, "of the pictures; by default what they show, in words");
     options.read(
         "--size PIXELS", [&look](const std::string& text) { read_size(text, look); },
         "of the pictures in pixels: a width, or WIDTHxHEIGHT; by default 1400, as high as they need");
