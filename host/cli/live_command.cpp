@@ -135,13 +135,13 @@ int run(const LiveArguments& arguments, const CommonOptions& common) {
     options.scene = arguments.scene;
     options.read = [path = arguments.scene, replaced = precision_of(arguments.scene, common),
                     preparation = std::make_shared<CasePreparation>(),
-                    told = std::make_shared<std::vector<std::string>>(), &common] {
+                    printed = std::make_shared<std::vector<std::string>>(), &common] {
         PreparedCase prepared = preparation->prepare(read_scene(path, replaced));
         std::vector<std::string> warnings;
         if (prepared.images.mesh)
             warnings = warnings_of(prepared.one.scene.surface.mesh, *prepared.images.mesh, MeshUse::path);
-        if (warnings != *told) // of a scene that is watched: what is new
-            print_warnings(*told = warnings, common);
+        if (warnings != *printed) // once for each version of a watched scene
+            print_warnings(*printed = warnings, common);
         return prepared;
     };
     options.real_time = !arguments.fast;

@@ -31,7 +31,7 @@ struct Inspected {
     std::shared_ptr<const SceneMesh> mesh;
     std::string unit;              // of lengths in texts
     std::vector<MeshFault> faults; // what was skipped of the file among them
-    MeshMarks marks;
+    MeshMarks marks;               // empty until they are looked for
 };
 
 Inspected look_at(CasePreparation& preparation, MeshSpec spec, const std::string& unit) {
@@ -44,7 +44,6 @@ Inspected look_at(CasePreparation& preparation, MeshSpec spec, const std::string
                result.mesh->inside == InsideTest::winding ? MeshUse::winding_field : MeshUse::pseudonormal_field, unit,
                spec.unit),
         std::back_inserter(result.faults));
-    result.marks = find_marks(result.mesh->mesh, result.mesh->structure, result.mesh->findings);
     result.spec = std::move(spec);
     return result;
 }
@@ -290,7 +289,8 @@ int run(const Arguments& arguments, const CommonOptions& common) {
         spec.unit = parse_quantity(unit, Dimension::length);
     }
     CasePreparation preparation;
-    const Inspected one = look_at(preparation, spec, unit.empty() ? "file units" : "m");
+    Inspected one = look_at(preparation, spec, unit.empty() ? "file units" : "m");
+    one.marks = find_marks(one.mesh->mesh, one.mesh->structure, one.mesh->findings);
     print_data(common.json ? as_json(one) : as_text(preparation, one, unit.empty() ? "UNIT" : arguments.unit));
     if (draws) {
         picture::Look look = arguments.look;

@@ -21,8 +21,8 @@ enum class Status {
     free,
     touching,
     unfinished,   /* touching, and the proxy did not come to rest: no force is larger for it */
-    out_of_range, /* nothing is known: so far off numbers of the precision tell no place of the scene */
-    not_a_number, /* nothing is known: a coordinate is NaN or infinite */
+    out_of_range, /* no answer: too far from the scene for the precision */
+    not_a_number, /* no answer: a coordinate is NaN or infinite */
 };
 
 /// What a probe meets, in the scene's precision; a float stands here exactly.
@@ -84,7 +84,7 @@ public:
     Probe(Probe&&) noexcept;
     Probe& operator=(Probe&&) noexcept;
 
-    /// What it meets at its next place; where nothing is known the path ends, and the next place begins another.
+    /// What it meets at its next place; without an answer the path ends, and the next place begins another.
     /// Neither allocates nor locks.
     Touch step(const Place& place) noexcept;
     /// Forgets the past: the next place begins a path.

@@ -121,7 +121,7 @@ private:
     void mark(std::size_t sample, double z, Rgb8 colour) {
         if (marked_.empty())
             marked_.resize(area());
-        constexpr double kSamples = 3; // that an edge may lie below the triangles beside it
+        constexpr double kSamples = 3; // how far behind its own triangles rounding may put an edge
         if (z < depth_[sample] - kSamples * kFiner) {
             hidden_.emplace_back(sample, colour);
             return;

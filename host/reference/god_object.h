@@ -233,8 +233,8 @@ void hold_if_grown(const layout::MeshView<T>& mesh, Neighbourhood<T>& neighbourh
     contact.finished = false;
 }
 
-/// Off an edge sharper than the skin can tell a walk may tread on the spot, though nothing stands between the proxy and
-/// a probe in the open: then the proxy goes straight there.
+/// At an edge sharper than the skin a walk may get no further, though nothing stands between the proxy and a probe in
+/// the open: then the proxy goes straight there.
 template <typename T, typename Trace>
 void reach_open_probe(const layout::MeshView<T>& mesh, Neighbourhood<T>& neighbourhood, const Vector<T>& probe,
                       const Trace& trace, Rest<T>& rest) noexcept {
