@@ -84,6 +84,8 @@ Scene Scene::parse(const std::string& text, const Mesh& mesh, const Overrides& o
         all.insert(all.end(), overrides.begin(), overrides.end());
         std::vector<std::string> warnings;
         const Case one = parse_scene(text, "scene", std::filesystem::absolute("."), all, &warnings);
+        if (one.scene.surface.kind != SurfaceKind::mesh)
+            throw UsageError("a mesh is for a scene with kind = \"mesh\" in [surface]");
         std::vector<glm::dvec3> vertices;
         for (const Place& vertex : mesh.vertices)
             vertices.push_back(as_vector(vertex));

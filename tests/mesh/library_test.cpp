@@ -100,6 +100,8 @@ TEST(Library, RefusesWhatIsNoMesh) {
     cube = arrays_of(shapes::cube());
     cube.vertices[3][1] = kNan;
     EXPECT_NE(refusal(cube).find("vertex 4 of 8"), std::string::npos) << refusal(cube);
+    for (const char* kind : {"bump", "height_map"})
+        EXPECT_NE(refusal(arrays_of(shapes::cube()), "[surface]\nkind = \"" + std::string(kind) + "\"\n"), "") << kind;
     EXPECT_NE(refusal({}).find("no facets"), std::string::npos) << refusal({});
     EXPECT_NE(refusal(arrays_of(shapes::cube()), "[surface]\nkind = \"mesh\"\nnormals = \"file\"\n")
                   .find("has no vertex normals"),
