@@ -177,11 +177,16 @@ template <typename T> bool is_thin(const std::string& name) {
     return sizeof(T) == 4 && (name == "wedge 0.001" || name == "flat pole 20");
 }
 
-/// FORCESHADE_LONG: 10^9 steps in all.
+/// FORCESHADE_LONG: 10^9 steps in all. FORCESHADE_MESHES_FROM names the mesh to begin with, so that a long run can go
+/// on.
 template <typename T> void probe(const std::vector<walks::Terrain>& terrains) {
     const std::uint64_t walks = number("FORCESHADE_WALKS", in_long_form() ? 1500000 : 1000);
     const std::uint64_t seed = number("FORCESHADE_SEED", 1);
+    const char* from = std::getenv("FORCESHADE_MESHES_FROM");
+    bool begun = from == nullptr;
     for (const walks::Terrain& terrain : terrains) {
+        if (!(begun = begun || terrain.name == from))
+            continue;
         const unsigned slower = terrain.valence > 100 ? terrain.valence / 8 : 1;
         const AnswerTally tally = Answers<T>(terrain).run(walks / slower, seed);
         fmt::print("{:20} f{} {:8} steps {:8} contacts: {} grew, {} free, {} phantoms, {} unbalanced, {} far, {} "

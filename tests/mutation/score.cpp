@@ -74,10 +74,11 @@ std::vector<std::size_t> drawn(std::size_t all, std::size_t count, std::uint64_t
 
 struct Score {
     std::size_t mutants = 0, dead = 0, known = 0;
-    std::map<End, std::size_t> ends; // of the live ones
+    std::size_t equivalent = 0;      // survivors whose results cannot differ; they are not live either
+    std::map<End, std::size_t> ends; // of all that are not dead
 
-    std::size_t live() const { return mutants - dead; }
-    std::size_t survived() const { return ends.contains(End::survived) ? ends.at(End::survived) : 0; }
+    std::size_t live() const { return mutants - dead - equivalent; }
+    std::size_t survived() const { return (ends.contains(End::survived) ? ends.at(End::survived) : 0) - equivalent; }
     std::size_t killed() const { return live() - survived(); }
 };
 
@@ -197,13 +198,15 @@ private:
         std::string reason = known_.reason(name(), mutant);
         if (reason.empty() && left_to_host)
             reason = "host: it leaves other steps to the host, which finds the same";
-        score_.known += !reason.empty();
+        const bool equivalent = reason.starts_with("equivalent") || reason.starts_with("host");
+        score_.equivalent += equivalent;
+        score_.known += !reason.empty() && !equivalent;
         std::vector<std::string> names;
         for (const std::size_t scene : live)
             names.push_back(scenes_[scene].one.name.substr(0, 2));
         std::ranges::sort(names);
-        fmt::print("{} SURVIVED  {:<24} {}; live in {}{}\n", name(), mutant.place, mutant.key, fmt::join(names, " "),
-                   reason.empty() ? "" : "; known: " + reason);
+        fmt::print("{} {}  {:<24} {}; live in {}{}\n", name(), equivalent ? "same    " : "SURVIVED", mutant.place,
+                   mutant.key, fmt::join(names, " "), reason.empty() ? "" : "; known: " + reason);
     }
 
     static const char* name_of(End end) {
@@ -249,9 +252,10 @@ int run(const Arguments& arguments) {
                                         [&](const std::string& name) { return scene.one.name.starts_with(name); });
         });
     const Known known(arguments.known);
-    std::string table = fmt::format("{:<10} {:>4} {:>8} {:>5} {:>5} {:>7} {:>7} {:>6} {:>6} {:>5} {:>8} {:>6} {:>8}\n",
-                                    "kernel", "", "mutants", "dead", "live", "killed", "differs", "error", "crash",
-                                    "time", "survived", "known", "score");
+    std::string table =
+        fmt::format("{:<10} {:>4} {:>8} {:>5} {:>10} {:>5} {:>7} {:>7} {:>6} {:>6} {:>5} {:>8} {:>6} {:>8}\n", "kernel",
+                    "", "mutants", "dead", "equivalent", "live", "killed", "differs", "error", "crash", "time",
+                    "survived", "known", "score");
     bool all_known = true;
     for (const Kernel& kernel : kernels()) {
         const bool f32 = kernel.precision == Precision::f32;
@@ -260,10 +264,10 @@ int run(const Arguments& arguments) {
             continue;
         const Score score = KernelScore(kernel, scenes, known, arguments).run();
         const auto of = [&](End end) { return score.ends.contains(end) ? score.ends.at(end) : 0; };
-        table += fmt::format("{:<10} {:>4} {:>8} {:>5} {:>5} {:>7} {:>7} {:>6} {:>6} {:>5} {:>8} {:>6} {:>8}\n",
-                             kernel.name, f32 ? "f32" : "f64", score.mutants, score.dead, score.live(), score.killed(),
-                             of(End::differs), of(End::error), of(End::crash), of(End::time), score.survived(),
-                             score.known, percent(score.killed(), score.live()));
+        table += fmt::format("{:<10} {:>4} {:>8} {:>5} {:>10} {:>5} {:>7} {:>7} {:>6} {:>6} {:>5} {:>8} {:>6} {:>8}\n",
+                             kernel.name, f32 ? "f32" : "f64", score.mutants, score.dead, score.equivalent,
+                             score.live(), score.killed(), of(End::differs), of(End::error), of(End::crash),
+                             of(End::time), score.survived(), score.known, percent(score.killed(), score.live()));
         all_known = all_known && score.known == score.survived();
     }
     fmt::print("{}", table);
