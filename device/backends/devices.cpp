@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 
 #include "device/backends/haply.h"
-#include "host/prepare/prepared_case.h"
+#include "host/field/prepared_case.h"
 #include "host/scene/value.h"
 
 namespace forceshade::device {

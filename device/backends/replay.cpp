@@ -4,8 +4,8 @@
 #include <cmath>
 #include <vector>
 
+#include "host/field/prepared_case.h"
 #include "host/paths/path_reader.h"
-#include "host/prepare/prepared_case.h"
 
 namespace forceshade::device {
 

@@ -55,7 +55,7 @@ struct LiveLoop::Turn {
     std::int64_t due = 0, begin = 0, end = 0; /* ns */
 };
 
-LiveLoop::LiveLoop(BackEnd& back_end, std::unique_ptr<LiveLaw> law, const LoopSettings& settings, SampleRing* log,
+LiveLoop::LiveLoop(BackEnd& back_end, std::unique_ptr<ProbeLaw> law, const LoopSettings& settings, SampleRing* log,
                    std::vector<SampleRing*> others)
     : back_end_(back_end), settings_(settings), period_(1 / settings.rate), log_(log), others_(std::move(others)),
       laws_(std::move(law)), safety_(settings.limits, period_), counts_(std::make_unique<LoopCounts>()) {}
@@ -228,10 +228,10 @@ void LiveLoop::display_force(Turn& turn) noexcept {
         return settings_.real_time && seconds(time - turn.due) > settings_.limits.late * period_;
     };
     const std::int64_t begin = now();
-    LiveLaw& law = laws_.present();
-    const LiveContact contact = law.reaches(probe_)
-                                    ? law.at(probe_)
-                                    : LiveContact{probe_, glm::dvec3(0), 0, layout::kNoFacet, true}; // a new law's
+    ProbeLaw& law = laws_.present();
+    const ProbeContact contact = law.reaches(probe_)
+                                     ? law.at(probe_)
+                                     : ProbeContact{probe_, glm::dvec3(0), 0, layout::kNoFacet, true}; // a new law's
     sample.happened |= contact.finished ? 0u : kUnfinished;
     glm::dvec3 force = safety_.limit(turn.now, settings_.mapping.force_to_device(contact.force),
                                      contact.facet != layout::kNoFacet, sample.happened);

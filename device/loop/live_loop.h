@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "device/backends/back_end.h"
-#include "device/loop/live_law.h"
+#include "device/loop/law_exchange.h"
 #include "device/loop/mapping.h"
 #include "device/loop/permissions.h"
 #include "device/loop/safety.h"
@@ -67,7 +67,7 @@ public:
     /// Everything must outlive it. `log`: where samples are put; null: nowhere. As fast as possible the loop waits for
     /// room there; in real time a sample that finds none is lost, and counted. `others`: where they are put, too,
     /// without ever waiting for room.
-    LiveLoop(BackEnd& back_end, std::unique_ptr<LiveLaw> law, const LoopSettings& settings, SampleRing* log,
+    LiveLoop(BackEnd& back_end, std::unique_ptr<ProbeLaw> law, const LoopSettings& settings, SampleRing* log,
              std::vector<SampleRing*> others = {});
     ~LiveLoop(); // stops it
 
@@ -78,7 +78,7 @@ public:
     void join();
 
     /// Another law from the next sample on, which begins a path. From one thread.
-    void offer(std::unique_ptr<LiveLaw> law) { laws_.offer(std::move(law)); }
+    void offer(std::unique_ptr<ProbeLaw> law) { laws_.offer(std::move(law)); }
     bool withdraw() { return laws_.withdraw(); }
     /// No force while it is suspended; from a signal's handler, too.
     void suspend(bool suspended) noexcept {

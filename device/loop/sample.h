@@ -141,7 +141,7 @@ struct LiveSample {
     std::int32_t writing = 0;   /* ns */
     std::uint32_t facet = 0;    // layout::kNoFacet out of contact
     std::uint32_t buttons = 0;  // pressed: Reading::buttons
-    std::uint64_t scene = 0;    // LiveLaw::scene
+    std::uint64_t scene = 0;    // ProbeLaw::scene
 };
 
 /// Counted by the loop as it runs.

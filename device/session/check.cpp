@@ -55,13 +55,13 @@ struct Push {
 };
 
 // In place of a scene's law: the same force everywhere.
-class PushLaw final : public LiveLaw {
+class PushLaw final : public ProbeLaw {
 public:
     explicit PushLaw(Push& push) : push_(push) {}
 
     bool reaches(const glm::dvec3& probe) const noexcept override { return is_finite(probe); }
     void begin_path() noexcept override {}
-    LiveContact at(const glm::dvec3& probe) noexcept override {
+    ProbeContact at(const glm::dvec3& probe) noexcept override {
         if (const double stall = push_.stall.exchange(0); stall > 0) // what the watchdog is there for
             sleep_until(now() + static_cast<std::int64_t>(stall * 1e9));
         const glm::dvec3 force(push_.force[0].load(), push_.force[1].load(), push_.force[2].load());

@@ -15,7 +15,7 @@ namespace forceshade::device {
 namespace {
 
 // The path that the law begins; none if the loop does not use it within a second.
-std::optional<std::uint32_t> hand_over(LiveLoop& loop, std::unique_ptr<LiveLaw> law) {
+std::optional<std::uint32_t> hand_over(LiveLoop& loop, std::unique_ptr<ProbeLaw> law) {
     const LoopStatus& status = loop.status();
     const std::uint32_t before = status.laws.load(std::memory_order_acquire);
     loop.offer(std::move(law));
@@ -59,7 +59,7 @@ std::optional<SceneChanges::Message> SceneChanges::look(LiveLoop& loop) {
     if (std::exchange(asked_, present) != present || present == last_)
         return std::nullopt;
     last_ = present;
-    std::unique_ptr<LiveLaw> law;
+    std::unique_ptr<ProbeLaw> law;
     std::string toml;
     bool moves_otherwise = false;
     try {
@@ -67,7 +67,7 @@ std::optional<SceneChanges::Message> SceneChanges::look(LiveLoop& loop) {
         const Scene& scene = prepared.one.scene;
         moves_otherwise = scene.paths != first_.paths || scene.hand != first_.hand;
         toml = prepared.scene;
-        law = make_live_law(std::move(prepared));
+        law = make_probe_law(prepared);
     } catch (const std::exception& error) {
         return Message{fmt::format("the scene stays as it was: {}", error.what()), true};
     }

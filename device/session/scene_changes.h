@@ -11,7 +11,7 @@
 
 #include "device/loop/live_loop.h"
 #include "device/report/report.h"
-#include "host/prepare/prepared_case.h"
+#include "host/field/prepared_case.h"
 
 namespace forceshade::device {
 

@@ -167,7 +167,7 @@ public:
         if (const std::string manner = manner_text(opened_.settings); !manner.empty())
             line_.say(manner);
         const std::vector<SampleRing*> others = start_readers();
-        loop_.emplace(*opened_.device, make_live_law(prepared_), opened_.settings, ring_ ? &*ring_ : nullptr, others);
+        loop_.emplace(*opened_.device, make_probe_law(prepared_), opened_.settings, ring_ ? &*ring_ : nullptr, others);
     }
 
     SessionResult run() {

@@ -13,7 +13,7 @@
 #include "device/loop/live_loop.h"
 #include "device/report/report.h"
 #include "device/session/udp_sender.h"
-#include "host/prepare/prepared_case.h"
+#include "host/field/prepared_case.h"
 
 namespace forceshade::device {
 

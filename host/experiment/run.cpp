@@ -12,6 +12,7 @@
 #include "host/long_run.h"
 #include "host/norm.h"
 #include "host/program.h"
+#include "host/reference/elementary.h"
 #include "shaders/shared/law.h"
 
 namespace forceshade::experiment {

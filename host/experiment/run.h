@@ -8,7 +8,7 @@
 #include "device/loop/sample.h"
 #include "host/experiment/record.h"
 #include "host/experiment/stroke.h"
-#include "host/prepare/prepared_case.h"
+#include "host/field/prepared_case.h"
 
 namespace forceshade::experiment {
 

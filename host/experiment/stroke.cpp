@@ -6,6 +6,7 @@
 
 #include "device/backends/devices.h"
 #include "host/error.h"
+#include "host/field/case_law.h"
 #include "host/paths/motions.h"
 
 namespace forceshade::experiment {
@@ -82,20 +83,23 @@ PreparedCase stroked(PreparedCase stimulus, const Manner& manner) {
 
 std::vector<LiveSample> stroke(const PreparedCase& stimulus, const Manner& manner) {
     const PreparedCase prepared = stroked(stimulus, manner);
-    const auto law = make_path_law<double>(prepared);
+    const auto probe = std::make_unique<CaseProbe<double>>(prepared);
     const auto hand = device::make_sim(prepared, manner.rate, manner.still);
     std::vector<LiveSample> samples(prepared.one.scene.paths->steps + manner.still);
     std::size_t path = 0;
     for (LiveSample& sample : samples) {
         const device::Reading reading = hand->read();
-        path += reading.begins_path;
-        const auto found = law->at(path, reading.position);
+        if (reading.begins_path) {
+            ++path;
+            probe->begin_path();
+        }
+        const PathContact<double> found = probe->at(reading.position);
         sample.tick = static_cast<std::uint64_t>(&sample - samples.data());
         sample.time = static_cast<double>(sample.tick) / manner.rate;
         sample.path = static_cast<std::uint32_t>(path);
         sample.happened = found.finished ? 0U : std::uint32_t(device::kUnfinished);
         sample.probe = reading.position;
-        sample.proxy = world_place(glm::dvec3(found.contact.proxy), law->origin());
+        sample.proxy = probe->law().in_world(found.contact.proxy);
         sample.force = sample.commanded = glm::dvec3(found.contact.force);
         sample.depth = found.contact.depth;
         sample.facet = found.contact.facet;

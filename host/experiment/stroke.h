@@ -8,7 +8,7 @@
 
 #include "device/loop/sample.h"
 #include "host/experiment/observer.h"
-#include "host/prepare/prepared_case.h"
+#include "host/field/prepared_case.h"
 
 namespace forceshade::experiment {
 

@@ -5,25 +5,27 @@
 #include <span>
 #include <variant>
 
-#include "device/loop/live_law.h"
 #include "host/error.h"
+#include "host/field/case_law.h"
 #include "host/mesh/mesh_file.h"
-#include "host/prepare/prepared_case.h"
 
 namespace forceshade::oracle {
 
 struct Scene::State {
     State(const Case& one, std::vector<std::string> remarks, const PolygonFile* mesh = nullptr)
-        : prepared(CasePreparation().prepare(one, mesh)), warnings(std::move(remarks)) {
+        : prepared(CasePreparation().prepare(one, mesh)), law(law_of(prepared)), warnings(std::move(remarks)) {
         warnings.insert(warnings.end(), prepared.warnings.begin(), prepared.warnings.end());
+    }
+
+    using Law = std::variant<CaseLaw<float>, CaseLaw<double>>;
+    static Law law_of(const PreparedCase& prepared) {
         if (prepared.one.scene.precision == Precision::f32)
-            tables = make_tables<float>(prepared.one.scene, prepared.images, Extent::what_varies);
-        else
-            tables = make_tables<double>(prepared.one.scene, prepared.images, Extent::what_varies);
+            return CaseLaw<float>(prepared);
+        return CaseLaw<double>(prepared);
     }
 
     PreparedCase prepared;
-    std::variant<FieldTables<float>, FieldTables<double>> tables;
+    Law law;
     std::vector<std::string> warnings;
 };
 
@@ -37,13 +39,12 @@ glm::dvec3 as_vector(const Place& place) {
     return {place[0], place[1], place[2]};
 }
 
-Touch touch_of(const glm::dvec3& force, const glm::dvec3& proxy, double depth, layout::uint facet,
-               bool finished) noexcept {
-    const bool touching = facet != layout::kNoFacet;
-    return {!finished  ? Status::unfinished
-            : touching ? Status::touching
-                       : Status::free,
-            as_array(force), as_array(proxy), depth, touching ? long(facet) : -1};
+Touch touch_of(const ProbeContact& contact) noexcept {
+    const bool touching = contact.facet != layout::kNoFacet;
+    return {!contact.finished ? Status::unfinished
+            : touching        ? Status::touching
+                              : Status::free,
+            as_array(contact.force), as_array(contact.proxy), contact.depth, touching ? long(contact.facet) : -1};
 }
 
 Touch nothing(const Place& place) noexcept {
@@ -111,25 +112,18 @@ const std::vector<std::string>& Scene::warnings() const {
 
 Touch Scene::at(const Place& place) const noexcept {
     const glm::dvec3 probe = as_vector(place);
-    const auto evaluate = [&]<typename T>(const FieldTables<T>& tables) {
-        const double farthest = std::max({std::abs(probe.x), std::abs(probe.y), std::abs(probe.z)});
-        if (!(farthest <= largest_coordinate<T>(state_->prepared)) || std::isnan(probe.x + probe.y + probe.z))
-            return nothing(place);
-        layout::uint hint = 0;
-        const reference::Contact<T> contact = static_contact(tables.law(), state_->prepared, probe, hint);
-        return touch_of(glm::dvec3(contact.force),
-                        world_place(glm::dvec3(contact.proxy), scene_origin(state_->prepared)), double(contact.depth),
-                        contact.facet, true); // a float is exact as a double
+    const auto evaluate = [&](const auto& law) {
+        return law.reaches(probe) ? touch_of(law.widened({law.at(probe)})) : nothing(place);
     };
-    return std::visit(evaluate, state_->tables);
+    return std::visit(evaluate, state_->law);
 }
 
 struct Probe::State {
-    std::unique_ptr<device::LiveLaw> law;
+    std::unique_ptr<ProbeLaw> law;
 };
 
 Probe::Probe(const Scene& scene)
-    : state_(std::make_unique<State>(State{in_words([&] { return device::make_live_law(scene.state_->prepared); })})) {
+    : state_(std::make_unique<State>(State{in_words([&] { return make_probe_law(scene.state_->prepared); })})) {
     begin_path();
 }
 Probe::~Probe() = default;
@@ -142,8 +136,7 @@ Touch Probe::step(const Place& place) noexcept {
         begin_path();
         return nothing(place);
     }
-    const device::LiveContact contact = state_->law->at(probe);
-    return touch_of(contact.force, contact.proxy, contact.depth, contact.facet, contact.finished);
+    return touch_of(state_->law->at(probe));
 }
 
 void Probe::begin_path() noexcept {

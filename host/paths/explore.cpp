@@ -6,11 +6,11 @@
 #include <fmt/format.h>
 
 #include "host/clock.h"
+#include "host/field/case_law.h"
 #include "host/norm.h"
 #include "host/paths/path_files.h"
 #include "host/paths/path_reader.h"
 #include "host/paths/recorded.h"
-#include "host/prepare/prepared_case.h"
 #include "host/program.h"
 #include "host/reference/path_step.h"
 
@@ -50,8 +50,8 @@ template <typename T> class Exploration {
 public:
     Exploration(const PreparedCase& prepared, const std::filesystem::path& paths, const std::filesystem::path& out,
                 float stretch)
-        : stretch_(stretch), law_(make_path_law<T>(prepared)), reader_(paths, largest_coordinate<T>(prepared)),
-          census_(reader_.csv().source(), 0, law_->origin()), writer_(out, law_->origin()),
+        : stretch_(stretch), law_(prepared), reader_(paths, largest_coordinate<T>(prepared)),
+          census_(reader_.csv().source(), 0, law_.origin()), writer_(out, law_.origin()),
           summary_(out.parent_path() / (out.stem().string() + ".paths.csv"), prepared.one.scene.precision) {}
 
     ExploreResult run(const ExploreProgress& progress) {
@@ -106,7 +106,11 @@ private:
         contacts_.clear();
         for (const PathSample& sample : samples_) {
             numbers_.push_back(census_.add(sample));
-            contacts_.push_back(law_->at(numbers_.back(), sample.probe));
+            if (!law_.reaches(sample.probe))
+                fail(reader_.csv().source(), {sample.line, 1}, beyond_reach<T>(sample.probe));
+            if (numbers_.back() == paths_.size())
+                paths_.emplace_back();
+            contacts_.push_back(law_.follow(paths_[numbers_.back()], around_, sample.probe));
         }
         result_.law_seconds += seconds_since(start);
     }
@@ -124,7 +128,7 @@ private:
         if (found.begins_inside && inside_++ == 0)
             first_inside_ = sample.line;
         result_.largest_force = std::max(result_.largest_force, size);
-        const reference::Vector<T> probe(sample.probe - law_->origin()); // where the law was evaluated
+        const reference::Vector<T> probe(sample.probe - law_.origin()); // where the law was evaluated
         if (number == tracks_.size())
             tracks_.push_back(PathTrack<T>(sample.path, found.begins_inside));
         tracks_[number].add(sample.time, probe, found.contact, found.finished, T(stretch_));
@@ -132,7 +136,9 @@ private:
     }
 
     const float stretch_; // m
-    std::unique_ptr<PathLaw<T>> law_;
+    CaseLaw<T> law_;
+    std::vector<typename CaseLaw<T>::Path> paths_; // by their numbers
+    reference::Neighbourhood<T> around_;
     PathReader reader_;
     PathCensus census_;
     PathWriter writer_;

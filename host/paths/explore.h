@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "host/prepare/prepared_case.h"
+#include "host/field/prepared_case.h"
 
 namespace forceshade {
 

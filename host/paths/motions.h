@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "host/prepare/prepared_case.h"
+#include "host/field/prepared_case.h"
 #include "host/scene/scene.h"
 #include "shaders/shared/law.h"
 

@@ -7,9 +7,9 @@
 #include <fmt/format.h>
 
 #include "host/error.h"
+#include "host/field/prepared_case.h"
 #include "host/output/files.h"
 #include "host/paths/path_reader.h"
-#include "host/prepare/prepared_case.h"
 #include "host/program.h"
 
 namespace forceshade {

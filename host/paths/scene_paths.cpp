@@ -9,9 +9,9 @@
 #include <fmt/format.h>
 
 #include "host/error.h"
+#include "host/field/prepared_case.h"
 #include "host/paths/motions.h"
 #include "host/paths/recorded.h"
-#include "host/prepare/prepared_case.h"
 #include "host/reference/chunks.h"
 #include "host/reference/contact.h"
 #include "host/reference/god_object.h"
@@ -55,7 +55,7 @@ ScenePaths<T>::ScenePaths(const PreparedCase& prepared, std::shared_ptr<const Re
     }
     const Scene& scene = prepared.one.scene;
     region_ = path_region(spec_, prepared);
-    tables_ = make_tables<T>(scene, prepared.images, Extent::what_varies);
+    tables_ = make_tables<T>(scene, prepared.images, Extent::nothing);
     law_ = tables_.law();
     features_ = generated_ = features_of(spec_, scene.output.channels);
     if (prepared.images.mesh && spec_.follow == PathFollow::surface) {

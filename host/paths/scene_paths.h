@@ -8,10 +8,10 @@
 #include <string>
 #include <vector>
 
+#include "host/field/prepared_case.h"
 #include "host/long_run.h"
 #include "host/paths/motions.h"
 #include "host/paths/recorded.h"
-#include "host/prepare/prepared_case.h"
 #include "host/scene/scene.h"
 #include "shaders/shared/law.h"
 

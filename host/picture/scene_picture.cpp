@@ -9,9 +9,9 @@
 
 #include <fmt/format.h>
 
+#include "host/field/tables.h"
 #include "host/output/height_image.h"
 #include "host/picture/ticks.h"
-#include "host/prepare/tables.h"
 #include "host/reference/elementary.h"
 #include "host/scene/schema.h"
 

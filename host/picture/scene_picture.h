@@ -3,8 +3,8 @@
 
 #include <string>
 
+#include "host/field/prepared_case.h"
 #include "host/picture/picture.h"
-#include "host/prepare/prepared_case.h"
 
 namespace forceshade {
 

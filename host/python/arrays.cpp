@@ -215,9 +215,9 @@ PreparedScene::PreparedScene(const std::string& text, const std::string& name, c
     prepared_ = CasePreparation().prepare(one, polygons ? &*polygons : nullptr);
     std::ranges::copy(prepared_.warnings, std::back_inserter(warnings_));
     if (prepared_.one.scene.precision == Precision::f32)
-        tables_ = make_tables<float>(prepared_.one.scene, prepared_.images, Extent::what_varies);
+        law_ = CaseLaw<float>(prepared_);
     else
-        tables_ = make_tables<double>(prepared_.one.scene, prepared_.images, Extent::what_varies);
+        law_ = CaseLaw<double>(prepared_);
     if (compares())
         comparison_.emplace(prepared_);
 }
@@ -280,7 +280,7 @@ template <typename Evaluate> void at_every_place(std::size_t places, unsigned th
 
 py::dict PreparedScene::compare(const Points& points, const Points& forces, unsigned threads) const {
     py::dict result;
-    const auto compare = [&]<typename T>(const FieldTables<T>&) {
+    const auto compare = [&]<typename T>(const CaseLaw<T>&) {
         const std::span<const glm::dvec3> all = checked<T>(points, prepared_);
         const auto* force = reinterpret_cast<const glm::dvec3*>(forces.data());
         const Shape shape{py::ssize_t(all.size())};
@@ -291,21 +291,19 @@ py::dict PreparedScene::compare(const Points& points, const Points& forces, unsi
             error.put(i, static_cast<T>(one.magnitude_error));
         });
     };
-    std::visit(compare, tables_);
+    std::visit(compare, *law_);
     return result;
 }
 
 py::dict PreparedScene::contact(const Points& points, unsigned threads) const {
     py::dict result;
-    const auto evaluate = [&]<typename T>(const FieldTables<T>& tables) {
+    const auto evaluate = [&]<typename T>(const CaseLaw<T>& law) {
         const std::span<const glm::dvec3> all = checked<T>(points, prepared_);
-        ContactArrays<T> arrays(result, all.size(), scene_origin(prepared_));
-        const layout::Law<T> law = tables.law();
-        at_every_place(all.size(), threads, [&](std::size_t i, layout::uint& hint) {
-            arrays.put(i, static_contact(law, prepared_, all[i], hint));
-        });
+        ContactArrays<T> arrays(result, all.size(), law.origin());
+        at_every_place(all.size(), threads,
+                       [&](std::size_t i, layout::uint& hint) { arrays.put(i, law.at(all[i], hint)); });
     };
-    std::visit(evaluate, tables_);
+    std::visit(evaluate, *law_);
     return result;
 }
 
@@ -440,30 +438,33 @@ py::dict PreparedScene::explore(const std::optional<std::vector<Points>>& given,
 }
 
 GodObject::GodObject(std::shared_ptr<const PreparedScene> scene) : scene_(std::move(scene)) {
-    reset();
+    const PreparedCase& prepared = scene_->prepared();
+    if (prepared.one.scene.precision == Precision::f32)
+        probe_ = std::make_unique<CaseProbe<float>>(prepared);
+    else
+        probe_ = std::make_unique<CaseProbe<double>>(prepared);
 }
 
 void GodObject::reset() {
-    if (scene_->prepared().one.scene.precision == Precision::f32)
-        law_ = make_path_law<float>(scene_->prepared());
-    else
-        law_ = make_path_law<double>(scene_->prepared());
+    std::visit([](const auto& probe) { probe->begin_path(); }, probe_);
 }
 
 py::dict GodObject::follow(const Points& points) {
     py::dict result;
-    const auto run = [&]<typename T>(const Law<T>& law) {
+    const auto run = [&]<typename T>(const Probe<T>& probe) {
         const std::span<const glm::dvec3> all = checked<T>(points, scene_->prepared());
-        ContactArrays<T> arrays(result, all.size(), law->origin());
+        ContactArrays<T> arrays(result, all.size(), probe->law().origin());
         constexpr std::size_t kBetweenSignals = std::size_t(1) << 16;
         const py::gil_scoped_release release;
         for (std::size_t i = 0; i < all.size(); ++i) {
-            arrays.put(i, law->at(0, all[i]).contact);
+            if (!probe->law().reaches(all[i]))
+                throw UsageError(beyond_reach<T>(all[i]));
+            arrays.put(i, probe->at(all[i]).contact);
             if (i % kBetweenSignals == kBetweenSignals - 1)
                 check_signals();
         }
     };
-    std::visit(run, law_);
+    std::visit(run, probe_);
     return result;
 }
 

@@ -11,9 +11,9 @@
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 
-#include "host/engine/engine.h"
-#include "host/prepare/comparison.h"
-#include "host/prepare/prepared_case.h"
+#include "host/field/case_law.h"
+#include "host/field/comparison.h"
+#include "host/field/engine.h"
 
 namespace forceshade::python {
 
@@ -52,7 +52,7 @@ public:
 private:
     std::vector<std::string> warnings_;
     PreparedCase prepared_;
-    std::variant<FieldTables<float>, FieldTables<double>> tables_;
+    std::optional<std::variant<CaseLaw<float>, CaseLaw<double>>> law_;
     std::optional<ShapeComparison> comparison_;
 };
 
@@ -66,11 +66,10 @@ public:
     void reset();
 
 private:
-    template <typename T> using Law = std::unique_ptr<PathLaw<T>>;
+    template <typename T> using Probe = std::unique_ptr<CaseProbe<T>>;
 
     std::shared_ptr<const PreparedScene> scene_;
-    std::variant<Law<float>, Law<double>> law_;
-    double largest_ = 0; // coordinate, m
+    std::variant<Probe<float>, Probe<double>> probe_;
 };
 
 /// A file of fields (all its channels, `x`, `y`, `z`, `scene`) or of paths. \throws IoError.

@@ -7,8 +7,8 @@
 
 #include <fmt/format.h>
 
+#include "host/field/prepared_case.h"
 #include "host/norm.h"
-#include "host/prepare/prepared_case.h"
 #include "host/program.h"
 #include "host/referee/contact_surface.h"
 #include "host/reference/mesh_cast.h"

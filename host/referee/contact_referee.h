@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "host/field/prepared_case.h"
 #include "host/output/rows.h"
-#include "host/prepare/prepared_case.h"
 
 namespace forceshade {
 

@@ -64,7 +64,7 @@ public:
             return jumps_between(exact_probe, probe, force_at);
         if (!rounded_)
             rounded_ =
-                make_tables<double>(rounded_scene<float>(prepared_.one.scene), prepared_.images, Extent::what_varies);
+                make_tables<double>(rounded_scene<float>(prepared_.one.scene), prepared_.images, Extent::nothing);
         Reading computed;
         computed.force = force;
         return forceshade::is_on_edge<float>(computed, probe, OracleReferee<double>{rounded_->law()}, bound(), 1,

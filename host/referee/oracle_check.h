@@ -7,8 +7,8 @@
 #include <span>
 #include <vector>
 
+#include "host/field/prepared_case.h"
 #include "host/output/record.h"
-#include "host/prepare/prepared_case.h"
 #include "host/referee/rounding_bound.h"
 #include "shaders/shared/law.h"
 

@@ -6,7 +6,7 @@
 
 #include <glm/vec3.hpp>
 
-#include "host/prepare/tables.h"
+#include "host/field/tables.h"
 #include "host/scene/scene.h"
 
 namespace forceshade::brute {

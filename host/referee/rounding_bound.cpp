@@ -167,8 +167,8 @@ Errors map_errors(const Place& at, double most) {
 } // namespace
 
 RoundingBound::RoundingBound(const PreparedCase& prepared, Precision precision)
-    : scene_(prepared.one.scene), tables_(make_tables<double>(scene_, prepared.images, Extent::what_varies)),
-      u_(precision), steepest_map_(steepest(tables_.features.map, tables_.params.map, tables_.map_gradients)),
+    : scene_(prepared.one.scene), tables_(make_tables<double>(scene_, prepared.images, Extent::nothing)), u_(precision),
+      steepest_map_(steepest(tables_.features.map, tables_.params.map, tables_.map_gradients)),
       steepest_texture_(steepest(tables_.features.texture, tables_.params.texture, tables_.texture_gradients)) {}
 
 Bound RoundingBound::at(double x, double y, double z) const {
@@ -277,7 +277,7 @@ std::array<reference::TrianglePoint<double>, 4> points_of(const Vector& probe,
 } // namespace
 
 MeshBound::MeshBound(const PreparedCase& prepared, Precision precision)
-    : tables_(make_tables<double>(prepared.one.scene, prepared.images, Extent::what_varies)), law_(tables_.law()),
+    : tables_(make_tables<double>(prepared.one.scene, prepared.images, Extent::nothing)), law_(tables_.law()),
       u_(precision), steepest_map_(steepest(tables_.features.map, tables_.params.map, tables_.map_gradients)),
       steepest_texture_(steepest(tables_.features.texture, tables_.params.texture, tables_.texture_gradients)) {}
 

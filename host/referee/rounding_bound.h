@@ -7,8 +7,8 @@
 #include <optional>
 #include <vector>
 
+#include "host/field/prepared_case.h"
 #include "host/norm.h"
-#include "host/prepare/prepared_case.h"
 #include "host/referee/law_bounds.h"
 #include "host/referee/reading.h"
 

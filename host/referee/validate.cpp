@@ -16,6 +16,7 @@
 #include "host/referee/mesh_referee.h"
 #include "host/referee/reading.h"
 #include "host/referee/rounding_bound.h"
+#include "host/reference/mesh_contact.h"
 #include "host/threads.h"
 
 namespace forceshade {

@@ -285,12 +285,6 @@ GodObjectContact<T> update(const layout::MeshView<T>& mesh, GodObject<T>& state,
     return follow(mesh, state, neighbourhood, probe, trace);
 }
 
-/// m, from the scene's origin, to the mesh's frame.
-template <typename T> Vector<T> to_mesh_frame(const layout::MeshParams<T>& params, const Vector<T>& place) noexcept {
-    return {(place.x - params.centre_x) / params.scale, (place.y - params.centre_y) / params.scale,
-            (place.z - params.centre_z) / params.scale};
-}
-
 /// Where the proxy is before the first step: at the probe, or a skin away from what it touches. A path that begins
 /// behind the surface begins at the nearest place of it, in front. `probe` is in the mesh's frame.
 template <typename T>
@@ -337,6 +331,18 @@ Contact<T> mesh_contact(const layout::Law<T>& law, const GodObjectContact<T>& re
         contact.force = (contact.unshaded - pull) - shaded_force(law, touch, Vector<T>(-pull));
     }
     return contact;
+}
+
+/// A probe that moves, `probe`, m, from the scene's origin, in the mesh's frame `local`: its god-object comes after it.
+/// Out of contact the proxy is the probe.
+template <typename T>
+LawContact<T> follow(const layout::Law<T>& law, GodObject<T>& proxy, Neighbourhood<T>& around, const Vector<T>& probe,
+                     const Vector<T>& local) noexcept {
+    const GodObjectContact<T> rest = update(law.mesh, proxy, around, local);
+    LawContact<T> followed{mesh_contact(law, rest, local), rest.finished};
+    if (followed.contact.facet == layout::kNoFacet)
+        followed.contact.proxy = probe; // not there and back through the mesh's frame
+    return followed;
 }
 
 /// A distance within which there is nothing about a place: up to half the mesh's frame, and less what rounding and the

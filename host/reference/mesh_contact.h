@@ -319,6 +319,12 @@ Contact<T> contact_with(const layout::Law<T>& law, const Nearest<T>& found, cons
         law, MeshTouch<T>{found.facet, found.offset, Vector<T>(probe + found.offset), sqrt(found.square)});
 }
 
+/// m, from the scene's origin, to the mesh's frame.
+template <typename T> Vector<T> to_mesh_frame(const layout::MeshParams<T>& params, const Vector<T>& place) noexcept {
+    return {(place.x - params.centre_x) / params.scale, (place.y - params.centre_y) / params.scale,
+            (place.z - params.centre_z) / params.scale};
+}
+
 /// L6 static: the probe (in the mesh's frame) is pulled to the nearest point of the surface that it is inside of.
 /// `hint` as for nearest(); receives the nearest triangle.
 template <typename T>

@@ -211,12 +211,6 @@ void add_speed(layout::PathMetrics<T>& metrics, const Vector<T>& speed, layout::
 
 // The step.
 
-/// What a law made of a sample.
-template <typename T> struct LawContact {
-    Contact<T> contact;
-    bool finished = true; /* the proxy came to rest */
-};
-
 /// What of a sample is written.
 template <typename T> struct PathSampled {
     Vector<T> position; /* m: where the law was evaluated */

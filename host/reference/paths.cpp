@@ -120,12 +120,7 @@ private:
     LawContact<T> evaluate_at(std::size_t path, const Vector<T>& probe, Neighbourhood<T>& neighbourhood) {
         if (!on_mesh())
             return {evaluate(input_.law, probe), true};
-        const Vector<T> local = to_mesh_frame(input_.law.mesh.params, probe);
-        const GodObjectContact<T> rest = update(input_.law.mesh, proxies_[path], neighbourhood, local);
-        LawContact<T> evaluated{mesh_contact(input_.law, rest, local), rest.finished};
-        if (evaluated.contact.facet == layout::kNoFacet)
-            evaluated.contact.proxy = probe; // not there and back through the mesh's frame
-        return evaluated;
+        return follow(input_.law, proxies_[path], neighbourhood, probe, to_mesh_frame(input_.law.mesh.params, probe));
     }
 
     const layout::PathInput<T>& input_;

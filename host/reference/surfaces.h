@@ -15,6 +15,12 @@ template <typename T> struct Contact {
     layout::uint facet; /* layout::kNoFacet out of contact */
 };
 
+/// What a law makes of a sample of a path.
+template <typename T> struct LawContact {
+    Contact<T> contact;
+    bool finished = true; /* the proxy came to rest */
+};
+
 // G2 and L3: the bump of n flat facets inscribed in the reference cylinder, step for step as
 // shaders/laws/surfaces.glsl.
 

@@ -8,9 +8,9 @@
 #include <zlib.h>
 
 #include "host/error.h"
+#include "host/field/prepared_case.h"
 #include "host/output/exr_volume.h"
 #include "host/picture/scene_picture.h"
-#include "host/prepare/prepared_case.h"
 #include "host/report/sections.h"
 #include "host/report/viewer_data.h"
 #include "host/report/words.h"

@@ -7,11 +7,11 @@
 #include <string>
 
 #include "compute/device.h"
+#include "host/cases/case_pipeline.h"
+#include "host/cases/forecast.h"
 #include "host/clock.h"
-#include "host/engine/engine.h"
+#include "host/field/engine.h"
 #include "host/scene/study.h"
-#include "host/sweep/case_pipeline.h"
-#include "host/sweep/forecast.h"
 #include "host/sweep/manifest.h"
 #include "host/sweep/shards.h"
 

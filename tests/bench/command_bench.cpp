@@ -21,9 +21,9 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "host/field/prepared_case.h"
 #include "host/mesh/mesh_file.h"
 #include "host/output/files.h"
-#include "host/prepare/prepared_case.h"
 #include "host/reference/mesh_nearest.h"
 #include "host/sweep/manifest.h"
 #include "tests/bench/geodesic.h"

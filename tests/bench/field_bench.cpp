@@ -8,7 +8,7 @@
 #include <benchmark/benchmark.h>
 
 #include "compute/kernels.h"
-#include "host/prepare/tables.h"
+#include "host/field/tables.h"
 #include "host/reference/field.h"
 #include "host/sweep/manifest.h"
 #include "tests/bench/measure.h"

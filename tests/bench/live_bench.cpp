@@ -10,7 +10,7 @@
 #include <unistd.h>
 
 #include "device/backends/devices.h"
-#include "device/loop/live_law.h"
+#include "device/loop/law_exchange.h"
 #include "device/loop/sample.h"
 #include "device/session/session.h"
 #include "host/scene/study.h"
@@ -69,7 +69,7 @@ std::string times(const device::Histogram& histogram) {
 // The law of the same positions, one after the other, and nothing else. /* ns a sample */
 double law_alone(const PreparedCase& prepared, double rate, std::size_t samples) {
     const auto hand = device::make_sim(prepared, rate);
-    const auto law = device::make_live_law(prepared);
+    const auto law = make_probe_law(prepared);
     std::vector<glm::dvec3> probes;
     for (std::size_t i = 0; i < samples; ++i) {
         probes.push_back(hand->read().position);

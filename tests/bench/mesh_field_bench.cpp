@@ -7,11 +7,11 @@
 #include <benchmark/benchmark.h>
 
 #include "compute/kernels.h"
+#include "host/field/prepared_case.h"
 #include "host/mesh/block_plan.h"
 #include "host/mesh/findings.h"
 #include "host/mesh/mesh.h"
 #include "host/mesh/mesh_file.h"
-#include "host/prepare/prepared_case.h"
 #include "host/reference/mesh_nearest.h"
 #include "tests/bench/measure.h"
 #include "tests/mesh/shapes.h"

@@ -6,7 +6,7 @@
 
 #include <benchmark/benchmark.h>
 
-#include "host/engine/engine.h"
+#include "host/field/engine.h"
 #include "host/paths/scene_paths.h"
 #include "host/sweep/manifest.h"
 #include "tests/bench/geodesic.h"

@@ -6,8 +6,8 @@
 #include <benchmark/benchmark.h>
 #include <unistd.h>
 
-#include "host/sweep/case_pipeline.h"
-#include "host/sweep/engine_choice.h"
+#include "host/cases/case_pipeline.h"
+#include "host/cases/engine_choice.h"
 #include "host/sweep/manifest.h"
 #include "host/sweep/sweep.h"
 #include "tests/bench/measure.h"

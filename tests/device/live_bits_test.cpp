@@ -4,8 +4,8 @@
 #include <gtest/gtest.h>
 
 #include "device/backends/devices.h"
+#include "host/field/case_law.h"
 #include "host/paths/scene_paths.h"
-#include "host/prepare/prepared_case.h"
 #include "host/reference/elementary.h"
 #include "host/reference/paths.h"
 #include "tests/device/scripted_device.h"
@@ -30,10 +30,12 @@ std::string spot(const std::string& shading) {
 }
 
 template <typename T> void expect_bits(const PreparedCase& prepared, const LoopRun& run) {
-    const auto law = make_path_law<T>(prepared);
-    std::size_t in_contact = 0;
+    const auto probe = std::make_unique<CaseProbe<T>>(prepared);
+    std::size_t in_contact = 0, path = 0;
     for (const LiveSample& sample : run.samples) {
-        const auto felt = law->at(sample.path, sample.probe).contact;
+        if (std::exchange(path, sample.path) != sample.path)
+            probe->begin_path();
+        const auto felt = probe->at(sample.probe).contact;
         in_contact += felt.facet != layout::kNoFacet;
         ASSERT_EQ(sample.force, glm::dvec3(felt.force)) << sample.tick;
         ASSERT_EQ(sample.proxy, glm::dvec3(felt.proxy)) << sample.tick;

@@ -106,7 +106,7 @@ TEST(LiveLoop, AForceThatTheDeviceRefusedComesUpAnew) {
         },
         1000);
     asked = &deaf_once;
-    LiveLoop loop(deaf_once, make_live_law(prepared_scene(kPlane)), settings, &ring);
+    LiveLoop loop(deaf_once, make_probe_law(prepared_scene(kPlane)), settings, &ring);
     loop.start();
     loop.join();
     EXPECT_EQ(ring.look()[200].happened & kForceless, kFailed);
@@ -188,7 +188,7 @@ TEST(LiveLoop, AForceThatTheDeviceLetGoOfComesUpFromZero) {
 TEST(LiveLoop, SuspendedItDisplaysNothing) {
     ScriptedDevice device(deep, 100000, false);
     LoopSettings settings = real_time(1000);
-    LiveLoop loop(device, make_live_law(prepared_scene(kPlane)), settings, nullptr);
+    LiveLoop loop(device, make_probe_law(prepared_scene(kPlane)), settings, nullptr);
     loop.start();
     const auto come_to = [&](std::uint64_t samples) {
         while (loop.status().samples < samples)

@@ -151,12 +151,12 @@ TEST(LiveHeap, TheLoopTakesNothing) {
             settings.clutch = 2;
             settings.mapping = {glm::dvec3(0), turn_about(2, 0.1), 1.1};
             SampleRing ring(samples), other(64);
-            LiveLoop loop(device, make_live_law(prepared), settings, &ring, {&other});
+            LiveLoop loop(device, make_probe_law(prepared), settings, &ring, {&other});
             const std::uint64_t before = all();
             loop.start();
             for (int i = 0; i < 3; ++i) {
                 std::this_thread::sleep_for(std::chrono::milliseconds(20));
-                loop.offer(make_live_law(prepared));
+                loop.offer(make_probe_law(prepared));
             }
             loop.join();
             EXPECT_EQ(all(), before) << scene << in_real_time;

@@ -34,7 +34,7 @@ TEST(LiveLoop, EveryTickRunsAndIsLogged) {
 TEST(LiveLoop, WhoeverStopsItTheDeviceIsLeftWithoutForce) {
     ScriptedDevice device(deep, 100000, false);
     {
-        LiveLoop loop(device, make_live_law(prepared_scene(kPlane)), real_time(1000), nullptr);
+        LiveLoop loop(device, make_probe_law(prepared_scene(kPlane)), real_time(1000), nullptr);
         loop.start();
         while (loop.status().samples < 20)
             std::this_thread::sleep_for(std::chrono::milliseconds(1));
@@ -115,7 +115,7 @@ TEST(LiveLoop, OnlyTheLogIsWaitedFor) {
     settings.real_time = false;
     settings.samples = 500;
     SampleRing log(512), unread(4), read(512);
-    LiveLoop loop(device, make_live_law(prepared_scene(kPlane)), settings, &log, {&unread, &read});
+    LiveLoop loop(device, make_probe_law(prepared_scene(kPlane)), settings, &log, {&unread, &read});
     loop.start();
     loop.join();
     EXPECT_EQ(loop.counts().lost, 0u);
@@ -129,7 +129,7 @@ TEST(LiveLoop, OnlyTheLogIsWaitedFor) {
 TEST(LiveLoop, ANewLawHoldsFromTheNextSampleOnAndBeginsAPath) {
     ScriptedDevice device(deep, 100000, false);
     SampleRing ring(1 << 14);
-    LiveLoop loop(device, make_live_law(prepared_scene(kPlane)), real_time(2000), &ring);
+    LiveLoop loop(device, make_probe_law(prepared_scene(kPlane)), real_time(2000), &ring);
     loop.start();
     const auto further = [&] {
         const std::uint64_t from = loop.status().samples;
@@ -139,7 +139,7 @@ TEST(LiveLoop, ANewLawHoldsFromTheNextSampleOnAndBeginsAPath) {
     for (const char* const stiffness : {"2", "3", "4"}) {
         further();
         const std::uint32_t before = loop.status().laws;
-        loop.offer(make_live_law(prepared_scene(std::string("[force]\nstiffness = \"") + stiffness + " N/mm\"\n")));
+        loop.offer(make_probe_law(prepared_scene(std::string("[force]\nstiffness = \"") + stiffness + " N/mm\"\n")));
         while (loop.status().laws == before)
             std::this_thread::sleep_for(std::chrono::milliseconds(1));
         EXPECT_EQ(loop.status().law_path, before + 1);
@@ -163,14 +163,14 @@ TEST(LiveLoop, TheForceOfANewLawComesUpAnew) {
     ScriptedDevice device(
         [&](std::uint64_t tick) {
             if (tick == 300)
-                felt->offer(make_live_law(prepared_scene("[force]\nstiffness = \"2 N/mm\"\n")));
+                felt->offer(make_probe_law(prepared_scene("[force]\nstiffness = \"2 N/mm\"\n")));
             return deep(tick);
         },
         1000);
     LoopSettings settings;
     settings.real_time = false;
     settings.samples = 600;
-    LiveLoop loop(device, make_live_law(prepared_scene(kPlane)), settings, nullptr);
+    LiveLoop loop(device, make_probe_law(prepared_scene(kPlane)), settings, nullptr);
     felt = &loop;
     loop.start();
     loop.join();

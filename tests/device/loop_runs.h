@@ -29,7 +29,7 @@ inline LoopSettings real_time(double rate, std::optional<std::uint64_t> samples 
 // A loop on a device until it ends, all samples kept.
 inline LoopRun run_through(BackEnd& device, const LoopSettings& settings, std::size_t room = 1 << 14) {
     SampleRing ring(room);
-    LiveLoop loop(device, make_live_law(prepared_scene(kPlane)), settings, &ring);
+    LiveLoop loop(device, make_probe_law(prepared_scene(kPlane)), settings, &ring);
     loop.start();
     loop.join();
     const auto kept = ring.look();

@@ -18,7 +18,7 @@ using glm::dvec3;
 LoopRun run_mapped(BackEnd& device, const PreparedCase& prepared, LoopSettings settings) {
     settings.real_time = false;
     SampleRing ring(*settings.samples);
-    LiveLoop loop(device, make_live_law(prepared), settings, &ring);
+    LiveLoop loop(device, make_probe_law(prepared), settings, &ring);
     loop.start();
     loop.join();
     const auto kept = ring.look();

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "device/loop/live_loop.h"
-#include "host/prepare/prepared_case.h"
+#include "host/field/prepared_case.h"
 #include "host/scene/study.h"
 
 namespace forceshade::device::testing {
@@ -84,7 +84,7 @@ inline LoopRun run_fast(BackEnd& back_end, PreparedCase prepared, std::uint64_t 
     settings.samples = samples;
     settings.limits = limits;
     SampleRing ring(samples);
-    LiveLoop loop(back_end, make_live_law(std::move(prepared)), settings, &ring);
+    LiveLoop loop(back_end, make_probe_law(prepared), settings, &ring);
     loop.start();
     loop.join();
     const auto kept = ring.look();

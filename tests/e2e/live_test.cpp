@@ -1,5 +1,5 @@
 // The live loop as a process: what it logs is what explore and the kernels compute, and what it reports is in the log.
-#include "host/prepare/prepared_case.h"
+#include "host/field/prepared_case.h"
 #include "host/referee/rounding_bound.h"
 #include "tests/e2e/live_workplace.h"
 

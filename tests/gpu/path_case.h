@@ -8,7 +8,7 @@
 #include <random>
 #include <vector>
 
-#include "host/prepare/tables.h"
+#include "host/field/tables.h"
 #include "tests/gpu/path_comparison.h"
 
 namespace forceshade::test {

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "compute/plan.h"
-#include "host/engine/engine.h"
+#include "host/field/engine.h"
 #include "tests/gpu/path_case.h"
 #include "tests/gpu/path_surfaces.h"
 #include "tests/gpu/software_device.h"

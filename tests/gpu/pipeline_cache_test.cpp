@@ -5,7 +5,8 @@
 #include <gtest/gtest.h>
 #include <spdlog/spdlog.h>
 
-#include "host/engine/engine.h"
+#include "host/field/engine.h"
+#include "host/field/pipeline_cache.h"
 #include "tests/gpu/software_device.h"
 #include "tests/io/folder.h"
 

@@ -4,7 +4,7 @@
 
 #include <cstdint>
 
-#include "host/prepare/prepared_case.h"
+#include "host/field/prepared_case.h"
 
 namespace forceshade::test {
 

@@ -10,7 +10,7 @@
 
 #include "compute/device.h"
 #include "compute/kernels.h"
-#include "host/prepare/tables.h"
+#include "host/field/tables.h"
 #include "host/reference/field.h"
 
 namespace forceshade::test {

@@ -1,7 +1,7 @@
 // Validation layers, core and synchronization, over every kernel and way of running it; and that they are listened to.
 #include <gtest/gtest.h>
 
-#include "host/engine/engine.h"
+#include "host/field/engine.h"
 #include "tests/gpu/broken_kernels.h"
 #include "tests/gpu/random_scene.h"
 #include "tests/gpu/software_device.h"

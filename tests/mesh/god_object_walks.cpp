@@ -7,8 +7,8 @@
 #include <glm/geometric.hpp>
 #include <glm/vec2.hpp>
 
+#include "host/field/tables.h"
 #include "host/mesh/mesh_file.h"
-#include "host/prepare/tables.h"
 
 namespace forceshade::walks {
 

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "host/error.h"
-#include "host/prepare/prepared_case.h"
+#include "host/field/prepared_case.h"
 #include "host/reference/mesh_contact.h"
 #include "host/reference/mesh_nearest.h"
 #include "tests/io/folder.h"

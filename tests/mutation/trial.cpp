@@ -16,7 +16,7 @@
 
 #include <fmt/format.h>
 
-#include "host/paths/path_run.h"
+#include "host/cases/path_comparison.h"
 #include "host/paths/recorded.h"
 #include "host/referee/validate.h"
 #include "shaders/kernels.h"

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "host/prepare/prepared_case.h"
+#include "host/field/prepared_case.h"
 #include "tests/mutation/kernel_code.h"
 
 namespace forceshade::mutation {

@@ -7,8 +7,8 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "host/paths/path_run.h"
-#include "host/prepare/prepared_case.h"
+#include "host/cases/path_comparison.h"
+#include "host/field/prepared_case.h"
 #include "host/referee/contact_surface.h"
 #include "tests/io/folder.h"
 #include "tests/mesh/shapes.h"

@@ -8,10 +8,10 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "host/engine/engine.h"
+#include "host/cases/path_run.h"
+#include "host/field/engine.h"
 #include "host/output/exr_volume.h"
 #include "host/output/rows.h"
-#include "host/paths/path_run.h"
 #include "host/paths/scene_paths.h"
 #include "tests/paths/path_workplace.h"
 #include "tests/paths/polygons.h"

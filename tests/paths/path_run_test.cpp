@@ -5,8 +5,9 @@
 
 #include <gtest/gtest.h>
 
+#include "host/cases/path_comparison.h"
+#include "host/cases/path_run.h"
 #include "host/error.h"
-#include "host/paths/path_run.h"
 #include "tests/io/folder.h"
 
 namespace forceshade::testing {

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "host/engine/engine.h"
+#include "host/field/engine.h"
 #include "host/study/stability/number.h"
 
 namespace forceshade::study {

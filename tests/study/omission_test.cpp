@@ -4,9 +4,9 @@
 
 #include <gtest/gtest.h>
 
-#include "host/engine/engine.h"
 #include "host/error.h"
-#include "host/prepare/prepared_case.h"
+#include "host/field/engine.h"
+#include "host/field/prepared_case.h"
 #include "host/study/omission/omission.h"
 #include "tests/io/folder.h"
 

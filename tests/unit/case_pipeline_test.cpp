@@ -5,8 +5,8 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include "host/cases/case_pipeline.h"
 #include "host/program.h"
-#include "host/sweep/case_pipeline.h"
 #include "host/sweep/sweep.h"
 
 namespace forceshade::test {

@@ -1,5 +1,5 @@
 // Which engine --engine auto takes.
-#include "host/sweep/engine_choice.h"
+#include "host/cases/engine_choice.h"
 
 #include <gtest/gtest.h>
 

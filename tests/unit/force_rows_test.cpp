@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "host/prepare/tables.h"
+#include "host/field/tables.h"
 #include "host/reference/contact.h"
 #include "host/reference/field.h"
 #include "host/scene/study.h"

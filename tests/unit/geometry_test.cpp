@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "host/prepare/tables.h"
+#include "host/field/tables.h"
 #include "host/reference/elementary.h"
 #include "host/reference/surfaces.h"
 #include "tests/unit/laws.h"

@@ -6,8 +6,8 @@
 #include <gtest/gtest.h>
 
 #include "host/error.h"
+#include "host/field/tables.h"
 #include "host/output/height_image.h"
-#include "host/prepare/tables.h"
 #include "tests/unit/laws.h"
 
 namespace forceshade::test {

@@ -5,7 +5,7 @@
 #include <functional>
 #include <vector>
 
-#include "host/prepare/tables.h"
+#include "host/field/tables.h"
 #include "host/reference/contact.h"
 #include "host/scene/scene.h"
 #include "tests/unit/loop_work.h"

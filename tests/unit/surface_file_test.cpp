@@ -7,8 +7,8 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include "host/cases/surface_file.h"
 #include "host/output/reading.h"
-#include "host/sweep/surface_file.h"
 #include "tests/io/folder.h"
 #include "tests/io/vtk_bytes.h"
 #include "tests/unit/laws.h"

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "host/prepare/prepared_case.h"
+#include "host/field/prepared_case.h"
 #include "host/scene/study.h"
 #include "tests/unit/laws.h"
 

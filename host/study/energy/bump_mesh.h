@@ -3,7 +3,7 @@
 
 #include <memory>
 
-#include "host/prepare/prepared_case.h"
+#include "host/field/prepared_case.h"
 
 namespace forceshade::study {
 

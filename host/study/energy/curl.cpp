@@ -6,8 +6,8 @@
 
 #include <fmt/ranges.h>
 
+#include "host/field/evaluate.h"
 #include "host/output/exr_volume.h"
-#include "host/output/rows.h"
 #include "host/program.h"
 
 namespace forceshade::study {
@@ -18,19 +18,14 @@ constexpr std::size_t kBlock = 8; // cells of samples along a side of a cell of 
 // Samples of the scene's grid, which has one y.
 template <typename T> SectionField evaluated_section(Engine& engine, const PreparedCase& prepared) {
     const GridSpec& grid = prepared.one.scene.grid;
-    const FieldTables<T> tables = make_tables<T>(prepared.one.scene, prepared.images, Extent::everything);
     SectionField field;
     for (std::size_t i = 0; i < grid.size[0]; ++i)
         field.x.push_back(grid.origin[0] + grid.spacing[0] * static_cast<double>(i));
     for (std::size_t k = 0; k < grid.size[2]; ++k)
         field.z.push_back(grid.origin[2] + grid.spacing[2] * static_cast<double>(k));
-    std::vector<T> force, depth;
-    engine.evaluate(tables.input(), [&](const layout::FieldChunk<T>& chunk) {
-        append_rows(chunk, chunk.force, 3, 1, force);
-        append_rows(chunk, chunk.depth, 1, 1, depth);
-    });
-    field.force.assign(force.begin(), force.end());
-    field.depth.assign(depth.begin(), depth.end());
+    const Field<T> evaluated = evaluate<T>(prepared, engine);
+    field.force.assign(evaluated.force.begin(), evaluated.force.end());
+    field.depth.assign(evaluated.depth.begin(), evaluated.depth.end());
     return field;
 }
 

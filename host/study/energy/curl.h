@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "host/engine/engine.h"
+#include "host/field/engine.h"
 #include "host/output/files.h"
 #include "host/study/energy/loops.h"
 

@@ -5,25 +5,20 @@
 
 #include <glm/geometric.hpp>
 
+#include "host/field/case_law.h"
 #include "host/reference/motion.h"
-#include "host/study/error_time/law_at.h"
 
 namespace forceshade::study {
 namespace {
 
-using error_time::DirectLaw;
-using error_time::rounded_places;
-
 constexpr std::size_t kCasts = 64; // along a stroke over a mesh; heights are straight in between
 
 // Where a probe that comes from above at (x, y) is first inside a mesh, m; nothing where it never is.
-std::optional<double> cast(const EnergyLaw& law, DirectLaw<double>& direct, double x, double y) {
+std::optional<double> cast(const EnergyLaw& law, const CaseLaw<double>& direct, double x, double y) {
     constexpr int kDown = 256, kHalvings = 50;
     const auto box = bounding_box(law.prepared->images.mesh->mesh.polygons);
-    const auto inside = [&](double z) {
-        const glm::dvec3 at(x, y, z);
-        return direct.at(rounded_places<double>(*law.prepared, std::span(&at, 1))[0]).facet != layout::kNoFacet;
-    };
+    layout::uint hint = 0;
+    const auto inside = [&](double z) { return direct.at({x, y, z}, hint).facet != layout::kNoFacet; };
     const double step = (box.high[2] - box.low[2]) / kDown;
     double high = box.high[2];
     for (int i = 0; i < kDown; ++i, high -= step) {
@@ -41,7 +36,7 @@ std::optional<double> cast(const EnergyLaw& law, DirectLaw<double>& direct, doub
 
 // Heights of the facets above a stroke, m, at equal shares; straight in between.
 std::optional<std::vector<double>> heights_along(const EnergyLaw& law, const Stroke& stroke, std::size_t steps) {
-    DirectLaw<double> direct(*law.prepared);
+    const CaseLaw<double> direct(*law.prepared);
     std::vector<double> heights;
     if (!law.prepared->images.mesh) {
         for (std::size_t i = 0; i <= steps; ++i)
@@ -128,10 +123,11 @@ std::optional<std::vector<glm::dvec3>> places_of_loop(const EnergyLaw& law, cons
 
 std::optional<LoopWork> work_by_place(const EnergyLaw& law, const std::vector<glm::dvec3>& places) {
     constexpr int kHalvings = 24; // of a step: what a jump leaves is a ten-millionth of its force times the step
-    DirectLaw<double> direct(*law.prepared);
+    const CaseLaw<double> direct(*law.prepared);
+    layout::uint hint = 0;
     bool touches = true;
     auto force = [&](const glm::dvec3& at) {
-        const auto contact = direct.at(rounded_places<double>(*law.prepared, std::span(&at, 1))[0]);
+        const reference::Contact<double> contact = direct.at(at, hint);
         touches = touches && contact.facet != layout::kNoFacet;
         return glm::dvec3(contact.force);
     };
@@ -147,7 +143,7 @@ std::optional<LoopWork> work_by_place(const EnergyLaw& law, const std::vector<gl
 
 std::optional<LoopWork> work_by_history(const EnergyLaw& law, const std::vector<glm::dvec3>& places) {
     constexpr std::size_t kDescent = 16;
-    const DirectLaw<double> direct(*law.prepared);
+    CaseProbe<double> probe(*law.prepared);
     const auto box = bounding_box(law.prepared->images.mesh->mesh.polygons);
     const glm::dvec3 above(places.front().x, places.front().y, box.high[2] + (box.high[2] - box.low[2]) / 100);
     std::vector<glm::dvec3> way;
@@ -155,16 +151,12 @@ std::optional<LoopWork> work_by_history(const EnergyLaw& law, const std::vector<
         way.push_back(glm::mix(above, places.front(), double(i) / kDescent));
     for (int round = 0; round < 2; ++round)
         way.insert(way.end(), places.begin() + (round > 0), places.end());
-    const auto local = rounded_places<double>(*law.prepared, way);
-    reference::Neighbourhood<double> around;
-    reference::GodObject<double> proxy;
-    begin_probe(direct.law(), around, proxy, local.front());
     LoopWork sum;
     bool touches = true;
     const std::size_t second = kDescent + places.size(); // the step after which the loop begins again
     glm::dvec3 before(0);
     for (std::size_t i = 0; i < way.size(); ++i) {
-        const auto contact = follow_probe(direct.law(), around, proxy, glm::dvec3(0), local[i]).contact;
+        const auto contact = probe.at(way[i]).contact;
         const glm::dvec3 now(contact.force);
         if (i >= second) {
             const double work = glm::dot(0.5 * (before + now), way[i] - way[i - 1]);

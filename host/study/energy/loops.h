@@ -8,7 +8,7 @@
 
 #include <glm/vec2.hpp>
 
-#include "host/prepare/prepared_case.h"
+#include "host/field/prepared_case.h"
 #include "host/study/run/sampling.h"
 
 namespace forceshade::study {

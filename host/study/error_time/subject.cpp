@@ -140,7 +140,7 @@ Truth best_truth(const PreparedCase& scene, const TouchScale& scale) {
     const auto prepared = std::make_shared<PreparedCase>(scene);
     prepared->one.scene.force.shading = shadings_of(scene).back().first;
     const auto truth = [prepared](auto law) -> Truth {
-        return [prepared, law](const Place& place) { return law->force(law->input(place)); };
+        return [law](const Place& place) { return law->force(law->input(place)); };
     };
     return scene.images.mesh ? truth(std::make_shared<ProxyLaw<double>>(*prepared, scale))
                              : truth(std::make_shared<DirectLaw<double>>(*prepared));

@@ -8,7 +8,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "host/prepare/prepared_case.h"
+#include "host/field/prepared_case.h"
 
 namespace forceshade::study::error_time {
 

@@ -7,9 +7,8 @@
 #include <fmt/format.h>
 
 #include "host/clock.h"
-#include "host/output/rows.h"
+#include "host/field/evaluate.h"
 #include "host/paths/scene_paths.h"
-#include "host/reference/field.h"
 #include "host/study/error_time/law_at.h"
 #include "host/study/error_time/volume.h"
 
@@ -72,8 +71,7 @@ struct TouchedVoxels {
 template <typename T>
 TouchedVoxels touched_voxels(const Subject& subject, const FieldTables<T>& tables, Engine& engine) {
     const GridSpec& grid = subject.grid;
-    std::vector<T> field;
-    engine.evaluate<T>(tables.input(), [&](const auto& chunk) { append_rows(chunk, chunk.force, 3, 1, field); });
+    const std::vector<T> field = evaluate(tables.input(), 1, engine).force;
     TouchedVoxels all;
     for (std::size_t i = 0; i < field.size() / 3; ++i) {
         const std::size_t index[3] = {i % grid.size[0], i / grid.size[0] % grid.size[1],
@@ -252,16 +250,12 @@ GridSpec volume_grid(const glm::dvec3& low, const glm::dvec3& high, double spaci
 }
 
 std::vector<float> sampled(const PreparedCase& prepared, const GridSpec& grid) {
-    Scene scene = prepared.one.scene;
-    scene.output.channels = layout::kChannelForce;
-    scene.grid = grid;
-    const FieldTables<float> tables = make_tables<float>(scene, prepared.images, Extent::everything);
-    std::vector<float> forces;
-    forces.reserve(3 * grid.size[0] * grid.size[1] * grid.size[2]);
-    reference::evaluate_field<float>(tables.input(), {}, [&](const layout::FieldChunk<float>& chunk) {
-        append_rows(chunk, chunk.force, 3, 1, forces);
-    });
-    return forces;
+    PreparedCase there = prepared;
+    there.one.scene.output.channels = layout::kChannelForce;
+    there.one.scene.grid = grid;
+    EngineOptions oracle;
+    oracle.cpu = true;
+    return evaluate<float>(there, *make_engine(oracle)).force;
 }
 
 const char* name_of(Use use) {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "host/engine/engine.h"
+#include "host/field/engine.h"
 #include "host/study/error_time/subject.h"
 
 namespace forceshade::study::error_time {

@@ -2,10 +2,10 @@
 #include <algorithm>
 #include <cstring>
 
+#include "host/cases/path_run.h"
 #include "host/clock.h"
 #include "host/norm.h"
 #include "host/output/exr_volume.h"
-#include "host/paths/path_run.h"
 #include "host/paths/scene_paths.h"
 #include "host/program.h"
 #include "host/study/omission/omission.h"
@@ -93,13 +93,7 @@ public:
         layout::FieldInput<T> input = tables_.input();
         input.law.features.channels |= channels;
         const std::size_t repeats = scene_.grid.size[1] / input.y.size();
-        evaluate(engine, input, [&](const auto& chunk) {
-            append_rows(chunk, chunk.force, 3, repeats, captured.force);
-            append_rows(chunk, chunk.depth, 1, repeats, captured.depth);
-            append_rows(chunk, chunk.facet, 1, repeats, captured.facet);
-            append_rows(chunk, chunk.proxy, 3, repeats, captured.proxy);
-            append_rows(chunk, chunk.unshaded, 3, repeats, captured.unshaded);
-        });
+        evaluate(engine, input, [&](const auto& chunk) { captured.append(chunk, repeats); });
         return captured;
     }
 

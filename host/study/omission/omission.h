@@ -2,6 +2,7 @@
 // it, both sides measured in turn, again and again, and what they gave held against each other.
 #pragma once
 
+#include "host/field/evaluate.h"
 #include "host/mesh/block_plan.h"
 #include "host/study/run/sampling.h"
 #include "host/study/run/study_run.h"
@@ -70,9 +71,8 @@ struct Cost {
 
 /// All samples of a grid, by z, then y, then x; or of paths, by path, then step. Channels that were not asked for are
 /// empty. Where one y stood for all, it stands for all here too.
-template <typename T> struct Captured {
-    std::vector<T> force, depth, proxy, unshaded, position;
-    std::vector<layout::uint> facet;
+template <typename T> struct Captured : Field<T> {
+    std::vector<T> position;
     std::vector<layout::PathMetrics<T>> metrics; /* of paths */
 };
 

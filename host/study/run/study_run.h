@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "host/engine/engine.h"
-#include "host/prepare/prepared_case.h"
+#include "host/field/engine.h"
+#include "host/field/prepared_case.h"
 #include "host/study/data/study_data.h"
 
 namespace forceshade::study {

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "host/field/prepared_case.h"
 #include "host/paths/scene_paths.h"
-#include "host/prepare/prepared_case.h"
 
 namespace forceshade::study {
 namespace {

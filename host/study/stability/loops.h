@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "host/engine/engine.h"
+#include "host/field/engine.h"
 #include "host/study/stability/surfaces.h"
 
 namespace forceshade::study {

@@ -8,12 +8,11 @@
 #include <fmt/format.h>
 
 #include "host/error.h"
-#include "host/output/rows.h"
+#include "host/field/case_law.h"
+#include "host/field/evaluate.h"
 #include "host/referee/mesh_referee.h"
 #include "host/referee/referee.h"
 #include "host/referee/rounding_bound.h"
-#include "host/reference/contact.h"
-#include "host/reference/god_object.h"
 #include "host/study/energy/bump_mesh.h"
 
 namespace forceshade::study {
@@ -91,7 +90,7 @@ double height_of(const std::string& surface, const Setting& setting, double x) {
     }
     if (!surface.starts_with("bump"))
         return 0;
-    const FieldTables<double> tables = make_tables<double>(surface_of(surface, setting), {}, Extent::what_varies);
+    const FieldTables<double> tables = make_tables<double>(surface_of(surface, setting), {}, Extent::nothing);
     return reference::facet_at(tables.law(), x).height;
 }
 
@@ -185,9 +184,7 @@ using ForceOf = std::function<Vector(const Vector& place)>;
 constexpr double kAlike = 1e-12; /* of the largest force: neighbours that differ by less are a period apart */
 
 template <typename T> Forces evaluated(Engine& engine, const PreparedCase& prepared) {
-    const FieldTables<T> tables = make_tables<T>(prepared.one.scene, prepared.images, Extent::everything);
-    std::vector<T> numbers;
-    engine.evaluate(tables.input(), [&](const auto& chunk) { append_rows(chunk, chunk.force, 3, 1, numbers); });
+    const std::vector<T> numbers = evaluate<T>(prepared, engine).force;
     Forces forces;
     for (std::size_t i = 0; i < numbers.size() / 3; ++i)
         forces.emplace_back(reference::vector_at<T>(numbers, i));
@@ -213,12 +210,8 @@ Forces true_forces(const PreparedCase& home, const ForceOf& force) {
 }
 
 Forces by_oracle(const PreparedCase& home) {
-    const FieldTables<double> tables = make_tables<double>(home.one.scene, home.images, Extent::everything);
-    const layout::Law<double> law = tables.law();
-    return true_forces(home, [&](const Vector& place) {
-        return reference::evaluate(law, home.images.mesh ? to_mesh_frame(home.images.mesh->structure, place) : place)
-            .force;
-    });
+    const CaseLaw<double> law(home);
+    return true_forces(home, [&](const Vector& place) { return law.at(place).force; });
 }
 
 Vector vector_of(const brute::Answer& answer) {

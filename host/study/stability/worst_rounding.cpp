@@ -4,16 +4,14 @@
 
 #include <fmt/format.h>
 
+#include "host/field/case_law.h"
 #include "host/study/energy/bump_mesh.h"
 #include "host/study/error_time/angle.h"
-#include "host/study/error_time/law_at.h"
+#include "host/study/run/sampling.h"
 #include "host/study/stability/number.h"
 
 namespace forceshade::study {
 namespace {
-
-using error_time::DirectLaw;
-using error_time::rounded_places;
 
 constexpr double kHalf = 0.0127, kRadius = 2 * kHalf; // m: a and R = 2 a
 constexpr double kStiff = 1000;                       // N/m
@@ -61,8 +59,8 @@ public:
     /// Nothing if the place is not as deep as a hand goes, in either precision.
     std::optional<WorstRounding> operator()(const glm::dvec3& at) {
         ++evaluations_;
-        const auto one = single_.at(rounded_places<float>(law_.prepared, std::span(&at, 1))[0]);
-        const auto two = twice_.at(rounded_places<double>(law_.prepared, std::span(&at, 1))[0]);
+        const auto one = single_.at(at, single_hint_);
+        const auto two = twice_.at(at, twice_hint_);
         const glm::dvec3 force(one.force), truth(two.force);
         const double size = reference::length(truth), off = reference::length(force - truth);
         if (!(two.depth >= kShallowest && two.depth <= kDeepest) || one.facet == layout::kNoFacet || !(size > 0))
@@ -84,7 +82,7 @@ private:
                 const double step = 0x1p-22 * std::max(std::fabs(at[axis]), kHalf);
                 glm::dvec3 beside = at;
                 beside[axis] += side * step;
-                const auto there = twice_.at(rounded_places<double>(law_.prepared, std::span(&beside, 1))[0]);
+                const auto there = twice_.at(beside, twice_hint_);
                 const double slope = 16 * kStiff * step; // a law without edges changes less
                 if (reference::length(glm::dvec3(there.force) - force) > std::max(much, slope))
                     return true;
@@ -93,8 +91,9 @@ private:
     }
 
     const SearchedLaw& law_;
-    DirectLaw<float> single_;
-    DirectLaw<double> twice_;
+    CaseLaw<float> single_;
+    CaseLaw<double> twice_;
+    layout::uint single_hint_ = 0, twice_hint_ = 0;
     std::size_t evaluations_ = 0;
 };
 

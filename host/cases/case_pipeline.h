@@ -17,14 +17,14 @@
 #include <variant>
 #include <vector>
 
-#include "host/engine/engine.h"
+#include "host/cases/path_run.h"
+#include "host/field/comparison.h"
+#include "host/field/engine.h"
+#include "host/field/prepared_case.h"
 #include "host/output/record.h"
 #include "host/output/rows.h"
-#include "host/paths/path_run.h"
 #include "host/picture/picture.h"
 #include "host/picture/slice_collector.h"
-#include "host/prepare/comparison.h"
-#include "host/prepare/prepared_case.h"
 #include "host/referee/oracle_check.h"
 #include "shaders/shared/law.h"
 

@@ -1,20 +1,17 @@
 // The paths of a scene, or recorded ones, through an engine and into files.
 #pragma once
 
-#include <array>
 #include <filesystem>
 #include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "host/engine/engine.h"
+#include "host/field/engine.h"
+#include "host/field/prepared_case.h"
 #include "host/output/exr_volume.h"
 #include "host/output/record.h"
 #include "host/picture/picture.h"
-#include "host/prepare/prepared_case.h"
-#include "host/referee/contact_referee.h"
-#include "host/referee/path_oracle.h"
 
 namespace forceshade {
 
@@ -44,32 +41,5 @@ std::vector<std::string> path_file_names(const PathRunOptions& options, layout::
 /// computed. \throws UsageError for what is wrong in the scene or the recorded file, IoError, Interrupted,
 /// compute::DeviceError, Error (exit 1) for forces that are no finite numbers.
 PathRecord run_paths(Engine& engine, const PreparedCase& prepared, const PathRunOptions& options);
-
-// An engine's paths compared with the oracle in the same precision, every sample of a scene's; and on a mesh the
-// contacts judged without either.
-
-struct PathComparison {
-    std::string name;
-    Precision precision = Precision::f32;
-    PathError error;
-    ContactCount contacts;
-    bool passed = false;
-};
-
-/// Moves the engine along every path of a case that has some, with all channels. \throws compute::DeviceError,
-/// UsageError, IoError, Interrupted.
-PathComparison compare_paths(Engine& engine, const PreparedCase& prepared, Precision precision);
-
-struct PathTotals {
-    std::uint64_t samples = 0, differing = 0;
-    bool passed = true;
-};
-PathTotals totals_of(const std::vector<PathComparison>& comparisons);
-
-/// The comparisons as a table for people.
-std::string path_comparison_table(const std::vector<PathComparison>& comparisons);
-
-/// The same as a JSON array.
-std::string path_comparison_json(const std::vector<PathComparison>& comparisons);
 
 } // namespace forceshade

@@ -10,9 +10,9 @@
 
 #include <glm/vec3.hpp>
 
+#include "host/field/prepared_case.h"
 #include "host/output/record.h"
 #include "host/output/rows.h"
-#include "host/prepare/prepared_case.h"
 
 namespace forceshade {
 

@@ -1,4 +1,4 @@
-#include "host/prepare/comparison.h"
+#include "host/field/comparison.h"
 
 #include <algorithm>
 #include <array>

@@ -1,5 +1,4 @@
-// What evaluates fields and paths, and compiled kernels kept on disk between runs, one file a device: a damaged or
-// foreign file is ignored.
+// What evaluates fields and paths: a Vulkan device or the CPU oracle.
 #pragma once
 
 #include <cstddef>
@@ -19,17 +18,6 @@
 #include "shaders/shared/law.h"
 
 namespace forceshade {
-
-/// The bytes kept for a device, or none if there is no intact file. `device` tells devices and drivers apart. Never
-/// throws for the file's sake.
-std::vector<std::byte> read_pipeline_cache(const std::filesystem::path& folder, const std::string& device);
-
-/// Keeps the bytes; a folder that cannot be written is no error.
-void write_pipeline_cache(const std::filesystem::path& folder, const std::string& device,
-                          std::span<const std::byte> bytes);
-
-/// Where they are kept.
-std::filesystem::path pipeline_cache_path(const std::filesystem::path& folder, const std::string& device);
 
 /// A law to evaluate at every sample of a grid, and what takes consecutive chunks of rows in order (z, then y). A
 /// mesh's blocks are planned slab by slab, unless the input has a plan (of the whole grid): that one is followed then.
@@ -88,8 +76,5 @@ struct EngineOptions {
 /// \throws compute::DeviceError if the device is not there or refused. There is no silent fallback from one engine to
 /// the other.
 std::unique_ptr<Engine> make_engine(const EngineOptions& options);
-
-/// $XDG_CACHE_HOME/forceshade or ~/.cache/forceshade; empty if neither is known.
-std::filesystem::path default_cache_folder();
 
 } // namespace forceshade

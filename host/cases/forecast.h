@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "host/engine/engine.h"
-#include "host/sweep/case_pipeline.h"
+#include "host/cases/case_pipeline.h"
+#include "host/field/engine.h"
 
 namespace forceshade {
 

@@ -1,4 +1,4 @@
-#include "host/sweep/forecast.h"
+#include "host/cases/forecast.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,11 +7,11 @@
 
 #include <fmt/format.h>
 
+#include "host/cases/engine_choice.h"
+#include "host/cases/surface_file.h"
 #include "host/clock.h"
 #include "host/error.h"
 #include "host/long_run.h"
-#include "host/sweep/engine_choice.h"
-#include "host/sweep/surface_file.h"
 
 namespace forceshade {
 namespace {

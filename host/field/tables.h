@@ -61,6 +61,7 @@ template <typename T> struct FieldTables {
 
 /// How much of a grid is evaluated.
 enum class Extent {
+    nothing,     /* no samples: a law alone */
     what_varies, /* one y where the force does not depend on it */
     everything,
 };

@@ -1,4 +1,4 @@
-#include "host/sweep/surface_file.h"
+#include "host/cases/surface_file.h"
 
 #include <algorithm>
 #include <array>
@@ -10,9 +10,9 @@
 
 #include <fmt/format.h>
 
+#include "host/field/comparison.h"
 #include "host/output/vtk_file.h"
 #include "host/picture/values.h"
-#include "host/prepare/comparison.h"
 #include "host/program.h"
 #include "host/reference/contact.h"
 
@@ -125,7 +125,7 @@ private:
 template <typename T> VolumeResult write_mesh(const std::filesystem::path& path, const PreparedCase& prepared) {
     const Mesh& mesh = prepared.images.mesh->mesh;
     const PolygonSoup& polygons = mesh.polygons;
-    const FieldTables<T> tables = make_tables<T>(prepared.one.scene, prepared.images, Extent::what_varies);
+    const FieldTables<T> tables = make_tables<T>(prepared.one.scene, prepared.images, Extent::nothing);
     const layout::Law<T> law = tables.law();
     const double pressed = pressed_depth(prepared.one.scene);
     const auto distance = static_cast<T>(pressed / prepared.images.mesh->structure.scale);
@@ -252,7 +252,7 @@ template <typename T> T nominal_height(const layout::Law<T>& law, T x) {
 
 template <typename T> VolumeResult write_section(const std::filesystem::path& path, const PreparedCase& prepared) {
     const Scene& scene = prepared.one.scene;
-    const FieldTables<T> tables = make_tables<T>(scene, prepared.images, Extent::what_varies);
+    const FieldTables<T> tables = make_tables<T>(scene, prepared.images, Extent::nothing);
     const layout::Law<T> law = tables.law();
     const std::vector<Station<T>> stations = stations_of(scene, law);
     const auto count = static_cast<std::int64_t>(stations.size());

@@ -1,4 +1,4 @@
-#include "host/prepare/tables.h"
+#include "host/field/tables.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,8 +7,8 @@
 #include <fmt/format.h>
 
 #include "host/error.h"
+#include "host/field/prepared_case.h"
 #include "host/output/height_image.h"
-#include "host/prepare/prepared_case.h"
 
 namespace forceshade {
 
@@ -156,12 +156,6 @@ double farthest_sample(const GridSpec& grid, int which, const MeshStructure& mes
     return std::max(std::abs(grid.origin[i] - centre), std::abs(last - centre));
 }
 
-template <typename T> bool is_in_reach(const GridSpec& grid, const MeshStructure& mesh) {
-    const double reach = kMeshReach<T> * mesh.scale; /* m */
-    return farthest_sample(grid, 0, mesh) <= reach && farthest_sample(grid, 1, mesh) <= reach &&
-           farthest_sample(grid, 2, mesh) <= reach;
-}
-
 // In the mesh's own frame, where single precision suffices however far the mesh is from the origin.
 template <typename T> std::vector<T> local_axis(const GridSpec& grid, int which, const MeshStructure& mesh) {
     const auto i = static_cast<std::size_t>(which);
@@ -302,14 +296,15 @@ template <typename T> FieldTables<T> make_tables(const Scene& scene, const Scene
         MeshTables<T> made = make_mesh_tables<T>(mesh, scene.force.stiffness);
         place_map(scene, mesh, made.params);
         tables.mesh = std::make_shared<const MeshTables<T>>(std::move(made));
-        // Paths alone need no grid, and the one by default may be far from the mesh.
-        if (!scene.field && !is_in_reach<T>(scene.grid, mesh))
+        if (extent == Extent::nothing)
             return tables;
         tables.x = local_axis<T>(scene.grid, 0, mesh);
         tables.y = local_axis<T>(scene.grid, 1, mesh);
         tables.z = local_axis<T>(scene.grid, 2, mesh);
         return tables;
     }
+    if (extent == Extent::nothing)
+        return tables;
     const bool every_y = extent == Extent::everything || depends_on_y(tables.features);
     tables.x = axis<T>(scene.grid, 0, scene.grid.size[0]);
     tables.y = axis<T>(scene.grid, 1, every_y ? scene.grid.size[1] : 1);

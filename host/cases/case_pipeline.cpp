@@ -1,4 +1,4 @@
-#include "host/sweep/case_pipeline.h"
+#include "host/cases/case_pipeline.h"
 
 #include <algorithm>
 #include <array>
@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "host/cases/surface_file.h"
 #include "host/clock.h"
 #include "host/error.h"
 #include "host/long_run.h"
@@ -17,7 +18,6 @@
 #include "host/picture/scene_picture.h"
 #include "host/program.h"
 #include "host/referee/validate.h"
-#include "host/sweep/surface_file.h"
 #include "host/threads.h"
 
 namespace forceshade {

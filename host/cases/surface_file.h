@@ -11,8 +11,8 @@
 
 #include <filesystem>
 
+#include "host/field/prepared_case.h"
 #include "host/output/rows.h"
-#include "host/prepare/prepared_case.h"
 
 namespace forceshade {
 

@@ -1,12 +1,12 @@
-#include "host/sweep/engine_choice.h"
+#include "host/cases/engine_choice.h"
 
 #include <algorithm>
 #include <filesystem>
 
 #include <fmt/format.h>
 
+#include "host/field/tables.h"
 #include "host/paths/motions.h"
-#include "host/prepare/tables.h"
 #include "host/threads.h"
 
 namespace forceshade {

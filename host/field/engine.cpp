@@ -1,15 +1,13 @@
-#include "host/engine/engine.h"
+#include "host/field/engine.h"
 
 #include <algorithm>
-#include <cstdlib>
-#include <fstream>
 
 #include <spdlog/spdlog.h>
 
 #include "compute/kernels.h"
 #include "host/clock.h"
+#include "host/field/pipeline_cache.h"
 #include "host/mesh/block_plan.h"
-#include "host/output/files.h"
 #include "host/reference/field.h"
 #include "host/reference/god_object.h"
 #include "host/reference/mesh_field.h"
@@ -18,51 +16,6 @@
 namespace forceshade {
 namespace {
 
-constexpr std::size_t kDigest = 64;             // hex digits of the SHA-256 that the file begins with
-constexpr std::uintmax_t kLargest = 256u << 20; // bytes; a larger file is not ours
-
-} // namespace
-
-std::filesystem::path pipeline_cache_path(const std::filesystem::path& folder, const std::string& device) {
-    return folder / ("pipelines-" + sha256_of(device).substr(0, 16) + ".bin");
-}
-
-std::vector<std::byte> read_pipeline_cache(const std::filesystem::path& folder, const std::string& device) {
-    if (folder.empty())
-        return {};
-    const std::filesystem::path path = pipeline_cache_path(folder, device);
-    std::error_code error;
-    const std::uintmax_t size = std::filesystem::file_size(path, error);
-    if (error || size < kDigest || size > kLargest)
-        return {};
-    std::string content(size, '\0');
-    std::ifstream file(path, std::ios::binary);
-    file.read(content.data(), static_cast<std::streamsize>(size));
-    const std::span<const std::byte> bytes = std::as_bytes(std::span(content)).subspan(kDigest);
-    if (!file || content.substr(0, kDigest) != sha256_of(bytes)) {
-        spdlog::info("{} is damaged: kernels are compiled anew", path.string());
-        return {};
-    }
-    return {bytes.begin(), bytes.end()};
-}
-
-void write_pipeline_cache(const std::filesystem::path& folder, const std::string& device,
-                          std::span<const std::byte> bytes) {
-    if (folder.empty() || bytes.empty())
-        return;
-    try {
-        std::filesystem::create_directories(folder);
-        std::string content = sha256_of(bytes);
-        content.append(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-        write_file_atomically(pipeline_cache_path(folder, device), content);
-    } catch (const std::exception& error) {
-        spdlog::debug("compiled kernels are not kept: {}", error.what());
-    }
-}
-
-namespace {
-
-// The CPU oracle. Times what lies between the callbacks.
 // Plans a mesh's field slab by slab, so that plans take little memory however large the grid is; or hands out the plan
 // that comes with it.
 template <typename T> class SlabPlanner {
@@ -99,6 +52,7 @@ void tell(const EngineReport& engine, const EngineTimes& times) {
                   engine.device, times.plan, times.compile, times.upload, times.kernel, times.read_back);
 }
 
+// The CPU oracle. Times what lies between the callbacks.
 class CpuEngine final : public Engine {
 public:
     explicit CpuEngine(const EngineOptions& options) {
@@ -267,14 +221,6 @@ std::unique_ptr<Engine> make_engine(const EngineOptions& options) {
     spdlog::debug("device: {}{}{}", report.device, report.driver.empty() ? "" : ", " + report.driver,
                   options.cpu || options.cache.empty() ? "" : ", compiled kernels in " + options.cache.string());
     return engine;
-}
-
-std::filesystem::path default_cache_folder() {
-    if (const char* folder = std::getenv("XDG_CACHE_HOME"); folder && *folder)
-        return std::filesystem::path(folder) / "forceshade";
-    if (const char* home = std::getenv("HOME"); home && *home)
-        return std::filesystem::path(home) / ".cache" / "forceshade";
-    return {};
 }
 
 } // namespace forceshade

@@ -1,4 +1,4 @@
-#include "host/prepare/prepared_case.h"
+#include "host/field/prepared_case.h"
 
 #include <algorithm>
 #include <cmath>
@@ -326,21 +326,6 @@ std::optional<std::string> coarse_warning(Precision precision, double farthest, 
                        farthest, ulp, what, length);
 }
 
-template <typename T> PathContact<T> PathLaw<T>::at(std::size_t path, const glm::dvec3& probe) {
-    if (law_.features.surface != layout::kSurfaceMesh) // L1 to L5: no history
-        return {reference::evaluate(law_, reference::Vector<T>(probe))};
-    const reference::Vector<T> place(probe - origin_), local = reference::to_mesh_frame(law_.mesh.params, place);
-    if (!is_within_reach(local))
-        throw UsageError(fmt::format("path position ({}, {}, {}) m is more than {:.0f} times the mesh's size from its "
-                                     "centre, further than {} can follow; is the unit right?",
-                                     probe.x, probe.y, probe.z, kMeshReach<T> / 2,
-                                     std::is_same_v<T, float> ? "f32" : "f64"));
-    const bool inside = path == proxies_.size() && begin_probe(law_, around_, proxies_.emplace_back(), local);
-    PathContact<T> contact = follow_probe(law_, around_, proxies_[path], place, local);
-    contact.begins_inside = inside;
-    return contact;
-}
-
 template <typename T> double largest_coordinate(const PreparedCase& prepared) {
     if (!prepared.images.mesh)
         return kLargestLength<T>;
@@ -350,14 +335,5 @@ template <typename T> double largest_coordinate(const PreparedCase& prepared) {
 }
 template double largest_coordinate<float>(const PreparedCase&);
 template double largest_coordinate<double>(const PreparedCase&);
-
-template <typename T> std::unique_ptr<PathLaw<T>> make_path_law(const PreparedCase& prepared) {
-    return std::make_unique<PathLaw<T>>(prepared);
-}
-
-template std::unique_ptr<PathLaw<float>> make_path_law<float>(const PreparedCase&);
-template std::unique_ptr<PathLaw<double>> make_path_law<double>(const PreparedCase&);
-template class PathLaw<float>;
-template class PathLaw<double>;
 
 } // namespace forceshade

@@ -1,0 +1,101 @@
+#include "host/field/case_law.h"
+
+#include <charconv>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "host/output/files.h"
+
+namespace forceshade {
+
+template <typename T>
+CaseLaw<T>::CaseLaw(const PreparedCase& prepared)
+    : mesh_(prepared.images.mesh), origin_(scene_origin(prepared)),
+      tables_(make_tables<T>(prepared.one.scene, prepared.images, Extent::nothing)), law_(tables_.law()) {}
+
+template <typename T> void CaseLaw<T>::find_obstacles() {
+    if (!on_mesh())
+        return;
+    forceshade::find_obstacles(tables_);
+    law_ = tables_.law();
+}
+
+template <typename T> bool CaseLaw<T>::reaches(const glm::dvec3& probe) const noexcept {
+    if (!(std::abs(probe.x) <= kLargestLength<T> && std::abs(probe.y) <= kLargestLength<T> &&
+          std::abs(probe.z) <= kLargestLength<T>))
+        return false;
+    return !on_mesh() || reference::largest_coordinate(
+                             reference::to_mesh_frame(law_.mesh.params, from_origin(probe))) <= T(kMeshReach<T>);
+}
+
+template <typename T> reference::Vector<T> CaseLaw<T>::rounded(const glm::dvec3& place) const noexcept {
+    return reference::Vector<T>(on_mesh() ? to_mesh_frame(mesh_->structure, place) : place);
+}
+
+template <typename T>
+reference::Contact<T> CaseLaw<T>::at_rounded(const reference::Vector<T>& place, layout::uint& hint) const noexcept {
+    return on_mesh() ? reference::mesh_contact(law_, place, hint) : reference::evaluate(law_, place);
+}
+
+template <typename T>
+PathContact<T> CaseLaw<T>::follow(Path& path, reference::Neighbourhood<T>& around,
+                                  const glm::dvec3& probe) const noexcept {
+    const reference::Vector<T> place = from_origin(probe);
+    if (!on_mesh()) // L1 to L5: no history
+        return {{reference::evaluate(law_, place)}};
+    const reference::Vector<T> local = reference::to_mesh_frame(law_.mesh.params, place);
+    bool inside = false;
+    if (!path.begun) {
+        const layout::ProxyStart<T> start = reference::proxy_start(law_, around, local);
+        path = {reference::god_object_at(start), true};
+        inside = start.inside != 0;
+    }
+    return {reference::follow(law_, path.proxy, around, place, local), inside};
+}
+
+template <typename T> ProbeContact CaseLaw<T>::widened(const reference::LawContact<T>& found) const noexcept {
+    const reference::Contact<T>& contact = found.contact;
+    return {in_world(contact.proxy), glm::dvec3(contact.force), double(contact.depth), contact.facet, found.finished};
+}
+
+template <typename T> std::string beyond_reach(const glm::dvec3& probe) {
+    return fmt::format(
+        "path position ({}, {}, {}) m is more than {:.0f} times the mesh's size from its centre, further "
+        "than {} can follow; is the unit right?",
+        probe.x, probe.y, probe.z, kMeshReach<T> / 2, std::is_same_v<T, float> ? "f32" : "f64");
+}
+
+template class CaseLaw<float>;
+template class CaseLaw<double>;
+template std::string beyond_reach<float>(const glm::dvec3&);
+template std::string beyond_reach<double>(const glm::dvec3&);
+
+namespace {
+
+template <typename T> class InPrecision final : public ProbeLaw {
+public:
+    explicit InPrecision(const PreparedCase& prepared) : probe_(prepared) { probe_.law().find_obstacles(); }
+
+    bool reaches(const glm::dvec3& probe) const noexcept override { return probe_.law().reaches(probe); }
+    void begin_path() noexcept override { probe_.begin_path(); }
+    ProbeContact at(const glm::dvec3& probe) noexcept override { return probe_.law().widened(probe_.at(probe)); }
+
+private:
+    CaseProbe<T> probe_;
+};
+
+} // namespace
+
+std::unique_ptr<ProbeLaw> make_probe_law(const PreparedCase& prepared) {
+    std::unique_ptr<ProbeLaw> law;
+    if (prepared.one.scene.precision == Precision::f32)
+        law = std::make_unique<InPrecision<float>>(prepared);
+    else
+        law = std::make_unique<InPrecision<double>>(prepared);
+    const std::string digest = sha256_of(prepared.scene);
+    std::from_chars(digest.data(), digest.data() + 16, law->scene, 16);
+    return law;
+}
+
+} // namespace forceshade

@@ -1,0 +1,125 @@
+// The force law of a prepared case at a probe, by the CPU oracle: without a history, as a field has it, or with one, as
+// a path and a hand have it.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include <glm/vec3.hpp>
+
+#include "host/field/prepared_case.h"
+#include "host/reference/contact.h"
+#include "host/reference/god_object.h"
+
+namespace forceshade {
+
+/// The contact of a sample of a path, places in m from the case's origin.
+template <typename T> struct PathContact : reference::LawContact<T> {
+    bool begins_inside = false; /* first sample, behind the surface: its proxy begins at the nearest place of it */
+};
+
+/// A contact in either precision: each float is exact here.
+struct ProbeContact {
+    glm::dvec3 proxy;    /* m, in the world; out of contact the probe */
+    glm::dvec3 force;    /* N: perhaps not finite */
+    double depth;        /* m */
+    std::uint32_t facet; // layout::kNoFacet out of contact
+    bool finished;       // the proxy came to rest
+};
+
+/// Neither allocates nor throws once it is made; threads may share it.
+template <typename T> class CaseLaw {
+public:
+    /// Keeps what it needs of the case. \throws UsageError if a value leaves the range of T.
+    explicit CaseLaw(const PreparedCase& prepared);
+    CaseLaw(CaseLaw&&) noexcept = default;
+    CaseLaw& operator=(CaseLaw&&) noexcept = default;
+
+    /// Makes paths on a mesh faster (MeshObstacles); takes as long as several updates a triangle.
+    void find_obstacles();
+
+    const layout::Law<T>& law() const { return law_; }
+    const glm::dvec3& origin() const { return origin_; } /* as scene_origin() */
+    glm::dvec3 in_world(const reference::Vector<T>& place) const { return world_place(glm::dvec3(place), origin_); }
+    ProbeContact widened(const reference::LawContact<T>& found) const noexcept;
+
+    /// Whether the law has a meaning at a probe, m, in the world: T can still tell the mesh from a point.
+    bool reaches(const glm::dvec3& probe) const noexcept;
+
+    // Without a history.
+
+    /// A place of the world, m, as the law takes it: each coordinate, on a mesh of the mesh's frame, rounded once to T.
+    reference::Vector<T> rounded(const glm::dvec3& place) const noexcept;
+    /// `hint`: what was nearest to the place before, a good guess for the next; 0 at first.
+    reference::Contact<T> at_rounded(const reference::Vector<T>& place, layout::uint& hint) const noexcept;
+    reference::Contact<T> at(const glm::dvec3& place, layout::uint& hint) const noexcept {
+        return at_rounded(rounded(place), hint);
+    }
+    reference::Contact<T> at(const glm::dvec3& place) const noexcept {
+        layout::uint hint = 0;
+        return at(place, hint);
+    }
+
+    // With one.
+
+    /// What a law remembers of a path.
+    struct Path {
+        reference::GodObject<T> proxy;
+        bool begun = false;
+    };
+    /// The next sample of a path, at a probe, m, in the world, that the law reaches; each coordinate, from the case's
+    /// origin, is rounded once to T. `around` is any one, best that of the sample before.
+    PathContact<T> follow(Path& path, reference::Neighbourhood<T>& around, const glm::dvec3& probe) const noexcept;
+
+private:
+    bool on_mesh() const { return mesh_ != nullptr; }
+    reference::Vector<T> from_origin(const glm::dvec3& probe) const noexcept {
+        return reference::Vector<T>(on_mesh() ? probe - origin_ : probe);
+    }
+
+    std::shared_ptr<const SceneMesh> mesh_; // null: an analytic surface
+    glm::dvec3 origin_;                     /* m, in the world */
+    FieldTables<T> tables_;
+    layout::Law<T> law_; // points into the tables
+};
+
+/// What is wrong with a probe, m, of a path on a mesh that its law does not reach.
+template <typename T> std::string beyond_reach(const glm::dvec3& probe);
+
+/// One probe and its law.
+template <typename T> class CaseProbe {
+public:
+    explicit CaseProbe(const PreparedCase& prepared) : law_(prepared) {}
+
+    CaseLaw<T>& law() { return law_; }
+    const CaseLaw<T>& law() const { return law_; }
+    /// Forgets the history: the next sample begins a path.
+    void begin_path() noexcept { path_.begun = false; }
+    /// As CaseLaw::follow.
+    PathContact<T> at(const glm::dvec3& probe) noexcept { return law_.follow(path_, around_, probe); }
+
+private:
+    CaseLaw<T> law_;
+    typename CaseLaw<T>::Path path_;
+    reference::Neighbourhood<T> around_;
+};
+
+/// A law in the precision of its scene, and its probe. Neither allocates, locks, throws nor logs.
+class ProbeLaw {
+public:
+    virtual ~ProbeLaw() = default;
+
+    /// The first 64 bits of the SHA-256 of the scene's resolved TOML: of which scene a sample is.
+    std::uint64_t scene = 0;
+
+    /// As CaseLaw's and CaseProbe's: the numbers of `explore`, bit for bit.
+    virtual bool reaches(const glm::dvec3& probe) const noexcept = 0;
+    virtual void begin_path() noexcept = 0;
+    virtual ProbeContact at(const glm::dvec3& probe) noexcept = 0;
+};
+
+/// \throws UsageError if a value leaves the precision's range.
+std::unique_ptr<ProbeLaw> make_probe_law(const PreparedCase& prepared);
+
+} // namespace forceshade
