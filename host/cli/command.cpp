@@ -10,8 +10,10 @@
 #include <spdlog/spdlog.h>
 
 #include "host/error.h"
+#include "host/field/pipeline_cache.h"
 #include "host/mesh/thin_parts.h"
 #include "host/output/files.h"
+#include "host/reference/god_object.h"
 #include "host/scene/value.h"
 
 namespace forceshade {
@@ -43,6 +45,10 @@ std::unique_ptr<Engine> make_engine(const SettledEngine& settled, const CommonOp
     if (!settled.why.empty() && !common.quiet)
         remark("engine: {}\n", settled.why);
     return make_engine(settled.options);
+}
+
+std::vector<Precision> precisions_of(const EngineReport& engine) {
+    return engine.f64 ? std::vector{Precision::f32, Precision::f64} : std::vector{Precision::f32};
 }
 
 std::vector<Override> overrides(const CommonOptions& common) {

@@ -8,11 +8,11 @@
 #include <string>
 #include <vector>
 
-#include "host/engine/engine.h"
-#include "host/prepare/prepared_case.h"
+#include "host/cases/engine_choice.h"
+#include "host/field/engine.h"
+#include "host/field/prepared_case.h"
 #include "host/program.h"
 #include "host/scene/study.h"
-#include "host/sweep/engine_choice.h"
 
 namespace CLI {
 class App;
@@ -123,16 +123,22 @@ private:
     Command chosen_;
 };
 
-/// Each adds commands to the program.
-void add_evaluation_commands(CommandLine& program); // sweep, field
+/// Each adds a command to the program.
+void add_sweep_command(CommandLine& program);
+void add_field_command(CommandLine& program);
 void add_explore_command(CommandLine& program);
 void add_mesh_command(CommandLine& program);
-void add_study_commands(CommandLine& program); // study, report
+void add_study_command(CommandLine& program);
+void add_report_command(CommandLine& program);
 void add_experiment_command(CommandLine& program);
 void add_live_command(CommandLine& program);
 void add_device_command(CommandLine& program);
-void add_scene_commands(CommandLine& program); // init, schema
-void add_check_commands(CommandLine& program); // validate, gpus, devices, doctor
+void add_init_command(CommandLine& program);
+void add_schema_command(CommandLine& program);
+void add_validate_command(CommandLine& program);
+void add_gpus_command(CommandLine& program);
+void add_devices_command(CommandLine& program);
+void add_doctor_command(CommandLine& program);
 
 /// A scene, prepared. Where nothing names a precision it is double where the mesh has parts too thin for single: it
 /// says so.
@@ -150,6 +156,9 @@ struct SettledEngine {
 SettledEngine settle_engine(const CommonOptions& common, bool needs_f64, const Workload& work);
 /// Tells on stderr which it is, unless quiet or asked for.
 std::unique_ptr<Engine> make_engine(const SettledEngine& settled, const CommonOptions& common);
+
+/// Single and double precision, where the device has both.
+std::vector<Precision> precisions_of(const EngineReport& engine);
 
 /// Flags that replace keys of the scene.
 std::vector<Override> overrides(const CommonOptions& common);

@@ -10,8 +10,8 @@
 #include "host/cli/command.h"
 #include "host/cli/device_options.h"
 #include "host/error.h"
+#include "host/field/prepared_case.h"
 #include "host/output/files.h"
-#include "host/prepare/prepared_case.h"
 
 namespace forceshade {
 

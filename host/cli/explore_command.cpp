@@ -5,17 +5,17 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "host/cases/path_run.h"
 #include "host/cli/command.h"
 #include "host/cli/picture_options.h"
 #include "host/error.h"
+#include "host/field/comparison.h"
+#include "host/field/prepared_case.h"
 #include "host/long_run.h"
 #include "host/output/files.h"
 #include "host/paths/explore.h"
 #include "host/paths/motions.h"
-#include "host/paths/path_run.h"
 #include "host/paths/recorded.h"
-#include "host/prepare/comparison.h"
-#include "host/prepare/prepared_case.h"
 #include "host/program.h"
 #include "host/report/run_page.h"
 #include "host/threads.h"

@@ -7,11 +7,11 @@
 #include "host/cli/command.h"
 #include "host/cli/picture_options.h"
 #include "host/error.h"
+#include "host/field/prepared_case.h"
 #include "host/long_run.h"
 #include "host/mesh/marks.h"
 #include "host/mesh/pieces.h"
 #include "host/picture/mesh_picture.h"
-#include "host/prepare/prepared_case.h"
 #include "host/program.h"
 #include "host/scene/quantity.h"
 
