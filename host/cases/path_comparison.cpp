@@ -5,6 +5,8 @@
 
 #include "host/long_run.h"
 #include "host/paths/recorded.h"
+#include "host/program.h"
+#include "host/referee/validate.h"
 
 namespace forceshade {
 namespace {

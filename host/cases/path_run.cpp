@@ -9,7 +9,9 @@
 
 #include <fmt/format.h>
 
+#include "host/cases/case_files.h"
 #include "host/cases/path_comparison.h"
+#include "host/cases/sinks.h"
 #include "host/error.h"
 #include "host/field/comparison.h"
 #include "host/long_run.h"
@@ -41,16 +43,6 @@ layout::uint channels_for(const PathRunOptions& options, layout::uint asked) {
 }
 
 } // namespace
-
-void set_options(ExrOptions& options, const PreparedCase& prepared, const Scene& written, int threads) {
-    options.compression = written.output.compression;
-    options.pixel = written.output.pixel;
-    options.scene = prepared.scene;
-    options.place_origin = scene_origin(prepared);
-    options.version = version();
-    options.omitted = fmt::format("{}", fmt::join(omissions(written), "; "));
-    options.threads = threads;
-}
 
 std::vector<std::string> path_file_names(const PathRunOptions& options, layout::uint channels) {
     std::vector<std::string> names;
@@ -138,11 +130,6 @@ double RecordedTimes::later(std::uint64_t path, std::uint64_t step) {
     return later_.next().time;
 }
 
-struct NamedSink {
-    std::string name;
-    std::unique_ptr<PathSink> sink;
-};
-
 template <typename T> class Run : EngineAndOracle<T> {
 public:
     Run(Engine& engine, const PreparedCase& prepared, const PathRunOptions& options)
@@ -192,35 +179,31 @@ private:
     void open_files() {
         const Scene& scene = prepared_.one.scene;
         if (!options_.samples.empty())
-            add_sink(options_.samples, is_csv(options_.samples)
-                                           ? std::unique_ptr<PathSink>(std::make_unique<PathCsvWriter>(
-                                                 options_.samples, labels(), origin_, scene.compare.has_value()))
-                                           : std::make_unique<PathVolumeWriter>(options_.samples, header()));
+            sinks_.add(options_.samples, is_csv(options_.samples)
+                                             ? std::unique_ptr<PathSink>(std::make_unique<PathCsvWriter>(
+                                                   options_.samples, labels(), origin_, scene.compare.has_value()))
+                                             : std::make_unique<PathVolumeWriter>(options_.samples, header()));
         summary_.emplace(beside(".paths.csv"), scene.precision);
         if (options_.npy)
             for (const layout::uint channel : kPathChannels)
                 if (written_ & channel) {
                     const std::filesystem::path file =
                         beside(fmt::format("{}.{}.npy", options_.label, name_of_channel(channel)));
-                    add_sink(file, std::make_unique<PathNpyWriter>(file, input.paths, input.steps, channel,
-                                                                   scene.precision, origin_));
+                    sinks_.add(file, std::make_unique<PathNpyWriter>(file, input.paths, input.steps, channel,
+                                                                     scene.precision, origin_));
                 }
         if (options_.vtp) {
             const std::filesystem::path file = beside(options_.label + ".vtp");
-            add_sink(file, std::make_unique<PathVtpWriter>(
-                               file,
-                               PathVtpHeader{input.paths, total_, (written_ & layout::kChannelProxy) != 0,
-                                             scene.precision, scene.compare.has_value(), origin_},
-                               labels()));
+            sinks_.add(file, std::make_unique<PathVtpWriter>(
+                                 file,
+                                 PathVtpHeader{input.paths, total_, (written_ & layout::kChannelProxy) != 0,
+                                               scene.precision, scene.compare.has_value(), origin_},
+                                 labels()));
         }
         if (written_ & kComparedChannels)
             compared_.emplace(prepared_, static_cast<unsigned>(options_.threads));
         if (options_.pictures.any())
             collector_.emplace(input.paths, input.steps, origin_);
-    }
-
-    void add_sink(const std::filesystem::path& file, std::unique_ptr<PathSink> sink) {
-        sinks_.push_back({file.filename().string(), std::move(sink)});
     }
 
     PathVolumeHeader header() const {
@@ -259,10 +242,7 @@ private:
         require_finite(rows);
         oracle.compare(rows);
         const PathRows<T> written = compared_ ? compared_->paths(rows) : rows;
-        for (NamedSink& sink : sinks_) {
-            check_interrupt();
-            sink.sink->write(written);
-        }
+        sinks_.write(written);
         if (collector_)
             collector_->add(rows);
     }
@@ -342,14 +322,6 @@ private:
             options_.progress(done_ + done, total_);
     }
 
-    void add_file(const std::string& name, const VolumeResult& result) {
-        record_.files.push_back({name, result.sha256, result.bytes});
-        record_.volume_times.encode += result.timings.encode;
-        record_.volume_times.flush += result.timings.flush;
-        record_.volume_times.read_back += result.timings.read_back;
-        record_.volume_times.hash += result.timings.hash;
-    }
-
     void finish() {
         check_interrupt();
         if (file_)
@@ -364,12 +336,10 @@ private:
             record_.depth_deviation =
                 std::sqrt(std::max(depth_square_ / samples - record_.mean_depth * record_.mean_depth, 0.0));
         }
-        // The samples come first: they refuse what must not be published.
         if (!options_.samples.empty())
-            add_file(sinks_.front().name, sinks_.front().sink->finish());
-        add_file(beside(".paths.csv").filename().string(), summary_->finish());
-        for (std::size_t i = 1; i < sinks_.size(); ++i)
-            add_file(sinks_[i].name, sinks_[i].sink->finish());
+            sinks_.finish_first(record_);
+        add_file(record_, beside(".paths.csv").filename().string(), summary_->finish());
+        sinks_.finish_others(record_);
         if (collector_)
             add_picture();
     }
@@ -399,7 +369,7 @@ private:
     Stage stage_{"exploring paths", total_ / kMillion, "million samples"};
     RowGatherer<T> gatherer_;
     std::optional<RecordedTimes> times_;
-    std::vector<NamedSink> sinks_; // the samples first, if there are any
+    Sinks<PathSink> sinks_; // the samples first, if they are asked for
     std::optional<PathSummary> summary_;
     std::optional<Compared> compared_; // with [compare]
     std::optional<PathCollector> collector_;

@@ -28,9 +28,6 @@ struct PathRunOptions {
     std::function<void(std::uint64_t done, std::uint64_t total)> progress; /* samples; may be empty */
 };
 
-/// What the EXR of a case's field or paths tells and how it is written; `written`: the part of the scene that it holds.
-void set_options(ExrOptions& options, const PreparedCase& prepared, const Scene& written, int threads);
-
 /// The names of the files of a run, the samples first.
 std::vector<std::string> path_file_names(const PathRunOptions& options, layout::uint channels);
 

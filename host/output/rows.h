@@ -26,6 +26,14 @@ struct VolumeTimings {
     double check = 0;     /* s: against the oracle; not the writer's own */
 
     double sum() const { return encode + flush + read_back + hash + check; }
+    VolumeTimings& operator+=(const VolumeTimings& other) {
+        encode += other.encode;
+        flush += other.flush;
+        read_back += other.read_back;
+        hash += other.hash;
+        check += other.check;
+        return *this;
+    }
 };
 
 /// What became of a finished file. NPY, VTI and VTP files fill in only hash and size.

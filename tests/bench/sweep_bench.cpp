@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include "host/cases/case_pipeline.h"
+#include "host/cases/chunk_queue.h"
 #include "host/cases/engine_choice.h"
 #include "host/sweep/manifest.h"
 #include "host/sweep/sweep.h"

@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include "host/cases/case_pipeline.h"
+#include "host/cases/chunk_queue.h"
 #include "host/program.h"
 #include "host/sweep/sweep.h"
 

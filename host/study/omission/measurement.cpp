@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cstring>
 
-#include "host/cases/path_run.h"
+#include "host/cases/case_files.h"
 #include "host/clock.h"
 #include "host/norm.h"
 #include "host/output/exr_volume.h"

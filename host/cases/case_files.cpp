@@ -1,0 +1,130 @@
+#include "host/cases/case_files.h"
+
+#include <iterator>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "host/error.h"
+#include "host/field/comparison.h"
+#include "host/program.h"
+#include "host/referee/validate.h"
+
+namespace forceshade {
+namespace {
+
+// By base name: no path of the machine goes into results.
+std::vector<FileRecord> inputs_of(const Scene& scene) {
+    std::vector<FileRecord> inputs;
+    const auto add = [&](const std::string& file, const std::string& sha256) {
+        if (!sha256.empty())
+            inputs.push_back({std::filesystem::path(file).filename().string(), sha256, 0});
+    };
+    if (scene.paths)
+        add(scene.paths->file, scene.paths->sha256);
+    if (scene.compare)
+        add(scene.compare->file.file, scene.compare->file.sha256);
+    add(scene.surface.mesh.file, scene.surface.mesh.sha256);
+    add(scene.surface.map.file, scene.surface.map.sha256);
+    if (scene.texture)
+        add(scene.texture->map.file, scene.texture->map.sha256);
+    return inputs;
+}
+
+} // namespace
+
+void set_options(ExrOptions& options, const PreparedCase& prepared, const Scene& written, int threads) {
+    options.compression = written.output.compression;
+    options.pixel = written.output.pixel;
+    options.scene = prepared.scene;
+    options.place_origin = scene_origin(prepared);
+    options.version = version();
+    options.omitted = fmt::format("{}", fmt::join(omissions(written), "; "));
+    options.threads = threads;
+}
+
+AlsoFormats parse_also(const std::vector<std::string>& names) {
+    AlsoFormats also;
+    for (const std::string& name : names) {
+        if (name == "vti")
+            also.vti = true;
+        else if (name == "vtp")
+            also.vtp = true;
+        else if (name == "npy")
+            also.npy = true;
+        else if (!also.pictures.add(name))
+            throw UsageError(
+                fmt::format("--also {}: there are vti, vtp, npy, png, svg and pdf, with commas between them", name));
+    }
+    return also;
+}
+
+namespace {
+
+// Of a field; force is always among the channels.
+void add_field_files(const std::string& stem, std::uint32_t channels, AlsoFormats also,
+                     std::vector<std::string>& names) {
+    names.push_back(stem + ".exr");
+    if (also.vti)
+        names.push_back(stem + ".vti");
+    if (also.npy)
+        for (const layout::uint channel : kFieldChannels)
+            if ((channels | layout::kChannelForce) & channel)
+                names.push_back(fmt::format("{}.{}.npy", stem, name_of_channel(channel)));
+    if (also.vtp)
+        names.push_back(stem + ".vtp");
+    for (const char* kind : {".mosaic", ".arrows", ".shading"})
+        if (kind != std::string_view(".shading") || (channels & layout::kChannelUnshaded))
+            std::ranges::move(picture::names_with(stem + kind, also.pictures), std::back_inserter(names));
+}
+
+void add_path_files(const std::string& stem, std::uint32_t channels, AlsoFormats also,
+                    std::vector<std::string>& names) {
+    for (std::string& name : path_file_names(path_options(stem + ".exr", also, 0), channels))
+        names.push_back(std::move(name));
+}
+
+} // namespace
+
+std::vector<std::string> file_names(const std::string& stem, const Scene& scene, AlsoFormats also) {
+    std::vector<std::string> names;
+    if (scene.field)
+        add_field_files(stem, written_channels(scene), also, names);
+    if (scene.paths)
+        add_path_files(stem, written_channels(scene), also, names);
+    return names;
+}
+
+std::vector<std::string> possible_file_names(const std::string& stem, AlsoFormats also) {
+    std::vector<std::string> names;
+    constexpr std::uint32_t kAll = ~0u;
+    add_field_files(stem, kAll, also, names);
+    add_path_files(stem, kAll, also, names);
+    return names;
+}
+
+PathRunOptions path_options(const std::filesystem::path& volume, AlsoFormats also, int threads) {
+    const std::string stem = volume.stem().string();
+    PathRunOptions options;
+    options.samples = volume.parent_path() / (stem + ".paths.exr");
+    options.stem = volume.parent_path() / stem;
+    options.label = ".paths";
+    options.npy = also.npy;
+    options.vtp = also.vtp;
+    options.pictures = also.pictures;
+    options.threads = threads;
+    return options;
+}
+
+CaseRecord empty_record(const PreparedCase& prepared) {
+    const Scene& scene = prepared.one.scene;
+    CaseRecord record;
+    record.name = prepared.one.name;
+    record.parameters = prepared.one.varied;
+    record.inputs = inputs_of(scene);
+    record.precision = name_of(scene.precision);
+    record.omitted = omissions(scene);
+    return record;
+}
+
+} // namespace forceshade
