@@ -72,52 +72,59 @@ template <typename T> T cylinder_height(T half_width, T radius, T centre_depth, 
 
 // cos and exp out of + - * and exact steps only, step for step as shaders/laws/elementary.glsl.
 
+/// Coefficients of sin(2 pi s) / s in powers of s^2, the highest first: (2 pi)^23 / 23! and so on, signs alternating.
+inline constexpr std::array<double, 12> kSineSeries{
+    -8.823533599243006e-05, 0.0011309237482517963, -0.012031585942120627, 0.10422916220813984,
+    -0.7181223017785006,    3.819952584848282,     -15.09464257682299,    42.058693944897655,
+    -76.70585975306139,     81.60524927607506,     -41.34170224039976,    6.283185307179586};
+
+/// Of exp, the highest first: 1 / 14! and so on.
+inline constexpr std::array<double, 15> kExponentialSeries{1.1470745597729725e-11,
+                                                           1.6059043836821613e-10,
+                                                           2.08767569878681e-09,
+                                                           2.505210838544172e-08,
+                                                           2.755731922398589e-07,
+                                                           2.7557319223985893e-06,
+                                                           2.48015873015873e-05,
+                                                           0.0001984126984126984,
+                                                           0.001388888888888889,
+                                                           0.008333333333333333,
+                                                           0.041666666666666664,
+                                                           0.16666666666666666,
+                                                           0.5,
+                                                           1.0,
+                                                           1.0};
+
+/// With so many terms left out, the two give the same bits in single precision for every argument.
+template <typename T> inline constexpr std::size_t kLeftOut = std::is_same_v<T, float> ? 3 : 0;
+
+/// The sum of a series from the coefficient `first` on.
+template <std::size_t first, typename T, std::size_t n>
+T sum_of_series(const std::array<double, n>& series, T argument) noexcept {
+    T sum = T(series[first]);
+    for (std::size_t i = first + 1; i < n; ++i)
+        sum = sum * argument + T(series[i]);
+    return sum;
+}
+
 /// cos(2 pi turns), within a few ULP of 1. The argument is reduced to a quarter turn exactly.
-template <typename T> T cosine_of_turns(T turns) noexcept {
-    // (2 pi)^23 / 23!, and so on down to 2 pi, signs alternating.
-    constexpr std::array<double, 12> kSeries{-8.823533599243006e-05, 0.0011309237482517963, -0.012031585942120627,
-                                             0.10422916220813984,    -0.7181223017785006,   3.819952584848282,
-                                             -15.09464257682299,     42.058693944897655,    -76.70585975306139,
-                                             81.60524927607506,      -41.34170224039976,    6.283185307179586};
+template <typename T, std::size_t first = kLeftOut<T>> T cosine_of_turns(T turns) noexcept {
     const T folded = abs(turns - floor(turns + T(0.5)));
     const T s = T(0.25) - folded;
-    const T q = s * s;
-    T sum = T(kSeries[0]);
-    for (std::size_t i = 1; i < kSeries.size(); ++i)
-        sum = sum * q + T(kSeries[i]);
-    return sum * s;
+    return sum_of_series<first>(kSineSeries, s * s) * s;
 }
 
 /// exp(-u) for u >= 0; 0 where the result would be no normal number, and for u infinite.
-template <typename T> T exponential_decay(T u) noexcept {
+template <typename T, std::size_t first = kLeftOut<T>> T exponential_decay(T u) noexcept {
     constexpr bool kDouble = std::is_same_v<T, double>;
     constexpr double kLargest = kDouble ? 708.0 : 87.0;
     constexpr double kLn2High = kDouble ? 0.693147180559663 : 0.693115234375;
     constexpr double kLn2Low = kDouble ? 2.8235290563031577e-13 : 3.1946184945309415e-05;
-    // 1 / 14!, and so on down to 1.
-    constexpr std::array<double, 15> kSeries{1.1470745597729725e-11,
-                                             1.6059043836821613e-10,
-                                             2.08767569878681e-09,
-                                             2.505210838544172e-08,
-                                             2.755731922398589e-07,
-                                             2.7557319223985893e-06,
-                                             2.48015873015873e-05,
-                                             0.0001984126984126984,
-                                             0.001388888888888889,
-                                             0.008333333333333333,
-                                             0.041666666666666664,
-                                             0.16666666666666666,
-                                             0.5,
-                                             1.0,
-                                             1.0};
     if (!(u < T(kLargest)))
         return T(0);
     const T k = floor(u * T(1.4426950408889634) + T(0.5));
     const T r = (k * T(kLn2High) - u) + k * T(kLn2Low);
-    T sum = T(kSeries[0]);
-    for (std::size_t i = 1; i < kSeries.size(); ++i)
-        sum = sum * r + T(kSeries[i]);
-    return sum * ldexp(T(1), -static_cast<int>(k));
+    return sum_of_series<first>(kExponentialSeries, r) * ldexp(T(1), -static_cast<int>(k));
 }
 
 } // namespace forceshade::reference

@@ -94,10 +94,15 @@ real cosine_of_turns(real turns) {
     precise real folded = abs(turns - whole);         // [0, 1/2]
     precise real s = real(0.25LF) - folded;          // cos(2 pi folded) = sin(2 pi s)
     precise real q = s * s;
-    precise real sum = real(-8.823533599243006e-05LF); // (2 pi)^23 / 23!, and so on down to 2 pi
+    // (2 pi)^23 / 23!, and so on down to 2 pi. In single precision the first three change no bit of any sum.
+#ifdef FS_F64
+    precise real sum = real(-8.823533599243006e-05LF);
     sum = sum * q + real(0.0011309237482517963LF);
     sum = sum * q + real(-0.012031585942120627LF);
     sum = sum * q + real(0.10422916220813984LF);
+#else
+    precise real sum = real(0.10422916220813984LF);
+#endif
     sum = sum * q + real(-0.7181223017785006LF);
     sum = sum * q + real(3.819952584848282LF);
     sum = sum * q + real(-15.09464257682299LF);
@@ -132,10 +137,15 @@ real exponential_decay(real u) {
         return ZERO;
     precise real k = floor(u * real(1.4426950408889634LF) + real(0.5LF));
     precise real r = (k * LN2_HIGH - u) + k * LN2_LOW; // exp(-u) = 2^-k exp(r), |r| <= ln(2) / 2
-    precise real sum = real(1.1470745597729725e-11LF); // 1 / 14!, and so on down to 1
+    // 1 / 14!, and so on down to 1. In single precision the first three change no bit of any sum.
+#ifdef FS_F64
+    precise real sum = real(1.1470745597729725e-11LF);
     sum = sum * r + real(1.6059043836821613e-10LF);
     sum = sum * r + real(2.08767569878681e-09LF);
     sum = sum * r + real(2.505210838544172e-08LF);
+#else
+    precise real sum = real(2.505210838544172e-08LF);
+#endif
     sum = sum * r + real(2.755731922398589e-07LF);
     sum = sum * r + real(2.7557319223985893e-06LF);
     sum = sum * r + real(2.48015873015873e-05LF);

@@ -1,4 +1,5 @@
 // cos and exp out of + - *: close to the library's everywhere, exact where it matters.
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -63,6 +64,20 @@ TEST(Elementary, DecayAtItsEnds) {
     EXPECT_EQ(reference::exponential_decay(87.0f), 0.0f);
     EXPECT_GT(reference::exponential_decay(std::nextafter(87.0f, 0.0f)), 0.0f);
     EXPECT_EQ(reference::exponential_decay(std::numeric_limits<double>::quiet_NaN()), 0.0);
+}
+
+// True of every argument; here of one in some hundreds.
+TEST(Elementary, TermsLeftOutInSinglePrecisionChangeNoBit) {
+    std::size_t different = 0;
+    for (std::uint32_t bits = 0; bits <= std::bit_cast<std::uint32_t>(0.5f); bits += 521) {
+        const auto turns = std::bit_cast<float>(bits);
+        different += reference::cosine_of_turns(turns) != reference::cosine_of_turns<float, 0>(turns);
+    }
+    for (std::uint32_t bits = 0; bits < std::bit_cast<std::uint32_t>(87.0f); bits += 523) {
+        const auto u = std::bit_cast<float>(bits);
+        different += reference::exponential_decay(u) != reference::exponential_decay<float, 0>(u);
+    }
+    EXPECT_EQ(different, 0u);
 }
 
 TEST(Elementary, UlpDistanceCounts) {
