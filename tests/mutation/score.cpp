@@ -23,8 +23,8 @@ namespace {
 
 struct Arguments {
     std::vector<std::string> kernels;
-    std::string precision, scenes = FORCESHADE_SCENES, known = FORCESHADE_KNOWN, only, dump;
-    std::vector<std::string> scene_names;
+    std::string precision, scenes = FORCESHADE_SCENES, known = FORCESHADE_KNOWN, dump;
+    std::vector<std::string> scene_names, only;
     std::size_t sample = 200;
     std::uint64_t seed = 1;
     unsigned jobs = 1, seconds = 8;
@@ -117,7 +117,10 @@ private:
     void choose() {
         std::vector<Mutant> all = mutants_of(code_);
         if (!arguments_.only.empty()) {
-            std::erase_if(all, [&](const Mutant& one) { return one.key.find(arguments_.only) == std::string::npos; });
+            std::erase_if(all, [&](const Mutant& one) {
+                return std::ranges::none_of(
+                    arguments_.only, [&](const std::string& text) { return one.key.find(text) != std::string::npos; });
+            });
             chosen_ = std::move(all);
             return;
         }
@@ -285,7 +288,7 @@ int main(int argc, char** argv) {
     app.add_option("--sample", arguments.sample, "mutants of each kernel, drawn at random; 0: all")
         ->capture_default_str();
     app.add_option("--seed", arguments.seed, "of the draw")->capture_default_str();
-    app.add_option("--only", arguments.only, "instead of a draw, the mutants with this text in their key");
+    app.add_option("--only", arguments.only, "instead of a draw, the mutants with one of these texts in their key");
     app.add_option("--scenes", arguments.scene_names, "scenes whose names begin so; default: all");
     app.add_option("--folder", arguments.scenes, "of the scenes")->capture_default_str();
     app.add_option("--known", arguments.known, "file of survivors that were looked at")->capture_default_str();
