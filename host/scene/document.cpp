@@ -330,10 +330,7 @@ Document read_document(std::string_view text, const std::string& source, const s
                        std::span<const Override> overrides, Errors& errors) {
     Document document;
     document.source = source;
-    MendedToml read = read_toml(text, source, errors);
-    TomlNode& root = read.root;
-    if (!read.whole)
-        document.doubtful.emplace("");
+    TomlNode root = parse_toml(text, source);
     const auto take = [&](std::string_view table) {
         const auto found = std::ranges::find(root.members, table, &TomlMember::key);
         std::optional<TomlMember> taken;

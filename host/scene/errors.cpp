@@ -8,7 +8,7 @@ namespace forceshade {
 namespace {
 
 std::vector<FileError::One> sorted(std::vector<FileError::One> all) {
-    // At one place in the order in which they were found: what is no TOML before what it was taken for.
+    // At one place in the order in which they were found.
     std::set<FileError::One> seen;
     std::erase_if(all, [&](const FileError::One& one) { return !seen.insert(one).second; });
     std::ranges::stable_sort(all, {}, &FileError::One::where);

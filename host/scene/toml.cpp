@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <array>
+#include <regex>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <toml++/toml.h>
-
-#include "host/scene/toml_mend.h"
 
 namespace forceshade {
 
@@ -25,6 +25,25 @@ Location location_in(std::string_view text, std::size_t at) {
     const std::size_t length = at - (text.size() - line.size());
     return {static_cast<std::uint32_t>(1 + std::ranges::count(before, '\n')),
             static_cast<std::uint32_t>(1 + std::ranges::count_if(line.substr(0, length), begins_character))};
+}
+
+// Behind the last quote of the quoted text that begins at `at`, or where it breaks off.
+std::size_t end_of_quoted(std::string_view text, std::size_t at) {
+    const std::string quotes(3, text[at]);
+    const bool multi_line = text.substr(at, 3) == quotes;
+    const std::size_t width = multi_line ? 3 : 1;
+    for (std::size_t i = at + width; i < text.size(); ++i) {
+        if (text[i] == '\n' && !multi_line)
+            return i;
+        if (text[i] == '\\' && text[at] == '"') {
+            ++i;
+        } else if (text.substr(i, width) == quotes.substr(0, width)) {
+            for (i += width; multi_line && text.substr(i, 1) == quotes.substr(0, 1);) // up to two belong to the text
+                ++i;
+            return i;
+        }
+    }
+    return text.size();
 }
 
 // The TOML library recurses once a level when it frees a table, so a key of a hundred thousand dots would end the
@@ -102,8 +121,6 @@ std::string describe(const TomlNode& node) {
 
 namespace {
 
-constexpr std::size_t kLargestMended = std::size_t{1} << 20; // bytes
-
 void refuse_text(std::string_view text, const std::string& source) {
     if (text.size() > kLargestToml)
         fail(source, {}, "it is no scene or study: it has more than {} bytes", kLargestToml);
@@ -117,27 +134,120 @@ void refuse_text(std::string_view text, const std::string& source) {
     refuse_deep_keys(text, source);
 }
 
-// The byte that a location names.
-std::size_t place_of(std::string_view text, const toml::source_position& where) {
-    std::size_t at = 0;
-    for (std::uint32_t line = 1; line < where.line && at < text.size(); ++line)
-        at = std::min(text.find('\n', at), text.size() - 1) + 1;
-    for (std::uint32_t column = 1; column < where.column && at < text.size() && text[at] != '\n'; ++column)
-        for (++at; at < text.size() && (static_cast<unsigned char>(text[at]) & 0xC0) == 0x80;)
-            ++at;
-    return at;
-}
-
 bool is_toml(const std::string& text) {
     try {
-        refuse_deep_keys(text, "");
         static_cast<void>(toml::parse(text));
         return true;
-    } catch (const FileError&) {
-        return false;
     } catch (const toml::parse_error&) {
         return false;
     }
+}
+
+/// A common mistake: what stands there as a regular expression, what was meant, and why.
+struct Mistake {
+    const char* written;
+    const char* meant;
+    const char* reason;
+};
+constexpr const char* kHeader = "a table's name stands between brackets";
+constexpr const char* kPoint = "a number has digits on both sides of its point";
+// In this order, each applied to what those before it leave.
+constexpr Mistake kMistakes[] = {
+    {"\u201c|\u201d|\u201e|\u2018|\u2019|\u00ab|\u00bb", "\"", "these quotes are not those of a keyboard"},
+    {R"re(\s*//.*$)re", "", "a comment begins with #"},
+    {R"re(^([^\[]*?)\s*[,;]$)re", "$1", "no comma or semicolon ends a line"},
+    {R"re(^(?=\[|.*[\]:]$)\[*(variant|experiment\.answer)[\]:]*$)re", "[[$1]]", kHeader},
+    {R"re(^(?=\[|.*[\]:]$)\[*([A-Za-z0-9_.-]+)[\]:]*$)re", "[$1]", kHeader},
+    {R"re(^(?!\d)([A-Za-z0-9_.-]+)(\s*:\s*|\s+)(?=[^\s=:]))re", "$1 = ", "\"=\" stands between a key and its value"},
+    {R"re(^([^\[\{"']*=\s*)(\d+),(\d+))re", "$1$2.$3", "a number has a decimal point"},
+    {R"re(([=\[,]\s*)\.(?=\d+\s*(?:$|[,\]}])))re", "$010.", kPoint},
+    {R"re(([=\[,]\s*\d+\.)(?=\s*(?:$|[,\]}])))re", "$010", kPoint},
+    {R"re("([^"]*\\[^"]*)")re", "'$1'", "a backslash means something else between double quotes"},
+    {R"re("([^"]*)"\s*([^\s"',\]}=][^"',\]}=]*?)(?=\s*(?:$|[,\]}])))re", "\"$1 $2\"",
+     "number and unit stand in quotes together"},
+    {R"re((^|[=\[,]\s*)(?!(?:[-+.0-9_e]+|true|false)\s*(?:$|[,\]}])))re"
+     R"re(([^\s"'\[\]{},=][^"'\[\]{},=]*?)(?=\s*(?:$|[,\]}])))re",
+     "$1\"$2\"", "quotes are missing"},
+    {R"re(^((?:[^"]|"[^"]*")*"[^"]*)$)re", "$1\"", "a quote is not closed"},
+    {R"re(^(.*\[[^\]]*)$)re", "$1]", "a bracket is not closed"}};
+
+// A line without its comment and the blanks around.
+std::string code_of(std::string_view line) {
+    for (std::size_t at = 0; at < line.size(); ++at) {
+        if (line[at] == '"' || line[at] == '\'')
+            at = end_of_quoted(line, at) - 1;
+        else if (line[at] == '#')
+            line = line.substr(0, at);
+    }
+    const std::size_t begin = std::min(line.find_first_not_of(" \t\r"), line.size());
+    return std::string(line.substr(begin, line.find_last_not_of(" \t\r") + 1 - begin));
+}
+
+// "quotes are missing; write radius = \"600 mil\""; empty: it is none of the common mistakes.
+std::string correction(const std::string& code, bool in_list) {
+    constexpr std::size_t kLongest = 200; // std::regex recurses once a character
+    if (code.size() > kLongest)
+        return "";
+    static const std::vector<std::regex> written = [] {
+        std::vector<std::regex> all;
+        for (const Mistake& mistake : kMistakes)
+            all.emplace_back(mistake.written);
+        return all;
+    }();
+    std::string meant = code;
+    std::vector<std::string_view> reasons;
+    for (std::size_t i = 0; i < written.size(); ++i) {
+        std::string better = std::regex_replace(meant, written[i], kMistakes[i].meant);
+        if (better == meant)
+            continue;
+        meant = std::move(better);
+        if (reasons.empty() || reasons.back() != kMistakes[i].reason)
+            reasons.emplace_back(kMistakes[i].reason);
+        // The list may have begun on a line above or go on below.
+        if (is_toml(meant) ||
+            (in_list && (is_toml(meant + ']') || is_toml("x = [" + meant) || is_toml("x = [" + meant + ']'))))
+            return fmt::format("{}; write {}", fmt::join(reasons, "; "), meant);
+    }
+    return "";
+}
+
+// What the parser says, in words that say what to write instead where the mistake is a common one.
+[[noreturn]] void refuse_syntax(std::string_view text, const std::string& source, const toml::parse_error& error) {
+    std::string_view complaint = error.description();
+    Location where = location(error.source().begin);
+    const auto says = [&](std::string_view words) { return complaint.find(words) != complaint.npos; };
+    if (says("utf-8") || says("UTF-8"))
+        fail(source, where, "this is no UTF-8; save the file as UTF-8 (and \"um\" may stand for micrometres)");
+    std::vector<std::string_view> lines{""};
+    for (std::size_t at = 0; at <= text.size() && lines.size() <= where.line; at += lines.back().size() + 1)
+        lines.push_back(text.substr(at, text.find('\n', at) - at));
+    std::string code = code_of(lines.back());
+    const std::string key = code.substr(0, code.find_last_not_of(" \t", code.find('=') - 1) + 1);
+    if (says("redefine"))
+        code.starts_with('[') ? fail(source, where, "{} is there twice; write the keys of both under one", code)
+                              : fail(source, where, "\"{}\" is given twice here; leave one", key);
+    if (code.ends_with('='))
+        fail(source, where, "{} has no value; forceshade schema says what it may be", key);
+    if (code.starts_with('{'))
+        fail(source, where,
+             "this may be JSON; a scene is TOML: [surface] on a line, and below it radius = \"600 mil\"");
+    const bool in_list = says("parsing array");
+    // A list that is not closed is found out on the next line.
+    if (in_list && where.column == 1 && lines.size() > 2) {
+        do {
+            lines.pop_back();
+            code = code_of(lines.back());
+        } while (code.empty() && lines.size() > 2);
+        where = location_in(text, static_cast<std::size_t>(lines.back().data() + lines.back().size() - text.data()));
+    }
+    if (const std::string correct = correction(code, in_list); !correct.empty())
+        fail(source, where, correct);
+    constexpr std::string_view kWhile = "Error while parsing ";
+    if (!complaint.starts_with(kWhile))
+        fail(source, where, "this is no TOML: {}", complaint);
+    complaint.remove_prefix(kWhile.size());
+    const std::size_t colon = std::min(complaint.find(": "), complaint.size() - 2);
+    fail(source, where, "this is no TOML ({}): {}", complaint.substr(0, colon), complaint.substr(colon + 2));
 }
 
 } // namespace
@@ -147,37 +257,8 @@ TomlNode parse_toml(std::string_view text, const std::string& source) {
     try {
         return convert(toml::parse(text, std::string_view(source)), source, 0);
     } catch (const toml::parse_error& error) {
-        fail(source, location(error.source().begin), std::string(error.description()));
+        refuse_syntax(text, source, error);
     }
-}
-
-MendedToml read_toml(std::string_view text, const std::string& source, Errors& errors) {
-    MendedToml result;
-    std::string mended(text);
-    for (std::size_t tries = 0; tries < kMostErrors; ++tries) {
-        try {
-            if (!errors.attempt([&] { refuse_text(mended, source); }))
-                break;
-            result.root = convert(toml::parse(mended, std::string_view(source)), source, 0);
-            return result;
-        } catch (const FileError& error) {
-            errors.add(error);
-            break;
-        } catch (const toml::parse_error& error) {
-            if (text.size() > kLargestMended) {
-                errors.add(FileError({{location(error.source().begin), source, std::string(error.description())}}));
-                break;
-            }
-            const TomlMend mend =
-                mend_toml(mended, place_of(mended, error.source().begin), error.description(), is_toml);
-            errors.add(FileError({{location_in(mended, mend.at), source, mend.message}}));
-            if (mended.substr(mend.begin, mend.end - mend.begin) == mend.text)
-                break;
-            mended.replace(mend.begin, mend.end - mend.begin, mend.text);
-            result.whole = result.whole && !mend.left_out;
-        }
-    }
-    return {{}, false};
 }
 
 std::string toml_string(std::string_view text) {

@@ -40,14 +40,6 @@ std::string describe(const TomlNode& node);
 /// Throws UsageError `source:line:column: message` for a syntax error, a key given twice, or text that is not UTF-8.
 TomlNode parse_toml(std::string_view text, const std::string& source);
 
-/// The same where one syntax error does not hide what is wrong below it: each statement that is none is mended as it
-/// was meant, or left out, and told in `errors`.
-struct MendedToml {
-    TomlNode root;
-    bool whole = true; // nothing was left out
-};
-MendedToml read_toml(std::string_view text, const std::string& source, Errors& errors);
-
 /// `text` as a TOML basic string, quotes included.
 std::string toml_string(std::string_view text);
 

@@ -34,7 +34,7 @@ std::vector<int> places(const std::string& error) {
 
 TEST(Errors, AllAreToldInTheOrderOfTheFile) {
     const std::string error = study_error(R"([surface]
-radius = 600 mil
+radius = 600
 radios = "1 mm"
 facets = 2.5
 [force]
@@ -47,7 +47,7 @@ channels = ["force", "dept", "proxi"]
 )");
     EXPECT_EQ(places(error), (std::vector<int>{2, 3, 4, 6, 6, 7, 8, 11, 11})) << error;
     EXPECT_EQ(lines_of(error).back(), "9 errors in f.toml");
-    EXPECT_EQ(lines_of(error).front(), "f.toml:2:10: quotes are missing; write radius = \"600 mil\"");
+    EXPECT_EQ(lines_of(error).front(), "f.toml:2:10: radius needs a unit: write \"600 mil\", \"600 mm\" or \"600 m\"");
 }
 
 TEST(Errors, WhatOnlyTheWholeSceneShowsIsAmongThem) {
@@ -104,42 +104,43 @@ TEST(Errors, OfOverridesAndOfEachVariant) {
     EXPECT_EQ(lines_of(error).size(), 6u) << error;
 }
 
-// What somebody meant who wrote what is no TOML; a column where it goes wrong.
-TEST(Errors, WhatIsNoTomlIsMended) {
-    const auto mended = [](const std::string& line) {
+// Where the parser stops, and what to write instead where the mistake is a common one.
+TEST(Errors, WhatToWriteInsteadOfWhatIsNoToml) {
+    const auto told = [](const std::string& line) {
         const std::string error = study_error("[surface]\n" + line + "\n[force]\nstifness = \"1 N/mm\"\n");
-        const int next = 4 + static_cast<int>(std::ranges::count(line, '\n'));
-        EXPECT_EQ(places(error), (std::vector<int>{2, next})) << error; // and what follows is still read
-        return lines_of(error).front().substr(std::string("f.toml:2:").size());
+        EXPECT_EQ(lines_of(error).size(), 1u) << error;
+        return error.substr(std::min(error.size(), std::string("f.toml:").size()));
     };
-    EXPECT_EQ(mended("kind = bump # of the paper"), "8: quotes are missing; write kind = \"bump\"");
-    EXPECT_EQ(mended("radius = 600mil"), "10: quotes are missing; write radius = \"600mil\"");
-    EXPECT_EQ(mended("radius = [600 mil, \"700 mil\",\n0.8 in]"),
-              "11: quotes are missing; write radius = [\"600 mil\", \"700 mil\", \"0.8 in\"]");
-    EXPECT_EQ(mended("radius = \"600\" mil"),
-              "14: number and unit stand in quotes together; write radius = \"600 mil\"");
-    EXPECT_EQ(mended("radius = \"600 mil"), "18: a quote is not closed; write radius = \"600 mil\"");
-    EXPECT_EQ(mended("radius = \u201c600 mil\u201d"),
-              "10: these quotes are not those of a keyboard; write radius = \"600 mil\"");
-    EXPECT_EQ(mended("radius: \"600 mil\""), "7: \"=\" stands between a key and its value; write radius = \"600 mil\"");
-    EXPECT_EQ(mended("radius \"600 mil\""), "8: \"=\" stands between a key and its value; write radius = \"600 mil\"");
-    EXPECT_EQ(mended("radius = \"600 mil\"; // R"), "19: a comment begins with #; no comma or semicolon ends a line; "
-                                                    "write radius = \"600 mil\"");
-    EXPECT_EQ(mended("radius = [\"600 mil\", \"700 mil\""),
-              "31: a bracket is not closed; write radius = [\"600 mil\", \"700 mil\"]");
+    EXPECT_EQ(told("kind = bump # of the paper"), "2:8: quotes are missing; write kind = \"bump\"");
+    EXPECT_EQ(told("radius = 600mil"), "2:13: quotes are missing; write radius = \"600mil\"");
+    EXPECT_EQ(told("radius = 0,5 in"),
+              "2:11: a number has a decimal point; quotes are missing; write radius = \"0.5 in\"");
+    EXPECT_EQ(told("transform.scale = .5"),
+              "2:19: a number has digits on both sides of its point; write transform.scale = 0.5");
+    EXPECT_EQ(told("radius = [600 mil, \"700 mil\",\n0.8 in]"),
+              "2:15: quotes are missing; write radius = [\"600 mil\", \"700 mil\",");
+    EXPECT_EQ(told("radius = [\"600 mil\", \"700 mil\",\n0.8 in, \"2 in\"]"),
+              "3:5: quotes are missing; write \"0.8 in\", \"2 in\"]");
+    EXPECT_EQ(told("radius = \"600\" mil"),
+              "2:16: number and unit stand in quotes together; write radius = \"600 mil\"");
+    EXPECT_EQ(told("radius = \"600 mil"), "2:18: a quote is not closed; write radius = \"600 mil\"");
+    EXPECT_EQ(told("radius = \u201c600 mil\u201d"),
+              "2:10: these quotes are not those of a keyboard; write radius = \"600 mil\"");
+    EXPECT_EQ(told("radius: 600 mil"),
+              "2:7: \"=\" stands between a key and its value; quotes are missing; write radius = \"600 mil\"");
+    EXPECT_EQ(told("radius \"600 mil\""), "2:8: \"=\" stands between a key and its value; write radius = \"600 mil\"");
+    EXPECT_EQ(told("radius = \"600 mil\"; // R"), "2:19: a comment begins with #; no comma or semicolon ends a line; "
+                                                  "write radius = \"600 mil\"");
+    EXPECT_EQ(told("radius = [\"600 mil\", \"700 mil\""),
+              "2:31: a bracket is not closed; write radius = [\"600 mil\", \"700 mil\"]");
+    EXPECT_EQ(told("[force"), "2:7: a table's name stands between brackets; write [force]");
+    EXPECT_EQ(told("file = \"C:\\data\\a.obj\""),
+              "2:12: a backslash means something else between double quotes; write file = 'C:\\data\\a.obj'");
+    EXPECT_EQ(told("q = 1 2 3 {"), "2:7: this is no TOML (key-value pair): expected a comment or whitespace, saw '2'");
 }
 
-TEST(Errors, WhatIsNoTomlIsToldBeforeWhatItWasTakenFor) {
-    EXPECT_EQ(study_error("[surface]\nfacets = sixteen\n"),
-              "f.toml:2:10: quotes are missing; write facets = \"sixteen\"\n"
-              "f.toml:2:10: facets is a whole number without quotes; got \"sixteen\"\n2 errors in f.toml");
-    EXPECT_EQ(study_error("[surface]\nkind = \"mesh\"\nfile = \"C:\\data\\a.obj\"\n"),
-              "f.toml:3:8: a backslash means something else between double quotes; write file = 'C:\\data\\a.obj'");
-}
-
-TEST(Errors, WhatIsNoTomlAndCannotBeMendedIsLeftOut) {
-    EXPECT_EQ(places(study_error("[surface]\nradius = = 3\n[force\nstifness = \"1 N/m\"\nq = 1 2 3 {\n[run]\nq = 1\n")),
-              (std::vector<int>{2, 3, 4, 5, 7}));
+TEST(Errors, OfTomlThatNamesNoValueOrTwo) {
+    EXPECT_EQ(study_error("[surface]\nradius = # R\n").substr(0, 11), "f.toml:2:10");
     EXPECT_EQ(study_error("[surface]\nradius =\n"),
               "f.toml:2:9: radius has no value; forceshade schema says what it may be");
     EXPECT_EQ(study_error("[surface]\nfacets = 2\nfacets = 3\n"),
