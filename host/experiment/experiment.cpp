@@ -33,37 +33,37 @@ constexpr const char* kSource = "the paper's experiment";
 struct Given {
     const std::string& source;
     const std::filesystem::path& folder;
-    const TomlMember& member;
+    const TomlNode& member;
 
     template <typename... Parts>
     [[noreturn]] void refuse(fmt::format_string<Parts...> message, Parts&&... parts) const {
-        forceshade::fail(source, member.value.where.line > 0 ? member.value.where : member.where,
+        forceshade::fail(source, member.where.line > 0 ? member.where : member.key_where,
                          fmt::format(message, std::forward<Parts>(parts)...));
     }
     std::string text() const {
-        if (member.value.type != TomlNode::Type::string || member.value.text.empty())
-            refuse("{} is a text in quotes, got {}", member.key, describe(member.value));
-        if (member.value.text.size() > kLongestText)
+        if (member.type != TomlNode::Type::string || member.text.empty())
+            refuse("{} is a text in quotes, got {}", member.key, describe(member));
+        if (member.text.size() > kLongestText)
             refuse("{} is longer than {} characters", member.key, kLongestText);
-        return member.value.text;
+        return member.text;
     }
     std::uint64_t integer(std::uint64_t least, std::uint64_t most) const {
-        const std::int64_t value = member.value.integer;
-        if (member.value.type != TomlNode::Type::integer || value < 0 || std::uint64_t(value) < least ||
+        const std::int64_t value = member.integer;
+        if (member.type != TomlNode::Type::integer || value < 0 || std::uint64_t(value) < least ||
             std::uint64_t(value) > most)
-            refuse("{} is an integer from {} to {}, got {}", member.key, least, most, describe(member.value));
+            refuse("{} is an integer from {} to {}, got {}", member.key, least, most, describe(member));
         return std::uint64_t(value);
     }
     bool boolean() const {
-        if (member.value.type != TomlNode::Type::boolean)
-            refuse("{} is true or false, got {}", member.key, describe(member.value));
-        return member.value.truth;
+        if (member.type != TomlNode::Type::boolean)
+            refuse("{} is true or false, got {}", member.key, describe(member));
+        return member.truth;
     }
     double number(double least) const {
-        const bool whole = member.value.type == TomlNode::Type::integer;
-        const double value = whole ? double(member.value.integer) : member.value.real;
-        if ((!whole && member.value.type != TomlNode::Type::real) || !(value >= least) || std::isinf(value))
-            refuse("{} is a number, {} or more, got {}", member.key, least, describe(member.value));
+        const bool whole = member.type == TomlNode::Type::integer;
+        const double value = whole ? double(member.integer) : member.real;
+        if ((!whole && member.type != TomlNode::Type::real) || !(value >= least) || std::isinf(value))
+            refuse("{} is a number, {} or more, got {}", member.key, least, describe(member));
         return value;
     }
     double seconds(bool positive) const {
@@ -261,19 +261,19 @@ constexpr AnswerKey kAnswerKeys[] = {
 Answer read_answer(const std::string& source, const std::filesystem::path& folder, const TomlNode& node) {
     Answer answer;
     Errors errors;
-    const auto read_key = [&](const TomlMember& member) {
+    const auto read_key = [&](const TomlNode& member) {
         const auto key = std::ranges::find(kAnswerKeys, member.key, &AnswerKey::name);
         if (key == std::end(kAnswerKeys)) {
             std::vector<std::string> known;
             for (const AnswerKey& one : kAnswerKeys)
                 known.emplace_back(one.name);
             const std::string near = did_you_mean(member.key, known);
-            fail(source, member.where, "unknown key \"{}\" of an answer{}", member.key,
+            fail(source, member.key_where, "unknown key \"{}\" of an answer{}", member.key,
                  near.empty() ? fmt::format("; it has {}", fmt::join(known, ", ")) : near);
         }
         key->set(answer, {source, folder, member});
     };
-    for (const TomlMember& member : node.members)
+    for (const TomlNode& member : node.items)
         errors.attempt([&] { read_key(member); });
     errors.report();
     if (answer.name.empty())
@@ -283,14 +283,14 @@ Answer read_answer(const std::string& source, const std::filesystem::path& folde
     return answer;
 }
 
-void read_answers(const std::string& source, const std::filesystem::path& folder, const TomlMember& member,
+void read_answers(const std::string& source, const std::filesystem::path& folder, const TomlNode& member,
                   ExperimentSpec& spec) {
     const auto is_table = [](const TomlNode& item) { return item.type == TomlNode::Type::table; };
-    if (member.value.type != TomlNode::Type::array || !std::ranges::all_of(member.value.items, is_table))
-        fail(source, member.where, "answers are tables, each written as [[experiment.answer]], with two brackets");
+    if (member.type != TomlNode::Type::array || !std::ranges::all_of(member.items, is_table))
+        fail(source, member.key_where, "answers are tables, each written as [[experiment.answer]], with two brackets");
     spec.answers.clear();
     Errors errors;
-    for (const TomlNode& item : member.value.items)
+    for (const TomlNode& item : member.items)
         errors.attempt([&] {
             spec.answers.push_back(read_answer(source, folder, item));
             const auto same = std::ranges::count(spec.answers, spec.answers.back().name, &Answer::name);
@@ -299,7 +299,7 @@ void read_answers(const std::string& source, const std::filesystem::path& folder
         });
     errors.report();
     if (spec.answers.size() < 2 || spec.answers.size() > kMostAnswers)
-        fail(source, member.where, "there are 2 to {} answers, one for each key; got {}", kMostAnswers,
+        fail(source, member.key_where, "there are 2 to {} answers, one for each key; got {}", kMostAnswers,
              spec.answers.size());
 }
 
@@ -312,15 +312,12 @@ std::vector<Answer> paper_answers() {
 
 // What the keys of the task compare want of each other, and that the task name has none of them.
 void settle_task(const std::string& source, const TomlNode& table, ExperimentSpec& spec) {
-    const auto given = [&](std::string_view key) {
-        const auto member = std::ranges::find(table.members, key, &TomlMember::key);
-        return member == table.members.end() ? nullptr : &*member;
-    };
+    const auto given = [&](std::string_view key) { return table.find(key); };
     if (spec.task == Task::name) {
         for (const SpecKey& key : spec_keys())
-            if (const TomlMember* member = key.of_compare ? given(key.name) : nullptr)
-                fail(source, member->where, "\"{}\" is of the task \"compare\": say task = \"compare\" or leave it out",
-                     key.name);
+            if (const TomlNode* member = key.of_compare ? given(key.name) : nullptr)
+                fail(source, member->key_where,
+                     "\"{}\" is of the task \"compare\": say task = \"compare\" or leave it out", key.name);
         return;
     }
     if (!given("standard"))
@@ -329,25 +326,26 @@ void settle_task(const std::string& source, const TomlNode& table, ExperimentSpe
              "\"cylinder_bump*\"");
     if (!given("question")) {
         if (spec.correct != kSmoother)
-            fail(source, given("correct")->where, "say what is asked: question = \"Which one is ...?\"");
+            fail(source, given("correct")->key_where, "say what is asked: question = \"Which one is ...?\"");
         spec.question = "Which one is smoother?";
     }
     if (spec.track_ratio > 1 && spec.track.empty())
-        fail(source, given("track_ratio")->where, "track_ratio ends a track, and there is no track: say which axis");
+        fail(source, given("track_ratio")->key_where,
+             "track_ratio ends a track, and there is no track: say which axis");
     if (spec.interval >= spec.longest_trial)
-        fail(source, given("interval")->where, "an interval of {} s is not shorter than longest_trial, {} s",
+        fail(source, given("interval")->key_where, "an interval of {} s is not shorter than longest_trial, {} s",
              spec.interval, spec.longest_trial);
-    const TomlMember* answers = given("answer");
+    const TomlNode* answers = given("answer");
     if (!answers) {
         spec.answers = {{"first", "the first", {}, {}, {}}, {"second", "the second", {}, {}, {}}};
         return;
     }
     if (spec.answers.size() != 2)
-        fail(source, answers->where, "task = \"compare\" has two answers, for the first and the second; got {}",
+        fail(source, answers->key_where, "task = \"compare\" has two answers, for the first and the second; got {}",
              spec.answers.size());
     for (const Answer& answer : spec.answers)
         if (answer.facets || !answer.correct_for.empty())
-            fail(source, answers->where,
+            fail(source, answers->key_where,
                  "the answer \"{}\" is of an interval: facets and correct_for are of task = \"name\"; what is right is "
                  "said by correct = ...",
                  answer.name);
@@ -360,7 +358,7 @@ ExperimentSpec read_spec(const Document& document, const std::filesystem::path& 
         return spec;
     if (document.experiment->type != TomlNode::Type::table)
         fail(document.source, document.experiment->where, "[experiment] is a table of keys");
-    const auto read_key = [&](const TomlMember& member) {
+    const auto read_key = [&](const TomlNode& member) {
         if (member.key == "answer")
             return read_answers(document.source, folder, member, spec);
         const auto key = std::ranges::find(spec_keys(), member.key, &SpecKey::name);
@@ -370,11 +368,11 @@ ExperimentSpec read_spec(const Document& document, const std::filesystem::path& 
         for (const SpecKey& one : spec_keys())
             names.emplace_back(one.name);
         const std::string near = did_you_mean(member.key, names);
-        fail(document.source, member.where, "unknown key \"{}\" in [experiment]{}", member.key,
+        fail(document.source, member.key_where, "unknown key \"{}\" in [experiment]{}", member.key,
              near.empty() ? fmt::format("; it has {}", fmt::join(names, ", ")) : near);
     };
     Errors errors;
-    for (const TomlMember& member : document.experiment->members)
+    for (const TomlNode& member : document.experiment->items)
         errors.attempt([&] { read_key(member); });
     errors.report();
     settle_task(document.source, *document.experiment, spec);
@@ -389,10 +387,8 @@ Experiment checked(ExperimentSpec given, Study study) {
         try {
             arrange(experiment);
         } catch (const UsageError& error) {
-            const auto& members =
-                experiment.study.document->experiment->members; // else it is the paper's, and arranged
-            const auto member = std::ranges::find(members, key, &TomlMember::key);
-            fail(source, member == members.end() ? Location{} : member->value.where, "{}", error.what());
+            const TomlNode* member = experiment.study.document->experiment->find(key); // the paper's is arranged
+            fail(source, member ? member->where : Location{}, "{}", error.what());
         }
     };
     at("standard", find_conditions);

@@ -37,11 +37,11 @@ Forms forms_of(const Selection& selection, const Merged& merged) {
     Forms forms;
     forms.surface = kind == SurfaceKind::height_map ? map_form(selection, "surface")
                                                     : kSurfaceForms[static_cast<std::size_t>(kind)];
-    forms.texture = merged.has("texture") ? map_form(selection, "texture") : 0;
+    forms.texture = merged.tables.contains("texture") ? map_form(selection, "texture") : 0;
     forms.reference_shading = static_cast<Shading>(chosen(selection, "force.shading")) == Shading::reference;
-    forms.hand = merged.has("hand");
-    forms.compare = merged.has("compare") ? 1u << chosen(selection, "compare.surface.kind") : 0;
-    if (!merged.has("paths"))
+    forms.hand = merged.tables.contains("hand");
+    forms.compare = merged.tables.contains("compare") ? 1u << chosen(selection, "compare.surface.kind") : 0;
+    if (!merged.tables.contains("paths"))
         return forms;
     forms.paths = 1u << chosen(selection, "paths.kind");
     forms.closed_loop = selection[key_index("paths.loop")]
@@ -102,6 +102,19 @@ std::vector<Forms> possible_forms(const Merged& merged) {
     return result;
 }
 
+std::vector<Stack> stacks_of(const Document& document) {
+    std::vector<Stack> stacks;
+    const auto add = [&](const Layer* variant) {
+        Stack& stack = stacks.emplace_back(Stack{variant, merge({&document.base, variant, &document.overrides}), {}});
+        stack.forms = possible_forms(stack.merged);
+    };
+    for (const Layer& variant : document.variants)
+        add(&variant);
+    if (stacks.empty())
+        add(nullptr);
+    return stacks;
+}
+
 bool applies_to_any(const Key& key, const std::vector<Forms>& forms) {
     return std::ranges::any_of(forms, [&](const Forms& one) { return applies(key, one); });
 }
@@ -120,7 +133,8 @@ void drop_inapplicable(Selection& selection, const Merged& merged) {
     const bool fits = grid_fits_mesh(merged);
     const auto is_grid = [](std::size_t key) { return schema_keys()[key].table == "grid"; };
     for (std::size_t i = 0; i < selection.size(); ++i)
-        if (!applies(schema_keys()[i], forms) || (is_grid(i) && merged.has("paths") && !merged.has("grid")) ||
+        if (!applies(schema_keys()[i], forms) ||
+            (is_grid(i) && merged.tables.contains("paths") && !merged.tables.contains("grid")) ||
             (i == samples && !fits))
             selection[i] = nullptr;
     for (std::size_t i = 0; i < selection.size(); ++i)

@@ -13,9 +13,10 @@ namespace forceshade {
 
 /// By key: the entry that applies after later layers have replaced earlier ones; null where the other of function and
 /// file applies.
-struct Merged : GivenTables {
+struct Merged {
     std::vector<const Entry*> entries;
     std::vector<int> ranks; // of the layer that gave the entry; 0: a default
+    Tables tables;          // that a layer gives
 };
 
 /// The defaults, then the layers in turn. Null layers are skipped. The layers must outlive the result.
@@ -26,6 +27,16 @@ std::vector<Forms> possible_forms(const Merged& merged);
 
 /// True if the key applies to at least one of them.
 bool applies_to_any(const Key& key, const std::vector<Forms>& forms);
+
+/// The layers of one variant with the base and the overrides, or of these alone.
+struct Stack {
+    const Layer* variant; // may be null
+    Merged merged;
+    std::vector<Forms> forms;
+};
+
+/// One for each variant, or one if there is none. The document must outlive them.
+std::vector<Stack> stacks_of(const Document& document);
 
 /// By key: the value, or null where the key does not apply.
 using Selection = std::vector<const Value*>;

@@ -1,7 +1,6 @@
 #include "host/scene/document.h"
 
 #include <algorithm>
-#include <optional>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -94,65 +93,64 @@ public:
 
     Layer read(const TomlNode& node) {
         layer_.where = node.where;
-        for (const TomlMember& member : node.members)
+        for (const TomlNode& member : node.items)
             given_.push_back(member.key);
-        for (const TomlMember& member : node.members)
+        for (const TomlNode& member : node.items)
             if (!errors_.attempt([&] { read_table(member); }))
                 doubtful_.insert(std::string(meant_table(member)));
         fold_digests();
         return std::move(layer_);
     }
 
-    void read_entry(std::size_t index, const TomlMember& member) {
+    void read_entry(std::size_t index, const TomlNode& node) {
         const Key& key = schema_keys()[index];
         for (const Entry& entry : layer_.entries)
             if (replaces(index, entry.key))
-                fail(source_, member.where, "give \"{}\" or \"{}\", not both",
+                fail(source_, node.key_where, "give \"{}\" or \"{}\", not both",
                      schema_keys()[std::min(index, entry.key)].name, schema_keys()[std::max(index, entry.key)].name);
-        layer_.entries.push_back({index, read_values(key, member.value, source_, folder_), member.where});
+        layer_.entries.push_back({index, read_values(key, node, source_, folder_), node.key_where});
     }
 
 private:
-    void read_table(const TomlMember& member) {
+    void read_table(const TomlNode& member) {
         const std::vector<std::string> tables = names_in(&Key::table);
         if (std::ranges::find(tables, member.key) == tables.end())
             refuse_table(member, tables);
-        if (member.value.type != Type::table)
-            fail(source_, member.where, "[{}] is a table of keys; got {}", member.key, describe(member.value));
+        if (member.type != Type::table)
+            fail(source_, member.key_where, "[{}] is a table of keys; got {}", member.key, describe(member));
         layer_.tables.insert(member.key);
-        for (const TomlMember& item : member.value.members)
-            if (!errors_.attempt([&] { read_item(member.key, "", item); }))
+        for (const TomlNode& item : member.items)
+            if (!errors_.attempt([&] { read_item(member.key, item.key, item); }))
                 doubtful_.insert(member.key);
     }
 
     // The table that somebody had in mind who wrote what is none, or who wrote a key in none.
-    static std::string_view meant_table(const TomlMember& member) {
+    static std::string_view meant_table(const TomlNode& member) {
         static const std::vector<std::string> tables = names_in(&Key::table);
         return nearest(member.key, tables);
     }
 
     // A table within a table gives keys with a dot in their name.
-    void read_item(const std::string& table, const std::string& prefix, const TomlMember& item) {
+    void read_item(const std::string& table, const std::string& name, const TomlNode& item) {
         if (item.key.find('.') != std::string::npos)
-            refuse_key(item, table);
-        const TomlMember named{prefix + item.key, item.where, item.value};
-        const int key = find_key(table + '.' + named.key);
-        const bool is_table = item.value.type == Type::table, has_parts = is_table_of_parts(table, named.key);
+            refuse_key(item, item.key, table);
+        const int key = find_key(table + '.' + name);
+        const bool is_table = item.type == Type::table, has_parts = is_table_of_parts(table, name);
         if (has_parts && !is_table && key < 0)
-            fail(source_, item.where, "{} is a table, for example {}; got {}", named.key,
-                 named.key == "transform" ? "{ scale = 2, translate = [\"1 mm\", \"0 m\", \"0 m\"] }"
-                                          : "{ amplitude = \"0.1 mm\", frequency = \"10 Hz\" }",
-                 describe(item.value));
+            fail(source_, item.key_where, "{} is a table, for example {}; got {}", name,
+                 name == "transform" ? "{ scale = 2, translate = [\"1 mm\", \"0 m\", \"0 m\"] }"
+                                     : "{ amplitude = \"0.1 mm\", frequency = \"10 Hz\" }",
+                 describe(item));
         if (!has_parts || !is_table) {
             if (key < 0)
-                refuse_key(named, table);
-            return read_entry(static_cast<std::size_t>(key), named);
+                refuse_key(item, name, table);
+            return read_entry(static_cast<std::size_t>(key), item);
         }
-        if (item.value.members.empty())
-            fail(source_, item.where, "{} is a table without a key", named.key);
+        if (item.items.empty())
+            fail(source_, item.key_where, "{} is a table without a key", name);
         Errors errors;
-        for (const TomlMember& part : item.value.members)
-            errors.attempt([&] { read_item(table, named.key + '.', part); });
+        for (const TomlNode& part : item.items)
+            errors.attempt([&] { read_item(table, name + '.' + part.key, part); });
         errors.report();
     }
 
@@ -162,35 +160,36 @@ private:
             schema_keys(), [&](const Key& key) { return key.table == table && key.name.starts_with(name + '.'); });
     }
 
-    [[noreturn]] void refuse_table(const TomlMember& member, std::vector<std::string> tables) const {
+    [[noreturn]] void refuse_table(const TomlNode& member, std::vector<std::string> tables) const {
         if (member.key == kVariant)
-            fail(source_, member.where,
+            fail(source_, member.key_where,
                  "variants stand at the top of the file, each as [[variant]], with two brackets");
         const std::string with = tables_with(member.key, given_);
         if (!with.empty())
-            fail(source_, member.where, "\"{}\" stands in no table; it belongs in {}", member.key, with);
+            fail(source_, member.key_where, "\"{}\" stands in no table; it belongs in {}", member.key, with);
         if (std::ranges::find(kSurfaceKinds, member.key) != kSurfaceKinds.end())
-            fail(source_, member.where, "unknown table [{0}]; did you mean [surface] with kind = \"{0}\"?", member.key);
+            fail(source_, member.key_where, "unknown table [{0}]; did you mean [surface] with kind = \"{0}\"?",
+                 member.key);
         tables.insert(tables.end(), {std::string(kVariant), std::string(kExperiment)});
         const std::string_view near = nearest(member.key, tables);
         const std::string hint = near.empty() ? fmt::format("known are [{}]", fmt::join(tables, "], ["))
                                               : fmt::format("did you mean [{}]?", near);
-        const bool table = member.value.type == Type::table;
-        fail(source_, member.where, "unknown {}; {}",
+        const bool table = member.type == Type::table;
+        fail(source_, member.key_where, "unknown {}; {}",
              table ? fmt::format("table [{}]", member.key) : fmt::format("key \"{}\"", member.key), hint);
     }
 
-    [[noreturn]] void refuse_key(const TomlMember& member, const std::string& table) const {
+    [[noreturn]] void refuse_key(const TomlNode& member, const std::string& name, const std::string& table) const {
         const std::vector<std::string> names = names_in(&Key::name, table);
-        const std::string with = tables_with(member.key, given_);
-        std::string hint = with.empty() ? did_you_mean(member.key, names) : fmt::format("; it belongs in {}", with);
+        const std::string with = tables_with(name, given_);
+        std::string hint = with.empty() ? did_you_mean(name, names) : fmt::format("; it belongs in {}", with);
         if (hint.empty())
-            hint = did_you_mean_by_another_word(member.key, table);
+            hint = did_you_mean_by_another_word(name, table);
         if (hint.empty())
-            hint = did_you_mean_elsewhere(member.key);
+            hint = did_you_mean_elsewhere(name);
         if (hint.empty())
             hint = fmt::format("; it has {}", fmt::join(names, ", "));
-        fail(source_, member.where, "unknown key \"{}\" in [{}]{}", member.key, table, hint);
+        fail(source_, member.key_where, "unknown key \"{}\" in [{}]{}", name, table, hint);
     }
 
     // A digest is part of its file's value: one for each file of an axis.
@@ -224,37 +223,31 @@ private:
 
     const std::string& source_;
     const std::string& folder_;
-    std::set<std::string, std::less<>>& doubtful_;
+    Tables& doubtful_;
     Errors& errors_;
     std::vector<std::string> given_; // tables of this layer
     Layer layer_;
 };
 
-void read_variants(const TomlMember& member, const std::string& folder, Document& document, Errors& errors) {
+void read_variants(const TomlNode& variants, const std::string& folder, Document& document, Errors& errors) {
     const auto is_table = [](const TomlNode& item) { return item.type == Type::table; };
-    const auto& items = member.value.items;
-    if (member.value.type != Type::array || items.empty() || !std::ranges::all_of(items, is_table))
-        fail(document.source, member.where, "variants are tables, each written as [[variant]], with two brackets");
-    for (const TomlNode& item : items)
+    if (variants.type != Type::array || variants.items.empty() || !std::ranges::all_of(variants.items, is_table))
+        fail(document.source, variants.key_where,
+             "variants are tables, each written as [[variant]], with two brackets");
+    for (const TomlNode& item : variants.items)
         document.variants.push_back(LayerReader(document, folder, errors).read(item));
 }
 
-// An override's value as TOML would have it: a list or an integer as it stands, everything else as a string.
-TomlMember override_member(const Key& key, const std::string& text, const std::string& source) {
-    TomlMember member;
-    if (text.starts_with('[') || key.kind == ValueKind::integer) {
-        TomlNode root = parse_toml("value = " + text, source);
-        if (root.members.size() != 1)
-            fail(source, {}, "\"{}\" is not one value", text);
-        member.value = std::move(root.members.front().value);
-    } else {
-        member.value.type = Type::string;
-        member.value.text = text;
-    }
-    member.value.where = {};
-    for (TomlNode& item : member.value.items)
+// A value by itself, of a default or an override, which has no place in a file.
+TomlNode value_of(std::string_view text, const std::string& source) {
+    TomlNode root = parse_toml(fmt::format("value = {}", text), source);
+    if (root.items.size() != 1)
+        fail(source, {}, "\"{}\" is not one value", text);
+    TomlNode value = std::move(root.items.front());
+    value.where = {};
+    for (TomlNode& item : value.items)
         item.where = {};
-    return member;
+    return value;
 }
 
 void read_override(const Override& override, const std::string& folder, Layer& layer) {
@@ -269,25 +262,24 @@ void read_override(const Override& override, const std::string& folder, Layer& l
     }
     const Key& key = schema_keys()[static_cast<std::size_t>(index)];
     const auto number = static_cast<std::size_t>(index);
+    // A list or an integer is given as TOML has it, everything else without quotes.
+    const bool plain = !text.starts_with('[') && key.kind != ValueKind::integer;
+    TomlNode node;
+    if (plain)
+        node.type = Type::string, node.text = text;
+    else
+        node = value_of(text, source);
     layer.tables.emplace(key.table);
     std::erase_if(layer.entries, [&](const Entry& e) { return e.key == number || replaces(number, e.key); });
-    layer.entries.push_back({number, read_values(key, override_member(key, text, source).value, source, folder), {}});
+    layer.entries.push_back({number, read_values(key, node, source, folder), {}});
 }
 
 std::vector<Entry> read_defaults() {
     std::vector<Entry> entries;
-    for (std::size_t i = 0; i < schema_keys().size(); ++i) {
-        const Key& key = schema_keys()[i];
-        Entry entry{i, {}, {}};
-        if (!key.default_text.empty()) {
-            const TomlNode root = parse_toml(fmt::format("value = {}", key.default_text), key.path());
-            entry.values = read_values(key, root.members.front().value, key.path(), "");
-            for (Value& value : entry.values) {
-                value.where = {};
-                std::ranges::fill(value.parts, Location{});
-            }
-        }
-        entries.push_back(std::move(entry));
+    for (const Key& key : schema_keys()) {
+        Entry& entry = entries.emplace_back(Entry{entries.size(), {}, {}});
+        if (!key.default_text.empty())
+            entry.values = read_values(key, value_of(key.default_text, key.path()), key.path(), "");
     }
     return entries;
 }
@@ -302,7 +294,7 @@ std::vector<const Layer*> Document::layers() const {
 }
 
 bool Document::has(std::string_view table) const {
-    return std::ranges::any_of(layers(), [&](const Layer* layer) { return layer->has(table); });
+    return std::ranges::any_of(layers(), [&](const Layer* layer) { return layer->tables.contains(table); });
 }
 
 bool Document::sure_of(std::initializer_list<std::string_view> tables) const {
@@ -331,20 +323,12 @@ Document read_document(std::string_view text, const std::string& source, const s
     Document document;
     document.source = source;
     TomlNode root = parse_toml(text, source);
-    const auto take = [&](std::string_view table) {
-        const auto found = std::ranges::find(root.members, table, &TomlMember::key);
-        std::optional<TomlMember> taken;
-        if (found != root.members.end()) {
-            taken = std::move(*found);
-            root.members.erase(found);
-        }
-        return taken;
-    };
-    if (const auto variants = take(kVariant))
+    if (const TomlNode* variants = root.find(kVariant))
         if (!errors.attempt([&] { read_variants(*variants, folder, document, errors); }))
             document.doubtful.emplace("");
-    if (auto experiment = take(kExperiment))
-        document.experiment = std::make_shared<const TomlNode>(std::move(experiment->value));
+    if (const TomlNode* experiment = root.find(kExperiment))
+        document.experiment = std::make_shared<const TomlNode>(*experiment);
+    std::erase_if(root.items, [](const TomlNode& one) { return one.key == kVariant || one.key == kExperiment; });
     document.base = LayerReader(document, folder, errors).read(root);
     for (const Override& override : overrides)
         if (!errors.attempt([&] { read_override(override, folder, document.overrides); }))

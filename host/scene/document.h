@@ -33,16 +33,12 @@ struct Entry {
     Location where;
 };
 
-/// The tables that are given, be it empty: without [texture], [paths], [hand] or [grid] a scene is another one.
-struct GivenTables {
-    std::set<std::string, std::less<>> tables;
+using Tables = std::set<std::string, std::less<>>;
 
-    bool has(std::string_view table) const { return tables.contains(table); }
-};
-
-struct Layer : GivenTables {
+struct Layer {
     Location where;
     std::vector<Entry> entries; // in file order
+    Tables tables; // that are given, be it empty: without [texture], [paths], [hand] or [grid] a scene is another one
 
     const Entry* find(std::size_t key) const;
 };
@@ -52,8 +48,8 @@ struct Document {
     Layer base;
     std::vector<Layer> variants;
     Layer overrides;
-    std::shared_ptr<const TomlNode> experiment;  // [experiment], which host/experiment reads; null: there is none
-    std::set<std::string, std::less<>> doubtful; // tables of which something was refused, and so is not here
+    std::shared_ptr<const TomlNode> experiment; // [experiment], which host/experiment reads; null: there is none
+    Tables doubtful;                            // of which something was refused, and so is not here
 
     /// The base, the overrides, then the variants.
     std::vector<const Layer*> layers() const;

@@ -63,7 +63,9 @@ std::vector<std::size_t> key_order(const Document& document) {
     // A table without which a scene is another one comes last if only variants have it: the resolved text cannot
     // mention it in its base.
     const auto in_base = [&](std::string_view table) {
-        const auto has = [&](std::string_view one) { return document.base.has(one) || document.overrides.has(one); };
+        const auto has = [&](std::string_view one) {
+            return document.base.tables.contains(one) || document.overrides.tables.contains(one);
+        };
         if (table == "grid")
             return has(table) || !document.has("paths");
         return has(table) ||
@@ -164,28 +166,22 @@ class StudyPrinter {
 public:
     explicit StudyPrinter(const Study& study)
         : document_(*study.document), digests_(known_digests(study)),
-          base_(merge({&document_.base, &document_.overrides})) {
-        for (const Layer& variant : document_.variants)
-            add_forms(merge({&document_.base, &variant, &document_.overrides}));
-        if (document_.variants.empty())
-            add_forms(base_);
+          base_(merge({&document_.base, &document_.overrides})), stacks_(stacks_of(document_)) {
+        for (const Stack& stack : stacks_)
+            forms_.insert(forms_.end(), stack.forms.begin(), stack.forms.end());
     }
 
     std::string print() {
         for (const std::size_t key : base_order())
             if (const Entry* entry = base_.entries[key]; entry && belongs_in_base(key))
                 print_base(*entry);
-        for (const Layer& variant : document_.variants)
-            print_variant(variant);
+        for (const Stack& stack : stacks_)
+            if (stack.variant)
+                print_variant(*stack.variant, stack.forms);
         return writer_.text();
     }
 
 private:
-    void add_forms(const Merged& merged) {
-        const std::vector<Forms> forms = possible_forms(merged);
-        forms_.insert(forms_.end(), forms.begin(), forms.end());
-    }
-
     // Those that share a group come together, at the place of the first.
     template <typename Group>
     static std::vector<std::size_t> grouped(const std::vector<std::size_t>& order, const Group& group) {
@@ -217,11 +213,13 @@ private:
         const bool given = document_.base.find(index) || document_.overrides.find(index);
         const bool useful = applies_to_any(key, forms_) || (given && applies_to_any(key, possible_forms(base_)));
         // Paths without a grid in the text mean paths only: then its defaults must be left to be defaults.
-        if (key.table == "grid" && (!stands_in_base(index, given) || (document_.has("paths") && !base_.has("grid"))))
+        if (key.table == "grid" &&
+            (!stands_in_base(index, given) || (document_.has("paths") && !base_.tables.contains("grid"))))
             return false;
         if (key.subject == Subject::paths || key.subject == Subject::hand)
-            return useful && (base_.has("paths") || (base_.has("hand") && key.subject == Subject::hand));
-        return useful && ((key.table != "texture" && key.table != "compare") || base_.has(key.table));
+            return useful &&
+                   (base_.tables.contains("paths") || (base_.tables.contains("hand") && key.subject == Subject::hand));
+        return useful && ((key.table != "texture" && key.table != "compare") || base_.tables.contains(key.table));
     }
 
     // Where a mesh's grid may be made from its box, what was given last applies: defaults are then not written.
@@ -250,9 +248,8 @@ private:
             writer_.add(key.table, digest_name(key.name), digest);
     }
 
-    void print_variant(const Layer& variant) {
+    void print_variant(const Layer& variant, const std::vector<Forms>& forms) {
         writer_.begin_variant();
-        const std::vector<Forms> forms = possible_forms(merge({&document_.base, &variant, &document_.overrides}));
         std::set<std::string_view> printed; // tables
         for (const Entry& entry : variant.entries) {
             const Key& key = schema_keys()[entry.key];
@@ -271,7 +268,8 @@ private:
             applies_to_any(schema_keys()[samples_], forms))
             writer_.add_dotted("grid.samples", literal(schema_keys()[samples_], *samples));
         for (const std::string_view table : {"grid", "texture", "paths", "hand", "compare"})
-            if (variant.has(table) && (table != "grid" || document_.has("paths")) && !printed.contains(table))
+            if (variant.tables.contains(table) && (table != "grid" || document_.has("paths")) &&
+                !printed.contains(table))
                 writer_.add_dotted(std::string(table), "{}");
     }
 
@@ -292,6 +290,7 @@ private:
     Digests digests_;
     std::size_t samples_ = key_index("grid.samples");
     Merged base_;
+    std::vector<Stack> stacks_;
     std::vector<Forms> forms_; // of all cases
     TomlWriter writer_;
 };

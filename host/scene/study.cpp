@@ -35,26 +35,19 @@ void set_inside(Case& one, InsideTest inside) {
 
 namespace {
 
-// The layers of one variant, or of the base alone.
-struct Stack {
-    const Layer* variant; // may be null
-    Merged merged;        // with overrides
-    std::vector<Forms> forms;
-};
-
 class StudyBuilder {
 public:
     StudyBuilder(std::shared_ptr<const Document> document, bool one_scene, const CaseChoice& choice, Errors& errors)
-        : document_(std::move(document)), one_scene_(one_scene), choice_(choice), errors_(errors) {
+        : document_(std::move(document)), one_scene_(one_scene), choice_(choice), errors_(errors),
+          stacks_(stacks_of(*document_)) {
         study_.document = document_;
     }
 
     Study build() {
         errors_.attempt([&] { refuse_equal_file_names(); });
-        for (const Layer& variant : document_->variants)
-            add_stack(&variant);
-        if (document_->variants.empty())
-            add_stack(nullptr);
+        for (const Stack& stack : stacks_)
+            if (document_->sure_of({"surface", "grid"}))
+                errors_.attempt([&] { refuse_two_grids(stack); });
         refuse_keys_of_no_case();
         if (one_scene_)
             refuse_sweep();
@@ -79,14 +72,6 @@ public:
 
 private:
     const std::string& source() const { return document_->source; }
-
-    void add_stack(const Layer* variant) {
-        Stack stack{variant, merge({&document_->base, variant, &document_->overrides}), {}};
-        stack.forms = possible_forms(stack.merged);
-        if (document_->sure_of({"surface", "grid"}))
-            errors_.attempt([&] { refuse_two_grids(stack); });
-        stacks_.push_back(std::move(stack));
-    }
 
     // A mesh's grid is made from its box or given, not both in one place.
     void refuse_two_grids(const Stack& stack) const {
@@ -237,8 +222,8 @@ private:
     bool one_scene_;
     CaseChoice choice_;
     Errors& errors_;
-    Study study_;
     std::vector<Stack> stacks_;
+    Study study_;
     CaseList list_;
     std::size_t combinations_ = 0;
 };

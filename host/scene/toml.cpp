@@ -68,22 +68,18 @@ void refuse_deep_keys(std::string_view text, const std::string& source) {
     }
 }
 
-TomlNode convert(const toml::node& node, const std::string& source, int depth);
-
-void convert_members(const toml::table& table, TomlNode& result, const std::string& source, int depth) {
-    for (const auto& [key, value] : table)
-        result.members.push_back(
-            {std::string(key.str()), location(key.source().begin), convert(value, source, depth + 1)});
-    std::ranges::sort(result.members, [](const TomlMember& a, const TomlMember& b) { return a.where < b.where; });
-}
-
 TomlNode convert(const toml::node& node, const std::string& source, int depth) {
     TomlNode result;
     result.where = location(node.source().begin);
     if (depth > kDeepest)
         fail(source, result.where, "tables or lists nested this deep are none of this schema's");
     if (const auto* table = node.as_table()) {
-        convert_members(*table, result, source, depth);
+        for (const auto& [key, value] : *table) {
+            TomlNode& member = result.items.emplace_back(convert(value, source, depth + 1));
+            member.key = key.str();
+            member.key_where = location(key.source().begin);
+        }
+        std::ranges::sort(result.items, {}, &TomlNode::key_where);
     } else if (const auto* array = node.as_array()) {
         result.type = TomlNode::Type::array;
         for (const toml::node& item : *array)
@@ -107,6 +103,11 @@ TomlNode convert(const toml::node& node, const std::string& source, int depth) {
 }
 
 } // namespace
+
+const TomlNode* TomlNode::find(std::string_view name) const {
+    const auto found = std::ranges::find(items, name, &TomlNode::key);
+    return found == items.end() ? nullptr : &*found;
+}
 
 std::string describe(const TomlNode& node) {
     if (node.type == TomlNode::Type::string)

@@ -13,24 +13,20 @@ namespace forceshade {
 
 inline constexpr std::size_t kLargestToml = std::size_t{16} << 20; /* bytes; a study is a page or two */
 
-struct TomlMember;
-
 struct TomlNode {
     enum class Type { string, integer, real, boolean, date, array, table };
     Type type = Type::table;
-    Location where;
-    std::string text; // of a string
+    std::string key;    // of a member of a table
+    Location key_where; // where that stands
+    Location where;     // of the value
+    std::string text;   // of a string
     std::int64_t integer = 0;
     double real = 0;
-    bool truth = false;              // of a boolean
-    std::vector<TomlNode> items;     // of an array
-    std::vector<TomlMember> members; // of a table, in file order
-};
+    bool truth = false;          // of a boolean
+    std::vector<TomlNode> items; // of an array, or the members of a table in file order
 
-struct TomlMember {
-    std::string key;
-    Location where; // of the key
-    TomlNode value;
+    /// The member of a table; null if it has none of this key.
+    const TomlNode* find(std::string_view name) const;
 };
 
 /// "a table", "a boolean", `"text"`, `0.2`: how messages name what was found.
