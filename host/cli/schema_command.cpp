@@ -33,17 +33,6 @@ std::string text_in(const nlohmann::ordered_json& row, const char* member) {
     return found == row.end() || found->is_null() ? "" : found->is_string() ? found->get<std::string>() : found->dump();
 }
 
-// Of a key of [experiment], whose row has no words for it.
-std::string values_of(const nlohmann::ordered_json& row) {
-    if (row.contains("values"))
-        return text_in(row, "values");
-    if (row.contains("choices"))
-        return fmt::format("{}", fmt::join(row["choices"].get<std::vector<std::string>>(), " | "));
-    return row.contains("minimum")
-               ? fmt::format("{}, {} to {}", text_in(row, "type"), text_in(row, "minimum"), text_in(row, "maximum"))
-               : text_in(row, "type");
-}
-
 // A quantity's or any other value as one writes it in its table.
 std::string written(const nlohmann::ordered_json& row) {
     const std::string key = text_in(row, "key"), example = text_in(row, "example"), given = text_in(row, "default");
@@ -68,7 +57,7 @@ std::string wrapped(std::string text, const char* label) {
 std::string in_words(const nlohmann::ordered_json& row) {
     const std::string given = text_in(row, "default"), applies = text_in(row, "applies_to");
     return fmt::format("{}\n", text_in(row, "key")) + wrapped(text_in(row, "doc"), "meaning") +
-           wrapped(values_of(row), "value") + wrapped(text_in(row, "unit"), "SI unit") +
+           wrapped(text_in(row, "values"), "value") + wrapped(text_in(row, "unit"), "SI unit") +
            wrapped(given.empty() ? "none" : given, "default") + wrapped(applies, "applies to") +
            wrapped(written(row), "example");
 }

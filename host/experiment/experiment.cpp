@@ -1,9 +1,12 @@
 #include "host/experiment/experiment.h"
 
 #include <algorithm>
-#include <cmath>
+#include <array>
+#include <deque>
 #include <functional>
 #include <limits>
+#include <type_traits>
+#include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -24,152 +27,105 @@ namespace {
 
 constexpr std::uint64_t kMostTrials = 10000, kMostBlocks = 1000;
 constexpr std::size_t kMostAnswers = 9; // keys 1 to 9
-constexpr std::size_t kLongestText = 500;
+constexpr std::uint64_t kMostAnswerFacets = 1000;
 constexpr std::uint64_t kLargestPicture = 1u << 20;    // bytes
 constexpr std::uint64_t kMostPicturePixels = 1u << 22; // of a PNG
 constexpr const char* kSource = "the paper's experiment";
 
-// A value of a key, where it stands, and the folder that files are relative to.
-struct Given {
-    const std::string& source;
-    const std::filesystem::path& folder;
-    const TomlNode& member;
-
-    template <typename... Parts>
-    [[noreturn]] void refuse(fmt::format_string<Parts...> message, Parts&&... parts) const {
-        forceshade::fail(source, member.where.line > 0 ? member.where : member.key_where,
-                         fmt::format(message, std::forward<Parts>(parts)...));
-    }
-    std::string text() const {
-        if (member.type != TomlNode::Type::string || member.text.empty())
-            refuse("{} is a text in quotes, got {}", member.key, describe(member));
-        if (member.text.size() > kLongestText)
-            refuse("{} is longer than {} characters", member.key, kLongestText);
-        return member.text;
-    }
-    std::uint64_t integer(std::uint64_t least, std::uint64_t most) const {
-        const std::int64_t value = member.integer;
-        if (member.type != TomlNode::Type::integer || value < 0 || std::uint64_t(value) < least ||
-            std::uint64_t(value) > most)
-            refuse("{} is an integer from {} to {}, got {}", member.key, least, most, describe(member));
-        return std::uint64_t(value);
-    }
-    bool boolean() const {
-        if (member.type != TomlNode::Type::boolean)
-            refuse("{} is true or false, got {}", member.key, describe(member));
-        return member.truth;
-    }
-    double number(double least) const {
-        const bool whole = member.type == TomlNode::Type::integer;
-        const double value = whole ? double(member.integer) : member.real;
-        if ((!whole && member.type != TomlNode::Type::real) || !(value >= least) || std::isinf(value))
-            refuse("{} is a number, {} or more, got {}", member.key, least, describe(member));
-        return value;
-    }
-    double seconds(bool positive) const {
-        double value = 0;
-        try {
-            value = parse_quantity(text(), Dimension::time);
-        } catch (const UsageError& error) {
-            refuse("{}", error.what());
-        }
-        if (positive ? !(value > 0) : !(value >= 0))
-            refuse("{} must {}, got {}", member.key, positive ? "be positive" : "not be negative", text());
-        return value;
-    }
+/// A key of [experiment] or of an answer, read as a scene's keys are, and the member of `Spec` that it sets.
+template <typename Spec> struct Row : Key {
+    void (*store)(Spec&, const Value&, const std::string& source);
+    std::string (*literal)(const Key&, const Spec&) = nullptr; // as TOML; empty: not given
 };
+using SpecKey = Row<ExperimentSpec>;
+using AnswerKey = Row<Answer>;
 
-struct SpecKey {
-    const char* name;
-    const char* type;
-    const char* meaning;
-    std::function<void(ExperimentSpec&, const Given&)> set;
-    std::function<std::string(const ExperimentSpec&)> literal; // as TOML; empty: not given
-    std::vector<const char*> choices = {};
-    std::uint64_t least = 0, most = 0; // of an integer
-    bool of_compare = false;           // of the task compare alone
-};
+template <typename T>
+constexpr ValueKind kKindOf = std::is_same_v<T, std::string> ? ValueKind::text
+                              : std::is_same_v<T, bool>      ? ValueKind::boolean
+                              : std::is_enum_v<T>            ? ValueKind::choice
+                              : std::is_floating_point_v<T>  ? ValueKind::quantity
+                                                             : ValueKind::integer;
 
-template <typename T> SpecKey text_key(const char* name, const char* meaning, T ExperimentSpec::*part) {
-    return {name, "text", meaning, [part](ExperimentSpec& s, const Given& g) { s.*part = g.text(); },
-            [part](const ExperimentSpec& s) { return (s.*part).empty() ? "" : toml_string(s.*part); }};
+template <typename T> void assign(T& to, const Value& value) {
+    if constexpr (std::is_same_v<T, std::string>)
+        to = value.texts.front();
+    else if constexpr (std::is_floating_point_v<T>)
+        to = value.numbers.front();
+    else
+        to = static_cast<T>(value.integers.front());
 }
 
-SpecKey integer_key(const char* name, const char* meaning, std::uint64_t ExperimentSpec::*part, std::uint64_t least,
-                    std::uint64_t most) {
-    SpecKey key{name, "integer", meaning, [=](ExperimentSpec& s, const Given& g) { s.*part = g.integer(least, most); },
-                [=](const ExperimentSpec& s) { return std::to_string(s.*part); }};
-    key.least = least;
-    key.most = most;
+template <typename T> std::string literal_of(const Key& key, const T& value) {
+    if constexpr (std::is_same_v<T, std::string>)
+        return value.empty() ? "" : toml_string(value);
+    else if constexpr (std::is_enum_v<T>)
+        return toml_string(key.choices[static_cast<std::size_t>(value)]);
+    else
+        return key.kind == ValueKind::quantity ? fmt::format("\"{} s\"", value) : fmt::format("{}", value);
+}
+
+template <auto member>
+SpecKey& add(std::vector<SpecKey>& keys, std::string_view name, std::string_view doc, const KeyTraits& traits = {}) {
+    constexpr auto kKind = kKindOf<std::remove_cvref_t<decltype(std::declval<ExperimentSpec>().*member)>>;
+    SpecKey& key = keys.emplace_back(
+        SpecKey{Key{traits, "experiment", name, kKind, {}, doc, nullptr},
+                [](ExperimentSpec& spec, const Value& value, const std::string&) { assign(spec.*member, value); },
+                [](const Key& of, const ExperimentSpec& spec) { return literal_of(of, spec.*member); }});
+    key.dimension = Dimension::time;
+    key.axis = false;
     return key;
 }
 
-SpecKey time_key(const char* name, const char* meaning, double ExperimentSpec::*part, bool positive) {
-    return {name, "time", meaning, [=](ExperimentSpec& s, const Given& g) { s.*part = g.seconds(positive); },
-            [=](const ExperimentSpec& s) { return toml_string(fmt::format("{} s", s.*part)); }};
-}
-
-template <typename Choice>
-SpecKey choice_key(const char* name, const char* meaning, Choice ExperimentSpec::*part,
-                   const std::vector<const char*>& choices) {
-    SpecKey key{name, "choice", meaning,
-                [=](ExperimentSpec& s, const Given& g) {
-                    const std::string word = g.text();
-                    const auto found = std::ranges::find(choices, word);
-                    if (found == choices.end())
-                        g.refuse("{} is \"{}\", got \"{}\"", name, fmt::join(choices, "\" or \""), word);
-                    s.*part = static_cast<Choice>(found - choices.begin());
-                },
-                [=](const ExperimentSpec& s) { return toml_string(choices[static_cast<std::size_t>(s.*part)]); }};
-    key.choices = choices;
-    return key;
+std::vector<SpecKey> make_spec_keys() {
+    using S = ExperimentSpec;
+    static constexpr std::array<std::string_view, 2> kTasks{"name", "compare"}, kOrders{"random", "balanced"};
+    std::vector<SpecKey> keys;
+    add<&S::task>(keys, "task", "name what one stimulus is, or compare two that are felt one after the other").choices =
+        kTasks;
+    add<&S::title>(keys, "title", "of the data");
+    add<&S::question>(keys, "question", "what a participant is asked after each stimulus");
+    add<&S::trials>(keys, "trials", "of each condition; of each track the most").largest = kMostTrials;
+    add<&S::practice>(keys, "practice", "trials before, which do not count", {.smallest = 0}).largest = kMostTrials;
+    add<&S::blocks>(keys, "blocks", "with a break between").largest = kMostBlocks;
+    add<&S::order>(keys, "order",
+                   "of trials: over the session, or so that each block has every condition equally often")
+        .choices = kOrders;
+    add<&S::feedback>(keys, "feedback", "whether a participant is told if the answer was right");
+    add<&S::longest_trial>(keys, "longest_trial",
+                           "after which a trial ends without an answer and is repeated at the end",
+                           {.sign = Sign::positive});
+    add<&S::seed>(keys, "seed", "of the order; each subject and session has one of its own", {.smallest = 0}).largest =
+        std::numeric_limits<std::int64_t>::max();
+    const std::size_t of_both = keys.size();
+    add<&S::standard>(keys, "standard",
+                      "shell pattern of the cases that the others are compared with, each with the standard that has "
+                      "most of its settings",
+                      {.example = "\"cylinder_bump*\""});
+    add<&S::correct>(keys, "correct",
+                     "smoother: right is the stimulus of more facets, the smooth shape before all; or a shell pattern "
+                     "of the cases that are right");
+    add<&S::interval>(keys, "interval", "that each stimulus is felt; 0 s: until a key is pressed",
+                      {.sign = Sign::not_negative});
+    add<&S::track>(keys, "track",
+                   "axis of the study over which a threshold is looked for: the level of each trial is the one that "
+                   "tells most (QUEST+), a track for each combination of the other settings",
+                   {.example = "\"surface.facets\""});
+    add<&S::track_ratio>(keys, "track_ratio",
+                         "1 or more: a track ends before its trials do once the ends of the threshold's 95 % interval "
+                         "have a smaller ratio; 1: never",
+                         {.sign = Sign::positive})
+        .kind = ValueKind::number;
+    for (std::size_t i = of_both; i < keys.size(); ++i)
+        keys[i].subject = Subject::task;
+    static std::deque<std::string> defaults; // keys refer to them
+    for (SpecKey& key : keys)
+        key.default_text = defaults.emplace_back(key.literal(key, ExperimentSpec{}));
+    return keys;
 }
 
 const std::vector<SpecKey>& spec_keys() {
-    using S = ExperimentSpec;
-    static const std::vector<SpecKey> keys = [] {
-        std::vector<SpecKey> all{
-            choice_key("task", "name what one stimulus is, or compare two that are felt one after the other", &S::task,
-                       {"name", "compare"}),
-            text_key("title", "of the data", &S::title),
-            text_key("question", "what a participant is asked after each stimulus", &S::question),
-            integer_key("trials", "of each condition; of each track the most", &S::trials, 1, kMostTrials),
-            integer_key("practice", "trials before, which do not count", &S::practice, 0, kMostTrials),
-            integer_key("blocks", "with a break between", &S::blocks, 1, kMostBlocks),
-            choice_key("order", "of trials: over the session, or so that each block has every condition equally often",
-                       &S::order, {"random", "balanced"}),
-            {"feedback", "boolean", "whether a participant is told if the answer was right",
-             [](S& s, const Given& g) { s.feedback = g.boolean(); },
-             [](const S& s) { return std::string(s.feedback ? "true" : "false"); }},
-            time_key("longest_trial", "after which a trial ends without an answer and is repeated at the end",
-                     &S::longest_trial, true),
-            integer_key("seed", "of the order; each subject and session has one of its own", &S::seed, 0,
-                        std::numeric_limits<std::int64_t>::max())};
-        const std::size_t of_both = all.size();
-        all.insert(
-            all.end(),
-            {text_key("standard",
-                      "shell pattern of the cases that the others are compared with, each with the standard "
-                      "that has most of its settings",
-                      &S::standard),
-             text_key("correct",
-                      "smoother: right is the stimulus of more facets, the smooth shape before all; or a shell "
-                      "pattern of the cases that are right",
-                      &S::correct),
-             time_key("interval", "that each stimulus is felt; 0 s: until a key is pressed", &S::interval, false),
-             text_key("track",
-                      "axis of the study over which a threshold is looked for: the level of each trial is the "
-                      "one that tells most (QUEST+), a track for each combination of the other settings",
-                      &S::track),
-             {"track_ratio", "number",
-              "a track ends before its trials do once the ends of the threshold's 95 % interval have a smaller "
-              "ratio; 1: never",
-              [](S& s, const Given& g) { s.track_ratio = g.number(1); },
-              [](const S& s) { return fmt::format("{}", s.track_ratio); }}});
-        for (std::size_t i = of_both; i < all.size(); ++i)
-            all[i].of_compare = true;
-        return all;
-    }();
+    static const std::vector<SpecKey> keys = make_spec_keys();
     return keys;
 }
 
@@ -179,25 +135,25 @@ bool is_name(const std::string& text) {
     });
 }
 
-// Nothing: it is one; else what is wrong with it.
-std::string complaint_of_png(const std::string& bytes) {
+// Empty: it is one; else what is wrong with it.
+std::string error_of_png(const std::string& bytes) {
     png_image image{};
     image.version = PNG_IMAGE_VERSION;
-    std::string complaint;
+    std::string error_text;
     if (png_image_begin_read_from_memory(&image, bytes.data(), bytes.size()) != 0) {
         image.format = PNG_FORMAT_RGBA;
         if (std::uint64_t{image.width} * image.height > kMostPicturePixels) {
-            complaint = fmt::format("it has {} x {} pixels, and {} are the most", image.width, image.height,
-                                    kMostPicturePixels);
+            error_text = fmt::format("it has {} x {} pixels, and {} are the most", image.width, image.height,
+                                     kMostPicturePixels);
         } else {
             std::vector<std::byte> pixels(PNG_IMAGE_SIZE(image));
             png_image_finish_read(&image, nullptr, pixels.data(), 0, nullptr);
         }
     }
-    if (complaint.empty() && PNG_IMAGE_FAILED(image))
-        complaint = fmt::format("it is damaged ({})", image.message);
+    if (error_text.empty() && PNG_IMAGE_FAILED(image))
+        error_text = fmt::format("it is damaged ({})", image.message);
     png_image_free(&image);
-    return complaint;
+    return error_text;
 }
 
 bool is_svg(std::string_view text) {
@@ -210,71 +166,82 @@ bool is_svg(std::string_view text) {
            (text.ends_with("</svg>") || text.ends_with("/>"));
 }
 
-AnswerPicture read_picture(const Given& given) {
-    const std::filesystem::path file = given.folder / given.text();
+AnswerPicture read_picture(const Value& given, const std::string& source) {
+    const std::filesystem::path file = given.path;
     std::error_code error;
     if (const auto size = std::filesystem::file_size(file, error); !error && size > kLargestPicture)
-        given.refuse("the picture {} has {} bytes, and {} are the most", file.string(), size, kLargestPicture);
+        fail(source, given.where, "the picture {} has {} bytes, and {} are the most", file.string(), size,
+             kLargestPicture);
     AnswerPicture picture;
     try {
         picture.bytes = read_file(file);
     } catch (const Error& failure) {
-        given.refuse("{}; a picture is a PNG or SVG file beside the experiment's", failure.what());
+        fail(source, given.where, "{}; a picture is a PNG or SVG file beside the experiment's", failure.what());
     }
     constexpr std::string_view kPng = "\x89PNG\r\n\x1a\n";
     if (picture.bytes.starts_with(kPng)) {
         picture.extension = ".png";
-        if (const std::string complaint = complaint_of_png(picture.bytes); !complaint.empty())
-            given.refuse("the picture {} cannot be shown: {}", file.string(), complaint);
+        if (const std::string error_text = error_of_png(picture.bytes); !error_text.empty())
+            fail(source, given.where, "the picture {} cannot be shown: {}", file.string(), error_text);
     } else if (is_svg(picture.bytes)) {
         picture.extension = ".svg";
     } else {
-        given.refuse("{} is no picture: neither a PNG nor an SVG file", file.string());
+        fail(source, given.where, "{} is no picture: neither a PNG nor an SVG file", file.string());
     }
     return picture;
 }
 
-struct AnswerKey {
-    const char* name;
-    const char* type;
-    const char* meaning;
-    void (*set)(Answer&, const Given&);
-};
+AnswerKey answer_key(ValueKind kind, std::string_view name, std::string_view doc,
+                     void (*store)(Answer&, const Value&, const std::string&)) {
+    AnswerKey key{Key{{.smallest = 0}, "experiment.answer", name, kind, {}, doc, nullptr}, store};
+    key.largest = kMostAnswerFacets;
+    key.axis = false;
+    return key;
+}
 
-constexpr AnswerKey kAnswerKeys[] = {
-    {"name", "text", "as data has it",
-     [](Answer& a, const Given& g) {
-         a.name = g.text();
-         if (!is_name(a.name))
-             g.refuse("an answer's name, which stands in the data, has a to z, 0 to 9 and _ only; got \"{}\"; its "
-                      "label may be any text",
-                      a.name);
-     }},
-    {"label", "text", "as a participant reads it", [](Answer& a, const Given& g) { a.label = g.text(); }},
-    {"facets", "integer", "of the shape that it names and its picture shows; 0: the smooth one; none: words alone",
-     [](Answer& a, const Given& g) { a.facets = unsigned(g.integer(0, 1000)); }},
-    {"correct_for", "text", "a pattern of case names; without it bumps of these facets",
-     [](Answer& a, const Given& g) { a.correct_for = g.text(); }},
-    {"picture", "file", "PNG or SVG of up to 1 MiB, relative to the experiment file, in place of the drawn shape",
-     [](Answer& a, const Given& g) { a.picture = read_picture(g); }}};
+const std::vector<AnswerKey>& answer_keys() {
+    static const std::vector<AnswerKey> keys{
+        answer_key(ValueKind::text, "name", "as data has it",
+                   [](Answer& a, const Value& v, const std::string& source) {
+                       assign(a.name, v);
+                       if (!is_name(a.name))
+                           fail(source, v.where,
+                                "an answer's name, which stands in the data, has a to z, 0 to 9 and _ only; got "
+                                "\"{}\"; its label may be any text",
+                                a.name);
+                   }),
+        answer_key(ValueKind::text, "label", "as a participant reads it",
+                   [](Answer& a, const Value& v, const std::string&) { assign(a.label, v); }),
+        answer_key(ValueKind::integer, "facets",
+                   "of the shape that it names and its picture shows; 0: the smooth one; none: words alone",
+                   [](Answer& a, const Value& v, const std::string&) { assign(a.facets.emplace(), v); }),
+        answer_key(ValueKind::text, "correct_for", "a pattern of case names; without it bumps of these facets",
+                   [](Answer& a, const Value& v, const std::string&) { assign(a.correct_for, v); }),
+        answer_key(ValueKind::file, "picture",
+                   "PNG or SVG of up to 1 MiB, relative to the experiment file, in place of the drawn shape",
+                   [](Answer& a, const Value& v, const std::string& source) { a.picture = read_picture(v, source); })};
+    return keys;
+}
+
+// A member of [experiment] or of an answer; `other` keys are read elsewhere.
+template <typename Spec>
+void read_key(const std::vector<Row<Spec>>& keys, const TomlNode& member, const std::string& source,
+              const std::filesystem::path& folder, Spec& spec, std::vector<std::string> other = {}) {
+    if (const auto key = std::ranges::find(keys, member.key, &Key::name); key != keys.end())
+        return key->store(spec, read_values(*key, member, source, folder.string()).front(), source);
+    std::vector<std::string> names = std::move(other);
+    for (const Key& one : keys)
+        names.emplace_back(one.name);
+    const std::string near = did_you_mean(member.key, names);
+    fail(source, member.key_where, "unknown key \"{}\" in [{}]{}", member.key, keys.front().table,
+         near.empty() ? fmt::format("; it has {}", fmt::join(names, ", ")) : near);
+}
 
 Answer read_answer(const std::string& source, const std::filesystem::path& folder, const TomlNode& node) {
     Answer answer;
     Errors errors;
-    const auto read_key = [&](const TomlNode& member) {
-        const auto key = std::ranges::find(kAnswerKeys, member.key, &AnswerKey::name);
-        if (key == std::end(kAnswerKeys)) {
-            std::vector<std::string> known;
-            for (const AnswerKey& one : kAnswerKeys)
-                known.emplace_back(one.name);
-            const std::string near = did_you_mean(member.key, known);
-            fail(source, member.key_where, "unknown key \"{}\" of an answer{}", member.key,
-                 near.empty() ? fmt::format("; it has {}", fmt::join(known, ", ")) : near);
-        }
-        key->set(answer, {source, folder, member});
-    };
     for (const TomlNode& member : node.items)
-        errors.attempt([&] { read_key(member); });
+        errors.attempt([&] { read_key(answer_keys(), member, source, folder, answer); });
     errors.report();
     if (answer.name.empty())
         fail(source, node.where, "an answer needs a name");
@@ -315,7 +282,7 @@ void settle_task(const std::string& source, const TomlNode& table, ExperimentSpe
     const auto given = [&](std::string_view key) { return table.find(key); };
     if (spec.task == Task::name) {
         for (const SpecKey& key : spec_keys())
-            if (const TomlNode* member = key.of_compare ? given(key.name) : nullptr)
+            if (const TomlNode* member = key.subject == Subject::task ? given(key.name) : nullptr)
                 fail(source, member->key_where,
                      "\"{}\" is of the task \"compare\": say task = \"compare\" or leave it out", key.name);
         return;
@@ -329,6 +296,8 @@ void settle_task(const std::string& source, const TomlNode& table, ExperimentSpe
             fail(source, given("correct")->key_where, "say what is asked: question = \"Which one is ...?\"");
         spec.question = "Which one is smoother?";
     }
+    if (spec.track_ratio < 1)
+        fail(source, given("track_ratio")->where, "track_ratio must be 1 or more, got {}", spec.track_ratio);
     if (spec.track_ratio > 1 && spec.track.empty())
         fail(source, given("track_ratio")->key_where,
              "track_ratio ends a track, and there is no track: say which axis");
@@ -358,22 +327,14 @@ ExperimentSpec read_spec(const Document& document, const std::filesystem::path& 
         return spec;
     if (document.experiment->type != TomlNode::Type::table)
         fail(document.source, document.experiment->where, "[experiment] is a table of keys");
-    const auto read_key = [&](const TomlNode& member) {
-        if (member.key == "answer")
-            return read_answers(document.source, folder, member, spec);
-        const auto key = std::ranges::find(spec_keys(), member.key, &SpecKey::name);
-        if (key != spec_keys().end())
-            return key->set(spec, {document.source, folder, member});
-        std::vector<std::string> names{"answer"};
-        for (const SpecKey& one : spec_keys())
-            names.emplace_back(one.name);
-        const std::string near = did_you_mean(member.key, names);
-        fail(document.source, member.key_where, "unknown key \"{}\" in [experiment]{}", member.key,
-             near.empty() ? fmt::format("; it has {}", fmt::join(names, ", ")) : near);
-    };
     Errors errors;
     for (const TomlNode& member : document.experiment->items)
-        errors.attempt([&] { read_key(member); });
+        errors.attempt([&] {
+            if (member.key == "answer")
+                read_answers(document.source, folder, member, spec);
+            else
+                read_key(spec_keys(), member, document.source, folder, spec, {"answer"});
+        });
     errors.report();
     settle_task(document.source, *document.experiment, spec);
     return spec;
@@ -484,8 +445,8 @@ std::string resolved_toml(const Experiment& experiment) {
     std::string text = "[experiment]\n";
     const ExperimentSpec& spec = experiment.spec;
     for (const SpecKey& key : spec_keys()) {
-        const bool kept = spec.task == Task::compare || (!key.of_compare && key.name != std::string_view("task"));
-        if (const std::string literal = kept ? key.literal(spec) : ""; !literal.empty())
+        const bool kept = spec.task == Task::compare || (key.subject != Subject::task && key.name != "task");
+        if (const std::string literal = kept ? key.literal(key, spec) : ""; !literal.empty())
             text += fmt::format("{} = {}\n", key.name, literal);
     }
     for (const Answer& answer : spec.answers) {
@@ -501,55 +462,27 @@ std::string resolved_toml(const Experiment& experiment) {
     return text + "\n" + forceshade::resolved_toml(experiment.study);
 }
 
-namespace {
-
-// The defaults, and of the keys that have none an example.
-ExperimentSpec shown_spec() {
-    ExperimentSpec spec;
-    spec.standard = "cylinder_bump*";
-    spec.track = "surface.facets";
-    return spec;
-}
-
-} // namespace
-
 std::string experiment_schema() {
     std::string text = "# Of forceshade experiment. Stimuli are the cases of the other tables.\n[experiment]\n";
     for (const SpecKey& key : spec_keys())
-        text += fmt::format("{}{} = {} # {}: {}{}\n", key.of_compare ? "# " : "", key.name, key.literal(shown_spec()),
-                            key.choices.empty() ? key.type : fmt::format("{}", fmt::join(key.choices, " | ")),
-                            key.meaning, key.of_compare ? "; task compare" : "");
-    text +=
-        fmt::format("# Tables [[experiment.answer]], 2 to {}, in the order of their keys. Default: the paper's four "
-                    "pictures; of the task compare \"the first\" and \"the second\". Their keys:\n",
-                    kMostAnswers);
-    for (const AnswerKey& key : kAnswerKeys)
-        text += fmt::format("# {}: {}: {}\n", key.name, key.type, key.meaning);
+        text += key_text(key, key.example.empty() ? key.default_text : key.example, key.subject != Subject::task);
+    text += comment_text(fmt::format("Tables [[experiment.answer]], 2 to {}, in the order of their keys. Default: the "
+                                     "paper's four pictures; of the task compare \"the first\" and \"the second\". "
+                                     "Their keys:",
+                                     kMostAnswers));
+    for (const AnswerKey& key : answer_keys())
+        text +=
+            comment_text(fmt::format("{}: {}: {}", key.name, schema_row(key)["values"].get<std::string>(), key.doc));
     return text;
 }
 
 nlohmann::ordered_json experiment_schema_json() {
-    nlohmann::ordered_json keys = nlohmann::ordered_json::array();
-    const auto add = [&](const std::string& name, const char* type, const char* meaning) -> nlohmann::ordered_json& {
-        keys.push_back({{"key", "experiment." + name}, {"type", type}, {"default", nullptr}});
-        keys.back().update(
-            {{"count", 1}, {"one_for_all", false}, {"axis", false}, {"applies_to", ""}, {"doc", meaning}});
-        return keys.back();
-    };
-    for (const SpecKey& key : spec_keys()) {
-        nlohmann::ordered_json& row = add(key.name, key.type, key.meaning);
-        if (const std::string literal = key.literal(ExperimentSpec{}); !literal.empty())
-            row["default"] = literal;
-        if (key.most > 0)
-            row.update({{"minimum", key.least}, {"maximum", key.most}});
-        if (!key.choices.empty())
-            row["choices"] = key.choices;
-        if (key.of_compare)
-            row["applies_to"] = "task compare";
-    }
-    for (const AnswerKey& key : kAnswerKeys)
-        add(std::string("answer.") + key.name, key.type, key.meaning);
-    return keys;
+    nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+    for (const SpecKey& key : spec_keys())
+        rows.push_back(schema_row(key));
+    for (const AnswerKey& key : answer_keys())
+        rows.push_back(schema_row(key));
+    return rows;
 }
 
 } // namespace forceshade::experiment

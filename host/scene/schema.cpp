@@ -93,6 +93,8 @@ bool applies(const Key& key, const Forms& forms) {
         return forms.hand;
     case Subject::compare:
         return (key.forms & forms.compare) != 0;
+    case Subject::task:
+        return false; // of a scene
     }
     return true;
 }
@@ -122,6 +124,8 @@ std::string describe_applicability(const Key& key) {
         return "";
     if (key.subject == Subject::hand)
         return "a closed loop";
+    if (key.subject == Subject::task)
+        return "task compare";
     if (key.subject == Subject::paths)
         return describe_path_applicability(key);
     if (key.subject == Subject::compare) {
@@ -146,16 +150,16 @@ namespace {
 constexpr std::size_t kLineWidth = 100;
 
 std::string type_name(const Key& key) {
-    constexpr const char* kNames[] = {"", "", "number", "integer", "choice", "list of choices", "file", "digest"};
+    constexpr const char* kNames[] = {"",     "",       "number", "integer", "choice", "list of choices",
+                                      "file", "digest", "text",   "boolean"};
     if (key.kind == ValueKind::quantity || key.kind == ValueKind::unit)
         return fmt::format("{}{}", key.kind == ValueKind::unit ? "unit of " : "", dimension_info(key.dimension).name);
     return kNames[static_cast<std::size_t>(key.kind)];
 }
 
-// The key of a quantity that may differ from path to path; its parts follow it in the schema.
+// The key of a quantity that may differ from path to path: its parts replace it.
 bool is_spread(const Key& key) {
-    const Key* next = &key + 1;
-    return next != schema_keys().data() + schema_keys().size() && !key.spread_part && next->spread_part;
+    return !key.spread_part && !key.choice.empty() && key.choice == key.name;
 }
 
 // What may stand there: choices, a range, or a unit.
@@ -232,31 +236,34 @@ std::string schema_text() {
     return result;
 }
 
+nlohmann::ordered_json schema_row(const Key& key) {
+    nlohmann::ordered_json row{{"key", key.path()}, {"type", type_name(key)}};
+    row["default"] =
+        key.default_text.empty() ? nlohmann::ordered_json() : nlohmann::ordered_json(std::string(key.default_text));
+    if (key.kind == ValueKind::quantity) {
+        row["unit"] = std::string(dimension_info(key.dimension).unit);
+        row["sign"] = std::array{"any", "not_negative", "positive"}[static_cast<std::size_t>(key.sign)];
+    }
+    if (key.kind == ValueKind::integer) {
+        row["minimum"] = key.smallest;
+        row["maximum"] = key.largest;
+    }
+    if (!key.choices.empty())
+        row["choices"] = std::vector<std::string>(key.choices.begin(), key.choices.end());
+    row["count"] = key.count;
+    row["one_for_all"] = key.one_for_all;
+    row["axis"] = key.axis;
+    row["applies_to"] = describe_applicability(key);
+    row["values"] = describe_values(key);
+    row["example"] = std::string(example_of(key));
+    row["doc"] = std::string(key.doc);
+    return row;
+}
+
 nlohmann::ordered_json schema_json() {
     nlohmann::ordered_json keys = nlohmann::ordered_json::array();
-    for (const Key& key : schema_keys()) {
-        nlohmann::ordered_json row{{"key", key.path()}, {"type", type_name(key)}};
-        row["default"] =
-            key.default_text.empty() ? nlohmann::ordered_json() : nlohmann::ordered_json(std::string(key.default_text));
-        if (key.kind == ValueKind::quantity) {
-            row["unit"] = std::string(dimension_info(key.dimension).unit);
-            row["sign"] = std::array{"any", "not_negative", "positive"}[static_cast<std::size_t>(key.sign)];
-        }
-        if (key.kind == ValueKind::integer) {
-            row["minimum"] = key.smallest;
-            row["maximum"] = key.largest;
-        }
-        if (!key.choices.empty())
-            row["choices"] = std::vector<std::string>(key.choices.begin(), key.choices.end());
-        row["count"] = key.count;
-        row["one_for_all"] = key.one_for_all;
-        row["axis"] = key.axis;
-        row["applies_to"] = describe_applicability(key);
-        row["values"] = describe_values(key);
-        row["example"] = std::string(example_of(key));
-        row["doc"] = std::string(key.doc);
-        keys.push_back(std::move(row));
-    }
+    for (const Key& key : schema_keys())
+        keys.push_back(schema_row(key));
     return {{"keys", std::move(keys)}};
 }
 

@@ -17,7 +17,7 @@ namespace forceshade {
 struct Scene;
 struct Value;
 
-enum class ValueKind { quantity, unit, number, integer, choice, choices, file, digest };
+enum class ValueKind { quantity, unit, number, integer, choice, choices, file, digest, text, boolean };
 enum class Sign { any, not_negative, positive };
 
 /// What a scene's surface or texture is, as far as it decides which keys apply. A bit each.
@@ -43,10 +43,10 @@ inline constexpr std::array<std::string_view, 8> kPathKinds{"strokes", "raster",
                                                             "taps",    "random_walk", "minimum_jerk", "recorded"};
 
 /// What decides whether a key applies: nothing, the surface's form, the texture's form, the shading of such a surface,
-/// the kind of the paths, whether a hand moves the probe, or the shape of [compare].
-enum class Subject { none, surface, texture, shading, paths, hand, compare };
+/// the kind of the paths, whether a hand moves the probe, the shape of [compare], or the task of [experiment].
+enum class Subject { none, surface, texture, shading, paths, hand, compare, task };
 
-/// What few keys say of themselves.
+/// Optional key attributes.
 struct KeyTraits {
     std::uint32_t forms =
         0; // bits of Form, or 1 << PathKind or CompareKind, that it applies to, if the subject has forms
@@ -65,7 +65,7 @@ struct Key : KeyTraits {
     ValueKind kind;
     std::string_view default_text; // as TOML; empty: none
     std::string_view doc;
-    void (*set)(Scene&, const Value&);
+    void (*set)(Scene&, const Value&); // null: of another table than a scene's
     Subject subject = Subject::none;
     Dimension dimension = Dimension::length; // of a quantity
     std::uint64_t largest = 0;               // of an integer
@@ -118,7 +118,8 @@ std::string schema_text();
 std::string comment_text(std::string text);
 std::string key_text(const Key& key, std::string_view literal, bool given);
 
-/// The same as JSON: {"keys": [{"key", "type", "default", ...}]}.
+/// The same as JSON: {"keys": [{"key", "type", "default", ...}]}; and the row of one key.
 nlohmann::ordered_json schema_json();
+nlohmann::ordered_json schema_row(const Key& key);
 
 } // namespace forceshade

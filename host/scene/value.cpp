@@ -20,6 +20,7 @@ namespace {
 
 // Beyond this nobody meant anything, and the table of distances stays small.
 constexpr std::size_t kLongestWord = 64;
+constexpr std::size_t kLongestText = 500; // characters of a title or question
 
 } // namespace
 
@@ -155,6 +156,14 @@ private:
             break;
         case ValueKind::digest:
             check_digest(node);
+            break;
+        case ValueKind::text:
+            check_text(node);
+            break;
+        case ValueKind::boolean:
+            if (node.type != Type::boolean)
+                refuse(node, "{} is true or false, without quotes; got {}", key_.name, describe(node));
+            value.integers.push_back(node.truth ? 1 : 0);
         }
         value.texts.push_back(node.text);
     }
@@ -287,6 +296,13 @@ private:
             (std::filesystem::absolute(folder_.empty() ? "." : folder_) / node.text).lexically_normal().string();
     }
 
+    void check_text(const TomlNode& node) const {
+        if (node.type != Type::string || node.text.empty())
+            refuse(node, "{} is a text in quotes; got {}", key_.name, describe(node));
+        if (node.text.size() > kLongestText)
+            refuse(node, "{} is longer than {} characters", key_.name, kLongestText);
+    }
+
     void check_digest(const TomlNode& node) const {
         const auto is_hex = [](char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f'); };
         if (node.type != Type::string || node.text.size() != 64 || !std::ranges::all_of(node.text, is_hex))
@@ -329,7 +345,8 @@ std::vector<Value> read_values(const Key& key, const TomlNode& node, const std::
     ValueReader reader(key, source, folder);
     // For a key that is a list itself, only a list of lists is an axis.
     const auto is_array = [](const TomlNode& item) { return item.type == Type::array; };
-    if (!is_array(node) || (reader.is_vector() && std::ranges::none_of(node.items, is_array)))
+    if (!is_array(node) || (!key.axis && key.kind != ValueKind::digest) ||
+        (reader.is_vector() && std::ranges::none_of(node.items, is_array)))
         return {reader.read_one(node)};
     if (node.items.empty())
         reader.refuse(node, "empty list: {} needs at least one value", key.name);

@@ -79,7 +79,7 @@ TEST(Experiments, ReadTheirResolvedText) {
 TEST(Experiments, ComplainWithPlaceAndRemedy) {
     EXPECT_EQ(complaint_of("[experiment]\ntrails = 3\n"),
               "e.toml:2:1: unknown key \"trails\" in [experiment]; did you mean \"trials\"?");
-    EXPECT_EQ(complaint_of("[experiment]\ntrials = 0\n"), "e.toml:2:10: trials is an integer from 1 to 10000, got 0");
+    EXPECT_EQ(complaint_of("[experiment]\ntrials = 0\n"), "e.toml:2:10: trials must be from 1 to 10000, got 0");
     EXPECT_EQ(complaint_of("[experiment]\nlongest_trial = \"3 N\"\n").substr(0, 14), "e.toml:2:17: \"");
     EXPECT_NE(complaint_of("[experiment]\nfeedback = \"yes\"\n").find("true or false"), std::string::npos);
     EXPECT_NE(complaint_of("[experiment]\ntrials = 3\nblocks = 2\norder = \"balanced\"\n").find("multiple"),
