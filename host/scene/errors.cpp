@@ -24,7 +24,7 @@ std::string text_of(const std::vector<FileError::One>& all) {
     // Those of overrides come first and name what was overridden.
     return text + fmt::format("{}{} errors in {}{}", all.size(), all.size() < kEnoughErrors ? "" : " or more",
                               all.back().source,
-                              all.size() > kMostErrors ? fmt::format(", the first {} are told", kMostErrors) : "");
+                              all.size() > kMostErrors ? fmt::format(", the first {} are listed", kMostErrors) : "");
 }
 
 } // namespace

@@ -63,7 +63,7 @@ void refuse_deep_keys(std::string_view text, const std::string& source) {
         if (c == '\n' || c == ',' || c == '=')
             dots = 0;
         if (c == '.' && ++dots > kMostKeyDots)
-            fail(source, location_in(text, at), "a key of so many dots is none of this schema's");
+            fail(source, location_in(text, at), "unknown key: it has more than {} dots", kMostKeyDots);
         ++at;
     }
 }
@@ -72,7 +72,7 @@ TomlNode convert(const toml::node& node, const std::string& source, int depth) {
     TomlNode result;
     result.where = location(node.source().begin);
     if (depth > kDeepest)
-        fail(source, result.where, "tables or lists nested this deep are none of this schema's");
+        fail(source, result.where, "unknown key: its tables or lists are nested more than {} deep", kDeepest);
     if (const auto* table = node.as_table()) {
         for (const auto& [key, value] : *table) {
             TomlNode& member = result.items.emplace_back(convert(value, source, depth + 1));
@@ -214,9 +214,9 @@ std::string correction(const std::string& code, bool in_list) {
 
 // What the parser says, in words that say what to write instead where the mistake is a common one.
 [[noreturn]] void refuse_syntax(std::string_view text, const std::string& source, const toml::parse_error& error) {
-    std::string_view complaint = error.description();
+    std::string_view message = error.description();
     Location where = location(error.source().begin);
-    const auto says = [&](std::string_view words) { return complaint.find(words) != complaint.npos; };
+    const auto says = [&](std::string_view words) { return message.find(words) != message.npos; };
     if (says("utf-8") || says("UTF-8"))
         fail(source, where, "this is no UTF-8; save the file as UTF-8 (and \"um\" may stand for micrometres)");
     std::vector<std::string_view> lines{""};
@@ -244,11 +244,11 @@ std::string correction(const std::string& code, bool in_list) {
     if (const std::string correct = correction(code, in_list); !correct.empty())
         fail(source, where, correct);
     constexpr std::string_view kWhile = "Error while parsing ";
-    if (!complaint.starts_with(kWhile))
-        fail(source, where, "this is no TOML: {}", complaint);
-    complaint.remove_prefix(kWhile.size());
-    const std::size_t colon = std::min(complaint.find(": "), complaint.size() - 2);
-    fail(source, where, "this is no TOML ({}): {}", complaint.substr(0, colon), complaint.substr(colon + 2));
+    if (!message.starts_with(kWhile))
+        fail(source, where, "this is no TOML: {}", message);
+    message.remove_prefix(kWhile.size());
+    const std::size_t colon = std::min(message.find(": "), message.size() - 2);
+    fail(source, where, "this is no TOML ({}): {}", message.substr(0, colon), message.substr(colon + 2));
 }
 
 } // namespace

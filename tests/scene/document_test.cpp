@@ -132,7 +132,7 @@ TEST(Document, Encoding) {
     std::string deep = "a";
     for (int i = 0; i < 200000; ++i)
         deep += ".a";
-    EXPECT_EQ(study_error(deep + " = 1\n"), "f.toml:1:66: a key of so many dots is none of this schema's");
+    EXPECT_EQ(study_error(deep + " = 1\n"), "f.toml:1:66: unknown key: it has more than 32 dots");
     EXPECT_EQ(study_error("# " + std::string(100, '.') + "\n#" + deep + "\n[run] # " + std::string(100, '.') + "\n"),
               "(no error)");
     EXPECT_NE(study_error("a = " + std::string(100000, '[')), "(no error)");
@@ -153,7 +153,7 @@ TEST(Document, KeysOfManyDotsAreRefusedWhateverTheyQuote) {
         for (const std::string& text : {line, "[" + key + "]\n", "a = { " + key + " = 1 }\n", "# don't\n" + line,
                                         "a = \"\"\"\n ' \"\" \\\"\"\"\"\"\n" + line, "a = { b = '''\n\" ''''', " + line,
                                         "a = [\"b\", # \"\n1]\n" + line})
-            EXPECT_NE(study_error(text).find("a key of so many dots"), std::string::npos) << text.substr(0, 40);
+            EXPECT_NE(study_error(text).find("more than 32 dots"), std::string::npos) << text.substr(0, 40);
     }
     EXPECT_EQ(study_error("# isn't it. \n[surface] # " + key_of("'") + "\nfacets = 3 # \"\n"), "(no error)");
 }

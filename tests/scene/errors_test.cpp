@@ -91,7 +91,7 @@ TEST(Errors, TwentyAreTold) {
         text += "\n\"0 mm\",";
     const std::string error = study_error(text + "]\n");
     EXPECT_EQ(lines_of(error).size(), kMostErrors + 1);
-    EXPECT_EQ(lines_of(error).back(), "1000 or more errors in f.toml, the first 20 are told");
+    EXPECT_EQ(lines_of(error).back(), "1000 or more errors in f.toml, the first 20 are listed");
 }
 
 TEST(Errors, OfOverridesAndOfEachVariant) {
