@@ -88,7 +88,7 @@ private:
             return note(tally_.grew, fmt::format("grew by {:.3g}", growth));
         const bool blocked = grid_.touches(update.proxy, update.probe);
         if (contact.touching != blocked && surface_distance(update.probe) > rounding + kBeside &&
-            is_certain(update, blocked))
+            is_certain(update, blocked) && !(contact.touching && holds_at_rim(update, contact)))
             return contact.touching ? note(tally_.phantoms, fmt::format("a phantom, {:.3g}", depth))
                                     : note(tally_.dropped, "free, but not reached");
         return contact.touching && contact.finished ? fault_of_contact(update, contact, tolerance) : "";
@@ -139,6 +139,21 @@ private:
                 continue;
             const reference::Triangle<double> triangle{{corners[0], corners[1], corners[2]}, normal};
             if (reference::nearest_on_triangle(from + time * (to - from), triangle).square <= 36 * kSkin * kSkin)
+                return true;
+        }
+        return false;
+    }
+
+    /// Whether one facet holds the proxy straight above a probe behind its plane that is no further than a few skins
+    /// outside of it: over the rim the proxy, a skin off, is past the surface before the probe is.
+    bool holds_at_rim(const Update& update, const reference::GodObjectContact<T>& contact) const {
+        for (unsigned i = 0; i < contact.count; ++i) {
+            const glm::dvec3 normal = walks::wide(contact.normals[i]);
+            const auto triangle = reference::triangle_at(mesh_, contact.triangles[i]);
+            const double depth = glm::dot(normal, walks::wide(triangle.corners[0]) - update.probe);
+            const glm::dvec3 foot = update.probe + depth * normal;
+            if (depth > 0 && glm::length(foot - update.contact) <= 6 * kSkin &&
+                double(reference::nearest_on_triangle(glm::vec<3, T>(foot), triangle).square) <= 36 * kSkin * kSkin)
                 return true;
         }
         return false;
