@@ -198,7 +198,7 @@ def jobs():
         yield field, name, text, precision, engine
     for (name, text), precision, engine in itertools.product(paths(), ("f32", "f64"), ("gpu", "cpu")):
         if engine == "gpu" and name.startswith(("spot", "patch")) and "strokes" not in name:
-            continue  # the software device takes long over these; its bits are gpu_mesh_path_test's
+            continue  # the software device takes long over these; its bits are gpu_mesh_paths'
         yield explored, name, text, precision, engine
     for (name, text), precision in itertools.product(lives(), ("f32", "f64")):
         yield felt, name, text, precision

@@ -1,8 +1,9 @@
 #include "tests/gpu/broken_kernels.h"
 
-#include <string_view>
-
-#include "shaders/kernels.h"
+// The program's own kernels, in a namespace of another name.
+#define kernels own_kernels
+#include "shaders/kernels.cpp"
+#undef kernels
 
 namespace forceshade {
 namespace {
@@ -25,13 +26,6 @@ const Kernel kKernels[] = {
 
 test::Break chosen_break = test::Break::none;
 
-Words chosen(std::string_view variant) {
-    for (const Kernel& kernel : kKernels)
-        if (kernel.broken == chosen_break && kernel.variant == variant)
-            return kernel.words;
-    return {};
-}
-
 } // namespace
 
 namespace test {
@@ -40,38 +34,30 @@ void choose_break(Break broken) {
     chosen_break = broken;
 }
 
+Words broken_words(Break broken, std::string_view variant) {
+    for (const Kernel& kernel : kKernels)
+        if (kernel.broken == broken && kernel.variant == variant)
+            return kernel.words;
+    return {};
+}
+
 } // namespace test
 
-// The linker takes these for the program's own, which lie in a library.
+// The linker takes these for those of the library.
 namespace kernels {
-
-Words field_f32() {
-    return chosen("f32");
-}
-Words field_f32_packed() {
-    return chosen("f32_packed");
-}
-Words field_f64() {
-    return chosen("f64");
-}
-Words mesh_field_f32() {
-    return chosen("mesh_f32");
-}
-Words mesh_field_f64() {
-    return chosen("mesh_f64");
-}
-Words path_f32() {
-    return chosen("path_f32");
-}
-Words path_f64() {
-    return chosen("path_f64");
-}
-Words mesh_path_f32() {
-    return chosen("mesh_path_f32");
-}
-Words mesh_path_f64() {
-    return chosen("mesh_path_f64");
-}
-
+#define FS_CHOSEN(name, variant)                                                                                       \
+    Words name() {                                                                                                     \
+        return chosen_break == test::Break::none ? own_kernels::name() : test::broken_words(chosen_break, variant);    \
+    }
+FS_CHOSEN(field_f32, "f32")
+FS_CHOSEN(field_f32_packed, "f32_packed")
+FS_CHOSEN(field_f64, "f64")
+FS_CHOSEN(mesh_field_f32, "mesh_f32")
+FS_CHOSEN(mesh_field_f64, "mesh_f64")
+FS_CHOSEN(path_f32, "path_f32")
+FS_CHOSEN(path_f64, "path_f64")
+FS_CHOSEN(mesh_path_f32, "mesh_path_f32")
+FS_CHOSEN(mesh_path_f64, "mesh_path_f64")
 } // namespace kernels
+
 } // namespace forceshade

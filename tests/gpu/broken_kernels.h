@@ -1,15 +1,20 @@
-// Kernels broken on purpose, in the place of the program's own: tests that link broken_kernels.cpp get these from
-// shaders/kernels.h, so that the whole program runs them.
+// Kernels broken on purpose, in the place of the program's own: shaders/kernels.h gives these where a break is chosen,
+// so that the whole program runs them.
 #pragma once
+
+#include <cstdint>
+#include <span>
+#include <string_view>
 
 namespace forceshade::test {
 
 enum class Break {
-    none,       /* the same text, compiled the same way */
+    none,       /* the program's own kernels */
     sign,       /* L3: a facet climbs where it should descend */
     component,  /* L2: the cylinder pushes along x with the z component */
     edge,       /* G2: a facet loses its left vertex to its neighbour */
     channel,    /* the unshaded force is the shaded one */
+    beyond,     /* rows are written behind a chunk's last */
     undeclared, /* a capability that the device was not opened with */
     tie,        /* L6: of triangles equally near, the last wins */
     outward,    /* L6: of an edge's two normals the pseudonormal takes the difference */
@@ -28,5 +33,8 @@ enum class Break {
 
 /// What every kernel made from now on runs.
 void choose_break(Break chosen);
+
+/// A kernel of a break, "f32", "mesh_path_f64", ... None if it is not broken that way.
+std::span<const std::uint32_t> broken_words(Break broken, std::string_view variant);
 
 } // namespace forceshade::test

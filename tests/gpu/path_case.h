@@ -1,20 +1,28 @@
-// Exploration paths drawn at random over a scene's law.
+// Exploration paths drawn at random over a scene's law, analytic or a mesh's.
 #pragma once
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <memory>
+#include <optional>
 #include <random>
 #include <vector>
 
 #include "host/field/tables.h"
-#include "tests/gpu/path_comparison.h"
+#include "host/mesh/structure.h"
+#include "host/reference/god_object.h"
+#include "host/reference/path_step.h"
+#include "tests/mesh/god_object_walks.h"
 
 namespace forceshade::test {
 
 inline constexpr layout::uint kAllPathChannels = layout::kChannelPosition | layout::kChannelForce |
                                                  layout::kChannelDepth | layout::kChannelFacet | layout::kChannelProxy;
+
+/// Where recorded paths go: along wavy lines; about a mesh; at its corners and edges.
+enum class Probes { lines, wandering, aimed };
 
 /// What paths are drawn.
 struct PathShape {
@@ -32,6 +40,9 @@ struct PathShape {
     layout::uint delay = 0;  /* samples */
     bool own_hands = false;  /* each path its own, every other one without friction and rounding */
     bool own_lengths = true; /* of recorded paths */
+    Probes probes = Probes::lines;
+    std::optional<glm::dvec3> focus = {}; /* m: about which they wander, if not everywhere */
+    std::vector<glm::dvec3> places = {};  /* m: those of the one recorded path there is, if given */
 };
 
 /// Mass, damping, spring over a sample by the series of the matrix exponential.
@@ -55,8 +66,10 @@ inline std::array<double, 6> axis_map(double mass, double damping, double spring
 
 template <typename T> class PathCase final : public layout::PathSource<T> {
 public:
-    PathCase(const Scene& scene, const PathShape& shape, const SceneImages& images = {})
-        : tables_(make_tables<T>(scene, images, Extent::everything)), shape_(shape), random_(shape.seed) {
+    /// `tables` and `mesh`, which is null for an analytic surface, must outlive it.
+    PathCase(const FieldTables<T>& tables, const MeshStructure* mesh, const PathShape& wanted)
+        : law_(tables.law()), mesh_(mesh), shape_(with_places(wanted)), random_(wanted.seed) {
+        const PathShape& shape = shape_;
         for (std::size_t i = 0; i < shape.paths; ++i)
             motions_.push_back(draw_motion());
         for (std::size_t i = 0; i < 3 * shape.paths * shape.features.harmonics; ++i) {
@@ -73,7 +86,7 @@ public:
 
     layout::PathInput<T> input() {
         const float stretch = shape_.seed % 2 ? 5e-4f : 5e-5f; // longer than most steps, and shorter
-        return {tables_.law(), shape_.features, hands_, shape_.paths, shape_.steps, this, stretch};
+        return {law_, shape_.features, hands_, shape_.paths, shape_.steps, this, stretch};
     }
 
     layout::PathBatch<T> batch(std::size_t first, std::size_t count) override {
@@ -85,12 +98,14 @@ public:
         if (!recorded_.empty()) {
             if (shape_.own_lengths)
                 batch.steps = std::span(lengths_).subspan(first, count);
-            return batch;
+        } else {
+            batch.motions = std::span(motions_).subspan(first, count);
+            batch.amplitudes = part(amplitudes_, batch_amplitudes_);
+            batch.phases = part(phases_, batch_phases_);
+            batch.phase_steps = part(phase_steps_, batch_phase_steps_);
         }
-        batch.motions = std::span(motions_).subspan(first, count);
-        batch.amplitudes = part(amplitudes_, batch_amplitudes_);
-        batch.phases = part(phases_, batch_phases_);
-        batch.phase_steps = part(phase_steps_, batch_phase_steps_);
+        if (mesh_)
+            batch.proxies = start_proxies(batch);
         return batch;
     }
 
@@ -102,16 +117,20 @@ public:
         return window_;
     }
 
-    /// Puts a sample of a recorded path elsewhere, m.
-    void place(std::size_t step, std::size_t path, const std::array<T, 3>& at) {
-        std::copy(at.begin(), at.end(), recorded_.begin() + std::ptrdiff_t(3 * (step * shape_.paths + path)));
-    }
-
     std::size_t length(std::size_t path) const {
         return recorded_.empty() || !shape_.own_lengths ? shape_.steps : lengths_[path];
     }
 
 private:
+    static PathShape with_places(PathShape shape) {
+        if (shape.places.empty())
+            return shape;
+        shape.own_lengths = false;
+        shape.paths = 1;
+        shape.steps = shape.places.size();
+        return shape;
+    }
+
     layout::uint bits() { return static_cast<layout::uint>(random_()); }
     double uniform(double low, double high) { return low + (high - low) * static_cast<double>(bits()) * 0x1p-32; }
 
@@ -177,12 +196,53 @@ private:
             const double x = uniform(-1, 1), y = uniform(-1, 1), turn = uniform(0, 0.2);
             for (std::size_t step = 0; step < shape_.steps; ++step) {
                 const double t = turn * static_cast<double>(step);
-                T* const place = &recorded_[3 * (step * shape_.paths + path)];
-                place[0] = T(shape_.reach * (x + 0.5 * std::sin(t)));
-                place[1] = T(shape_.reach * y);
-                place[2] = T(shape_.depth * (std::cos(3 * t) - 0.5));
+                put(step, path,
+                    {shape_.reach * (x + 0.5 * std::sin(t)), shape_.reach * y, shape_.depth * (std::cos(3 * t) - 0.5)});
             }
         }
+        for (std::size_t step = 0; step < shape_.places.size(); ++step)
+            put(step, 0, shape_.places[step]);
+        if (shape_.probes == Probes::wandering)
+            wander([&](std::uint64_t seed) { return walks::Wanderer(*mesh_, seed, shape_.focus); });
+        if (shape_.probes == Probes::aimed) {
+            walks::Aimer aimer(*mesh_, shape_.seed);
+            wander([&](std::uint64_t) -> walks::Aimer& { return aimer; });
+        }
+    }
+
+    template <typename WalkerOf> void wander(const WalkerOf& walker_of) {
+        for (std::size_t path = 0; path < shape_.paths; ++path) {
+            auto&& walker = walker_of(shape_.seed * 1000 + path);
+            glm::dvec3 at = walker.begin();
+            for (std::size_t step = 0; step < shape_.steps; ++step) {
+                put(step, path, mesh_->centre - origin_of(*mesh_) + mesh_->scale * at);
+                at = walker.step(at);
+            }
+        }
+    }
+
+    void put(std::size_t step, std::size_t path, const glm::dvec3& at) {
+        for (int axis = 0; axis < 3; ++axis)
+            recorded_[3 * (step * shape_.paths + path) + static_cast<std::size_t>(axis)] = T(at[axis]);
+    }
+
+    // Where the god-objects of a batch begin.
+    std::span<const layout::ProxyStart<T>> start_proxies(const layout::PathBatch<T>& batch) {
+        const layout::PathInput<T> input = this->input();
+        proxies_.clear();
+        for (std::size_t path = 0; path < batch.count; ++path) {
+            const layout::HandParams<T> hand = input.hands.empty()
+                                                   ? layout::HandParams<T>{}
+                                                   : input.hands[input.hands.size() > 1 ? batch.first + path : 0];
+            const reference::Vector<T> place = batch.motions.empty()
+                                                   ? reference::vector_at(positions(0, 1), path)
+                                                   : reference::motion_at(input.law, input.features, batch, path, 0U);
+            const auto state = reference::begin_state(input.features, hand, place);
+            const reference::Vector<T> begin(state.x, state.y, state.z);
+            proxies_.push_back(
+                reference::proxy_start(law_, around_, reference::to_mesh_frame(law_.mesh.params, begin)));
+        }
+        return proxies_;
     }
 
     template <typename Value> std::span<const Value> part(const std::vector<Value>& all, std::vector<Value>& batch) {
@@ -193,63 +253,17 @@ private:
         return batch;
     }
 
-    FieldTables<T> tables_;
+    layout::Law<T> law_;
+    const MeshStructure* mesh_;
     PathShape shape_;
     std::mt19937_64 random_;
     std::vector<layout::MotionParams<T>> motions_;
     std::vector<T> amplitudes_, batch_amplitudes_, recorded_, window_;
     std::vector<layout::uint> phases_, phase_steps_, batch_phases_, batch_phase_steps_, lengths_;
     std::vector<layout::HandParams<T>> hands_;
+    std::vector<layout::ProxyStart<T>> proxies_;
+    reference::Neighbourhood<T> around_;
     std::size_t batch_first_ = 0, batch_count_ = 0;
 };
-
-/// Some of a case's paths as if they were all.
-template <typename T> class PathSlice final : public layout::PathSource<T> {
-public:
-    PathSlice(PathCase<T>& of, std::size_t first) : of_(of), first_(first) {}
-    layout::PathBatch<T> batch(std::size_t first, std::size_t count) override {
-        layout::PathBatch<T> batch = of_.batch(first_ + first, count);
-        batch.first = first;
-        return batch;
-    }
-    std::span<const T> positions(std::size_t step, std::size_t steps) override { return of_.positions(step, steps); }
-
-private:
-    PathCase<T>& of_;
-    std::size_t first_;
-};
-
-/// The same with `count` of a case's paths.
-template <typename T>
-PathComparison hold_slice(compute::PathKernel& kernel, PathCase<T>& one, std::size_t slice, std::size_t count) {
-    PathSlice<T> source(one, slice);
-    layout::PathInput<T> input = one.input();
-    input.source = &source;
-    input.paths = count;
-    if (input.hands.size() > 1)
-        input.hands = input.hands.subspan(slice, count);
-    return hold_input(kernel, input, [&](std::size_t path) { return one.length(slice + path); });
-}
-
-/// Takes all of the case's paths through device and oracle, `slice` of them at a time; 0: all at once.
-template <typename T> PathComparison hold_paths(compute::PathKernel& kernel, PathCase<T>& one, std::size_t slice = 0) {
-    const std::size_t paths = one.input().paths;
-    PathComparison all;
-    for (std::size_t first = 0; first < paths; first += slice ? slice : paths) {
-        const PathComparison some = hold_slice(kernel, one, first, slice ? std::min(slice, paths - first) : paths);
-        if (all.equal())
-            all.first = some.first;
-        all.samples += some.samples;
-        all.differing += some.differing;
-        all.paths += some.paths;
-        all.not_finite += some.not_finite;
-        all.differing_metrics += some.differing_metrics;
-        all.unstable += some.unstable;
-        all.rounds += some.rounds;
-        all.touching += some.touching;
-        all.in_order = all.in_order && some.in_order;
-    }
-    return all;
-}
 
 } // namespace forceshade::test

@@ -107,6 +107,25 @@ TEST(Plan, BytesOfASampleAreTheSumOfItsChannels) {
     EXPECT_TRUE(rc::check(sums_its_channels));
 }
 
+// Whatever a scene asks for, no invocation goes round more than 30 000 times, and memory bounds what a dispatch holds.
+TEST(Plan, DispatchesOfPathsAreShort) {
+    for (const std::uint64_t facets : {1u, 3u, 1000000u})
+        for (const layout::uint harmonics : {0u, 4u, 1000u})
+            for (const std::uint64_t paths : {1u, 1000u, 16384u}) {
+                layout::PathFeatures features;
+                features.loop = layout::kLoopClosed;
+                features.harmonics = harmonics;
+                features.channels = layout::kChannelPosition | layout::kChannelForce | layout::kChannelFacet;
+                const StepWork work = step_work({}, features, facets, sizeof(float));
+                const std::uint64_t steps = steps_of_dispatch(work, paths, 1000000, 8 << 20);
+                EXPECT_GE(steps, 1u);
+                EXPECT_LE(steps * work.iterations, kMostIterations);
+                EXPECT_LE(steps * work.bytes * paths, std::uint64_t(8) << 20);
+                EXPECT_LE((steps - 1) * work.cost * paths, std::uint64_t(1) << 24);
+            }
+    EXPECT_EQ(steps_of_dispatch({}, 1, 10, 1), 10u);
+}
+
 TEST(Plan, NamesTheRowThatDoesNotFit) {
     PlanLimits limits;
     limits.buffer_range = 1000;
