@@ -1,4 +1,4 @@
-# How hard the compiler tries, and the headers that it reads once for many sources. Without forceshade_compile a target has
+# Optimisation levels and precompiled headers. Without forceshade_compile a target has
 # CMake's own -O3 and no precompiled headers, as what calls CGAL must: its flags are others.
 
 # Under ccache a changed header would miss the cache for every source.
@@ -32,8 +32,8 @@ forceshade_headers(plain 2)
 forceshade_headers(plain 3)
 forceshade_headers(json 1 LINK nlohmann_json::nlohmann_json HEADERS <nlohmann/json.hpp>)
 
-# forceshade_compile(LEVEL HEADERS target ...): -O3 for the oracle, the mesh and the live loop, whose benchmarks tell the
-# difference (the plan of a mesh's field takes 2.5 times as long at -O2), -O1 where nobody waits for the result, -O2 elsewhere.
+# forceshade_compile(LEVEL HEADERS target ...): -O3 for the oracle, the mesh and the live loop, where benchmarks show a
+# difference (the plan of a mesh's field takes 2.5 times as long at -O2), -O1 where run time does not matter, -O2 elsewhere.
 function(forceshade_compile level headers)
     foreach(target ${ARGN})
         target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O${level}> ${false_alarms})

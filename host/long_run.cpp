@@ -18,7 +18,7 @@ namespace forceshade {
 namespace {
 
 constexpr auto kGrace = std::chrono::milliseconds(300);        // to leave in order
-constexpr auto kLockPatience = std::chrono::milliseconds(100); // with who makes or renames a file just now
+constexpr auto kLockPatience = std::chrono::milliseconds(100); // for a thread that makes or renames a file just now
 
 // Never destroyed: threads that are left behind may still ask for them.
 std::timed_mutex& end_mutex() {
@@ -30,13 +30,13 @@ std::set<std::filesystem::path>& unfinished() {
     return *files;
 }
 
-// The lock is never given back: nobody makes a file any more.
+// The lock is never released, so that no file is made any more.
 [[noreturn]] void end_process(const std::string& farewell) {
     std::error_code ignored;
     if (end_mutex().try_lock_for(kLockPatience))
         for (const std::filesystem::path& file : unfinished())
             std::filesystem::remove_all(file, ignored);
-    remark("{}error: interrupted\n", farewell.empty() ? "" : farewell + "\n");
+    print_note("{}error: interrupted\n", farewell.empty() ? "" : farewell + "\n");
     ::_exit(static_cast<int>(ExitCode::interrupted));
 }
 
@@ -56,7 +56,7 @@ void keep_at_end(const std::filesystem::path& file) {
 
 namespace {
 
-constexpr double kWorthTelling = 1;                         // s that a stage lasts
+constexpr double kWorthShowing = 1;                         // s that a stage lasts
 constexpr double kLogEvery = 60;                            // s between lines of the log, on a terminal
 constexpr double kLineEvery = 5;                            // s between lines where there is no terminal
 constexpr auto kDrawEvery = std::chrono::milliseconds(200); // on a terminal
@@ -122,12 +122,12 @@ std::string progress_line(double seconds, bool bar) {
             counted = stage;
         else if (stage->total_ > 0 && inner == 0)
             inner = static_cast<double>(stage->done_) / static_cast<double>(stage->total_);
-    const auto lasts = [](const Stage* stage) { return seconds_since(stage->start_) >= kWorthTelling; };
-    const auto told = std::find_if(stages().rbegin(), stages().rend(), lasts);
-    if (told == stages().rend())
+    const auto lasts = [](const Stage* stage) { return seconds_since(stage->start_) >= kWorthShowing; };
+    const auto shown = std::find_if(stages().rbegin(), stages().rend(), lasts);
+    if (shown == stages().rend())
         return "";
     if (!counted || !lasts(counted))
-        return fmt::format("{}, {} so far", (*told)->what_, clock_text(seconds));
+        return fmt::format("{}, {} so far", (*shown)->what_, clock_text(seconds));
     const double total = static_cast<double>(counted->total_);
     counted->share_ = std::max(counted->share_, std::min(1.0, (static_cast<double>(counted->done_) + inner) / total));
     const double share = counted->share_, elapsed = seconds_since(counted->start_);
@@ -168,7 +168,7 @@ void LongRun::watch(const std::stop_token& stop) {
     while (!stop.stop_requested())
         if (!wait_for_interrupt(kDrawEvery)) {
             if (!quiet_)
-                tell();
+                show_progress();
         } else if (is_interrupted()) {
             wait_for_interrupt(kGrace); // or the next one
             if (!stop.stop_requested())
@@ -176,14 +176,14 @@ void LongRun::watch(const std::stop_token& stop) {
         }
 }
 
-void LongRun::tell() {
+void LongRun::show_progress() {
     if (terminal_ && seconds_since(logged_) >= kLogEvery) {
         logged_ = Clock::now();
         log_line(progress_line(seconds_since(start_), false));
     }
-    if (!terminal_ && seconds_since(told_) < kLineEvery)
+    if (!terminal_ && seconds_since(shown_) < kLineEvery)
         return;
-    told_ = Clock::now();
+    shown_ = Clock::now();
     const std::string line = progress_line(seconds_since(start_), terminal_);
     if (terminal_)
         draw_line(cut(line, terminal_width() - 1));

@@ -1,5 +1,5 @@
-// What commands that may take long have in common: an interrupt ends them within half a second, at any size, and a line
-// on stderr tells what they are at.
+// Long commands: an interrupt ends them within half a second, at any size, and a line on stderr shows their
+// progress.
 #pragma once
 
 #include <cstdint>
@@ -12,12 +12,12 @@
 
 namespace forceshade {
 
-/// While it lives, a run that has not left by itself 0.3 s after an interrupt (host/program.h), or when a second one
+/// While it lives, a run that has not ended by itself 0.3 s after an interrupt (host/program.h), or when a second one
 /// comes, is ended: its temporary files are removed, `farewell` and "error: interrupted" are said, and the process
-/// exits with 130. Libraries that cannot be told to stop (CGAL, drivers, drawing) are left where they are; files that
+/// exits with 130. Libraries that cannot be stopped (CGAL, drivers, drawing) are left where they are; files that
 /// stand under their own names are whole at any moment. Not for what drives a device or talks with a person.
 ///
-/// Unless `quiet`, stderr tells of every stage that takes longer than a second: on a terminal a line at its foot, else
+/// Unless `quiet`, stderr shows every stage that takes longer than a second: on a terminal a line at its foot, else
 /// a line every five seconds. One at a time.
 class LongRun {
 public:
@@ -28,27 +28,27 @@ public:
 
 private:
     void watch(const std::stop_token& stop);
-    void tell();
+    void show_progress();
 
     bool quiet_, terminal_;
     std::string farewell_;
-    Clock::time_point start_ = Clock::now(), told_ = start_, logged_ = start_;
+    Clock::time_point start_ = Clock::now(), shown_ = start_, logged_ = start_;
     std::jthread thread_;
 };
 
-/// What a long run is at, from here to the end of the scope. The outermost stage that is counted gives the bar and the
-/// time left, the innermost one the words. Without a LongRun it tells nobody. Any thread may have stages.
+/// The stage of a long run, from here to the end of the scope. The outermost stage that is counted gives the bar and
+/// the time left, the innermost one the words. Without a LongRun it is not shown. Any thread may have stages.
 class Stage {
 public:
-    /// `what`: "reading bunny.ply". `total` steps of `unit` ("cases"); 0: nobody knows how many.
+    /// `what`: "reading bunny.ply". `total` steps of `unit` ("cases"); 0: their number is unknown.
     explicit Stage(std::string what, std::uint64_t total = 0, std::string unit = "");
     ~Stage();
     Stage(const Stage&) = delete;
     Stage& operator=(const Stage&) = delete;
 
-    /// So many steps have ended. `now` takes the place of `what`.
+    /// `done` steps have ended. `now` takes the place of `what`.
     void update(std::uint64_t done, std::string now = "");
-    /// So many of so many, where their number was not known before.
+    /// `done` steps of `total` have ended, where their number was not known before.
     void update(std::uint64_t done, std::uint64_t total);
 
 private:
@@ -66,7 +66,7 @@ std::string progress_line(double seconds, bool bar);
 /// "0:07", "12:40", "3:05:00".
 std::string clock_text(double seconds);
 
-// Files that an ended run would leave behind. Who makes, renames or removes one holds the lock meanwhile.
+// Files that an ended run would leave behind. Hold the lock while you make, rename or remove one.
 
 /// While held, no LongRun ends the process (for a tenth of a second at most).
 [[nodiscard]] std::unique_lock<std::timed_mutex> hold_end();

@@ -6,7 +6,7 @@
 namespace forceshade {
 
 /// sqrt(x^2 + y^2 + z^2) without overflow on the way; NaN if any component is. (std::hypot of three arguments loses a
-/// NaN beside zeros.)
+/// NaN next to zeros.)
 inline double norm(double x, double y, double z) {
     return std::hypot(std::hypot(x, y), z);
 }

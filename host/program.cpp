@@ -21,7 +21,7 @@ namespace {
 
 volatile std::sig_atomic_t interrupted = 0;
 volatile std::sig_atomic_t hangs_up = 0; // SIGHUP is caught
-volatile std::sig_atomic_t watched = 0;  // somebody waits for interrupts
+volatile std::sig_atomic_t watched = 0;  // a thread waits for interrupts
 
 sem_t* bell() {
     static sem_t* const semaphore = [] {

@@ -16,7 +16,7 @@ namespace forceshade {
 /// Release and commit, "0.1.0+0123456789ab"; with ".sources-" and a digest where the sources are not the commit's.
 std::string version();
 
-// SIGINT, SIGTERM and SIGHUP as a flag that long work asks for, so that it can leave nothing half done.
+// SIGINT, SIGTERM and SIGHUP as a flag that long work checks, so that it leaves no file half written.
 
 class Interrupted : public Error {
 public:
@@ -33,9 +33,9 @@ bool is_interrupted() noexcept;
 /// \throws Interrupted once the flag is raised.
 void check_interrupt();
 
-// For who ends the process in the place of work that does not ask (host/long_run.h).
+// For the thread that ends the process when work does not check the flag (host/long_run.h).
 
-/// Whether somebody waits for interrupts; then the second one is theirs, and the third ends the process at once.
+/// Whether a thread waits for interrupts; then it gets the second one, and the third ends the process at once.
 void watch_interrupts(bool watched);
 /// Waits for the next interrupt, or to be woken; false if neither came in time.
 bool wait_for_interrupt(std::chrono::milliseconds time);
@@ -44,22 +44,22 @@ void wake_interrupt_watch();
 
 // Text for the person at the terminal, on stderr.
 
-/// Puts lines onto stderr, above the line of progress if there is one. A stderr that takes nothing (closed, or a log on
-/// a full disk) stops no work.
+/// Puts lines onto stderr, above a line of progress. A stderr that fails (closed, or a log on a full disk) does
+/// not stop the work.
 void say(std::string_view text);
 
-/// From now on what is said also goes to the end of this file, a line with the time (UTC) each, and so does progress
-/// once a minute. `silent`: of it only errors go to stderr. \throws IoError.
+/// From now on these lines also go to the end of this file, a line with the time (UTC) each, and so does progress
+/// once a minute. `silent`: only errors go to stderr. \throws IoError.
 void open_log(const std::string& file, bool silent);
-/// A line for that file alone; nothing without one.
+/// A line for that file alone; ignored without one.
 void log_line(std::string_view text);
 
-/// Formats a text onto stderr.
-template <typename... Arguments> void remark(fmt::format_string<Arguments...> format, Arguments&&... arguments) {
+/// Formats a text and puts it onto stderr.
+template <typename... Arguments> void print_note(fmt::format_string<Arguments...> format, Arguments&&... arguments) {
     say(fmt::format(format, std::forward<Arguments>(arguments)...));
 }
 
-/// Replaces the line of progress at the foot of the terminal; empty: there is none. One line, shorter than the
+/// Replaces the line of progress at the foot of the terminal; empty: removes it. One line, shorter than the
 /// terminal.
 void draw_line(std::string_view text);
 

@@ -1,4 +1,4 @@
-// How many threads the program computes with: decided here alone. Results depend on it nowhere.
+// How many threads the program computes with: decided here alone. Results do not depend on it.
 #pragma once
 
 #include <algorithm>

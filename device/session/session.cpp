@@ -202,7 +202,7 @@ private:
             const ViewedRun run{options_.scene.filename().string(), opened_.facts.name, rate,
                                 opened_.settings.limits.max_force};
             others.push_back(&view_.emplace(*options_.view_port, run).ring());
-            remark("view: {}\n", view_->address()); // even if quiet: nobody could guess it
+            print_note("view: {}\n", view_->address()); // even if quiet: nobody could guess it
         }
         if (!options_.log.empty()) {
             ring_.emplace(static_cast<std::size_t>(kBuffered * rate));

@@ -30,21 +30,21 @@ EngineOptions device_options(const CommonOptions& common, bool needs_f64) {
     return options;
 }
 
-SettledEngine settle_engine(const CommonOptions& common, bool needs_f64, const Workload& work) {
-    SettledEngine settled{device_options(common, needs_f64), ""};
+SelectedEngine select_engine(const CommonOptions& common, bool needs_f64, const Workload& work) {
+    SelectedEngine selected{device_options(common, needs_f64), ""};
     if (common.engine != "auto" || !common.gpu.empty() || common.validation_layers)
-        return settled;
+        return selected;
     EngineChoice choice = choose_engine(work, needs_f64);
-    settled.options.cpu = choice.cpu;
-    settled.options.gpu = std::move(choice.gpu);
-    settled.why = std::move(choice.why);
-    return settled;
+    selected.options.cpu = choice.cpu;
+    selected.options.gpu = std::move(choice.gpu);
+    selected.why = std::move(choice.why);
+    return selected;
 }
 
-std::unique_ptr<Engine> make_engine(const SettledEngine& settled, const CommonOptions& common) {
-    if (!settled.why.empty() && !common.quiet)
-        remark("engine: {}\n", settled.why);
-    return make_engine(settled.options);
+std::unique_ptr<Engine> make_engine(const SelectedEngine& selected, const CommonOptions& common) {
+    if (!selected.why.empty() && !common.quiet)
+        print_note("engine: {}\n", selected.why);
+    return make_engine(selected.options);
 }
 
 std::vector<Precision> precisions_of(const EngineReport& engine) {
@@ -57,7 +57,7 @@ std::vector<Override> overrides(const CommonOptions& common) {
     return {{"run.precision", common.precision}};
 }
 
-void tell_stages(const EngineTimes& engine, const VolumeTimings& files) {
+void print_stage_times(const EngineTimes& engine, const VolumeTimings& files) {
     spdlog::debug(
         "stages: prepare {:.3f} s, engine {:.3f} s, encode {:.3f} s, check against the oracle {:.3f} s, flush "
         "{:.3f} s, read back {:.3f} s, hash {:.3f} s",
@@ -68,7 +68,7 @@ void tell_stages(const EngineTimes& engine, const VolumeTimings& files) {
 void print_warnings(const std::vector<std::string>& warnings, const CommonOptions& common) {
     if (!common.quiet)
         for (const std::string& warning : warnings)
-            remark("warning: {}\n", warning);
+            print_note("warning: {}\n", warning);
 }
 
 Case load_scene(const std::string& path, const CommonOptions& common) {
@@ -86,9 +86,9 @@ PreparedCase prepare_scene(CasePreparation& preparation, Case one, const CommonO
     if (!one.chooses_precision || !mesh || !has_thin_parts(mesh->structure, kThin))
         return prepared;
     if (!common.quiet)
-        remark("precision: f64, since the mesh has parts or gaps thinner than {:.2g} m, too thin for f32 "
-               "(--precision f32 takes it all the same)\n",
-               kThin * mesh->structure.scale);
+        print_note("precision: f64, since the mesh has parts or gaps thinner than {:.2g} m, too thin for f32 "
+                   "(--precision f32 takes it all the same)\n",
+                   kThin * mesh->structure.scale);
     set_precision(one, Precision::f64);
     return preparation.prepare(one);
 }
@@ -113,7 +113,7 @@ bool may_write(const std::vector<std::filesystem::path>& files, const CommonOpti
     std::vector<std::filesystem::path> there;
     std::error_code ignored;
     for (const std::filesystem::path& file : files)
-        if (std::filesystem::is_regular_file(file, ignored)) // a device or a pipe has nothing to lose
+        if (std::filesystem::is_regular_file(file, ignored)) // a device or a pipe loses no data
             there.push_back(file);
     if (there.empty() || common.overwrite)
         return true;
@@ -125,8 +125,8 @@ bool may_write(const std::vector<std::filesystem::path>& files, const CommonOpti
                         "choose another name",
                         names, there.size() > 1 ? "are" : "is"));
     if (!common.quiet)
-        remark("{} {} there already and stay{} (--no-clobber)\n", names, there.size() > 1 ? "are" : "is",
-               there.size() > 1 ? "" : "s");
+        print_note("{} {} there already and stay{} (--no-clobber)\n", names, there.size() > 1 ? "are" : "is",
+                   there.size() > 1 ? "" : "s");
     keep_files(there);
     return there.size() < files.size();
 }
@@ -146,7 +146,7 @@ void print_data(const std::string& text) {
     draw_line(""); // both may be the same terminal
     if (std::fwrite(text.data(), 1, text.size(), stdout) == text.size() && std::fflush(stdout) == 0)
         return;
-    if (errno != EPIPE) // a reader that has seen enough, such as head, is no error
+    if (errno != EPIPE) // a reader that has seen enough, such as head, is not an error
         throw IoError("cannot write to standard output");
 }
 

@@ -1,4 +1,4 @@
-// The commands of the program, and what they have in common: flags, scenes, the engine, where text goes.
+// The commands of the program, and their common parts: flags, scenes, the engine, where text goes.
 #pragma once
 
 #include <filesystem>
@@ -34,7 +34,7 @@ struct CommonOptions {
     bool silent = false;     /* quiet, but what would be said goes to the log; then quiet is false */
     std::string log_file;    /* empty: none */
     bool overwrite = false;  /* files that are there are replaced */
-    bool no_clobber = false; /* they stay, and are no error */
+    bool no_clobber = false; /* they stay, and are not an error */
     bool validation_layers = false;
 };
 
@@ -62,7 +62,7 @@ public:
 
     /// Of the one that was added last: its only values.
     Options& one_of(std::vector<std::string> values);
-    /// Likewise: names that the shell completes, of what the command's first argument names.
+    /// The names that the shell completes for it; `names` gets the command's first argument.
     Options& names(std::function<std::vector<std::string>(const std::string&)> names);
 
     /// The heading, in the help, of the options added from now on.
@@ -108,7 +108,7 @@ public:
     }
 
     /// The command that the user named, or one that prints what help, --help, --version or a shell asks for.
-    /// \throws UsageError for what is no command line of this program: what is wrong, and where to read on.
+    /// \throws UsageError with the error in the command line, and where to read on.
     Command parse(int argc, char** argv);
 
     CommonOptions common;
@@ -140,22 +140,22 @@ void add_gpus_command(CommandLine& program);
 void add_devices_command(CommandLine& program);
 void add_doctor_command(CommandLine& program);
 
-/// A scene, prepared. Where nothing names a precision it is double where the mesh has parts too thin for single: it
-/// says so.
+/// A scene, prepared. If neither flag nor scene states a precision, a mesh with parts too thin for single gets
+/// double; a note says so.
 PreparedCase prepare_scene(CasePreparation& preparation, Case one, const CommonOptions& common);
 
-/// What the flags say about the engine, for what measures or tries a device: without flags a Vulkan device.
+/// The engine that the flags choose, for commands that measure or check a device: without flags a Vulkan device.
 /// `needs_f64`: some case runs in double precision.
 EngineOptions device_options(const CommonOptions& common, bool needs_f64);
-/// An engine, settled and not yet there.
-struct SettledEngine {
+/// An engine that is selected but not made yet.
+struct SelectedEngine {
     EngineOptions options;
     std::string why; /* in words; empty: the user asked for it */
 };
-/// Likewise for what computes: without flags the engine that choose_engine takes for this work.
-SettledEngine settle_engine(const CommonOptions& common, bool needs_f64, const Workload& work);
-/// Tells on stderr which it is, unless quiet or asked for.
-std::unique_ptr<Engine> make_engine(const SettledEngine& settled, const CommonOptions& common);
+/// For commands that compute: without flags the engine that choose_engine takes for this work.
+SelectedEngine select_engine(const CommonOptions& common, bool needs_f64, const Workload& work);
+/// Prints on stderr which it is, unless quiet or asked for.
+std::unique_ptr<Engine> make_engine(const SelectedEngine& selected, const CommonOptions& common);
 
 /// Single and double precision, where the device has both.
 std::vector<Precision> precisions_of(const EngineReport& engine);
@@ -163,14 +163,14 @@ std::vector<Precision> precisions_of(const EngineReport& engine);
 /// Flags that replace keys of the scene.
 std::vector<Override> overrides(const CommonOptions& common);
 
-/// The scene in a file; its warnings go to stderr unless quiet. \throws UsageError for what is no single scene.
+/// The scene in a file; its warnings go to stderr unless quiet. \throws UsageError unless it is a single scene.
 Case load_scene(const std::string& path, const CommonOptions& common);
 
-/// The study in a file, or the paper's if `path` is empty; its warnings likewise.
+/// The study in a file, or the paper's if `path` is empty; its warnings go to stderr unless quiet.
 Study load_study(const std::string& path, const CommonOptions& common, const CaseChoice& choice = {});
 
 /// For --verbose: where the time of a case or of paths went.
-void tell_stages(const EngineTimes& engine, const VolumeTimings& files);
+void print_stage_times(const EngineTimes& engine, const VolumeTimings& files);
 
 /// To stderr unless quiet.
 void print_warnings(const std::vector<std::string>& warnings, const CommonOptions& common);
@@ -179,7 +179,7 @@ void print_warnings(const std::vector<std::string>& warnings, const CommonOption
 std::vector<std::string> case_names(const std::string& path);
 
 /// The one rule for files that are there already: --overwrite replaces them, --no-clobber leaves them and writes what
-/// is missing, and without either they are an error. False if nothing is missing (it says so unless quiet). \throws
+/// is missing, and without either they are an error. False if all are there (it says so unless quiet). \throws
 /// UsageError.
 bool may_write(const std::vector<std::filesystem::path>& files, const CommonOptions& common);
 

@@ -1,4 +1,4 @@
-// What a shell asks when Tab is pressed. The scripts only carry words to the program and its answer back.
+// Completion when Tab is pressed in a shell. The scripts only carry words to the program and its answer back.
 #include "host/cli/grammar.h"
 
 #include <algorithm>
@@ -69,7 +69,7 @@ end
 complete -c forceshade -f -a '(__forceshade_complete)'
 )";
 
-// The options that a command accepts: its own, then those of what it is in.
+// The options that a command accepts: its own, then those of its groups.
 std::vector<const CLI::Option*> accepted(const CLI::App& command) {
     std::vector<const CLI::Option*> options = options_of(command);
     if (command.get_parent())
@@ -153,7 +153,7 @@ private:
     std::string word_, lines_;
 };
 
-// `before`: of the word, what is no part of the value.
+// `before`: the part of the word before the value.
 void add_values(const Grammar& grammar, const CLI::Option& option, const std::string& before, const std::string& first,
                 Answer& answer) {
     if (const auto found = grammar.choices.find(&option); found != grammar.choices.end()) {
@@ -212,7 +212,7 @@ std::string completions(const Grammar& grammar, const std::vector<std::string>& 
     std::string word = at < words.size() ? typed(words[at]) : "";
     if (word == "=" && place.value_of)
         word.clear();
-    std::string before; // of the word, what stands before the value
+    std::string before; // the part of the word before the value
     if (const std::size_t equals = word.find('='); word.starts_with("--") && equals != std::string::npos) {
         before = word.substr(0, equals + 1);
         place.value_of = option_named(*place.command, word.substr(0, equals));
@@ -231,7 +231,7 @@ std::string completions(const Grammar& grammar, const std::vector<std::string>& 
     } else {
         const CLI::App& group = place.topic ? *place.topic : *place.command;
         for (const CLI::App* command : group.get_subcommands(nullptr))
-            if (place.argument == 0) // no word that is no command stands before it
+            if (place.argument == 0) // only commands stand before it
                 answer.add(command->get_name(), command->get_description());
         if (!place.topic)
             add_arguments(grammar, place, answer);

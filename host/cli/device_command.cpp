@@ -53,9 +53,9 @@ int run(const DeviceCommandArguments& arguments, const CommonOptions& common) {
 
 void describe(Options& options, DeviceCommandArguments& arguments) {
     options.optional("SCENE", arguments.scene,
-                     "that will be felt (TOML), for the workspace; default: the paper's bump");
+                     "that the device will display (TOML), for the workspace; default: the paper's bump");
     options.optional("--out FILE", arguments.out, "a JSON file of the outcome, for experiment run --check");
-    options.flag("--yes", arguments.yes, "somebody holds the probe lightly: go on by itself, asking nothing");
+    options.flag("--yes", arguments.yes, "a person holds the probe lightly: go on without questions");
     describe_device(options, arguments.device);
     describe_safety(options, arguments.device);
     options.example("device check bump.toml", "the simulated device, to see what a check does")
@@ -72,14 +72,14 @@ device::CheckGuide check_guide(const DeviceArguments& arguments, bool somebody, 
     if (terminal)
         guide.entered = enter_pressed;
     if (terminal || !common.quiet)
-        guide.tell = [](const std::string& text) { remark("{}\n", text); };
+        guide.tell = [](const std::string& text) { print_note("{}\n", text); };
     return guide;
 }
 
 void add_device_command(CommandLine& program) {
-    program.add_group("device", "Check a haptic device before it is felt")
+    program.add_group("device", "Check a haptic device before use")
         .example("device check bump.toml", "the simulated device")
-        .example("devices", "what there is to check");
+        .example("devices", "the devices that can be checked");
     program.add<DeviceCommandArguments>(
         "device check",
         "Check where the probe is, whether 0.5 N along each axis moves it that way, the workspace, the watchdog, the "

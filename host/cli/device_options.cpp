@@ -72,7 +72,7 @@ std::vector<double> lengths(const std::string& flag, const std::string& text, st
         begin = end + 1;
     }
     if (values.size() != count)
-        throw UsageError(fmt::format("{}: {} lengths are wanted, got {}, as in {} \"{}\"", flag, count, values.size(),
+        throw UsageError(fmt::format("{} needs {} lengths, got {}; for example {} \"{}\"", flag, count, values.size(),
                                      flag, example));
     return values;
 }
@@ -105,7 +105,7 @@ glm::dmat3 rotation(const std::string& text) {
         const std::size_t axis_at = std::min(text.find_first_not_of(' ', begin), end);
         const std::size_t axis = axis_at < end ? std::string_view("xyz").find(text[axis_at]) : std::string_view::npos;
         if (axis == std::string_view::npos || axis_at + 1 >= end || text[axis_at + 1] != ' ')
-            throw UsageError(fmt::format("--rotate \"{}\": an axis of the device and an angle are wanted, as in "
+            throw UsageError(fmt::format("--rotate \"{}\": expected an axis of the device and an angle, as in "
                                          "--rotate \"z 90 deg\", or several between commas",
                                          text));
         const double angle = parsed("--rotate", text.substr(axis_at + 2, end - axis_at - 2), Dimension::angle);
@@ -139,7 +139,7 @@ void describe_device(Options& options, DeviceArguments& arguments) {
     device::SessionOptions& session = arguments.session;
     options.optional("--device DEVICE", session.device,
                      "sim (default: the hand and device of [hand], along [paths] or strokes that press 1 N), "
-                     "replay:FILE.csv, haply[:URL], dhd[:INDEX] or hd[:NAME]; forceshade devices tells what is there. "
+                     "replay:FILE.csv, haply[:URL], dhd[:INDEX] or hd[:NAME]; forceshade devices lists them. "
                      "sim:1@0.5 s..3 s,2@1 s..2 s: its hand holds these buttons then");
     options.read(
         "--origin X,Y,Z", [&session](const std::string& text) { read_origin(text, session); },
@@ -151,20 +151,20 @@ void describe_device(Options& options, DeviceArguments& arguments) {
         "one after the other, between commas");
     options.read(
         "--scale RATIO", [&session](const std::string& text) { session.mapping.scale = scale(text); },
-        "metres of the scene in a metre of the device (default 1): with 2 it is felt half as large, and springs twice "
-        "as stiff");
+        "metres of the scene in a metre of the device (default 1): with 2 it is displayed half as large, and springs "
+        "twice as stiff");
     options.read(
         "--clutch BUTTON", [&session](const std::string& text) { session.clutch = read_button("--clutch", text); },
-        "button of the device while which is held the probe stays, without force, and the hand moves alone");
+        "button of the device: while it is held the probe stays, without force, and the hand moves alone");
     options.read(
         "--dead-man BUTTON",
         [&session](const std::string& text) { session.dead_man = read_button("--dead-man", text); },
-        "button of the device without which, held, there is no force");
+        "button of the device: there is no force unless it is held");
     add(options, "--rate FREQUENCY", session.rate, Dimension::frequency, Accepted::positive,
         "100 Hz to 10 kHz; default: the scene's paths.rate, a recording's own, else \"1 kHz\"");
     options.optional("--cpu CPU", session.cpu, "CPU to run on (default: the last one, with SCHED_FIFO)");
     add(options, "--patience TIME", session.patience, Dimension::time, Accepted::positive_or_none,
-        "ends when the device is gone for so long (default \"5 s\"; \"none\": never)");
+        "ends when the device is gone for this long (default \"5 s\"; \"none\": never)");
 }
 
 void describe_safety(Options& options, DeviceArguments& arguments) {
@@ -179,18 +179,18 @@ void describe_safety(Options& options, DeviceArguments& arguments) {
                  "more than 0.5 N even where the device refuses its own watchdog: what a killed process displayed "
                  "last then stays on");
     add(options, "--slew RATE", limits.slew, Dimension::force_rate, Accepted::positive_or_none,
-        "how fast the force may come up (default \"2 N/ms\"); it falls at once");
+        "how fast the force may rise (default \"2 N/ms\"); it falls at once");
     add(options, "--ramp TIME", limits.ramp, Dimension::time, Accepted::ramp,
-        "in which the force comes up after the start and after a fault (default \"200 ms\")");
+        "in which the force rises after the start and after a fault (default \"200 ms\")");
     add(options, "--contact-ramp TIME", limits.contact_ramp, Dimension::time, Accepted::ramp,
-        "likewise when contact is made after 50 ms without (default \"5 ms\")");
+        "in which the force rises when contact is made after 50 ms without (default \"5 ms\")");
     add(options, "--max-speed SPEED", limits.max_speed, Dimension::speed, Accepted::positive_or_none,
         "no force while the probe is faster (default \"2 m/s\")");
     add(options, "--stale TIME", limits.stale, Dimension::time, Accepted::positive_or_none,
         "no force when positions are older (default \"20 ms\")");
     options.read(
         "--watchdog PERIODS", [&limits](const std::string& text) { limits.late = periods(text); },
-        "no force when a sample is later than so many of them (default 20)");
+        "no force when a sample is later than this many of them (default 20)");
     options.read(
         "--workspace LENGTHS", [&session](const std::string& text) { session.workspace = workspace(text); },
         "no force outside of lowest x, y, z and highest x, y, z, six lengths between commas, in the device's axes "

@@ -25,7 +25,7 @@ namespace {
 struct Finding {
     bool good;
     std::string what, advice;
-    bool needed = true; // else its absence is worth a word, but no problem
+    bool needed = true; // else its absence is reported, but no problem
 };
 
 // One try: what works, or what to do.
@@ -161,7 +161,7 @@ int diagnose(const CommonOptions& common) {
 void add_doctor_command(CommandLine& program) {
     program.add("doctor", "Say what is installed, what works, and what to do about the rest", diagnose)
         .example("doctor", "this machine")
-        .example("doctor --engine cpu", "likewise, where no Vulkan device is wanted");
+        .example("doctor --engine cpu", "the same without a Vulkan device");
 }
 
 } // namespace forceshade

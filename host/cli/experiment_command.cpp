@@ -56,7 +56,7 @@ std::string checked_device(const ExperimentArguments& arguments, const experimen
         device::check_device(checked_options(arguments.device), CasePreparation().prepare(experiment.study.cases[0]),
                              check_guide(arguments.device, false, common));
     if (!common.quiet || !check.passed())
-        remark("{}", device::check_text(check));
+        print_note("{}", device::check_text(check));
     return device::check_json(check).dump();
 }
 
@@ -100,8 +100,8 @@ int run_experiment(const ExperimentArguments& arguments, const CommonOptions& co
         options.quiet = person || common.quiet;
         const std::size_t answered = experiment::run_session(experiment, *participant, options);
         if (!common.quiet)
-            remark("subject {}, session {}: {} in {}\n", subject, arguments.session, plural(answered, "trial"),
-                   arguments.out);
+            print_note("subject {}, session {}: {} in {}\n", subject, arguments.session, plural(answered, "trial"),
+                       arguments.out);
     }
     return 0;
 }
@@ -122,9 +122,9 @@ int analyse_data(const ExperimentArguments& arguments, const CommonOptions& comm
     print_warnings(warnings, common);
     if (!common.quiet) {
         for (const study::Finding& finding : data.findings)
-            remark("- {}\n", finding.text);
-        remark("look at {}, tables in {}\n", std::filesystem::absolute(written.file).lexically_normal().string(),
-               std::filesystem::absolute(out / data.study).lexically_normal().string());
+            print_note("- {}\n", finding.text);
+        print_note("look at {}, tables in {}\n", std::filesystem::absolute(written.file).lexically_normal().string(),
+                   std::filesystem::absolute(out / data.study).lexically_normal().string());
     }
     if (common.json)
         print_data(study::data_json(data));
@@ -143,8 +143,9 @@ int plan_experiment(const ExperimentArguments& arguments, const CommonOptions& c
     }
     if (pairs.empty())
         throw UsageError("no stimulus is there shaded and unshaded: say --compare CONDITION,CONDITION");
-    std::string text = "Subjects that tell two conditions apart (80 % power, paired t test at 5 %), by trials of each\n"
-                       "condition; answers as the observer expects them, subjects as different as in 1996.\n\n";
+    std::string text =
+        "Subjects needed to distinguish two conditions (80 % power, paired t test at 5 %), by trials of each\n"
+        "condition; answers as the observer expects them, subjects as different as in 1996.\n\n";
     nlohmann::ordered_json all = nlohmann::ordered_json::array();
     for (const auto& [first, second] : pairs) {
         const experiment::Plan plan = experiment::planned(experiment, first, second);
@@ -219,7 +220,7 @@ void add_experiment_command(CommandLine& program) {
                                      describe_run);
     program.add<ExperimentArguments>("experiment analyse", "Write tables, tests and figures of data", analyse_data,
                                      describe_analyse);
-    program.add<ExperimentArguments>("experiment plan", "Say how many subjects and trials tell conditions apart",
+    program.add<ExperimentArguments>("experiment plan", "Say how many subjects and trials distinguish conditions",
                                      plan_experiment, describe_plan);
 }
 

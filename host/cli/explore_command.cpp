@@ -42,7 +42,7 @@ void check(const ExploreArguments& arguments, const std::string& recorded) {
         throw UsageError(fmt::format("--out {}: explored paths are an OpenEXR or a CSV file, so its name ends in .exr "
                                      "or .csv",
                                      arguments.out));
-    std::error_code ignored; // a file that is not there is no other one
+    std::error_code ignored; // a missing file is not the same one
     for (const std::string& input : {recorded, arguments.scene})
         for (const std::filesystem::path& written : {std::filesystem::path(arguments.out), arguments.summary()})
             if (std::filesystem::equivalent(written, input, ignored))
@@ -80,10 +80,10 @@ int stream(const ExploreArguments& arguments, const CommonOptions& common, const
     stage.reset();
     print_warnings(result.warnings, common);
     if (!common.quiet)
-        remark("{}: {} on {}, {:.3g} % in contact, largest force {:.4g} N, {:.3g} ns a sample\n", arguments.out,
-               plural(result.samples, "sample"), plural(result.paths, "path"),
-               100 * share(result.in_contact, result.samples), result.largest_force,
-               1e9 * result.law_seconds / double(result.samples));
+        print_note("{}: {} on {}, {:.3g} % in contact, largest force {:.4g} N, {:.3g} ns a sample\n", arguments.out,
+                   plural(result.samples, "sample"), plural(result.paths, "path"),
+                   100 * share(result.in_contact, result.samples), result.largest_force,
+                   1e9 * result.law_seconds / double(result.samples));
     if (common.json) {
         nlohmann::ordered_json json;
         json["out"] = arguments.out;
@@ -99,7 +99,7 @@ int stream(const ExploreArguments& arguments, const CommonOptions& common, const
     }
     if (result.unfinished > 0)
         throw Error(ExitCode::failed, fmt::format("{}: at {} of {} samples the proxy did not come to rest within its "
-                                                  "limit of steps; their forces are not to be trusted",
+                                                  "limit of steps; do not trust their forces",
                                                   arguments.out, result.unfinished, result.samples));
     return 0;
 }
@@ -136,34 +136,36 @@ std::string as_json(const PathRecord& record, const ExploreArguments& arguments,
 }
 
 void print_outcome(const PathRecord& record, const std::string& out, const EngineReport& engine, const Scene& scene) {
-    remark("{}: {} of {} on {}, {:.3g} million steps/s, {:.3g} % in contact, {} unstable, largest force {:.4g} N, work "
-           "{:.4g} J, depth {:.4g} m, {:.2g} m (RMS) about it; {} of {} compared with the oracle, {} differ\n",
-           out, plural(record.paths, "path"), plural(record.steps, "step"), engine.device,
-           record.steps_per_second() / 1e6, 100 * share(record.in_contact, record.samples), record.unstable,
-           record.largest_force, record.work, record.mean_depth, record.depth_deviation, record.error.paths,
-           plural(record.paths, "path"), record.error.differing + record.error.metrics);
+    print_note(
+        "{}: {} of {} on {}, {:.3g} million steps/s, {:.3g} % in contact, {} unstable, largest force {:.4g} N, work "
+        "{:.4g} J, depth {:.4g} m, {:.2g} m (RMS) about it; {} of {} compared with the oracle, {} differ\n",
+        out, plural(record.paths, "path"), plural(record.steps, "step"), engine.device, record.steps_per_second() / 1e6,
+        100 * share(record.in_contact, record.samples), record.unstable, record.largest_force, record.work,
+        record.mean_depth, record.depth_deviation, record.error.paths, plural(record.paths, "path"),
+        record.error.differing + record.error.metrics);
     if (record.deviation)
-        remark("{}", deviation_text(*record.deviation));
+        print_note("{}", deviation_text(*record.deviation));
     constexpr double kHardly = 0.1; // of the samples
     const bool mesh = scene.surface.kind == SurfaceKind::mesh;
     const bool followed = scene.paths && scene.paths->follow == PathFollow::surface;
     if (share(record.in_contact, record.samples) < kHardly && (scene.paths || record.in_contact == 0))
-        remark("warning: {} in contact{}\n",
-               record.in_contact == 0
-                   ? std::string("no sample is")
-                   : fmt::format("only {:.2g} % of the samples are", 100 * share(record.in_contact, record.samples)),
-               !mesh || followed || !scene.paths
-                   ? "; go deeper, or press"
-                   : ": depth counts from the top of the mesh's box; follow = \"surface\" under [paths] counts it "
-                     "straight down from the surface, which is less along its normal where it slopes");
+        print_note("warning: {} in contact{}\n",
+                   record.in_contact == 0 ? std::string("no sample is")
+                                          : fmt::format("only {:.2g} % of the samples are",
+                                                        100 * share(record.in_contact, record.samples)),
+                   !mesh || followed || !scene.paths
+                       ? "; go deeper, or press"
+                       : ": depth counts from the top of the mesh's box; follow = \"surface\" under [paths] counts it "
+                         "straight down from the surface, which is less along its normal where it slopes");
     // Those that follow a surface below it are meant to.
     if (record.began_inside > 0 && !followed)
-        remark("warning: {} of {} begin behind the mesh's surface; their proxies begin at the nearest place of it\n",
-               record.began_inside, plural(record.paths, "path"));
+        print_note(
+            "warning: {} of {} begin behind the mesh's surface; their proxies begin at the nearest place of it\n",
+            record.began_inside, plural(record.paths, "path"));
     if (record.unstable > 0)
-        remark("warning: {} of {} left the bound round their target and are flagged unstable{}\n", record.unstable,
-               plural(record.paths, "path"),
-               record.fell > 0 ? fmt::format(", {} of them fell off the surface", record.fell) : "");
+        print_note("warning: {} of {} left the bound round their target and are flagged unstable{}\n", record.unstable,
+                   plural(record.paths, "path"),
+                   record.fell > 0 ? fmt::format(", {} of them fell off the surface", record.fell) : "");
 }
 
 std::vector<std::filesystem::path> all_files(const PathRunOptions& options, const Scene& scene,
@@ -179,7 +181,7 @@ std::vector<std::filesystem::path> all_files(const PathRunOptions& options, cons
 int run_all(const ExploreArguments& arguments, const CommonOptions& common, const PreparedCase& prepared) {
     const Scene& scene = prepared.one.scene;
     const auto engine = make_engine(
-        settle_engine(common, scene.precision == Precision::f64, path_workload(scene, arguments.paths)), common);
+        select_engine(common, scene.precision == Precision::f64, path_workload(scene, arguments.paths)), common);
     PathRunOptions options;
     options.stem = arguments.stem();
     if (!arguments.metrics_only)
@@ -211,16 +213,16 @@ int run_all(const ExploreArguments& arguments, const CommonOptions& common, cons
         write_file_atomically(page,
                               report::run_page(arguments.scene + ", explored", {{"Samples", arguments.out}}, data));
     }
-    tell_stages(record.engine_times, record.volume_times);
+    print_stage_times(record.engine_times, record.volume_times);
     const std::string out = arguments.metrics_only ? arguments.summary().filename().string() : arguments.out;
     print_warnings(record.warnings, common);
     if (!common.quiet)
         print_outcome(record, out, engine->report(), scene);
     if (!common.quiet)
-        remark("wrote {}{}\n", names_of(record.files), page.empty() ? "" : ", " + page.filename().string());
+        print_note("wrote {}{}\n", names_of(record.files), page.empty() ? "" : ", " + page.filename().string());
     if (common.json)
         print_data(as_json(record, arguments, engine->report()));
-    if (const std::string wrong = complaint(record, out, engine->report().device); !wrong.empty())
+    if (const std::string wrong = error_text(record, out, engine->report().device); !wrong.empty())
         throw Error(ExitCode::failed, wrong);
     return 0;
 }
@@ -250,12 +252,12 @@ int run(const ExploreArguments& arguments, const CommonOptions& common) {
     const std::string recorded = !arguments.paths.empty() ? arguments.paths : in_scene ? scene.paths->path : "";
     check(arguments, recorded);
     if (recorded.empty() && !scene.paths)
-        throw UsageError(fmt::format("{}: nothing says where the probe goes: add a [paths] table, or give --paths with "
+        throw UsageError(fmt::format("{}: the probe has no path: add a [paths] table, or give --paths with "
                                      "a CSV file of positions",
                                      arguments.scene));
     if (prepared.images.mesh)
         print_warnings(warnings_of(scene.surface.mesh, *prepared.images.mesh, MeshUse::path), common);
-    device_options(common, false); // refuses --gpu beside --engine cpu
+    device_options(common, false); // refuses --gpu with --engine cpu
     if (is_streamed(arguments, common, scene, recorded))
         return stream(arguments, common, prepared, recorded);
     return run_all(arguments, common, prepared);
@@ -268,10 +270,11 @@ void describe(Options& options, ExploreArguments& arguments) {
                      "recorded positions in place of the scene's: a CSV file with a header and columns path, t, x, "
                      "y, z (s, m); others are not read, and times of a path increase");
     options.required("--out FILE", arguments.out,
-                     "OUT.exr (a row a path) or OUT.csv (a line a sample); OUT.paths.csv beside it has a line a path");
-    options.list("--also vtp|npy|html|png|svg|pdf", arguments.also,
-                 "further files beside it: vtp (ParaView); npy (NumPy); html (force and position over time and place); "
-                 "png, svg, pdf (paths over the surface, direction of the force)");
+                     "OUT.exr (a row a path) or OUT.csv (a line a sample); OUT.paths.csv next to it has a line a path");
+    options.list(
+        "--also vtp|npy|html|png|svg|pdf", arguments.also,
+        "further files next to it: vtp (ParaView); npy (NumPy); html (force and position over time and place); "
+        "png, svg, pdf (paths over the surface, direction of the force)");
     describe_look(options, arguments.look);
     options.flag("--open-loop", arguments.open_loop,
                  "the positions of --paths are the probe's own, as in the log of a live loop, even if the scene's "
@@ -285,7 +288,7 @@ void describe(Options& options, ExploreArguments& arguments) {
 } // namespace
 
 void add_explore_command(CommandLine& program) {
-    program.add<ExploreArguments>("explore", "Take probes along a scene's paths and write what they feel", run,
+    program.add<ExploreArguments>("explore", "Take probes along a scene's paths and write the forces on them", run,
                                   describe);
 }
 

@@ -20,7 +20,7 @@ struct FieldArguments {
     PictureChoice pictures;
 };
 
-// Beside a volume.
+// Files next to a volume.
 std::vector<std::filesystem::path> in_folder(const std::filesystem::path& volume,
                                              const std::vector<std::string>& names) {
     std::vector<std::filesystem::path> files;
@@ -64,7 +64,7 @@ int run(const FieldArguments& arguments, const CommonOptions& common) {
     print_warnings(job.prepared.warnings, common);
     const Scene& scene = job.prepared.one.scene;
     const auto engine =
-        make_engine(settle_engine(common, scene.precision == Precision::f64, field_workload(scene)), common);
+        make_engine(select_engine(common, scene.precision == Precision::f64, field_workload(scene)), common);
     job.pictures = picture_choice(arguments, job.prepared.one.scene, job.also.pictures);
     Forecast needed = forecast(scene, job.also);
     require_space(job.volume.parent_path(), needed);
@@ -82,28 +82,27 @@ int run(const FieldArguments& arguments, const CommonOptions& common) {
     if (outcome.error)
         std::rethrow_exception(outcome.error);
     const CaseRecord& record = outcome.record;
-    tell_stages(record.engine_times, record.volume_times);
+    print_stage_times(record.engine_times, record.volume_times);
     if (!common.quiet)
-        remark("{}: {} voxels ({} evaluated) on {}, largest force {:.4g} N, error against the oracle in double "
-               "precision {:.2g} of it{}\n",
-               arguments.out, record.voxels, record.evaluated, record.engine.device, record.largest_force,
-               record.error.relative(),
-               record.error.on_edge
-                   ? fmt::format(", {} voxels that rounding takes across an edge not counted", record.error.on_edge)
-                   : "");
+        print_note("{}: {} voxels ({} evaluated) on {}, largest force {:.4g} N, error against the oracle in double "
+                   "precision {:.2g} of it{}\n",
+                   arguments.out, record.voxels, record.evaluated, record.engine.device, record.largest_force,
+                   record.error.relative(),
+                   record.error.on_edge ? fmt::format(", {} voxels on facet edges excluded", record.error.on_edge)
+                                        : "");
     if (!common.quiet && record.deviation)
-        remark("{}", deviation_text(*record.deviation));
+        print_note("{}", deviation_text(*record.deviation));
     if (!common.quiet && record.files.size() > 1)
-        remark("wrote {}\n", names_of(record.files));
+        print_note("wrote {}\n", names_of(record.files));
     if (!common.quiet && record.largest_force == 0 && record.error.largest_force > 0)
-        remark("warning: the forces, up to {:.3g} N, are too small for the numbers of an EXR volume, which holds 0 "
-               "everywhere; with --precision f64, --also npy keeps them\n",
-               record.error.largest_force);
+        print_note("warning: the forces (max {:.3g} N) underflow 32-bit floats: the EXR volume is all zeros; "
+                   "with --precision f64, --also npy keeps them\n",
+                   record.error.largest_force);
     else if (!common.quiet && record.largest_force == 0)
-        remark("warning: no voxel of the grid is in contact, so the force is 0 everywhere\n");
+        print_note("warning: no voxel of the grid is in contact, so the force is 0 everywhere\n");
     if (common.json)
         print_data(record_json(record) + "\n");
-    if (const std::string wrong = complaint(record); !wrong.empty())
+    if (const std::string wrong = error_text(record); !wrong.empty())
         throw Error(ExitCode::failed, wrong);
     return 0;
 }
@@ -112,7 +111,7 @@ void describe(Options& options, FieldArguments& arguments) {
     options.required("SCENE", arguments.scene, "scene file (TOML)");
     options.required("--out FILE", arguments.out, "the volume, an .exr file");
     options.list("--also vti|vtp|npy|png|svg|pdf", arguments.also,
-                 "further files beside it: vti (ParaView: the field), vtp (ParaView: the surface with the forces on "
+                 "further files next to it: vti (ParaView: the field), vtp (ParaView: the surface with the forces on "
                  "it), npy (NumPy), png, svg, pdf (pictures)");
     describe_look(options, arguments.pictures.look);
     options.read(

@@ -44,11 +44,11 @@ std::string as_text(const std::vector<compute::DeviceReport>& devices) {
 int list_gpus(const CommonOptions& common) {
     const auto devices = compute::list_devices();
     print_data(common.json ? as_json(devices) : as_text(devices));
-    // It throws where there is none.
+    // It throws if no device is usable.
     const compute::DeviceReport& chosen = compute::choose_device(devices, common.gpu, common.precision == "f64");
     if (!common.quiet)
-        remark("--{} takes {} ({})\n", common.gpu.empty() ? "engine gpu" : "gpu " + common.gpu, chosen.index,
-               chosen.name);
+        print_note("--{} takes {} ({})\n", common.gpu.empty() ? "engine gpu" : "gpu " + common.gpu, chosen.index,
+                   chosen.name);
     return 0;
 }
 

@@ -1,4 +1,4 @@
-// Parsing: from words to the command that runs, or to what is wrong with them and where to read on.
+// Parsing: from words to the command that runs, or to the error and where to read on.
 #include "host/cli/grammar.h"
 
 #include <algorithm>
@@ -28,7 +28,7 @@ void limit_jobs(const std::string& text) {
     unsigned count = 0;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), count);
     if (error != std::errc() || end != text.data() + text.size() || count < 1 || count > kMost)
-        throw UsageError(fmt::format("--jobs {}: a number of threads from 1 to {} is wanted", text, kMost));
+        throw UsageError(fmt::format("--jobs {}: expected a number of threads from 1 to {}", text, kMost));
     limit_threads(count);
     ::setenv("LP_NUM_THREADS", text.c_str(), 0); // of Mesa's software device, which is not loaded yet
 }
@@ -36,33 +36,32 @@ void limit_jobs(const std::string& text) {
 void add_common_options(Options options, CommonOptions& common) {
     options.optional(
         "--gpu NAME|UUID|INDEX", common.gpu,
-        "Vulkan device: part of its name, UUID or index (forceshade gpus); default: a hardware GPU where there is one, "
+        "Vulkan device: part of its name, UUID or index (forceshade gpus); default: a hardware GPU if available, "
         "else the software device");
     options.optional(
         "--engine auto|gpu|cpu", common.engine,
-        "auto (default): a hardware GPU where there is one, else the software device or the CPU, whichever was "
+        "auto (default): a hardware GPU if available, else the software device or the CPU, whichever was "
         "measured faster at such work (study, validate and doctor, which measure or check a device, take a device); "
         "gpu: a Vulkan device; cpu: the oracle");
     options.optional(
         "--precision f32|f64", common.precision,
         "of the computation; default: as the scene says, else f32, but f64 for explore and field of a mesh "
         "with parts too thin for f32");
-    options.read(
-        "-j,--jobs N", limit_jobs,
-        "at most so many threads for each stage (engine, plan of a mesh, compression); default: one for each CPU that "
-        "this process may use; results are the same");
+    options.read("-j,--jobs N", limit_jobs,
+                 "most threads for each stage (engine, plan of a mesh, compression); default: one for each CPU that "
+                 "this process may use; results are the same");
     options.read(
         "--max-memory SIZE", [](const std::string& text) { set_memory_limit(parse_memory(text)); },
         "most that a file's contents may take, from what its header announces; default: 4 GiB");
     options.flag("--json", common.json, "machine-readable results on stdout");
-    options.flag("-q,--quiet", common.quiet, "no progress and no remarks on stderr, errors only");
-    options.flag("-v,--verbose", common.verbose, "also tell on stderr what was chosen, and how long each stage took");
+    options.flag("-q,--quiet", common.quiet, "no progress and no notes on stderr, errors only");
+    options.flag("-v,--verbose", common.verbose, "also print on stderr what was chosen, and how long each stage took");
     options.optional("--log-file FILE", common.log_file,
                      "what goes to stderr, also at the end of this file, with times; all of it even with --quiet");
     options.flag("--overwrite", common.overwrite, "replace files that are there already");
     options.flag("--no-clobber", common.no_clobber, "leave files that are there already, and write what is missing");
     options.flag("--vulkan-validation", common.validation_layers,
-                 "run under Vulkan's validation layers; any complaint is an error");
+                 "run under Vulkan's validation layers; any message of theirs is an error");
 }
 
 [[noreturn]] void refuse(const std::string& wrong, const CLI::App& command) {
@@ -77,7 +76,7 @@ const CLI::App& chosen_command(const CLI::App& program) {
     return parsed.empty() ? program : chosen_command(*parsed.front());
 }
 
-// A command's, then those of what it is in.
+// A command's, then those of its groups.
 std::vector<const CLI::Option*> accepted_options(const CLI::App& command) {
     std::vector<const CLI::Option*> options = options_of(command);
     if (command.get_parent())
@@ -120,7 +119,7 @@ std::string meant_option(const std::string& name, const std::vector<std::string>
         if (has(long_names(options_of(*other)), name))
             others.push_back(full_name(*other));
     if (!others.empty() && &command != &program)
-        refuse(fmt::format("{} is no option of {}, but of {}", name, full_name(command), fmt::join(others, ", ")),
+        refuse(fmt::format("{} is not an option of {}, but of {}", name, full_name(command), fmt::join(others, ", ")),
                command);
     refuse(fmt::format("no option {}{}", name, &command == &program ? "" : " of " + full_name(command)), command);
 }
@@ -214,7 +213,7 @@ void refuse_values(const CLI::App& command, const std::vector<std::string>& word
     }
 }
 
-// What is wrong with the words, the likeliest cause first.
+// The errors in the words, the likeliest cause first.
 void refuse_wrong(const CLI::App& program, const std::vector<std::string>& words) {
     const CLI::App& command = chosen_command(program);
     refuse_values(command, words);
@@ -305,7 +304,7 @@ Options& Options::list(const std::string& name, std::vector<std::string>& values
     const auto [option, value_name] = parts(name);
     CLI::Option* const added = app_.add_option(option, values, help)->delimiter(',')->required(required);
     if (!added->get_positional())
-        added->allow_extra_args(false); // --also png SCENE: the scene is no picture
+        added->allow_extra_args(false); // --also png SCENE: the scene is not a format
     return keep(added, value_name);
 }
 
@@ -358,7 +357,7 @@ CommandLine::CommandLine() : grammar_(std::make_unique<Grammar>()) {
     Options options(*grammar_, program);
     add_common_options(options, common);
     program.get_option("--gpu")->check(
-        [](const std::string& name) { return std::string(name.empty() ? "an empty name is no device's" : ""); });
+        [](const std::string& name) { return std::string(name.empty() ? "a device's name cannot be empty" : ""); });
     options.example("sweep --out results/paper", "the paper's study, with a report")
         .example("field bump.toml --out bump.exr --also png", "a scene of your own, and pictures of its forces");
 }
@@ -463,7 +462,7 @@ Command CommandLine::parse(int argc, char** argv) {
         refuse_wrong(program, words);
         const std::string wrong = error.what(); // "Could not convert: --cpu = two"
         const std::size_t colon = error.get_name() == "ConversionError" ? wrong.find(": ") : std::string::npos;
-        refuse(colon == std::string::npos ? wrong : wrong.substr(colon + 2) + ": a whole number is wanted", command);
+        refuse(colon == std::string::npos ? wrong : wrong.substr(colon + 2) + ": expected a whole number", command);
     } catch (const UsageError& error) { // of a value
         const CLI::App& command = chosen_command(program);
         refuse_values(command, words);

@@ -1,5 +1,5 @@
-// The tables from which the command line is parsed, explained (help, manual) and completed: CLI11's, and what it does
-// not keep. Only the sources of the grammar include this: CLI11 takes 6 s to compile.
+// The tables from which the command line is parsed, explained (help, manual) and completed: CLI11's, and data that it
+// does not keep. Only the sources of the grammar include this: CLI11 takes 6 s to compile.
 #pragma once
 
 #include <functional>
@@ -42,14 +42,14 @@ std::string usage_of(const CLI::Option& option);
 /// A command's own options or arguments, in the order of the help.
 std::vector<const CLI::Option*> options_of(const CLI::App& command);
 std::vector<const CLI::Option*> arguments_of(const CLI::App& command);
-/// The command of that name below `group`; null: there is none.
+/// The command of that name below `group`, or null.
 const CLI::App* find_command(const CLI::App& group, const std::string& name);
-/// All commands below the program, groups before what is in them.
+/// All commands below the program, groups before their commands.
 std::vector<const CLI::App*> all_commands(const CLI::App& program);
 
 /// What --help prints, no line longer than `width`.
 std::string help_text(const Grammar& grammar, const CLI::App& command, std::size_t width);
-/// COLUMNS or the terminal's width, 80 where nobody says; from 40 to 100.
+/// COLUMNS or the terminal's width, 80 where both are unknown; from 40 to 100.
 std::size_t help_width();
 
 struct ManualPage {

@@ -69,7 +69,7 @@ std::string indented(std::string_view words, std::size_t indent, std::size_t wid
     return std::string(indent, ' ') + wrapped(words, indent, width) + "\n";
 }
 
-// A name at the left, what it is from `column` on.
+// A name at the left, its help from `column` on.
 std::string row(const std::string& name, const std::string& about, std::size_t column, std::size_t width) {
     std::string text = "  " + wrapped(name, 2, width);
     const std::size_t used = letters(std::string_view(text).substr(text.rfind('\n') + 1));

@@ -56,7 +56,7 @@ int init(const InitArguments& arguments, const CommonOptions& common) {
         return 0;
     write_file_atomically(arguments.out, text);
     if (!common.quiet)
-        remark("wrote {}; its first lines say what to do with it\n", arguments.out);
+        print_note("wrote {}; its first lines say what to do with it\n", arguments.out);
     return 0;
 }
 

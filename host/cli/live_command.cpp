@@ -32,7 +32,7 @@ struct LiveArguments {
     DeviceArguments device;
 };
 
-// STEM of the report: as on the command line, or beside the log, unless that is no regular file; empty: none.
+// STEM of the report: as on the command line, or next to the log if that is a regular file; empty: none.
 std::filesystem::path report_stem(const LiveArguments& arguments) {
     if (!arguments.report.empty())
         return std::filesystem::absolute(arguments.report);
@@ -41,11 +41,11 @@ std::filesystem::path report_stem(const LiveArguments& arguments) {
     const std::filesystem::path log = std::filesystem::absolute(arguments.log);
     std::error_code ignored;
     if (std::filesystem::exists(log, ignored) && !std::filesystem::is_regular_file(log, ignored))
-        return {}; // beside /dev/null there is no place for it
+        return {}; // not into the folder of /dev/null
     return log.parent_path() / (log.stem().string() + ".live");
 }
 
-// Before the run: what is written at the end has a place, and nothing that is read is written over.
+// Before the run: the outputs can be written, and none of them replaces an input.
 void check_outputs(const LiveArguments& arguments, const std::filesystem::path& report, const Scene& scene) {
     const std::string& device = arguments.device.session.device;
     std::vector<std::filesystem::path> inputs{arguments.scene, scene.surface.map.path, scene.surface.mesh.path};
@@ -72,19 +72,19 @@ void check_outputs(const LiveArguments& arguments, const std::filesystem::path& 
             if (std::filesystem::equivalent(output, input, ignored))
                 throw UsageError(
                     fmt::format("{} would replace {}, which is read; choose another name", name, input.string()));
-    // Scenes that the loop reads again are kept beside the log: never in place of the one that is watched.
+    // Scenes that the loop reads again are kept next to the log: never in place of the one that is watched.
     const std::filesystem::path scene_file = std::filesystem::absolute(arguments.scene);
     const std::filesystem::path log = std::filesystem::absolute(arguments.log.empty() ? "." : arguments.log);
     if (scene_file.parent_path() == log.parent_path() &&
         scene_file.filename().string().starts_with(log.stem().string() + ".scene-"))
-        throw UsageError(fmt::format("--log {}: {} may be one of the scenes that are kept beside it; choose another "
+        throw UsageError(fmt::format("--log {}: {} may be one of the scenes that are kept next to it; choose another "
                                      "name",
                                      arguments.log, arguments.scene));
     if (!report.empty() && ::access(report.parent_path().c_str(), W_OK) != 0)
         throw file_error("write", report, errno);
 }
 
-// A live loop goes in double precision unless somebody says otherwise.
+// A live loop runs in double precision unless the flags or the scene say otherwise.
 std::vector<Override> precision_of(const std::string& scene, const CommonOptions& common) {
     if (!common.precision.empty())
         return overrides(common);
@@ -109,7 +109,7 @@ int outcome_code(const device::SessionResult& result, const std::string& report)
     return static_cast<int>(result.interrupted ? ExitCode::interrupted : ExitCode::ok);
 }
 
-// Why there is none.
+// Why there is no report.
 std::string written_report(const device::LiveOutcome& outcome, const std::filesystem::path& stem,
                            const std::filesystem::path& log) {
     try {
@@ -155,7 +155,7 @@ int run(const LiveArguments& arguments, const CommonOptions& common) {
         return 0;
     const device::SessionResult result = device::run_session(options);
     if (!common.quiet)
-        remark("{}", device::report_text(result.outcome));
+        print_note("{}", device::report_text(result.outcome));
     if (common.json)
         print_data(device::report_json(result.outcome).dump(2) + "\n");
     return outcome_code(result, written_report(result.outcome, stem, options.log));
@@ -177,10 +177,10 @@ void describe(Options& options, LiveArguments& arguments) {
         "another; each sample is 16 doubles, little-endian: t, x, y, z, gx, gy, gz, fx, fy, fz, cx, cy, cz, depth, "
         "facet, tick, as in the log");
     options.flag("--view", arguments.view,
-                 "serve a page for browsers on this machine: force over time and over place, as it is felt");
+                 "serve a page for browsers on this machine: force over time and over place, while the loop runs");
     options.optional("--port N", arguments.port, "of that page (default: any that is free)");
     options.optional("--report STEM", arguments.report,
-                     "STEM.txt, STEM.json and STEM.html at the end (default: beside the log, LOG.live.*)");
+                     "STEM.txt, STEM.json and STEM.html at the end (default: next to the log, LOG.live.*)");
     options.flag("--watch", session.watch, "read the scene again whenever its file is saved");
     options.flag("--fast", arguments.fast, "sim and replay: as fast as possible, not by the clock");
     describe_safety(options, arguments.device);

@@ -56,7 +56,7 @@ void occupy_closed_streams() {
 int complain(const std::string& message, ExitCode code) {
     std::istringstream lines(message);
     for (std::string line; std::getline(lines, line);)
-        remark("{}{}\n", line.starts_with("see ") ? "" : "error: ", line);
+        print_note("{}{}\n", line.starts_with("see ") ? "" : "error: ", line);
     return static_cast<int>(code);
 }
 

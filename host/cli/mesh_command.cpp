@@ -300,8 +300,8 @@ int run(const Arguments& arguments, const CommonOptions& common) {
                       picture::draw_mesh(look, {contents(one), surface(one)}, one.mesh->mesh, one.marks, one.unit));
     }
     if (!common.quiet && unit.empty())
-        remark("lengths are in the file's unit, which no mesh file tells; for metres say what a coordinate of 1 is, as "
-               "--unit mm\n");
+        print_note("lengths are in the file's unit, which mesh files do not state; for metres say what a coordinate of "
+                   "1 is, as --unit mm\n");
     return 0;
 }
 

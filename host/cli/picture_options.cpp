@@ -39,7 +39,7 @@ void describe_look(Options& options, picture::Look& look) {
 
 void refuse_unused(const picture::Endings& endings, bool as_by_default) {
     if (!endings.any() && !as_by_default)
-        throw UsageError("there is no picture to draw so: add --also png, svg or pdf");
+        throw UsageError("these options need a picture: add --also png, svg or pdf");
 }
 
 picture::Quantity quantity_named(const std::string& name) {

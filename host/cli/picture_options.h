@@ -12,13 +12,13 @@ namespace forceshade {
 /// --title and --size.
 void describe_look(Options& options, picture::Look& look);
 
-/// \throws UsageError if pictures are described that nobody asked for.
+/// \throws UsageError if options of pictures are given without --also.
 void refuse_unused(const picture::Endings& endings, bool as_by_default);
 
 /// "magnitude". \throws UsageError with the names that there are.
 picture::Quantity quantity_named(const std::string& name);
 
-/// "y=2 mm", or "y" for the middle. \throws UsageError for what is no plane or not in the grid.
+/// "y=2 mm", or "y" for the middle. \throws UsageError for other text and for a plane outside of the grid.
 void read_slice(const std::string& text, const GridSpec& grid, picture::SliceChoice& slice);
 
 } // namespace forceshade

@@ -22,8 +22,8 @@ int run(const ReportArguments& arguments, const CommonOptions& common) {
     const std::filesystem::path file = std::filesystem::absolute(written.file).lexically_normal();
     if (!common.quiet) {
         for (const std::string& trouble : written.troubles)
-            remark("warning: {}\n", trouble);
-        remark("look at {}\n", file.string());
+            print_note("warning: {}\n", trouble);
+        print_note("look at {}\n", file.string());
     }
     if (common.json)
         print_data(nlohmann::ordered_json{

@@ -65,9 +65,9 @@ const KnownStudy& known_study(const std::string& name) {
 std::optional<Case> scene_of(const KnownStudy& known, const StudyArguments& arguments, const CommonOptions& common) {
     if (*known.precision && !common.precision.empty())
         throw UsageError(
-            fmt::format("--precision changes nothing in the study {}: {}; leave it out", known.name, known.precision));
+            fmt::format("--precision has no effect in the study {}: {}; leave it out", known.name, known.precision));
     if (arguments.scene.empty() && !common.precision.empty())
-        throw UsageError("--precision is of a scene, and none is given; the study's own scenes are measured in both");
+        throw UsageError("--precision needs a scene; the study's own scenes are measured in both");
     if (arguments.scene.empty() || known.many)
         return std::nullopt;
     return load_scene(arguments.scene, common);
@@ -82,7 +82,7 @@ std::optional<study::StudyData> study_in(const std::filesystem::path& folder) {
     }
 }
 
-// Writes the report and tells of a study that is complete; `how` it came about.
+// Writes the report and prints the findings of a complete study; `how` it was made.
 int show(const study::StudyData& data, const StudyArguments& arguments, const CommonOptions& common,
          const std::string& how) {
     const std::filesystem::path out = arguments.out;
@@ -92,15 +92,15 @@ int show(const study::StudyData& data, const StudyArguments& arguments, const Co
     };
     if (!common.quiet) {
         for (const study::Finding& finding : data.findings)
-            remark("- {}\n", finding.text);
-        remark("{} {}; look at {}, numbers in {}\n", data.study, how, shown(written.file), shown(out / data.study));
+            print_note("- {}\n", finding.text);
+        print_note("{} {}; look at {}, numbers in {}\n", data.study, how, shown(written.file), shown(out / data.study));
     }
     if (common.json)
         print_data(study::data_json(data));
     return 0;
 }
 
-// What of an earlier run the new one would replace and not compute again; empty: nothing.
+// What the new run would replace of an earlier one without computing it again; may be empty.
 std::string lost_by(const std::optional<study::StudyData>& before, const study::StudyRun& run,
                     const study::StudyOptions& options) {
     if (before && before->scene != run.scene_text())
@@ -167,7 +167,7 @@ void describe(Options& options, StudyArguments& arguments) {
 void add_study_command(CommandLine& program) {
     program.add<StudyArguments>(
         "study",
-        "Measure errors, run times, stability, energy, savings or what is felt into a folder, with figures "
+        "Measure errors, run times, stability, energy, savings or perception into a folder, with figures "
         "and a report",
         run, describe);
 }

@@ -27,9 +27,9 @@ struct SweepArguments {
     bool fresh = false, replace = false, list = false, dry = false, merge = false, verify = false;
 };
 
-constexpr const char* kGoOn = "what was finished stays; the same command goes on from there";
+constexpr const char* kGoOn = "finished cases are kept; run the same command to resume";
 
-// Folders may have names that are no UTF-8.
+// Folders may have names that are not UTF-8.
 std::string json_text(const nlohmann::ordered_json& json) {
     return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }
@@ -102,26 +102,27 @@ template <typename Has> bool any_case(const Study& study, Has&& has) {
 void print_outcome(const SweepResult& result, const SweepOptions& options, const Study& study,
                    const std::filesystem::path& report) {
     if (options.shard)
-        remark("shard {}/{}: ", options.shard->index, options.shard->count);
-    remark("{}: {} computed{}, {} kept from before{}\n", plural(result.chosen, "case"), result.computed,
-           result.computed ? fmt::format(" on {} in {}", result.account.engine_device, clock_text(result.account.wall))
-                           : "",
-           result.kept, result.failures.empty() ? "" : fmt::format(", {} failed", result.failures.size()));
+        print_note("shard {}/{}: ", options.shard->index, options.shard->count);
+    print_note("{}: {} computed{}, {} kept from before{}\n", plural(result.chosen, "case"), result.computed,
+               result.computed
+                   ? fmt::format(" on {} in {}", result.account.engine_device, clock_text(result.account.wall))
+                   : "",
+               result.kept, result.failures.empty() ? "" : fmt::format(", {} failed", result.failures.size()));
     const bool fields = any_case(study, [](const Scene& scene) { return scene.field; });
     const bool paths = any_case(study, [](const Scene& scene) { return scene.paths.has_value(); });
     if (fields)
-        remark("largest error against the oracle in double precision: {:.2g} of the largest force\n",
-               result.largest_relative_error);
+        print_note("largest error against the oracle in double precision: {:.2g} of the largest force\n",
+                   result.largest_relative_error);
     const std::filesystem::path folder = std::filesystem::absolute(options.folder).lexically_normal();
     if (options.shard) {
-        remark("when all shards have ended: the same command with --merge in place of --shard\n");
+        print_note("when all shards have ended: the same command with --merge in place of --shard\n");
         return;
     }
-    remark("look at {} (in a browser), summary.csv (a row a case), manifest.json (everything known){}{} and *.exr "
-           "beside it\n",
-           (folder / report.filename()).string(),
-           options.also.pictures.any() && fields ? ", *.arrows.*, *.mosaic.*" : "",
-           options.also.pictures.any() && paths ? ", *.paths.*" : "");
+    print_note("look at {} (in a browser), summary.csv (a row a case), manifest.json (all records){}{} and *.exr next "
+               "to it\n",
+               (folder / report.filename()).string(),
+               options.also.pictures.any() && fields ? ", *.arrows.*, *.mosaic.*" : "",
+               options.also.pictures.any() && paths ? ", *.paths.*" : "");
 }
 
 int print_status(const SweepArguments& arguments, const CommonOptions& common) {
@@ -129,8 +130,7 @@ int print_status(const SweepArguments& arguments, const CommonOptions& common) {
         throw IoError(arguments.status + ": there is no such folder");
     const std::vector<ShardNote> notes = read_notes(arguments.status);
     if (notes.empty())
-        throw UsageError(arguments.status +
-                         ": no shard has told of itself in this folder; --status is for what --shard began");
+        throw UsageError(arguments.status + ": no shard status files in this folder (written by sweep --shard)");
     const double now = std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
     print_data(common.json ? status_json(notes, now) : status_text(notes, now));
     return 0;
@@ -146,12 +146,12 @@ std::string as_json(const MergeResult& result) {
                       {"beyond_bound", result.wrong}});
 }
 
-void tell_errors(const std::vector<std::string>& errors) {
+void print_errors(const std::vector<std::string>& errors) {
     constexpr std::size_t kMost = 50;
     for (std::size_t i = 0; i < std::min(kMost, errors.size()); ++i)
-        remark("error: {}\n", errors[i]);
+        print_note("error: {}\n", errors[i]);
     if (errors.size() > kMost)
-        remark("error: and {} more like these\n", errors.size() - kMost);
+        print_note("error: and {} more like these\n", errors.size() - kMost);
 }
 
 // 1 where something is missing or wrong.
@@ -161,24 +161,25 @@ int merge(const SweepArguments& arguments, const CommonOptions& common) {
         merge_sweep(load_study(arguments.study, common), {arguments.out, arguments.verify, arguments.replace});
     const std::filesystem::path report = result.recorded > 0 ? report::write_report(arguments.out).file : "";
     if (!common.quiet)
-        remark("{} of {} recorded{}\n", result.recorded, plural(result.cases, "case"),
-               report.empty() ? "" : "; look at " + std::filesystem::absolute(report).lexically_normal().string());
+        print_note("{} of {} recorded{}\n", result.recorded, plural(result.cases, "case"),
+                   report.empty() ? "" : "; look at " + std::filesystem::absolute(report).lexically_normal().string());
     if (result.temporaries > 0 && !common.quiet)
-        remark("{} of other machines, .*.tmp: once no shard is at work, they can be removed\n",
-               plural(result.temporaries, "temporary file"));
-    tell_errors(result.failures);
-    tell_errors(result.wrong);
+        print_note("{} of other machines, .*.tmp: once no shard is at work, they can be removed\n",
+                   plural(result.temporaries, "temporary file"));
+    print_errors(result.failures);
+    print_errors(result.wrong);
     if (!result.missing.empty()) {
         constexpr std::size_t kMost = 5;
         const std::span<const std::string> first(result.missing.data(), std::min(kMost, result.missing.size()));
-        remark("error: {} missing: {}{}\n", plural(result.missing.size(), "case"), fmt::join(first, ", "),
-               first.size() < result.missing.size() ? " ..." : "");
+        print_note("error: {} missing: {}{}\n", plural(result.missing.size(), "case"), fmt::join(first, ", "),
+                   first.size() < result.missing.size() ? " ..." : "");
         if (result.others > 0)
-            remark("error: {} of them have records of another scene, other files or another program: give --merge the "
-                   "study and the flags that the shards have, and run all with the same program\n",
-                   result.others);
+            print_note(
+                "error: {} of them have records of another scene, other files or another program: give --merge the "
+                "study and the flags that the shards have, and run all with the same program\n",
+                result.others);
         if (!result.shards.empty())
-            remark("error: run again: --shard {}\n", fmt::join(result.shards, ", --shard "));
+            print_note("error: run again: --shard {}\n", fmt::join(result.shards, ", --shard "));
     }
     if (common.json)
         print_data(as_json(result));
@@ -194,8 +195,7 @@ int run(const SweepArguments& arguments, const CommonOptions& common) {
         throw UsageError("--verify goes with --merge: a sweep verifies what it finds by itself");
     if (arguments.merge &&
         (arguments.shard || arguments.only != "*" || arguments.fresh || arguments.dry || !arguments.also.empty()))
-        throw UsageError("--merge is of the whole study and computes nothing: leave out --shard, --only, --fresh, "
-                         "--dry-run and --also");
+        throw UsageError("--merge cannot be combined with --shard, --only, --fresh, --dry-run, --also");
     if (arguments.merge)
         return merge(arguments, common);
     const LongRun long_run(common.quiet, arguments.dry ? "" : kGoOn);
@@ -220,8 +220,8 @@ int run(const SweepArguments& arguments, const CommonOptions& common) {
         print_data(case_list(study, common.json));
         return 0;
     }
-    const SettledEngine engine =
-        settle_engine(common, any_case(study, [](const Scene& scene) { return scene.precision == Precision::f64; }),
+    const SelectedEngine engine =
+        select_engine(common, any_case(study, [](const Scene& scene) { return scene.precision == Precision::f64; }),
                       study_workload(study));
     // Also where everything is there already: a device that was asked for must exist, and have computed it.
     if (!common.gpu.empty())
@@ -231,7 +231,7 @@ int run(const SweepArguments& arguments, const CommonOptions& common) {
             return run_sweep(
                 study, [&] { return make_engine(engine, common); }, engine.options.cpu, options);
         } catch (const Interrupted&) {
-            remark("{}\n", kGoOn);
+            print_note("{}\n", kGoOn);
             throw;
         }
     };
@@ -249,7 +249,7 @@ int run(const SweepArguments& arguments, const CommonOptions& common) {
             print_outcome(result, options, study, report.file);
     }
     for (const std::string& failure : result.failures)
-        remark("error: {}\n", failure);
+        print_note("error: {}\n", failure);
     if (common.json)
         print_data(as_json(result, options));
     return result.exit_code;
@@ -260,7 +260,7 @@ void describe(Options& options, SweepArguments& arguments) {
     options.optional("--out DIR", arguments.out, "folder of the results; made if need be");
     options.flag("--list", arguments.list, "only print the names of the cases (with --json also what varies)");
     options.flag("--dry-run", arguments.dry,
-                 "only tell how many cases there are to compute, and what voxels, bytes and minutes they take, from "
+                 "only print how many cases are to be computed, and what voxels, bytes and minutes they take, from "
                  "small copies of some");
     options.optional("--only CASES", arguments.only, "shell pattern of case names, for example 'bump*facets-2*'")
         .names(case_names);
@@ -268,12 +268,13 @@ void describe(Options& options, SweepArguments& arguments) {
         "--shard I/N", arguments.shard,
         "do the I-th of N parts, for several machines at once, and write volumes and records alone; \"slurm\": the "
         "part that a task of a Slurm array 1-N or of an srun is");
-    options.flag("--merge", arguments.merge,
-                 "compute nothing: make manifest, summary and report of what shards left; ends with 1 and tells which "
-                 "are missing, if any");
+    options.flag(
+        "--merge", arguments.merge,
+        "do not compute: make manifest, summary and report from what the shards wrote; exits with 1 and lists the "
+        "cases that are missing, if any");
     options.flag("--verify", arguments.verify, "with --merge: hash every file, instead of looking at its size");
     options.optional("--status DIR", arguments.status,
-                     "compute nothing: tell how the shards stand that write into DIR");
+                     "do not compute: print the status of the shards that write into DIR");
     options.list("--also vti|vtp|npy|png|svg|pdf", arguments.also,
                  "further files for each case: vti (ParaView: the field), vtp (ParaView: the surface with the forces "
                  "on it, the paths as lines), npy (NumPy), png, svg, pdf (pictures)");

@@ -25,11 +25,11 @@ std::vector<Precision> precisions(const CommonOptions& common, const EngineRepor
     if (!common.precision.empty())
         return {common.precision == "f64" ? Precision::f64 : Precision::f32};
     if (!engine.f64 && !common.quiet)
-        remark("{} has no double precision: only f32 is validated\n", engine.device);
+        print_note("{} has no double precision: only f32 is validated\n", engine.device);
     return precisions_of(engine);
 }
 
-// Prints what was compared; true if all of it passed.
+// Prints the comparisons; true if all passed.
 bool print(const std::vector<Comparison>& fields, const std::vector<PathComparison>& paths, const CommonOptions& common,
            const EngineReport& engine) {
     const Totals voxels = totals_of(fields);
@@ -87,7 +87,7 @@ int run(const ValidateArguments& arguments, const CommonOptions& common) {
     }
     const bool passed = print(fields, paths, common, engine->report());
     if (!passed && !common.quiet)
-        remark("a bound was exceeded on {}\n", engine->report().device);
+        print_note("a bound was exceeded on {}\n", engine->report().device);
     return passed ? 0 : 1;
 }
 

@@ -68,16 +68,16 @@ public:
         require_buttons();
         require_check(options.check);
         for (const std::string& warning : opened_.warnings)
-            remark("warning: {}\n", warning);
+            print_note("warning: {}\n", warning);
         if (!manner_.empty())
-            remark("{}\n", manner_);
+            print_note("{}\n", manner_);
         loop_.suspend(true);
         {
             const QuietSignals quiet;
             loop_.start();
         }
-        remark("participant's page: {}\noperator's page:    {}\n", server_.address(kParticipant),
-               server_.address(kOperator));
+        print_note("participant's page: {}\noperator's page:    {}\n", server_.address(kParticipant),
+                   server_.address(kOperator));
     }
 
     ~Person() override {
@@ -176,8 +176,8 @@ private:
     void require_check(const std::string& text) {
         if (text.empty()) {
             if (!opened_.facts.simulated)
-                remark("warning: {} was not checked before this session: forceshade device check, or --check now\n",
-                       opened_.facts.name);
+                print_note("warning: {} was not checked before this session: forceshade device check, or --check now\n",
+                           opened_.facts.name);
             return;
         }
         check_ = Json::parse(text, nullptr, false);

@@ -564,7 +564,7 @@ void SessionRecord::add(const Trial& trial, const TrialOutcome& outcome) {
     if (::write(descriptor_, text.data(), text.size()) != std::ssize(text) || ::fdatasync(descriptor_) != 0) {
         const int error = errno;
         if (::ftruncate(descriptor_, before.st_size) != 0)
-            remark("warning: {} ends in a part of a row\n", file_.string());
+            print_note("warning: {} ends in a part of a row\n", file_.string());
         throw file_error("write", file_, error);
     }
     rows_.push_back(std::move(row));

@@ -147,7 +147,7 @@ void add_interval(TrialOutcome& outcome, const TrialOutcome& other) {
 std::size_t run_session(const Experiment& experiment, Participant& participant, const RunOptions& options) {
     SessionRecord record(options.folder, experiment, options.info);
     if (!record.repaired().empty())
-        remark("warning: {}\n", record.repaired());
+        print_note("warning: {}\n", record.repaired());
     if (const std::string about = participant.about_device(); !about.empty())
         record.keep_device(about);
     std::vector<std::optional<PreparedCase>> prepared(experiment.study.cases.size());

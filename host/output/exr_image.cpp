@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::uint64_t kMostBlockBytes = 1ull << 30;
 constexpr std::uint64_t kBlockOverhead = 16; // bytes: its offset in the table, its first line and its size
-/// A byte of the file becomes at most so many: deflate makes 1032 of one, and PXR24 leaves out a quarter before.
+/// A byte of the file expands to at most this many: deflate makes 1032 of one, and PXR24 leaves out a quarter before.
 constexpr std::uint64_t kMostExpansion = 1400;
 
 } // namespace
@@ -26,7 +26,7 @@ std::optional<std::size_t> Layer::find(const std::string& channel) const {
     return found == channels.end() ? std::nullopt : std::optional<std::size_t>(found - channels.begin());
 }
 
-// What OpenEXRCore is given to read from, and what it and the file had to complain about first.
+// The input of OpenEXRCore, and the first error that it or the file reported.
 struct Image::Context {
     explicit Context(const ReadableFile& from) : file(from) {}
     ~Context() {
@@ -58,15 +58,15 @@ struct Image::Context {
             return;
         auto& context = *static_cast<Context*>(self);
         const std::lock_guard lock(context.mutex);
-        if (context.complaint.empty())
-            context.complaint = message;
+        if (context.error_text.empty())
+            context.error_text = message;
     }
 
     const ReadableFile& file;
     exr_context_t handle = nullptr;
     std::mutex mutex;
     std::optional<IoError> failure; // of the file itself
-    std::string complaint;
+    std::string error_text;
 };
 
 // The pixels of one block.
@@ -93,7 +93,7 @@ private:
         if (result == EXR_ERR_SUCCESS)
             return;
         const std::lock_guard lock(image_.context_->mutex); // another thread's block may be damaged, too
-        refuse(image_.context_->complaint);
+        refuse(image_.context_->error_text);
     }
     [[noreturn]] void refuse(const std::string& why) const {
         const bool tiled = image_.layers_[static_cast<std::size_t>(part_)].tiled;
@@ -185,8 +185,8 @@ Image::Image(const ReadableFile& file, std::filesystem::path name)
     int parts = 0;
     const bool opened = exr_start_read(&context_->handle, name_.c_str(), &start) == EXR_ERR_SUCCESS &&
                         exr_get_count(context_->handle, &parts) == EXR_ERR_SUCCESS;
-    if (!opened || parts < 1 || !context_->complaint.empty()) // it goes on after some damage
-        damaged("no valid EXR file, " + context_->complaint);
+    if (!opened || parts < 1 || !context_->error_text.empty()) // it goes on after some damage
+        damaged("no valid EXR file, " + context_->error_text);
     for (int part = 0; part < parts; ++part) {
         layers_.push_back(layer_of(part));
         check_blocks(part, layers_.back());
@@ -209,7 +209,7 @@ Layer Image::layer_of(int part) const {
     if (exr_get_storage(handle, part, &storage) || exr_get_compression(handle, part, &layer.compression) ||
         exr_get_data_window(handle, part, &layer.data) || exr_get_display_window(handle, part, &layer.display) ||
         exr_get_channels(handle, part, &channels))
-        damaged("no valid EXR file, " + context_->complaint);
+        damaged("no valid EXR file, " + context_->error_text);
     if (storage != EXR_STORAGE_SCANLINE && storage != EXR_STORAGE_TILED)
         damaged("it is a deep image, which is not supported: flatten it");
     layer.tiled = storage == EXR_STORAGE_TILED;
@@ -221,7 +221,7 @@ Layer Image::layer_of(int part) const {
             damaged(fmt::format("no valid EXR file, its channel {} cannot be", entry.name.str));
         layer.channels.push_back({entry.name.str, entry.pixel_type, entry.x_sampling, entry.y_sampling});
     }
-    context_->complaint.clear(); // that there is no name
+    context_->error_text.clear(); // that there is no name
     return layer;
 }
 
@@ -231,7 +231,7 @@ void Image::check_blocks(int part, const Layer& layer) const {
     std::int32_t blocks = 0;
     if (exr_get_chunk_unpacked_size(context_->handle, part, &bytes) ||
         exr_get_chunk_count(context_->handle, part, &blocks))
-        damaged("no valid EXR file, " + context_->complaint);
+        damaged("no valid EXR file, " + context_->error_text);
     if (layer.data.max.x < layer.data.min.x || layer.data.max.y < layer.data.min.y || layer.channels.empty())
         damaged("no valid EXR file, its data window or its channels are missing or empty");
     if (bytes > kMostBlockBytes)
@@ -244,7 +244,7 @@ std::optional<std::string> Image::text(const char* name) const {
     std::int32_t length = 0;
     const char* bytes = nullptr;
     const bool there = exr_attr_get_string(context_->handle, 0, name, &length, &bytes) == EXR_ERR_SUCCESS;
-    context_->complaint.clear();
+    context_->error_text.clear();
     if (!there || length < 0 || !bytes)
         return std::nullopt;
     return std::string(bytes, static_cast<std::size_t>(length));
@@ -253,7 +253,7 @@ std::optional<std::string> Image::text(const char* name) const {
 template <typename Value, typename Get> std::optional<Value> Image::attribute(const char* name, const Get& get) const {
     Value value{};
     const bool there = get(context_->handle, 0, name, &value) == EXR_ERR_SUCCESS;
-    context_->complaint.clear();
+    context_->error_text.clear();
     return there ? std::optional(value) : std::nullopt;
 }
 
@@ -274,7 +274,7 @@ void Image::read(std::size_t which, std::int32_t first, std::int32_t last, int t
     std::int32_t width = 1, height = 1; // of a block; of one of rows the width does not matter
     if (layer.tiled ? exr_get_tile_sizes(context_->handle, part, 0, 0, &width, &height)
                     : exr_get_scanlines_per_chunk(context_->handle, part, &height))
-        damaged("no valid EXR file, " + context_->complaint);
+        damaged("no valid EXR file, " + context_->error_text);
     const auto block_row = [&](std::int32_t y) { return (std::int64_t{y} - layer.data.min.y) / height; };
     const std::int64_t columns = layer.tiled ? static_cast<std::int64_t>((layer.columns() - 1) / width + 1) : 1;
     const std::int64_t begin = block_row(first) * columns, end = (block_row(last) + 1) * columns;

@@ -63,7 +63,7 @@ public:
     ~Image();
 
     const std::vector<Layer>& layers() const noexcept { return layers_; }
-    /// Attributes of the first part; nothing where it lacks one of that name and type.
+    /// Attributes of the first part; empty where it lacks one of that name and type.
     std::optional<std::string> text(const char* name) const;
     std::optional<exr_attr_v3d_t> vector(const char* name) const;
     std::optional<exr_attr_v3i_t> integers(const char* name) const;

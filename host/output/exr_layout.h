@@ -33,7 +33,7 @@ std::vector<Part> parts_of(const VolumeHeader& header);
 void require_possible(const VolumeHeader& header);
 
 /// Rows that are handed to OpenEXR at once: a multiple of every compression's block, about 4 MiB of force.
-/// It decides how the parts' blocks interleave in the file, so it may depend on nothing but the image's size.
+/// It decides how the parts' blocks interleave in the file, so it may depend on the image's size alone.
 std::uint64_t rows_per_group(std::uint64_t width, std::uint64_t rows);
 
 /// An image of several parts, ready to be written.

@@ -153,10 +153,10 @@ struct VolumeReader::State {
         if (!exr::has_layout(found, part, header.size[0], rows()) ||
             exr::compression_from(found.compression) != header.compression ||
             found.name != name_of_channel(part.channel))
-            refuse(fmt::format("its part {} is laid out in another way", name_of_channel(part.channel)));
+            refuse(fmt::format("its part {} has another layout", name_of_channel(part.channel)));
     }
     [[noreturn]] void refuse(const std::string& why) const {
-        throw IoError(fmt::format("cannot read {}: it is no volume of this program, {}", path.string(), why));
+        throw IoError(fmt::format("cannot read {}: it is not a volume of this program, {}", path.string(), why));
     }
 
     std::uint64_t rows() const { return header.size[1] * header.size[2]; }
@@ -278,7 +278,7 @@ PathSamples read_paths(const std::filesystem::path& path, std::uint64_t most_pat
         const bool half = real != layer->channels.end();
         const exr::Part part = exr::make_part(channel, half ? PixelType::half : PixelType::float32, Compression::none);
         if (!exr::has_layout(*layer, part, columns, rows))
-            refuse(fmt::format("its part {} is laid out in another way", layer->name));
+            refuse(fmt::format("its part {} has another layout", layer->name));
         const auto components = static_cast<std::ptrdiff_t>(components_of(channel));
         std::vector<Value> row(static_cast<std::size_t>(components) * columns);
         for (std::uint64_t at = 0; at < rows; at += every_path) {

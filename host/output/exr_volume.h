@@ -18,7 +18,7 @@
 
 namespace forceshade {
 
-/// How the file of a field or of paths is written, and what it tells of the run.
+/// How the file of a field or of paths is written, and what it states about the run.
 struct ExrOptions {
     Compression compression = Compression::zip;
     PixelType pixel = PixelType::float32; /* of a field all but the facet ids; of paths force and depth: others float */
@@ -48,9 +48,9 @@ public:
     /// Values are rounded to float.
     void write(const AnyFieldChunk& chunk, std::size_t repeat_y) override;
 
-    /// Flushes to disk, reads back and compares, hashes, renames. Nothing of that name is touched before the last step.
-    /// Throws Error (exit 1) for NaN or infinite values, UsageError for values that a half cannot hold (both name the
-    /// voxel), IoError if the disk is full or holds something else than was written.
+    /// Flushes to disk, reads back and compares, hashes, renames. A file of that name is not touched before the last
+    /// step. Throws Error (exit 1) for NaN or infinite values, UsageError for values that a half cannot hold (both name
+    /// the voxel), IoError if the disk is full or holds something else than was written.
     VolumeResult finish() override;
 
 private:
@@ -72,7 +72,7 @@ public:
     /// Rows [first, first + count) of a real channel into `values`: count x nx x components (3 for vectors, 1 for
     /// depth).
     void read(std::uint32_t channel, std::uint64_t first, std::uint64_t count, std::vector<float>& values);
-    /// Likewise the facet ids, count x nx.
+    /// The same for the facet ids, count x nx.
     void read_ids(std::uint64_t first, std::uint64_t count, std::vector<std::uint32_t>& ids);
 
 private:
@@ -117,13 +117,13 @@ struct PathSamples {
     std::vector<float> force, position, proxy; /* N, m, m: three a sample, path after path; proxy empty if not stored */
     glm::dvec3 origin{0};                      /* m, in the world: what position and proxy are measured from */
     std::vector<float> depth;                  /* m: one a sample; empty if not stored, or not asked for */
-    std::vector<float> angle, magnitude_error; /* deg, N: likewise */
-    std::vector<std::uint32_t> facet;          /* likewise; layout::kNoFacet out of contact and behind a path's end */
+    std::vector<float> angle, magnitude_error; /* deg, N: as depth */
+    std::vector<std::uint32_t> facet;          /* as depth; layout::kNoFacet out of contact and behind a path's end */
     std::string scene;                         /* the resolved TOML */
 };
 
-/// At most so many paths of so many samples. `scalars`: also depth, facet, angle and magnitude_error. \throws IoError
-/// for a file that is missing, damaged or foreign.
+/// At most `most_paths` paths of `most_steps` samples. `scalars`: also depth, facet, angle and magnitude_error. \throws
+/// IoError for a file that is missing, damaged or foreign.
 PathSamples read_paths(const std::filesystem::path& path, std::uint64_t most_paths, std::uint64_t most_steps,
                        bool scalars = false);
 

@@ -48,7 +48,7 @@ Imf::PixelType pixel_of(PixelFormat format) {
     return format == PixelFormat::half ? Imf::HALF : Imf::FLOAT;
 }
 
-// The part's header, without its grid or paths: nothing in it depends on the day or the machine.
+// The part's header, without its grid or paths. It depends neither on the day nor on the machine.
 Imf::Header make_header(const Part& part, std::uint64_t width, std::uint64_t rows, Compression compression,
                         const ExrOptions& options) {
     Imf::Header header(static_cast<int>(width), static_cast<int>(rows), 1.0f, Imath::V2f(0, 0), 1.0f, Imf::INCREASING_Y,
@@ -123,7 +123,7 @@ public:
                                       file_.path().string()));
     }
 
-    // Runs `work` and turns what OpenEXR throws into an IoError: the stream's own failure if there is one, else `cannot
+    // Runs `work` and turns what OpenEXR throws into an IoError: the stream's own failure if it had one, else `cannot
     // write PATH: what OpenEXR says`. Our own errors pass.
     template <typename Work> void guard(const Work& work) const {
         try {
@@ -152,7 +152,7 @@ private:
     TemporaryFile& file_;
     std::optional<IoError> failure_;
     std::optional<std::uint64_t> data_from_; // byte of the file
-    std::uint64_t data_to_ = 0;              // likewise
+    std::uint64_t data_to_ = 0;              // byte of the file
     Sha256 data_;
 };
 
@@ -203,8 +203,8 @@ public:
             std::memmove(target(rows), rows.rows.data() + previous * row_bytes(rows), row_bytes(rows));
         advance();
     }
-    // Flushes to disk, reads back and compares, hashes, renames. `place` tells where a watched value stands, as "voxel
-    // (1, 2, 3)". Throws as VolumeWriter::finish.
+    // Flushes to disk, reads back and compares, hashes, renames. `place` formats where a watched value stands, as
+    // "voxel (1, 2, 3)". Throws as VolumeWriter::finish.
     VolumeResult finish(const PlaceText& place);
 
     VolumeTimings timings;
@@ -257,7 +257,7 @@ void RowsWriter::throw_if_refused(const PlaceText& place) const {
         const auto& [value, at, found] = rows.watch.first_non_finite();
         if (found && !allow_non_finite_)
             throw Error(ExitCode::failed,
-                        fmt::format("{}: {} is {} at {}: {} values are not finite as floats; nothing was written",
+                        fmt::format("{}: {} is {} at {}: {} values are not finite as floats; no file was written",
                                     file_.path().string(), name_of_channel(rows.part.channel), value, place(at),
                                     rows.watch.non_finite()));
     }
@@ -463,7 +463,7 @@ struct PathVolumeWriter::State {
     std::uint64_t next = 0;        // path
     std::uint64_t step = 0;        // of it, the next
     std::vector<float> rounded;    // a row, or a part of one
-    std::vector<layout::uint> ids; // likewise
+    std::vector<layout::uint> ids; // of the facets
 };
 
 PathVolumeWriter::PathVolumeWriter(const std::filesystem::path& path, const PathVolumeHeader& header)

@@ -93,7 +93,7 @@ struct TemporaryName {
     std::string_view of, host; /* the file's own name, where it was not too long; the machine */
 };
 
-// Nothing of another file's name.
+// Empty for the name of another file.
 std::optional<TemporaryName> temporary_name_in(std::string_view name) {
     if (!name.starts_with('.') || !name.ends_with(kEnding))
         return std::nullopt;
@@ -143,7 +143,7 @@ bool lock(int descriptor, bool wait) {
     return result == 0 || wait;
 }
 
-/// 0, or the errno. File systems that cannot flush a folder say EINVAL: then there is nothing to be done.
+/// 0, or the errno. File systems that cannot flush a folder say EINVAL, which is ignored.
 int flush_folder(const std::filesystem::path& folder) {
     const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
     if (descriptor < 0)

@@ -21,7 +21,7 @@ namespace forceshade {
 /// `verb` is "write" or "read" (it decides the advice), `number` an errno. English in every locale.
 IoError file_error(const char* verb, const std::filesystem::path& path, int number);
 
-// Names of files as accounts tell them, which may be anybody's.
+// Names of files in manifests, which any program may have written.
 
 /// True for the name of a file right in its folder; another is foreign and not followed.
 inline bool is_plain_name(const std::string& name) {
@@ -30,10 +30,10 @@ inline bool is_plain_name(const std::string& name) {
 
 // A file that appears under its own name only when it is complete and on disk.
 
-/// Written as `.NAME.fs.HOST.PROCESS.<16 hex digits>.tmp` beside NAME and locked while alive, so that what a killed
-/// process left can be told from what a live one is writing, by the machine that it ran on. Several processes may write
+/// Written as `.NAME.fs.HOST.PROCESS.<16 hex digits>.tmp` next to NAME and locked while alive, so that what a killed
+/// process left can be distinguished from what a live one is writing, on the same machine. Several processes may write
 /// the same NAME at once: the last rename stands. Every failure is an IoError that names NAME, and once one occurred
-/// nothing can be published.
+/// publish() fails, too.
 class TemporaryFile {
 public:
     explicit TemporaryFile(std::filesystem::path final_path);
@@ -101,7 +101,7 @@ class Sha256 {
 public:
     Sha256();
     void update(std::span<const std::byte> bytes);
-    /// 64 lower-case hex digits; once, and nothing may follow.
+    /// 64 lower-case hex digits; once, as the last call.
     std::string finish();
 
 private:

@@ -128,7 +128,7 @@ HeightImage read_height_exr(const ReadableFile& file) {
 }
 
 /// libpng reports errors by a long jump. It only ever jumps back into one of the methods marked below, which hold
-/// nothing that would have to be destroyed; all memory belongs to this object.
+/// no object that would have to be destroyed; all memory belongs to this object.
 class PngDecoder {
 public:
     explicit PngDecoder(const ReadableFile& file) : file_(file) {
@@ -205,7 +205,7 @@ bool PngDecoder::read_header() {
     return true;
 }
 
-// Nothing here asks for gamma: samples stay the fractions of full scale that they are.
+// No gamma is applied: samples stay the fractions of full scale that they are.
 bool PngDecoder::start() {
     if (setjmp(png_jmpbuf(png_)) != 0)
         return false;

@@ -15,12 +15,12 @@ struct HeightImage {
     std::string sha256;          /* of the file's bytes, lower-case hex */
 };
 
-/// Reads a grey image; the format is told by its contents. Integers are fractions of their full scale (a white PNG
+/// Reads a grey image; its contents decide the format. Integers are fractions of their full scale (a white PNG
 /// pixel is 1), without gamma; floats are used as they are. Of an EXR the channel Y is used, else its only channel,
 /// else R if the colours are equal. The map covers the display window: pixels outside of the data window are 0. At most
 /// 2^28 samples, and what fits into the memory that is allowed (require_memory). Throws IoError for files that
-/// are missing, truncated or damaged; UsageError for pictures that are no height map, with the row and column (from 0)
-/// of a coloured, infinite or NaN pixel.
+/// are missing, truncated or damaged; UsageError for pictures that are not a height map, with the row and column (from
+/// 0) of a coloured, infinite or NaN pixel.
 HeightImage read_height_image(const std::filesystem::path& path);
 
 } // namespace forceshade

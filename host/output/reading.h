@@ -31,7 +31,7 @@ void require_memory(const std::filesystem::path& file, const std::string& what, 
 /// The whole file as bytes. Throws IoError.
 std::string read_file(const std::filesystem::path& path);
 
-/// What tells one state of a file from another: which file it is, how long, and when it was written.
+/// Identifies a state of a file: which file it is, how long, and when it was written.
 struct FileStamp {
     std::uint64_t device = 0, inode = 0, size = 0;
     std::int64_t seconds = 0, nanoseconds = 0; /* of the last change */
@@ -42,7 +42,7 @@ FileStamp stamp_of(const std::filesystem::path& path);
 
 class ReadableFile {
 public:
-    /// Throws IoError if the file is missing, unreadable or no regular file.
+    /// Throws IoError if the file is missing, unreadable or not a regular file.
     explicit ReadableFile(std::filesystem::path path);
     ~ReadableFile();
     ReadableFile(const ReadableFile&) = delete;
@@ -50,7 +50,7 @@ public:
 
     const std::filesystem::path& path() const noexcept { return path_; }
     std::uint64_t size() const noexcept { return stamp_.size; } /* bytes, when it was opened */
-    const FileStamp& stamp() const noexcept { return stamp_; }  /* likewise */
+    const FileStamp& stamp() const noexcept { return stamp_; }  /* when it was opened */
 
     /// Reads up to bytes.size() from `offset` and returns how many there were: fewer only at the file's end. Throws
     /// IoError.
@@ -67,13 +67,13 @@ private:
 
 using Json = nlohmann::ordered_json;
 
-/// What stands in the text; is_discarded() if that is no JSON, is nested more than 32 deep or has an object of more
+/// What stands in the text; is_discarded() if that is not JSON, is nested more than 32 deep or has an object of more
 /// than 1000 members: the program's own files have none such. The library copies, writes and compares a level a call,
 /// and looks for each new member among all before it.
 Json parse_json(std::string_view text);
 
-/// Of a whole file. \throws IoError if it cannot be read or is no regular file, UsageError if it is too large for the
-/// memory that is allowed (require_memory).
+/// Of a whole file. \throws IoError if it cannot be read or is not a regular file, UsageError if it is too large for
+/// the memory that is allowed (require_memory).
 Json read_json(const std::filesystem::path& path);
 
 /// Reads a whole number from 0 on. Json itself converts any number, however large. \throws Json::exception for a number

@@ -13,16 +13,15 @@ double PathRecord::steps_per_second() const {
     return seconds > 0 ? double(samples) / seconds : 0;
 }
 
-std::string complaint(const PathRecord& record, const std::string& name, const std::string& device) {
+std::string error_text(const PathRecord& record, const std::string& name, const std::string& device) {
     if (!record.error.passed())
         return fmt::format("{}: {} of {} samples and the metrics of {} of {} paths compared are further from the CPU "
-                           "oracle than rounding allows on {} ({}); it is not to be trusted (forceshade validate tells "
-                           "more)",
+                           "oracle than rounding allows on {} ({}); do not trust it (details: forceshade validate)",
                            name, record.error.beyond, record.error.samples, record.error.metrics, record.error.paths,
                            device, record.error.first);
     if (record.unfinished > 0)
-        return fmt::format("{}: at {} of {} samples the proxy did not come to rest within its limit of steps; their "
-                           "forces are not to be trusted",
+        return fmt::format("{}: at {} of {} samples the proxy did not come to rest within its limit of steps; do "
+                           "not trust their forces",
                            name, record.unfinished, record.samples);
     return {};
 }
@@ -189,17 +188,18 @@ std::string deviation_text(const DeviationRecord& deviation) {
         return "compared with the shape of [compare]: contact is nowhere as little deep as compare.depth says\n";
     return fmt::format("compared with the shape of [compare], where contact is at most compare.depth deep: direction "
                        "{:.3g} deg (RMS), {:.3g} at most, at {} places; magnitude {:.3g} N (RMS), {:.3g} at most, at "
-                       "{}, where the shape alone would be felt included\n",
+                       "{}, including where the shape alone has contact\n",
                        deviation.rms_angle, deviation.largest_angle, deviation.angles, deviation.rms_magnitude_error,
                        deviation.largest_magnitude_error, deviation.magnitudes);
 }
 
-std::string complaint(const CaseRecord& record) {
+std::string error_text(const CaseRecord& record) {
     if (record.error.beyond == 0)
-        return record.paths ? complaint(*record.paths, record.name, record.engine.device) : std::string();
-    return fmt::format("{}: {} of {} voxels compared are further from the CPU oracle than rounding allows on {}; its "
-                       "volume is not to be trusted (forceshade validate tells more)",
-                       record.name, record.error.beyond, record.error.compared, record.engine.device);
+        return record.paths ? error_text(*record.paths, record.name, record.engine.device) : std::string();
+    return fmt::format(
+        "{}: {} of {} voxels compared are further from the CPU oracle than rounding allows on {}; do not trust its "
+        "volume (details: forceshade validate)",
+        record.name, record.error.beyond, record.error.compared, record.engine.device);
 }
 
 std::filesystem::path record_path(const std::filesystem::path& folder, const std::string& name) {

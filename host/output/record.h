@@ -1,4 +1,4 @@
-// What an engine tells of itself and of its work.
+// What an engine reports of itself and of its work.
 #pragma once
 
 #include <array>
@@ -46,7 +46,7 @@ struct OracleError {
     std::uint64_t differing = 0; /* voxels whose bits are not the oracle's in the same precision */
     std::uint64_t beyond = 0;    /* of them, those further from it than rounding allows: on a software device all */
     std::uint64_t on_edge = 0; /* voxels as near to another facet of a mesh, or to its surface, as rounding reaches, or
-                                  rounded to the other side of an edge: their error says nothing and is not counted */
+                                  rounded to the other side of an edge: their error is meaningless and not counted */
     double largest = 0;        /* N: largest |F - F_oracle|, the oracle in double */
     double largest_force = 0;  /* N: largest |F_oracle| among the voxels compared */
 
@@ -89,7 +89,7 @@ struct PathRecord {
     std::uint64_t paths = 0;
     std::uint64_t steps = 0; /* of the longest */
     std::uint64_t samples = 0, in_contact = 0;
-    double stretch = 0;                           /* m: the way that turns of the force are counted over */
+    double stretch = 0;                           /* m: the least distance over which turns of the force are counted */
     std::uint64_t unstable = 0, began_inside = 0; /* paths */
     std::uint64_t fell = 0;                       /* of the unstable ones */
     std::uint64_t unfinished = 0;                 /* samples */
@@ -99,7 +99,7 @@ struct PathRecord {
     double mean_depth = 0;                        /* m */
     std::optional<DeviationRecord> deviation;     /* with [compare], where samples are written */
     PathError error;
-    std::vector<FileRecord> files; /* the samples first, if there are any */
+    std::vector<FileRecord> files; /* the samples first, unless metrics only */
     EngineTimes engine_times;
     VolumeTimings volume_times;
     std::vector<std::string> warnings;
@@ -108,10 +108,10 @@ struct PathRecord {
 };
 
 /// What is wrong with a run whose paths are further from the oracle than rounding allows, or hold samples whose proxy
-/// never rested; empty where nothing is.
-std::string complaint(const PathRecord& record, const std::string& name, const std::string& device);
+/// never rested; else empty.
+std::string error_text(const PathRecord& record, const std::string& name, const std::string& device);
 
-// What is known of a finished case: kept beside the volumes, one small JSON file a case, and merged into the manifest.
+// What is known of a finished case: kept next to the volumes, one small JSON file a case, and merged into the manifest.
 
 /// Of the layout of manifest.json.
 inline constexpr int kManifestFormat = 1;
@@ -120,7 +120,7 @@ struct CaseRecord {
     std::string name;
     std::string fingerprint; /* of everything that decides the bytes: scene, images, program, engine */
     std::vector<std::pair<std::string, std::string>> parameters; /* what varies */
-    std::vector<FileRecord> inputs;                              /* files that the scene names; bytes are not told */
+    std::vector<FileRecord> inputs;                              /* files that the scene names; without bytes */
     std::string precision;
     EngineReport engine;
     std::vector<FileRecord> files; /* the volume first, the paths' last */
@@ -136,9 +136,8 @@ struct CaseRecord {
     VolumeTimings volume_times;
 };
 
-/// What is wrong with a case whose field or paths are further from the oracle than rounding allows; empty where nothing
-/// is.
-std::string complaint(const CaseRecord& record);
+/// What is wrong with a case whose field or paths are further from the oracle than rounding allows; else empty.
+std::string error_text(const CaseRecord& record);
 
 /// `FOLDER/manifest.d/CASE.json`
 std::filesystem::path record_path(const std::filesystem::path& folder, const std::string& name);
@@ -146,10 +145,10 @@ std::filesystem::path record_path(const std::filesystem::path& folder, const std
 /// \throws IoError.
 void write_record(const std::filesystem::path& folder, const CaseRecord& record);
 
-/// Nothing if there is none or it cannot be understood.
+/// Empty if it is missing or cannot be understood.
 std::optional<CaseRecord> read_record(const std::filesystem::path& folder, const std::string& name);
 
-/// Of one record. Nothing if it cannot be understood.
+/// Of one record. Empty if it cannot be understood.
 std::optional<CaseRecord> record_of(const nlohmann::ordered_json& json);
 
 /// The record as JSON text, one object.

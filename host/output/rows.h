@@ -63,7 +63,7 @@ public:
 
 // What all sinks do with a chunk: check that its rows are the next ones, and find the values of a channel.
 
-/// Channels that no kernel computes, beside layout::kChannel...: how far forces are from those of [compare].
+/// Channels that no kernel computes, besides layout::kChannel...: how far forces are from those of [compare].
 inline constexpr std::uint32_t kChannelAngle = 64, kChannelMagnitudeError = 128,
                                kComparedChannels = kChannelAngle | kChannelMagnitudeError;
 
@@ -71,7 +71,7 @@ inline constexpr std::uint32_t kChannelAngle = 64, kChannelMagnitudeError = 128,
 inline constexpr std::array kFieldChannels{layout::kChannelForce, layout::kChannelDepth,    layout::kChannelFacet,
                                            layout::kChannelProxy, layout::kChannelUnshaded, kChannelAngle,
                                            kChannelMagnitudeError};
-/// Likewise those of paths.
+/// The same for paths.
 inline constexpr std::array kPathChannels{layout::kChannelForce, layout::kChannelPosition, layout::kChannelDepth,
                                           layout::kChannelFacet, layout::kChannelProxy,    kChannelAngle,
                                           kChannelMagnitudeError};
@@ -132,7 +132,7 @@ private:
 
 /// The samples of a channel that is not the facet id. Throws std::logic_error if the chunk lacks it.
 template <typename real> std::span<const real> values_of(const layout::FieldChunk<real>& chunk, std::uint32_t channel);
-/// Likewise the facet ids.
+/// The facet ids.
 template <typename real> std::span<const layout::uint> ids_of(const layout::FieldChunk<real>& chunk);
 
 // Rows of floats on their way into a file: rounded to its pixel type, and watched for values that it must not hold.
@@ -194,7 +194,7 @@ private:
 template <typename T> struct PathRows {
     std::size_t path_first = 0, path_count = 0;
     std::size_t pitch = 0;                         // samples of a row
-    std::span<const layout::uint> steps;           // of each path, in all; what follows in its row means nothing
+    std::span<const layout::uint> steps;           // of each path, in all; what follows in its row is undefined
     std::span<const T> position;                   // m, 3 a sample
     std::span<const T> force;                      // N, 3 a sample
     std::span<const T> depth;                      // m
@@ -233,10 +233,10 @@ public:
 inline constexpr std::size_t kRowBytes = std::size_t(64) << 20;
 /// Most samples of a batch whose metrics alone are asked for: an interrupt is noticed between two batches.
 inline constexpr std::size_t kMetricSamples = std::size_t(1) << 24;
-/// Likewise on a mesh, where a sample takes longer.
+/// The same on a mesh, where a sample takes longer.
 inline constexpr std::size_t kMeshMetricSamples = std::size_t(1) << 22;
 
-/// Bytes of a sample of so many channels.
+/// Bytes of a sample with these channels.
 std::size_t path_sample_bytes(layout::uint channels, std::size_t real_bytes);
 
 /// The samples of a batch whose rows fit into kRowBytes, or whose metrics come soon enough.
@@ -255,8 +255,8 @@ template <typename T> std::size_t paths_that_fit(const layout::PathInput<T>& inp
     return std::clamp(samples_that_fit(input) / input.steps, least, kMostPaths);
 }
 
-/// Gives an engine fewer paths at a time than it asks for, tells it how long the longest of them is, and remembers of
-/// them what metrics do not say.
+/// Gives an engine fewer paths at a time than it asks for, passes it the length of the longest of them, and remembers
+/// of them what metrics do not contain.
 template <typename T> class BatchedSource final : public layout::PathSource<T> {
 public:
     /// `steps` of the longest path. `paths` must outlive this.

@@ -26,13 +26,13 @@ std::uint64_t blocks_of(std::uint64_t bytes) {
 VtkFile::VtkFile(const std::filesystem::path& path, std::string_view kind, std::vector<VtkArray> arrays,
                  std::string after)
     : file_(path), kind_(kind), after_(std::move(after)) {
-    for (VtkArray& told : arrays) {
+    for (VtkArray& description : arrays) {
         Array& array = arrays_.emplace_back();
-        array.bytes = told.samples * told.components * (told.type.ends_with("64") ? 8 : 4);
+        array.bytes = description.samples * description.components * (description.type.ends_with("64") ? 8 : 4);
         array.header = {blocks_of(array.bytes), kBlockBytes, array.bytes % kBlockBytes};
         if (arrays_.size() > 1)
-            array.aside = std::make_unique<TemporaryFile>(path.string() + "." + told.name);
-        array.told = std::move(told);
+            array.aside = std::make_unique<TemporaryFile>(path.string() + "." + description.name);
+        array.description = std::move(description);
     }
     file_.write(make_xml()); // both take their room now and are written at the end
     file_.seek(file_.tell() + (kBlockCounts + blocks_of(arrays_.front().bytes)) * sizeof(std::uint64_t));
@@ -47,13 +47,14 @@ std::string VtkFile::make_xml() const {
     for (const Array& array : arrays_)
         xml += fmt::format("{}<DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\" format=\"appended\" "
                            "offset=\"{:020}\"/>\n",
-                           array.told.before, array.told.type, array.told.name, array.told.components, array.offset);
+                           array.description.before, array.description.type, array.description.name,
+                           array.description.components, array.offset);
     return xml + after_ + "<AppendedData encoding=\"raw\">\n_";
 }
 
 void VtkFile::write(std::string_view name, std::span<const std::byte> bytes) {
     const auto array =
-        std::ranges::find_if(arrays_, [&](const Array& candidate) { return candidate.told.name == name; });
+        std::ranges::find_if(arrays_, [&](const Array& candidate) { return candidate.description.name == name; });
     if (array == arrays_.end() || bytes.size() > array->bytes - array->written)
         throw std::logic_error(
             fmt::format("{} has no room for {} bytes of {}", file_.path().filename().string(), bytes.size(), name));
@@ -97,7 +98,7 @@ VolumeResult VtkFile::finish() {
     for (Array& array : arrays_) {
         if (array.written != array.bytes)
             throw std::logic_error(fmt::format("{}: {} of {} bytes of {} have come", file_.path().filename().string(),
-                                               array.written, array.bytes, array.told.name));
+                                               array.written, array.bytes, array.description.name));
         flush_block(array);
         array.offset = array.aside ? file_.tell() - data : 0;
         if (array.aside)

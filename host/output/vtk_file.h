@@ -34,8 +34,8 @@ template <typename T> constexpr std::string_view vtk_type() {
 
 /// Arrays in a compressed file of VTK. Samples come in order within an array; how arrays take turns, and in which
 /// pieces they come, makes no difference to the bytes. Memory does not grow with the samples: an array is compressed as
-/// it comes, the first one into the file itself, each other one into a file beside it that follows at the end. Numbers
-/// are stored as they are, NaN and infinite ones too. A file that is destroyed before finish() leaves nothing.
+/// it comes, the first one into the file itself, each other one into a separate file that is appended at the end.
+/// Numbers are stored as they are, NaN and infinite ones too. A file that is destroyed before finish() leaves no file.
 class VtkFile {
 public:
     /// `kind`: ImageData or PolyData. `after`: XML that stands behind the last array. \throws IoError, as do the
@@ -49,7 +49,7 @@ public:
 
 private:
     struct Array {
-        VtkArray told;
+        VtkArray description;
         std::uint64_t bytes;                  /* of all samples */
         std::uint64_t written = 0;            /* bytes */
         std::unique_ptr<TemporaryFile> aside; /* null: the first */
@@ -76,10 +76,10 @@ struct PolyData {
     std::string_view point_type = vtk_type<double>(); /* of coordinates */
     std::vector<VtkArray> point_data, cell_data;
     std::string active_points, active_cells; /* attributes of their elements: "Vectors=\"force\"" */
-    std::string field_data;                  /* XML of what concerns the whole, or nothing */
+    std::string field_data;                  /* XML about the whole file; may be empty */
 };
 
-/// A file (.vtp) of `data`; beside its arrays it has `Points`, 3 numbers a point, `connectivity`, std::int64_t, the
+/// A file (.vtp) of `data`; besides its arrays it has `Points`, 3 numbers a point, `connectivity`, std::int64_t, the
 /// point of each corner, and `offsets`, std::int64_t, the corners up to the end of each cell. \throws IoError.
 VtkFile make_vtp(const std::filesystem::path& path, PolyData data);
 

@@ -18,13 +18,13 @@ namespace {
 
 constexpr std::uint64_t kMostHashed = 64u << 20; /* bytes; of larger files only the size is compared */
 
-// Nothing is there that may not be looked at.
+// False also without permission to look.
 bool is_there(const std::filesystem::path& path) {
     std::error_code ignored;
     return std::filesystem::exists(path, ignored);
 }
 
-// A sweep or a study, or what is left of one.
+// A sweep or a study, or the remains of one.
 bool has_results(const std::filesystem::path& folder) {
     return is_there(folder / "manifest.json") || is_there(folder / "manifest.d") || is_there(folder / "study.json");
 }
@@ -76,7 +76,7 @@ struct Reading {
     void check_case(Sweep& sweep, const CaseRecord& record) {
         for (const FileRecord& file : record.files)
             check_file(sweep.folder, file);
-        if (const std::string wrong = complaint(record); !wrong.empty())
+        if (const std::string wrong = error_text(record); !wrong.empty())
             contents.troubles.push_back(wrong);
     }
 
@@ -121,10 +121,10 @@ struct Reading {
                 loose.insert(below(folder, name));
         }
         for (const std::string& name : loose)
-            trouble(name, "{} does not name it, so it is not shown", account);
+            trouble(name, "not listed in {}, skipped", account);
     }
 
-    std::vector<std::string> records_beside(const std::string& folder) {
+    std::vector<std::string> records_in(const std::string& folder) {
         std::vector<std::string> names;
         std::error_code ignored;
         for (const auto& entry : std::filesystem::directory_iterator(root / folder / "manifest.d", ignored)) {
@@ -147,13 +147,13 @@ struct Reading {
 
     void read_manifest(const std::string& folder) {
         const std::string name = below(folder, "manifest.json");
-        const std::vector<std::string> beside = records_beside(folder);
-        if (beside.empty() && !is_there(root / name))
+        const std::vector<std::string> record_names = records_in(folder);
+        if (record_names.empty() && !is_there(root / name))
             return;
         Sweep sweep;
         sweep.folder = folder;
         Json manifest;
-        std::string wrong = "it is no account of a sweep";
+        std::string wrong = "not a sweep manifest";
         try {
             manifest = read_json(root / name);
             if (manifest.is_discarded())
@@ -173,8 +173,8 @@ struct Reading {
             for (const Json& one : manifest["cases"])
                 take_case(sweep, fmt::format("{}, case {}", name, ++number), one);
         } else {
-            trouble(name, "{}{}", wrong, beside.empty() ? "" : "; the cases are taken from manifest.d");
-            for (const std::string& record : beside)
+            trouble(name, "{}{}", wrong, record_names.empty() ? "" : "; the cases are taken from manifest.d");
+            for (const std::string& record : record_names)
                 try {
                     take_case(sweep, below(folder, record), read_json(root / below(folder, record)));
                 } catch (const Error& error) {
@@ -252,7 +252,7 @@ Contents read_contents(const std::filesystem::path& folder) {
         reading.read_study(one);
         reading.check_loose(one);
     }
-    // In the order in which they are told of by the command line, foreign ones last.
+    // In the order of the command line's help, foreign ones last.
     const std::vector<std::string> order{"error-time", "stability", "energy", "omission"};
     std::ranges::stable_sort(reading.contents.studies, {}, [&](const StudyPart& part) {
         return std::ranges::find(order, part.data.study) - order.begin();

@@ -1,4 +1,4 @@
-// What lies in a results folder: sweeps and studies, and what cannot be understood of them.
+// The contents of a results folder: sweeps and studies, and the parts that cannot be understood.
 #pragma once
 
 #include <filesystem>
@@ -21,7 +21,7 @@ struct Sweep {
 };
 
 struct StudyPart {
-    std::string folder; /* likewise */
+    std::string folder; /* below the report's */
     study::StudyData data;
 };
 
@@ -32,7 +32,7 @@ struct Contents {
 };
 
 /// Looks into the folder, the folders below it, and those below folders that hold no results themselves. \throws
-/// IoError if there is no such folder.
+/// IoError if the folder does not exist.
 Contents read_contents(const std::filesystem::path& folder);
 
 /// "sub/name", or "name" right in the report's folder.

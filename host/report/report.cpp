@@ -61,7 +61,7 @@ std::string contents_list(const Contents& contents, bool viewer) {
     return "<nav aria-label=\"Contents\">\n<ul>\n" + html + "</ul>\n</nav>\n";
 }
 
-// Of the finding, as the study wrote it; `otherwise` where there is none.
+// The text of the finding, as the study wrote it; `otherwise` without it.
 std::string sentence_of(const Contents& contents, const char* study, const char* finding, const char* otherwise) {
     for (const StudyPart& part : contents.studies)
         for (const study::Finding& one : part.data.findings)
@@ -70,7 +70,7 @@ std::string sentence_of(const Contents& contents, const char* study, const char*
     return otherwise;
 }
 
-// What shading buys and what it costs, and the words that the page takes for known.
+// The benefit and the cost of shading, and the terms that the page assumes.
 std::string opening(const Contents& contents) {
     const std::string buys =
         sentence_of(contents, "error-time", "shading", "Edges are felt less, at some more time for each evaluation.");
@@ -83,7 +83,7 @@ std::string opening(const Contents& contents) {
           {"none", "no shading: the direction is the facet's normal"},
           {"mean_value", "shading of a mesh: vertex normals, averaged with Floater's weights for facets of any number "
                          "of corners; the size of the force stays"},
-          {"two_pass", "likewise by Ruspini 1997: the force grows with the angle by which it is turned"},
+          {"two_pass", "shading of a mesh by Ruspini 1997: the force grows with the angle by which it is turned"},
           {"rest", "a loop comes to rest if its swing dies out after a small disturbance"},
           {"gain, effort", "the energy that a round gives the hand, and the integral of |F dl| along it"}})
         words += fmt::format("<dt>{}</dt><dd>{}</dd>\n", word, meaning);
@@ -93,7 +93,7 @@ std::string opening(const Contents& contents) {
            folded("Words", "<dl class=\"meanings\">\n" + words + "</dl>\n");
 }
 
-// Of several studies the first finding of each, beside its figure, which the page draws.
+// Of several studies the first finding of each, next to its figure, which the page draws.
 std::string glance(const std::vector<StudyPart>& studies) {
     if (studies.size() < 2)
         return "";
@@ -123,27 +123,27 @@ std::string page_of(const std::string& name, const std::filesystem::path& folder
     const std::size_t taken = studies.size() + sweeps.size() + page_script(true).size();
     const std::size_t room = kPageBudget - std::min(taken, kPageBudget - kLeastForViewer);
     const std::string viewer = viewer_section(folder, contents, contents.troubles, room);
-    const std::string nothing = contents.studies.empty() && contents.sweeps.empty()
-                                    ? "<p>There is no sweep and no study here that this program can read.</p>\n"
-                                    : "";
+    const std::string no_results = contents.studies.empty() && contents.sweeps.empty()
+                                       ? "<p>This folder has no sweep and no study that this program can read.</p>\n"
+                                       : "";
     // The page fills it in.
-    const std::string device = nothing.empty() ? "<section id=\"device\">\n<h2>My device</h2>\n</section>\n" : "";
+    const std::string device = no_results.empty() ? "<section id=\"device\">\n<h2>My device</h2>\n</section>\n" : "";
     const std::string body =
         fmt::format("<header>\n<h1>{}</h1>\n<p>Haptic force fields with and without force shading. Written by "
                     "forceshade {}.</p>\n</header>\n",
                     escaped(name), escaped(version())) +
-        (nothing.empty() ? opening(contents) : "") + contents_list(contents, !viewer.empty()) + "<main>\n" +
-        troubles_section(contents.troubles) + nothing + glance(contents.studies) + studies + viewer + device + sweeps +
-        "</main>\n";
+        (no_results.empty() ? opening(contents) : "") + contents_list(contents, !viewer.empty()) + "<main>\n" +
+        troubles_section(contents.troubles) + no_results + glance(contents.studies) + studies + viewer + device +
+        sweeps + "</main>\n";
     return page(name + " – forceshade", body, page_script(!viewer.empty()));
 }
 
-// Somebody else's report.html is left alone.
+// A report.html of another program stays.
 std::filesystem::path file_for(const std::filesystem::path& folder, Contents& contents) {
     const std::filesystem::path file = folder / "report.html", other = folder / "forceshade-report.html";
     if (!std::filesystem::exists(file) || is_page(file))
         return file;
-    contents.troubles.push_back("report.html: it is none of this program's, so the report is forceshade-report.html");
+    contents.troubles.push_back("report.html: another program wrote it, so the report is forceshade-report.html");
     return other;
 }
 

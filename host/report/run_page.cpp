@@ -106,7 +106,7 @@ void add_samples(study::StudyData& data, const std::filesystem::path& file) {
          {"y_mm", "mm", "of the probe", place(1)},
          {"z_mm", "mm", "of the probe", place(2)},
          {"force_N", "N", "of the law", [](const R& r) { return std::hypot(r.force.x, r.force.y, r.force.z); }},
-         {"direction_deg", "deg", "of the force in the x-z plane, from z towards x; nothing without force",
+         {"direction_deg", "deg", "of the force in the x-z plane, from z towards x; empty without force",
           direction_of}},
         samples.shown));
     for (const auto& [over, x] :

@@ -1,4 +1,4 @@
-// The page of a run: what a probe met, over time and over place.
+// The page of a run: the forces on a probe, over time and over place.
 #pragma once
 
 #include <filesystem>
@@ -14,7 +14,7 @@ namespace forceshade::report {
 /// figures: force, direction and position. \throws IoError, UsageError for a file that is missing or none of these.
 void add_samples(study::StudyData& data, const std::filesystem::path& file);
 
-/// Facts: terms and what they are here. Of `data` tables, figures and notes are shown.
+/// Facts: terms and their values. Of `data` tables, figures and notes are shown.
 std::string run_page(const std::string& title, const std::vector<std::pair<std::string, std::string>>& facts,
                      const study::StudyData& data);
 

@@ -1,4 +1,4 @@
-// A study: what it found, beside the figure that shows it; how it was measured, its tables and files. Figures and
+// A study: its findings next to the figure that shows them; how it was measured, its tables and files. Figures and
 // tables are drawn by the page, out of the study's data.
 #include "host/report/sections.h"
 

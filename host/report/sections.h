@@ -12,33 +12,33 @@ namespace forceshade::report {
 /// The scripts of a page: `in_space` those that draw in 3D, too.
 std::string page_script(bool in_space);
 
-/// A page around `body`, markup, with styles, the script, and a policy that lets nothing else run or load.
+/// A page around `body`, markup, with styles, the script, and a policy that lets no other code run or load.
 std::string page(const std::string& title, const std::string& body, const std::string& script);
 
 /// A heading that unfolds `body`, both markup.
 std::string folded(const std::string& heading, const std::string& body);
 
-/// What a study or a sweep found: a sentence each, with the place, the condition and the interval.
+/// The findings of a study or a sweep: a sentence each, with the place, the condition and the interval.
 std::string findings_list(const std::string& id, const std::vector<study::Finding>& findings);
 
-/// A link to a file of a folder below the root, if it is there: its absence is told already.
+/// A link to a file of a folder below the root, if it is there: its absence is reported elsewhere.
 std::string file_link(const std::filesystem::path& root, const std::string& folder, const std::string& name,
                       const std::string& remark = "");
 
-/// What is missing, damaged or foreign; empty where nothing is.
+/// Missing, damaged and foreign files; may be empty.
 std::string troubles_section(const std::vector<std::string>& troubles);
 
 /// What the page draws into the elements ID-hero, ID-figures and ID-tables: figures, and their tables and others that
 /// are not too long, as JSON in a script of that id.
 std::string page_data(const std::string& id, const study::StudyData& data);
 
-/// A study: findings beside the first figure, the other figures, methods, tables and files.
+/// A study: findings next to the first figure, the other figures, methods, tables and files.
 std::string study_section(const std::filesystem::path& root, const StudyPart& part);
 
 /// Cases of a sweep: errors, times, what was left out, files.
 std::string sweep_section(const std::filesystem::path& root, const Sweep& sweep);
 
-/// What a sweep's manifest says, a sentence each, computed from the cases alone; none for none.
+/// The findings of a sweep, a sentence each, computed from the cases alone; may be empty.
 std::vector<study::Finding> sweep_findings(const Sweep& sweep);
 
 /// The interactive viewer of force volumes: their data, packed into the page, and the place it draws in. Empty where
@@ -53,7 +53,7 @@ std::string anchor(const Sweep& sweep);
 std::string title(const StudyPart& part);
 std::string title(const Sweep& sweep);
 
-/// "Run on DEVICE ...": two columns of terms and what they are here.
+/// "Run on DEVICE ...": two columns of terms and their values.
 std::string facts(const std::vector<std::pair<std::string, std::string>>& terms);
 
 } // namespace forceshade::report

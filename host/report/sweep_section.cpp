@@ -1,4 +1,4 @@
-// A sweep: what its manifest says, its cases, their errors and times, what was left out, the files.
+// A sweep: the facts of its manifest, its cases, their errors and times, what was left out, the files.
 #include <algorithm>
 #include <span>
 
@@ -244,7 +244,7 @@ std::string sweep_section(const std::filesystem::path& root, const Sweep& sweep)
                                                sweep.cases.size(), sweep.cases_of_study)},
                    {"Last run", sweep.seconds > 0 ? duration_text(sweep.seconds) : ""}});
     if (sweep.cases.empty())
-        return html + "<p>There is no case here that this program can read.</p>\n</section>\n";
+        return html + "<p>This folder has no case that this program can read.</p>\n</section>\n";
     if (sweep.cases.size() > kMostCases)
         html += fmt::format("<p>Tables and files are those of the first {} of {} cases; summary.csv has all.</p>\n",
                             count_text(kMostCases), count_text(sweep.cases.size()));

@@ -55,7 +55,7 @@ void choose_strides(SampledVolume& volume, std::uint64_t most) {
 bool is_alike_in_y(const VolumeHeader& header) {
     if (header.size[1] > 1)
         return header.omitted.find(" y samples, alike") != std::string::npos;
-    try { // a file that names no scene tells nothing
+    try { // unknown for a file without a scene
         return !header.scene.empty() &&
                !depends_on_y(features_of(parse_scene(header.scene, "the volume's scene").scene));
     } catch (const Error&) {
@@ -118,7 +118,7 @@ std::optional<Case> case_of(const std::string& scene) {
     }
 }
 
-// Ends stay; in between every so many points.
+// Keeps the ends, and every n-th point between them.
 void add_row(Json& sheet, const std::vector<picture::LinePoint>& line, double unit) {
     Json x = Json::array(), z = Json::array();
     const std::size_t every = (line.size() + kMostPoints - 1) / kMostPoints;
@@ -137,13 +137,13 @@ constexpr std::uint64_t kLeastSamples = 512;
 
 struct Wanted {
     std::string name, path; /* path below the report's folder */
-    std::string paths{};    /* likewise the file of its paths; empty where there is none */
+    std::string paths{};    /* the same for the file of its paths; may be empty */
 };
 
 struct Packed {
     Json about;
     std::string data; /* base64 */
-    Json surface;     /* null where the scene does not tell */
+    Json surface;     /* null where the scene does not say */
     bool thinned = false;
 };
 
@@ -227,7 +227,7 @@ std::vector<Packed> pack_within(const std::filesystem::path& root, std::vector<W
         if (size <= budget || most <= kLeastSamples)
             return packed;
         const double share = 0.9 * static_cast<double>(budget) / static_cast<double>(size);
-        // What is larger than the volumes themselves was no limit.
+        // A limit above the size of the volumes had no effect.
         std::uint64_t largest = 0;
         for (const Packed& one : packed)
             largest = std::max(largest, one.about["size"][0].get<std::uint64_t>() *
@@ -271,7 +271,7 @@ std::string about_data(const std::vector<Packed>& packed, std::size_t left_out) 
                             thinned, packed.size(), thinned == 1 ? "is" : "are");
     if (left_out > 0)
         text += fmt::format(" {} further cases are not here.", count_text(left_out));
-    return text + " The whole volumes are the EXR files beside this page.";
+    return text + " The whole volumes are the EXR files next to this page.";
 }
 
 } // namespace

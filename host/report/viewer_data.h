@@ -1,4 +1,4 @@
-// What the page shows of volumes: forces thinned and packed, the surface as sheets of heights, and some paths.
+// The volumes' data for the page: forces thinned and packed, the surface as sheets of heights, and some paths.
 #pragma once
 
 #include <array>
@@ -23,7 +23,7 @@ struct SampledVolume {
     std::string scene{};                   /* the resolved TOML; empty where the file names none */
 };
 
-/// At most so many samples (at least one). \throws IoError for a file that cannot be read.
+/// At most `most` samples (at least one). \throws IoError for a file that cannot be read.
 SampledVolume sample_volume(const std::filesystem::path& path, std::uint64_t most);
 
 /// The force as halves of the power of two that the largest component does not exceed; each half less the one before
@@ -34,16 +34,16 @@ struct PackedForce {
 };
 PackedForce pack_force(const SampledVolume& volume);
 
-/// {nominal, smooth}: the surface that depth is measured from, and the shape that shading imitates where there is one,
+/// {nominal, smooth}: the surface that depth is measured from, and the shape that shading imitates, if any,
 /// each {unit_m, x: [...], z: [[...], ...]}: whole numbers of the unit, rows evenly along the volume's y, one row where
 /// y does not matter. Null of a mesh or a map from a file, which volumes do not hold, and of a scene of another
 /// version.
 nlohmann::ordered_json surface_data(const SampledVolume& volume);
 
-/// The loop of the scene: {mass, damping, grip, delay, period, stiffness} in SI; null where the scene does not tell.
+/// The loop of the scene: {mass, damping, grip, delay, period, stiffness} in SI; null where the scene does not say.
 nlohmann::ordered_json loop_data(const std::string& scene);
 
-/// s: between samples of a scene's paths; NaN where it does not tell, as of recorded ones.
+/// s: between samples of a scene's paths; NaN where it does not say, as of recorded ones.
 double path_period(const std::string& scene);
 
 /// Some paths, thinned until they take no more than about `budget` characters: {size: [samples, paths], rate_Hz of the

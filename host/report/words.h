@@ -9,13 +9,13 @@
 
 namespace forceshade::report {
 
-/// Text as it stands in HTML; bytes that are no UTF-8 and characters that HTML may not have are replaced.
+/// Text as it stands in HTML; bytes that are not UTF-8 and characters that HTML may not have are replaced.
 std::string escaped(std::string_view text);
 
-/// A number with so many digits: "−12.5", "3.2×10⁻⁷".
+/// A number with `digits` significant digits: "−12.5", "3.2×10⁻⁷".
 std::string number_text(double value, int digits);
 
-/// JSON within a <script>: nothing in it can end the element.
+/// JSON within a <script>: its text cannot end the element.
 std::string script_text(const nlohmann::ordered_json& json);
 
 /// "12 345 678", with spaces that do not break.
@@ -27,7 +27,7 @@ std::string duration_text(double seconds);
 /// "3.1 MiB"
 std::string size_text(std::uint64_t bytes);
 
-/// A path below the report's folder as a relative address: nothing in it can be another scheme, host or query.
+/// A path below the report's folder as a relative address, without another scheme, host or query.
 std::string address(std::string_view path);
 
 /// Bytes within text.

@@ -76,7 +76,7 @@ Json last_account(const std::filesystem::path& path) {
         const Json json = parse_json(head.substr(0, head.find(kCases)) + "}");
         return json.is_object() && json.contains("last_run") ? json["last_run"] : Json(nullptr);
     } catch (const Error&) {
-        return nullptr; // there is none that could be read
+        return nullptr; // unreadable
     }
 }
 
@@ -237,7 +237,7 @@ void require_same_study(const std::filesystem::path& folder, const Study& study)
         while (summary.next())
             lost.emplace(summary.text(0));
     } catch (const Error&) {
-        return; // there is none that could be read
+        return; // unreadable
     }
     const std::size_t all = lost.size();
     for (const Case& one : study.cases)

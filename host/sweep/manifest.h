@@ -15,14 +15,14 @@
 
 namespace forceshade {
 
-/// The processor's name, "unknown" where the system does not tell.
+/// The processor's name, "unknown" where the system does not say.
 std::string cpu_name();
 /// Seconds of processor time that this process took, all threads.
 double cpu_seconds();
 /// Most bytes that this process had resident.
 std::uint64_t peak_memory();
 
-/// What a run of the program cost; stands in the manifest only.
+/// The cost of a run of the program; in the manifest only.
 struct RunAccount {
     std::string engine_device, engine_driver;
     std::size_t computed = 0;      /* cases */
@@ -34,8 +34,8 @@ struct RunAccount {
     std::uint64_t peak_memory = 0; /* bytes resident */
 };
 
-/// The records of the study's cases that count, shards' and earlier runs' too, in the study's order; nothing where
-/// there is none. On all cores.
+/// The records of the study's cases that count, shards' and earlier runs' too, in the study's order; empty where a
+/// case has none. On all cores.
 std::vector<std::optional<CaseRecord>> records_of(const std::filesystem::path& folder, const Study& study,
                                                   const Fingerprints& fingerprints);
 
@@ -44,8 +44,8 @@ std::vector<std::optional<CaseRecord>> records_of(const std::filesystem::path& f
 void write_manifest(const std::filesystem::path& folder, const Study& study,
                     const std::vector<std::optional<CaseRecord>>& records, const RunAccount* run);
 
-/// Refuses to put a study's summary, manifest and report in the place of those that tell of finished cases which the
-/// study does not have. The same cases with other parameters, some of them or more are no other study. \throws
+/// Refuses to put a study's summary, manifest and report in the place of those that list finished cases which the
+/// study does not have. The same cases with other parameters, some of them or more are not another study. \throws
 /// UsageError.
 void require_same_study(const std::filesystem::path& folder, const Study& study);
 

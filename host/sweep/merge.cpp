@@ -37,7 +37,7 @@ void drop_without_files(const MergeOptions& options, std::vector<std::optional<C
     check_interrupt();
 }
 
-// Which shard each case belongs to, as the study was shared out last; nothing without notes.
+// Which shard each case belongs to, as the study was shared out last; empty without notes.
 std::map<std::string, Shard> owners(const Study& study, const std::vector<ShardNote>& notes) {
     std::map<std::string, Shard> result;
     if (notes.empty())
@@ -77,24 +77,24 @@ MergeResult merge_sweep(Study study, const MergeOptions& options) {
          {options.folder, options.folder / "manifest.d", options.folder / "manifest.d" / "shards"})
         result.temporaries += temporaries_of_others(one).size();
     const std::vector<ShardNote> notes = read_notes(options.folder);
-    std::map<std::string, std::string> told; // by case
+    std::map<std::string, std::string> messages; // by case
     for (const ShardNote& note : notes)
         for (const ShardNote::Failure& failure : note.failures)
-            told[failure.name] = failure.message;
+            messages[failure.name] = failure.message;
     const std::map<std::string, Shard> owner = owners(study, notes);
     std::set<Shard> shards;
     for (std::size_t i = 0; i < records.size(); ++i) {
         if (records[i]) {
             ++result.recorded;
-            if (std::string complaint_text = complaint(*records[i]); !complaint_text.empty())
-                result.wrong.push_back(std::move(complaint_text));
+            if (std::string wrong = error_text(*records[i]); !wrong.empty())
+                result.wrong.push_back(std::move(wrong));
             continue;
         }
         const std::string& name = study.cases[i].name;
         result.missing.push_back(name);
         if (const auto found = owner.find(name); found != owner.end())
             shards.insert(found->second);
-        if (const auto found = told.find(name); found != told.end())
+        if (const auto found = messages.find(name); found != messages.end())
             result.failures.push_back(fmt::format("{}: {}", name, found->second));
         else if (!fingerprints.contains(name))
             result.failures.push_back(

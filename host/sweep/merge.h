@@ -1,4 +1,4 @@
-// What the shards of a study left, put together; nothing is computed.
+// Merges the results of a study's shards, without computing.
 #pragma once
 
 #include <cstddef>
@@ -18,7 +18,7 @@ struct MergeOptions {
 };
 
 struct MergeResult {
-    std::size_t cases = 0, recorded = 0; /* nothing is written where none is recorded */
+    std::size_t cases = 0, recorded = 0; /* no file is written where none is recorded */
     std::vector<std::string> missing;    /* cases without a record that counts, or whose files are not what it says */
     std::vector<std::string> shards;     /* "3/8": those they belong to, as the study was shared out last */
     std::vector<std::string> failures;   /* "CASE: why", of cases that are missing, as far as it is known */

@@ -43,8 +43,8 @@ Shard array_part() {
     const std::size_t first = slurm_number("SLURM_ARRAY_TASK_MIN"), last = slurm_number("SLURM_ARRAY_TASK_MAX");
     if (first > 1 || last != first + count - 1 || count < 2 || id < first || id > last)
         throw UsageError(fmt::format(
-            "--shard slurm: this is task {} of a Slurm array of {} from {} to {}, and only of the arrays 1-N and "
-            "0-(N-1) can it be told which part of the study is meant: say --shard I/N, for example --shard "
+            "--shard slurm: this is task {} of a Slurm array of {} from {} to {}; only the arrays 1-N and 0-(N-1) "
+            "define the part of the study: say --shard I/N, for example --shard "
             "$SLURM_ARRAY_TASK_ID/8",
             id, count, first, last));
     return {id - first + 1, count};
@@ -64,7 +64,7 @@ Shard step_part() {
 
 Shard slurm_part() {
     if (!std::getenv("SLURM_ARRAY_TASK_ID") && !std::getenv("SLURM_STEP_NUM_TASKS"))
-        throw UsageError("--shard slurm: this is no task of a Slurm array or an srun");
+        throw UsageError("--shard slurm: this is not a task of a Slurm array or an srun");
     const Shard array = array_part(), step = step_part();
     return {(array.index - 1) * step.count + step.index, array.count * step.count};
 }
@@ -89,10 +89,10 @@ Json as_json(const ShardNote& note) {
         failures.push_back({{"case", failure.name}, {"message", failure.message}});
     return {{"shard", note.shard.index}, {"of", note.shard.count},    {"only", note.only},    {"cases", note.cases},
             {"kept", note.kept},         {"computed", note.computed}, {"failures", failures}, {"host", note.host},
-            {"process", note.process},   {"started", note.started},   {"told", note.told},    {"ended", note.ended}};
+            {"process", note.process},   {"started", note.started},   {"told", note.updated}, {"ended", note.ended}};
 }
 
-// Folders and machines may have names that are no UTF-8.
+// Folders and machines may have names that are not UTF-8.
 std::string text_of(const Json& json) {
     return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
@@ -114,7 +114,7 @@ ShardNote note_of(const Json& json) {
     note.host = json.at("host").get<std::string>();
     note.process = static_cast<std::int64_t>(whole("process"));
     note.started = json.at("started").get<double>();
-    note.told = json.at("told").get<double>();
+    note.updated = json.at("told").get<double>();
     note.ended = json.at("ended").get<bool>();
     return note;
 }
@@ -186,11 +186,11 @@ struct Standing {
 constexpr double kSilent = 600; // s without a word
 
 bool is_silent(const ShardNote& note, double now) {
-    return !note.ended && now - note.told > kSilent;
+    return !note.ended && now - note.updated > kSilent;
 }
 
 double seconds_left(const ShardNote& note) {
-    const double rate = static_cast<double>(note.computed) / std::max(1e-3, note.told - note.started);
+    const double rate = static_cast<double>(note.computed) / std::max(1e-3, note.updated - note.started);
     return static_cast<double>(note.cases - std::min(note.cases, note.done() + note.failures.size())) / rate;
 }
 
@@ -236,7 +236,7 @@ std::string status_text(const std::vector<ShardNote>& notes, double now) {
                 continue;
             text += fmt::format("  {:>9}  {:<7}  {:>6} of {:<6}  {} (process {}), {} ago\n", note.name(),
                                 state_of(note, now), note.done(), note.cases, note.host, note.process,
-                                clock_text(std::max(0.0, now - note.told)));
+                                clock_text(std::max(0.0, now - note.updated)));
             for (const ShardNote::Failure& failure : note.failures)
                 text += fmt::format("             {}{}\n", failure.name.empty() ? "" : failure.name + ": ",
                                     failure.message);

@@ -1,5 +1,5 @@
-// The parts of a study that several processes do: which one this is, and what each tells of itself in the folder, so
-// that anybody can see how the whole stands.
+// The parts of a study that several processes do: which one this is, and the status file of each in the folder,
+// from which any process can see how the whole stands.
 #pragma once
 
 #include <compare>
@@ -19,14 +19,14 @@ struct Shard {
 
 /// "3/8", or "slurm": what Slurm's variables name, a task of an array 1-N or 0-(N-1), one of the tasks of an srun, or
 /// both. \throws UsageError for another text, and where Slurm names none: in an array of other numbers, which may be
-/// some tasks of a larger one, what is meant cannot be told.
+/// some tasks of a larger one, the part is unknown.
 Shard parse_shard(const std::string& text);
 
 /// \throws UsageError where Slurm runs several tasks: each would do the whole, or they were started for something else.
 /// Jobs inherit the variables of those that submit them, so a part is never taken unasked.
 void require_whole();
 
-/// What a shard tells of itself, in FOLDER/manifest.d/shards/I-of-N.json.
+/// The status of a shard, in FOLDER/manifest.d/shards/I-of-N.json.
 struct ShardNote {
     Shard shard;
     std::string only = "*"; /* pattern of the cases that the shards share */
@@ -37,7 +37,7 @@ struct ShardNote {
     std::vector<Failure> failures;
     std::string host;
     std::int64_t process = 0;
-    double started = 0, told = 0; /* s since 1970 */
+    double started = 0, updated = 0; /* s since 1970 */
     bool ended = false;
 
     std::size_t done() const { return kept + computed; }

@@ -48,7 +48,7 @@ bool is_done(const CaseJob& job, const SweepOptions& options, std::optional<Case
     return true;
 }
 
-// What lies beside a volume is made again with it, so that nothing of an earlier scene stays under the case's name.
+// Files that belong to a volume are made again with it, so that none of an earlier scene stays under the case's name.
 AlsoFormats with_present(AlsoFormats also, const std::filesystem::path& folder, const std::string& stem) {
     const auto any = [&](AlsoFormats one) {
         const std::vector<std::string> plain = possible_file_names(stem, {}), names = possible_file_names(stem, one);
@@ -91,7 +91,7 @@ void count(SweepResult& result, const CaseRecord& record) {
     result.differing += record.error.differing;
     if (record.paths)
         result.differing_samples += record.paths->error.differing;
-    if (const std::string wrong = complaint(record); !wrong.empty()) {
+    if (const std::string wrong = error_text(record); !wrong.empty()) {
         result.failures.push_back(wrong);
         result.exit_code = std::max(result.exit_code, static_cast<int>(ExitCode::failed));
     }
@@ -106,10 +106,10 @@ void count(RunAccount& account, const CaseRecord& record) {
     }
 }
 
-// What a shard tells of itself every few seconds, so that one that is silent is not there any more.
-class Teller {
+// Writes the status of a shard every few seconds: a shard without updates has died.
+class NoteWriter {
 public:
-    Teller(const std::filesystem::path& folder, const Shard& shard, const std::string& only, std::size_t cases)
+    NoteWriter(const std::filesystem::path& folder, const Shard& shard, const std::string& only, std::size_t cases)
         : folder_(folder) {
         note_.shard = shard;
         note_.only = only;
@@ -119,7 +119,7 @@ public:
         note_.host = host.data();
         note_.process = ::getpid();
         note_.started = seconds_since_1970();
-        tell(note_);
+        write(note_);
         thread_ = std::jthread([this](const std::stop_token& stop) { go_on(stop); });
     }
     void kept() {
@@ -139,7 +139,7 @@ public:
     void end() {
         thread_ = {};
         note_.ended = true;
-        tell(note_);
+        write(note_);
     }
 
 private:
@@ -152,15 +152,15 @@ private:
             ShardNote note = note_;
             lock.unlock();
             try {
-                tell(std::move(note));
+                write(std::move(note));
             } catch (const Error&) {
-                // What else is written there tells of it.
+                // The next file that cannot be written reports it.
             }
             lock.lock();
         }
     }
-    void tell(ShardNote note) const {
-        note.told = seconds_since_1970();
+    void write(ShardNote note) const {
+        note.updated = seconds_since_1970();
         write_note(folder_, note);
     }
 
@@ -172,18 +172,18 @@ private:
 };
 
 void note_failure(SweepResult& result, const std::string& name, const Error& error, const SweepOptions& options,
-                  Teller* teller) {
+                  NoteWriter* note_writer) {
     result.failures.push_back(fmt::format("{}: {}", name, error.what()));
     result.exit_code = std::max(result.exit_code, static_cast<int>(error.code()));
-    if (teller)
-        teller->failed(name, error.what());
+    if (note_writer)
+        note_writer->failed(name, error.what());
     if (!options.quiet)
-        remark("failed: {}\n", result.failures.back());
+        print_note("failed: {}\n", result.failures.back());
 }
 
 void compute_missing(Engine& engine, const std::vector<const Case*>& missing,
-                     const std::function<CaseJob(const Case&)>& job_of, const SweepOptions& options, Teller* teller,
-                     SweepResult& result) {
+                     const std::function<CaseJob(const Case&)>& job_of, const SweepOptions& options,
+                     NoteWriter* note_writer, SweepResult& result) {
     Stage stage("computing", missing.size(), "cases");
     std::size_t next_job = 0, ended = 0;
     const auto next = [&] {
@@ -195,13 +195,13 @@ void compute_missing(Engine& engine, const std::vector<const Case*>& missing,
             try {
                 std::rethrow_exception(outcome.error);
             } catch (const Error& error) {
-                note_failure(result, name, error, options, teller);
+                note_failure(result, name, error, options, note_writer);
             }
         } else {
             write_record(options.folder, outcome.record);
             ++result.computed;
-            if (teller)
-                teller->computed();
+            if (note_writer)
+                note_writer->computed();
             count(result, outcome.record);
             count(result.account, outcome.record);
         }
@@ -211,7 +211,7 @@ void compute_missing(Engine& engine, const std::vector<const Case*>& missing,
 }
 
 SweepResult sweep(Study study, const std::function<std::unique_ptr<Engine>()>& make, bool cpu_engine,
-                  const SweepOptions& options, Teller* teller) {
+                  const SweepOptions& options, NoteWriter* note_writer) {
     const Clock::time_point start = Clock::now();
     const double cpu_start = cpu_seconds();
     std::vector<const Case*> chosen;
@@ -247,20 +247,20 @@ SweepResult sweep(Study study, const std::function<std::unique_ptr<Engine>()>& m
                 continue;
             }
         } catch (const Error& error) {
-            if (!teller || dynamic_cast<const Interrupted*>(&error))
-                throw;                                               // before anything is computed
-            note_failure(result, one->name, error, options, teller); // a part goes on with its other cases
+            if (!note_writer || dynamic_cast<const Interrupted*>(&error))
+                throw;                                                    // before anything is computed
+            note_failure(result, one->name, error, options, note_writer); // a part goes on with its other cases
             continue;
         }
         ++result.kept;
-        if (teller)
-            teller->kept();
+        if (note_writer)
+            note_writer->kept();
         count(result, *record);
     }
     checking.reset();
     for (const std::string& warning : warnings)
         if (!options.quiet)
-            remark("warning: {}\n", warning);
+            print_note("warning: {}\n", warning);
     if (options.dry) {
         if (!missing.empty())
             measure(*make(), missing, job_of, result.forecast);
@@ -283,7 +283,7 @@ SweepResult sweep(Study study, const std::function<std::unique_ptr<Engine>()>& m
             return;
         const RunAccount* const account = missing.empty() ? nullptr : &result.account;
         std::optional<std::ptrdiff_t> before;
-        for (;;) { // another process may have ended a case meanwhile, and told of it before this did
+        for (;;) { // another process may have ended a case and written the manifest meanwhile
             const auto records = records_of(options.folder, study, fingerprints);
             const std::ptrdiff_t recorded = std::ranges::count_if(records, [](const auto& one) { return !!one; });
             if (before == recorded)
@@ -296,7 +296,7 @@ SweepResult sweep(Study study, const std::function<std::unique_ptr<Engine>()>& m
         finish();
         return result;
     }
-    // The engine comes first: where there is none, nothing is forgotten.
+    // The engine comes first: without one, no earlier result is removed.
     const std::unique_ptr<Engine> engine = make();
     result.account.engine_device = engine->report().device;
     result.account.engine_driver = engine->report().driver;
@@ -304,12 +304,12 @@ SweepResult sweep(Study study, const std::function<std::unique_ptr<Engine>()>& m
         measure(*engine, missing, job_of, result.forecast);
         if (const std::string warning = space_warning(options.folder, result.forecast);
             !options.quiet && !warning.empty())
-            remark("warning: {}\n", warning);
+            print_note("warning: {}\n", warning);
     }
     for (const Case* one : missing)
         forget(options.folder, *one, with_present(options.also, options.folder, one->name));
     try {
-        compute_missing(*engine, missing, job_of, options, teller, result);
+        compute_missing(*engine, missing, job_of, options, note_writer, result);
     } catch (...) {
         try {
             finish(); // what was done stands in the manifest
@@ -331,15 +331,15 @@ SweepResult run_sweep(Study study, const std::function<std::unique_ptr<Engine>()
     prepare_folder(options.folder);
     make_subfolder(options.folder / "manifest.d", "shards");
     clear_stale_temporaries(options.folder / "manifest.d" / "shards");
-    Teller teller(options.folder, *options.shard, options.only, study.cases.size());
+    NoteWriter note_writer(options.folder, *options.shard, options.only, study.cases.size());
     try {
-        SweepResult result = sweep(std::move(study), make, cpu_engine, options, &teller);
-        teller.end();
+        SweepResult result = sweep(std::move(study), make, cpu_engine, options, &note_writer);
+        note_writer.end();
         return result;
     } catch (const std::exception& error) {
         try {
-            teller.failed("", error.what());
-            teller.end();
+            note_writer.failed("", error.what());
+            note_writer.end();
         } catch (const IoError&) {
             // The error that stopped the run says more.
         }

@@ -112,13 +112,13 @@ TEST_F(LiveMisuse, every_limit_can_be_switched_off) {
 
 TEST_F(LiveMisuse, of_places) {
     const auto within = [](const std::string& ends) { return fast({"--workspace", ends}); };
-    expect_refused(within("0 m, 0 m, 0 m, 1 m, 1 m"), {"--workspace: 6 lengths are wanted, got 5"});
+    expect_refused(within("0 m, 0 m, 0 m, 1 m, 1 m"), {"--workspace needs 6 lengths, got 5"});
     expect_refused(within("0 m, 0 m, 0 m, 1 m, 0 m, 1 m"), {"--workspace: 0 m is not below 0 m", "first the lowest"});
     expect_refused(within("0 m, 0 m, 2 m, 1 m, 1 m, 1 m"), {"--workspace: 2 m is not below 1 m"});
     expect_refused(within("0 m, 0 m, 0, 1 m, 1 m, 1 m"), {"--workspace:", "unit"});
     expect_refused(within("0 m, 0 m, nan m, 1 m, 1 m, 1 m"), {"--workspace:"});
     expect_refused(within("nowhere"), {"--workspace:"});
-    expect_refused(fast({"--origin", "0 m, 0 m"}), {"--origin: 3 lengths are wanted, got 2"});
+    expect_refused(fast({"--origin", "0 m, 0 m"}), {"--origin needs 3 lengths, got 2"});
     expect_refused(fast({"--origin", "there"}), {"--origin:"});
     expect_refused(fast({"--origin", "0 m, 0 m, inf m"}), {"--origin:"});
 }

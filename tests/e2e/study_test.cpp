@@ -194,7 +194,7 @@ TEST_F(SceneStudy, that_is_none_or_on_no_device_leaves_nothing) {
     expect_failure(2, {"study", "omision", "--out", "out"}, {"no study \"omision\"", "did you mean omission?"});
     for (const char* precision : {"f32", "f64"})
         expect_failure(2, {"study", "energy", "scene.toml", "--out", "out", "--precision", precision},
-                       {"--precision changes nothing in the study energy", "double precision", "leave it out"});
+                       {"--precision has no effect in the study energy", "double precision", "leave it out"});
     expect_failure(2, {"study", "astrology", "--out", "out"}, {"error-time, stability, energy, omission"});
     expect_failure(3, {"study", "omission", "--out", "out", "--gpu", "no such device"}, {"no such device"});
     EXPECT_EQ(folder_.names(), std::vector<std::string>{"scene.toml"});

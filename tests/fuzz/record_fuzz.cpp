@@ -40,8 +40,8 @@ void check_case(const Json& json) {
     require(!record->files.empty(), "a record without files");
     const bool rests = !record->paths || (record->paths->error.beyond == 0 && record->paths->error.metrics == 0 &&
                                           record->paths->unfinished == 0);
-    require(complaint(*record).empty() == (record->error.beyond == 0 && rests), "\"{}\" is complained of",
-            complaint(*record));
+    require(error_text(*record).empty() == (record->error.beyond == 0 && rests), "\"{}\" is complained of",
+            error_text(*record));
     const std::string text = record_json(*record);
     const std::optional<CaseRecord> again = record_of(Json::parse(text));
     require(again.has_value(), "a record cannot be read again");

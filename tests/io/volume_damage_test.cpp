@@ -72,7 +72,7 @@ TEST(DamagedVolume, is_refused_before_it_costs_memory) {
     EXPECT_NE(refusal_of("dataWindow\0box2i\0"s, 4 + 12, 0x3ffffff0).find("too short for the pixels"),
               std::string::npos);
     EXPECT_NE(refusal_of("dataWindow\0box2i\0"s, 4 + 8, 0x3ffffff0).find("more than 1 GiB"), std::string::npos);
-    EXPECT_NE(refusal_of("forceshade.grid\0v3i\0"s, 4 + 8, 0x3ffffff0).find("no volume of this program"),
+    EXPECT_NE(refusal_of("forceshade.grid\0v3i\0"s, 4 + 8, 0x3ffffff0).find("not a volume of this program"),
               std::string::npos);
 }
 

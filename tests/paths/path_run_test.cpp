@@ -82,7 +82,7 @@ TEST_F(PathRun, of_a_true_engine_agrees_with_the_oracle) {
             EXPECT_EQ(record.error.differing, 0u) << paths;
             EXPECT_EQ(record.error.paths, record.paths);
             EXPECT_EQ(record.error.samples, record.samples);
-            EXPECT_EQ(complaint(record, "a.exr", "device"), "");
+            EXPECT_EQ(error_text(record, "a.exr", "device"), "");
         }
 }
 
@@ -94,7 +94,7 @@ TEST_F(PathRun, catches_a_single_bit) {
             const PathRecord record = run(engine, prepared());
             EXPECT_EQ(record.error.differing, 1u) << path << ' ' << step;
             EXPECT_EQ(record.error.beyond, 1u);
-            const std::string wrong = complaint(record, "a.exr", "device");
+            const std::string wrong = error_text(record, "a.exr", "device");
             EXPECT_NE(wrong.find("path " + std::to_string(path) + ", step " + std::to_string(step)), std::string::npos)
                 << wrong;
         }
@@ -157,7 +157,7 @@ TEST_F(PathRun, catches_positions_and_metrics) {
     const PathRecord record = run(other, prepared());
     EXPECT_EQ(record.error.metrics, 1u);
     EXPECT_EQ(record.error.beyond, 0u);
-    EXPECT_NE(complaint(record, "a.exr", "device").find("path 3: its metrics"), std::string::npos);
+    EXPECT_NE(error_text(record, "a.exr", "device").find("path 3: its metrics"), std::string::npos);
 }
 
 TEST_F(PathRun, of_metrics_alone_is_held_against_the_oracle_too) {
@@ -165,7 +165,7 @@ TEST_F(PathRun, of_metrics_alone_is_held_against_the_oracle_too) {
     options.stem = folder_ / "a";
     Tampering engine;
     const PreparedCase one = prepared();
-    EXPECT_EQ(complaint(run_paths(engine, one, options), "a", ""), "");
+    EXPECT_EQ(error_text(run_paths(engine, one, options), "a", ""), "");
     engine.metrics = [](std::size_t first, std::vector<layout::PathMetrics<float>>& metrics) {
         metrics[40 - first].work = std::nextafter(metrics[40 - first].work, 1.f);
     };
@@ -240,7 +240,7 @@ TEST_F(PathRun, of_metrics_of_a_long_recorded_path_on_hardware) {
     const PathRecord record = run_paths(engine, prepared(), options);
     EXPECT_GT(windows, 1u);
     EXPECT_EQ(record.error.samples, std::uint64_t(kSteps));
-    EXPECT_EQ(complaint(record, "a", "device"), "");
+    EXPECT_EQ(error_text(record, "a", "device"), "");
 }
 
 TEST_F(PathRun, of_a_file_that_changes_meanwhile_writes_nothing) {
@@ -263,7 +263,7 @@ TEST_F(PathRun, of_a_file_that_changes_meanwhile_writes_nothing) {
         };
         const PreparedCase one = prepared();
         const std::string message = message_of<IoError>([&] { run_paths(engine, one, options); });
-        EXPECT_NE(message.find("in.csv was changed while it was read; nothing was written"), std::string::npos)
+        EXPECT_NE(message.find("in.csv was changed while it was read; no file was written"), std::string::npos)
             << message;
         EXPECT_EQ(folder_.names(), std::vector<std::string>{"in.csv"});
     }

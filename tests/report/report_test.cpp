@@ -139,7 +139,7 @@ TEST_F(Report, ShowsMarkupInNamesAsText) {
 
 TEST_F(Report, ReplacesNoPageOfSomebodyElse) {
     put_text(path("report.html"), "mine");
-    expect_trouble("report.html: it is none of this program");
+    expect_trouble("report.html: another program wrote it");
     EXPECT_EQ(text_in(path("report.html")), "mine");
     EXPECT_TRUE(std::filesystem::exists(path("forceshade-report.html")));
 }
@@ -152,16 +152,16 @@ TEST_F(Report, OfNoFolderIsAnError) {
 
 TEST_F(Report, OfAnEmptyFolderSaysSo) {
     expect_trouble("The folder holds no manifest.json of a sweep and no study.json of a study.");
-    EXPECT_TRUE(says("There is no sweep and no study here that this program can read."));
+    EXPECT_TRUE(says("This folder has no sweep and no study that this program can read."));
 }
 
 TEST_F(Report, TellsOfManifestsThatAreNone) {
     put_text(path("manifest.json"), "{\"cases\": [");
     expect_trouble("manifest.json: it is damaged");
     put_text(path("manifest.json"), "{\"short_name\": \"an app\"}");
-    expect_trouble("manifest.json: it is no account of a sweep");
+    expect_trouble("manifest.json: not a sweep manifest");
     put_text(path("manifest.json"), "[]");
-    expect_trouble("manifest.json: it is no account of a sweep");
+    expect_trouble("manifest.json: not a sweep manifest");
     write_sample_manifest(path(), {});
     expect_trouble("manifest.json: it holds no case");
 }
@@ -237,7 +237,7 @@ TEST_F(Report, TellsOfVolumesThatAreMissingDamagedOrForeign) {
     expect_trouble("bump_shading-none.exr: its contents are not what was written");
     put_text(path("bump_shading-none.exr"), whole);
     put_text(path("foreign.exr"), "");
-    expect_trouble("foreign.exr: the manifest does not name it");
+    expect_trouble("foreign.exr: not listed in the manifest");
     records[0].files[0].name = "../outside.exr";
     write_sample_manifest(path(), records);
     expect_trouble("../outside.exr: it lies outside of the folder");
@@ -301,7 +301,7 @@ TEST_F(Report, CallsAPartThatWasChosenNoDamage) {
 TEST_F(Report, TellsOfVolumesThatAStudyDoesNotName) {
     write_sample_study(path("energy"));
     put_text(path("energy/left.exr"), "");
-    expect_trouble("energy/left.exr: study.json does not name it");
+    expect_trouble("energy/left.exr: not listed in study.json");
 }
 
 TEST(Addresses, StayBelowTheFolder) {

@@ -1,4 +1,4 @@
-// "My device": what a sampled wall bears, of numbers that sliders give, and its place on the maps of stability.
+// "My device": the stable stiffness of a sampled wall for the sliders' numbers, and its place on the maps of stability.
 
 // `low` to `high` in steps of the logarithm, or of 1; `factor` times the number shown is SI.
 const DEVICE = {

@@ -118,7 +118,7 @@ function drawLine(target, points, x, y, colour, dash, width = 1.6) {
     .attr("d", d3.line().defined(([, b]) => b !== null && Number.isFinite(b)).x(([a]) => x(a)).y(([, b]) => y(b))(points));
 }
 
-// Lines of numbers, null where there is none, against a place: [{name, values, colour, dash}].
+// Lines of numbers, null where missing, against a place: [{name, values, colour, dash}].
 function drawProfile(element, places, lines, label, placeLabel) {
   element.replaceChildren();
   const frame = new FigureFrame(element, { title: label + " along the stroke", x: { label: placeLabel }, y: { label } }, 270), values = lines.flatMap((line) => line.values);
@@ -147,7 +147,7 @@ function drawScatter(element, study, figure) {
     [frame.bottom, PLOT.top]);
   frame.drawAxes(x, y, ticksOf(x, figure.x, frame.width / 90), ticksOf(y, figure.y, 7));
   const names = d3.set(rows, (row) => row[figure.series] === undefined || row[figure.series] === null ? "" : row[figure.series]).values();
-  // A curve of a series' name, or of that and more, is that series' own; others are told apart by their dashes.
+  // A curve of a series' name, or of that and more, is that series' own; others differ by their dashes.
   let plain = 0;
   curves.forEach((curve, i) => {
     const own = names.includes(curve.label), of = own ? curve.label : names.find((name) => name && curve.label.startsWith(name + ", "));
@@ -190,7 +190,7 @@ function drawScatter(element, study, figure) {
     d3.select(element).append("p").attr("class", "note").text(`${all.length - rows.length} of the ${all.length} rows have no number to be drawn here; the table has them.`);
 }
 
-// Names beside the marks that bear one, where there is room: the others tell when pointed at.
+// Names next to the marks that have one, where there is room: the others show theirs when pointed at.
 function placeLabels(frame, labels, marks) {
   const taken = [];
   const covers = (box) => box.x < PLOT.left + 2 || box.x + box.w > frame.right - 2 || box.y < PLOT.top + 1 || box.y + box.h > frame.bottom - 1 || taken.some((other) => box.x < other.x + other.w && other.x < box.x + box.w &&
@@ -286,7 +286,7 @@ function drawBars(element, study, figure) {
     const own = ofName.get(String(row[figure.x.column])), style = styleOf(String(row[figure.series] || figure.title));
     const top = y(String(row[figure.x.column])) + above + (y.bandwidth() - above - own.length * thick) / 2 + own.indexOf(row) * thick;
     const at = x(row[figure.y.column]), middle = top + thick / 2;
-    // On a logarithmic axis there is nothing that a bar could begin at: a mark alone.
+    // A logarithmic axis has no zero for a bar to begin at: a mark alone.
     const mark = figure.y.logarithmic
       ? frame.body.append("path").attr("d", d3.symbol().type(style.symbol).size(60)()).attr("transform", `translate(${at},${middle})`)
       : frame.body.append("rect").attr("x", Math.min(x(0), at)).attr("y", top).attr("width", Math.max(Math.abs(at - x(0)), 1)).attr("height", Math.max(thick - 1, 1));
@@ -420,7 +420,7 @@ function linkFigures(element, study, figure) {
   if (!linked.length)
     return;
   const panel = d3.select(element.closest(".answer") || element).append("div").attr("class", "linked"), draws = [];
-  const choice = panel.append("label").text("Click a ringed mark, or choose here, to see where it errs and what a stroke feels: ").append("select");
+  const choice = panel.append("label").text("Click a ringed mark, or choose here, to see where it errs and the force along a stroke: ").append("select");
   choice.selectAll("option").data(["", ...figure.picks]).enter().append("option").attr("value", (word) => word).text((word) => word || "none chosen");
   const show = (word) => {
     choice.property("value", word);

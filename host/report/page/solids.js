@@ -22,8 +22,8 @@ function sheetSolid({ unit_m, x, z }, [low, high]) {
 }
 
 // Where a field ends, of a case whose surface is not at hand: a vertex in each cell of the grid that has samples with force
-// and without, in the middle of the crossings of its edges (naive surface nets). With the stiffness a force tells how far
-// its sample is from the surface.
+// and without, in the middle of the crossings of its edges (naive surface nets). The force divided by the stiffness is
+// the distance of its sample from the surface.
 function boundarySolid(volume_, stiffness) {
   const size = volume_.size.map((n) => Math.max(n, 2)), strides = [1, size[0], size[0] * size[1]], at = [0, 0, 0];
   const positions = [], index = [], inside = new Uint8Array(strides[2] * size[2]), vertices = new Int32Array(inside.length).fill(-1);
@@ -86,7 +86,7 @@ function arrowMatrix(from, vector, thickness) {
     new THREE.Vector3(thickness, size, thickness));
 }
 
-// A word that faces who looks, so many mm high.
+// A word that faces the viewer; its height in mm.
 function wordSprite(text, height, colour) {
   const canvas = document.createElement("canvas"), context = canvas.getContext("2d"), font = "28px system-ui, 'DejaVu Sans', sans-serif";
   context.font = font;

@@ -15,11 +15,11 @@ class Space {
     this.playing = 0;
   }
 
-  // Nothing is drawn before it is looked at.
+  // Draws only once it is visible.
   start() {
     const context = this.canvas.getContext("webgl2", { antialias: true }) || this.canvas.getContext("webgl", { antialias: true });
     if (!context) {
-      say("space-note", "This browser has no WebGL, so nothing is shown in 3D; the slices below show the same forces.");
+      say("space-note", "This browser has no WebGL, so there is no view in 3D; the slices below show the same forces.");
       document.querySelectorAll("#space-box, #space-controls, #space-scales").forEach((one) => { one.hidden = true; });
       return;
     }
@@ -31,7 +31,7 @@ class Space {
     Object.assign(this.orbit, { enableKeys: false, enableZoom: false }); // a page is scrolled until one has taken hold of it
     this.orbit.addEventListener("change", () => this.render());
     this.listen();
-    this.load().catch((error) => say("space-note", "Nothing can be shown in 3D: " + error.message));
+    this.load().catch((error) => say("space-note", "The view in 3D failed: " + error.message));
   }
 
   listen() {

@@ -19,7 +19,7 @@ async function startViewer() {
     return;
   if (typeof DecompressionStream === "undefined") {
     status.textContent = "This browser cannot unpack the volumes: it lacks DecompressionStream, which browsers have since 2023. " +
-      "The EXR files beside this page hold them.";
+      "The EXR files next to this page hold them.";
     return;
   }
   viewer = new Controls(JSON.parse(about.textContent));

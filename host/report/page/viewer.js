@@ -31,7 +31,7 @@ class Viewer {
     this.listen();
   }
 
-  // One shape without shading and with, if there are such; else two cases that differ in shading alone.
+  // One shape without shading and with, if possible; else two cases that differ in shading alone.
   firstPair() {
     const plain = (one) => one.name.replace(/_?shading-[^_]*/, ""), bare = (one) => /shading-none/.test(one.name);
     for (const wanted of [(a, b) => bare(a) && !bare(b), () => true])
@@ -95,7 +95,7 @@ class Viewer {
     return length(f) === 0 ? null : f[AXES.indexOf(quantity)];
   }
 
-  // Forces of A and B where A has its samples, of the slice; nothing where B has no force.
+  // Forces of A and B where A has its samples, of the slice; empty where B has no force.
   pairs(index) {
     const { a, b } = this, pairs = [];
     const alike = [0, 1, 2].every((axis) => a.size[axis] === b.size[axis] && a.first[axis] === b.first[axis] && a.pitch[axis] === b.pitch[axis]);
@@ -202,7 +202,7 @@ class Viewer {
     slider.setAttribute("aria-valuetext", text.value);
   }
 
-  // Why there is nothing to compare in the slice; empty where there is.
+  // Why the slice has no forces to compare; empty where it has.
   whyApart(index) {
     const { a, b } = this, { axis } = this.state, whole = apart(a, b);
     if (whole !== undefined)
@@ -247,11 +247,11 @@ class Viewer {
   drawStroke() {
     const { stroke, plane } = this, { point } = this.state;
     const whole = 1e3 * Math.hypot(stroke[1][0] - stroke[0][0], stroke[1][1] - stroke[0][1]);
-    const ways = [], forces = { a: [], b: [] };
+    const distances = [], forces = { a: [], b: [] };
     for (let i = 0; i <= PROFILE_SAMPLES; ++i) {
       const t = i / PROFILE_SAMPLES, at = [...point];
       plane.forEach((axis, c) => { at[axis] = stroke[0][c] + t * (stroke[1][c] - stroke[0][c]); });
-      ways.push(t * whole);
+      distances.push(t * whole);
       forces.a.push(this.a.force(at));
       forces.b.push(this.b.force(at));
     }
@@ -260,8 +260,8 @@ class Viewer {
       const values = forces[key].map((f) => f && number(f));
       return { name: name + why(forces[key], values), colour, dash, values };
     });
-    drawProfile(byId("profile-size"), ways, lines(length), "|F| / N", "way from end 1 / mm");
-    drawProfile(byId("profile-direction"), ways, lines((f) => direction(f, plane)), this.directionLabel(), "way from end 1 / mm");
+    drawProfile(byId("profile-size"), distances, lines(length), "|F| / N", "distance from end 1 / mm");
+    drawProfile(byId("profile-direction"), distances, lines((f) => direction(f, plane)), this.directionLabel(), "distance from end 1 / mm");
     document.querySelectorAll(".u-name").forEach((one) => { one.textContent = AXES[plane[0]]; });
     document.querySelectorAll(".v-name").forEach((one) => { one.textContent = AXES[plane[1]]; });
     for (const end of [0, 1])

@@ -41,7 +41,7 @@ class Volume {
     if (planes.length !== 6 * count)
       throw new Error("the volume of " + about.name + " is damaged");
     this.components = components(planes, this.size[0], about.scale_N);
-    // Place of the first sample and way to the next; one y that stands for all is in the middle and as wide as all.
+    // Place of the first sample and distance to the next; one y that stands for all is in the middle and as wide as all.
     this.first = [0, 1, 2].map((a) => this.alike(a) ? about.origin_m[a] + (about.full[a] - 1) / 2 * about.spacing_m[a]
       : about.origin_m[a]);
     this.pitch = [0, 1, 2].map((a) => about.spacing_m[a] * (this.alike(a) ? about.full[a] : about.stride[a]));
@@ -79,7 +79,7 @@ class Volume {
     return t >= -0.5 - 1e-9 && t <= this.size[axis] - 0.5 + 1e-9;
   }
 
-  // True if there are values at that coordinate.
+  // True if it has values at that coordinate.
   has(axis, position) {
     return this.alike(axis) || this.within(axis, position);
   }
@@ -195,13 +195,13 @@ const DEGREES = 180 / Math.PI;
 const length = (f) => Math.hypot(f[0], f[1], f[2]);
 const less = (a, b) => [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
 
-// deg from the slice's upward axis towards its rightward one; nothing where no force lies in the slice.
+// deg from the slice's upward axis towards its rightward one; null where no force lies in the slice.
 function direction(f, plane) {
   const u = f[plane[0]], v = f[plane[1]];
   return u === 0 && v === 0 ? null : Math.atan2(u, v) * DEGREES;
 }
 
-// deg between two forces; nothing where one is none.
+// deg between two forces; null where one is zero.
 function angleBetween(a, b) {
   if (length(a) === 0 || length(b) === 0)
     return null;
